@@ -1,0 +1,1 @@
+"""Streams to boards and programs to dialect text."""

@@ -1,0 +1,1 @@
+"""Boards that a StepStream can be sent to."""

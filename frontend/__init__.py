@@ -1,0 +1,1 @@
+"""Controller files to Program and Machine, one subpackage a dialect."""

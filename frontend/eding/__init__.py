@@ -1,0 +1,1 @@
+"""The Eding CNC dialect: programs and controller files."""

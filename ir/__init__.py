@@ -1,0 +1,1 @@
+"""The data every stage takes and gives, with invariants and text forms."""

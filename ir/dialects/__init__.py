@@ -1,0 +1,1 @@
+"""Facts about controller dialects that several parts need, as data."""

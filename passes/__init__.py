@@ -1,0 +1,1 @@
+"""Program to Trace to Plan to StepStream, and the checks on each."""

@@ -1,0 +1,1 @@
+"""Independent checkers and the certificate; shares code only with the IR."""
