@@ -1,1 +1,14 @@
-"""Facts about controller dialects that several parts need, as data."""
+"""Dialect facts that several parts need, as data."""
+
+from __future__ import annotations
+
+from gproof.ir.rules import LanguageRules
+
+
+def rules_named(name: str) -> LanguageRules:
+    """The rules of a dialect by name; ValueError when there is none."""
+    if name == "eding":
+        from gproof.ir.dialects.eding import EDING
+
+        return EDING
+    raise ValueError(f"no dialect is named {name!r}")

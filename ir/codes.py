@@ -1,0 +1,249 @@
+"""Every finding code, in one table. Numbers and names are stable and never reused.
+
+1xx language, 2xx meaning, 3xx limits and areas, 4xx geometry, 5xx motion and time, 6xx machine files and
+setup, 7xx translation, 8xx boards and certificates. ``docs/codes/GPnnn/`` explains each with a program
+that a test runs. The last column is the property that an error or unknown of this code decides.
+"""
+
+from __future__ import annotations
+
+from gproof.ir.finding import Code, Severity
+
+CODES: dict[int, Code] = {}
+
+
+def code(number: int, name: str, severity: Severity, template: str, prop: str = "language") -> Code:
+    """Declare a code; a number or name used twice is an error at import."""
+    if number in CODES or any(known.name == name for known in CODES.values()):
+        raise ValueError(f"finding code {number} {name} declared twice")
+    CODES[number] = Code(number, name, severity, template, prop)
+    return CODES[number]
+
+
+_E, _U, _W, _N = Severity.ERROR, Severity.UNKNOWN, Severity.WARNING, Severity.NOTE
+
+# 1xx language
+SYNTAX = code(101, "syntax", _E, "{what}")
+BAD_NUMBER = code(102, "bad-number", _E, "{text!r} is not a number")
+UNCLOSED_COMMENT = code(103, "unclosed-comment", _E, "this comment has no closing parenthesis on its line")
+NESTED_COMMENT = code(104, "nested-comment", _E, "a comment inside a comment")
+BAD_LINE_NUMBER = code(
+    105, "bad-line-number", _E, "line number {text!r} is not one to five digits at the start of the line"
+)
+LINE_TOO_LONG = code(
+    106, "line-too-long", _E, "the line has {length} characters; the controller reads {allowed}"
+)
+BAD_EXPRESSION = code(107, "bad-expression", _E, "{what}")
+MISSING_VALUE = code(108, "missing-value", _E, "{letter} has no value")
+REPEATED_WORD = code(109, "repeated-word", _E, "{letter} is given twice on this line")
+MODAL_GROUP_CONFLICT = code(
+    110, "modal-group-conflict", _E, "{first} and {second} are of one modal group ({group}) on one line"
+)
+TOO_MANY_M_CODES = code(111, "too-many-m-codes", _E, "{count} M codes on one line; at most {allowed}")
+UNKNOWN_CODE = code(112, "unknown-code", _E, "{code} is not a code of this controller")
+UNSUPPORTED_CODE = code(113, "unsupported-code", _U, "{code} is not modelled; what follows it is not known")
+UNBALANCED_BLOCK = code(114, "unbalanced-block", _E, "{what}")
+UNKNOWN_SUBPROGRAM = code(115, "unknown-subprogram", _E, "there is no subprogram {name!r}")
+DUPLICATE_SUBPROGRAM = code(116, "duplicate-subprogram", _E, "subprogram {name!r} is defined twice")
+RECURSION = code(117, "recursion", _E, "calls are nested deeper than {allowed}: {chain}")
+NO_PROGRAM_END = code(118, "no-program-end", _W, "the program has no M2 or M30")
+NOT_TEXT = code(119, "not-text", _E, "the file is not text: byte {byte} at offset {offset}")
+EMPTY_PROGRAM = code(120, "empty-program", _E, "the program has no code")
+UNUSED_WORD = code(121, "unused-word", _E, "{word} is not used by any code on this line")
+FLOW_WORD_MISPLACED = code(122, "flow-word-misplaced", _E, "{what}")
+TEXT_AFTER_END = code(123, "text-after-end", _W, "code after {code} is never executed")
+UNDECODABLE_NAME = code(124, "undecodable-name", _E, "{what}")
+
+# 2xx meaning
+AXIS_WORDS_MISSING = code(201, "axis-words-missing", _E, "{code} without axis words")
+AXIS_WORDS_UNUSED = code(202, "axis-words-unused", _E, "axis words, but no motion is active ({why})")
+ARC_CENTER_MISSING = code(203, "arc-center-missing", _E, "{code} needs {needed}", "arcs")
+FEED_MISSING = code(204, "feed-missing", _E, "{code} without a feed rate (F)")
+INVERSE_TIME_FEED_MISSING = code(
+    205, "inverse-time-feed-missing", _E, "in inverse time mode (G93) every feed move needs its own F"
+)
+DWELL_NEGATIVE = code(206, "dwell-negative", _E, "dwell of {seconds:g} s is negative")
+DWELL_MISSING = code(207, "dwell-missing", _E, "{code} needs its time in P")
+COORDINATE_SYSTEM_RANGE = code(
+    208, "coordinate-system-range", _E, "G10 P{value:g}: coordinate systems are 1 to 9"
+)
+G10_KEY = code(209, "g10-key", _E, "G10 needs L2 or L20{given}")
+G53_NEEDS_G0_G1 = code(210, "g53-needs-g0-g1", _E, "G53 with {mode} active; it needs G0 or G1")
+G53_WITH_COMPENSATION = code(211, "g53-with-compensation", _E, "G53 while cutter radius compensation is on")
+G92_AXIS_MISSING = code(212, "g92-axis-missing", _E, "G92 without axis words")
+SPINDLE_SPEED_NEGATIVE = code(213, "spindle-speed-negative", _E, "spindle speed S{value:g} is negative")
+TOOL_NUMBER = code(214, "tool-number", _E, "T{value:g}: tool numbers are whole, 0 to {highest}")
+CYCLE_AXIS_MISSING = code(215, "cycle-axis-missing", _E, "{code}: X, Y and Z words are all missing")
+CYCLE_DEPTH_MISSING = code(
+    216, "cycle-depth-missing", _E, "{code}: the {letter} word is missing and the cycle was not active before"
+)
+CYCLE_R_BELOW_DEPTH = code(
+    217, "cycle-r-below-depth", _E, "{code}: R {r:.4f} lies below the depth {letter} {depth:.4f}"
+)
+CYCLE_DWELL_NEGATIVE = code(218, "cycle-dwell-negative", _E, "{code}: dwell P{value:g} is negative")
+CYCLE_REPEATS = code(
+    219, "cycle-repeats", _E, "{code}: repeat count L{value:g} is not a positive whole number"
+)
+CYCLE_ROTARY_MOTION = code(220, "cycle-rotary-motion", _E, "{code} would move the rotary axis {axis}")
+CYCLE_INVERSE_TIME = code(221, "cycle-inverse-time", _E, "{code} in inverse time mode (G93)")
+CYCLE_PECK = code(222, "cycle-peck", _E, "{code} needs a positive Q{given}")
+CYCLE_R_MISSING = code(
+    223, "cycle-r-missing", _E, "{code}: the R word is missing and no cycle was active before"
+)
+TWO_AXIS_COMMANDS = code(
+    224, "two-axis-commands", _E, "{first} and {second} both use the axis words of this line"
+)
+UNKNOWN_VALUE = code(225, "unknown-value", _U, "{word} depends on {cause}, which nobody stated", "limits")
+PARAMETER_NUMBER = code(226, "parameter-number", _E, "parameter #{value:g} does not exist; {allowed}")
+READ_ONLY_PARAMETER = code(
+    227, "read-only-parameter", _E, "parameter #{number} ({meaning}) can not be written"
+)
+ARITHMETIC = code(228, "arithmetic", _E, "{what}")
+NOT_AN_INTEGER = code(229, "not-an-integer", _E, "{word} must be a whole number; {value!r} is not")
+PRECEDENCE = code(
+    230, "precedence", _W, "the value depends on an undocumented precedence of {operators}; add brackets"
+)
+INEXACT_COMPARISON = code(
+    231, "inexact-comparison", _W, "{left!r} {operator} {right!r} compares computed numbers"
+)
+UNKNOWN_CONDITION = code(
+    232, "unknown-condition", _U, "the condition depends on {cause}, which nobody stated"
+)
+STEP_BUDGET = code(233, "step-budget", _U, "the program did not end within {budget} executed blocks")
+UNSET_PARAMETER = code(234, "unset-parameter", _W, "#{number} is read before anything sets it")
+STARTUP_COORDINATE_SYSTEM = code(
+    235, "startup-coordinate-system", _E, "parameter 5220 is {value!r}; coordinate systems are 1 to 9"
+)
+TOOL_OFFSET_NUMBER = code(236, "tool-offset-number", _E, "H{value:g}: the tool table has 1 to {highest}")
+TOOL_OFFSET_UNKNOWN = code(
+    237,
+    "tool-offset-unknown",
+    _U,
+    "the tool in the spindle is not known, so G43 can not know its length",
+    "limits",
+)
+CYCLE_WITH_COMPENSATION = code(
+    238, "cycle-with-compensation", _E, "{code} while cutter radius compensation is on"
+)
+SPINDLE_UNKNOWN = code(
+    239, "spindle-unknown", _U, "feed per revolution (G95), but the spindle speed is not known", "feeds"
+)
+FEED_IN_OLD_UNITS = code(
+    240, "feed-in-old-units", _W, "F{value:g} is taken before {code} on this line, so in {units} a minute"
+)
+NEGATIVE_FEED = code(241, "negative-feed", _E, "feed rate F{value:g} is negative")
+CYCLE_DWELL_MISSING = code(242, "cycle-dwell-missing", _E, "{code} needs a dwell time in P")
+OPERATOR_STOP = code(243, "operator-stop", _N, "the job waits here for the operator ({code})")
+
+# 3xx limits and areas
+SOFT_LIMIT = code(
+    301,
+    "soft-limit",
+    _E,
+    "{axis} would reach {reached:.4f} {unit}, {over:.4f} past its {side} limit {limit:.4f}",
+    "limits",
+)
+LIMIT_UNKNOWN = code(302, "limit-unknown", _U, "the {side} limit of {axis} is not known", "limits")
+NO_SAFE_OFFSET = code(
+    303,
+    "no-safe-offset",
+    _E,
+    "no offset {name} makes the job fit: it spans {span:.4f} {unit} and the axis has {room:.4f}",
+    "limits",
+)
+POSITION_UNKNOWN = code(304, "position-unknown", _U, "the position of {axis} depends on {cause}", "limits")
+OFFSET_BOX = code(305, "offset-box", _N, "safe for {box}", "limits")
+START_OUTSIDE_LIMITS = code(
+    306, "start-outside-limits", _E, "the stated start {axis} {value:.4f} lies outside its limits", "limits"
+)
+TOOL_CHANGE_AREA = code(
+    310, "tool-change-area", _E, "the path enters the tool change area at {where}", "areas"
+)
+TOOL_CHANGE_AREA_UNKNOWN = code(
+    311,
+    "tool-change-area-unknown",
+    _U,
+    "whether the path enters the tool change area depends on {cause}",
+    "areas",
+)
+TOOL_CHANGE_AREA_GUARD_OFF = code(
+    312, "tool-change-area-guard-off", _N, "the path enters the tool change area with its guard off", "areas"
+)
+
+# 4xx geometry
+ARC_RADIUS_MISMATCH = code(
+    401,
+    "arc-radius-mismatch",
+    _E,
+    "radius {start:.6f} at the start, {end:.6f} at the end: {off:.6f} {unit} apart, {allowed:g} allowed",
+    "arcs",
+)
+ARC_RADIUS_ZERO = code(402, "arc-radius-zero", _E, "the arc has no radius", "arcs")
+ARC_UNREACHABLE = code(
+    403,
+    "arc-unreachable",
+    _E,
+    "the end is {chord:.6f} {unit} away; an arc of radius {radius:.6f} can not reach it",
+    "arcs",
+)
+ARC_SAME_POINT = code(
+    404, "arc-same-point", _E, "an arc given by its radius must end somewhere else than it starts", "arcs"
+)
+ARC_UNKNOWN = code(405, "arc-unknown", _U, "the arc depends on {cause}", "arcs")
+ARC_ILL_CONDITIONED = code(
+    406,
+    "arc-ill-conditioned",
+    _W,
+    "a radius arc of {degrees:.2f} degrees: its centre is badly determined",
+    "arcs",
+)
+
+# 5xx motion and time
+FEED_OVER_MAXIMUM = code(
+    501, "feed-over-maximum", _W, "feed {feed:g} {unit}/min is more than the axes allow here", "feeds"
+)
+STEP_FREQUENCY = code(
+    502,
+    "step-frequency",
+    _E,
+    "{axis} at {velocity:g} {unit}/s needs {needed:g} steps/s; {allowed:g} allowed",
+    "motion",
+)
+PLAN_NEEDS_NUMBERS = code(503, "plan-needs-numbers", _U, "steps need exact positions: {cause}", "motion")
+NO_MOTOR_DATA = code(
+    504, "no-motor-data", _U, "{axis} moves, but the machine file has no {missing} for it", "motion"
+)
+
+# 6xx files
+FILE_UNREADABLE = code(601, "file-unreadable", _E, "{what}", "files")
+UNKNOWN_KEY = code(602, "unknown-key", _W, "key {key!r} is not known and was ignored", "files")
+BAD_VALUE = code(603, "bad-value", _E, "{key}: {what}", "files")
+MISSING_KEY = code(604, "missing-key", _E, "{key} is missing", "files")
+NOT_MODELLED_SETTING = code(
+    605, "not-modelled-setting", _U, "{key} is set, and gproof does not model it", "limits"
+)
+
+# 8xx boards and certificates
+STREAM_POSITION = code(801, "stream-position", _E, "{what}", "stream")
+STREAM_ORDER = code(802, "stream-order", _E, "{what}", "stream")
+STREAM_STEP_RATE = code(803, "stream-step-rate", _E, "{what}", "stream")
+STREAM_PULSE = code(804, "stream-pulse", _E, "{what}", "stream")
+STREAM_VELOCITY = code(805, "stream-velocity", _E, "{what}", "stream")
+STREAM_ACCELERATION = code(806, "stream-acceleration", _E, "{what}", "stream")
+STREAM_EVENT = code(807, "stream-event", _E, "{what}", "stream")
+STREAM_END = code(808, "stream-end", _E, "{what}", "stream")
+STREAM_LIMIT = code(809, "stream-limit", _E, "{what}", "stream")
+STREAM_MALFORMED = code(810, "stream-malformed", _E, "{what}", "stream")
+CERTIFICATE_MALFORMED = code(820, "certificate-malformed", _E, "{what}", "certificate")
+CERTIFICATE_HASH = code(821, "certificate-hash", _E, "{what}", "certificate")
+CERTIFICATE_SIGNATURE = code(822, "certificate-signature", _E, "{what}", "certificate")
+CERTIFICATE_MACHINE = code(823, "certificate-machine", _E, "{what}", "certificate")
+CERTIFICATE_VERDICT = code(824, "certificate-verdict", _E, "{what}", "certificate")
+CERTIFICATE_OFFSETS = code(825, "certificate-offsets", _E, "{what}", "certificate")
+CERTIFICATE_UNSIGNED = code(
+    826, "certificate-unsigned", _W, "the certificate carries no signature", "certificate"
+)
+FIFO_UNDERRUN = code(830, "fifo-underrun", _E, "{what}", "run")
+EMERGENCY_STOP = code(831, "emergency-stop", _E, "{what}", "run")
+FEED_HOLD = code(832, "feed-hold", _N, "{what}", "run")
+RECORD_MISMATCH = code(833, "record-mismatch", _E, "{what}", "run")

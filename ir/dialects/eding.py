@@ -1,0 +1,160 @@
+"""The Eding CNC dialect (RS274/NGC): codes, modal groups, numbered parameters.
+
+Source: Eding CNC manual 4.01; sections are given with each row. Modal groups: section 3.3, table 3-3;
+codes: tables 3-4 and 3-6; parameters: section 3.1.1.
+"""
+
+from __future__ import annotations
+
+from gproof.ir.rules import CodeRule, LanguageRules, ParameterRange
+from gproof.ir.rules import Function as F
+
+_MOTION, _PLANE, _DISTANCE, _FEED_MODE, _UNITS = "G1", "G2", "G3", "G5", "G6"
+_CUTTER, _LENGTH, _RETRACT, _COORDINATES, _PATH, _ROTATION = "G7", "G8", "G10", "G12", "G13", "G14"
+_ONCE = "G0"
+
+
+def _g(number: float, function: F, group: str, source: str, axes: bool = False, value: int = 0) -> CodeRule:
+    return CodeRule(
+        letter="G",
+        tenths=round(number * 10),
+        function=function,
+        group=group,
+        source=source,
+        uses_axes=axes,
+        value=value,
+    )
+
+
+def _m(number: int, function: F, group: str, source: str) -> CodeRule:
+    return CodeRule(letter="M", tenths=number * 10, function=function, group=group, source=source)
+
+
+_SUPPORTED = (
+    _g(0, F.TRAVERSE, _MOTION, "3.4.1", axes=True),
+    _g(1, F.FEED, _MOTION, "3.4.2", axes=True),
+    _g(2, F.ARC_CW, _MOTION, "3.4.3", axes=True),
+    _g(3, F.ARC_CCW, _MOTION, "3.4.3", axes=True),
+    _g(4, F.DWELL, _ONCE, "3.4.4"),
+    _g(10, F.SET_COORDINATES, _ONCE, "3.4.5", axes=True),
+    _g(17, F.PLANE_XY, _PLANE, "3.4.6"),
+    _g(18, F.PLANE_XZ, _PLANE, "3.4.6"),
+    _g(19, F.PLANE_YZ, _PLANE, "3.4.6"),
+    _g(20, F.UNITS_INCH, _UNITS, "3.4.7"),
+    _g(21, F.UNITS_MM, _UNITS, "3.4.7"),
+    _g(70, F.UNITS_INCH, _UNITS, "3.4.7"),
+    _g(71, F.UNITS_MM, _UNITS, "3.4.7"),
+    _g(28, F.PARK_1, _ONCE, "3.4.8", axes=True),
+    _g(30, F.PARK_2, _ONCE, "3.4.8", axes=True),
+    _g(40, F.COMPENSATION_OFF, _CUTTER, "3.4.11"),
+    _g(41, F.COMPENSATION_LEFT, _CUTTER, "3.4.11"),
+    _g(42, F.COMPENSATION_RIGHT, _CUTTER, "3.4.11"),
+    _g(43, F.TOOL_OFFSET_ON, _LENGTH, "3.4.12"),
+    _g(43.1, F.TOOL_OFFSET_DYNAMIC, _LENGTH, "3.4.12"),
+    _g(49, F.TOOL_OFFSET_OFF, _LENGTH, "3.4.12"),
+    _g(53, F.MACHINE_COORDINATES, _ONCE, "3.4.14"),
+    *(_g(54 + k, F.SELECT_COORDINATES, _COORDINATES, "3.4.15", value=1 + k) for k in range(6)),
+    *(_g(59 + k / 10, F.SELECT_COORDINATES, _COORDINATES, "3.4.15", value=6 + k) for k in (1, 2, 3)),
+    _g(61, F.EXACT_PATH, _PATH, "3.4.16"),
+    _g(61.1, F.EXACT_STOP, _PATH, "3.4.16"),
+    _g(64, F.CONTINUOUS, _PATH, "3.4.16"),
+    _g(80, F.MOTION_CANCEL, _MOTION, "3.4.20"),
+    _g(81, F.DRILL, _MOTION, "3.4.21.2", axes=True),
+    _g(82, F.DRILL_DWELL, _MOTION, "3.4.21.3", axes=True),
+    _g(83, F.DRILL_PECK, _MOTION, "3.4.21.4", axes=True),
+    _g(90, F.ABSOLUTE, _DISTANCE, "3.4.22"),
+    _g(91, F.INCREMENTAL, _DISTANCE, "3.4.22"),
+    _g(92, F.AXIS_OFFSET_SET, _ONCE, "3.4.23", axes=True),
+    _g(92.1, F.AXIS_OFFSET_RESET, _ONCE, "3.4.23"),
+    _g(92.2, F.AXIS_OFFSET_SUSPEND, _ONCE, "3.4.23"),
+    _g(92.3, F.AXIS_OFFSET_RESTORE, _ONCE, "3.4.23"),
+    _g(93, F.FEED_INVERSE_TIME, _FEED_MODE, "3.4.24"),
+    _g(94, F.FEED_PER_MINUTE, _FEED_MODE, "3.4.24"),
+    _g(95, F.FEED_PER_REVOLUTION, _FEED_MODE, "3.4.24"),
+    _g(98, F.RETRACT_INITIAL, _RETRACT, "3.4.26"),
+    _g(99, F.RETRACT_R, _RETRACT, "3.4.26"),
+    _m(0, F.STOP, "M4", "3.5.1"),
+    _m(1, F.OPTIONAL_STOP, "M4", "3.5.1"),
+    _m(2, F.END, "M4", "3.5.1"),
+    _m(30, F.END_RESET, "M4", "3.5.1"),
+    _m(60, F.STOP_KEEP, "M4", "3.5.1"),
+    _m(3, F.SPINDLE_CW, "M7", "3.5.2"),
+    _m(4, F.SPINDLE_CCW, "M7", "3.5.2"),
+    _m(5, F.SPINDLE_OFF, "M7", "3.5.2"),
+    _m(6, F.TOOL_CHANGE, "M6", "3.5.3"),
+    _m(7, F.MIST_ON, "M8", "3.5.4"),
+    _m(8, F.FLOOD_ON, "M8", "3.5.4"),
+    _m(9, F.COOLANT_OFF, "M8", "3.5.4"),
+    _m(48, F.OVERRIDES_ON, "M9", "3.5.5"),
+    _m(49, F.OVERRIDES_OFF, "M9", "3.5.5"),
+)
+
+# Codes of tables 3-4 and 3-6 and of the sections on M functions that gproof does not model yet.
+_UNSUPPORTED = (
+    *(_g(n, F.UNSUPPORTED, _ONCE, "3.4.9", axes=True) for n in (33, 33.1)),
+    _g(38.2, F.UNSUPPORTED, _MOTION, "3.4.10", axes=True),
+    *(_g(n, F.UNSUPPORTED, _CUTTER, "3.4.11") for n in (41.1, 42.1)),
+    *(_g(n, F.UNSUPPORTED, "", "3.4.13", axes=True) for n in (50, 51)),
+    *(_g(n, F.UNSUPPORTED, _ROTATION, "3.4.18", axes=True) for n in (68, 69)),
+    *(_g(n, F.UNSUPPORTED, _MOTION, "3.4.21", axes=True) for n in (73, 74, 76, 84, 85, 86, 87, 88, 89)),
+    *(_g(n, F.UNSUPPORTED, "", "3.4.25") for n in (96, 97)),
+    *(_m(n, F.UNSUPPORTED, "M5", "3.5.8") for n in (54, 55, 56, 64, 65, 66)),
+    *(_m(n, F.UNSUPPORTED, "M9", "3.5.5") for n in (50, 51, 52, 53)),
+    *(_m(n, F.UNSUPPORTED, "M10", "3.5.6") for n in (90, 91, 92, 93, 95, 97)),
+    *(_m(n, F.UNSUPPORTED, "", "3.5.7") for n in (20, 21, 22, 26, 27, 80, 81, 84, 85, 86, 87)),
+    *(_m(n, F.UNSUPPORTED, "", "3.5.10") for n in (100, 104, 106, 107, 109, 140, 143, 190)),
+)
+
+
+def _p(first: int, last: int, kind: str, meaning: str, writable: bool = True) -> ParameterRange:
+    return ParameterRange(
+        first=first, last=last, kind=kind, meaning=meaning, source="3.1.1", writable=writable
+    )
+
+
+_PARAMETERS = (
+    _p(1, 3999, "free", "free"),
+    _p(4000, 4999, "persistent", "free, persistent"),
+    _p(5001, 5006, "position", "work position", writable=False),
+    _p(5008, 5008, "tool", "actual tool", writable=False),
+    _p(5009, 5010, "other", "actual tool radius and length", writable=False),
+    _p(5011, 5014, "other", "tool change and actual offsets", writable=False),
+    _p(5015, 5050, "free", "used in tool change subprograms"),
+    _p(5051, 5069, "other", "probe and hand wheel", writable=False),
+    _p(5071, 5076, "machine_position", "machine position", writable=False),
+    _p(5081, 5086, "other", "probe position in joint coordinates", writable=False),
+    _p(5101, 5106, "lower_limit", "machine area, negative limits", writable=False),
+    _p(5111, 5116, "upper_limit", "machine area, positive limits", writable=False),
+    _p(5121, 5151, "other", "homing, tool change area, kinematics", writable=False),
+    _p(5161, 5166, "park_1", "G28 position"),
+    _p(5181, 5186, "park_2", "G30 position"),
+    _p(5211, 5216, "g92", "G92 offset", writable=False),
+    _p(5220, 5220, "work_number", "active coordinate system", writable=False),
+    *(
+        _p(5221 + 20 * k, 5226 + 20 * k, "work", f"coordinate system {k + 1}", writable=False)
+        for k in range(9)
+    ),
+    _p(5380, 5380, "other", "simulation mode", writable=False),
+    _p(5390, 5396, "other", "spindle selection and offsets", writable=False),
+    _p(5397, 5397, "other", "rendering", writable=False),
+    _p(5398, 5399, "free", "answers of dialogs and inputs"),
+    _p(5401, 5499, "tool_length", "tool length", writable=False),
+    _p(5501, 5599, "tool_diameter", "tool diameter", writable=False),
+    _p(5601, 5699, "tool_x_offset", "tool X offset", writable=False),
+    _p(5701, 5799, "tool_orientation", "tool orientation", writable=False),
+)
+
+EDING = LanguageRules(
+    name="eding",
+    codes={(rule.letter, rule.tenths): rule for rule in (*_SUPPORTED, *_UNSUPPORTED)},
+    parameters=_PARAMETERS,
+    highest_parameter=5799,
+    arc_tolerance_mm=0.002,  # 3.4.3.2
+    arc_tolerance_inch=0.0002,  # 3.4.3.2
+    line_length=256,  # 3.2
+    m_codes_in_line=4,  # 3.2.5
+    highest_tool=99,  # 3.1.2
+    integer_tolerance=0.0001,  # 3.2.2.1
+    peck_clearance_mm=0.254,  # 3.4.21.4 says "a bit"; the value is that of RS274/NGC, 0.010 inch
+    call_depth=50,
+)

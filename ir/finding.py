@@ -1,0 +1,116 @@
+"""Findings: what the tool has to say about a place in a file.
+
+A ``Code`` is declared once, in ``ir/codes.py``, with a stable number and name; ``code.at(span, ...)``
+makes a ``Finding``. Spans are required: a finding without a place names its file with line 0.
+"""
+
+from __future__ import annotations
+
+import enum
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+
+
+class Severity(enum.Enum):
+    """How much a finding weighs: errors make a job UNSAFE, unknowns make it UNKNOWN."""
+
+    ERROR = "error"
+    UNKNOWN = "unknown"
+    WARNING = "warning"
+    NOTE = "note"
+
+
+@dataclass(frozen=True, slots=True)
+class Span:
+    """A place in a source file.
+
+    file: path as the user gave it; line: from 1 (0: the file as a whole);
+    column, end_column: from 1, in characters, end exclusive; 0 when unknown.
+    """
+
+    file: str
+    line: int
+    column: int = 0
+    end_column: int = 0
+
+
+@dataclass(frozen=True, slots=True)
+class Code:
+    """A kind of finding: number (``GP301`` has 301), symbolic name, severity, message template."""
+
+    number: int
+    name: str
+    severity: Severity
+    template: str
+    property: str
+
+    @property
+    def label(self) -> str:
+        """The stable printed form, such as ``GP301``."""
+        return f"GP{self.number:03d}"
+
+    def at(self, span: Span, *, hint: str = "", related: Iterable[Related] = (), **values: object) -> Finding:
+        """A finding of this kind at ``span``; ``values`` fill the template."""
+        return Finding(self, span, self.template.format(**values), hint, tuple(related))
+
+
+@dataclass(frozen=True, slots=True)
+class Related:
+    """A second place that explains a finding."""
+
+    span: Span
+    message: str
+
+
+@dataclass(frozen=True, slots=True)
+class Finding:
+    """One thing to tell the user; see ``Code``."""
+
+    code: Code
+    span: Span
+    message: str
+    hint: str = ""
+    related: tuple[Related, ...] = ()
+
+    @property
+    def severity(self) -> Severity:
+        """The severity of its code."""
+        return self.code.severity
+
+
+class Refusal(Exception):
+    """A stage can not go on: carries the finding that says why."""
+
+    def __init__(self, finding: Finding) -> None:
+        super().__init__(finding.message)
+        self.finding = finding
+
+
+@dataclass(slots=True)
+class Findings:
+    """A collector with a cap for each code, so that a million-line job does not print a million lines.
+
+    ``counts`` holds every occurrence; ``kept`` the first ``limit`` of each code in order of arrival.
+    """
+
+    limit: int = 20
+    kept: list[Finding] = field(default_factory=list)
+    counts: dict[int, int] = field(default_factory=dict)
+
+    def add(self, finding: Finding) -> None:
+        """Count a finding and keep it while its code is below the cap."""
+        seen = self.counts.get(finding.code.number, 0)
+        self.counts[finding.code.number] = seen + 1
+        if seen < self.limit:
+            self.kept.append(finding)
+
+    def has(self, severity: Severity, properties: Iterable[str] | None = None) -> bool:
+        """True when a kept finding of that severity belongs to one of ``properties`` (all: None)."""
+        wanted = None if properties is None else set(properties)
+        return any(
+            f.severity is severity and (wanted is None or f.code.property in wanted) for f in self.kept
+        )
+
+    def hidden(self, code: Code) -> int:
+        """How many findings of a code were counted but not kept."""
+        return max(0, self.counts.get(code.number, 0) - self.limit)

@@ -1,0 +1,143 @@
+"""The one decorator for hot loops: plain Python on small inputs, numba on large ones.
+
+A kernel is a plain function over numpy arrays (or bytes) in a file named ``*_kernels.py``. It runs
+unchanged in both modes, so tests run both and compare bit for bit. ``kernel.pick(work)`` chooses by
+estimated cost, counting the import of numba and, when no compiled copy is cached, its compile time.
+
+Rules for kernel bodies: + - * / and ``math`` functions only, no division by zero, int64 and float64
+arithmetic, other kernels may be called when they stand in the same file.
+
+``GPROOF_KERNELS=python`` or ``numba`` forces one mode; ``GPROOF_CACHE_DIR`` moves the compile cache.
+"""
+
+from __future__ import annotations
+
+import functools
+import hashlib
+import os
+import sys
+import types
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any, Generic, ParamSpec, TypeVar
+
+P = ParamSpec("P")
+R = TypeVar("R")
+
+_IMPORT_SECONDS = 0.45
+_LOAD_SECONDS = 0.06
+
+
+@functools.cache
+def cache_root() -> Path:
+    """The folder for compiled kernels: next to nothing else of the user's, created on demand."""
+    named = os.environ.get("GPROOF_CACHE_DIR")
+    if named:
+        return Path(named)
+    base = os.environ.get("XDG_CACHE_HOME") or os.path.join(os.path.expanduser("~"), ".cache")
+    return Path(base) / "gproof"
+
+
+@functools.cache
+def _cache_folder(source_file: str) -> Path:
+    """One folder for each content of a kernel file, so that a changed callee never meets a stale caller."""
+    digest = hashlib.blake2b(Path(source_file).read_bytes(), digest_size=8)
+    digest.update(sys.version.encode())
+    return cache_root() / "kernels" / f"{Path(source_file).stem}-{digest.hexdigest()}"
+
+
+def _writable(folder: Path) -> bool:
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError:
+        return False
+    return os.access(folder, os.W_OK)
+
+
+class Kernel(Generic[P, R]):
+    """A function in two speeds.
+
+    seconds_per_unit: cost in plain Python of one unit of the caller's ``work``.
+    compile_seconds: what numba needs for it without a cache, about.
+    """
+
+    def __init__(self, function: Callable[P, R], seconds_per_unit: float, compile_seconds: float) -> None:
+        self.python = function
+        self.seconds_per_unit = seconds_per_unit
+        self.compile_seconds = compile_seconds
+        self._compiled: Callable[P, R] | None = None
+        functools.update_wrapper(self, function)
+
+    def __call__(self, *args: P.args, **kwargs: P.kwargs) -> R:
+        """The plain Python run; callers with much work use ``pick``."""
+        return self.python(*args, **kwargs)
+
+    def _marker(self) -> Path:
+        return _cache_folder(self.python.__code__.co_filename) / f"{self.python.__name__}.ready"
+
+    def is_cached(self) -> bool:
+        """True when a compiled copy for this source is on disk."""
+        return self._marker().exists()
+
+    def pick(self, work: float) -> Callable[P, R]:
+        """The implementation that finishes ``work`` units first."""
+        mode = os.environ.get("GPROOF_KERNELS", "")
+        if mode == "python":
+            return self.python
+        if mode == "numba" or self._compiled is not None:
+            return self.compiled()
+        cost = 0.0 if "numba" in sys.modules else _IMPORT_SECONDS
+        cost += _LOAD_SECONDS if self.is_cached() else self.compile_seconds
+        return self.compiled() if work * self.seconds_per_unit > cost else self.python
+
+    def compiled(self) -> Callable[P, R]:
+        """The numba version, compiled on its first call or loaded from the cache."""
+        if self._compiled is None:
+            self._compiled = self._with_marker(self._dispatcher({}))
+        return self._compiled
+
+    def _with_marker(self, dispatcher: Any) -> Callable[P, R]:
+        marker = self._marker()
+
+        def first(*args: P.args, **kwargs: P.kwargs) -> R:
+            result: R = dispatcher(*args, **kwargs)
+            if _writable(marker.parent):
+                marker.touch()
+            self._compiled = dispatcher
+            return result
+
+        return dispatcher if marker.exists() else first
+
+    def _dispatcher(self, done: dict[str, Any]) -> Any:
+        import numba
+
+        function = self.python
+        name = function.__name__
+        if name in done:
+            return done[name]
+        folder = _cache_folder(function.__code__.co_filename)
+        cacheable = _writable(folder)
+        if cacheable:
+            numba.config.CACHE_DIR = str(folder)
+        scope = dict(function.__globals__)
+        for used in function.__code__.co_names:
+            value = scope.get(used)
+            if isinstance(value, Kernel):
+                scope[used] = value._dispatcher(done)
+        # The copy sees compiled callees; the original keeps the plain ones.
+        copy = types.FunctionType(function.__code__, scope, name, function.__defaults__)
+        copy.__module__ = function.__module__
+        copy.__qualname__ = function.__qualname__
+        done[name] = numba.njit(cache=cacheable, error_model="numpy", nogil=True)(copy)
+        return done[name]
+
+
+def kernel(
+    *, seconds_per_unit: float = 2e-6, compile_seconds: float = 3.0
+) -> Callable[[Callable[P, R]], Kernel[P, R]]:
+    """Mark a function as a kernel; see the module's text for the rules its body keeps."""
+
+    def wrap(function: Callable[P, R]) -> Kernel[P, R]:
+        return Kernel(function, seconds_per_unit, compile_seconds)
+
+    return wrap

@@ -1,0 +1,257 @@
+"""Program: a job as structured, dialect-neutral statements with source spans.
+
+Straight-line code of literal words is a ``BlockTable`` (numpy columns), never objects; everything else is
+statements over expression trees. What a code means stands in ``Program.rules``: a table that the dialect
+gives as data, so that the executor never asks where a program came from.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Union
+
+import numpy as np
+
+from gproof.ir.columns import Column, Columns, Schema
+from gproof.ir.finding import Span
+from gproof.ir.rules import LanguageRules
+
+WORD = Schema(
+    "words",
+    Column("line", "i4"),
+    Column("offset", "i4"),
+    Column("letter", "u1"),
+    Column("flags", "u1"),
+    Column("value", "f8"),
+)
+"""One word a row, in source order: line; byte offset in the line's file chunk; upper-case ASCII letter;
+flags; value, equal to float(text) bit for bit. ``offset`` counts from the table's ``base``."""
+
+FLAG_POINT = 1
+"""The number had a decimal point."""
+FLAG_DELETE = 2
+"""The line began with a block delete slash."""
+
+
+@dataclass(frozen=True, slots=True)
+class Number:
+    """A literal. text: as written, when it matters (had a point)."""
+
+    value: float
+    span: Span
+
+
+@dataclass(frozen=True, slots=True)
+class Text:
+    """A literal string in a message."""
+
+    value: str
+    span: Span
+
+
+@dataclass(frozen=True, slots=True)
+class Variable:
+    """A numbered controller variable; its number may be computed."""
+
+    number: Expr
+    span: Span
+
+
+@dataclass(frozen=True, slots=True)
+class Unary:
+    """operator: ``neg``, ``abs``, ``acos`` ... , see ir/rules.py UNARY."""
+
+    operator: str
+    operand: Expr
+    span: Span
+
+
+@dataclass(frozen=True, slots=True)
+class Binary:
+    """operator: ``+``, ``**``, ``mod``, ``atan`` (two-argument arc tangent, left over right) ..., see BINARY.
+
+    doubtful: the grouping with its neighbours rests on a precedence that the manual does not state.
+    """
+
+    operator: str
+    left: Expr
+    right: Expr
+    span: Span
+    doubtful: bool = False
+
+
+Expr = Union[Number, Text, Variable, Unary, Binary]
+
+
+@dataclass(frozen=True, slots=True)
+class Word:
+    """A letter and its value, in a block that is not plain."""
+
+    letter: str
+    value: Expr
+    span: Span
+
+
+@dataclass(frozen=True, slots=True)
+class Assign:
+    """variable = value; takes effect after every value of its block is found."""
+
+    target: Variable
+    value: Expr
+    span: Span
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Block:
+    """One line of words and assignments with expressions in them. deleted: it began with a slash."""
+
+    words: tuple[Word, ...]
+    assigns: tuple[Assign, ...]
+    span: Span
+    comment: str = ""
+    deleted: bool = False
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class If:
+    """condition is true when not zero."""
+
+    condition: Expr
+    then: tuple[Statement, ...]
+    otherwise: tuple[Statement, ...]
+    span: Span
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class While:
+    """Repeats while the condition is not zero."""
+
+    condition: Expr
+    body: tuple[Statement, ...]
+    span: Span
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Call:
+    """Runs a subprogram by its (lower-case) name."""
+
+    name: str
+    span: Span
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Message:
+    """Text for the operator. kind: ``msg``, ``warning``, ``error`` (stops the program), ``log``, ``dialog``."""
+
+    kind: str
+    parts: tuple[Expr, ...]
+    span: Span
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Guard:
+    """Switches a guard: name ``tool_change_area`` or ``machine_area``."""
+
+    name: str
+    on: bool
+    span: Span
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Unsupported:
+    """A statement that the manual has and gproof does not model; what follows is unknown."""
+
+    what: str
+    span: Span
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class BlockTable:
+    """Successive plain lines of one file.
+
+    The words are not held here but scanned when they run (``Program.load``), so that a table of millions of
+    lines costs nothing before. first_line, last_line: inclusive; begin, end: byte range of the file;
+    words: WORD columns with offsets from ``begin`` when the table is small or was loaded, else None.
+    """
+
+    file: int
+    first_line: int
+    last_line: int
+    begin: int
+    end: int
+    words: Columns | None = None
+
+
+Statement = Union[Block, If, While, Call, Message, Guard, Unsupported, BlockTable]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Subprogram:
+    """A named list of statements; name in lower case."""
+
+    name: str
+    body: tuple[Statement, ...]
+    span: Span
+
+
+@dataclass(slots=True, kw_only=True)
+class SourceFile:
+    """A file as read. name: as the user gave it; sha256: of ``data``; data: its bytes (may be a memory map)."""
+
+    name: str
+    sha256: str
+    data: bytes = field(default=b"", compare=False, repr=False)
+
+
+Scan = Callable[[bytes, int, int, int, int], tuple[Columns, int, int]]
+"""(data, begin, end, first line, limit) -> (words, next byte, next line); see ``Program.load``."""
+
+
+@dataclass(slots=True, kw_only=True)
+class Program:
+    """A whole job. body runs from the top; subprograms are called by name."""
+
+    dialect: str
+    rules: LanguageRules
+    files: list[SourceFile] = field(default_factory=list)
+    body: tuple[Statement, ...] = ()
+    subprograms: dict[str, Subprogram] = field(default_factory=dict)
+    line_count: int = 0
+    scan: Scan | None = field(default=None, compare=False, repr=False)
+
+    def load(self, table: BlockTable, begin: int, line: int, limit: int) -> tuple[Columns, int, int]:
+        """Words of ``table`` from byte ``begin`` (which starts line ``line``), at most about ``limit`` bytes.
+
+        Returns (WORD columns with offsets from ``begin``, byte and line where the next call goes on).
+        """
+        if table.words is not None:
+            return table.words, table.end, table.last_line + 1
+        if self.scan is None:
+            raise ValueError("this program has neither words nor a scanner for its tables")
+        return self.scan(self.files[table.file].data, begin, table.end, line, limit)
+
+    def verify(self) -> None:
+        """Tables lie within their files and follow the order of lines; calls name subprograms."""
+        for sub in self.subprograms.values():
+            if sub.name != sub.name.lower():
+                raise ValueError(f"subprogram name {sub.name!r} is not lower case")
+            self._verify_body(sub.body)
+        self._verify_body(self.body)
+
+    def _verify_body(self, body: tuple[Statement, ...]) -> None:
+        for node in body:
+            if isinstance(node, BlockTable):
+                size = len(self.files[node.file].data) or node.end
+                if not (0 <= node.begin <= node.end <= size and 1 <= node.first_line <= node.last_line):
+                    raise ValueError(f"block table {node} lies outside its file")
+            elif isinstance(node, If):
+                self._verify_body(node.then)
+                self._verify_body(node.otherwise)
+            elif isinstance(node, While):
+                self._verify_body(node.body)
+
+
+def words_equal(left: Columns, right: Columns) -> bool:
+    """Bit-for-bit equality of two word tables, values included (so -0.0 differs from 0.0)."""
+    return left == right and bool(np.array_equal(left["value"].view(np.int64), right["value"].view(np.int64)))

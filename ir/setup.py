@@ -1,0 +1,82 @@
+"""Setup: what only the machine at that moment knows. Exact, an interval, or unknown (the default)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+
+@dataclass(frozen=True, slots=True)
+class Interval:
+    """low <= value <= high, in mm or degrees; exact when both are equal."""
+
+    low: float
+    high: float
+
+    @property
+    def exact(self) -> bool:
+        """True when only one value is possible."""
+        return self.low == self.high
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Setup:
+    """The stated part of the machine's state.
+
+    start: machine position by axis name; work: offsets of coordinate systems 1..9 by (number, axis);
+    g92: axis offsets; tool_lengths: by tool number; parameters: numbered variables in the
+    controller's numbering; default_*: what everything not listed is (None: unknown).
+    Offsets are mm or degrees; parameters are in the program's own numbers.
+    """
+
+    name: str = "(none)"
+    homed: tuple[str, ...] = ()
+    start: dict[str, Interval] = field(default_factory=dict)
+    work: dict[tuple[int, str], Interval] = field(default_factory=dict)
+    g92: dict[str, Interval] = field(default_factory=dict)
+    tool_lengths: dict[int, Interval] = field(default_factory=dict)
+    parameters: dict[int, float] = field(default_factory=dict)
+    active_work: int | None = None
+    tool: int | None = None
+    default_start: float | None = None
+    default_offset: float | None = None
+    default_parameter: float | None = None
+    block_delete: bool | None = None
+    optional_stop: bool | None = None
+
+    def interval(self, symbol: str) -> Interval | None:
+        """What is stated of a symbol such as ``start.x``, ``work.1.x``, ``g92.x``, ``tool.3.z``."""
+        kind, *rest = symbol.split(".")
+        found: Interval | None = None
+        default = self.default_offset
+        if kind == "start":
+            found, default = self.start.get(rest[0]), self.default_start
+        elif kind == "work":
+            found = self.work.get((int(rest[0]), rest[1]))
+        elif kind == "g92":
+            found = self.g92.get(rest[0])
+        elif kind == "tool":
+            found = self.tool_lengths.get(int(rest[0]))
+        if found is None and default is not None:
+            return Interval(default, default)
+        return found
+
+    def parameter(self, number: int) -> float | None:
+        """The stated value of a numbered parameter."""
+        return self.parameters.get(number, self.default_parameter)
+
+
+ZERO = Setup(
+    name="zero",
+    homed=("x", "y", "z", "a", "b", "c"),
+    active_work=1,
+    tool=0,
+    default_start=0.0,
+    default_offset=0.0,
+    default_parameter=0.0,
+    block_delete=False,
+    optional_stop=False,
+)
+"""The usual simulator's assumption: homed, at machine position 0, no offsets, parameters 0, tool 0."""
+
+NOTHING = Setup()
+"""Nothing stated."""

@@ -1,0 +1,274 @@
+"""Trace: what the machine is told to do, evaluated; canonical machining functions as numpy columns.
+
+Positions are machine coordinates in mm and degrees. A position is ``to[axis]`` plus the affine form that
+``frames[frame][axis]`` names: a sum of unknown offsets with whole coefficients, empty when everything is
+known. A section runs from rest to rest; edges say what ends it and where each outcome leads.
+The canonical functions are those of NISTIR 5970.
+"""
+
+from __future__ import annotations
+
+import enum
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from gproof.ir.columns import Column, Columns, Schema
+from gproof.ir.machine import AXES
+
+
+class Op(enum.IntEnum):
+    """Canonical functions; motion is below 10."""
+
+    TRAVERSE = 1
+    FEED = 2
+    ARC = 3
+    PROBE = 4
+    DWELL = 10
+    SPINDLE = 11
+    COOLANT = 12
+    TOOL_CHANGE = 13
+    OUTPUT = 14
+    INPUT_WAIT = 15
+    STOP = 16
+    HOME = 17
+    OFFSET = 18
+    TOOL_OFFSET = 19
+    UNITS = 20
+    PLANE = 21
+    OVERRIDE = 22
+    PATH_MODE = 23
+    GUARD = 24
+    MESSAGE = 25
+    END = 26
+
+
+class Plane(enum.IntEnum):
+    """The plane of an arc; 0 for rows that are no arcs."""
+
+    NONE = 0
+    XY = 1
+    XZ = 2
+    YZ = 3
+
+
+class PathMode(enum.IntEnum):
+    """How corners are taken."""
+
+    EXACT_PATH = 0
+    EXACT_STOP = 1
+    CONTINUOUS = 2
+
+
+TRACE_ROW = Schema(
+    "trace",
+    Column("op", "u1"),
+    Column("file", "i2"),
+    Column("line", "i4"),
+    Column("call", "i4"),
+    Column("to", "f8", AXES),
+    Column("frame", "i4"),
+    Column("state", "i4"),
+    Column("feed", "f8"),
+    Column("center", "f8", 3),
+    Column("turns", "i4"),
+    Column("plane", "u1"),
+    Column("arg", "f8", 2),
+    Column("text", "i4"),
+)
+"""One row for each canonical call.
+
+op: Op; file, line: place in Trace.files; call: index into Trace.calls; to: end position (equal to the
+start for rows that do not move); frame: index into Trace.frames, for `to` and `center`;
+state: index into Trace.states; feed: effective mm/min or deg/min (0: rapid or no motion, NaN: unknown);
+center: machine mm of an arc (0 otherwise; the coordinate along the normal is that of the start);
+turns: +1 counter-clockwise and at most one full circle, seen from the positive end of the third axis of a
+right-handed frame; plane: Plane. arg, text: by op, see ``ARGUMENTS``.
+"""
+
+ARGUMENTS = {
+    Op.DWELL: "arg[0]: seconds",
+    Op.SPINDLE: "arg[0]: direction (+1 cw, -1 ccw, 0 off); arg[1]: revolutions a minute (NaN: unknown)",
+    Op.COOLANT: "arg[0]: mist (0 or 1); arg[1]: flood",
+    Op.TOOL_CHANGE: "arg[0]: tool number (NaN: unknown)",
+    Op.OUTPUT: "arg[0]: channel; arg[1]: value",
+    Op.INPUT_WAIT: "arg[0]: channel; arg[1]: value",
+    Op.STOP: "arg[0]: 1 when optional",
+    Op.OFFSET: "arg[0]: coordinate system (0: G92)",
+    Op.TOOL_OFFSET: "arg[0]: tool (0: cancelled)",
+    Op.UNITS: "arg[0]: mm in one program unit",
+    Op.PLANE: "arg[0]: Plane",
+    Op.OVERRIDE: "arg[0]: 1 when overrides are allowed",
+    Op.PATH_MODE: "arg[0]: PathMode; arg[1]: tolerance in mm",
+    Op.GUARD: "arg[0]: 1 on, 0 off; text: name",
+    Op.MESSAGE: "text: the message",
+}
+
+Affine = tuple[tuple[str, int], ...]
+"""A sum of unknowns: ((symbol, coefficient), ...), sorted; () is known. Symbols: see ir/setup.py."""
+
+UNKNOWN: Affine = (("?", 1),)
+"""A position of which nothing is known."""
+
+Frame = tuple[Affine, Affine, Affine, Affine, Affine, Affine]
+
+KNOWN_FRAME: Frame = ((), (), (), (), (), ())
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class State:
+    """The slow part of the machine's state, shared by many rows.
+
+    spindle: rpm, signed (+ clockwise, NaN unknown); feed_mode: G-code style 93, 94 or 95;
+    path_tolerance: mm (P), simplify: mm (Q), laf_angle: degrees (R, NaN: the machine's setting);
+    guards: names of guards that are off.
+    """
+
+    tool: int = -1
+    spindle: float = 0.0
+    feed_mode: int = 94
+    path_mode: PathMode = PathMode.EXACT_PATH
+    path_tolerance: float = 0.0
+    simplify: float = 0.0
+    laf_angle: float = float("nan")
+    work: int = 1
+    overrides: bool = True
+    compensation: int = 0
+    guards_off: tuple[str, ...] = ()
+
+
+class Wait(enum.Enum):
+    """What ends a section."""
+
+    END = "end"
+    OPERATOR = "operator"
+    TOOL_CHANGE = "tool_change"
+    INPUT = "input"
+    PROBE = "probe"
+    HOME = "home"
+    BRANCH = "branch"
+    UNKNOWN = "unknown"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Edge:
+    """From a section to what follows one outcome of its wait; target -1: the program is over or not followed."""
+
+    wait: Wait
+    outcome: str
+    target: int
+    line: int = 0
+
+
+@dataclass(slots=True, kw_only=True)
+class TraceSection:
+    """Rows from rest to rest. start: position (6) and frame index at its beginning."""
+
+    number: int
+    start: tuple[float, ...]
+    start_frame: int
+    rows: Columns
+    edges: tuple[Edge, ...] = ()
+
+
+@dataclass(slots=True, kw_only=True)
+class Trace:
+    """A whole evaluated program as a graph of sections; section 0 is where it begins."""
+
+    files: list[str] = field(default_factory=list)
+    calls: list[str] = field(default_factory=lambda: [""])
+    frames: list[Frame] = field(default_factory=lambda: [KNOWN_FRAME])
+    states: list[State] = field(default_factory=list)
+    texts: list[str] = field(default_factory=list)
+    sections: list[TraceSection] = field(default_factory=list)
+
+    def verify(self) -> None:
+        """The invariants of this stage; ValueError with the first one that fails."""
+        for place, section in enumerate(self.sections):
+            where = f"section {section.number}"
+            if section.number != place:
+                raise ValueError(f"{where}: stands at place {place}")
+            if len(section.start) != AXES or not 0 <= section.start_frame < len(self.frames):
+                raise ValueError(f"{where}: bad start")
+            for edge in section.edges:
+                if not -1 <= edge.target < len(self.sections):
+                    raise ValueError(f"{where}: edge to section {edge.target}, which does not exist")
+            verify_rows(section.rows, self, where)
+
+
+def verify_rows(rows: Columns, trace: Trace, where: str = "rows") -> None:
+    """Row invariants: known ops, finite positions, indices in range, arcs whole."""
+    if not len(rows):
+        return
+    op = rows["op"]
+    if not np.isin(op, np.array([int(o) for o in Op], dtype=op.dtype)).all():
+        raise ValueError(f"{where}: unknown op")
+    if not np.isfinite(rows["to"]).all() or not np.isfinite(rows["center"]).all():
+        raise ValueError(f"{where}: a position is not finite")
+    for name, bound in (
+        ("frame", trace.frames),
+        ("state", trace.states),
+        ("call", trace.calls),
+        ("file", trace.files),
+    ):
+        index = rows[name]
+        if index.min() < 0 or index.max() >= len(bound):
+            raise ValueError(f"{where}: {name} index out of range")
+    arcs = op == Op.ARC
+    if ((rows["turns"] != 0) != arcs).any() or ((rows["plane"] != 0) != arcs).any():
+        raise ValueError(f"{where}: arcs, and only arcs, have turns and a plane")
+    feed = rows["feed"]
+    if (feed < 0).any() or (feed[op == Op.TRAVERSE] != 0).any():
+        raise ValueError(f"{where}: negative feed, or a traverse with one")
+    if (rows["text"][op == Op.MESSAGE] >= len(trace.texts)).any():
+        raise ValueError(f"{where}: text index out of range")
+
+
+@dataclass(slots=True, kw_only=True)
+class Chunk:
+    """Some successive rows of a section while a job streams by.
+
+    begin: index of its first row in the section; start, start_frame: position before its first row;
+    last: True when the section ends with it. Tables (frames, states ...) are those of ``trace``, which grows.
+    """
+
+    trace: Trace
+    section: int
+    begin: int
+    start: tuple[float, ...]
+    start_frame: int
+    rows: Columns
+    last: bool = False
+    edges: tuple[Edge, ...] = ()
+
+    def starts(self) -> np.ndarray[tuple[int, int], np.dtype[np.float64]]:
+        """(n, 6): the position before each row."""
+        before = np.empty((len(self.rows), AXES))
+        if len(self.rows):
+            before[0] = self.start
+            before[1:] = self.rows["to"][:-1]
+        return before
+
+    def start_frames(self) -> np.ndarray[tuple[int], np.dtype[np.int32]]:
+        """(n,): the frame before each row."""
+        before = np.empty(len(self.rows), dtype=np.int32)
+        if len(self.rows):
+            before[0] = self.start_frame
+            before[1:] = self.rows["frame"][:-1]
+        return before
+
+
+def chunks(trace: Trace) -> Iterator[Chunk]:
+    """A complete Trace as one chunk a section."""
+    for s in trace.sections:
+        yield Chunk(
+            trace=trace,
+            section=s.number,
+            begin=0,
+            start=s.start,
+            start_frame=s.start_frame,
+            rows=s.rows,
+            last=True,
+            edges=s.edges,
+        )
