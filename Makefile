@@ -1,0 +1,59 @@
+# gproof's commands. A fresh Debian needs git, make, python3 (3.11 or newer) and python3-venv;
+# the first target that needs Python packages puts them into .venv from requirements.lock.
+
+PYTHON ?= python3
+BIN := .venv/bin
+LOCKED := .venv/locked
+READY := .venv/ready
+
+.DEFAULT_GOAL := help
+.PHONY: help demo test lint types goldens soak bench replay lock clean
+
+help: ## List these targets
+	@grep -hE '^[a-z]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/^([a-z]+):.*## (.*)/  make \1	\2/' | expand -t 17
+
+demo: $(READY) ## Check, compile, verify and run one job of the corpus on the virtual board
+	bash scripts/demo.sh
+
+test: lint types ## Everything CI runs: lint, types, import contracts, all tests (under 12 minutes)
+	$(BIN)/pytest -n 2
+
+lint: $(READY) ## ruff (rules and format) and the import contracts between the folders
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+	$(BIN)/lint-imports --no-logo
+
+types: $(READY) ## mypy --strict over all packages
+	MYPYPATH=.typing $(BIN)/mypy --namespace-packages --explicit-package-bases -p gproof
+
+goldens: $(READY) ## Rewrite the expected texts of golden tests; never the `; expect:` markers
+	$(BIN)/pytest tests --refresh-goldens
+
+soak: $(READY) ## The long random tests
+	GPROOF_SOAK=1 $(BIN)/pytest -n 2 -m soak tests
+
+bench: $(READY) ## Side-by-side benchmarks
+	$(BIN)/python bench/run.py
+
+replay: $(READY) ## Compare the stages of every corpus job with another revision's: make replay BASE=rev
+	@test -n "$(BASE)" || { echo "make replay BASE=rev: which revision to compare with?" >&2; exit 2; }
+	$(BIN)/python scripts/replay.py "$(BASE)"
+
+lock: $(READY) ## Write requirements.lock anew: the newest versions that pyproject.toml allows
+	$(BIN)/python -m pip install --quiet uv
+	$(BIN)/uv pip compile --quiet --upgrade --universal --python-version 3.11 --generate-hashes --extra dev \
+		--no-emit-package gproof --custom-compile-command "make lock" pyproject.toml -o requirements.lock
+
+clean: ## Remove everything that make, tests and tools made, .venv too
+	rm -rf .venv build dist *.egg-info .mypy_cache .ruff_cache .pytest_cache .hypothesis .import_linter_cache
+	find . -name __pycache__ -type d -prune -exec rm -rf {} +
+
+$(READY): $(LOCKED) pyproject.toml
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-deps --no-build-isolation -e .
+	@touch $@
+
+$(LOCKED): requirements.lock
+	@$(PYTHON) -c 'import sys; sys.exit("gproof needs Python 3.11 or newer: make PYTHON=python3.x" if sys.version_info < (3, 11) else 0)'
+	$(PYTHON) -m venv --clear .venv
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --require-hashes -r requirements.lock
+	@touch $@

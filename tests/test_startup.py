@@ -1,0 +1,57 @@
+"""Small jobs stay instant: heavy libraries are imported where they are needed, not before."""
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parent.parent
+PLATE = "corpus/eding/drilled-plate"
+NEVER_FOR_SMALL_JOBS = {"numba", "llvmlite", "z3", "shapely", "serial"}
+NOT_AT_START = NEVER_FOR_SMALL_JOBS | {"cryptography", "lark", "rich"}
+RUN = """
+import sys
+from gproof.cli.main import main
+try:
+    code = main()
+except SystemExit as end:
+    code = end.code
+assert not code, code
+"""
+
+
+def modules_after(statements: str, *arguments: str) -> set[str]:
+    """Top-level names in ``sys.modules`` of a fresh Python that ran the statements."""
+    report = "\nimport sys; print('modules:', *{name.partition('.')[0] for name in sys.modules})"
+    environment = {name: value for name, value in os.environ.items() if name != "GPROOF_KERNELS"}
+    done = subprocess.run(
+        [sys.executable, "-c", statements + report, *arguments],
+        cwd=ROOT,
+        env=environment,
+        stdin=subprocess.DEVNULL,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 0, done.stdout + done.stderr
+    return set(done.stdout.splitlines()[-1].removeprefix("modules: ").split())
+
+
+def test_the_command_line_starts_without_heavy_libraries() -> None:
+    loaded = modules_after("import gproof.cli.main")
+    assert "gproof" in loaded
+    assert not loaded & NOT_AT_START
+
+
+@pytest.mark.parametrize("arguments", [["--version"], ["--help"], ["explain", "GP301"]], ids=" ".join)
+def test_plain_answers_need_no_heavy_library(arguments: list[str]) -> None:
+    loaded = modules_after(RUN, *arguments)
+    assert not loaded & NOT_AT_START
+
+
+def test_a_small_job_is_checked_without_heavy_libraries() -> None:
+    job = [f"{PLATE}/job.cnc", "--machine", f"{PLATE}/machine.toml", "--setup", "zero"]
+    loaded = modules_after(RUN, "check", *job)
+    assert not loaded & NEVER_FOR_SMALL_JOBS
