@@ -2,7 +2,8 @@
 
 ``replay.py BASE`` compares the working tree with the git revision BASE: for every job of ``corpus/``
 the text of each stage, its exit code included. A difference is reported at the first stage that shows
-it. Exit code 0: same bytes everywhere; 1: something differs; 3: could not compare.
+it. Exit code 0: same bytes everywhere; 1: something differs; 3: could not compare, which includes that
+no job at all gave a stream.
 
 The base revision's packages are installed, without dependencies, under ``build/replay/``.
 """
@@ -60,7 +61,7 @@ def arguments(job: Path) -> list[str]:
     return options
 
 
-def digest(job: Path, stage: str, site: Path | None) -> str:
+def digest(job: Path, stage: str, site: Path | None) -> tuple[str, int]:
     """A hash over what ``gproof dump`` prints for one stage, and its exit code."""
     environment = {**os.environ, "PYTHONPATH": str(site) if site else ""}
     command = [sys.executable, "-c", RUN, "dump", str(job), "--stage", stage, *arguments(job)]
@@ -69,7 +70,7 @@ def digest(job: Path, stage: str, site: Path | None) -> str:
         assert running.stdout is not None
         while chunk := running.stdout.read(1 << 20):
             content.update(chunk)
-    return f"{content.hexdigest()[:16]} exit {running.returncode}"
+    return content.hexdigest()[:16], running.returncode
 
 
 def check_origin(site: Path) -> None:
@@ -88,22 +89,26 @@ def check_origin(site: Path) -> None:
 
 
 def main(base: str) -> int:
-    """Compare all jobs; print one line for each that differs."""
+    """Compare all jobs; print one line for each that differs and a summary."""
     site = install_base(base)
     check_origin(site)
     jobs = sorted(path.parent / "job.cnc" for path in (ROOT / "corpus").rglob("expect.toml"))
     if not jobs:
         print("replay: corpus/ holds no job", file=sys.stderr)
         return 3
-    differing = 0
+    differing = streams = 0
     for job in jobs:
         for stage in STAGES:
             before, now = digest(job, stage, site), digest(job, stage, None)
             if before != now:
                 differing += 1
-                print(f"{job.parent.relative_to(ROOT)}: {stage} differs: {before} -> {now}")
+                print(f"{job.parent.relative_to(ROOT)}: {stage} differs: (hash, exit code) {before} -> {now}")
                 break
-    print(f"replay: {len(jobs)} jobs against {base}, {differing} differ")
+            streams += stage == "stream" and now[1] == 0
+    print(f"replay: {len(jobs)} jobs against {base}: {differing} differ, {streams} gave the same stream")
+    if not differing and not streams:
+        print("replay: no job gave a stream, so nothing was compared", file=sys.stderr)
+        return 3
     return 1 if differing else 0
 
 
