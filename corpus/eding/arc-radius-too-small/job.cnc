@@ -1,0 +1,16 @@
+(KEY FOB: FILLETS IN RADIUS FORM)
+(the last fillet joins two points 12 apart with a radius of 5)
+G21 G17 G90 G94 G40 G49 G80 G54
+S20000 M3
+G0 Z5
+G0 X10 Y0
+G1 Z-1 F300
+G1 X40 F1000
+G3 X46 Y6 R6
+G1 Y20
+G3 X40 Y26 R6
+G1 X10
+G3 X10 Y14 R5                  ; expect: GP403
+G0 Z5
+M5
+M30

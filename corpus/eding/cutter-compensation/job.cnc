@@ -1,0 +1,20 @@
+(COVER PLATE, CONTOUR IN DRAWING SIZE, CUTTER COMPENSATION BY THE CONTROLLER)
+(entry: a line longer than the cutter radius, then a quarter circle)
+G21 G17 G90 G94 G40 G49 G80 G54
+S16000 M3
+G0 Z5
+G0 X40 Y60
+F900
+G42 D1                         ; expect: GP113
+G1 X50
+G2 X60 Y70 R10
+G1 Z-3
+G3 X70 Y60 R10
+G1 X150
+G1 Y120
+G1 X60
+G1 Y70
+G40
+G0 Z5
+M5
+M30

@@ -1,0 +1,54 @@
+(LETTER PLATES, FOUR OUT OF ONE SHEET, PARKING WITH G53)
+(the vacuum table has its zero at G55, measured yesterday)
+(between the plates the spindle goes to the front for the chip brush:)
+(machine X30 Y20, always at the top, whatever the work zero is)
+N10 G21 G17 G90 G94 G40 G49 G80
+N20 G55
+N30 G0 G53 Z0
+N40 G53 X30 Y20                 (G0 is still in force; G53 must be said again)
+N50 M3 S20000
+N60 G0 X10 Y10
+N70 Z4
+N80 G1 Z-1.2 F400
+N90 X110 F2200
+N100 Y45
+N110 X10
+N120 Y10
+N130 G0 Z4
+N140 G53 Z0
+N150 G53 X30 Y20
+N160 G4 P1.5
+N170 X130 Y10
+N180 Z4
+N190 G1 Z-1.2 F400
+N200 X230 F2200
+N210 Y45
+N220 X130
+N230 Y10
+N240 G0 Z4
+N250 G53 Z0
+N260 G53 X30 Y20
+N270 G4 P1.5
+N280 X10 Y60
+N290 Z4
+N300 G1 Z-1.2 F400
+N310 X110 F2200
+N320 Y95
+N330 X10
+N340 Y60
+N350 G53 G1 Z-20 F3000          (feed move to a machine height: slow lift out of the foil)
+N360 G53 G0 Z0
+N370 G53 X30 Y20
+N380 G4 P1.5
+N390 X130 Y60
+N400 Z4
+N410 G1 Z-1.2 F400
+N420 X230 F2200
+N430 Y95
+N440 X130
+N450 Y60
+N460 G0 Z4
+N470 M5
+N480 G53 Z0
+N490 G53 X30 Y380               (table to the front: sheet out)
+N500 M30

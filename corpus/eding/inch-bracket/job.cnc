@@ -1,0 +1,58 @@
+(BRACKET, INCH DRAWING: 4.000 x 2.500 x .250, HOT ROLLED)
+(zero: lower left corner, top; machine set up in inches)
+(tool: 1/4 in. carbide end mill, four flutes)
+N1 G20 G17 G90 G94
+N2 G40 G49 G80 G54
+N3 S6000 M3
+N4 M8
+N5 G0 Z.5
+(slot 2.000 long, .375 wide, in three levels)
+N10 G0 X1. Y1.25
+N11 Z.05
+N12 G1 Z-.085 F4.
+N13 G1 X3. F18.
+N14 Y1.3125
+N15 X1.
+N16 G3 X1. Y1.1875 I0. J-.0625
+N17 G1 X3.
+N18 G3 X3. Y1.3125 I0. J.0625
+N19 G1 Y1.25
+N20 Z-.17 F4.
+N21 X1. F18.
+N22 Y1.1875
+N23 X3.
+N24 G3 X3. Y1.3125 I0. J.0625
+N25 G1 X1.
+N26 G3 X1. Y1.1875 I0. J-.0625
+N27 G1 Y1.25
+N28 Z-.26 F4.
+N29 X3. F18.
+N30 Y1.3125
+N31 X1.
+N32 G3 X1. Y1.1875 I0. J-.0625
+N33 G1 X3.
+N34 G3 X3. Y1.3125 I0. J.0625
+N35 G0 Z.1
+(two counterbores, .500 diameter, by circles)
+N40 G0 X.5 Y.5
+N41 G1 Z-.125 F4.
+N42 X.625 F15.
+N43 G3 X.625 Y.5 I-.125 J0.
+N44 G1 X.5
+N45 G0 Z.1
+N46 X3.5 Y2.
+N47 G1 Z-.125 F4.
+N48 X3.625 F15.
+N49 G3 X3.625 Y2. I-.125 J0.
+N50 G1 X3.5
+N51 G0 Z.5
+(four pilot holes, drilled with the same cutter)
+N60 G99 G81 X.5 Y2. Z-.27 R.1 F3.
+N61 X3.5 Y.5
+N62 X2. Y.375
+N63 G98 Y2.125
+N64 G80
+N70 G0 Z1.5 M9
+N71 M5
+N72 G0 X0. Y0.
+N73 M30

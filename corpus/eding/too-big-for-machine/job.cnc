@@ -1,0 +1,16 @@
+(LONG SHELF 900 x 200: GROOVES)
+(no setup file: there is no place for the work zero on a machine of 600)
+G21 G17 G90 G94 G40 G49 G80 G54
+S16000 M3
+G0 Z12
+G0 X20 Y40
+G0 Z2
+G1 Z-5 F600
+G1 X880 F3000
+G0 Z2
+G0 Y160
+G1 Z-5 F600
+G1 X20 F3000
+G0 Z12
+M5
+M30
