@@ -1,0 +1,155 @@
+"""What the runtime needs of a board: the ``Board`` protocol and the data that crosses it.
+
+A board counts ticks of its own clock and keeps a first-in-first-out store of runs, shared by all motors.
+The host opens a section, sends runs and events in order, says up to which tick nothing is missing, closes
+the section, and asks for the status in between. ``docs/boards.md`` tells how to add a board.
+"""
+
+from __future__ import annotations
+
+import enum
+from dataclasses import dataclass
+from typing import Protocol
+
+from gproof.ir.columns import Columns
+
+
+class BoardState(enum.Enum):
+    """IDLE: no section. RUNNING: in a section, also while it waits for its first tick.
+
+    STOPPED: after an emergency stop. UNDERRUN: a step was due before it arrived. FAULT: the host broke the
+    protocol (FIFO overflow, malformed run). From the last three a board moves nothing until it is opened
+    again.
+    """
+
+    CLOSED = "closed"
+    IDLE = "idle"
+    RUNNING = "running"
+    STOPPED = "stopped"
+    UNDERRUN = "underrun"
+    FAULT = "fault"
+
+    @property
+    def over(self) -> bool:
+        """True when the board takes nothing any more."""
+        return self in (BoardState.STOPPED, BoardState.UNDERRUN, BoardState.FAULT, BoardState.CLOSED)
+
+
+class BoardError(Exception):
+    """The board does not answer, or refused what the host asked."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Capabilities:
+    """What a board is.
+
+    motors: how many; tick_frequency: Hz; fifo_runs: runs it stores for all motors together;
+    step_pulse, direction_setup: ticks; max_count: steps in one run; real_time: its clock follows ours.
+    """
+
+    name: str
+    motors: int
+    tick_frequency: int
+    fifo_runs: int
+    step_pulse: int
+    direction_setup: int
+    max_count: int = 2**31 - 1
+    real_time: bool = True
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Status:
+    """The board's answer at one moment.
+
+    tick: the board's clock; state; free: runs the FIFO can take; accepted: runs acknowledged, by motor;
+    steps: pulses given since it was opened, by motor; position: in steps, by motor; events: how many were
+    carried out; stopped_at: clock tick at which motion stopped for good; reason: why.
+    """
+
+    tick: int
+    state: BoardState
+    free: int
+    accepted: tuple[int, ...]
+    steps: tuple[int, ...]
+    position: tuple[int, ...]
+    events: int = 0
+    stopped_at: int | None = None
+    reason: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class EventDone:
+    """An event the board carried out: clock tick, trace row, op."""
+
+    tick: int
+    row: int
+    op: int
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Observed:
+    """What the board measured at its own outputs, by motor.
+
+    min_interval: the shortest time between two steps in ticks (0: fewer than two steps);
+    overlaps: steps nearer than two pulse widths to the one before; setups: direction changes nearer than the
+    direction set-up time.
+    """
+
+    min_interval: tuple[int, ...] = ()
+    overlaps: tuple[int, ...] = ()
+    setups: tuple[int, ...] = ()
+
+    @property
+    def clean(self) -> bool:
+        """True when no pulse or direction change came too early."""
+        return not any(self.overlaps) and not any(self.setups)
+
+
+class Board(Protocol):
+    """A board that makes steps. Ticks are the board's clock unless said otherwise; motors count from 0."""
+
+    def open(self) -> Capabilities:
+        """Connect, forget any stop, give what the board is; BoardError when it can not."""
+
+    def close(self) -> None:
+        """Let go of the board; it must be at rest or is stopped."""
+
+    def start_section(self, number: int, start: tuple[int, ...], lead: int) -> int:
+        """Begin a section ``lead`` ticks from now and give the clock tick of its tick 0.
+
+        start: where the host takes the motors to be, in steps; BoardError when the board counted otherwise.
+        """
+
+    def queue(self, motor: int, interval: int, count: int, add: int, direction: int) -> None:
+        """Store one run; its first step is due ``interval`` ticks after the motor's last one."""
+
+    def queue_runs(self, motor: int, runs: Columns) -> None:
+        """Store many runs, in order."""
+
+    def queue_event(self, tick: int, row: int, op: int, arg: tuple[int, int]) -> None:
+        """Store an event; ``tick`` counts from the section's start."""
+
+    def commit(self, tick: int | None) -> None:
+        """Promise that everything due up to ``tick`` of the section has been sent.
+
+        Past it the board stops all motors together (an underrun) unless more was promised. None: nothing is
+        due until further notice. A board that can not watch this ignores it.
+        """
+
+    def finish_section(self, duration: int) -> None:
+        """Say that nothing follows; the section is over ``duration`` ticks after its start."""
+
+    def wait(self, tick: int) -> None:
+        """Let time pass until the clock shows ``tick``, or motion stopped."""
+
+    def status(self) -> Status:
+        """The present state, with what has been acknowledged."""
+
+    def take_events(self) -> list[EventDone]:
+        """Events carried out since the last call, in order."""
+
+    def observed(self) -> Observed:
+        """Measurements since the board was opened; empty from a board that makes none."""
+
+    def emergency_stop(self) -> None:
+        """Stop all motors now; positions stay known as executed, nothing more is accepted."""
