@@ -30,9 +30,7 @@ NESTED_COMMENT = code(104, "nested-comment", _E, "a comment inside a comment")
 BAD_LINE_NUMBER = code(
     105, "bad-line-number", _E, "line number {text!r} is not one to five digits at the start of the line"
 )
-LINE_TOO_LONG = code(
-    106, "line-too-long", _E, "the line has {length} characters; the controller reads {allowed}"
-)
+LINE_TOO_LONG = code(106, "line-too-long", _E, "the line has {length} characters; the controller reads {allowed}")
 BAD_EXPRESSION = code(107, "bad-expression", _E, "{what}")
 MISSING_VALUE = code(108, "missing-value", _E, "{letter} has no value")
 REPEATED_WORD = code(109, "repeated-word", _E, "{letter} is given twice on this line")
@@ -64,9 +62,7 @@ INVERSE_TIME_FEED_MISSING = code(
 )
 DWELL_NEGATIVE = code(206, "dwell-negative", _E, "dwell of {seconds:g} s is negative")
 DWELL_MISSING = code(207, "dwell-missing", _E, "{code} needs its time in P")
-COORDINATE_SYSTEM_RANGE = code(
-    208, "coordinate-system-range", _E, "G10 P{value:g}: coordinate systems are 1 to 9"
-)
+COORDINATE_SYSTEM_RANGE = code(208, "coordinate-system-range", _E, "G10 P{value:g}: coordinate systems are 1 to 9")
 G10_KEY = code(209, "g10-key", _E, "G10 needs L2 or L20{given}")
 G53_NEEDS_G0_G1 = code(210, "g53-needs-g0-g1", _E, "G53 with {mode} active; it needs G0 or G1")
 G53_WITH_COMPENSATION = code(211, "g53-with-compensation", _E, "G53 while cutter radius compensation is on")
@@ -81,34 +77,20 @@ CYCLE_R_BELOW_DEPTH = code(
     217, "cycle-r-below-depth", _E, "{code}: R {r:.4f} lies below the depth {letter} {depth:.4f}"
 )
 CYCLE_DWELL_NEGATIVE = code(218, "cycle-dwell-negative", _E, "{code}: dwell P{value:g} is negative")
-CYCLE_REPEATS = code(
-    219, "cycle-repeats", _E, "{code}: repeat count L{value:g} is not a positive whole number"
-)
+CYCLE_REPEATS = code(219, "cycle-repeats", _E, "{code}: repeat count L{value:g} is not a positive whole number")
 CYCLE_ROTARY_MOTION = code(220, "cycle-rotary-motion", _E, "{code} would move the rotary axis {axis}")
 CYCLE_INVERSE_TIME = code(221, "cycle-inverse-time", _E, "{code} in inverse time mode (G93)")
 CYCLE_PECK = code(222, "cycle-peck", _E, "{code} needs a positive Q{given}")
-CYCLE_R_MISSING = code(
-    223, "cycle-r-missing", _E, "{code}: the R word is missing and no cycle was active before"
-)
-TWO_AXIS_COMMANDS = code(
-    224, "two-axis-commands", _E, "{first} and {second} both use the axis words of this line"
-)
+CYCLE_R_MISSING = code(223, "cycle-r-missing", _E, "{code}: the R word is missing and no cycle was active before")
+TWO_AXIS_COMMANDS = code(224, "two-axis-commands", _E, "{first} and {second} both use the axis words of this line")
 UNKNOWN_VALUE = code(225, "unknown-value", _U, "{word} depends on {cause}, which nobody stated", "limits")
 PARAMETER_NUMBER = code(226, "parameter-number", _E, "parameter #{value:g} does not exist; {allowed}")
-READ_ONLY_PARAMETER = code(
-    227, "read-only-parameter", _E, "parameter #{number} ({meaning}) can not be written"
-)
+READ_ONLY_PARAMETER = code(227, "read-only-parameter", _E, "parameter #{number} ({meaning}) can not be written")
 ARITHMETIC = code(228, "arithmetic", _E, "{what}")
 NOT_AN_INTEGER = code(229, "not-an-integer", _E, "{word} must be a whole number; {value!r} is not")
-PRECEDENCE = code(
-    230, "precedence", _W, "the value depends on an undocumented precedence of {operators}; add brackets"
-)
-INEXACT_COMPARISON = code(
-    231, "inexact-comparison", _W, "{left!r} {operator} {right!r} compares computed numbers"
-)
-UNKNOWN_CONDITION = code(
-    232, "unknown-condition", _U, "the condition depends on {cause}, which nobody stated"
-)
+PRECEDENCE = code(230, "precedence", _W, "the value depends on an undocumented precedence of {operators}; add brackets")
+INEXACT_COMPARISON = code(231, "inexact-comparison", _W, "{left!r} {operator} {right!r} compares computed numbers")
+UNKNOWN_CONDITION = code(232, "unknown-condition", _U, "the condition depends on {cause}, which nobody stated")
 STEP_BUDGET = code(233, "step-budget", _U, "the program did not end within {budget} executed blocks")
 UNSET_PARAMETER = code(234, "unset-parameter", _W, "#{number} is read before anything sets it")
 STARTUP_COORDINATE_SYSTEM = code(
@@ -122,9 +104,7 @@ TOOL_OFFSET_UNKNOWN = code(
     "the tool in the spindle is not known, so G43 can not know its length",
     "limits",
 )
-CYCLE_WITH_COMPENSATION = code(
-    238, "cycle-with-compensation", _E, "{code} while cutter radius compensation is on"
-)
+CYCLE_WITH_COMPENSATION = code(238, "cycle-with-compensation", _E, "{code} while cutter radius compensation is on")
 SPINDLE_UNKNOWN = code(
     239, "spindle-unknown", _U, "feed per revolution (G95), but the spindle speed is not known", "feeds"
 )
@@ -156,9 +136,7 @@ OFFSET_BOX = code(305, "offset-box", _N, "safe for {box}", "limits")
 START_OUTSIDE_LIMITS = code(
     306, "start-outside-limits", _E, "the stated start {axis} {value:.4f} lies outside its limits", "limits"
 )
-TOOL_CHANGE_AREA = code(
-    310, "tool-change-area", _E, "the path enters the tool change area at {where}", "areas"
-)
+TOOL_CHANGE_AREA = code(310, "tool-change-area", _E, "the path enters the tool change area at {where}", "areas")
 TOOL_CHANGE_AREA_UNKNOWN = code(
     311,
     "tool-change-area-unknown",
@@ -210,18 +188,14 @@ STEP_FREQUENCY = code(
     "motion",
 )
 PLAN_NEEDS_NUMBERS = code(503, "plan-needs-numbers", _U, "steps need exact positions: {cause}", "motion")
-NO_MOTOR_DATA = code(
-    504, "no-motor-data", _U, "{axis} moves, but the machine file has no {missing} for it", "motion"
-)
+NO_MOTOR_DATA = code(504, "no-motor-data", _U, "{axis} moves, but the machine file has no {missing} for it", "motion")
 
 # 6xx files
 FILE_UNREADABLE = code(601, "file-unreadable", _E, "{what}", "files")
 UNKNOWN_KEY = code(602, "unknown-key", _W, "key {key!r} is not known and was ignored", "files")
 BAD_VALUE = code(603, "bad-value", _E, "{key}: {what}", "files")
 MISSING_KEY = code(604, "missing-key", _E, "{key} is missing", "files")
-NOT_MODELLED_SETTING = code(
-    605, "not-modelled-setting", _U, "{key} is set, and gproof does not model it", "limits"
-)
+NOT_MODELLED_SETTING = code(605, "not-modelled-setting", _U, "{key} is set, and gproof does not model it", "limits")
 
 # 8xx boards and certificates
 STREAM_POSITION = code(801, "stream-position", _E, "{what}", "stream")
@@ -240,9 +214,7 @@ CERTIFICATE_SIGNATURE = code(822, "certificate-signature", _E, "{what}", "certif
 CERTIFICATE_MACHINE = code(823, "certificate-machine", _E, "{what}", "certificate")
 CERTIFICATE_VERDICT = code(824, "certificate-verdict", _E, "{what}", "certificate")
 CERTIFICATE_OFFSETS = code(825, "certificate-offsets", _E, "{what}", "certificate")
-CERTIFICATE_UNSIGNED = code(
-    826, "certificate-unsigned", _W, "the certificate carries no signature", "certificate"
-)
+CERTIFICATE_UNSIGNED = code(826, "certificate-unsigned", _W, "the certificate carries no signature", "certificate")
 FIFO_UNDERRUN = code(830, "fifo-underrun", _E, "{what}", "run")
 EMERGENCY_STOP = code(831, "emergency-stop", _E, "{what}", "run")
 FEED_HOLD = code(832, "feed-hold", _N, "{what}", "run")

@@ -32,8 +32,7 @@ class Schema:
     def empty(self, rows: int) -> dict[str, Array]:
         """Uninitialised arrays for ``rows`` rows."""
         return {
-            c.name: np.zeros((rows, c.width) if c.width > 1 else rows, dtype=np.dtype(c.dtype))
-            for c in self.columns
+            c.name: np.zeros((rows, c.width) if c.width > 1 else rows, dtype=np.dtype(c.dtype)) for c in self.columns
         }
 
 
@@ -59,9 +58,7 @@ class Columns:
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, Columns) or other.schema is not self.schema or len(self) != len(other):
             return False
-        return all(
-            np.array_equal(a, other.arrays[n], equal_nan=a.dtype.kind == "f") for n, a in self.arrays.items()
-        )
+        return all(np.array_equal(a, other.arrays[n], equal_nan=a.dtype.kind == "f") for n, a in self.arrays.items())
 
     __hash__ = None  # type: ignore[assignment]
 
@@ -85,9 +82,7 @@ class Columns:
             a = self.arrays[c.name]
             shape = (rows, c.width) if c.width > 1 else (rows,)
             if a.shape != shape or a.dtype != np.dtype(c.dtype):
-                raise ValueError(
-                    f"{self.schema.name}.{c.name}: {a.dtype}{a.shape}, expected {c.dtype}{shape}"
-                )
+                raise ValueError(f"{self.schema.name}.{c.name}: {a.dtype}{a.shape}, expected {c.dtype}{shape}")
 
 
 def concatenate(schema: Schema, parts: list[Columns]) -> Columns:

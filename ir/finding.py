@@ -36,13 +36,13 @@ class Span:
 
 @dataclass(frozen=True, slots=True)
 class Code:
-    """A kind of finding: number (``GP301`` has 301), symbolic name, severity, message template."""
+    """A kind of finding: number (``GP301`` has 301), name, severity, message template, and the property it decides."""
 
     number: int
     name: str
     severity: Severity
     template: str
-    property: str
+    decides: str
 
     @property
     def label(self) -> str:
@@ -107,9 +107,7 @@ class Findings:
     def has(self, severity: Severity, properties: Iterable[str] | None = None) -> bool:
         """True when a kept finding of that severity belongs to one of ``properties`` (all: None)."""
         wanted = None if properties is None else set(properties)
-        return any(
-            f.severity is severity and (wanted is None or f.code.property in wanted) for f in self.kept
-        )
+        return any(f.severity is severity and (wanted is None or f.code.decides in wanted) for f in self.kept)
 
     def hidden(self, code: Code) -> int:
         """How many findings of a code were counted but not kept."""

@@ -118,7 +118,8 @@ class Kernel(Generic[P, R]):
         folder = _cache_folder(function.__code__.co_filename)
         cacheable = _writable(folder)
         if cacheable:
-            numba.config.CACHE_DIR = str(folder)
+            config: Any = numba.config
+            config.CACHE_DIR = str(folder)
         scope = dict(function.__globals__)
         for used in function.__code__.co_names:
             value = scope.get(used)
@@ -132,9 +133,7 @@ class Kernel(Generic[P, R]):
         return done[name]
 
 
-def kernel(
-    *, seconds_per_unit: float = 2e-6, compile_seconds: float = 3.0
-) -> Callable[[Callable[P, R]], Kernel[P, R]]:
+def kernel(*, seconds_per_unit: float = 2e-6, compile_seconds: float = 3.0) -> Callable[[Callable[P, R]], Kernel[P, R]]:
     """Mark a function as a kernel; see the module's text for the rules its body keeps."""
 
     def wrap(function: Callable[P, R]) -> Kernel[P, R]:

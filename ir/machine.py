@@ -103,7 +103,11 @@ class Board:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Machine:
-    """A machine; ``axes`` holds those the machine has, in X Y Z A B C order."""
+    """A machine; ``axes`` holds those the machine has, in X Y Z A B C order.
+
+    unit: mm in one length unit of the controller's own numbers (25.4 for a machine set up in inches);
+    not_modelled: settings that are on and that gproof can not follow; unknown_keys: (file, key).
+    """
 
     name: str
     axes: tuple[Axis, ...]
@@ -112,6 +116,7 @@ class Machine:
     tools: tuple[Tool, ...] = ()
     controller: Controller = field(default_factory=Controller)
     board: Board = field(default_factory=Board)
+    unit: float = 1.0
     not_modelled: tuple[str, ...] = ()
     unknown_keys: tuple[tuple[str, str], ...] = ()
 
@@ -141,8 +146,6 @@ class Machine:
 
 NO_MACHINE = Machine(
     name="(no machine file)",
-    axes=tuple(
-        Axis(name=n, kind=AxisKind.LINEAR if i < 3 else AxisKind.ROTARY) for i, n in enumerate(AXIS_NAMES)
-    ),
+    axes=tuple(Axis(name=n, kind=AxisKind.LINEAR if i < 3 else AxisKind.ROTARY) for i, n in enumerate(AXIS_NAMES)),
 )
 """Used without a machine file: six axes of which nothing is known."""

@@ -14,13 +14,9 @@ import numpy as np
 
 from gproof.ir.columns import Column, Columns, Schema
 
-RUN = Schema(
-    "runs", Column("interval", "i8"), Column("count", "i8"), Column("add", "i8"), Column("direction", "i1")
-)
+RUN = Schema("runs", Column("interval", "i8"), Column("count", "i8"), Column("add", "i8"), Column("direction", "i1"))
 
-EVENT = Schema(
-    "events", Column("tick", "i8"), Column("row", "i8"), Column("op", "u1"), Column("arg", "i8", 2)
-)
+EVENT = Schema("events", Column("tick", "i8"), Column("row", "i8"), Column("op", "u1"), Column("arg", "i8", 2))
 """I/O events: tick; row of the trace section; op: trace Op; arg: the row's arguments in thousandths, rounded."""
 
 

@@ -122,7 +122,7 @@ class State:
 
     spindle: rpm, signed (+ clockwise, NaN unknown); feed_mode: G-code style 93, 94 or 95;
     path_tolerance: mm (P), simplify: mm (Q), laf_angle: degrees (R, NaN: the machine's setting);
-    guards: names of guards that are off.
+    arc_tolerance: mm that start and end radius of an arc may differ; guards_off: names of guards that are off.
     """
 
     tool: int = -1
@@ -135,6 +135,7 @@ class State:
     work: int = 1
     overrides: bool = True
     compensation: int = 0
+    arc_tolerance: float = 0.0
     guards_off: tuple[str, ...] = ()
 
 

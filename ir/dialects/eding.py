@@ -107,9 +107,7 @@ _UNSUPPORTED = (
 
 
 def _p(first: int, last: int, kind: str, meaning: str, writable: bool = True) -> ParameterRange:
-    return ParameterRange(
-        first=first, last=last, kind=kind, meaning=meaning, source="3.1.1", writable=writable
-    )
+    return ParameterRange(first=first, last=last, kind=kind, meaning=meaning, source="3.1.1", writable=writable)
 
 
 _PARAMETERS = (
@@ -130,10 +128,7 @@ _PARAMETERS = (
     _p(5181, 5186, "park_2", "G30 position"),
     _p(5211, 5216, "g92", "G92 offset", writable=False),
     _p(5220, 5220, "work_number", "active coordinate system", writable=False),
-    *(
-        _p(5221 + 20 * k, 5226 + 20 * k, "work", f"coordinate system {k + 1}", writable=False)
-        for k in range(9)
-    ),
+    *(_p(5221 + 20 * k, 5226 + 20 * k, "work", f"coordinate system {k + 1}", writable=False) for k in range(9)),
     _p(5380, 5380, "other", "simulation mode", writable=False),
     _p(5390, 5396, "other", "spindle selection and offsets", writable=False),
     _p(5397, 5397, "other", "rendering", writable=False),

@@ -1,0 +1,50 @@
+"""What a check is: rows of the Trace in, findings and one property's answer out, while the job streams by."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+
+from gproof.ir.columns import Columns
+from gproof.ir.finding import Findings, Span
+from gproof.ir.machine import Machine
+from gproof.ir.setup import Interval, Setup
+from gproof.ir.trace import UNKNOWN, Affine, Chunk, Trace
+from gproof.ir.verdict import PropertyResult
+
+
+class Check(ABC):
+    """One property of the Trace. ``feed`` gets every chunk in order, then ``finish`` answers."""
+
+    name: str
+
+    def __init__(self, machine: Machine, setup: Setup, findings: Findings) -> None:
+        self.machine = machine
+        self.setup = setup
+        self.findings = findings
+
+    @abstractmethod
+    def feed(self, chunk: Chunk) -> None:
+        """Look at some successive rows."""
+
+    @abstractmethod
+    def finish(self) -> PropertyResult:
+        """The answer, after the last chunk."""
+
+
+def row_span(trace: Trace, rows: Columns, row: int) -> Span:
+    """The source line of a row."""
+    return Span(trace.files[int(rows["file"][row])], int(rows["line"][row]))
+
+
+def form_interval(form: Affine, setup: Setup) -> Interval | None:
+    """The range of a sum of unknowns by what the setup states; None when some part is not stated."""
+    low = high = 0.0
+    for symbol, coefficient in form:
+        if form == UNKNOWN:
+            return None
+        known = setup.interval(symbol)
+        if known is None:
+            return None
+        ends = (known.low * coefficient, known.high * coefficient)
+        low, high = low + min(ends), high + max(ends)
+    return Interval(low, high)

@@ -1,0 +1,189 @@
+"""Evaluation of expression trees; unknown in, unknown out.
+
+Semantics: Eding CNC manual 3.2.2.3, 3.2.2.4 and 4.2. Angles are degrees; logic takes zero as false.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator
+
+from gproof.ir import codes
+from gproof.ir.finding import Findings, Refusal, Span
+from gproof.ir.program import Binary, Expr, Number, Text, Unary, Variable
+from gproof.passes.values import Unknown, Value
+
+_COMPARISONS = ("==", "<>", ">", ">=", "<", "<=")
+_LARGEST = 2.0**53
+
+
+def _fail(span: Span, what: str) -> Refusal:
+    return Refusal(codes.ARITHMETIC.at(span, what=what))
+
+
+def _whole(value: float, span: Span, operator: str) -> int:
+    if value != math.floor(value) or abs(value) > _LARGEST:
+        raise _fail(span, f"{operator} needs whole numbers; {value!r} is not")
+    return int(value)
+
+
+def _round(x: float) -> float:
+    """To the nearest whole number, halves away from zero."""
+    return math.copysign(math.floor(abs(x) + 0.5), x)
+
+
+_UNARY: dict[str, Callable[[float], float]] = {
+    "neg": lambda x: -x,
+    "pos": lambda x: x,
+    "abs": abs,
+    "acos": lambda x: math.degrees(math.acos(x)),
+    "asin": lambda x: math.degrees(math.asin(x)),
+    "atan": lambda x: math.degrees(math.atan(x)),
+    "cos": lambda x: math.cos(math.radians(x)),
+    "exp": math.exp,
+    "fix": lambda x: float(math.floor(x)),
+    "fup": lambda x: float(math.ceil(x)),
+    "int": lambda x: float(math.trunc(x)),
+    "ln": math.log,
+    "round": _round,
+    "sin": lambda x: math.sin(math.radians(x)),
+    "sqrt": math.sqrt,
+    "tan": lambda x: math.tan(math.radians(x)),
+    "not": lambda x: float(x == 0),
+}
+
+
+def _mod(x: float, y: float) -> float:
+    """The remainder with the sign of the divisor, never negative for a positive one."""
+    result = math.fmod(x, y)
+    return result + abs(y) if result < 0 else result
+
+
+_BINARY: dict[str, Callable[[float, float], float]] = {
+    "+": lambda x, y: x + y,
+    "-": lambda x, y: x - y,
+    "*": lambda x, y: x * y,
+    "/": lambda x, y: x / y,
+    "mod": _mod,
+    "atan": lambda x, y: math.degrees(math.atan2(x, y)),
+    "and": lambda x, y: float(x != 0 and y != 0),
+    "or": lambda x, y: float(x != 0 or y != 0),
+    "xor": lambda x, y: float((x != 0) != (y != 0)),
+    ">": lambda x, y: float(x > y),
+    ">=": lambda x, y: float(x >= y),
+    "<": lambda x, y: float(x < y),
+    "<=": lambda x, y: float(x <= y),
+    "==": lambda x, y: float(x == y),
+    "<>": lambda x, y: float(x != y),
+}
+
+
+class Evaluator:
+    """Evaluates trees; ``read`` gives the live value of a numbered variable."""
+
+    def __init__(self, read: Callable[[float, Span], Value], findings: Findings) -> None:
+        self.read = read
+        self.findings = findings
+        self._told: set[tuple[int, Span]] = set()
+
+    def value(self, expr: Expr) -> Value:
+        """The value of a tree; Refusal with GP226 or GP228 where there is none."""
+        if isinstance(expr, Number):
+            return expr.value
+        if isinstance(expr, Variable):
+            number = self.value(expr.number)
+            if isinstance(number, Unknown):
+                return number
+            return self.read(number, expr.span)
+        if isinstance(expr, Unary):
+            return self._unary(expr)
+        if isinstance(expr, Binary):
+            return self._binary(expr)
+        raise Refusal(codes.BAD_EXPRESSION.at(expr.span, what="text where a number is needed"))
+
+    def _unary(self, expr: Unary) -> Value:
+        x = self.value(expr.operand)
+        if isinstance(x, Unknown):
+            return x
+        try:
+            return self._finite(_UNARY[expr.operator](x), expr.span)
+        except (ValueError, OverflowError):
+            raise _fail(expr.span, f"{expr.operator}[{x:g}] has no value") from None
+
+    def _binary(self, expr: Binary) -> Value:
+        # A chain of operators of one group is a deep left spine: walked, not recursed.
+        spine = [expr]
+        while isinstance(spine[-1].left, Binary):
+            spine.append(spine[-1].left)
+        value = self.value(spine[-1].left)
+        for node in reversed(spine):
+            value = self._apply(node, value, self.value(node.right))
+        return value
+
+    def _apply(self, expr: Binary, x: Value, y: Value) -> Value:
+        if expr.doubtful:
+            self._tell(codes.PRECEDENCE.number, expr.span, lambda: codes.PRECEDENCE.at(
+                expr.span, operators=" and ".join(sorted(set(_operators(expr)))),
+                hint="brackets say what is meant",
+            ))  # fmt: skip
+        if isinstance(x, Unknown):
+            return x
+        if isinstance(y, Unknown):
+            return y
+        if expr.operator in ("==", "<>") and not (x == math.floor(x) and y == math.floor(y)):
+            self._tell(codes.INEXACT_COMPARISON.number, expr.span, lambda: codes.INEXACT_COMPARISON.at(
+                expr.span, left=x, right=y, operator=expr.operator,
+                hint="compare against a range instead",
+            ))  # fmt: skip
+        return self._finite(self._compute(expr, x, y), expr.span)
+
+    def _compute(self, expr: Binary, x: float, y: float) -> float:
+        operator = expr.operator
+        if operator in ("band", "bor", "bxor", "<<", ">>"):
+            return self._bits(expr, x, y)
+        if operator in ("/", "mod") and y == 0:
+            raise _fail(expr.span, f"division of {x:g} by zero")
+        try:
+            if operator == "**":
+                return math.pow(x, y)
+            return _BINARY[operator](x, y)
+        except (ValueError, OverflowError, ZeroDivisionError):
+            raise _fail(expr.span, f"{x:g} {operator} {y:g} has no value") from None
+
+    def _bits(self, expr: Binary, x: float, y: float) -> float:
+        a, b = _whole(x, expr.span, expr.operator), _whole(y, expr.span, expr.operator)
+        if expr.operator in ("<<", ">>"):
+            if not 0 <= b < 64:
+                raise _fail(expr.span, f"shift by {b}")
+            return float(a << b if expr.operator == "<<" else a >> b)
+        return float({"band": a & b, "bor": a | b, "bxor": a ^ b}[expr.operator])
+
+    def _finite(self, x: float, span: Span) -> float:
+        if not math.isfinite(x):
+            raise _fail(span, "the value is too large")
+        return x
+
+    def _tell(self, number: int, span: Span, make: Callable[[], object]) -> None:
+        """A warning once for each place, however often a loop comes by."""
+        if (number, span) not in self._told:
+            self._told.add((number, span))
+            self.findings.add(make())  # type: ignore[arg-type]
+
+
+def _operators(expr: Binary) -> Iterator[str]:
+    yield expr.operator
+    for side in (expr.left, expr.right):
+        if isinstance(side, Binary):
+            yield side.operator
+
+
+def describe_parts(parts: tuple[Expr, ...], evaluator: Evaluator) -> str:
+    """The text of a message: strings as they are, numbers with up to six digits, unknown ones as ``?``."""
+    out = []
+    for part in parts:
+        if isinstance(part, Text):
+            out.append(part.value)
+            continue
+        value = evaluator.value(part)
+        out.append("?" if isinstance(value, Unknown) else f"{value:g}")
+    return "".join(out)

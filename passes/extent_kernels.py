@@ -1,0 +1,164 @@
+"""Exact extents of trace rows: ends of lines, extremes of arcs and helices."""
+
+from __future__ import annotations
+
+import math
+
+from gproof.ir.kernel import kernel
+
+TWO_PI = 2.0 * math.pi
+
+
+@kernel()
+def arc_extreme(u0: float, v0: float, u1: float, v1: float, turns: int) -> tuple[float, float, float, float, float]:
+    """Extremes of an arc about the origin from (u0, v0) to (u1, v1): (low u, high u, low v, high v, sweep).
+
+    The plane's pair is right-handed; counter-clockwise for positive turns. Where the two radii differ
+    the larger one counts, so the box is never too small.
+    """
+    start = math.atan2(v0, u0)
+    sign = 1.0 if turns > 0 else -1.0
+    sweep = (math.atan2(v1, u1) - start) * sign
+    if sweep <= 0.0:
+        sweep += TWO_PI
+    if sweep <= 0.0:
+        sweep += TWO_PI
+    if u0 == u1 and v0 == v1:
+        sweep = TWO_PI
+    whole = abs(turns) > 1
+    radius = max(math.sqrt(u0 * u0 + v0 * v0), math.sqrt(u1 * u1 + v1 * v1))
+    low_u, high_u = min(u0, u1), max(u0, u1)
+    low_v, high_v = min(v0, v1), max(v0, v1)
+    for quarter in range(4):
+        ahead = (quarter * (math.pi / 2.0) - start) * sign
+        while ahead < 0.0:
+            ahead += TWO_PI
+        while ahead >= TWO_PI:
+            ahead -= TWO_PI
+        if whole or ahead <= sweep:
+            if quarter == 0:
+                high_u = max(high_u, radius)
+            elif quarter == 1:
+                high_v = max(high_v, radius)
+            elif quarter == 2:
+                low_u = min(low_u, -radius)
+            else:
+                low_v = min(low_v, -radius)
+    return low_u, high_u, low_v, high_v, sweep + (abs(turns) - 1) * TWO_PI
+
+
+@kernel(seconds_per_unit=6e-6, compile_seconds=3.0)
+def row_boxes(op, to, center, turns, plane, frame, guard_off, state, position, known, lower, upper, low, high,
+              low_row, high_row, bad_row, bad_axis, bad_reach):  # fmt: skip # type: ignore[no-untyped-def]
+    """Extents by frame and guard, and the rows beyond known limits.
+
+    position: (6,) before the first row, updated; known: (frames, 6) 1 where the axis is known in that frame;
+    lower, upper: (2, 6) limits with guard on and off, infinite where there are none; low, high:
+    (2 * frames, 6) extents at 2 * frame + guard off, updated; low_row, high_row: rows of those extremes;
+    bad_*: the first offending (row, axis, reach). Returns the number of offences, which may exceed their size.
+    """
+    bad = 0
+    for row in range(len(op)):
+        if op[row] >= 10:
+            continue
+        off = guard_off[state[row]]
+        f = frame[row]
+        slot = 2 * f + off
+        for axis in range(6):
+            least = most = to[row, axis]
+            if op[row] == 3 and axis < 3:
+                p = plane[row]
+                u = 0 if p == 1 else (2 if p == 2 else 1)
+                v = 1 if p == 1 else (0 if p == 2 else 2)
+                if axis == u or axis == v:
+                    cu, cv = center[row, u], center[row, v]
+                    a, b, c, d, _ = arc_extreme(
+                        position[u] - cu, position[v] - cv, to[row, u] - cu, to[row, v] - cv, turns[row]
+                    )
+                    if axis == u:
+                        least, most = min(least, cu + a), max(most, cu + b)
+                    else:
+                        least, most = min(least, cv + c), max(most, cv + d)
+            if least < low[slot, axis]:
+                low[slot, axis] = least
+                low_row[slot, axis] = row
+            if most > high[slot, axis]:
+                high[slot, axis] = most
+                high_row[slot, axis] = row
+            if known[f, axis] == 1:
+                if least < lower[off, axis]:
+                    if bad < len(bad_row):
+                        bad_row[bad] = row
+                        bad_axis[bad] = axis
+                        bad_reach[bad] = least
+                    bad += 1
+                if most > upper[off, axis]:
+                    if bad < len(bad_row):
+                        bad_row[bad] = row
+                        bad_axis[bad] = axis
+                        bad_reach[bad] = most
+                    bad += 1
+        for axis in range(6):
+            position[axis] = to[row, axis]
+    return bad
+
+
+@kernel(seconds_per_unit=4e-6, compile_seconds=2.0)
+def radius_errors(op, to, center, turns, plane, state, tolerance, position, rows, start, end):  # fmt: skip # type: ignore[no-untyped-def]
+    """Arcs whose start and end radius differ by more than ``tolerance[state]`` mm: rows with both radii.
+
+    position: (6,) before the first row, updated. Returns their number, which may exceed the size of ``rows``.
+    """
+    found = 0
+    for row in range(len(op)):
+        if op[row] == 3:
+            p = plane[row]
+            u = 0 if p == 1 else (2 if p == 2 else 1)
+            v = 1 if p == 1 else (0 if p == 2 else 2)
+            u0, v0 = position[u] - center[row, u], position[v] - center[row, v]
+            u1, v1 = to[row, u] - center[row, u], to[row, v] - center[row, v]
+            r0, r1 = math.sqrt(u0 * u0 + v0 * v0), math.sqrt(u1 * u1 + v1 * v1)
+            if abs(r0 - r1) > tolerance[state[row]]:
+                if found < len(rows):
+                    rows[found] = row
+                    start[found] = r0
+                    end[found] = r1
+                found += 1
+        if op[row] < 10:
+            for axis in range(6):
+                position[axis] = to[row, axis]
+    return found
+
+
+@kernel(seconds_per_unit=6e-6, compile_seconds=3.0)
+def rows_near(op, to, center, turns, plane, position, box_low, box_high, rows):  # fmt: skip # type: ignore[no-untyped-def]
+    """Moving rows whose X Y Z extent meets a box: their numbers into ``rows`` (as long as ``op``); returns how many."""
+    found = 0
+    least = [0.0, 0.0, 0.0]
+    most = [0.0, 0.0, 0.0]
+    for row in range(len(op)):
+        if op[row] >= 10:
+            continue
+        for axis in range(3):
+            least[axis] = min(position[axis], to[row, axis])
+            most[axis] = max(position[axis], to[row, axis])
+        if op[row] == 3:
+            p = plane[row]
+            u = 0 if p == 1 else (2 if p == 2 else 1)
+            v = 1 if p == 1 else (0 if p == 2 else 2)
+            cu, cv = center[row, u], center[row, v]
+            a, b, c, d, _ = arc_extreme(
+                position[u] - cu, position[v] - cv, to[row, u] - cu, to[row, v] - cv, turns[row]
+            )
+            least[u], most[u] = min(least[u], cu + a), max(most[u], cu + b)
+            least[v], most[v] = min(least[v], cv + c), max(most[v], cv + d)
+        meets = True
+        for axis in range(3):
+            if most[axis] <= box_low[axis] or least[axis] >= box_high[axis]:
+                meets = False
+        if meets:
+            rows[found] = row
+            found += 1
+        for axis in range(6):
+            position[axis] = to[row, axis]
+    return found

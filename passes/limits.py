@@ -1,0 +1,250 @@
+"""Soft limits: every position of the path, arcs and helices by their exact extents.
+
+An axis whose offset nobody stated gives a condition: the range of that offset for which the whole job fits.
+Limits: Eding CNC manual 2.1.2 (positive and negative limit), 4.2 (MCAGuard); the answer is a closed interval,
+positions on a limit are inside. With the guard off the physical travel decides.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from gproof.ir import codes
+from gproof.ir.finding import Findings, Severity, Span
+from gproof.ir.machine import AXES, AXIS_NAMES, Axis, Machine
+from gproof.ir.setup import Setup
+from gproof.ir.trace import UNKNOWN, Affine, Chunk, Trace
+from gproof.ir.verdict import Condition, PropertyResult, Verdict
+from gproof.passes.check import Check, form_interval, row_span
+from gproof.passes.extent_kernels import row_boxes
+from gproof.passes.values import describe
+
+ROUNDING = 1e-9
+"""mm: what the arithmetic of an exact position may add; a position this far beyond is on the limit."""
+_KEPT = 64
+
+
+class Limits(Check):
+    """The property ``limits``; also gathers the box of the job for the summary.
+
+    low, high: (6,) extents in machine coordinates of axes that are known throughout, NaN for others.
+    """
+
+    name = "limits"
+
+    def __init__(self, machine: Machine, setup: Setup, findings: Findings) -> None:
+        super().__init__(machine, setup, findings)
+        self._low = np.full((2, AXES), math.inf)
+        self._high = np.full((2, AXES), -math.inf)
+        self._low_span: dict[tuple[int, int], Span] = {}
+        self._high_span: dict[tuple[int, int], Span] = {}
+        self._limits = self._limit_arrays()
+        self._trace: Trace | None = None
+        self._used = [False] * AXES
+        self._errors = 0
+        self._first: Span | None = None
+        self._assumptions: list[str] = []
+
+    def _limit_arrays(self) -> tuple[np.ndarray, np.ndarray]:
+        lower, upper = np.full((2, AXES), -math.inf), np.full((2, AXES), math.inf)
+        for axis in self.machine.axes:
+            for guard, (low, high) in enumerate(((axis.lower, axis.upper), (axis.travel_lower, axis.travel_upper))):
+                lower[guard, axis.index] = -math.inf if low is None else low - ROUNDING
+                upper[guard, axis.index] = math.inf if high is None else high + ROUNDING
+        return lower, upper
+
+    def _grow(self, frames: int) -> None:
+        short = 2 * frames - len(self._low)
+        if short > 0:
+            self._low = np.vstack([self._low, np.full((short, AXES), math.inf)])
+            self._high = np.vstack([self._high, np.full((short, AXES), -math.inf)])
+
+    def feed(self, chunk: Chunk) -> None:
+        """Widen the extents by the chunk's rows; findings for rows beyond known limits."""
+        trace, rows = chunk.trace, chunk.rows
+        if self._trace is None:
+            self._trace = trace
+            self._begin(chunk)
+        if not len(rows):
+            return
+        self._grow(len(trace.frames))
+        forms = [[form == () for form in frame] for frame in trace.frames]
+        known = np.array(forms, dtype=np.uint8)
+        guards = np.array(["machine_area" in s.guards_off for s in trace.states], dtype=np.int64)
+        low_row = np.full(self._low.shape, -1, dtype=np.int64)
+        high_row = np.full(self._low.shape, -1, dtype=np.int64)
+        bad_row, bad_axis = np.zeros(_KEPT, dtype=np.int64), np.zeros(_KEPT, dtype=np.int64)
+        bad_reach = np.zeros(_KEPT)
+        position = np.array(chunk.start, dtype=np.float64)
+        count = row_boxes.pick(len(rows))(
+            rows["op"], rows["to"], rows["center"], rows["turns"], rows["plane"], rows["frame"], guards,
+            rows["state"], position, known, *self._limits, self._low, self._high, low_row, high_row,
+            bad_row, bad_axis, bad_reach,
+        )  # fmt: skip
+        for slot, axis in zip(*np.nonzero(low_row >= 0), strict=True):
+            self._low_span[int(slot), int(axis)] = row_span(trace, rows, int(low_row[slot, axis]))
+        for slot, axis in zip(*np.nonzero(high_row >= 0), strict=True):
+            self._high_span[int(slot), int(axis)] = row_span(trace, rows, int(high_row[slot, axis]))
+        self._errors += int(count)
+        for n in range(min(int(count), _KEPT)):
+            self._beyond(trace, chunk, int(bad_row[n]), int(bad_axis[n]), float(bad_reach[n]))
+        hidden = int(count) - _KEPT
+        if hidden > 0:
+            number = codes.SOFT_LIMIT.number
+            self.findings.counts[number] = self.findings.counts.get(number, 0) + hidden
+
+    def _begin(self, chunk: Chunk) -> None:
+        self._start = chunk.start
+        self._start_forms = chunk.trace.frames[chunk.start_frame]
+        self._first = Span(chunk.trace.files[0], 0)
+        for axis in self.machine.axes:
+            at, form = chunk.start[axis.index], self._start_forms[axis.index]
+            below = axis.lower is not None and at < axis.lower - ROUNDING
+            above = axis.upper is not None and at > axis.upper + ROUNDING
+            if form == () and (below or above):
+                self.findings.add(codes.START_OUTSIDE_LIMITS.at(self._first, axis=axis.name.upper(), value=at))
+                self._errors += 1
+
+    def _beyond(self, trace: Trace, chunk: Chunk, row: int, index: int, reach: float) -> None:
+        axis = self.machine.axis(AXIS_NAMES[index])
+        assert axis is not None
+        off = "machine_area" in trace.states[int(chunk.rows["state"][row])].guards_off
+        low, high = (axis.travel_lower, axis.travel_upper) if off else (axis.lower, axis.upper)
+        below = low is not None and reach < low
+        limit = low if below else high
+        assert limit is not None
+        side = ("travel's lower" if off else "lower") if below else ("travel's upper" if off else "upper")
+        self.findings.add(
+            codes.SOFT_LIMIT.at(
+                row_span(trace, chunk.rows, row), axis=axis.name.upper(), reached=reach, unit=axis.unit,
+                over=abs(reach - limit), side=side, limit=limit,
+            )
+        )  # fmt: skip
+
+    def finish(self) -> PropertyResult:
+        """SAFE, with conditions on unknown offsets; UNSAFE; or UNKNOWN when a limit or a position is."""
+        if self._trace is None:
+            return PropertyResult(name=self.name, verdict=Verdict.SAFE)
+        conditions: dict[Affine, list[float]] = {}
+        for index in range(AXES):
+            if self._moves(index):
+                self._judge_axis(index, conditions)
+        results = self._conditions(conditions)
+        verdict = Verdict.SAFE
+        if self._errors:
+            verdict = Verdict.UNSAFE
+        elif self.findings.has(Severity.UNKNOWN, (self.name,)):
+            verdict = Verdict.UNKNOWN
+        return PropertyResult(name=self.name, verdict=verdict, assumptions=tuple(self._assumptions), conditions=results)
+
+    def _moves(self, index: int) -> bool:
+        """True when any row brings the axis somewhere else than it stood at the start."""
+        assert self._trace is not None
+        for slot in range(len(self._low)):
+            if self._high[slot, index] < self._low[slot, index]:
+                continue
+            form = self._trace.frames[slot // 2][index]
+            moved = self._low[slot, index] != self._high[slot, index] or self._low[slot, index] != self._start[index]
+            if form != self._start_forms[index] or moved:
+                return True
+        return False
+
+    def _judge_axis(self, index: int, conditions: dict[Affine, list[float]]) -> None:
+        assert self._trace is not None and self._first is not None
+        name = AXIS_NAMES[index]
+        axis = self.machine.axis(name)
+        for slot in range(len(self._low)):
+            least, most = float(self._low[slot, index]), float(self._high[slot, index])
+            if most < least:
+                continue
+            form, off = self._trace.frames[slot // 2][index], slot % 2 == 1
+            if form == UNKNOWN:
+                self.findings.add(
+                    codes.POSITION_UNKNOWN.at(
+                        self._low_span[slot, index], axis=name.upper(), cause="something nobody stated"
+                    )
+                )
+                continue
+            low, high = self._sides(axis, off)
+            for limit, side, where in (
+                (low, "lower", self._low_span[slot, index]), (high, "upper", self._high_span[slot, index])
+            ):  # fmt: skip
+                if limit is None:
+                    what = f"physical {side}" if off else side
+                    self.findings.add(codes.LIMIT_UNKNOWN.at(where, side=what, axis=name.upper()))
+            if form == () or axis is None:
+                continue
+            bounds = conditions.setdefault(form, [-math.inf, math.inf])
+            room = [-math.inf if low is None else low - least, math.inf if high is None else high - most]
+            if room[0] > room[1] + 2 * ROUNDING:
+                self._no_room(axis, form, slot, least, most)
+            bounds[0], bounds[1] = max(bounds[0], room[0]), min(bounds[1], room[1])
+
+    def _no_room(self, axis: Axis, form: Affine, slot: int, least: float, most: float) -> None:
+        assert axis.lower is not None and axis.upper is not None
+        self._errors += 1
+        self.findings.add(
+            codes.NO_SAFE_OFFSET.at(
+                self._high_span[slot, axis.index], name=describe(form), span=most - least, unit=axis.unit,
+                room=axis.upper - axis.lower,
+            )
+        )  # fmt: skip
+
+    def _sides(self, axis: Axis | None, off: bool) -> tuple[float | None, float | None]:
+        if axis is None:
+            return None, None
+        return (axis.travel_lower, axis.travel_upper) if off else (axis.lower, axis.upper)
+
+    def _conditions(self, found: dict[Affine, list[float]]) -> tuple[Condition, ...]:
+        """Conditions that the setup does not already meet; findings where it can not or need not."""
+        out = []
+        assert self._first is not None
+        for form, (low, high) in sorted(found.items()):
+            stated = form_interval(form, self.setup)
+            if stated is not None:
+                if low - ROUNDING <= stated.low and stated.high <= high + ROUNDING:
+                    continue
+                if stated.high < low or stated.low > high:
+                    self._errors += 1
+                    self.findings.add(
+                        codes.NO_SAFE_OFFSET.at(
+                            self._first, name=describe(form), span=stated.high - stated.low, unit="mm",
+                            room=max(0.0, high - low),
+                        )
+                    )  # fmt: skip
+                else:
+                    self.findings.add(
+                        codes.POSITION_UNKNOWN.at(
+                            self._first, axis=describe(form),
+                            cause=f"its value: safe for {low:.4f} to {high:.4f}, stated {stated.low:g} to {stated.high:g}",
+                        )
+                    )  # fmt: skip
+                continue
+            if low > high:
+                continue
+            if len(form) == 1 and form[0][0].startswith("start."):
+                self._assumptions.append(f"{describe(form)} lies within {low:.4f} and {high:.4f} (machine coordinates)")
+            out.append(Condition(terms=form, low=low, high=high))
+        return tuple(out)
+
+    def box(self) -> list[tuple[str, str, float, float] | None]:
+        """(axis, what the numbers are relative to, low, high) of each axis that moves, for the summary."""
+        out: list[tuple[str, str, float, float] | None] = []
+        if self._trace is None:
+            return out
+        for index in range(AXES):
+            if not self._moves(index):
+                continue
+            by_form: dict[Affine, list[float]] = {}
+            for slot in range(len(self._low)):
+                least, most = float(self._low[slot, index]), float(self._high[slot, index])
+                if most < least:
+                    continue
+                form = self._trace.frames[slot // 2][index]
+                seen = by_form.setdefault(form, [math.inf, -math.inf])
+                seen[0], seen[1] = min(seen[0], least), max(seen[1], most)
+            for form, (least, most) in by_form.items():
+                out.append((AXIS_NAMES[index], describe(form), least, most))
+        return out

@@ -1,0 +1,105 @@
+"""Values that may rest on unknowns: numbers, sums with unknown offsets, and the plainly unknown."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from gproof.ir.machine import AXES, AXIS_NAMES
+from gproof.ir.trace import UNKNOWN, Affine, Frame
+
+
+@dataclass(frozen=True, slots=True)
+class Unknown:
+    """A number of which nothing is known; cause: what nobody stated, for the message."""
+
+    cause: str
+
+
+Value = float | Unknown
+
+
+def add_forms(left: Affine, right: Affine, sign: int = 1) -> Affine:
+    """left + sign * right; anything with UNKNOWN is UNKNOWN."""
+    if not right:
+        return left
+    if left == UNKNOWN or right == UNKNOWN:
+        return UNKNOWN
+    total = dict(left)
+    for symbol, coefficient in right:
+        total[symbol] = total.get(symbol, 0) + sign * coefficient
+    return tuple(sorted((s, c) for s, c in total.items() if c))
+
+
+@dataclass(frozen=True, slots=True)
+class Position:
+    """A coordinate: a number of mm or degrees plus a sum of unknown offsets."""
+
+    value: float
+    form: Affine = ()
+
+    def plus(self, other: Position) -> Position:
+        """Their sum."""
+        return Position(self.value + other.value, add_forms(self.form, other.form))
+
+    def minus(self, other: Position) -> Position:
+        """Their difference; equal forms cancel."""
+        return Position(self.value - other.value, add_forms(self.form, other.form, -1))
+
+    def moved(self, distance: float) -> Position:
+        """Shifted by a known distance."""
+        return Position(self.value + distance, self.form)
+
+
+NOWHERE = Position(0.0, UNKNOWN)
+
+
+def describe(form: Affine) -> str:
+    """A form in words: ``G54 X offset + tool 3 length``."""
+    return " + ".join(describe_symbol(s) if c == 1 else f"{c} x {describe_symbol(s)}" for s, c in form)
+
+
+def describe_symbol(symbol: str) -> str:
+    """A symbol in the words of a machinist."""
+    kind, *rest = symbol.split(".")
+    if kind == "start":
+        return f"the start position of {rest[0].upper()}"
+    if kind == "work":
+        names = ("active", "G54", "G55", "G56", "G57", "G58", "G59", "G59.1", "G59.2", "G59.3")
+        return f"{names[int(rest[0])]} {rest[1].upper()} offset"
+    if kind == "g92":
+        return f"G92 {rest[0].upper()} offset"
+    if kind == "tool":
+        return "active tool length" if rest[0] == "0" else f"length of tool {rest[0]}"
+    return "a value that nobody stated"
+
+
+class FrameTable:
+    """Interns forms and frames so that rows carry small integers."""
+
+    def __init__(self, frames: list[Frame]) -> None:
+        self.frames = frames
+        self._index = {frame: i for i, frame in enumerate(frames)}
+        self.forms: list[Affine] = [()]
+        self._form_index: dict[Affine, int] = {(): 0}
+
+    def form(self, form: Affine) -> int:
+        """A small integer for a form; 0 is "known"."""
+        index = self._form_index.get(form)
+        if index is None:
+            index = self._form_index[form] = len(self.forms)
+            self.forms.append(form)
+        return index
+
+    def frame(self, positions: list[Position]) -> int:
+        """The index of the frame in which these positions stand."""
+        p = positions
+        frame = (p[0].form, p[1].form, p[2].form, p[3].form, p[4].form, p[5].form)
+        index = self._index.get(frame)
+        if index is None:
+            index = self._index[frame] = len(self.frames)
+            self.frames.append(frame)
+        return index
+
+
+AXIS_RANGE = range(AXES)
+AXIS_INDEX = {name.upper(): i for i, name in enumerate(AXIS_NAMES)}
