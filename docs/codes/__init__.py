@@ -1,1 +1,1 @@
-"""What each finding code means, with a program that gives it and one that does not."""
+"""The explanation of every finding code, with a program that gives it and one that does not."""

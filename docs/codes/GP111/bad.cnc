@@ -1,0 +1,3 @@
+G21 G17 G90 G94 G54
+S8000 T1 M6 M3 M8 M48 M1       ; expect: GP111
+M30

@@ -1,0 +1,9 @@
+G21 G17 G90 G94 G54
+G0 X20 Y20
+F400
+G41 D1                         ; expect: GP113
+G1 X30
+G1 Y60
+G40
+G0 Z5
+M30

@@ -1,0 +1,6 @@
+G21 G17 G90 G94 G54
+sub corner
+  G0 X10 Y10
+endsub
+gosub corner
+M30

@@ -1,0 +1,3 @@
+G21 G17 G90 G94 G54
+G10 L2 P12 X50 Y50             ; expect: GP208
+M30

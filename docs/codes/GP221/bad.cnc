@@ -1,0 +1,7 @@
+G21 G17 G90 G94 G54
+G0 Z5
+G93
+G81 X10 Y10 Z-4 R2 F6          ; expect: GP221
+G80
+G94
+M30

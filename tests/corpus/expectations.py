@@ -1,0 +1,97 @@
+"""What programs and `expect.toml` say must be found, and findings in a comparable form.
+
+`; expect: GP301` on a line: this line gives GP301. `; allow: GP301`: it may (the way back from outside of a
+limit, say). Several codes are separated by blanks.
+"""
+
+from __future__ import annotations
+
+import json
+import re
+from dataclasses import dataclass
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[2]
+JUDGED = ("error", "unknown")  # severities that decide a verdict
+
+_MARKER = re.compile(r"; (expect|allow): (GP\d{3}(?: GP\d{3})*)")
+_SHOWN = re.compile(r"^(?P<file>.*?):(?P<line>\d+):(?:\d+:)? (?P<severity>\w+) (?P<code>GP\d{3})\b", re.M)
+
+
+@dataclass(frozen=True)
+class Found:
+    """One finding: code, severity, name of the file without its folder, line (None: no line)."""
+
+    code: str
+    severity: str
+    file: str
+    line: int | None
+
+
+@dataclass(frozen=True)
+class Markers:
+    """(line, code) pairs of one program."""
+
+    expected: frozenset[tuple[int, str]]
+    allowed: frozenset[tuple[int, str]]
+
+    @property
+    def codes(self) -> set[str]:
+        """Codes that at least one line is marked with."""
+        return {code for _, code in self.expected}
+
+
+def markers(program: Path) -> Markers:
+    """The markers of a program, whatever bytes it holds."""
+    expected, allowed = set(), set()
+    for number, line in enumerate(program.read_bytes().decode("latin-1").split("\n"), start=1):
+        for match in _MARKER.finditer(line):
+            into = expected if match[1] == "expect" else allowed
+            into |= {(number, code) for code in match[2].split()}
+    return Markers(frozenset(expected), frozenset(allowed))
+
+
+def findings(report: dict) -> list[Found]:
+    """The findings of `check --format json`."""
+    return [
+        Found(
+            code=f"GP{str(item['code']).removeprefix('GP')}",
+            severity=item["severity"].lower(),
+            file=Path(item["file"]).name if item.get("file") else "",
+            line=item.get("line"),
+        )
+        for item in report["findings"]
+    ]
+
+
+def shown(text: str) -> list[Found]:
+    """The findings in text output, `file:line:col: severity GPnnn [name] message`."""
+    return [
+        Found(match["code"], match["severity"].lower(), Path(match["file"]).name, int(match["line"]))
+        for match in _SHOWN.finditer(text)
+    ]
+
+
+def report_of(stdout: str) -> dict:
+    """The JSON report, with the output itself in the message when it is none."""
+    try:
+        return json.loads(stdout)
+    except json.JSONDecodeError as error:
+        raise AssertionError(f"no JSON report ({error}):\n{stdout[:2000]}") from error
+
+
+def misplaced(found: list[Found], program: Path) -> list[str]:
+    """Where the findings in one program and its markers disagree; empty when they agree.
+
+    On a marked line a mistake may have further findings; a program without markers says nothing of lines.
+    """
+    marks = markers(program)
+    here = [one for one in found if one.file == program.name]
+    places = {(one.line, one.code) for one in here}
+    judged = {(one.line, one.code) for one in here if one.severity in JUDGED}
+    marked_lines = {line for line, _ in marks.expected}
+    missing = [f"line {line} should give {code}" for line, code in sorted(marks.expected - places)]
+    if not marked_lines:
+        return missing
+    surplus = sorted(judged - marks.expected - marks.allowed, key=str)
+    return missing + [f"line {line} should not give {code}" for line, code in surplus if line not in marked_lines]

@@ -1,0 +1,90 @@
+"""Every job of the corpus through the real command line ends as its `expect.toml` and its markers say."""
+
+from __future__ import annotations
+
+import importlib.util
+import re
+import subprocess
+import sys
+import tomllib
+from pathlib import Path
+
+import pytest
+from corpus.expectations import JUDGED, ROOT, findings, markers, misplaced, report_of
+
+CORPUS = ROOT / "corpus"
+JOBS = sorted(path.parent for path in CORPUS.glob("*/*/job.cnc"))
+EXIT = {"SAFE": 0, "UNSAFE": 1, "UNKNOWN": 2}
+
+
+def name_of(folder: Path) -> str:
+    return folder.relative_to(CORPUS).as_posix()
+
+
+def expectation(folder: Path) -> dict:
+    return tomllib.loads((folder / "expect.toml").read_text(encoding="utf-8"))
+
+
+@pytest.mark.parametrize("folder", JOBS, ids=name_of)
+def test_job_ends_as_expected(folder: Path) -> None:
+    expect = expectation(folder)
+    command = ["check", str(folder / "job.cnc"), "--machine", str(folder / expect["machine"])]
+    if "setup" in expect:
+        setup = expect["setup"]
+        command += ["--setup", setup if setup == "zero" else str(folder / setup)]
+    done = subprocess.run(
+        [sys.executable, "-m", "gproof.cli.main", *command, "--format", "json"],
+        cwd=ROOT,
+        stdin=subprocess.DEVNULL,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert "Traceback" not in done.stderr, done.stderr
+    report = report_of(done.stdout or done.stderr)
+    found = findings(report)
+    assert {one.code for one in found if one.severity in JUDGED} == set(expect["findings"]), found
+    assert report["verdict"] == expect["verdict"]
+    assert done.returncode == expect["exit"]
+    verdicts = {name: report["properties"][name]["verdict"] for name in expect.get("properties", {})}
+    assert verdicts == expect.get("properties", {})
+    assert misplaced(found, folder / "job.cnc") == []
+
+
+@pytest.mark.parametrize("folder", JOBS, ids=name_of)
+def test_expectation_is_complete(folder: Path) -> None:
+    expect = expectation(folder)
+    assert expect["title"].strip()
+    assert expect["exit"] == EXIT[expect["verdict"]]
+    assert (folder / expect["machine"]).is_file()
+    assert expect.get("setup", "zero") == "zero" or (folder / expect["setup"]).is_file()
+    assert markers(folder / "job.cnc").codes <= set(expect["findings"])
+    assert bool(expect["findings"]) == (expect["verdict"] != "SAFE")
+
+
+@pytest.mark.parametrize("script", sorted(CORPUS.glob("*/*/make_job.py")), ids=lambda path: path.parent.name)
+def test_generated_job_is_what_its_script_writes(script: Path) -> None:
+    spec = importlib.util.spec_from_file_location(f"make_{script.parent.name.replace('-', '_')}", script)
+    assert spec is not None
+    assert spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    written = "".join(f"{line}\n" for line in module.lines())
+    assert script.with_name("job.cnc").read_bytes() == written.encode("ascii")
+
+
+def test_readme_lists_every_job_under_its_verdict() -> None:
+    text = (CORPUS / "README.md").read_text(encoding="utf-8")
+    parts = re.split(r"^\*\*(Safe|Not safe|Not known)\*\*", text, flags=re.M)
+    sections = dict(zip(parts[1::2], parts[2::2], strict=True))
+    heading = {"SAFE": "Safe", "UNSAFE": "Not safe", "UNKNOWN": "Not known"}
+    for folder in JOBS:
+        link = f"[{folder.name}]({name_of(folder)}/job.cnc)"
+        holding = [name for name, body in sections.items() if link in body]
+        assert holding == [heading[expectation(folder)["verdict"]]], link
+    assert len(re.findall(r"^\| \[", text, flags=re.M)) == len(JOBS)
+
+
+def test_corpus_has_the_demo_job() -> None:
+    lines = (CORPUS / "eding" / "drilled-plate" / "job.cnc").read_text(encoding="ascii").splitlines()
+    assert 80 <= len(lines) <= 150
