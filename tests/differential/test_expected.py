@@ -1,0 +1,32 @@
+"""Traces worked out by hand from the manual: the peer agrees with them, and so does gproof.
+
+They keep the two from being wrong together, and say which of them is wrong where they differ.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from differential.compare import first_difference
+from differential.traces import EXPECTED, HERE, gproof_rows, hand_rows, peer_run, report
+
+
+def program_of(path: Path) -> Path:
+    return HERE / "programs" / f"{path.stem}.ngc"
+
+
+@pytest.mark.usefixtures("peer")
+@pytest.mark.parametrize("path", EXPECTED, ids=lambda path: path.stem)
+def test_peer_is_as_by_hand(path: Path) -> None:
+    program = program_of(path)
+    difference = first_difference(peer_run(program).rows, hand_rows(path))
+    assert difference is None, report(program, difference)
+
+
+@pytest.mark.usefixtures("gproof")
+@pytest.mark.parametrize("path", EXPECTED, ids=lambda path: path.stem)
+def test_gproof_is_as_by_hand(path: Path) -> None:
+    program = program_of(path)
+    difference = first_difference(gproof_rows(program), hand_rows(path))
+    assert difference is None, report(program, difference)

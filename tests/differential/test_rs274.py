@@ -1,0 +1,50 @@
+"""Every program means the same to gproof and to LinuxCNC's interpreter, move by move.
+
+`programs/README.md` says what each exercises and where the manual has it. `compare.py` lists the rules by
+which the two may differ.
+"""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import pytest
+from differential.compare import first_difference
+from differential.traces import HERE, PROGRAMS, gproof_rows, peer_run, report
+
+TABLE_ROW = re.compile(r"^\| \[?`([a-z0-9-]+)\.ngc`", re.MULTILINE)
+
+
+@pytest.mark.usefixtures("peer")
+@pytest.mark.parametrize("program", PROGRAMS, ids=lambda path: path.stem)
+def test_peer_accepts(program: Path) -> None:
+    """The program lies inside the language the two share; the peer's two halves agree on it."""
+    run = peer_run(program)
+    assert run.accepted, f"{program.name}: {run.error}"
+    assert run.rows[-1]["op"] == "end"
+
+
+@pytest.mark.usefixtures("peer", "gproof")
+@pytest.mark.parametrize("program", PROGRAMS, ids=lambda path: path.stem)
+def test_gproof_agrees_with_peer(program: Path) -> None:
+    difference = first_difference(gproof_rows(program), peer_run(program).rows)
+    assert difference is None, report(program, difference)
+
+
+@pytest.mark.usefixtures("gproof")
+def test_command_and_function_say_the_same() -> None:
+    program = HERE / "programs" / "long-program.ngc"
+    assert gproof_rows(program) == gproof_rows(program, in_process=True)
+
+
+def test_table_lists_every_program() -> None:
+    table = TABLE_ROW.findall((HERE / "programs" / "README.md").read_text())
+    assert sorted(table) == sorted(path.stem for path in PROGRAMS)
+    assert len(table) == len(set(table)) >= 60
+
+
+def test_every_setup_and_expectation_has_its_program() -> None:
+    stems = {path.stem for path in PROGRAMS}
+    assert {path.name.removesuffix(".setup.toml") for path in (HERE / "programs").glob("*.toml")} <= stems
+    assert {path.stem for path in (HERE / "expected").glob("*.jsonl")} <= stems
