@@ -1,6 +1,5 @@
 G21 G17 G90 G94 G54
-G0 Z5                          ; allow: GP304
-G91
-G0 X50                         ; expect: GP304
-G90
+F200
+G99 G81 X10 Y10 Z-4 R2         ; expect: GP304
+G80
 M30

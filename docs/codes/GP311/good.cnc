@@ -1,3 +1,11 @@
 G21 G17 G90 G94 G54
-G0 X10 Y10
+; the same on a smaller part, with known offsets
+G49
+F600
+G0 Z5
+G0 X0 Y330
+G1 Z-2
+G1 Y0
+G1 X480
+G0 Z5
 M30
