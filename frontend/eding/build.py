@@ -1,0 +1,301 @@
+"""The actions of the grammar: from what its rules matched to the nodes of a Program.
+
+``Builder`` has a method for each rule and alias of ``grammar.lark``; what a rule means stands there.
+"""
+
+# ruff: noqa: D102
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+from gproof.frontend.eding.prepare import Line, LineError
+from gproof.frontend.eding.scan import WORD_LETTERS
+from gproof.ir import codes
+from gproof.ir.finding import Code, Span
+from gproof.ir.program import (
+    Assign,
+    Binary,
+    Block,
+    Call,
+    Expr,
+    Guard,
+    Message,
+    Number,
+    Statement,
+    Text,
+    Unary,
+    Unsupported,
+    Variable,
+    Word,
+)
+
+if TYPE_CHECKING:
+    from lark import Token
+
+Tokens = Any
+"""What lark hands to a rule's function: tokens and the values of inner rules."""
+
+
+@dataclass(frozen=True, slots=True)
+class Structural:
+    """A line that opens, divides or closes a block of lines.
+
+    keyword: ``if else endif while endwhile sub endsub``; condition of if and while; name of sub.
+    """
+
+    keyword: str
+    span: Span
+    condition: Expr | None = None
+    name: str = ""
+
+
+Parsed = Statement | Structural
+
+
+class Part(NamedTuple):
+    """An expression on its way up: node, begin and end in the code of the line.
+
+    operator: its outermost operator when that stands without brackets (``sign`` for a sign before
+    something that is no number), else "".
+    """
+
+    node: Expr
+    begin: int
+    end: int
+    operator: str = ""
+
+
+_UNSTATED = frozenset(("band", "bor", "bxor", "<<", ">>", ">", ">=", "<", "<=", "==", "<>"))
+"""Operators that section 4.2 lists and to which no section gives a precedence."""
+_ASSOCIATIVE = frozenset(("band", "bor", "bxor"))
+
+
+def _doubtful(operator: str, inner: str) -> bool:
+    """Whether the manual leaves open how ``operator`` and an unbracketed neighbour group."""
+    if not inner or (operator == inner and inner in _ASSOCIATIVE):
+        return False
+    if inner == "sign":
+        return operator in ("**", "mod")  # the sign of a number is stated (3.2.2.1), that of other values not
+    return operator in _UNSTATED or inner in _UNSTATED
+
+
+class Builder:
+    """The actions of the grammar: each rule and alias of ``grammar.lark`` has the method of its name.
+
+    Every method takes the tokens and values of its rule in order.
+    """
+
+    def __init__(self) -> None:
+        self.file = ""
+        self.row = 0
+        self.line = Line("", "block", "", "", [0], "")
+
+    def span(self, begin: int, end: int) -> Span:
+        """The place of code[begin:end] in the source."""
+        places = self.line.places
+        last = places[end - 1] + 1 if end > begin else places[begin]
+        return Span(self.file, self.row, places[begin] + 1, last + 1)
+
+    def error(self, code: Code, begin: int, end: int, **values: Any) -> LineError:
+        """A mistake at code[begin:end]."""
+        places = self.line.places
+        return LineError(code, places[begin], places[end - 1] + 1, **values)
+
+    # ---- expressions: each gives a Part ----
+
+    def number(self, tokens: Tokens) -> Part:
+        begin, end = _range(tokens[0])
+        return Part(Number(float(tokens[0]), self.span(begin, end)), begin, end)
+
+    def negative(self, tokens: Tokens) -> Part:
+        return self._signed("neg", *tokens)
+
+    def positive(self, tokens: Tokens) -> Part:
+        return self._signed("pos", *tokens)
+
+    def _signed(self, operator: str, sign: Token, value: Part) -> Part:
+        begin = _range(sign)[0]
+        span = self.span(begin, value.end)
+        if isinstance(value.node, Number) and self.line.code[value.begin] != "[":
+            number = -value.node.value if operator == "neg" else value.node.value
+            return Part(Number(number, span), begin, value.end)
+        return Part(Unary(operator, value.node, span), begin, value.end, "sign")
+
+    def parameter(self, tokens: Tokens) -> Part:
+        begin, inner = _range(tokens[0])[0], tokens[1]
+        return Part(Variable(inner.node, self.span(begin, inner.end)), begin, inner.end)
+
+    def bracket(self, tokens: Tokens) -> Part:
+        return Part(tokens[1].node, _range(tokens[0])[0], _range(tokens[2])[1])
+
+    def function(self, tokens: Tokens) -> Part:
+        begin, inner = _range(tokens[0])[0], tokens[1]
+        node = Unary(str(tokens[0]).lower(), inner.node, self.span(begin, inner.end))
+        return Part(node, begin, inner.end)
+
+    def arctangent(self, tokens: Tokens) -> Part:
+        begin, left, right = _range(tokens[0])[0], tokens[1], tokens[3]
+        node = Binary("atan", left.node, right.node, self.span(begin, right.end))
+        return Part(node, begin, right.end)
+
+    def binary(self, tokens: Tokens) -> Part:
+        left, right, operator = tokens[0], tokens[2], str(tokens[1]).lower()
+        doubtful = _doubtful(operator, left.operator) or _doubtful(operator, right.operator)
+        span = self.span(left.begin, right.end)
+        node = Binary(operator, left.node, right.node, span, doubtful)
+        return Part(node, left.begin, right.end, operator)
+
+    # ---- items of a block ----
+
+    def word(self, tokens: Tokens) -> Word:
+        begin, end = _range(tokens[0])
+        letter = str(tokens[0]).upper()
+        value = tokens[1]
+        if letter == "N":
+            text = self.line.code[end : value.end]
+            raise self.error(codes.BAD_LINE_NUMBER, begin, value.end, text=text)
+        if letter not in WORD_LETTERS:
+            what = f"{letter!r} begins no word of this controller"
+            raise self.error(codes.SYNTAX, begin, end, what=what)
+        return Word(letter, value.node, self.span(begin, value.end))
+
+    def setting(self, tokens: Tokens) -> Assign:
+        begin, inner, value = _range(tokens[0])[0], tokens[1], tokens[2]
+        target = Variable(inner.node, self.span(begin, inner.end))
+        return Assign(target, value.node, self.span(begin, value.end))
+
+    def comment(self, tokens: Tokens) -> Comment:
+        text = str(tokens[0])[1:-1]
+        begin, end = _range(tokens[0])
+        message = _MESSAGE.match(text)
+        if message is None:
+            return Comment(text.strip(), None)
+        shown = text[message.end() :].strip()
+        span = self.span(begin, end)
+        return Comment(text.strip(), Message(kind="msg", parts=(Text(shown, span),), span=span))
+
+    def prefix(self, tokens: Tokens) -> bool:
+        """Whether the line begins with a slash; its line number is checked and forgotten."""
+        for token in tokens:
+            if token.type == "LINE_NUMBER" and not 2 <= len(token) <= 6:
+                begin, end = _range(token)
+                raise self.error(codes.BAD_LINE_NUMBER, begin, end, text=str(token)[1:])
+        return bool(tokens) and tokens[0].type == "SLASH"
+
+    def block(self, tokens: Tokens) -> list[Parsed]:
+        deleted, items = tokens[0], tokens[1:]
+        words = tuple(item for item in items if isinstance(item, Word))
+        assigns = tuple(item for item in items if isinstance(item, Assign))
+        comments = [item for item in items if isinstance(item, Comment)]
+        found: list[Parsed] = []
+        if comments and comments[-1].message is not None:  # only the last comment counts (3.2.5)
+            found.append(comments[-1].message)
+        if words or assigns:
+            comment = comments[-1].text if comments else self.line.comment
+            span = self.span(0, len(self.line.code))
+            found.append(Block(words=words, assigns=assigns, span=span, comment=comment, deleted=deleted))
+        return found
+
+    # ---- statements of chapter 4 ----
+
+    def flow(self, tokens: Tokens) -> list[Parsed]:
+        deleted = tokens[0]
+        statement = next(item for item in tokens[1:] if not isinstance(item, Comment))
+        if not deleted or (isinstance(statement, Message) and statement.kind in ("msg", "log")):
+            return [statement]
+        if isinstance(statement, Structural):
+            what = f"a block delete slash before {statement.keyword!r}"
+            raise self.error(codes.FLOW_WORD_MISPLACED, 0, 1, what=what)
+        return [Unsupported(what=f"block delete before {self.line.keyword!r}", span=statement.span)]
+
+    def if_(self, tokens: Tokens) -> Structural:
+        return Structural("if", _range_span(self, tokens), condition=tokens[1].node)
+
+    def while_(self, tokens: Tokens) -> Structural:
+        return Structural("while", _range_span(self, tokens), condition=tokens[1].node)
+
+    def else_(self, tokens: Tokens) -> Structural:
+        return Structural("else", _range_span(self, tokens))
+
+    def endif(self, tokens: Tokens) -> Structural:
+        return Structural("endif", _range_span(self, tokens))
+
+    def endwhile(self, tokens: Tokens) -> Structural:
+        return Structural("endwhile", _range_span(self, tokens))
+
+    def endsub(self, tokens: Tokens) -> Structural:
+        return Structural("endsub", _range_span(self, tokens))
+
+    def sub(self, tokens: Tokens) -> Structural:
+        return Structural("sub", _range_span(self, tokens), name=self._name(tokens[1]))
+
+    def gosub(self, tokens: Tokens) -> Call:
+        return Call(name=self._name(tokens[1]), span=_range_span(self, tokens))
+
+    def _name(self, token: Token) -> str:
+        if not _NAME.fullmatch(token):
+            begin, end = _range(token)
+            what = f"{str(token)!r} is not a name: a letter, then letters, digits and _"
+            raise self.error(codes.UNDECODABLE_NAME, begin, end, what=what)
+        return str(token).lower()
+
+    def text(self, tokens: Tokens) -> Part:
+        begin, end = _range(tokens[0])
+        return Part(Text(str(tokens[0])[1:-1], self.span(begin, end)), begin, end)
+
+    def message(self, tokens: Tokens) -> Message:
+        kind = _MESSAGE_KINDS[str(tokens[0]).lower()]
+        parts = tuple(part.node for part in tokens[1:])
+        return Message(kind=kind, parts=parts, span=_range_span(self, tokens))
+
+    def dialog(self, tokens: Tokens) -> Message:
+        parts = tuple(self._label(token) for token in tokens[1:])
+        return Message(kind="dialog", parts=parts, span=_range_span(self, tokens))
+
+    def log_file(self, tokens: Tokens) -> Message:
+        """Opening a log changes nothing that is checked, so it is a log message of its own words."""
+        parts = tuple(self._label(token) for token in tokens[1:])
+        return Message(kind="log", parts=parts, span=_range_span(self, tokens))
+
+    def _label(self, token: Token) -> Expr:
+        begin, end = _range(token)
+        span = self.span(begin, end)
+        if token.type == "NUMBER":
+            return Number(float(token), span)
+        return Text(str(token)[1:-1] if token.type == "TEXT" else str(token), span)
+
+    def guard(self, tokens: Tokens) -> Guard:
+        name = "tool_change_area" if str(tokens[0]).lower() == "tcaguard" else "machine_area"
+        return Guard(name=name, on=str(tokens[1]).lower() == "on", span=_range_span(self, tokens))
+
+    def unsupported(self, tokens: Tokens) -> Unsupported:
+        return Unsupported(what=self.line.keyword, span=_range_span(self, tokens))
+
+
+@dataclass(frozen=True, slots=True)
+class Comment:
+    """A comment in parentheses, and the message it holds."""
+
+    text: str
+    message: Message | None
+
+
+_MESSAGE = re.compile(r"[ \t]*m[ \t]*s[ \t]*g[ \t]*,", re.IGNORECASE)
+_MESSAGE_KINDS = {"msg": "msg", "warnmsg": "warning", "errmsg": "error", "logmsg": "log"}
+_NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
+
+
+def _range(token: Token) -> tuple[int, int]:
+    """Begin and end of a token in the code of its line."""
+    assert token.start_pos is not None
+    return token.start_pos, token.start_pos + len(token)
+
+
+def _range_span(builder: Builder, tokens: Tokens) -> Span:
+    """From the first to the last of a rule's tokens and values."""
+    last = tokens[-1]
+    end = last.end if isinstance(last, Part) else _range(last)[1]
+    return builder.span(_range(tokens[0])[0], end)

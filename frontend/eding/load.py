@@ -1,0 +1,120 @@
+"""An Eding job and the macro file beside it, from bytes to a Program.
+
+One pass finds the lines that are not plain (``scan.index``); those go through the grammar, everything
+between becomes block tables whose words are scanned when they run, so that a job of any length costs memory
+only for its lines with expressions and flow control.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from gproof.frontend.eding.parse import parse_line
+from gproof.frontend.eding.prepare import LineError
+from gproof.frontend.eding.scan import LineIndex, index, scan
+from gproof.frontend.eding.structure import Assembler
+from gproof.frontend.source import UTF8_MARK, read_source
+from gproof.ir import codes
+from gproof.ir.columns import Columns
+from gproof.ir.dialects import rules_named
+from gproof.ir.finding import Findings, Refusal, Severity, Span
+from gproof.ir.program import BlockTable, Program, SourceFile, Statement
+
+MACRO_FILE = "macro.cnc"
+"""Loaded with every job from the job's folder (manual 4.3)."""
+
+HELD_LINES = 2000
+HELD_IN_ALL = 200_000
+"""A table of at most so many lines holds its words, until the tables of a program hold that many."""
+
+
+def load_program(path: Path, findings: Findings, macro: Path | None = None) -> Program | None:
+    """The program in ``path``, with the subprograms of its macro file; None when a file is refused.
+
+    macro: the macro file, instead of ``macro.cnc`` in the folder of ``path``. Mistakes go into ``findings``
+    (GP101–GP124), one for each line; a line with a mistake is left out of the program.
+    """
+    program = Program(dialect="eding", rules=rules_named("eding"), scan=scan)
+    loader = _Loader(program, findings)
+    try:
+        program.body = loader.load(path)
+        beside = path.with_name(MACRO_FILE)
+        if macro is not None:
+            loader.load(macro)
+        elif beside.is_file() and path.name.lower() != MACRO_FILE:
+            loader.load(beside)
+    except Refusal as refusal:
+        findings.add(refusal.finding)
+        return None
+    loader.assembler.check_calls()
+    program.subprograms = loader.assembler.subprograms
+    if not program.body and not loader.mistakes and not loader.subprograms_in_job:
+        findings.add(codes.EMPTY_PROGRAM.at(Span(str(path), 0)))
+    return program
+
+
+class _Loader:
+    """Loads the files of one program one after another."""
+
+    def __init__(self, program: Program, findings: Findings) -> None:
+        self.program = program
+        self.findings = findings
+        self.assembler = Assembler(findings)
+        self.held = 0
+        self.mistakes = 0
+        self.subprograms_in_job = 0
+
+    def load(self, path: Path) -> tuple[Statement, ...]:
+        """Read a file; its statements outside subprograms."""
+        source = read_source(path)
+        number = len(self.program.files)
+        self.program.files.append(source)
+        limit = self.program.rules.line_length
+        begin = len(UTF8_MARK) if source.data[:3] == UTF8_MARK else 0
+        found = index(source.data, begin, limit)
+        self.program.line_count += found.line_count
+        self.assembler.begin_file(source.name)
+        self._lines(number, source, begin, found)
+        body = self.assembler.end_file()
+        if number == 0:
+            self.subprograms_in_job = len(self.assembler.subprograms)
+        return body
+
+    def _lines(self, file: int, source: SourceFile, begin: int, found: LineIndex) -> None:
+        """Tables and statements of a file in order."""
+        line = 1
+        columns = (found.line, found.begin, found.end, found.words_before)
+        for number, first, after, has_words in zip(*(c.tolist() for c in columns), strict=True):
+            if has_words:
+                self._table(file, source, line, number - 1, begin, first)
+            self._special(source, number, source.data[first:after])
+            line, begin = number + 1, after
+        if found.words_after:
+            self._table(file, source, line, found.line_count, begin, len(source.data))
+
+    def _table(self, file: int, source: SourceFile, first: int, last: int, begin: int, end: int) -> None:
+        lines = last - first + 1
+        words: Columns | None = None
+        if lines <= HELD_LINES and self.held + lines <= HELD_IN_ALL:
+            self.held += lines
+            words, _, _ = scan(source.data, begin, end, first, end - begin)
+            words = Columns(words.schema, {name: column.copy() for name, column in words.arrays.items()})
+        table = BlockTable(file=file, first_line=first, last_line=last, begin=begin, end=end, words=words)
+        self.assembler.add(table)
+
+    def _special(self, source: SourceFile, number: int, raw: bytes) -> None:
+        """A line that is not plain: statements, or a finding."""
+        limit = self.program.rules.line_length
+        raw = raw.removesuffix(b"\n").removesuffix(b"\r")
+        if len(raw) > limit:
+            span = Span(source.name, number, limit + 1, len(raw) + 1)
+            self.findings.add(codes.LINE_TOO_LONG.at(span, length=len(raw), allowed=limit))
+            self.mistakes += 1
+            return
+        try:
+            for statement in parse_line(raw, source.name, number):
+                self.assembler.add(statement)
+        except LineError as error:
+            span = Span(source.name, number, error.begin + 1, max(error.end, error.begin + 1) + 1)
+            self.findings.add(error.code.at(span, hint=error.hint, **error.values))
+            self.mistakes += error.code.severity is Severity.ERROR

@@ -1,0 +1,53 @@
+"""Lines that are not plain, through the grammar, to statements.
+
+``parse_line`` takes one raw line and gives the statements it holds; a mistake is one ``LineError`` with
+its code and place. lark is imported and the grammar built when the first such line is met.
+"""
+
+from __future__ import annotations
+
+import functools
+import re
+from importlib import resources
+from typing import TYPE_CHECKING, cast
+
+from gproof.frontend.eding.build import Builder, Parsed
+from gproof.frontend.eding.diagnose import diagnose
+from gproof.frontend.eding.prepare import decode, prepare
+
+if TYPE_CHECKING:
+    from lark import Lark
+
+
+@functools.cache
+def _grammar() -> tuple[Builder, Lark]:
+    """The parser and the object whose methods are its actions."""
+    from lark import Lark
+
+    text = resources.files("gproof.frontend.eding").joinpath("grammar.lark").read_text("utf-8")
+    builder = Builder()
+    lark = Lark(
+        text,
+        parser="lalr",
+        lexer="contextual",
+        start=["block", "flow"],
+        g_regex_flags=re.IGNORECASE,
+        maybe_placeholders=False,
+        transformer=builder,
+    )
+    return builder, lark
+
+
+def parse_line(raw: bytes, file: str, number: int) -> list[Parsed]:
+    """The statements of line ``number`` (at most a message and a block, in that order), or LineError."""
+    line = prepare(decode(raw))
+    if not line.code:
+        return []
+    builder, lark = _grammar()
+    from lark.exceptions import UnexpectedInput
+
+    builder.file, builder.row, builder.line = file, number, line
+    try:
+        return cast("list[Parsed]", lark.parse(line.code, start=line.rule))
+    except UnexpectedInput as error:
+        raise diagnose(line, error) from None

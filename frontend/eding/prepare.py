@@ -1,0 +1,138 @@
+"""A raw line made ready for the grammar: decoded, its kind told, blanks and the ``;`` comment taken out.
+
+Blanks do not change the meaning of a line except inside comments (Eding manual 3.2), so they are removed
+with a map back to the columns; texts in quotes, and statements of chapter 4 that hold names, keep theirs.
+"""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from typing import Any
+
+from gproof.ir import codes
+from gproof.ir.finding import Code
+
+FUNCTIONS = frozenset("abs acos asin atan cos exp fix fup int ln round sin sqrt tan not".split())
+STRUCTURE = frozenset("if else endif while endwhile sub endsub gosub then".split())
+"""Words that must stand on a line of their own."""
+
+_WITH_EXPRESSIONS = frozenset("if else endif while endwhile endsub msg warnmsg errmsg logmsg".split())
+_WITH_NAMES = frozenset(
+    "sub gosub dlgmsg logfile tcaguard mcaguard homeisestop setlafangle sp tanknife home hometandem"
+    " preparetandemhome moveslavetomaster movestavetomaster".split()
+)
+
+_PIECE = re.compile(
+    r"""(?P<rest>;.*)
+      | (?P<comment>\([^()]*\)) | (?P<open>\()
+      | (?P<text>"[^"]*"|[“”„][^“”„]*[“”„]) | (?P<quote>["“”„])
+      | (?P<blank>[ \t]+) | (?P<code>[^;("“”„ \t]+)""",
+    re.VERBOSE,
+)
+_HEAD = re.compile(
+    r"""[ \t]* /? [ \t]* (?:n[ \t0-9]*)? (?:\([^()]*\)[ \t]*)*
+        (?P<word> end[ \t]*(?:if|while|sub)(?![a-z]) | [a-z]+ )""",
+    re.VERBOSE | re.IGNORECASE,
+)
+_CONTROL = re.compile(r"[\x00-\x08\x0a-\x1f\x7f]")
+_BLANKS = re.compile(r"[ \t]+")
+
+
+class LineError(Exception):
+    """A mistake in a line: code, begin and end as indices into the text of the line, template values."""
+
+    def __init__(self, code: Code, begin: int, end: int, *, hint: str = "", **values: Any) -> None:
+        super().__init__(code.label)
+        self.code = code
+        self.begin = begin
+        self.end = end
+        self.hint = hint
+        self.values = values
+
+
+@dataclass(frozen=True, slots=True)
+class Line:
+    """A prepared line.
+
+    text: as written, without its end; rule: ``block`` or ``flow``; keyword: of a flow line, lower case;
+    code: what the grammar reads; places: for each character of ``code`` its index in ``text``, and one
+    more for the end; comment: the text behind a semicolon.
+    """
+
+    text: str
+    rule: str
+    keyword: str
+    code: str
+    places: list[int]
+    comment: str
+
+
+def decode(raw: bytes) -> str:
+    """Text of a line: UTF-8, else Windows-1252 as the controller writes it, else Latin-1."""
+    for encoding in ("utf-8", "cp1252"):
+        try:
+            return raw.decode(encoding)
+        except UnicodeDecodeError:
+            continue
+    return raw.decode("latin-1")
+
+
+def prepare(text: str) -> Line:
+    """Ready a line for the grammar; LineError where it can not be."""
+    control = _CONTROL.search(text)
+    if control:
+        what = f"control character U+{ord(control.group()):04X} in the line"
+        raise LineError(codes.SYNTAX, control.start(), control.end(), what=what)
+    keyword, keyword_at = _keyword(text)
+    keep_from = keyword_at if keyword in _WITH_NAMES or keyword.startswith("zhc") else len(text)
+    pieces: list[str] = []
+    places: list[int] = []
+    comment = ""
+    end = len(text)
+    for piece in _PIECE.finditer(text):
+        kind, at = piece.lastgroup, piece.start()
+        if kind == "blank" and at < keep_from:
+            continue
+        if kind == "rest":
+            comment = piece.group()[1:].strip()
+            end = at
+            break
+        if kind == "open":
+            raise _bad_comment(text, at)
+        if kind == "quote" and keyword:
+            raise LineError(codes.SYNTAX, at, len(text), what="this text has no closing quote")
+        pieces.append(piece.group())
+        places.extend(range(at, piece.end()))
+    code = "".join(pieces)
+    places.append(places[-1] + 1 if places else end)
+    return Line(text, "flow" if keyword else "block", keyword, code, places, comment)
+
+
+def _keyword(text: str) -> tuple[str, int]:
+    """The statement of chapter 4 that a line begins with and where, or ("", 0) for a line of words."""
+    head = _HEAD.match(text)
+    if head is None:
+        return "", 0
+    word = _BLANKS.sub("", head.group("word")).lower()
+    at, end = head.span("word")
+    if word in _WITH_EXPRESSIONS or word in _WITH_NAMES or word.startswith("zhc"):
+        return word, at
+    after = text[end:].lstrip(" \t")[:1]
+    is_words = (
+        len(word) == 1
+        or (word[1:] in FUNCTIONS and after == "[")
+        or (len(word) == 2 and (after in "+-.0123456789[#;("))
+        or word == "then"
+    )
+    if not is_words:
+        raise LineError(codes.SYNTAX, at, end, what=f"{word!r} is not a statement of this controller")
+    return "", 0
+
+
+def _bad_comment(text: str, at: int) -> LineError:
+    """Nested when another parenthesis opens inside and the comment is closed somewhere, else unclosed."""
+    inner = text.find("(", at + 1)
+    if inner >= 0 and text.find(")", inner) >= 0:
+        return LineError(codes.NESTED_COMMENT, inner, inner + 1)
+    return LineError(codes.UNCLOSED_COMMENT, at, len(text))

@@ -1,0 +1,125 @@
+"""Statements of a file put together: nested if and while, subprograms, tables of plain lines between them.
+
+``Assembler`` takes what the lines hold, in order, and gives the body and the subprograms; a block that is not
+closed, or closed without being open, is a finding, and what is inside it stays in the program.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+from gproof.frontend.eding.build import Parsed, Structural
+from gproof.ir import codes
+from gproof.ir.finding import Findings, Related, Span
+from gproof.ir.program import Call, Expr, If, Number, Statement, Subprogram, While
+
+
+@dataclass(slots=True)
+class _Open:
+    """A block that is open: ``file``, ``sub``, ``if`` or ``while``."""
+
+    keyword: str
+    span: Span
+    condition: Expr
+    name: str = ""
+    body: list[Statement] = field(default_factory=list)
+    otherwise: list[Statement] | None = None
+
+    @property
+    def current(self) -> list[Statement]:
+        return self.body if self.otherwise is None else self.otherwise
+
+
+_CLOSES = {"endif": "if", "endwhile": "while", "endsub": "sub"}
+
+
+class Assembler:
+    """Collects one program out of its files; see the module's text."""
+
+    def __init__(self, findings: Findings) -> None:
+        self.findings = findings
+        self.subprograms: dict[str, Subprogram] = {}
+        self.calls: list[Call] = []
+        self._stack: list[_Open] = []
+
+    def begin_file(self, file: str) -> None:
+        """Start with the first line of a file."""
+        start = Span(file, 0)
+        self._stack = [_Open("file", start, Number(0.0, start))]
+
+    def end_file(self) -> tuple[Statement, ...]:
+        """The statements of the file outside its subprograms; what is still open is a finding."""
+        while len(self._stack) > 1:
+            self._unclosed(self._stack[-1])
+            self._close()
+        return tuple(self._stack[0].body)
+
+    def add(self, parsed: Parsed) -> None:
+        """The next statement, or the next line that opens, divides or closes a block."""
+        if not isinstance(parsed, Structural):
+            if isinstance(parsed, Call):
+                self.calls.append(parsed)
+            self._stack[-1].current.append(parsed)
+        elif parsed.keyword in _CLOSES:
+            self._end(parsed)
+        elif parsed.keyword == "else":
+            self._else(parsed)
+        else:
+            self._open(parsed)
+
+    def check_calls(self) -> None:
+        """A finding for each call of a subprogram that no file defines."""
+        for call in self.calls:
+            if call.name not in self.subprograms:
+                self.findings.add(codes.UNKNOWN_SUBPROGRAM.at(call.span, name=call.name))
+
+    def _open(self, line: Structural) -> None:
+        if line.keyword == "sub":
+            while len(self._stack) > 1:
+                self._unclosed(self._stack[-1], f"before the next 'sub' in line {line.span.line}")
+                self._close()
+        condition = line.condition if line.condition is not None else Number(0.0, line.span)
+        self._stack.append(_Open(line.keyword, line.span, condition, line.name))
+
+    def _end(self, line: Structural) -> None:
+        wanted = _CLOSES[line.keyword]
+        if all(block.keyword != wanted for block in self._stack):
+            self._unbalanced(line.span, f"{line.keyword!r} without {wanted!r}")
+            return
+        while self._stack[-1].keyword != wanted:
+            self._unclosed(self._stack[-1], f"before {line.keyword!r} in line {line.span.line}")
+            self._close()
+        self._close()
+
+    def _else(self, line: Structural) -> None:
+        innermost = self._stack[-1]
+        if innermost.keyword != "if":
+            self._unbalanced(line.span, "'else' without 'if'")
+        elif innermost.otherwise is not None:
+            first = (Related(innermost.span, "the 'if' is here"),)
+            self.findings.add(codes.UNBALANCED_BLOCK.at(line.span, what="a second 'else' for one 'if'", related=first))
+        else:
+            innermost.otherwise = []
+
+    def _close(self) -> None:
+        """Make a statement or subprogram of the innermost block and put it where it belongs."""
+        block = self._stack.pop()
+        outer = self._stack[-1].current
+        body = tuple(block.body)
+        if block.keyword == "if":
+            otherwise = tuple(block.otherwise or ())
+            outer.append(If(condition=block.condition, then=body, otherwise=otherwise, span=block.span))
+        elif block.keyword == "while":
+            outer.append(While(condition=block.condition, body=body, span=block.span))
+        elif block.name in self.subprograms:
+            first = (Related(self.subprograms[block.name].span, "the first is here"),)
+            finding = codes.DUPLICATE_SUBPROGRAM.at(block.span, name=block.name, related=first)
+            self.findings.add(finding)
+        elif block.name:
+            self.subprograms[block.name] = Subprogram(name=block.name, body=body, span=block.span)
+
+    def _unclosed(self, block: _Open, where: str = "before the end of the file") -> None:
+        self._unbalanced(block.span, f"{block.keyword!r} has no 'end{block.keyword}' {where}")
+
+    def _unbalanced(self, span: Span, what: str) -> None:
+        self.findings.add(codes.UNBALANCED_BLOCK.at(span, what=what))
