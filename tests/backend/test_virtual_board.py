@@ -171,9 +171,7 @@ def test_the_host_breaking_the_protocol_is_a_fault() -> None:
 def test_a_section_must_start_where_the_board_is() -> None:
     board = VirtualBoard(1)
     board.open()
-    section = StreamSection(
-        number=0, start=(3,), runs=(runs_of([(5, 2, 0, 1)]),), events=events_of([]), duration=20
-    )
+    section = StreamSection(number=0, start=(3,), runs=(runs_of([(5, 2, 0, 1)]),), events=events_of([]), duration=20)
     base = load(board, section)
     with pytest.raises(BoardError, match="running"):
         board.start_section(1, (5,), 0)
@@ -201,9 +199,7 @@ def test_real_time_follows_the_wall_clock() -> None:
 
 
 def test_a_board_is_made_from_the_machine_file() -> None:
-    machine = Machine(
-        name="m", axes=(), board=BoardData(tick_frequency=1000, step_pulse=0.0025, direction_setup=0.004)
-    )
+    machine = Machine(name="m", axes=(), board=BoardData(tick_frequency=1000, step_pulse=0.0025, direction_setup=0.004))
     is_ = VirtualBoard.for_machine(machine, 3).open()
     assert (is_.motors, is_.tick_frequency, is_.step_pulse, is_.direction_setup) == (3, 1000, 3, 4)
     with pytest.raises(ValueError, match="needs motors"):
