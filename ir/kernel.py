@@ -66,6 +66,7 @@ class Kernel(Generic[P, R]):
         self.seconds_per_unit = seconds_per_unit
         self.compile_seconds = compile_seconds
         self._compiled: Callable[P, R] | None = None
+        self._spent = 0.0
         functools.update_wrapper(self, function)
 
     def __call__(self, *args: P.args, **kwargs: P.kwargs) -> R:
@@ -80,7 +81,11 @@ class Kernel(Generic[P, R]):
         return self._marker().exists()
 
     def pick(self, work: float) -> Callable[P, R]:
-        """The implementation that finishes ``work`` units first."""
+        """The implementation that finishes ``work`` units first.
+
+        What earlier calls cost in Python counts too, so that many small calls end up compiled as well, at
+        the latest when they have cost as much as compiling.
+        """
         mode = os.environ.get("GPROOF_KERNELS", "")
         if mode == "python":
             return self.python
@@ -88,7 +93,8 @@ class Kernel(Generic[P, R]):
             return self.compiled()
         cost = 0.0 if "numba" in sys.modules else _IMPORT_SECONDS
         cost += _LOAD_SECONDS if self.is_cached() else self.compile_seconds
-        return self.compiled() if work * self.seconds_per_unit > cost else self.python
+        self._spent += work * self.seconds_per_unit
+        return self.compiled() if self._spent > cost else self.python
 
     def compiled(self) -> Callable[P, R]:
         """The numba version, compiled on its first call or loaded from the cache."""

@@ -267,7 +267,7 @@ def parse_ir(text: str) -> Any:
     reader = _Reader(text)
     try:
         value = reader.value()
-    except (KeyError, TypeError, OverflowError, json.JSONDecodeError) as error:
+    except (KeyError, TypeError, ArithmeticError, RecursionError, json.JSONDecodeError) as error:
         raise ValueError(f"text form: {error}") from None
     if reader.token is not None:
         raise ValueError("text form: text after the end")

@@ -31,7 +31,7 @@ class ArcRadius(Check):
         tolerance = np.array([s.arc_tolerance for s in chunk.trace.states], dtype=np.float64)
         found = np.zeros(_KEPT, dtype=np.int64)
         start, end = np.zeros(_KEPT), np.zeros(_KEPT)
-        count = radius_errors.pick(len(rows))(
+        count = radius_errors.pick(chunk.work)(
             rows["op"], rows["to"], rows["center"], rows["turns"], rows["plane"], rows["state"], tolerance,
             np.array(chunk.start, dtype=np.float64), found, start, end,
         )  # fmt: skip

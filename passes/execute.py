@@ -89,7 +89,7 @@ class Executor:
         self._state_index = -1
         self._warned: set[int] = set()
         self._moved = False
-        self.rows = RowBuffer(self.trace, [p.value for p in self.modal.position], self._frame())
+        self.rows = RowBuffer(self.trace, [p.value for p in self.modal.position], self._frame(), program.line_count)
 
     # -- running
 

@@ -78,7 +78,7 @@ class Limits(Check):
         bad_row, bad_axis = np.zeros(_KEPT, dtype=np.int64), np.zeros(_KEPT, dtype=np.int64)
         bad_reach = np.zeros(_KEPT)
         position = np.array(chunk.start, dtype=np.float64)
-        count = row_boxes.pick(len(rows))(
+        count = row_boxes.pick(chunk.work)(
             rows["op"], rows["to"], rows["center"], rows["turns"], rows["plane"], rows["frame"], guards,
             rows["state"], position, known, *self._limits, self._low, self._high, low_row, high_row,
             bad_row, bad_axis, bad_reach,
@@ -229,9 +229,9 @@ class Limits(Check):
             out.append(Condition(terms=form, low=low, high=high))
         return tuple(out)
 
-    def box(self) -> list[tuple[str, str, float, float] | None]:
+    def box(self) -> list[tuple[str, str, float, float]]:
         """(axis, what the numbers are relative to, low, high) of each axis that moves, for the summary."""
-        out: list[tuple[str, str, float, float] | None] = []
+        out: list[tuple[str, str, float, float]] = []
         if self._trace is None:
             return out
         for index in range(AXES):

@@ -14,12 +14,13 @@ CAPACITY = 1 << 15
 class RowBuffer:
     """Collects rows of the current section; ``ready`` holds chunks that can be handed on."""
 
-    def __init__(self, trace: Trace, start: Sequence[float], start_frame: int) -> None:
+    def __init__(self, trace: Trace, start: Sequence[float], start_frame: int, expected: int) -> None:
         self.trace = trace
         self.ready: list[Chunk] = []
         self.section = 0
         self.begin = 0
         self.count = 0
+        self.expected = expected
         self.start = tuple(start)
         self.start_frame = start_frame
         self.arrays: dict[str, Array] = TRACE_ROW.empty(FIRST_CAPACITY)
@@ -57,7 +58,7 @@ class RowBuffer:
         self.ready.append(
             Chunk(
                 trace=self.trace, section=self.section, begin=self.begin, start=self.start,
-                start_frame=self.start_frame, rows=rows, last=last, edges=edges,
+                start_frame=self.start_frame, rows=rows, last=last, edges=edges, expected=self.expected,
             )
         )  # fmt: skip
         if self.count:

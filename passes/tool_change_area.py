@@ -56,7 +56,7 @@ class ToolChangeArea(Check):
     def _near(self, chunk: Chunk, box: Box) -> None:
         rows = chunk.rows
         found = np.zeros(len(rows), dtype=np.int64)
-        count = rows_near.pick(len(rows))(
+        count = rows_near.pick(chunk.work)(
             rows["op"], rows["to"], rows["center"], rows["turns"], rows["plane"],
             np.array(chunk.start, dtype=np.float64), np.array([b[0] for b in box]),
             np.array([b[1] for b in box]), found,
@@ -90,7 +90,7 @@ class ToolChangeArea(Check):
         index = np.zeros((2 * frames, 6), dtype=np.int64)
         none = np.zeros(0, dtype=np.int64)
         guards = np.array(["tool_change_area" in s.guards_off for s in trace.states], dtype=np.int64)
-        row_boxes.pick(len(rows))(
+        row_boxes.pick(chunk.work)(
             rows["op"], rows["to"], rows["center"], rows["turns"], rows["plane"], rows["frame"], guards,
             rows["state"], np.array(chunk.start, dtype=np.float64), np.zeros((frames, 6), dtype=np.uint8),
             np.full((2, 6), -math.inf), np.full((2, 6), math.inf), low, high, index, index.copy(), none,

@@ -1,0 +1,96 @@
+"""``gproof dump``: a job as one of the compiler's stages, in its text form."""
+
+from __future__ import annotations
+
+import dataclasses
+from pathlib import Path
+
+import click
+
+from gproof.cli.main import UsageError
+from gproof.cli.report import print_findings
+from gproof.cli.session import Session, open_session
+from gproof.ir.finding import Severity
+from gproof.ir.program import BlockTable, If, Program, Statement, While
+from gproof.ir.text import print_lines
+from gproof.ir.verdict import Verdict
+
+
+def run_dump(
+    job: Path, *, machine: Path | None, setup: str | None, dialect: str | None, max_blocks: int, stage: str, form: str
+) -> int:
+    """Print the stage; findings go to standard error. Exit 0 when the stage was reached without error."""
+    if form == "jsonl" and stage != "trace":
+        raise UsageError("--format jsonl is for --stage trace")
+    session = open_session(job, machine=machine, setup=setup, dialect=dialect)
+    if session.program is None:
+        print_findings(session.findings, err=True)
+        return Verdict.UNSAFE.exit_code
+    if stage == "program":
+        _print(loaded(session.program))
+        reached = True
+    elif form == "jsonl":
+        reached = _jsonl(session, max_blocks)
+    else:
+        reached = _stages(session, max_blocks, stage)
+    print_findings(session.findings, err=True)
+    if session.findings.has(Severity.ERROR):
+        return Verdict.UNSAFE.exit_code
+    return 0 if reached and not session.findings.has(Severity.UNKNOWN) else Verdict.UNKNOWN.exit_code
+
+
+def _print(value: object) -> None:
+    for line in print_lines(value):
+        click.echo(line)
+
+
+def _jsonl(session: Session, budget: int) -> bool:
+    from gproof.cli.jsonl import chunk_lines, error_line
+    from gproof.passes.execute import Executor
+
+    assert session.program is not None
+    early = next((f for f in session.findings.kept if f.severity is Severity.ERROR), None)
+    if early is not None:
+        # A program that does not parse is not started.
+        click.echo(error_line(early))
+        return False
+    ex = Executor(
+        session.program, session.setup, session.machine, session.findings, budget=budget, stop_at_error=True,
+        block_delete=bool(session.setup.block_delete),
+    )  # fmt: skip
+    for chunk in ex.run():
+        for line in chunk_lines(chunk, session.machine, str(session.job)):
+            click.echo(line)
+    if ex.failed is not None:
+        click.echo(error_line(ex.failed))
+    return ex.failed is None
+
+
+def _stages(session: Session, budget: int, stage: str) -> bool:
+    from gproof.cli.compile import lower
+
+    lowered = lower(session, budget, stage)
+    value = getattr(lowered, stage)
+    if value is not None:
+        _print(value)
+    return value is not None
+
+
+def loaded(program: Program) -> Program:
+    """The program with the words of all its tables in it."""
+
+    def body(nodes: tuple[Statement, ...]) -> tuple[Statement, ...]:
+        return tuple(one(node) for node in nodes)
+
+    def one(node: Statement) -> Statement:
+        if isinstance(node, BlockTable) and node.words is None:
+            words, _, _ = program.load(node, node.begin, node.first_line, node.end - node.begin + 1)
+            return dataclasses.replace(node, words=words)
+        if isinstance(node, If):
+            return dataclasses.replace(node, then=body(node.then), otherwise=body(node.otherwise))
+        if isinstance(node, While):
+            return dataclasses.replace(node, body=body(node.body))
+        return node
+
+    subs = {name: dataclasses.replace(sub, body=body(sub.body)) for name, sub in program.subprograms.items()}
+    return dataclasses.replace(program, body=body(program.body), subprograms=subs)

@@ -1,0 +1,88 @@
+"""The trace as JSON Lines: one object a line, in order of execution; docs/trace-jsonl.md defines the keys."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Iterator
+from typing import Any
+
+from gproof.ir.finding import Finding
+from gproof.ir.machine import AXIS_NAMES, Machine
+from gproof.ir.trace import Chunk, Op, Plane
+from gproof.passes.values import describe
+
+_PLANES = {Plane.XY: ("XY", 0, 1), Plane.XZ: ("XZ", 0, 2), Plane.YZ: ("YZ", 1, 2)}
+_DIRECTIONS = {1: "cw", -1: "ccw", 0: "off"}
+_PATH_MODES = ("exact_path", "exact_stop", "continuous")
+
+
+def _number(value: float) -> float | None:
+    return None if math.isnan(value) else value
+
+
+def chunk_lines(chunk: Chunk, machine: Machine, job: str) -> Iterator[str]:
+    """The rows of a chunk, a JSON object each."""
+    trace, rows = chunk.trace, chunk.rows
+    names = [axis.name for axis in machine.axes]
+    columns = {c.name: rows[c.name].tolist() for c in rows.schema.columns}
+    for i in range(len(rows)):
+        row = {name: values[i] for name, values in columns.items()}
+        op = Op(row["op"])
+        out: dict[str, Any] = {"op": op.name.lower(), "line": row["line"]}
+        if trace.files[row["file"]] != job:
+            out["file"] = trace.files[row["file"]]
+        if op < Op.DWELL:
+            out["to"] = {n: row["to"][AXIS_NAMES.index(n)] for n in names}
+            frame = trace.frames[row["frame"]]
+            unknown = {n: describe(frame[AXIS_NAMES.index(n)]) for n in names if frame[AXIS_NAMES.index(n)]}
+            if unknown:
+                out["relative_to"] = unknown
+            if op is not Op.TRAVERSE:
+                out["feed"] = _number(row["feed"])
+            if op is Op.ARC:
+                name, p, q = _PLANES[Plane(row["plane"])]
+                out |= {"plane": name, "center": [row["center"][p], row["center"][q]], "turns": row["turns"]}
+        else:
+            out |= _event(op, row["arg"], trace.texts, row["text"])
+        yield json.dumps(out, ensure_ascii=False)
+
+
+def _event(op: Op, arg: list[float], texts: list[str], text: int) -> dict[str, Any]:
+    first, second = arg
+    match op:
+        case Op.DWELL:
+            return {"seconds": first}
+        case Op.SPINDLE:
+            return {"dir": _DIRECTIONS[int(first)], "rpm": _number(second)}
+        case Op.COOLANT:
+            return {"mist": bool(first), "flood": bool(second)}
+        case Op.TOOL_CHANGE | Op.TOOL_OFFSET:
+            return {"tool": None if math.isnan(first) else int(first)}
+        case Op.OUTPUT:
+            return {"channel": int(first), "value": second, "synchronised": False}
+        case Op.STOP:
+            return {"optional": bool(first)}
+        case Op.OFFSET:
+            return {"coordinate_system": int(first)}
+        case Op.UNITS:
+            return {"mm": first}
+        case Op.PLANE:
+            return {"plane": Plane(int(first)).name}
+        case Op.OVERRIDE:
+            return {"allowed": bool(first)}
+        case Op.PATH_MODE:
+            return {"mode": _PATH_MODES[int(first)], "tolerance": second}
+        case Op.GUARD:
+            return {"name": texts[text], "on": bool(first)}
+        case Op.MESSAGE:
+            return {"text": texts[text]}
+    return {}
+
+
+def error_line(finding: Finding) -> str:
+    """The last line of a trace that ends in an error."""
+    return json.dumps(
+        {"op": "error", "line": finding.span.line, "code": finding.code.label, "text": finding.message},
+        ensure_ascii=False,
+    )

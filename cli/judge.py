@@ -1,0 +1,144 @@
+"""Running the checks of the policy over a job: one streaming pass, or two where block delete is open."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+from gproof.cli.session import Session
+from gproof.ir import codes
+from gproof.ir.finding import Findings, Severity, Span
+from gproof.ir.trace import Chunk
+from gproof.ir.verdict import DEFAULT_POLICY, PropertyResult, Verdict, worst
+from gproof.passes.arc_radius import ArcRadius
+from gproof.passes.execute import Executor
+from gproof.passes.limits import Limits
+from gproof.passes.plan import MotionEstimate
+from gproof.passes.tool_change_area import ToolChangeArea
+
+NOT_JUDGED = ("feeds", "gouges", "compensation")
+"""Properties that no check of this version decides; named so in reports and certificates."""
+
+Observer = Callable[[Chunk], None]
+
+
+@dataclass(slots=True, kw_only=True)
+class Summary:
+    """Figures of a job. box: (axis, relative to "" or unknown offsets, low, high), mm or degrees;
+    seconds: estimated time without waits, None without machine data; at_least: some moves are not in it."""
+
+    lines: int = 0
+    blocks: int = 0
+    sections: int = 1
+    path_length: float = 0.0
+    feed_length: float = 0.0
+    seconds: float | None = None
+    at_least: bool = False
+    box: list[tuple[str, str, float, float]] = field(default_factory=list)
+
+
+@dataclass(slots=True, kw_only=True)
+class Judgement:
+    """The answer of ``check``: the verdict of the policy, each property, assumptions of the whole."""
+
+    verdict: Verdict
+    properties: list[PropertyResult]
+    assumptions: list[str]
+    summary: Summary
+    findings: Findings
+
+
+def judge(session: Session, *, budget: int, strict: bool = False, observe: Observer | None = None) -> Judgement:
+    """Judge the job under the default policy; ``observe`` sees every chunk of the first pass."""
+    findings = session.findings
+    _machine_findings(session)
+    if session.program is None:
+        properties = [PropertyResult(name="language", verdict=_language(findings))]
+        properties += [PropertyResult(name=n, verdict=Verdict.UNKNOWN) for n in DEFAULT_POLICY[1:]]
+        return Judgement(
+            verdict=worst(p.verdict for p in properties), properties=properties, assumptions=[], summary=Summary(),
+            findings=findings,
+        )  # fmt: skip
+    setting = session.setup.block_delete
+    results, summary, assumed, met = _pass(session, findings, bool(setting), budget, observe)
+    if met and setting is None:
+        other = Findings(limit=findings.limit)
+        second, _, more, _ = _pass(session, other, True, budget, None)
+        results = [_both(a, b) for a, b in zip(results, second, strict=True)]
+        seen = {(f.code.number, f.span) for f in findings.kept}
+        for f in other.kept:
+            if (f.code.number, f.span) not in seen:
+                findings.add(f)
+        assumed += [a for a in more if a not in assumed]
+        assumed.append("judged with block delete off and on")
+    results = _after_language(results, _language(findings))
+    if strict:
+        results = [
+            dataclasses.replace(r, verdict=Verdict.UNKNOWN) if r.conditions and r.verdict is Verdict.SAFE else r
+            for r in results
+        ]
+    if session.setup.name == "zero":
+        assumed.insert(0, "setup zero: homed, at machine position 0, no offsets, parameters 0, tool 0")
+    verdict = worst(r.verdict for r in results if r.name in DEFAULT_POLICY)
+    return Judgement(verdict=verdict, properties=results, assumptions=assumed, summary=summary, findings=findings)
+
+
+def _pass(
+    session: Session, findings: Findings, block_delete: bool, budget: int, observe: Observer | None
+) -> tuple[list[PropertyResult], Summary, list[str], bool]:
+    assert session.program is not None
+    machine, setup = session.machine, session.setup
+    ex = Executor(session.program, setup, machine, findings, block_delete=block_delete, budget=budget)
+    limits = Limits(machine, setup, findings)
+    checks = [limits, ToolChangeArea(machine, setup, findings), ArcRadius(machine, setup, findings)]
+    estimate = MotionEstimate(machine)
+    sections = 0
+    for chunk in ex.run():
+        for check in checks:
+            check.feed(chunk)
+        estimate.feed(chunk)
+        sections += chunk.last
+        if observe is not None:
+            observe(chunk)
+    estimate.finish()
+    results = [check.finish() for check in checks]
+    language = PropertyResult(name="language", verdict=_language(findings))
+    summary = Summary(
+        lines=session.program.line_count, blocks=ex.blocks, sections=max(1, sections),
+        path_length=estimate.path_length_mm, feed_length=estimate.feed_length_mm, seconds=estimate.seconds,
+        at_least=estimate.unknown_rows > 0, box=limits.box(),
+    )  # fmt: skip
+    return [language, *results], summary, list(ex.assumed), ex.met_deleted
+
+
+def _language(findings: Findings) -> Verdict:
+    if findings.has(Severity.ERROR, ("language", "files")):
+        return Verdict.UNSAFE
+    if findings.has(Severity.UNKNOWN, ("language", "files")):
+        return Verdict.UNKNOWN
+    return Verdict.SAFE
+
+
+def _after_language(results: list[PropertyResult], language: Verdict) -> list[PropertyResult]:
+    """What was judged on a trace that the language leaves open is not proved."""
+    out = [dataclasses.replace(results[0], verdict=language)]
+    for r in results[1:]:
+        if language is not Verdict.SAFE and r.verdict is Verdict.SAFE:
+            r = dataclasses.replace(r, verdict=Verdict.UNKNOWN, conditions=())
+        out.append(r)
+    return out
+
+
+def _both(a: PropertyResult, b: PropertyResult) -> PropertyResult:
+    """One property under two settings of a switch: both must hold."""
+    return PropertyResult(
+        name=a.name, verdict=worst((a.verdict, b.verdict)),
+        assumptions=a.assumptions + tuple(x for x in b.assumptions if x not in a.assumptions),
+        conditions=a.conditions + tuple(x for x in b.conditions if x not in a.conditions),
+    )  # fmt: skip
+
+
+def _machine_findings(session: Session) -> None:
+    for key in session.machine.not_modelled:
+        session.findings.add(codes.NOT_MODELLED_SETTING.at(Span(session.machine.name, 0), key=key))

@@ -1,0 +1,186 @@
+"""The command ``gproof``: arguments in, exit code out. Everything heavy is imported by the command that needs it.
+
+Exit codes: 0 SAFE (or done), 1 UNSAFE, 2 UNKNOWN, 3 the command itself could not run.
+"""
+
+from __future__ import annotations
+
+import os
+import sys
+from pathlib import Path
+from typing import Any
+
+import click
+
+COULD_NOT_RUN = 3
+
+
+class UsageError(click.ClickException):
+    """One line on standard error, exit 3."""
+
+    exit_code = COULD_NOT_RUN
+
+    def show(self, file: Any = None) -> None:
+        """Print the line."""
+        click.echo(f"gproof: error: {self.message}", err=True)
+
+
+def _version(context: click.Context, _: click.Parameter, wanted: bool) -> None:
+    if not wanted or context.resilient_parsing:
+        return
+    from importlib.metadata import version
+
+    click.echo(f"gproof {version('gproof')}")
+    context.exit()
+
+
+@click.group(context_settings={"help_option_names": ["-h", "--help"]}, no_args_is_help=True)
+@click.option("--version", is_flag=True, is_eager=True, expose_value=False, callback=_version, help="Show the version.")
+def cli() -> None:
+    """Check G-code before a machine sees it, compile it to certified steps, and run those on a board."""
+
+
+_JOB = click.argument("job", type=click.Path(path_type=Path))
+
+
+def _job_options(command: Any) -> Any:
+    """The options of every command that reads a job."""
+    for option in reversed(
+        (
+            click.option("--machine", type=click.Path(path_type=Path), help="Machine file (TOML or the controller's)."),
+            click.option("--setup", help="Setup file, or 'zero': homed, at machine 0, no offsets, tool 0."),
+            click.option("--dialect", type=click.Choice(["eding"]), help="Language; guessed when not given."),
+            click.option(
+                "--max-blocks", type=click.IntRange(1), default=100_000_000, help="Blocks to execute at most."
+            ),
+        )
+    ):
+        command = option(command)
+    return command
+
+
+@cli.command()
+@_JOB
+@_job_options
+@click.option("--format", "form", type=click.Choice(["text", "json"]), default="text", help="Report as text or JSON.")
+@click.option("--strict", is_flag=True, help="Conditional answers count as UNKNOWN.")
+@click.option("--picture", type=click.Path(path_type=Path), help="Write a picture of the path (SVG).")
+def check(
+    job: Path, machine: Path | None, setup: str | None, dialect: str | None, max_blocks: int, form: str,
+    strict: bool, picture: Path | None,
+) -> int:  # fmt: skip
+    """Prove or refute that JOB is safe on a machine."""
+    from gproof.cli.check import run_check
+
+    return run_check(
+        job, machine=machine, setup=setup, dialect=dialect, max_blocks=max_blocks, form=form, strict=strict,
+        picture=picture,
+    )  # fmt: skip
+
+
+@cli.command()
+@_JOB
+@_job_options
+@click.option(
+    "--stage", type=click.Choice(["program", "trace", "plan", "stream"]), required=True, help="What to print."
+)
+@click.option("--format", "form", type=click.Choice(["text", "jsonl"]), default="text", help="jsonl: trace only.")
+def dump(
+    job: Path, machine: Path | None, setup: str | None, dialect: str | None, max_blocks: int, stage: str, form: str
+) -> int:
+    """Print JOB as one of the compiler's stages."""
+    from gproof.cli.dump import run_dump
+
+    return run_dump(job, machine=machine, setup=setup, dialect=dialect, max_blocks=max_blocks, stage=stage, form=form)
+
+
+@cli.command(name="compile")
+@_JOB
+@_job_options
+@click.option("-o", "--output", type=click.Path(path_type=Path), required=True, help="The .gpx file to write.")
+@click.option("--key", type=click.Path(path_type=Path), help="Ed25519 private key (PEM) to sign with.")
+@click.option("--unsigned", is_flag=True, help="Write the certificate without a signature.")
+def compile_(
+    job: Path, machine: Path | None, setup: str | None, dialect: str | None, max_blocks: int, output: Path,
+    key: Path | None, unsigned: bool,
+) -> int:  # fmt: skip
+    """Compile JOB to a certified step stream."""
+    from gproof.cli.compile import run_compile
+
+    return run_compile(
+        job, machine=machine, setup=setup, dialect=dialect, max_blocks=max_blocks, output=output, key=key,
+        unsigned=unsigned,
+    )  # fmt: skip
+
+
+@cli.command()
+@click.argument("package", type=click.Path(path_type=Path))
+@click.option("--machine", type=click.Path(path_type=Path), help="Also require that it was made for this machine.")
+@click.option("--trust", type=click.Path(path_type=Path), multiple=True, help="Public key (PEM) to accept; repeatable.")
+def verify(package: Path, machine: Path | None, trust: tuple[Path, ...]) -> int:
+    """Validate a certified stream again, from its parts alone."""
+    from gproof.cli.verify import run_verify
+
+    return run_verify(package, machine=machine, trust=trust)
+
+
+@cli.command()
+@click.argument("package", type=click.Path(path_type=Path))
+@click.option("--board", type=click.Choice(["virtual"]), required=True, help="Where to run it.")
+@click.option("--record", type=click.Path(path_type=Path), help="Write the execution record (JSON) here.")
+@click.option("--real-time", is_flag=True, help="As slow as the real machine.")
+@click.option("--hold-at", type=click.FloatRange(0), help="Feed hold at this second of the first section.")
+@click.option("--estop-at", type=click.FloatRange(0), help="Emergency stop at this second.")
+@click.option("--override", type=click.FloatRange(0.1, 2.0), help="Feed override, 1 is 100 %.")
+@click.option("--yes", is_flag=True, help="Answer the job's operator stops without asking.")
+def run(
+    package: Path, board: str, record: Path | None, real_time: bool, hold_at: float | None, estop_at: float | None,
+    override: float | None, yes: bool,
+) -> int:  # fmt: skip
+    """Run a certified stream on a board; it is validated again before anything moves."""
+    from gproof.cli.run import run_run
+
+    return run_run(
+        package, board=board, record=record, real_time=real_time, hold_at=hold_at, estop_at=estop_at,
+        override=override, yes=yes,
+    )  # fmt: skip
+
+
+@cli.command()
+@click.argument("code")
+def explain(code: str) -> int:
+    """Explain a finding, such as GP301."""
+    from gproof.cli.explain import run_explain
+
+    return run_explain(code)
+
+
+def main(arguments: list[str] | None = None) -> int:
+    """Run the command line; returns the exit code, never raises for anything a user can cause."""
+    try:
+        result = cli.main(args=arguments, prog_name="gproof", standalone_mode=False)
+    except click.UsageError as error:
+        where = error.ctx.command_path if error.ctx else "gproof"
+        click.echo(f"{where}: error: {error.format_message()}", err=True)
+        return COULD_NOT_RUN
+    except click.ClickException as error:
+        error.show()
+        return COULD_NOT_RUN
+    except (click.Abort, KeyboardInterrupt):
+        click.echo("gproof: interrupted", err=True)
+        return COULD_NOT_RUN
+    except BrokenPipeError:
+        # The reader went away (``| head``): nothing left to say, and nothing to flush at exit either.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return COULD_NOT_RUN
+    except OSError as error:
+        click.echo(f"gproof: error: {error.strerror or error}: {error.filename or ''}".rstrip(": "), err=True)
+        return COULD_NOT_RUN
+    except MemoryError:
+        click.echo("gproof: error: not enough memory", err=True)
+        return COULD_NOT_RUN
+    return result if isinstance(result, int) else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,133 @@
+"""Findings as text with the source line and a caret, in the shape of compilers; colours on a terminal only."""
+
+from __future__ import annotations
+
+import os
+import sys
+
+import click
+
+from gproof.ir.codes import CODES
+from gproof.ir.finding import Finding, Findings, Severity, Span
+
+COLOURS = {
+    Severity.ERROR: "red",
+    Severity.UNKNOWN: "magenta",
+    Severity.WARNING: "yellow",
+    Severity.NOTE: "cyan",
+}
+_LONGEST = 160
+_ORDER = [Severity.ERROR, Severity.UNKNOWN, Severity.WARNING, Severity.NOTE]
+
+
+def coloured(err: bool = False) -> bool:
+    """True when the output is a terminal and NO_COLOR is not set."""
+    stream = sys.stderr if err else sys.stdout
+    return stream.isatty() and "NO_COLOR" not in os.environ
+
+
+def source_lines(path: str, wanted: set[int]) -> dict[int, str]:
+    """The text of some lines of a file, read once from the top; missing ones are left out."""
+    found: dict[int, str] = {}
+    last = max(wanted, default=0)
+    try:
+        with open(path, "rb") as handle:
+            for number in range(1, last + 1):
+                raw = handle.readline(1 << 16)
+                if not raw:
+                    break
+                while not raw.endswith(b"\n") and len(raw) >= 1 << 16:
+                    more = handle.readline(1 << 20)
+                    if not more or more.endswith(b"\n"):
+                        break
+                if number in wanted:
+                    found[number] = raw.decode("utf-8", "replace").rstrip("\r\n")
+    except OSError:
+        return {}
+    return found
+
+
+def sort_key(finding: Finding) -> tuple[str, int, int, int]:
+    """By place, then by weight."""
+    return finding.span.file, finding.span.line, finding.span.column, _ORDER.index(finding.severity)
+
+
+def location(span: Span) -> str:
+    """``file:line:col`` as far as it is known."""
+    parts = [span.file]
+    if span.line:
+        parts.append(str(span.line))
+        parts.append(str(span.column or 1))
+    return ":".join(parts)
+
+
+def format_finding(finding: Finding, text: str | None, colour: bool) -> list[str]:
+    """The lines of one finding."""
+    severity = (
+        click.style(finding.severity.value, fg=COLOURS[finding.severity], bold=True)
+        if colour
+        else (finding.severity.value)
+    )
+    code = finding.code
+    out = [f"{location(finding.span)}: {severity} {code.label} [{code.name}] {finding.message}"]
+    if text is not None:
+        out += _excerpt(finding.span, text)
+    if finding.hint:
+        out.append(f"      = hint: {finding.hint}")
+    for other in finding.related:
+        out.append(f"      = {location(other.span)}: {other.message}")
+    return out
+
+
+def _excerpt(span: Span, text: str) -> list[str]:
+    column, end = span.column, span.end_column
+    if len(text) > _LONGEST:
+        shift = max(0, min(column - _LONGEST // 2, len(text) - _LONGEST))
+        text, column, end = text[shift : shift + _LONGEST], column - shift, end - shift
+    plain = "".join(c if c.isprintable() else " " for c in text.expandtabs(1))
+    out = [f"{span.line:5d} | {plain.rstrip()}"]
+    if span.column:
+        width = max(1, min(end, len(plain) + 1) - column)
+        out.append(f"      | {' ' * (column - 1)}^{'~' * (width - 1)}")
+    return out
+
+
+def print_findings(findings: Findings, *, err: bool = False) -> None:
+    """All kept findings by place, with what was left out counted at the end."""
+    colour = coloured(err)
+    by_file: dict[str, set[int]] = {}
+    for f in findings.kept:
+        if f.span.line:
+            by_file.setdefault(f.span.file, set()).add(f.span.line)
+    texts = {name: source_lines(name, lines) for name, lines in by_file.items()}
+    for finding in sorted(findings.kept, key=sort_key):
+        text = texts.get(finding.span.file, {}).get(finding.span.line)
+        for line in format_finding(finding, text, colour):
+            click.echo(line, err=err)
+    for number in sorted(findings.counts):
+        hidden = findings.hidden(CODES[number])
+        if hidden:
+            click.echo(f"... and {hidden} more {CODES[number].label} [{CODES[number].name}]", err=err)
+
+
+def finding_json(finding: Finding) -> dict[str, object]:
+    """One finding of ``check --format json``."""
+    out: dict[str, object] = {
+        "code": finding.code.label,
+        "name": finding.code.name,
+        "severity": finding.severity.value,
+        "property": finding.code.decides,
+        "file": finding.span.file,
+        "line": finding.span.line,
+        "column": finding.span.column,
+        "end_column": finding.span.end_column,
+        "message": finding.message,
+    }
+    if finding.hint:
+        out["hint"] = finding.hint
+    if finding.related:
+        out["related"] = [
+            {"file": r.span.file, "line": r.span.line, "column": r.span.column, "message": r.message}
+            for r in finding.related
+        ]
+    return out

@@ -1,0 +1,91 @@
+"""What every command that reads a job does first: dialect, program, machine and setup, as findings or values."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from gproof.cli.main import UsageError
+from gproof.ir.finding import Findings
+from gproof.ir.machine import NO_MACHINE, Machine
+from gproof.ir.program import Program
+from gproof.ir.setup import NOTHING, ZERO, Setup
+
+
+@dataclass(slots=True, kw_only=True)
+class Session:
+    """A job with its surroundings. program is None when nothing of it could be read.
+
+    inputs: (name, sha256, role) of every file read; dialect_reason: how the dialect was found.
+    """
+
+    job: Path
+    dialect: str
+    dialect_reason: str
+    program: Program | None
+    machine: Machine
+    setup: Setup
+    machine_given: bool
+    findings: Findings = field(default_factory=Findings)
+    inputs: list[tuple[str, str, str]] = field(default_factory=list)
+
+
+def open_session(job: Path, *, machine: Path | None, setup: str | None, dialect: str | None) -> Session:
+    """Read everything; UsageError (exit 3) for files that can not be read at all."""
+    from gproof.frontend.guess import guess_dialect
+
+    _readable(job, "job")
+    findings = Findings()
+    inputs: list[tuple[str, str, str]] = []
+    reason = "as given"
+    if dialect is None:
+        dialect, reason = guess_dialect(job)
+    if dialect != "eding":
+        raise UsageError(f"{job}: looks like {dialect} ({reason}), which is not supported; --dialect overrides")
+    the_machine, the_setup = NO_MACHINE, NOTHING
+    if machine is not None:
+        from gproof.frontend.machine_file import load_machine
+
+        _readable(machine, "machine file")
+        the_machine = _loaded(load_machine(machine, findings), findings, inputs, "machine")
+    if setup == "zero":
+        the_setup = ZERO
+    elif setup is not None:
+        from gproof.frontend.setup_file import load_setup
+
+        _readable(Path(setup), "setup file")
+        the_setup = _loaded(load_setup(Path(setup), findings), findings, inputs, "setup")
+    from gproof.frontend.eding.load import load_program
+
+    program = load_program(job, findings)
+    if program is not None:
+        inputs += [(f.name, f.sha256, "source") for f in program.files]
+    return Session(
+        job=job, dialect=dialect, dialect_reason=reason, program=program, machine=the_machine, setup=the_setup,
+        machine_given=machine is not None, findings=findings, inputs=inputs,
+    )  # fmt: skip
+
+
+def _loaded(result, findings, inputs, role):  # type: ignore[no-untyped-def]
+    """Unpack (value or None, files); a file with errors stops the command with its findings."""
+    value, files = result
+    inputs += [(name, digest, role) for name, digest in files]
+    if value is None:
+        from gproof.cli.report import print_findings
+
+        print_findings(findings, err=True)
+        raise UsageError(f"the {role} file can not be used")
+    return value
+
+
+def _readable(path: Path, what: str) -> None:
+    """One clear line instead of a traceback for what is not a readable file."""
+    if not path.exists():
+        raise UsageError(f"{what} {path}: no such file")
+    if path.is_dir():
+        raise UsageError(f"{what} {path}: is a directory")
+    try:
+        with path.open("rb"):
+            pass
+    except OSError as error:
+        raise UsageError(f"{what} {path}: {error.strerror}") from None

@@ -1,0 +1,199 @@
+"""Text forms print and parse back bit for bit: every stage, arbitrary contents."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from fractions import Fraction
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from gproof.ir import machine as m
+from gproof.ir import plan, stream, trace
+from gproof.ir import program as p
+from gproof.ir.columns import Columns, Schema
+from gproof.ir.dialects import rules_named
+from gproof.ir.finding import Span
+from gproof.ir.rules import BINARY, UNARY
+from gproof.ir.setup import Interval, Setup
+from gproof.ir.text import parse_ir, print_ir
+from gproof.ir.verdict import Condition, PropertyResult, Verdict
+
+floats = st.floats(allow_nan=False)
+names = st.text(max_size=8)
+spans = st.builds(Span, names, st.integers(0, 10**9), st.integers(0, 300), st.integers(0, 300))
+
+
+def tables(schema: Schema) -> st.SearchStrategy[Columns]:
+    width = sum(np.dtype(c.dtype).itemsize * c.width for c in schema.columns)
+
+    def build(rows: list[bytes]) -> Columns:
+        arrays = {}
+        raw = np.frombuffer(b"".join(rows), dtype=np.uint8).reshape(len(rows), width)
+        at = 0
+        for c in schema.columns:
+            size = np.dtype(c.dtype).itemsize * c.width
+            part = np.ascontiguousarray(raw[:, at : at + size]).view(c.dtype)
+            part = part.reshape((len(rows), c.width) if c.width > 1 else (len(rows),))
+            if c.dtype.startswith("f"):
+                part = np.where(np.isnan(part), np.nan, part)
+            arrays[c.name] = part
+            at += size
+        return Columns(schema, arrays)
+
+    return st.lists(st.binary(min_size=width, max_size=width), max_size=4).map(build)
+
+
+expressions = st.recursive(
+    st.builds(p.Number, floats, spans) | st.builds(p.Text, names, spans),
+    lambda inner: (
+        st.builds(p.Variable, inner, spans)
+        | st.builds(p.Unary, st.sampled_from(UNARY), inner, spans)
+        | st.builds(p.Binary, st.sampled_from(BINARY), inner, inner, spans, st.booleans())
+    ),
+    max_leaves=6,
+)
+blocks = st.builds(
+    p.Block,
+    words=st.lists(st.builds(p.Word, st.sampled_from("GMXYZ"), expressions, spans), max_size=3).map(tuple),
+    assigns=st.lists(
+        st.builds(p.Assign, st.builds(p.Variable, expressions, spans), expressions, spans), max_size=2
+    ).map(tuple),
+    span=spans, comment=names, deleted=st.booleans(),
+)  # fmt: skip
+leaves = (
+    blocks
+    | st.builds(p.Call, name=names, span=spans)
+    | st.builds(p.Message, kind=names, parts=st.lists(expressions, max_size=2).map(tuple), span=spans)
+    | st.builds(p.Guard, name=names, on=st.booleans(), span=spans)
+    | st.builds(p.Unsupported, what=names, span=spans)
+    | st.builds(
+        p.BlockTable, file=st.just(0), first_line=st.integers(1, 5), last_line=st.integers(5, 9), begin=st.just(0),
+        end=st.integers(0, 9), words=tables(p.WORD) | st.none(),
+    )
+)  # fmt: skip
+statements = st.recursive(
+    leaves,
+    lambda inner: (
+        st.builds(
+            p.If, condition=expressions, then=st.lists(inner, max_size=2).map(tuple),
+            otherwise=st.lists(inner, max_size=2).map(tuple), span=spans,
+        )
+        | st.builds(p.While, condition=expressions, body=st.lists(inner, max_size=2).map(tuple), span=spans)
+    ),
+    max_leaves=5,
+)  # fmt: skip
+bodies = st.lists(statements, max_size=3).map(tuple)
+programs = st.builds(
+    p.Program, dialect=st.just("eding"), rules=st.just(rules_named("eding")),
+    files=st.lists(st.builds(p.SourceFile, name=names, sha256=names), max_size=2), body=bodies,
+    subprograms=st.dictionaries(names, st.builds(p.Subprogram, name=names, body=bodies, span=spans), max_size=2),
+    line_count=st.integers(0, 10**8),
+)  # fmt: skip
+
+optional = st.none() | floats
+axes = st.builds(
+    m.Axis, name=st.sampled_from(m.AXIS_NAMES), kind=st.sampled_from(m.AxisKind),
+    steps_per_unit=st.none() | st.fractions(), lower=optional, upper=optional, travel_lower=optional,
+    travel_upper=optional, max_velocity=optional, max_acceleration=optional, backlash=floats,
+    slaves=st.integers(0, 3),
+)  # fmt: skip
+pairs = st.tuples(floats, floats)
+areas = st.builds(m.Area, name=names, box=st.tuples(pairs, pairs, pairs))
+tools = st.builds(
+    m.Tool, number=st.integers(0, 99), length=optional, x_offset=optional, diameter=optional,
+    orientation=st.none() | st.integers(1, 9),
+)  # fmt: skip
+machines = st.builds(
+    m.Machine, name=names, axes=st.lists(axes, max_size=3).map(tuple), tool_change_area=st.none() | areas,
+    keep_out=st.lists(areas, max_size=1).map(tuple), tools=st.lists(tools, max_size=2).map(tuple),
+    controller=st.builds(m.Controller, dialect=st.none() | names, laf_angle=optional), unit=floats,
+    board=st.builds(m.Board, name=names, tick_frequency=st.integers(1, 10**9)),
+    not_modelled=st.lists(names, max_size=2).map(tuple),
+    unknown_keys=st.lists(st.tuples(names, names), max_size=2).map(tuple),
+)  # fmt: skip
+intervals = st.builds(Interval, floats, floats)
+setups = st.builds(
+    Setup, name=names, homed=st.lists(names, max_size=2).map(tuple), start=st.dictionaries(names, intervals, max_size=2),
+    work=st.dictionaries(st.tuples(st.integers(1, 9), names), intervals, max_size=2),
+    g92=st.dictionaries(names, intervals, max_size=1), tool_lengths=st.dictionaries(st.integers(), intervals, max_size=1),
+    parameters=st.dictionaries(st.integers(), floats, max_size=2), tool=st.none() | st.integers(),
+    default_offset=optional, block_delete=st.none() | st.booleans(),
+)  # fmt: skip
+
+affine = st.lists(st.tuples(names, st.integers()), max_size=2).map(tuple)
+states = st.builds(
+    trace.State, tool=st.integers(), spindle=floats, path_mode=st.sampled_from(trace.PathMode),
+    laf_angle=floats, guards_off=st.lists(names, max_size=2).map(tuple),
+)  # fmt: skip
+edges = st.builds(
+    trace.Edge, wait=st.sampled_from(trace.Wait), outcome=names, target=st.integers(-1, 3), line=st.integers()
+)
+sections = st.builds(
+    trace.TraceSection, number=st.integers(0, 3), start=st.tuples(*[floats] * 6), start_frame=st.integers(),
+    rows=tables(trace.TRACE_ROW), edges=st.lists(edges, max_size=2).map(tuple),
+)  # fmt: skip
+traces = st.builds(
+    trace.Trace, files=st.lists(names, max_size=2), calls=st.lists(names, max_size=2),
+    frames=st.lists(st.tuples(*[affine] * 6), max_size=2), states=st.lists(states, max_size=2),
+    texts=st.lists(names, max_size=2), sections=st.lists(sections, max_size=2),
+)  # fmt: skip
+plans = st.builds(
+    plan.Plan,
+    sections=st.lists(
+        st.builds(plan.PlanSection, number=st.integers(), rows=tables(plan.PLAN_ROW), duration=floats), max_size=2
+    ),
+)
+streams = st.builds(
+    stream.StepStream, tick_frequency=st.integers(1, 10**9),
+    motors=st.lists(
+        st.builds(stream.Motor, name=names, axis=st.integers(0, 5), steps_per_unit=st.fractions()), max_size=2
+    ).map(tuple),
+    sections=st.lists(
+        st.builds(
+            stream.StreamSection, number=st.integers(), start=st.lists(st.integers(), max_size=2).map(tuple),
+            runs=st.lists(tables(stream.RUN), max_size=2).map(tuple), events=tables(stream.EVENT),
+            duration=st.integers(),
+        ), max_size=2,
+    ),
+)  # fmt: skip
+results = st.builds(
+    PropertyResult, name=names, verdict=st.sampled_from(Verdict), assumptions=st.lists(names, max_size=2).map(tuple),
+    conditions=st.lists(st.builds(Condition, terms=affine, low=floats, high=floats), max_size=2).map(tuple),
+)  # fmt: skip
+
+
+@given(programs | machines | setups | traces | plans | streams | results)
+def test_parse_of_print_is_the_same_value(value: object) -> None:
+    text = print_ir(value)
+    again = parse_ir(text)
+    assert again == value
+    assert print_ir(again) == text
+
+
+@given(floats)
+def test_floats_keep_every_bit(value: float) -> None:
+    again = parse_ir(print_ir(value))
+    assert math.copysign(1.0, again) == math.copysign(1.0, value)
+    assert again == value
+
+
+@given(st.text(alphabet='()[]{}" ;abN0.1-/e\\\n', max_size=40))
+def test_broken_text_is_a_value_error(text: str) -> None:
+    try:
+        parse_ir(text)
+    except ValueError as error:
+        assert str(error)
+
+
+def test_a_field_too_many_is_refused() -> None:
+    assert dataclasses.is_dataclass(Span)
+    with pytest.raises(ValueError, match="Span has 4 fields"):
+        parse_ir('(Span "a" 1 2 3 4)')
+
+
+def test_rationals_are_exact() -> None:
+    assert parse_ir("1600/3") == Fraction(1600, 3)
