@@ -1,0 +1,206 @@
+"""gproof's machine file (TOML, schema ``gproof-machine/1``), alone or over a controller's own file.
+
+docs/machine-files.md lists every key. ``load_machine`` also reads a controller's file directly (``cnc.ini``).
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from fractions import Fraction
+from pathlib import Path
+from typing import Any
+
+from gproof.frontend.toml_table import MILLIMETRES, TomlFile, TomlTable
+from gproof.ir import codes
+from gproof.ir.finding import Findings
+from gproof.ir.machine import AXIS_NAMES, Area, Axis, AxisKind, Board, Controller, Machine, Tool
+
+SCHEMA = "gproof-machine/1"
+DIALECTS = ("eding", "wincnc", "mcuwin")
+HIGHEST_TOOL = 99
+DEEPEST_BASE = 8
+
+Files = list[tuple[str, str]]
+"""(name, sha256) of the files that were read, in order."""
+
+
+def load_machine(path: Path, findings: Findings) -> tuple[Machine | None, Files]:
+    """The machine in a TOML file or a controller's .ini file; None, with findings GP601–GP604, when it is bad."""
+    return _load(path, findings, DEEPEST_BASE)
+
+
+def _load(path: Path, findings: Findings, depth: int) -> tuple[Machine | None, Files]:
+    if path.suffix.lower() == ".ini":
+        from gproof.frontend.eding.machine_ini import load_ini
+
+        return load_ini(path, findings)
+    return _load_toml(path, findings, depth)
+
+
+def _load_toml(path: Path, findings: Findings, depth: int) -> tuple[Machine | None, Files]:
+    file = TomlFile(path, SCHEMA, findings)
+    root = file.root
+    if root is None:
+        return None, file.files
+    unit_name = root.text("units", tuple(MILLIMETRES))
+    if "units" not in root.values:
+        root.missing("units")
+    unit = MILLIMETRES[unit_name or "mm"]
+    files = file.files
+    machine: Machine | None = Machine(name=path.stem, axes=(), unit=float(unit))
+    base = root.text("base")
+    if base is not None:
+        if depth == 0:
+            root.bad("base", "files refer to one another in a circle")
+            return None, files
+        machine, more = _load(path.parent / base, findings, depth - 1)
+        files = files + more
+    if machine is None:
+        return None, files
+    machine = replace(
+        machine,
+        name=root.text("name") or machine.name,
+        axes=_axes(root, machine, unit),
+        tools=_tools(root, machine, unit),
+        controller=_controller(root, machine.controller),
+        board=_board(root, machine.board),
+    )
+    machine = _areas(root, machine, unit)
+    root.finish()
+    if file.errors:
+        return None, files
+    machine = replace(machine, unknown_keys=(*machine.unknown_keys, *file.unknown))
+    machine.verify()
+    return machine, files
+
+
+def _given(**values: Any) -> dict[str, Any]:
+    """Those that are not None."""
+    return {name: value for name, value in values.items() if value is not None}
+
+
+def _axes(root: TomlTable, machine: Machine, unit: Fraction) -> tuple[Axis, ...]:
+    axes = {axis.name: axis for axis in machine.axes}
+    outer = root.table("axes")
+    for name in outer.values if outer else ():
+        assert outer is not None
+        if name not in AXIS_NAMES:
+            outer.bad(name, f"{name!r} is no axis; axes are {', '.join(AXIS_NAMES)}")
+            continue
+        table = outer.table(name)
+        if table is not None:
+            axes[name] = _axis(table, name, axes.get(name), unit)
+    return tuple(axes[name] for name in AXIS_NAMES if name in axes)
+
+
+def _axis(table: TomlTable, name: str, before: Axis | None, unit: Fraction) -> Axis:
+    """One axis; what the table does not say stays as ``before`` has it."""
+    stated = table.text("kind", tuple(kind.value for kind in AxisKind))
+    usual = AxisKind.LINEAR if name in "xyz" else AxisKind.ROTARY
+    kind = AxisKind(stated) if stated else before.kind if before else usual
+    length = unit if kind is AxisKind.LINEAR else Fraction(1)
+    steps = table.ratio("steps_per_unit")
+    axis = replace(
+        before or Axis(name=name, kind=kind),
+        kind=kind,
+        **_given(
+            steps_per_unit=None if steps is None else steps / length,
+            lower=table.number("min", unit=length),
+            upper=table.number("max", unit=length),
+            travel_lower=table.number("travel_min", unit=length),
+            travel_upper=table.number("travel_max", unit=length),
+            max_velocity=table.positive("max_velocity", unit=length),
+            max_acceleration=table.positive("max_acceleration", unit=length),
+            backlash=table.positive("backlash", unit=length, zero=True),
+            slaves=table.whole("slaves", 0, 5),
+        ),
+    )
+    for low, high, keys in (
+        (axis.lower, axis.upper, ("min", "max")),
+        (axis.travel_lower, axis.travel_upper, ("travel_min", "travel_max")),
+    ):
+        if low is not None and high is not None and low > high:
+            table.bad(keys[0] if keys[0] in table.values else keys[1], f"{keys[0]} lies above {keys[1]}")
+    table.finish()
+    return axis
+
+
+def _tools(root: TomlTable, machine: Machine, unit: Fraction) -> tuple[Tool, ...]:
+    tools = {tool.number: tool for tool in machine.tools}
+    for number, table in root.numbered("tools", 1, HIGHEST_TOOL):
+        tools[number] = replace(
+            tools.get(number, Tool(number=number)),
+            **_given(
+                length=table.number("length", unit=unit),
+                x_offset=table.number("x_offset", unit=unit),
+                diameter=table.number("diameter", unit=unit),
+                orientation=table.whole("orientation", 0, 9),
+            ),
+        )
+        table.finish()
+    return tuple(tools[number] for number in sorted(tools))
+
+
+def _controller(root: TomlTable, before: Controller) -> Controller:
+    table = root.table("controller")
+    if table is None:
+        return before
+    angle = table.positive("laf_angle", zero=True)
+    if angle is not None and angle > 180:
+        table.bad("laf_angle", "an angle between two moves is at most 180 degrees")
+    controller = replace(
+        before,
+        **_given(
+            dialect=table.text("dialect", DIALECTS),
+            laf_angle=angle,
+            interpolation_time=table.positive("interpolation_time"),
+            fifo_time=table.positive("fifo_time"),
+            max_step_frequency=table.positive("max_step_frequency"),
+            auto_tool_change=table.boolean("auto_tool_change"),
+            absolute_arc_centers=table.boolean("absolute_arc_centers"),
+            spindle_ramp_time=table.positive("spindle_ramp_time", zero=True),
+        ),
+    )
+    table.finish()
+    return controller
+
+
+def _board(root: TomlTable, before: Board) -> Board:
+    table = root.table("board")
+    if table is None:
+        return before
+    board = replace(
+        before,
+        **_given(
+            name=table.text("name"),
+            tick_frequency=table.whole("tick_frequency", 1, 10**12),
+            step_pulse=table.positive("step_pulse", zero=True),
+            direction_setup=table.positive("direction_setup", zero=True),
+        ),
+    )
+    table.finish()
+    return board
+
+
+def _areas(root: TomlTable, machine: Machine, unit: Fraction) -> Machine:
+    """``[areas.tool_change]``, and any other name as an area to keep out of."""
+    outer = root.table("areas")
+    change, keep_out = machine.tool_change_area, {area.name: area for area in machine.keep_out}
+    for name in outer.values if outer else ():
+        assert outer is not None
+        table = outer.table(name)
+        if table is None:
+            continue
+        sides = [table.interval(axis, unit=unit) for axis in "xyz"]
+        box = tuple((-math.inf, math.inf) if side is None else side for side in sides)
+        if all(side is None for side in sides):
+            file = table.file
+            file.add(codes.MISSING_KEY, ".".join(table.path), key=f"{'.'.join(table.path)}.x, .y or .z")
+        area = Area(name=name, box=(box[0], box[1], box[2]))
+        table.finish()
+        if name == "tool_change":
+            change = area
+        else:
+            keep_out[name] = area
+    return replace(machine, tool_change_area=change, keep_out=tuple(keep_out.values()))

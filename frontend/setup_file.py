@@ -1,0 +1,90 @@
+"""The setup file (TOML, schema ``gproof-setup/1``): what is known of the machine at this moment.
+
+docs/setup-files.md lists every key; all are optional, and what is not stated is unknown.
+"""
+
+from __future__ import annotations
+
+from fractions import Fraction
+from pathlib import Path
+
+from gproof.frontend.machine_file import HIGHEST_TOOL, Files
+from gproof.frontend.toml_table import MILLIMETRES, TomlFile, TomlTable, small_number
+from gproof.ir.dialects import rules_named
+from gproof.ir.finding import Findings
+from gproof.ir.machine import AXIS_NAMES
+from gproof.ir.setup import Interval, Setup
+
+SCHEMA = "gproof-setup/1"
+COORDINATE_SYSTEMS = 9
+
+
+def load_setup(path: Path, findings: Findings) -> tuple[Setup | None, Files]:
+    """The setup in a file, lengths in mm; None, with findings GP601–GP604, when it is bad."""
+    file = TomlFile(path, SCHEMA, findings)
+    root = file.root
+    if root is None:
+        return None, file.files
+    unit = MILLIMETRES[root.text("units", tuple(MILLIMETRES)) or "mm"]
+    work: dict[tuple[int, str], Interval] = {}
+    for number, table in root.numbered("work", 1, COORDINATE_SYSTEMS):
+        work |= {(number, axis): value for axis, value in _axes(table, unit).items()}
+    lengths: dict[int, Interval] = {}
+    for number, table in root.numbered("tools", 1, HIGHEST_TOOL):
+        length = table.interval("length", unit=unit)
+        if length is not None:
+            lengths[number] = Interval(*length)
+        table.finish()
+    setup = Setup(
+        name=root.text("name") or path.name,
+        homed=_homed(root),
+        start=_axes(root.table("start"), unit),
+        work=work,
+        g92=_axes(root.table("g92"), unit),
+        tool_lengths=lengths,
+        parameters=_parameters(root.table("parameters")),
+        active_work=root.whole("active_work", 1, COORDINATE_SYSTEMS),
+        tool=root.whole("tool", 0, HIGHEST_TOOL),
+        block_delete=root.boolean("block_delete"),
+        optional_stop=root.boolean("optional_stop"),
+    )
+    root.finish()
+    return (None if file.errors else setup), file.files
+
+
+def _axes(table: TomlTable | None, unit: Fraction) -> dict[str, Interval]:
+    """Values by axis name; X Y Z are lengths, A B C degrees."""
+    if table is None:
+        return {}
+    found = {}
+    for axis in AXIS_NAMES:
+        ends = table.interval(axis, unit=unit if axis in "xyz" else Fraction(1))
+        if ends is not None:
+            found[axis] = Interval(*ends)
+    table.finish()
+    return found
+
+
+def _homed(root: TomlTable) -> tuple[str, ...]:
+    value = root.take("homed")
+    if value is None:
+        return ()
+    if not isinstance(value, list) or any(axis not in AXIS_NAMES for axis in value):
+        root.bad("homed", f"not a list of axes such as {list(AXIS_NAMES[:3])}")
+        return ()
+    return tuple(axis for axis in AXIS_NAMES if axis in value)
+
+
+def _parameters(table: TomlTable | None) -> dict[int, float]:
+    """Numbered parameters in the program's own numbers."""
+    highest = rules_named("eding").highest_parameter
+    found = {}
+    for name in table.values if table else ():
+        assert table is not None
+        if small_number(name, 1, highest) is None:
+            table.bad(name, f"{name!r} is not a parameter number from 1 to {highest}")
+            continue
+        value = table.number(name)
+        if value is not None:
+            found[int(name)] = value
+    return found

@@ -1,0 +1,299 @@
+"""Reading gproof's TOML files with a finding, at its line, for everything that does not fit.
+
+``TomlFile`` reads and parses; ``TomlTable`` takes keys out of a table one by one, so that at the end it knows
+which ones nobody asked for. Decimal fractions keep their exact text (``Decimal``) until a reader rounds them.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import re
+import tomllib
+from decimal import Decimal
+from fractions import Fraction
+from pathlib import Path
+from typing import Any
+
+from gproof.ir import codes
+from gproof.ir.finding import Code, Findings, Severity, Span
+
+MILLIMETRES = {"mm": Fraction(1), "inch": Fraction(127, 5)}
+"""Millimetres in one length unit of a file."""
+
+LARGEST = Fraction(10**12)
+TINIEST = Fraction(1, 10**12)
+"""Numbers outside have no meaning in a machine; they would only overflow later."""
+
+_HEADER = re.compile(r"\s*\[\[?\s*([^\[\]]+?)\s*\]\]?\s*(?:#.*)?$")
+_KEY = re.compile(r"""\s*((?:[A-Za-z0-9_-]+|"[^"]*"|'[^']*')(?:\s*\.\s*(?:[A-Za-z0-9_-]+|"[^"]*"|'[^']*'))*)\s*=""")
+_AT_LINE = re.compile(r"\(at line (\d+), column (\d+)\)")
+
+
+class TomlFile:
+    """A file, its findings and where its keys stand. ``root`` is None when it can not be read."""
+
+    def __init__(self, path: Path, schema: str, findings: Findings) -> None:
+        self.name = str(path)
+        self.path = path
+        self.findings = findings
+        self.sha256 = ""
+        self.errors = 0
+        self.unknown: list[tuple[str, str]] = []
+        self.root: TomlTable | None = None
+        self._lines: dict[str, int] = {}
+        parsed = self._parse()
+        if parsed is not None:
+            self.root = TomlTable(self, (), parsed)
+            self._check_schema(schema)
+
+    @property
+    def files(self) -> list[tuple[str, str]]:
+        """(name, sha256) of what was read."""
+        return [(self.name, self.sha256)] if self.sha256 else []
+
+    def add(self, code: Code, where: str, /, **values: Any) -> None:
+        """A finding at the line of the dotted key ``where`` ("": the file as a whole)."""
+        self.add_at(code, Span(self.name, self.line_of(where)), **values)
+
+    def add_at(self, code: Code, span: Span, /, **values: Any) -> None:
+        """A finding at a place of this file."""
+        self.errors += code.severity is Severity.ERROR
+        self.findings.add(code.at(span, **values))
+
+    def line_of(self, key: str) -> int:
+        """Line of a dotted key, or of the nearest table that holds it, or 0."""
+        while key and key not in self._lines:
+            key = key.rpartition(".")[0]
+        return self._lines.get(key, 0)
+
+    def _parse(self) -> dict[str, Any] | None:
+        try:
+            raw = self.path.read_bytes()
+        except OSError as error:
+            self.add(codes.FILE_UNREADABLE, "", what=f"{self.name}: {error.strerror or error}")
+            return None
+        self.sha256 = hashlib.sha256(raw).hexdigest()
+        try:
+            text = raw.removeprefix(b"\xef\xbb\xbf").decode("utf-8")
+        except UnicodeDecodeError as error:
+            line = raw.count(b"\n", 0, error.start) + 1
+            what = f"byte 0x{raw[error.start]:02X} is not UTF-8"
+            self.add_at(codes.FILE_UNREADABLE, Span(self.name, line), what=what)
+            return None
+        try:
+            parsed = tomllib.loads(text, parse_float=Decimal)
+        except (tomllib.TOMLDecodeError, ValueError, ArithmeticError, RecursionError) as error:
+            place = _AT_LINE.search(str(error))
+            lines = text.count("\n") + (not text.endswith("\n"))
+            span = Span(self.name, int(place[1]), int(place[2])) if place else Span(self.name, max(lines, 1))
+            what = f"this is not TOML: {_AT_LINE.sub('', str(error)).strip() or type(error).__name__}"
+            self.add_at(codes.FILE_UNREADABLE, span, what=what)
+            return None
+        self._lines = _lines_of_keys(text)
+        return parsed
+
+    def _check_schema(self, schema: str) -> None:
+        assert self.root is not None
+        stated = self.root.text("schema")
+        if stated is None and "schema" not in self.root.values:
+            self.add(codes.MISSING_KEY, "", key="schema", hint=f'schema = "{schema}"')
+        elif stated is not None and stated != schema:
+            self.add(codes.BAD_VALUE, "schema", key="schema", what=f"{stated!r}; this gproof reads {schema!r}")
+
+
+def _lines_of_keys(text: str) -> dict[str, int]:
+    """Line of each table header and key, by dotted name; lines inside long strings may mislead, harmlessly."""
+    lines: dict[str, int] = {}
+    table = ""
+    for number, line in enumerate(text.splitlines(), 1):
+        header = _HEADER.match(line)
+        key = None if header else _KEY.match(line)
+        if header:
+            table = _plain(header[1])
+            lines.setdefault(table, number)
+        elif key:
+            lines.setdefault(f"{table}.{_plain(key[1])}".lstrip("."), number)
+    return lines
+
+
+def _plain(dotted: str) -> str:
+    return ".".join(part.strip().strip("\"'") for part in dotted.split("."))
+
+
+class TomlTable:
+    """One table of a file; every reader returns None for a missing key and for a bad value with its finding."""
+
+    def __init__(self, file: TomlFile, path: tuple[str, ...], values: dict[str, Any]) -> None:
+        self.file = file
+        self.path = path
+        self.values = values
+        self._taken: set[str] = set()
+
+    def name_of(self, key: str) -> str:
+        """The dotted name of a key of this table."""
+        return ".".join((*self.path, key))
+
+    def bad(self, key: str, what: str) -> None:
+        """A finding for the value of ``key``."""
+        self.file.add(codes.BAD_VALUE, self.name_of(key), key=self.name_of(key), what=what)
+
+    def missing(self, key: str) -> None:
+        """A finding for a key that must be there."""
+        self.file.add(codes.MISSING_KEY, ".".join(self.path), key=self.name_of(key))
+
+    def take(self, key: str) -> Any:
+        """The value as TOML has it, or None."""
+        self._taken.add(key)
+        return self.values.get(key)
+
+    def text(self, key: str, allowed: tuple[str, ...] = ()) -> str | None:
+        """A string, one of ``allowed`` when that is given."""
+        value = self.take(key)
+        if value is None:
+            return None
+        if not isinstance(value, str):
+            self.bad(key, f"{show(value)} is not a text")
+            return None
+        if allowed and value not in allowed:
+            self.bad(key, f"{value!r} is none of {', '.join(allowed)}")
+            return None
+        return value
+
+    def boolean(self, key: str) -> bool | None:
+        """``true`` or ``false``."""
+        value = self.take(key)
+        if value is None or isinstance(value, bool):
+            return value
+        self.bad(key, f"{show(value)} is not true or false")
+        return None
+
+    def whole(self, key: str, low: int, high: int) -> int | None:
+        """A whole number from low to high."""
+        value = self.take(key)
+        if value is None:
+            return None
+        exact = exact_number(value)
+        if exact is None or exact.denominator != 1 or not low <= exact <= high:
+            self.bad(key, f"{show(value)} is not a whole number from {low} to {high}")
+            return None
+        return int(exact)
+
+    def number(self, key: str, *, unit: Fraction = Fraction(1)) -> float | None:
+        """A number, times ``unit``, rounded once."""
+        value = self.take(key)
+        if value is None:
+            return None
+        exact = exact_number(value)
+        if exact is None:
+            self.bad(key, f"{show(value)} is not a number")
+            return None
+        return self._rounded(key, exact * unit)
+
+    def positive(self, key: str, *, unit: Fraction = Fraction(1), zero: bool = False) -> float | None:
+        """A number greater than 0 (or 0, when ``zero``), times ``unit``."""
+        value = self.number(key, unit=unit)
+        if value is not None and not (value > 0 or (zero and value == 0)):
+            self.bad(key, f"{show(self.values[key])} is not {'0 or ' if zero else ''}greater than 0")
+            return None
+        return value
+
+    def ratio(self, key: str) -> Fraction | None:
+        """An exact number: a TOML number, or a text such as ``"1600/5"``."""
+        value = self.take(key)
+        if value is None:
+            return None
+        exact = exact_ratio(value) if isinstance(value, str) else exact_number(value)
+        if exact is None or not TINIEST <= abs(exact) <= LARGEST:
+            self.bad(key, f'{show(value)} is not a number other than 0, or a fraction such as "1600/5"')
+            return None
+        return exact
+
+    def interval(self, key: str, *, unit: Fraction = Fraction(1)) -> tuple[float, float] | None:
+        """A number (both ends), or a list of the lower and upper end."""
+        value = self.take(key)
+        if value is None:
+            return None
+        ends = value if isinstance(value, list) else [value, value]
+        exact = [exact_number(end) for end in ends]
+        if len(exact) != 2 or exact[0] is None or exact[1] is None:
+            self.bad(key, f"{show(value)} is not a number or a list of two numbers")
+            return None
+        if exact[0] > exact[1]:
+            self.bad(key, f"the lower end {show(ends[0])} is above the upper end {show(ends[1])}")
+            return None
+        low, high = self._rounded(key, exact[0] * unit), self._rounded(key, exact[1] * unit)
+        return None if low is None or high is None else (low, high)
+
+    def table(self, key: str) -> TomlTable | None:
+        """A table in this table."""
+        value = self.take(key)
+        if value is None:
+            return None
+        if not isinstance(value, dict):
+            self.bad(key, f"{show(value)} is not a table")
+            return None
+        return TomlTable(self.file, (*self.path, key), value)
+
+    def numbered(self, key: str, low: int, high: int) -> list[tuple[int, TomlTable]]:
+        """The tables ``[key.N]`` with N from low to high."""
+        outer = self.table(key)
+        found = []
+        for name in outer.values if outer else ():
+            assert outer is not None
+            if small_number(name, low, high) is None:
+                outer.bad(name, f"{name!r} is not a number from {low} to {high}")
+                continue
+            inner = outer.table(name)
+            if inner is not None:
+                found.append((int(name), inner))
+        return found
+
+    def finish(self) -> None:
+        """A finding for each key that nobody asked for."""
+        for key in self.values:
+            if key not in self._taken:
+                name = self.name_of(key)
+                self.file.unknown.append((self.file.path.name, name))
+                self.file.add(codes.UNKNOWN_KEY, name, key=name)
+
+    def _rounded(self, key: str, exact: Fraction) -> float | None:
+        if abs(exact) > LARGEST:
+            self.bad(key, f"{show(self.values[key])} is too large")
+            return None
+        return float(exact)
+
+
+def exact_number(value: Any) -> Fraction | None:
+    """A TOML number as written, exactly; None for anything else, infinities and absurd exponents."""
+    if isinstance(value, bool):
+        return None
+    if isinstance(value, int):
+        return Fraction(value)
+    if isinstance(value, Decimal) and value.is_finite() and abs(value.adjusted()) <= 400:
+        return Fraction(value)
+    return None
+
+
+_RATIO = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+))\s*(?:/\s*(\d+\.?\d*|\.\d+)\s*)?", re.ASCII)
+
+
+def exact_ratio(text: str) -> Fraction | None:
+    """``"320.5"`` or ``"1600/5"``, exactly; None for anything else."""
+    found = _RATIO.fullmatch(text)
+    if found is None or len(text) > 80:
+        return None
+    divisor = Fraction(found[2]) if found[2] else Fraction(1)
+    return Fraction(found[1]) / divisor if divisor else None
+
+
+def small_number(name: str, low: int, high: int) -> int | None:
+    """The whole number that a key spells, when it lies in range."""
+    if name.isascii() and name.isdigit() and len(name) <= 9 and low <= int(name) <= high:
+        return int(name)
+    return None
+
+
+def show(value: Any) -> str:
+    """A value in a message, short."""
+    text = str(value).lower() if isinstance(value, bool) else str(value) if isinstance(value, Decimal) else repr(value)
+    return text if len(text) <= 40 else text[:37] + "..."
