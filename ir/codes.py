@@ -113,6 +113,7 @@ FEED_IN_OLD_UNITS = code(
 )
 NEGATIVE_FEED = code(241, "negative-feed", _E, "feed rate F{value:g} is negative")
 CYCLE_DWELL_MISSING = code(242, "cycle-dwell-missing", _E, "{code} needs a dwell time in P")
+CYCLE_SPINDLE_STOPPED = code(244, "cycle-spindle-stopped", _E, "{code} needs a turning spindle")
 OPERATOR_STOP = code(243, "operator-stop", _N, "the job waits here for the operator ({code})")
 
 # 3xx limits and areas
@@ -128,7 +129,7 @@ NO_SAFE_OFFSET = code(
     303,
     "no-safe-offset",
     _E,
-    "no offset {name} makes the job fit: it spans {span:.4f} {unit} and the axis has {room:.4f}",
+    "no offset {name} makes the job fit: it spans {extent:.4f} {unit} and the axis has {room:.4f}",
     "limits",
 )
 POSITION_UNKNOWN = code(304, "position-unknown", _U, "the position of {axis} depends on {cause}", "limits")

@@ -21,6 +21,10 @@ class Function(enum.IntEnum):
     DRILL = 6
     DRILL_DWELL = 7
     DRILL_PECK = 8
+    DRILL_CHIP_BREAK = 9
+    BORE = 10
+    BORE_STOP = 11
+    BORE_DWELL = 12
     DWELL = 20
     SET_COORDINATES = 21
     PLANE_XY = 22
@@ -66,6 +70,8 @@ class Function(enum.IntEnum):
     COOLANT_OFF = 71
     OVERRIDES_ON = 72
     OVERRIDES_OFF = 73
+    OUTPUT_ON = 74
+    OUTPUT_OFF = 75
     UNSUPPORTED = 99
 
 

@@ -1,4 +1,4 @@
-"""Canned cycles G81, G82 and G83 as the moves they make. Eding CNC manual 3.4.21."""
+"""Canned cycles G73, G81 to G83, G85, G86 and G89 as the moves they make. Eding CNC manual 3.4.21."""
 
 from __future__ import annotations
 
@@ -18,11 +18,13 @@ if TYPE_CHECKING:
 AXES_OF_PLANE = {Plane.XY: (0, 1, 2), Plane.XZ: (0, 2, 1), Plane.YZ: (1, 2, 0)}
 """The two axes of a plane and the one a cycle drills along."""
 
+_DWELLS = (Function.DRILL_DWELL, Function.BORE_STOP, Function.BORE_DWELL)
+_FED_OUT = (Function.BORE, Function.BORE_DWELL)
 MAX_PECKS = 1_000_000
 
 
 def run_cycle(ex: Executor, line: Line, rule: CodeRule) -> None:
-    """Execute one cycle line; Refusal with GP215 to GP223 or GP242."""
+    """Execute one cycle line; Refusal with GP215 to GP223, GP242 or GP244."""
     s = ex.modal
     first, second, drill = AXES_OF_PLANE[s.plane]
     letters = AXIS_NAMES[drill].upper()
@@ -43,6 +45,8 @@ def run_cycle(ex: Executor, line: Line, rule: CodeRule) -> None:
     peck = _peck(line, rule, sticky)
     repeats = _repeats(line, rule)
     _check_rotary(ex, line, rule)
+    if rule.function is Function.BORE_STOP and s.spindle_direction == 0:
+        raise Refusal(codes.CYCLE_SPINDLE_STOPPED.at(line.span, code=rule.text))
     ex.need_feed(line, rule)
     unit, absolute = s.unit, s.absolute
     if absolute:
@@ -68,13 +72,21 @@ def run_cycle(ex: Executor, line: Line, rule: CodeRule) -> None:
                 target[axis] = ex.target(axis, axes[axis])
         ex.move(Op.TRAVERSE, target, line.span)
         _along(ex, line, drill, r, Op.TRAVERSE)
-        if rule.function is Function.DRILL_PECK and peck is not None:
-            _pecks(ex, line, drill, r, depth, peck * unit, clear)
+        if peck is not None:
+            back = clear if rule.function is Function.DRILL_PECK else None
+            _pecks(ex, line, drill, r, depth, peck * unit, back)
         else:
             _along(ex, line, drill, depth, Op.FEED)
-        if rule.function is Function.DRILL_DWELL and dwell is not None:
+        if dwell is not None:
             ex.event(Op.DWELL, line.span, arg=(dwell, 0.0))
-        _along(ex, line, drill, clear, Op.TRAVERSE)
+        direction = s.spindle_direction
+        if rule.function is Function.BORE_STOP:
+            s.spindle_direction = 0
+            ex.spindle_row(line)
+        _along(ex, line, drill, clear, Op.FEED if rule.function in _FED_OUT else Op.TRAVERSE)
+        if rule.function is Function.BORE_STOP:
+            s.spindle_direction = direction
+            ex.spindle_row(line)
 
 
 def _sticky(line: Line, sticky: dict[str, float], letter: str) -> float | None:
@@ -83,7 +95,7 @@ def _sticky(line: Line, sticky: dict[str, float], letter: str) -> float | None:
 
 
 def _dwell(line: Line, rule: CodeRule, sticky: dict[str, float]) -> float | None:
-    if rule.function is not Function.DRILL_DWELL:
+    if rule.function not in _DWELLS:
         return None
     seconds = _sticky(line, sticky, "P")
     if seconds is None:
@@ -94,7 +106,7 @@ def _dwell(line: Line, rule: CodeRule, sticky: dict[str, float]) -> float | None
 
 
 def _peck(line: Line, rule: CodeRule, sticky: dict[str, float]) -> float | None:
-    if rule.function is not Function.DRILL_PECK:
+    if rule.function not in (Function.DRILL_PECK, Function.DRILL_CHIP_BREAK):
         return None
     peck = _sticky(line, sticky, "Q")
     if peck is None or peck <= 0:
@@ -150,16 +162,20 @@ def _along(ex: Executor, line: Line, drill: int, to: Position, op: Op) -> None:
 
 
 def _pecks(ex: Executor, line: Line, drill: int, r: Position, depth: Position, peck: float, clear: Position) -> None:
-    """G83: feed a peck, out to the clear position, back down to just above the bottom, until the depth."""
+    """Feed a peck, out, back down to just above the bottom, until the depth.
+
+    Out is the clear position (G83), or the length of a peck but not beyond R (G73, clear None).
+    """
     total = r.value - depth.value
     pecks = int(total / peck) + 2
     if pecks > MAX_PECKS:
-        raise Refusal(codes.CYCLE_PECK.at(line.where("Q"), code="G83", given=f"; {pecks} pecks are too many"))
+        raise Refusal(codes.CYCLE_PECK.at(line.where("Q"), code="the cycle", given=f"; {pecks} pecks are too many"))
     back_off = min(ex.modal.rules.peck_clearance_mm, peck)
     for k in range(1, pecks + 1):
         bottom = Position(max(r.value - k * peck, depth.value), depth.form)
         _along(ex, line, drill, bottom, Op.FEED)
         if bottom.value <= depth.value:
             return
-        _along(ex, line, drill, clear, Op.TRAVERSE)
+        out = Position(min(bottom.value + peck, r.value), bottom.form) if clear is None else clear
+        _along(ex, line, drill, out, Op.TRAVERSE)
         _along(ex, line, drill, Position(min(bottom.value + back_off, r.value), bottom.form), Op.TRAVERSE)

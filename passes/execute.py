@@ -47,7 +47,7 @@ from gproof.passes.values import NOWHERE, FrameTable, Position, Unknown, Value, 
 CHUNK_BYTES = 1 << 20
 DEFAULT_BUDGET = 100_000_000
 
-_CYCLES = (F.DRILL, F.DRILL_DWELL, F.DRILL_PECK)
+_CYCLES = (F.DRILL, F.DRILL_DWELL, F.DRILL_PECK, F.DRILL_CHIP_BREAK, F.BORE, F.BORE_STOP, F.BORE_DWELL)
 _OUT_OF_PLANE = {Plane.XY: "K", Plane.XZ: "J", Plane.YZ: "I"}
 _CENTER_WORDS = {Plane.XY: ("I", "J"), Plane.XZ: ("I", "K"), Plane.YZ: ("J", "K")}
 
@@ -326,6 +326,8 @@ class Executor:
             line = gather(self.program.rules, span, words)
             unsupported = line.find(F.UNSUPPORTED, F.COMPENSATION_LEFT, F.COMPENSATION_RIGHT)
             if unsupported is not None:
+                if unsupported.group == "G1":
+                    self.modal.motion = F.UNSUPPORTED
                 raise Refusal(codes.UNSUPPORTED_CODE.at(line.where_code(unsupported), code=unsupported.text))
             self._execute(line)
         except Refusal as refusal:
@@ -353,6 +355,7 @@ class Executor:
         self._spindle(line)
         self._coolant(line)
         self._overrides(line)
+        self._outputs(line)
         self._dwell(line)
         self._plane(line)
         self._units(line)
@@ -389,6 +392,8 @@ class Executor:
             return None
         if motion is not None:
             raise Refusal(codes.AXIS_WORDS_UNUSED.at(line.span, why=f"{motion.text} on this line"))
+        if self.modal.motion == F.UNSUPPORTED:
+            raise Refusal(codes.UNSUPPORTED_CODE.at(line.span, code="the active motion"))
         active = next(
             (r for r in self.program.rules.codes.values() if r.function == self.modal.motion and r.letter == "G"),
             None,
@@ -439,9 +444,10 @@ class Executor:
         self.modal.spindle_speed = value
         self._state_changed()
         if self.modal.spindle_direction and line.group("M7") is None:
-            self._spindle_row(line)
+            self.spindle_row(line)
 
-    def _spindle_row(self, line: Line) -> None:
+    def spindle_row(self, line: Line) -> None:
+        """Append a row that tells the spindle its direction and speed."""
         s = self.modal
         rpm = math.nan if isinstance(s.spindle_speed, Unknown) else s.spindle_speed
         if s.spindle_direction == 0:
@@ -452,11 +458,10 @@ class Executor:
     def _select_tool(self, line: Line) -> None:
         if "T" not in line.values:
             return
-        value, highest = line.number("T"), self.program.rules.highest_tool
-        assert value is not None
-        tool = round(value)
-        if abs(value - tool) > self.program.rules.integer_tolerance or not 0 <= tool <= highest:
-            raise Refusal(codes.TOOL_NUMBER.at(line.where("T"), value=value, highest=highest))
+        highest = self.program.rules.highest_tool
+        tool = line.whole("T", self.program.rules.integer_tolerance)
+        if tool is None or not 0 <= tool <= highest:
+            raise Refusal(codes.TOOL_NUMBER.at(line.where("T"), value=tool, highest=highest))
         self.modal.selected_tool = tool
 
     # steps 6 to 10
@@ -467,7 +472,7 @@ class Executor:
             raise Refusal(codes.UNSUPPORTED_CODE.at(line.span, code="M6 with a change_tool subprogram"))
         if s.spindle_direction:
             s.spindle_direction = 0
-            self._spindle_row(line)
+            self.spindle_row(line)
         s.tool = s.selected_tool
         self._state_changed()
         number = math.nan if s.tool is None else float(s.tool)
@@ -483,7 +488,7 @@ class Executor:
         if rule is None:
             return
         self.modal.spindle_direction = {F.SPINDLE_CW: 1, F.SPINDLE_CCW: -1}.get(rule.function, 0)
-        self._spindle_row(line)
+        self.spindle_row(line)
 
     def _coolant(self, line: Line) -> None:
         s = self.modal
@@ -501,6 +506,17 @@ class Executor:
         self.modal.overrides = rule.function is F.OVERRIDES_ON
         self._state_changed()
         self.event(Op.OVERRIDE, line.span, arg=(float(self.modal.overrides), 0.0))
+
+    def _outputs(self, line: Line) -> None:
+        """M54 P and M55 P: a general purpose output (3.5.8); M54 E Q (pulse width) is not modelled."""
+        rule = line.find(F.OUTPUT_ON, F.OUTPUT_OFF)
+        if rule is None:
+            return
+        channel = line.whole("P", self.program.rules.integer_tolerance)
+        if channel is None:
+            raise Refusal(codes.UNSUPPORTED_CODE.at(line.where_code(rule), code=f"{rule.text} without P"))
+        value = 1.0 if rule.function is F.OUTPUT_ON else 0.0
+        self.event(Op.OUTPUT, line.span, arg=(float(channel), value))
 
     def _dwell(self, line: Line) -> None:
         rule = line.find(F.DWELL)
@@ -758,13 +774,13 @@ class Executor:
                 codes.AXIS_WORDS_MISSING.at(line.span, code=f"{rule.text} in this plane, {names[0]} or {names[1]},")
             )
         one, two = _CENTER_WORDS[s.plane]
-        wrong = _OUT_OF_PLANE[s.plane]
-        if wrong in line.values:
-            raise Refusal(codes.UNUSED_WORD.at(line.where(wrong), word=f"{wrong} (out of the arc's plane)"))
         radius = line.number("R")
         center_words = (line.number(one), line.number(two))
         if radius is None and center_words == (None, None):
             raise Refusal(codes.ARC_CENTER_MISSING.at(line.span, code=rule.text, needed=f"{one} or {two}, or R"))
+        wrong = _OUT_OF_PLANE[s.plane]
+        if wrong in line.values:
+            raise Refusal(codes.UNUSED_WORD.at(line.where(wrong), word=f"{wrong} (out of the arc's plane)"))
         if radius is not None and center_words != (None, None):
             raise Refusal(codes.UNUSED_WORD.at(line.where("R"), word="R beside a centre"))
         start = [s.position[first], s.position[second]]
@@ -874,7 +890,7 @@ class Executor:
         if rule.function is F.END_RESET:
             if s.spindle_direction:
                 s.spindle_direction = 0
-                self._spindle_row(line)
+                self.spindle_row(line)
             if s.mist or s.flood:
                 s.mist = s.flood = False
                 self.event(Op.COOLANT, line.span)

@@ -161,6 +161,8 @@ class Limits(Check):
                 continue
             form, off = self._trace.frames[slot // 2][index], slot % 2 == 1
             if form == UNKNOWN:
+                if self.findings.has(Severity.UNKNOWN, (self.name,)):
+                    continue  # the cause is told already
                 self.findings.add(
                     codes.POSITION_UNKNOWN.at(
                         self._low_span[slot, index], axis=name.upper(), cause="something nobody stated"
@@ -187,7 +189,7 @@ class Limits(Check):
         self._errors += 1
         self.findings.add(
             codes.NO_SAFE_OFFSET.at(
-                self._high_span[slot, axis.index], name=describe(form), span=most - least, unit=axis.unit,
+                self._high_span[slot, axis.index], name=describe(form), extent=most - least, unit=axis.unit,
                 room=axis.upper - axis.lower,
             )
         )  # fmt: skip
@@ -210,7 +212,7 @@ class Limits(Check):
                     self._errors += 1
                     self.findings.add(
                         codes.NO_SAFE_OFFSET.at(
-                            self._first, name=describe(form), span=stated.high - stated.low, unit="mm",
+                            self._first, name=describe(form), extent=stated.high - stated.low, unit="mm",
                             room=max(0.0, high - low),
                         )
                     )  # fmt: skip

@@ -100,6 +100,8 @@ def _code(rules: LanguageRules, letter: str, value: Value, where: Span) -> CodeR
     if isinstance(value, Unknown):
         raise Refusal(codes.UNKNOWN_CONDITION.at(where, cause=value.cause))
     tenths = round(value * 10)
+    if letter == "M" and abs(value - round(value)) > rules.integer_tolerance:
+        raise Refusal(codes.NOT_AN_INTEGER.at(where, word="M", value=value))
     if abs(value * 10 - tenths) > 10 * rules.integer_tolerance:
         raise Refusal(codes.UNKNOWN_CODE.at(where, code=f"{letter}{value:g}"))
     rule = rules.codes.get((letter, tenths))

@@ -123,12 +123,11 @@ class Modal:
     # -- numbered variables
 
     def range_of(self, number: float, span: Span) -> tuple[int, ParameterRange]:
-        """The whole number and the table row of a variable; Refusal GP226 or GP229."""
+        """The whole number and the table row of a variable; Refusal GP226."""
         whole = round(number)
-        if abs(number - whole) > self.rules.integer_tolerance:
-            raise Refusal(codes.NOT_AN_INTEGER.at(span, word="a parameter number", value=number))
+        near = abs(number - whole) <= self.rules.integer_tolerance
         for entry in self.rules.parameters:
-            if entry.first <= whole <= entry.last:
+            if near and entry.first <= whole <= entry.last:
                 return whole, entry
         raise Refusal(codes.PARAMETER_NUMBER.at(span, value=number, allowed="see the manual's list (3.1.1)"))
 

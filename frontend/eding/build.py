@@ -39,11 +39,14 @@ Tokens = Any
 """What lark hands to a rule's function: tokens and the values of inner rules."""
 
 
+STRUCTURAL = frozenset("if else endif while endwhile sub endsub".split())
+
+
 @dataclass(frozen=True, slots=True)
 class Structural:
     """A line that opens, divides or closes a block of lines.
 
-    keyword: ``if else endif while endwhile sub endsub``; condition of if and while; name of sub.
+    keyword: one of STRUCTURAL; condition of if and while; name of sub.
     """
 
     keyword: str
@@ -91,7 +94,7 @@ class Builder:
     def __init__(self) -> None:
         self.file = ""
         self.row = 0
-        self.line = Line("", "block", "", "", [0], "")
+        self.line = Line("", "block", "", -1, "", [0], "")
 
     def span(self, begin: int, end: int) -> Span:
         """The place of code[begin:end] in the source."""

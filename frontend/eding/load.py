@@ -9,15 +9,16 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from gproof.frontend.eding.build import STRUCTURAL, Structural
 from gproof.frontend.eding.parse import parse_line
-from gproof.frontend.eding.prepare import LineError
+from gproof.frontend.eding.prepare import LineError, decode, structure_of
 from gproof.frontend.eding.scan import LineIndex, index, scan
 from gproof.frontend.eding.structure import Assembler
 from gproof.frontend.source import UTF8_MARK, read_source
 from gproof.ir import codes
 from gproof.ir.columns import Columns
 from gproof.ir.dialects import rules_named
-from gproof.ir.finding import Findings, Refusal, Severity, Span
+from gproof.ir.finding import Findings, Refusal, Span
 from gproof.ir.program import BlockTable, Program, SourceFile, Statement
 
 MACRO_FILE = "macro.cnc"
@@ -106,15 +107,17 @@ class _Loader:
         """A line that is not plain: statements, or a finding."""
         limit = self.program.rules.line_length
         raw = raw.removesuffix(b"\n").removesuffix(b"\r")
-        if len(raw) > limit:
-            span = Span(source.name, number, limit + 1, len(raw) + 1)
-            self.findings.add(codes.LINE_TOO_LONG.at(span, length=len(raw), allowed=limit))
-            self.mistakes += 1
-            return
         try:
+            if len(raw) > limit:
+                structure = structure_of(decode(raw[:limit]))
+                raise LineError(
+                    codes.LINE_TOO_LONG, limit, len(raw), structure=structure, length=len(raw), allowed=limit
+                )
             for statement in parse_line(raw, source.name, number):
                 self.assembler.add(statement)
         except LineError as error:
-            span = Span(source.name, number, error.begin + 1, max(error.end, error.begin + 1) + 1)
-            self.findings.add(error.code.at(span, hint=error.hint, **error.values))
-            self.mistakes += error.code.severity is Severity.ERROR
+            span = Span(source.name, number, error.begin + 1, error.end + 1)
+            self.findings.add(error.code.at(span, **error.values))
+            self.mistakes += 1
+            if error.structure in STRUCTURAL:
+                self.assembler.add(Structural(error.structure, span))

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, cast
 
 from gproof.frontend.eding.build import Builder, Parsed
 from gproof.frontend.eding.diagnose import diagnose
-from gproof.frontend.eding.prepare import decode, prepare
+from gproof.frontend.eding.prepare import STRUCTURE, LineError, decode, prepare
 
 if TYPE_CHECKING:
     from lark import Lark
@@ -31,7 +31,7 @@ def _grammar() -> tuple[Builder, Lark]:
         parser="lalr",
         lexer="contextual",
         start=["block", "flow"],
-        g_regex_flags=re.IGNORECASE,
+        g_regex_flags=re.IGNORECASE | re.ASCII,
         maybe_placeholders=False,
         transformer=builder,
     )
@@ -50,4 +50,8 @@ def parse_line(raw: bytes, file: str, number: int) -> list[Parsed]:
     try:
         return cast("list[Parsed]", lark.parse(line.code, start=line.rule))
     except UnexpectedInput as error:
-        raise diagnose(line, error) from None
+        found = diagnose(line, error)
+    except LineError as error:
+        found = error
+    found.structure = found.structure or (line.keyword if line.keyword in STRUCTURE else "")
+    raise found from None

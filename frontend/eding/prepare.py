@@ -31,23 +31,27 @@ _PIECE = re.compile(
     re.VERBOSE,
 )
 _HEAD = re.compile(
-    r"""[ \t]* /? [ \t]* (?:n[ \t0-9]*)? (?:\([^()]*\)[ \t]*)*
+    r"""[ \t]* /? [ \t]* (?:n[ \t]*[0-9][ \t0-9]*)? (?:\([^()]*\)[ \t]*)*
         (?P<word> end[ \t]*(?:if|while|sub)(?![a-z]) | [a-z]+ )""",
-    re.VERBOSE | re.IGNORECASE,
+    re.VERBOSE | re.IGNORECASE | re.ASCII,
 )
 _CONTROL = re.compile(r"[\x00-\x08\x0a-\x1f\x7f]")
 _BLANKS = re.compile(r"[ \t]+")
 
 
 class LineError(Exception):
-    """A mistake in a line: code, begin and end as indices into the text of the line, template values."""
+    """A mistake in a line: code, begin and end as indices into the text of the line, template values.
 
-    def __init__(self, code: Code, begin: int, end: int, *, hint: str = "", **values: Any) -> None:
+    structure: the word of flow control that the line nevertheless has, so that one mistake in an ``if`` does
+    not make its ``endif`` another.
+    """
+
+    def __init__(self, code: Code, begin: int, end: int, *, structure: str = "", **values: Any) -> None:
         super().__init__(code.label)
         self.code = code
         self.begin = begin
         self.end = end
-        self.hint = hint
+        self.structure = structure
         self.values = values
 
 
@@ -56,13 +60,14 @@ class Line:
     """A prepared line.
 
     text: as written, without its end; rule: ``block`` or ``flow``; keyword: of a flow line, lower case;
-    code: what the grammar reads; places: for each character of ``code`` its index in ``text``, and one
-    more for the end; comment: the text behind a semicolon.
+    keyword_at: where it stands, or -1; code: what the grammar reads; places: for each character of
+    ``code`` its index in ``text``, and one more for the end; comment: the text behind a semicolon.
     """
 
     text: str
     rule: str
     keyword: str
+    keyword_at: int
     code: str
     places: list[int]
     comment: str
@@ -83,8 +88,9 @@ def prepare(text: str) -> Line:
     control = _CONTROL.search(text)
     if control:
         what = f"control character U+{ord(control.group()):04X} in the line"
-        raise LineError(codes.SYNTAX, control.start(), control.end(), what=what)
+        raise LineError(codes.SYNTAX, *control.span(), structure=structure_of(text), what=what)
     keyword, keyword_at = _keyword(text)
+    structure = keyword if keyword in STRUCTURE else ""
     keep_from = keyword_at if keyword in _WITH_NAMES or keyword.startswith("zhc") else len(text)
     pieces: list[str] = []
     places: list[int] = []
@@ -99,24 +105,35 @@ def prepare(text: str) -> Line:
             end = at
             break
         if kind == "open":
-            raise _bad_comment(text, at)
+            raise _bad_comment(text, at, structure)
         if kind == "quote" and keyword:
-            raise LineError(codes.SYNTAX, at, len(text), what="this text has no closing quote")
+            what = "this text has no closing quote"
+            raise LineError(codes.SYNTAX, at, len(text), structure=structure, what=what)
         pieces.append(piece.group())
         places.extend(range(at, piece.end()))
-    code = "".join(pieces)
     places.append(places[-1] + 1 if places else end)
-    return Line(text, "flow" if keyword else "block", keyword, code, places, comment)
+    rule = "flow" if keyword else "block"
+    return Line(text, rule, keyword, keyword_at, "".join(pieces), places, comment)
+
+
+def structure_of(text: str) -> str:
+    """The word of flow control that a line begins with, however wrong the rest of it is, or ""."""
+    try:
+        keyword, _ = _keyword(text)
+    except LineError:
+        return ""
+    return keyword if keyword in STRUCTURE else ""
 
 
 def _keyword(text: str) -> tuple[str, int]:
-    """The statement of chapter 4 that a line begins with and where, or ("", 0) for a line of words."""
+    """The statement of chapter 4 that a line begins with and where, or ("", -1) for a line of words."""
     head = _HEAD.match(text)
     if head is None:
-        return "", 0
+        return "", -1
     word = _BLANKS.sub("", head.group("word")).lower()
     at, end = head.span("word")
-    if word in _WITH_EXPRESSIONS or word in _WITH_NAMES or word.startswith("zhc"):
+    is_statement = word in _WITH_EXPRESSIONS or word in _WITH_NAMES or word.startswith("zhc")
+    if is_statement and (word != "sp" or text[end : end + 1] in tuple(' \t"“')):
         return word, at
     after = text[end:].lstrip(" \t")[:1]
     is_words = (
@@ -127,12 +144,12 @@ def _keyword(text: str) -> tuple[str, int]:
     )
     if not is_words:
         raise LineError(codes.SYNTAX, at, end, what=f"{word!r} is not a statement of this controller")
-    return "", 0
+    return "", -1
 
 
-def _bad_comment(text: str, at: int) -> LineError:
+def _bad_comment(text: str, at: int, structure: str) -> LineError:
     """Nested when another parenthesis opens inside and the comment is closed somewhere, else unclosed."""
     inner = text.find("(", at + 1)
     if inner >= 0 and text.find(")", inner) >= 0:
-        return LineError(codes.NESTED_COMMENT, inner, inner + 1)
-    return LineError(codes.UNCLOSED_COMMENT, at, len(text))
+        return LineError(codes.NESTED_COMMENT, inner, inner + 1, structure=structure)
+    return LineError(codes.UNCLOSED_COMMENT, at, len(text), structure=structure)

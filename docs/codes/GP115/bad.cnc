@@ -1,4 +1,4 @@
-G21 G17 G90 G94 G54
+G21 G17 G90 G94 G40 G49 G54
 sub corner
   G0 X10 Y10
 endsub

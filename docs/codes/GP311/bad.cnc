@@ -1,6 +1,5 @@
-G21 G17 G90 G94 G54
+G21 G17 G90 G94 G40 G49 G54
 ; around two sides of a part nearly as big as the table
-G49
 F600
 G0 Z5
 G0 X0 Y380

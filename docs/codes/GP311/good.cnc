@@ -1,6 +1,5 @@
-G21 G17 G90 G94 G54
+G21 G17 G90 G94 G40 G49 G54
 ; the same on a smaller part, with known offsets
-G49
 F600
 G0 Z5
 G0 X0 Y330

@@ -1,0 +1,6 @@
+G21 G17 G90 G94 G54
+F200
+G0 Z5
+G86 X10 Y10 Z-4 R2 P0.3        ; expect: GP244
+G80
+M30
