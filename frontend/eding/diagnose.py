@@ -59,7 +59,8 @@ def diagnose(line: Line, error: UnexpectedInput) -> LineError:
     """The mistake in ``line`` at which the grammar stopped."""
     size = len(line.code)
     at_end = getattr(getattr(error, "token", None), "type", "") == "$END"
-    at = size if at_end else min(error.pos_in_stream, size)
+    position: Any = error.pos_in_stream
+    at = size if at_end else min(position, size)
     before = _HIDDEN.sub(lambda hidden: " " * len(hidden.group()), line.code[:at])
     stop = _Stop(line, at, before, before.count("[") - before.count("]"))
     for kind in (_structure, _line_number, _number, _expression, _missing_value, _operator):
@@ -77,6 +78,8 @@ def _structure(stop: _Stop) -> LineError | None:
         if found.start() <= place <= found.end() and found.start() != line.keyword_at:
             word = re.sub(r"[ \t]", "", found.group()).lower()
             what = f"{word!r} must stand on a line of its own"
+            if word == "then":
+                what = "'then' stands only behind the condition of 'if'"
             structure = "" if line.keyword in STRUCTURE else word
             return LineError(codes.FLOW_WORD_MISPLACED, *found.span(), structure=structure, what=what)
     if line.keyword not in STRUCTURE or not stop.rest or stop.depth:
@@ -185,7 +188,7 @@ def _last_open(before: str) -> tuple[int, int]:
 
 def _missing_value(stop: _Stop) -> LineError | None:
     """A letter, or a parameter setting, that is not followed by a value."""
-    if stop.line.rule != "block":
+    if stop.line.rule != "block" or not stop.rest[:1].isascii():
         return None
     letter = _LETTERS_AT_END.search(stop.before)
     if letter:
