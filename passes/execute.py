@@ -89,6 +89,8 @@ class Executor:
         self._state_index = -1
         self._warned: set[int] = set()
         self._moved = False
+        self._nesting = 0
+        self._end: tuple[str, int] | None = None
         self.rows = RowBuffer(self.trace, [p.value for p in self.modal.position], self._frame(), program.line_count)
 
     # -- running
@@ -98,7 +100,9 @@ class Executor:
         try:
             yield from self._body(self.program.body)
         except _End:
-            pass
+            after = self._end and next((n for n in map(_first_line, self.program.body) if n > self._end[1]), 0)
+            if after:
+                self._text_after_end(after)
         except Refusal as refusal:
             with contextlib.suppress(_End):
                 self._fail(refusal.finding)
@@ -107,6 +111,13 @@ class Executor:
                 self.event(Op.END, Span(self.trace.files[self._file], self.program.line_count))
             self.rows.flush(last=True, edges=(Edge(wait=Wait.END, outcome="end", target=-1),))
         yield from self._ready()
+
+    def _text_after_end(self, line: int) -> None:
+        """Warn once of code behind an end that every run reaches."""
+        if self._end is not None and not self._nesting and not self._depth:
+            code, _ = self._end
+            self._end = None
+            self.findings.add(codes.TEXT_AFTER_END.at(Span(self.trace.files[self._file], line), code=code))
 
     def _ready(self) -> Iterator[Chunk]:
         ready, self.rows.ready = self.rows.ready, []
@@ -124,13 +135,17 @@ class Executor:
                 yield from self._table(node)
             elif isinstance(node, If):
                 self.spend(node.span)
+                self._nesting += 1
                 yield from self._body(node.then if self._condition(node.condition) else node.otherwise)
+                self._nesting -= 1
             elif isinstance(node, While):
+                self._nesting += 1
                 while True:
                     self.spend(node.span)
                     if not self._condition(node.condition):
                         break
                     yield from self._body(node.body)
+                self._nesting -= 1
             elif isinstance(node, Call):
                 yield from self._called(node)
             else:
@@ -228,7 +243,12 @@ class Executor:
                 here = line[at]
                 while end < count and line[end] == here:
                     end += 1
-                self._cold(table, words, at, end, base)
+                try:
+                    self._cold(table, words, at, end, base)
+                except _End:
+                    if end < count:
+                        self._text_after_end(int(line[end]))
+                    raise
                 at = end
             elif self.rows.count == self.rows.capacity:
                 self.rows.flush()
@@ -763,6 +783,8 @@ class Executor:
             raise Refusal(codes.INVERSE_TIME_FEED_MISSING.at(line.span))
         if s.feed == 0.0:
             raise Refusal(codes.FEED_MISSING.at(line.span, code=rule.text))
+        if s.feed_mode == 95 and (isinstance(s.spindle_speed, Unknown) or s.spindle_direction == 0):
+            self.findings.add(codes.SPINDLE_UNKNOWN.at(line.span, hint="give S and start the spindle before"))
 
     def _arc(self, line: Line, rule: CodeRule, target: list[Position]) -> None:
         """Radius and centre format, 3.4.3.1 and 3.4.3.2."""
@@ -895,6 +917,7 @@ class Executor:
                 s.mist = s.flood = False
                 self.event(Op.COOLANT, line.span)
         self.event(Op.END, line.span)
+        self._end = rule.text, line.span.line
         self._end_section(Wait.END, "end", -1, line.span.line)
         raise _End
 
@@ -947,6 +970,10 @@ class Executor:
         if text not in self.trace.texts:
             self.trace.texts.append(text)
         return self.trace.texts.index(text)
+
+
+def _first_line(node: Statement) -> int:
+    return node.first_line if isinstance(node, BlockTable) else node.span.line
 
 
 def _word_end(data: bytes, start: int, column: int, stop: int) -> int:

@@ -233,6 +233,9 @@ def run_lines(
                 t0, t2 = p0, p2
             elif flat == 3 and abs(t1 - p1) < 1e-6 and abs(t2 - p2) < 1e-6:
                 t1, t2 = p1, p2
+            d0, d1, d2 = c0 - p0, c1 - p1, c2 - p2
+            if d0 * d0 + d1 * d1 + d2 * d2 < 1e-18:
+                return word, row
             turn = 1 if sense == 1 else -1
             op[row] = 3
         elif motion == 2:
