@@ -208,6 +208,8 @@ def _marks(root: ET.Element, view: _View, points: np.ndarray, lines: np.ndarray,
     hits = np.flatnonzero(np.isin(lines, np.array(sorted(bad))))
     for i in hits[:200].tolist():
         x, y = view.at(float(points[i, view.axes[0]]), float(points[i, view.axes[1]]))
-        mark = ET.SubElement(root, "circle", cx=f"{x:.1f}", cy=f"{y:.1f}", r="5", fill="none", stroke=_COLOURS["finding"])
+        mark = ET.SubElement(
+            root, "circle", cx=f"{x:.1f}", cy=f"{y:.1f}", r="5", fill="none", stroke=_COLOURS["finding"]
+        )
         mark.set("stroke-width", "2")
         ET.SubElement(mark, "title").text = f"line {int(lines[i])}"

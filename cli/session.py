@@ -4,12 +4,16 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import TypeVar
 
 from gproof.cli.main import UsageError
 from gproof.ir.finding import Findings
 from gproof.ir.machine import NO_MACHINE, Machine
 from gproof.ir.program import Program
 from gproof.ir.setup import NOTHING, ZERO, Setup
+
+
+T = TypeVar("T")
 
 
 @dataclass(slots=True, kw_only=True)
@@ -66,7 +70,9 @@ def open_session(job: Path, *, machine: Path | None, setup: str | None, dialect:
     )  # fmt: skip
 
 
-def _loaded(result, findings, inputs, role):  # type: ignore[no-untyped-def]
+def _loaded(
+    result: tuple[T | None, list[tuple[str, str]]], findings: Findings, inputs: list[tuple[str, str, str]], role: str
+) -> T:
     """Unpack (value or None, files); a file with errors stops the command with its findings."""
     value, files = result
     inputs += [(name, digest, role) for name, digest in files]

@@ -161,7 +161,9 @@ def _along(ex: Executor, line: Line, drill: int, to: Position, op: Op) -> None:
     ex.move(op, target, line.span)
 
 
-def _pecks(ex: Executor, line: Line, drill: int, r: Position, depth: Position, peck: float, clear: Position) -> None:
+def _pecks(
+    ex: Executor, line: Line, drill: int, r: Position, depth: Position, peck: float, clear: Position | None
+) -> None:
     """Feed a peck, out, back down to just above the bottom, until the depth.
 
     Out is the clear position (G83), or the length of a peck but not beyond R (G73, clear None).

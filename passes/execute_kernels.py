@@ -9,6 +9,7 @@ one source. Order and rules: Eding CNC manual 3.4.1 to 3.4.3 and 3.7.
 from __future__ import annotations
 
 import math
+from typing import Any
 
 from gproof.ir.kernel import kernel
 
@@ -49,9 +50,29 @@ def radius_center(x0: float, y0: float, x1: float, y1: float, radius: float, ccw
 
 @kernel(seconds_per_unit=12e-6, compile_seconds=6.0)
 def run_lines(
-    line, letter, value, count, first_word, ints, floats, form, offset_form,
-    op, file, line_out, call, to, frame, state, feed, center, turns, plane, row, capacity,
-):  # fmt: skip # type: ignore[no-untyped-def]
+    line: Any,
+    letter: Any,
+    value: Any,
+    count: Any,
+    first_word: Any,
+    ints: Any,
+    floats: Any,
+    form: Any,
+    offset_form: Any,
+    op: Any,
+    file: Any,
+    line_out: Any,
+    call: Any,
+    to: Any,
+    frame: Any,
+    state: Any,
+    feed: Any,
+    center: Any,
+    turns: Any,
+    plane: Any,
+    row: Any,
+    capacity: Any,
+) -> tuple[int, int]:
     """Execute lines from word ``first_word`` on; returns (next word, next row).
 
     line i4, letter u1, value f8: WORD columns of ``count`` words; ints, floats: state, changed in place;

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import Any
 
 from gproof.ir.kernel import kernel
 
@@ -48,8 +49,27 @@ def arc_extreme(u0: float, v0: float, u1: float, v1: float, turns: int) -> tuple
 
 
 @kernel(seconds_per_unit=6e-6, compile_seconds=3.0)
-def row_boxes(op, to, center, turns, plane, frame, guard_off, state, position, known, lower, upper, low, high,
-              low_row, high_row, bad_row, bad_axis, bad_reach):  # fmt: skip # type: ignore[no-untyped-def]
+def row_boxes(
+    op: Any,
+    to: Any,
+    center: Any,
+    turns: Any,
+    plane: Any,
+    frame: Any,
+    guard_off: Any,
+    state: Any,
+    position: Any,
+    known: Any,
+    lower: Any,
+    upper: Any,
+    low: Any,
+    high: Any,
+    low_row: Any,
+    high_row: Any,
+    bad_row: Any,
+    bad_axis: Any,
+    bad_reach: Any,
+) -> int:
     """Extents by frame and guard, and the rows beyond known limits.
 
     position: (6,) before the first row, updated; known: (frames, 6) 1 where the axis is known in that frame;
@@ -104,7 +124,19 @@ def row_boxes(op, to, center, turns, plane, frame, guard_off, state, position, k
 
 
 @kernel(seconds_per_unit=4e-6, compile_seconds=2.0)
-def radius_errors(op, to, center, turns, plane, state, tolerance, position, rows, start, end):  # fmt: skip # type: ignore[no-untyped-def]
+def radius_errors(
+    op: Any,
+    to: Any,
+    center: Any,
+    turns: Any,
+    plane: Any,
+    state: Any,
+    tolerance: Any,
+    position: Any,
+    rows: Any,
+    start: Any,
+    end: Any,
+) -> int:
     """Arcs whose start and end radius differ by more than ``tolerance[state]`` mm: rows with both radii.
 
     position: (6,) before the first row, updated. Returns their number, which may exceed the size of ``rows``.
@@ -131,7 +163,17 @@ def radius_errors(op, to, center, turns, plane, state, tolerance, position, rows
 
 
 @kernel(seconds_per_unit=6e-6, compile_seconds=3.0)
-def rows_near(op, to, center, turns, plane, position, box_low, box_high, rows):  # fmt: skip # type: ignore[no-untyped-def]
+def rows_near(
+    op: Any,
+    to: Any,
+    center: Any,
+    turns: Any,
+    plane: Any,
+    position: Any,
+    box_low: Any,
+    box_high: Any,
+    rows: Any,
+) -> int:
     """Moving rows whose X Y Z extent meets a box: their numbers into ``rows`` (as long as ``op``); returns how many."""
     found = 0
     least = [0.0, 0.0, 0.0]
