@@ -16,6 +16,9 @@ normal form, the same for both sides; `first_difference` compares two normal for
 6. G83 comes back to the bottom of the hole, but a bit above it (manual 3.4.21.4), and each interpreter
    decides how much a bit is: the way back is taken to end at the bottom, if it ended above it by at most
    `A_BIT`.
+7. Feeds agree to a millionth. Under inverse time feed the feed of an arc follows from its length, which is known
+   no better than its ends are: there the bound grows by `LENGTH` over the radius.
+8. Feeds are not compared where a rotary axis moves: what one number means there is not the same for both.
 """
 
 from __future__ import annotations
@@ -214,9 +217,15 @@ def _move_difference(one: Row, other: Row, with_feed: bool) -> str | None:
                 return f"centre {letter} {p!r} against {q!r}"
     if one["op"] != "traverse" and with_feed:
         feeds = one.get("feed"), other.get("feed")
-        if None in feeds or not math.isclose(*feeds, rel_tol=EXACT, abs_tol=EXACT):
+        bound = EXACT + (LENGTH / _radius(other) if other["op"] == "arc" else 0.0)
+        if None in feeds or not math.isclose(*feeds, rel_tol=bound, abs_tol=EXACT):
             return f"feed {feeds[0]!r} against {feeds[1]!r}"
     return None
+
+
+def _radius(arc: Row) -> float:
+    at = [arc["to"].get(letter.lower(), 0.0) for letter in arc["plane"]]
+    return max(math.dist(at, arc["center"]), LENGTH)
 
 
 def _event_difference(one: Row, other: Row) -> str | None:

@@ -14,7 +14,9 @@ in the units and with the offsets that hold at M6.
 
 The interpreter runs as an inch machine: parameters 5161…, 5181…, 5221… and tool lengths are handed over in
 inches, and what it says is turned into millimetres. Machine position = work offset + rotation × (said + G92
-offset) + tool offset. Every run has its own temporary HOME (the tool table is shared through a file there).
+offset) + tool offset. Every run has its own temporary HOME (the tool table is shared through a file there). It
+starts at coordinate 0 of the active system, which is machine 0 only where that system has no offset: under a
+setup with one, the first move must name every axis that is offset.
 """
 
 from __future__ import annotations
