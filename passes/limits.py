@@ -170,12 +170,11 @@ class Limits(Check):
                 )
                 continue
             low, high = self._sides(axis, off)
-            for limit, side, where in (
-                (low, "lower", self._low_span[slot, index]), (high, "upper", self._high_span[slot, index])
-            ):  # fmt: skip
-                if limit is None:
-                    what = f"physical {side}" if off else side
-                    self.findings.add(codes.LIMIT_UNKNOWN.at(where, side=what, axis=name.upper()))
+            missing = [side for side, limit in (("lower", low), ("upper", high)) if limit is None]
+            if missing:
+                what = ("physical " if off else "") + " and ".join(missing)
+                where = self._low_span if missing[0] == "lower" else self._high_span
+                self.findings.add(codes.LIMIT_UNKNOWN.at(where[slot, index], side=what, axis=name.upper()))
             if form == () or axis is None:
                 continue
             bounds = conditions.setdefault(form, [-math.inf, math.inf])
@@ -224,7 +223,7 @@ class Limits(Check):
                         )
                     )  # fmt: skip
                 continue
-            if low > high:
+            if low > high or (low == -math.inf and high == math.inf):
                 continue
             if len(form) == 1 and form[0][0].startswith("start."):
                 self._assumptions.append(f"{describe(form)} lies within {low:.4f} and {high:.4f} (machine coordinates)")
