@@ -15,25 +15,7 @@ from gproof.passes.arc_radius import ArcRadius
 from gproof.passes.execute import Executor
 from gproof.passes.limits import Limits
 
-try:
-    from gproof.passes.plan import MotionEstimate
-except ImportError:
-
-    class MotionEstimate:
-        path_length_mm = feed_length_mm = 0.0
-        seconds = None
-        unknown_rows = 0
-
-        def __init__(s, m):
-            pass
-
-        def feed(s, c):
-            pass
-
-        def finish(s):
-            pass
-
-
+from gproof.passes.plan import MotionEstimate
 from gproof.passes.tool_change_area import ToolChangeArea
 
 NOT_JUDGED = ("feeds", "gouges", "compensation")
