@@ -1,0 +1,228 @@
+"""``make bench``: gproof beside LinuxCNC's ``rs274`` on the same programs, in one run on this machine.
+
+    python bench/run.py [--only start|lines|steps] [--lines 2000,100000] [--shapes raster] [--repeat 5] [--json FILE]
+
+Timings are no tests: the exit code is 0 whatever they are. bench/README.md explains the columns.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import shutil
+import subprocess
+import sys
+import tempfile
+from dataclasses import dataclass
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any
+
+from measure import Runs, gproof_command, rs274_command, run_once
+from programs import SHAPES, write_program
+
+HERE = Path(__file__).resolve().parent
+MACHINE = HERE / "machine.toml"
+PARTS = ("start", "lines", "steps")
+LINES = (2_000, 100_000, 1_000_000)
+START_LINES = 100
+STEP_LINES = 20_000
+LONG = 100_000  # from so many lines on a cold run is not repeated
+
+GOAL_START_S = 0.35
+GOAL_RATIO = 0.5
+GOAL_PEAK_MB = 400.0
+GOAL_LINES = 1_000_000
+
+
+@dataclass(slots=True, kw_only=True)
+class Compared:
+    """One program under both tools; cold: gproof without any compiled kernel on disk."""
+
+    shape: str
+    lines: int
+    warm: Runs
+    cold: Runs
+    peer: Runs | None
+
+    @property
+    def ratio(self) -> float | None:
+        """Best wall time of gproof, kernels cached, in that of rs274."""
+        return self.warm.best / self.peer.best if self.peer is not None else None
+
+    def as_json(self) -> dict[str, object]:
+        peer = self.peer.as_json() if self.peer is not None else None
+        runs = {"gproof_warm": self.warm.as_json(), "gproof_cold": self.cold.as_json(), "rs274": peer}
+        return {"shape": self.shape, "lines": self.lines, "ratio": self.ratio, **runs}
+
+
+class Bench:
+    """A temporary folder with the programs, caches and rs274's home, and what runs in it."""
+
+    def __init__(self, folder: Path, repeat: int) -> None:
+        self.folder = folder
+        self.repeat = repeat
+        self.rs274 = shutil.which("rs274")
+        kept = {k: v for k, v in os.environ.items() if not k.startswith("GPROOF_")}
+        (folder / "home").mkdir()
+        self.peer_environment = kept | {"HOME": str(folder / "home")}
+        self.warm_environment = kept | {"GPROOF_CACHE_DIR": str(folder / "warm")}
+
+    def program(self, shape: str, lines: int) -> Path:
+        path = self.folder / f"{shape}-{lines}.ngc"
+        if not path.exists():
+            write_program(shape, lines, path)
+        return path
+
+    def fill_cache(self) -> None:
+        """Compile every kernel that ``check`` uses."""
+        for shape in SHAPES:
+            command = gproof_command(self.program(shape, START_LINES), MACHINE)
+            run_once(command, self.warm_environment | {"GPROOF_KERNELS": "numba"}, Runs())
+
+    def compare(self, shape: str, lines: int) -> Compared:
+        """Both tools in turn, so that a change of the machine's load meets both."""
+        path = self.program(shape, lines)
+        command = gproof_command(path, MACHINE)
+        warm, cold, peer = Runs(), Runs(), Runs()
+        for _ in range(self.repeat):
+            said = run_once(command, self.warm_environment, warm)
+            if "SAFE" not in said.split("\n", 1)[0] and not warm.problem:
+                warm.problem = "not SAFE"
+            if self.rs274:
+                run_once(rs274_command(path, self.rs274), self.peer_environment, peer)
+        for n in range(1 if lines >= LONG else self.repeat):
+            empty = self.folder / f"cold-{shape}-{lines}-{n}"
+            run_once(command, self.warm_environment | {"GPROOF_CACHE_DIR": str(empty)}, cold)
+            shutil.rmtree(empty, ignore_errors=True)
+        return Compared(shape=shape, lines=lines, warm=warm, cold=cold, peer=peer if self.rs274 else None)
+
+    def stages(self, shape: str) -> dict[str, Any]:
+        command = [sys.executable, str(HERE / "stages.py"), str(self.program(shape, STEP_LINES)), str(MACHINE)]
+        runs = Runs()
+        said = run_once(command, self.warm_environment | {"GPROOF_KERNELS": "numba"}, runs)
+        figures: dict[str, Any] = {"execute": {"problem": runs.problem}} if runs.problem else json.loads(said)
+        return {"shape": shape, "peak_mb": runs.peak_mb, "stages": figures}
+
+
+def about() -> dict[str, str]:
+    """What was measured, on what."""
+    peer = "not installed (Debian: linuxcnc-uspace)"
+    if shutil.which("rs274"):
+        asked = ["dpkg-query", "-W", "-f", "${Package} ${Version}", "linuxcnc-uspace"]
+        known = shutil.which("dpkg-query") and subprocess.run(asked, capture_output=True, text=True, check=False)
+        peer = (known.stdout if known else "") or "version unknown"
+    processor = ""
+    if os.path.exists("/proc/cpuinfo"):
+        text = Path("/proc/cpuinfo").read_text(encoding="utf-8", errors="replace")
+        processor = next((x.partition(":")[2].strip() for x in text.splitlines() if x.startswith("model name")), "")
+    names = " ".join(f"{name} {version(name)}" for name in ("gproof", "numpy", "numba"))
+    return {
+        "gproof": f"{names}, Python {sys.version.split()[0]}",
+        "rs274": peer,
+        "machine": f"{processor or 'unknown processor'}, {os.cpu_count()} cores, load {os.getloadavg()[0]:.1f}",
+    }
+
+
+def verdict(met: bool) -> str:
+    return "PASS" if met else "MISS"
+
+
+def seconds(runs: Runs | None) -> str:
+    return f"{'-':>15}" if runs is None else f"{runs.best:7.3f} ({runs.median:.3f})"
+
+
+HEADING = f"  {'lines':>9}  {'shape':<7} {'rs274':>15} {'gproof warm':>16} {'cold':>7} {'MB':>5} {'ratio':>6}"
+
+
+def print_start(rows: list[Compared]) -> None:
+    print(f"\nStart-up: check of a small job, seconds of the whole process, best (median)\n{HEADING}   goal")
+    for row in rows:
+        goal = f"warm and cold at most {GOAL_START_S} s"
+        met = max(row.warm.median, row.cold.median) <= GOAL_START_S
+        print(f"{_figures(row)}   {goal}  {verdict(met)}{_problem(row)}")
+
+
+def print_lines(rows: list[Compared]) -> None:
+    print(f"\nCheck beside rs274, seconds of the whole process, best (median)\n{HEADING}   goal")
+    for row in rows:
+        goals = []
+        if row.lines >= GOAL_LINES:
+            if row.ratio is not None:
+                goals.append(f"ratio at most {GOAL_RATIO}  {verdict(row.ratio <= GOAL_RATIO)}")
+            peak = max(row.warm.peak_mb, row.cold.peak_mb)
+            goals.append(f"{GOAL_PEAK_MB:.0f} MB  {verdict(peak <= GOAL_PEAK_MB)}")
+        print(f"{_figures(row)}   {',  '.join(goals)}".rstrip() + _problem(row))
+
+
+def _figures(row: Compared) -> str:
+    ratio = f"{row.ratio:6.2f}" if row.ratio is not None else f"{'-':>6}"
+    peak = max(row.warm.peak_mb, row.cold.peak_mb)
+    return (
+        f"  {row.lines:9,}  {row.shape:<7} {seconds(row.peer)} {seconds(row.warm):>16} {row.cold.best:7.3f} "
+        f"{peak:5.0f} {ratio}"
+    )
+
+
+def _problem(row: Compared) -> str:
+    said = [
+        f"{name}: {runs.problem}" for name, runs in (("gproof", row.warm), ("gproof cold", row.cold)) if runs.problem
+    ]
+    if row.peer is not None and row.peer.problem:
+        said.append(f"rs274: {row.peer.problem}")
+    return "".join(f"\n             ! {text}" for text in said)
+
+
+def print_stages(rows: list[dict[str, Any]]) -> None:
+    print(f"\nStages in one process, kernels compiled, {STEP_LINES:,} lines: thousands a second")
+    names = ("execute", "plan", "step", "validate")
+    print(f"  {'shape':<7}" + "".join(f" {name:>18}" for name in names) + f" {'steps':>12} {'MB':>5}")
+    for row in rows:
+        cells = []
+        for name in names:
+            f = row["stages"].get(name, {})
+            figure = f"{f['count'] / f['seconds'] / 1e3:,.0f} {f['unit']}" if "count" in f else ""
+            cells.append(f" {figure or f.get('problem', '-')[:18]:>18}")
+        steps = row["stages"].get("step", {}).get("count")
+        print(f"  {row['shape']:<7}" + "".join(cells) + f" {steps if steps else '-':>12} {row['peak_mb']:5.0f}")
+
+
+def arguments() -> argparse.Namespace:
+    parser = argparse.ArgumentParser(description="gproof beside rs274 on the same programs.")
+    parser.add_argument("--only", action="append", choices=PARTS, help="a part; repeatable (default: all)")
+    parser.add_argument("--lines", default=",".join(map(str, LINES)), help="sizes, by commas")
+    parser.add_argument("--shapes", default=",".join(SHAPES), help="shapes of program, by commas")
+    parser.add_argument("--repeat", type=int, default=5, help="runs of each command (default 5)")
+    parser.add_argument("--json", type=Path, metavar="FILE", help="also write every figure here")
+    return parser.parse_args()
+
+
+def main() -> None:
+    asked = arguments()
+    parts = asked.only or PARTS
+    shapes, sizes = asked.shapes.split(","), [int(n) for n in asked.lines.split(",")]
+    answer: dict[str, Any] = {"schema": "gproof-bench/1", "about": about()}
+    print("\n".join(f"{name + ':':<9}{text}" for name, text in answer["about"].items()))
+    with tempfile.TemporaryDirectory(prefix="gproof-bench-") as name:
+        bench = Bench(Path(name), max(1, asked.repeat))
+        if parts != ["steps"]:
+            bench.fill_cache()
+        if "start" in parts:
+            rows = [bench.compare(shape, START_LINES) for shape in shapes]
+            print_start(rows)
+            answer["start"] = [row.as_json() for row in rows]
+        if "lines" in parts:
+            rows = [bench.compare(shape, lines) for lines in sizes for shape in shapes]
+            print_lines(rows)
+            answer["lines"] = [row.as_json() for row in rows]
+        if "steps" in parts:
+            figures = [bench.stages(shape) for shape in shapes]
+            print_stages(figures)
+            answer["steps"] = figures
+    if asked.json is not None:
+        asked.json.write_text(json.dumps(answer, indent=2) + "\n", encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()

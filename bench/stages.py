@@ -1,0 +1,85 @@
+"""How fast the later stages are, measured inside one process: rows planned, steps lowered, steps validated a second.
+
+``python bench/stages.py JOB MACHINE`` prints one JSON object. Every stage runs twice and the second time
+counts, so that compiling or loading kernels is not in it; what a stage takes only once stands in ``first_s``.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import importlib
+import json
+import os
+import sys
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+NOT_AVAILABLE = "not available"
+
+
+def timed(work: Callable[[], Any]) -> tuple[Any, dict[str, float]]:
+    """The result of a second run and the seconds of both."""
+    began = time.perf_counter()
+    work()
+    between = time.perf_counter()
+    result = work()
+    return result, {"seconds": time.perf_counter() - between, "first_s": between - began}
+
+
+def stages(job: Path, machine_file: Path) -> dict[str, Any]:
+    """Figures by stage; a stage that is missing or refuses the job says so instead."""
+    from gproof.frontend.eding.load import load_program
+    from gproof.frontend.machine_file import load_machine
+    from gproof.ir.finding import Findings
+    from gproof.ir.setup import ZERO
+    from gproof.passes.execute import execute
+
+    out: dict[str, Any] = {}
+    findings = Findings()
+    machine, _ = load_machine(machine_file, findings)
+    program = load_program(job, findings)
+    assert machine is not None and program is not None, findings.kept
+    trace, took = timed(lambda: execute(program, ZERO, machine, findings))
+    rows = sum(len(section.rows) for section in trace.sections)
+    out["execute"] = took | {"count": rows, "unit": "rows"}
+
+    plan = _stage("gproof.passes.plan", "plan", out, lambda f: f(trace, machine, findings))
+    if plan is None:
+        return out
+    out["plan"] |= {"count": sum(len(section.rows) for section in plan.sections), "unit": "rows"}
+    stream = _stage("gproof.passes.step", "step", out, lambda f: f(trace, plan, machine, ZERO, findings))
+    if stream is None:
+        return out
+    out["step"] |= {"count": stream.steps(), "unit": "steps"}
+    report = _stage("gproof.verify.stream", "validate", out, lambda f: f(stream, trace, machine, ZERO))
+    if report is not None:
+        out["validate"] |= {"count": stream.steps(), "unit": "steps"}
+    return out
+
+
+def _stage(module: str, name: str, out: dict[str, Any], call: Callable[[Any], Any]) -> Any:
+    try:
+        function = getattr(importlib.import_module(module), name)
+    except (ImportError, AttributeError):
+        out[name] = {"problem": NOT_AVAILABLE}
+        return None
+    try:
+        result, took = timed(lambda: call(function))
+    except Exception as error:  # a stage under work must not stop the others' figures
+        out[name] = {"problem": f"{type(error).__name__}: {error}"}
+        return None
+    out[name] = took if result is not None else {"problem": "refused the job"}
+    return result
+
+
+def main() -> None:
+    job, machine = (Path(a) for a in sys.argv[1:3])
+    with open(os.devnull, "w", encoding="utf-8") as nowhere, contextlib.redirect_stdout(nowhere):
+        figures = stages(job, machine)
+    print(json.dumps(figures))
+
+
+if __name__ == "__main__":
+    main()
