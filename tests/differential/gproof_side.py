@@ -60,19 +60,12 @@ def dump_arguments(program: Path, setup: Path | None) -> list[str]:
     return [
         *("dump", "--stage", "trace", "--format", "jsonl"),
         *("--setup", "zero" if setup is None else str(setup)),
-        *("--machine", str(MACHINE), str(program)),
+        *("--machine", str(MACHINE), "--dialect", "eding", str(program)),
     ]
 
 
-def check_arguments(program: Path, setup: Path | None = None) -> list[str]:
-    return [
-        "check",
-        "--setup",
-        "zero" if setup is None else str(setup),
-        "--machine",
-        str(MACHINE),
-        str(program),
-    ]
+def check_arguments(program: Path) -> list[str]:
+    return ["check", "--setup", "zero", "--machine", str(MACHINE), "--dialect", "eding", str(program)]
 
 
 def by_command(arguments: Sequence[str]) -> Said:

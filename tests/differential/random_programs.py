@@ -23,7 +23,11 @@ LINEAR = "XYZ"
 MM_PER_INCH = 25.4
 REACH = 400.0  # mm: targets stay inside
 NEAR = 0.05  # mm or degrees: a move that is meant goes at least this far
-PLANES = {17: "XYZ", 18: "ZXY", 19: "YZX"}  # first, second axis of the right-handed pair, and the third
+PLANES = {
+    17: ("X", "Y", "Z"),
+    18: ("Z", "X", "Y"),
+    19: ("Y", "Z", "X"),
+}  # first, second axis of the right-handed pair, and the third
 CENTRE = {"X": "I", "Y": "J", "Z": "K"}
 SYSTEMS = ["54", "55", "56", "57", "58", "59", "59.1", "59.2", "59.3"]
 TOOLS = {1: 12.5, 2: 40.25, 3: 0.0, 4: 7.75}  # lengths in machine.toml

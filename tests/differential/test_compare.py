@@ -95,9 +95,9 @@ def test_message_names_both_rows_and_lines() -> None:
     assert difference is not None
     assert "line 3 against 4" in str(difference)
     assert "gproof (line 3)" in str(difference)
-    assert "peer   (line 4)" in str(difference)
-    missing = first_difference([], [move("feed", 4, x=1.0)])
-    assert missing is not None and "gproof has no such row" in str(missing)
+    assert "peer (line 4)" in str(difference)
+    missing = first_difference([], [move("feed", 4, x=1.0)], ("left", "right"))
+    assert missing is not None and "left: no more rows" in str(missing)
 
 
 def test_rounding_passes_and_no_more() -> None:

@@ -20,7 +20,7 @@ def program_of(path: Path) -> Path:
 @pytest.mark.parametrize("path", EXPECTED, ids=lambda path: path.stem)
 def test_peer_is_as_by_hand(path: Path) -> None:
     program = program_of(path)
-    difference = first_difference(peer_run(program).rows, hand_rows(path))
+    difference = first_difference(peer_run(program).rows, hand_rows(path), ("peer", "by hand"))
     assert difference is None, report(program, difference)
 
 
@@ -28,5 +28,5 @@ def test_peer_is_as_by_hand(path: Path) -> None:
 @pytest.mark.parametrize("path", EXPECTED, ids=lambda path: path.stem)
 def test_gproof_is_as_by_hand(path: Path) -> None:
     program = program_of(path)
-    difference = first_difference(gproof_rows(program), hand_rows(path))
+    difference = first_difference(gproof_rows(program), hand_rows(path), ("gproof", "by hand"))
     assert difference is None, report(program, difference)

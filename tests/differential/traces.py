@@ -10,6 +10,7 @@ from differential import compare, gproof_side, rs274_peer
 HERE = Path(__file__).parent
 PROGRAMS = sorted((HERE / "programs").glob("*.ngc"))
 EXPECTED = sorted((HERE / "expected").glob("*.jsonl"))
+DIFFERENCES = sorted((HERE / "differences").glob("*.ngc"))
 REJECTED = sorted((HERE / "rejected").glob("*.ngc"))
 
 
