@@ -24,6 +24,7 @@ _STRUCTURE_WORD = re.compile(
 )
 _LINE_NUMBER = re.compile(r"/?n[0-9]*", _FLAGS)
 _NUMBER_RUN = re.compile(r"[0-9.]+")
+_SIGN = re.compile(r"(?<![0-9.\]])[-+]$")
 _LETTERS_AT_END = re.compile(r"[a-z]+$", _FLAGS)
 _LETTERS = re.compile(r"[a-z]+", _FLAGS)
 _OPERATOR_AT_END = re.compile(r"(?:[\[#=<>*/+-]|mod|and|or)$", _FLAGS)
@@ -115,7 +116,7 @@ def _number(stop: _Stop) -> LineError | None:
         run = _NUMBER_RUN.match(code, begin)
         assert run is not None
         if begin < at or "." in stop.rest[:1]:
-            begin -= begin > 0 and stop.before[begin - 1] in "+-"
+            begin -= _SIGN.search(stop.before[:begin]) is not None
             return stop.error(codes.BAD_NUMBER, begin, run.end(), text=code[begin : run.end()])
     signs = re.search(r"(?<=[a-z=#])[-+]+$", stop.before, _FLAGS)
     if signs and not stop.depth and stop.line.rule == "block":

@@ -37,6 +37,7 @@ def load_program(path: Path, findings: Findings, macro: Path | None = None) -> P
     """
     program = Program(dialect="eding", rules=rules_named("eding"), scan=scan)
     loader = _Loader(program, findings)
+    before = sum(findings.counts.values())
     try:
         program.body = loader.load(path)
         beside = path.with_name(MACRO_FILE)
@@ -49,7 +50,8 @@ def load_program(path: Path, findings: Findings, macro: Path | None = None) -> P
         return None
     loader.assembler.check_calls()
     program.subprograms = loader.assembler.subprograms
-    if not program.body and not loader.mistakes and not loader.subprograms_in_job:
+    is_clean = sum(findings.counts.values()) == before
+    if is_clean and not program.body and not loader.subprograms_in_job:
         findings.add(codes.EMPTY_PROGRAM.at(Span(str(path), 0)))
     return program
 
@@ -62,7 +64,6 @@ class _Loader:
         self.findings = findings
         self.assembler = Assembler(findings)
         self.held = 0
-        self.mistakes = 0
         self.subprograms_in_job = 0
 
     def load(self, path: Path) -> tuple[Statement, ...]:
@@ -118,6 +119,5 @@ class _Loader:
         except LineError as error:
             span = Span(source.name, number, error.begin + 1, error.end + 1)
             self.findings.add(error.code.at(span, **error.values))
-            self.mistakes += 1
             if error.structure in STRUCTURAL:
                 self.assembler.add(Structural(error.structure, span))

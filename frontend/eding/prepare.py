@@ -111,9 +111,11 @@ def prepare(text: str) -> Line:
             raise LineError(codes.SYNTAX, at, len(text), structure=structure, what=what)
         pieces.append(piece.group())
         places.extend(range(at, piece.end()))
+    code = "".join(pieces).rstrip(" \t")
+    del places[len(code) :]
     places.append(places[-1] + 1 if places else end)
     rule = "flow" if keyword else "block"
-    return Line(text, rule, keyword, keyword_at, "".join(pieces), places, comment)
+    return Line(text, rule, keyword, keyword_at, code, places, comment)
 
 
 def structure_of(text: str) -> str:

@@ -103,7 +103,7 @@ def _steps() -> dict[str, dict[str, str]]:
     steps["int"] = word | end1 | {"digit": "int", "point": "real"}
     steps["dot"] = {"digit": "real"}
     steps["real"] = word | end1 | {"digit": "real"}
-    steps["percent"] = {"return": "return0"}
+    steps["percent"] = dict(end0)
     for state in _BLANK_LOOPS:
         steps[state]["blank"] = state
     for has in "01":
