@@ -102,7 +102,7 @@ class TomlFile:
 
 
 def _lines_of_keys(text: str) -> dict[str, int]:
-    """Line of each table header and key, by dotted name; lines inside long strings may mislead, harmlessly."""
+    """First line of each table and key, by dotted name; lines inside long strings may mislead, harmlessly."""
     lines: dict[str, int] = {}
     table = ""
     for number, line in enumerate(text.splitlines(), 1):
@@ -110,9 +110,10 @@ def _lines_of_keys(text: str) -> dict[str, int]:
         key = None if header else _KEY.match(line)
         if header:
             table = _plain(header[1])
-            lines.setdefault(table, number)
-        elif key:
-            lines.setdefault(f"{table}.{_plain(key[1])}".lstrip("."), number)
+        name = table if header else f"{table}.{_plain(key[1])}".lstrip(".") if key else ""
+        while name:
+            lines.setdefault(name, number)
+            name = name.rpartition(".")[0]
     return lines
 
 

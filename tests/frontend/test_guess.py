@@ -1,0 +1,43 @@
+"""The dialect of a job by its name and its text."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from gproof.frontend.guess import guess_dialect
+
+CORPUS = sorted((Path(__file__).resolve().parents[2] / "corpus" / "eding").glob("*/job.cnc"))
+
+
+@pytest.mark.parametrize("path", CORPUS, ids=lambda path: path.parent.name)
+def test_the_corpus_is_eding(path: Path) -> None:
+    assert guess_dialect(path)[0] == "eding"
+
+
+@pytest.mark.parametrize(
+    ("name", "text", "dialect", "reason"),
+    [
+        ("a.cnc", "g0 x1\n", "eding", "extension .cnc"),
+        ("a.NGC", "g0 x1\n", "eding", "extension .ngc"),
+        ("a.tap", "g0 x1\n", "eding", "extension .tap"),
+        ("a.gcode", "g0 x1\n", "eding", "extension .gcode"),
+        ("a.tap", "g0 x1\n#1=3\n", "eding", "numbered parameter in line 2"),
+        ("a", "g0\nEnd Sub\n", "eding", "flow control in line 2"),
+        ("a.xyz", "%\ng0 x1\n%\n", "eding", "nothing says otherwise"),
+        ("a.tap", "[macro call]\ng0 x1\n", "wincnc", "in line 1"),
+        ("a.tap", "g0 x1\nL3\n", "wincnc", "L code in line 2"),
+        ("a.mac", "g0 x1\n", "wincnc", "extension .mac"),
+        ("a.src", "%1000\nN1 G0 X1\n", "mcuwin", "in line 1"),
+        ("a.cnc", "G0 X1\n$wt(100);\n", "mcuwin", "in line 2"),
+        ("missing.tap", None, "eding", "extension .tap"),
+    ],
+)
+def test_guesses(tmp_path: Path, name: str, text: str | None, dialect: str, reason: str) -> None:
+    path = tmp_path / name
+    if text is not None:
+        path.write_text(text)
+    found, why = guess_dialect(path)
+    assert found == dialect
+    assert reason in why

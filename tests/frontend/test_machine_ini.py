@@ -1,0 +1,203 @@
+"""The controller's cnc.ini: axes, units, areas, tools, what is not modelled, and mistakes at their lines."""
+
+from __future__ import annotations
+
+import hashlib
+import math
+from fractions import Fraction
+from pathlib import Path
+
+import pytest
+
+from gproof.frontend.machine_file import load_machine
+from gproof.ir.finding import Findings
+from gproof.ir.machine import AxisKind, Machine
+from gproof.ir.text import parse_ir, print_ir
+
+WHOLE = """\
+;a mill
+[GENERAL]
+units = mm
+maxStepFrequency = 90000
+
+[userinterface]
+autoToolChange = 1
+homingMandatory = 1
+
+[INTERPRETER]
+diameterProgramming = 0
+absoluteCenterCoords = 1
+
+[TRAJECTORY]
+lafMinimumAngle = 2.5
+interpolationTime = 0.0050 ; seconds
+fifoTime = 0.2500
+
+[JOINT_0]
+visible = 1
+portID = 1
+resolution = 320.5000
+positiveLimit = 600.0
+negativeLimit = -10.0
+maxVelocity = 100.0
+maxAcceleration = 500.0
+homeVelocity = -20.0
+homePosition = 0.0
+backLash = 0.0200
+pitchCompensationOn = 0
+pitchCompensationFileName = "Joint-X-pitchCompTable.txt"
+
+[JOINT_1]
+visible = 1
+portID = 2
+stepsPerAppUnit = -320
+[JOINT_2]
+visible = 0
+portID = 3
+[JOINT_3]
+visible = 0
+portID = 4
+mode = ROT
+resolution = 44.4444
+[JOINT_4]
+visible = 0
+portID = 0
+[JOINT_5]
+visible = 0
+portID = -1
+
+[TCA]
+xNegativeLimit = 500.0
+xPositiveLimit = 600.0
+yNegativeLimit = 0.0
+yPositiveLimit = 0.0
+zNegativeLimit = -100
+zPositiveLimit = 0
+zDownToolLength = 0.0000
+
+[SPINDLE_0]
+spindleRampUpTime = 1.00
+spindleNmax = 24000.00
+[GPIO_NAMES]
+gp_output_101_name = "Vacuum; valve" ; text
+[TOOL_2]
+zOffset = 61.4
+xOffset = 0
+diameter = 5
+orientation = 0
+"""
+
+
+def loaded(folder: Path, text: str) -> tuple[Machine | None, list[tuple[str, int, str]]]:
+    path = folder / "cnc.ini"
+    path.write_bytes(text.encode("cp1252"))
+    findings = Findings()
+    machine, files = load_machine(path, findings)
+    assert files == [(str(path), hashlib.sha256(path.read_bytes()).hexdigest())]
+    if machine is not None:
+        assert parse_ir(print_ir(machine)) == machine
+    return machine, [(f.code.label, f.span.line, f.message) for f in findings.kept]
+
+
+def machine_of(folder: Path, text: str) -> Machine:
+    machine, findings = loaded(folder, text)
+    assert findings == []
+    assert machine is not None
+    return machine
+
+
+def test_every_key(tmp_path: Path) -> None:
+    machine = machine_of(tmp_path, WHOLE)
+    assert [axis.name for axis in machine.axes] == ["x", "y", "z", "a"]
+    x, y, z, a = machine.axes
+    assert (x.steps_per_unit, x.lower, x.upper, x.max_velocity) == (Fraction(641, 2), -10.0, 600.0, 100.0)
+    assert (x.max_acceleration, x.backlash, x.kind) == (500.0, 0.02, AxisKind.LINEAR)
+    assert (y.steps_per_unit, y.lower) == (Fraction(-320), None)
+    assert (z.steps_per_unit, a.kind, a.steps_per_unit) == (None, AxisKind.ROTARY, Fraction(111111, 2500))
+    controller = machine.controller
+    assert (controller.dialect, controller.laf_angle, controller.max_step_frequency) == ("eding", 2.5, 90000.0)
+    assert (controller.auto_tool_change, controller.absolute_arc_centers) == (True, True)
+    assert controller.spindle_ramp_time == 1.0
+    assert machine.tool_change_area is not None
+    assert machine.tool_change_area.box == ((500.0, 600.0), (-math.inf, math.inf), (-100.0, 0.0))
+    (tool,) = machine.tools
+    assert (tool.number, tool.length, tool.x_offset, tool.diameter, tool.orientation) == (2, 61.4, 0.0, 5.0, 0)
+    assert machine.not_modelled == ()
+
+
+def test_no_area_when_all_its_limits_are_zero(tmp_path: Path) -> None:
+    text = "[JOINT_0]\nvisible=1\n[TCA]\nxNegativeLimit = 0.0\nxPositiveLimit = 0\n"
+    assert machine_of(tmp_path, text).tool_change_area is None
+
+
+def test_inches(tmp_path: Path) -> None:
+    text = "[GENERAL]\nunits=inch\n[JOINT_0]\nvisible=1\nresolution=8128\npositiveLimit=10\n"
+    text += "[JOINT_3]\nvisible=1\nresolution=10\n"
+    machine = machine_of(tmp_path, text)
+    assert (machine.axes[0].steps_per_unit, machine.axes[0].upper, machine.unit) == (320, 254.0, 25.4)
+    assert machine.axes[1].steps_per_unit == 10
+
+
+@pytest.mark.parametrize(
+    ("text", "names"),
+    [
+        ("[JOINT_0]\nvisible=1\npitchCompensationOn=1\n", ("[JOINT_0] pitchCompensationOn",)),
+        ("[JOINT_0]\nvisible=1\n[JOINT_3]\nportID=4\nmode = SLAVE X\n", ("[JOINT_3] mode = SLAVE X",)),
+        ("[JOINT_5]\nvisible=1\nmode = Tangential Knife\n", ("[JOINT_5] mode = TANGENTIAL KNIFE",)),
+        ("[JOINT_3]\nvisible=1\nmode = 4th MILL\n", ("[JOINT_3] mode = 4TH MILL",)),
+        ("[JOINT_0]\n[INTERPRETER]\ndiameterProgramming=1\nis3DPrinter=1\n",
+         ("[INTERPRETER] diameterProgramming", "[INTERPRETER] is3DPrinter")),
+        ("[JOINT_0]\n[KINEMATICS]\nkinematicsDLLName = delta.dll\n", ("[KINEMATICS] kinematicsDLLName",)),
+        ("[JOINT_0]\n[KINEMATICS]\ntype = trivial\n", ()),
+    ],
+)  # fmt: skip
+def test_what_is_on_and_not_modelled(tmp_path: Path, text: str, names: tuple[str, ...]) -> None:
+    machine, _ = loaded(tmp_path, text)
+    assert machine is not None
+    assert machine.not_modelled == names
+
+
+def test_a_slave_is_a_motor_of_its_master(tmp_path: Path) -> None:
+    machine = machine_of(tmp_path, "[JOINT_0]\nvisible=1\n[JOINT_3]\nvisible=0\nportID=4\nmode = slave x\n")
+    (x,) = machine.axes
+    assert (x.name, x.slaves) == ("x", 1)
+
+
+@pytest.mark.parametrize(
+    ("text", "expected"),
+    [
+        ("", [("GP604", 0, "JOINT_0")]),
+        ("[JOINT_0]\nvisible=1\nresolution = abc\n", [("GP603", 3, "[JOINT_0] resolution: 'abc' is not a number")]),
+        ("[JOINT_0]\nvisible=1\nresolution = 0.0\n", [("GP603", 3, "no steps per unit")]),
+        ("[JOINT_0]\nvisible=1\nresolution = 1600/5\n", [("GP603", 3, "is not a number")]),
+        ("[JOINT_0]\nvisible=1\nnegativeLimit=2\npositiveLimit=1\n", [("GP603", 3, "lies above positiveLimit")]),
+        ("[JOINT_0]\nvisible=1\nmaxVelocity=0\n", [("GP603", 3, "0 is not greater than 0")]),
+        ("[JOINT_0]\nvisible=1\nbackLash=-1\n", [("GP603", 3, "-1 is below 0")]),
+        ("[JOINT_0]\nvisible=yes\n", [("GP603", 2, "'yes' is not a number")]),
+        ("[JOINT_0]\nvisible=1\nvisible=0\n", [("GP603", 3, "than in line 2")]),
+        ("[JOINT_0]\nvisible=1\nvisible=1\n", []),
+        ("[JOINT_0]\nnonsense\n", [("GP601", 2, "neither")]),
+        ("[JOINT_0\n", [("GP601", 1, "neither")]),
+        ("[GENERAL]\nunits = cm\n[JOINT_0]\n", [("GP603", 2, "'cm' is none of mm, inch")]),
+        ("[JOINT_0]\n[TCA]\nxNegativeLimit=3\nxPositiveLimit=2\n", [("GP603", 3, "wrong order")]),
+        ("[JOINT_0]\n[TOOL_1]\ndiameter=1\n[TOOL_01]\ndiameter=2\n", [("GP603", 5, "tool 1 is given twice")]),
+        ("[JOINT_0]\n[TOOL_1]\norientation=12\n", [("GP603", 3, "orientations")]),
+        ("[JOINT_0]\nspeed = 3\nsped = 4\n", [("GP602", 2, "'[JOINT_0] speed'"), ("GP602", 3, "'[JOINT_0] sped'")]),
+        ("[JOINT_0]\n[UNHEARD]\na=1\nb=2\n", [("GP602", 3, "'[UNHEARD]'")]),
+        ("[JOINT_0]\n[CAMERA]\na=1\n", []),
+    ],
+)
+def test_mistakes_have_their_line(tmp_path: Path, text: str, expected: list[tuple[str, int, str]]) -> None:
+    machine, findings = loaded(tmp_path, text)
+    assert [f[:2] for f in findings] == [e[:2] for e in expected]
+    for (_, _, message), (_, _, wanted) in zip(findings, expected, strict=True):
+        assert wanted in message
+    assert (machine is None) == any(code != "GP602" for code, _, _ in findings)
+
+
+def test_files_that_can_not_be_read(tmp_path: Path) -> None:
+    (tmp_path / "binary.ini").write_bytes(b"\x00\x01")
+    findings = Findings()
+    for name in ("binary.ini", "none.ini"):
+        assert load_machine(tmp_path / name, findings)[0] is None
+    assert [f.code.label for f in findings.kept] == ["GP601", "GP601"]

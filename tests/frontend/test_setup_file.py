@@ -1,0 +1,123 @@
+"""Setup files: every key, intervals, units, and every mistake with its line."""
+
+from __future__ import annotations
+
+import hashlib
+from pathlib import Path
+
+import pytest
+
+from gproof.frontend.setup_file import load_setup
+from gproof.ir.finding import Findings
+from gproof.ir.setup import Interval, Setup
+from gproof.ir.text import parse_ir, print_ir
+
+HEAD = 'schema = "gproof-setup/1"\n'
+WHOLE = """\
+schema = "gproof-setup/1"
+name = "Tuesday"
+homed = ["z", "x", "y"]
+start = {x = 0.0, y = 1, a = 90}
+tool = 1
+active_work = 2
+block_delete = true
+optional_stop = false
+
+[work.1]
+x = 10.0
+y = [5.0, 8.0]
+
+[work.9]
+z = -5.5
+
+[g92]
+x = 0.5
+
+[parameters]
+100 = 5.0
+4001 = -2
+
+[tools.3]
+length = [12, 12.5]
+"""
+
+
+def setup_of(folder: Path, text: str) -> Setup:
+    path = folder / "setup.toml"
+    path.write_text(text)
+    findings = Findings()
+    setup, files = load_setup(path, findings)
+    assert [f.message for f in findings.kept] == []
+    assert setup is not None
+    assert files == [(str(path), hashlib.sha256(path.read_bytes()).hexdigest())]
+    assert parse_ir(print_ir(setup)) == setup
+    return setup
+
+
+def test_every_key(tmp_path: Path) -> None:
+    setup = setup_of(tmp_path, WHOLE)
+    assert setup == Setup(
+        name="Tuesday",
+        homed=("x", "y", "z"),
+        start={"x": Interval(0.0, 0.0), "y": Interval(1.0, 1.0), "a": Interval(90.0, 90.0)},
+        work={
+            (1, "x"): Interval(10.0, 10.0),
+            (1, "y"): Interval(5.0, 8.0),
+            (9, "z"): Interval(-5.5, -5.5),
+        },
+        g92={"x": Interval(0.5, 0.5)},
+        tool_lengths={3: Interval(12.0, 12.5)},
+        parameters={100: 5.0, 4001: -2.0},
+        active_work=2,
+        tool=1,
+        block_delete=True,
+        optional_stop=False,
+    )
+
+
+def test_everything_is_optional(tmp_path: Path) -> None:
+    assert setup_of(tmp_path, HEAD) == Setup(name="setup.toml")
+
+
+def test_inches(tmp_path: Path) -> None:
+    text = WHOLE.replace('name = "Tuesday"', 'units = "inch"')
+    setup = setup_of(tmp_path, text)
+    assert setup.start["y"] == Interval(25.4, 25.4)
+    assert setup.start["a"] == Interval(90.0, 90.0)
+    assert setup.work[1, "y"] == Interval(127.0, 203.2)
+    assert setup.tool_lengths[3] == Interval(304.8, 317.5)
+    assert setup.parameters == {100: 5.0, 4001: -2.0}
+
+
+@pytest.mark.parametrize(
+    ("text", "code", "line", "message"),
+    [
+        ("", "GP604", 0, "schema is missing"),
+        ('schema = "gproof-machine/1"\n', "GP603", 1, "schema"),
+        (HEAD + "x =\n", "GP601", 2, "not TOML"),
+        (HEAD + "tools = 3\n", "GP603", 2, "tools: 3 is not a table"),
+        (HEAD + "tool = 100\n", "GP603", 2, "tool: 100 is not a whole number from 0 to 99"),
+        (HEAD + "active_work = 0\n", "GP603", 2, "active_work"),
+        (HEAD + "block_delete = 1\n", "GP603", 2, "block_delete"),
+        (HEAD + 'homed = "x"\n', "GP603", 2, "homed"),
+        (HEAD + 'homed = ["w"]\n', "GP603", 2, "homed"),
+        (HEAD + "[start]\nx = [2, 1]\n", "GP603", 3, "start.x: the lower end 2 is above the upper end 1"),
+        (HEAD + "[start]\nw = 1\n", "GP602", 3, "start.w"),
+        (HEAD + "[work.10]\nx = 1\n", "GP603", 2, "'10' is not a number from 1 to 9"),
+        (HEAD + "[work.1]\nx = true\n", "GP603", 3, "work.1.x"),
+        (HEAD + "[parameters]\n0 = 1\n", "GP603", 3, "'0' is not a parameter number"),
+        (HEAD + "[parameters]\n6000 = 1\n", "GP603", 3, "'6000' is not a parameter number"),
+        (HEAD + "[parameters]\n1 = [1, 2]\n", "GP603", 3, "parameters.1"),
+        (HEAD + "[tools.1]\ndiameter = 1\n", "GP602", 3, "tools.1.diameter"),
+        (HEAD + "offsets = 1\n", "GP602", 2, "offsets"),
+    ],
+)
+def test_mistakes_have_their_line(tmp_path: Path, text: str, code: str, line: int, message: str) -> None:
+    path = tmp_path / "setup.toml"
+    path.write_text(text)
+    findings = Findings()
+    setup, _ = load_setup(path, findings)
+    (finding,) = findings.kept
+    assert (finding.code.label, finding.span.line) == (code, line)
+    assert message in finding.message
+    assert (setup is None) == (code != "GP602")
