@@ -33,7 +33,7 @@ def run_check(
     if picture is not None:
         from gproof.cli.picture import Drawing
 
-        drawing = Drawing()
+        drawing = Drawing(session.machine)
     progress = progress_bar(session)
     observe = _observers(progress, drawing.add if drawing is not None else None)
     try:

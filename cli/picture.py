@@ -1,70 +1,57 @@
-"""The path as a picture: SVG, top view and front view, limits, areas, where the first findings are, the verdict."""
+"""``check --picture``: the job as a drawing (SVG): what it cuts, where on the machine that is, what is wrong with it.
+
+Left the cut from above and from the front, at one scale, with holes and grooves as wide as the tool where the tool
+table gives diameters. Right the same on the whole machine with soft limits and tool change area. All numbers are
+machine coordinates; where a work zero is not known, the cut stands relative to it, and the machine shows where
+that zero may lie. Rotary axes are not drawn. The same inputs give the same bytes.
+"""
 
 from __future__ import annotations
 
+import itertools
 import math
 import os
 import tempfile
 import xml.etree.ElementTree as ET
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
 
 from gproof.cli.judge import Judgement
+from gproof.cli.path_points import PathPoints
+from gproof.cli.scene import WEIGHT, Mark, Pair, Scene, by_weight, scene_of
 from gproof.cli.session import Session
 from gproof.ir.finding import Severity
-from gproof.ir.machine import Machine
-from gproof.ir.trace import Chunk, Op, Plane
+from gproof.ir.machine import AXIS_NAMES, Machine
+from gproof.ir.trace import Chunk
 from gproof.ir.verdict import Verdict
+from gproof.passes.values import describe
 
-WIDTH, MARGIN, GAP = 900.0, 40.0, 30.0
-MAX_POINTS = 60_000
-_COLOURS = {"feed": "#1565c0", "traverse": "#9e9e9e", "limit": "#616161", "area": "#ef6c00", "finding": "#d50000"}
+WIDTH, EDGE, RULER, GAP = 1000.0, 22.0, 46.0, 26.0
+CUT_WIDTH, CUT_HEIGHT, CUT_FRONT, CUT_LEAST = 540.0, 500.0, 240.0, 70.0
+CUT_SCALE = 80.0  # pixels per mm at most
+MACHINE_HEIGHT, MACHINE_FRONT = 330.0, 300.0
+MACHINE_WIDTH = WIDTH - 2 * EDGE - 2 * RULER - GAP - CUT_WIDTH
+_INK, _SOFT, _GRID = "#212121", "#546e7a", "#eceff1"
+_FEED, _CUT, _TRAVERSE, _LIMIT, _AREA, _ZERO = "#0d47a1", "#d6e6f7", "#90a4ae", "#37474f", "#ef6c00", "#2e7d32"
 _BADGE = {Verdict.SAFE: "#2e7d32", Verdict.UNSAFE: "#c62828", Verdict.UNKNOWN: "#6a1b9a"}
-_ARC_STEP = math.radians(6)
+_LABELS, _LISTED = 8, 4
 
 
 class Drawing:
     """Collects the path while the job streams by; ``write`` draws it."""
 
-    def __init__(self) -> None:
-        self._points: list[np.ndarray] = []
-        self._feed: list[np.ndarray] = []
-        self._lines: list[np.ndarray] = []
+    def __init__(self, machine: Machine) -> None:
+        self._path = PathPoints({t.number: t.diameter for t in machine.tools if t.diameter})
 
     def add(self, chunk: Chunk) -> None:
-        """Remember the chunk's motion; arcs as short chords, for the eye only."""
-        rows = chunk.rows
-        op = rows["op"]
-        moving = op < Op.DWELL
-        if not moving.any():
-            return
-        if not self._points:
-            self._points.append(np.array([chunk.start[:3]], dtype=np.float32))
-            self._feed.append(np.zeros(1, dtype=bool))
-            self._lines.append(rows["line"][:1])
-        if not (op == Op.ARC).any():
-            self._points.append(rows["to"][moving, :3].astype(np.float32))
-            self._feed.append(op[moving] != Op.TRAVERSE)
-            self._lines.append(rows["line"][moving])
-            return
-        starts = chunk.starts()
-        for i in np.flatnonzero(moving).tolist():
-            if op[i] == Op.ARC:
-                points = _arc(starts[i, :3], rows["to"][i, :3], rows["center"][i], int(rows["turns"][i]),
-                              Plane(int(rows["plane"][i])))  # fmt: skip
-            else:
-                points = rows["to"][i : i + 1, :3]
-            self._points.append(points.astype(np.float32))
-            self._feed.append(np.full(len(points), op[i] != Op.TRAVERSE))
-            self._lines.append(np.full(len(points), rows["line"][i]))
+        """Remember the chunk's motion."""
+        self._path.add(chunk)
 
     def write(self, path: Path, session: Session, judgement: Judgement) -> None:
         """Draw and write the file, whole or not at all."""
-        points = np.concatenate(self._points) if self._points else np.zeros((1, 3), dtype=np.float32)
-        feed = np.concatenate(self._feed) if self._feed else np.zeros(1, dtype=bool)
-        lines = np.concatenate(self._lines) if self._lines else np.zeros(1, dtype=np.int64)
-        text = _svg(points, feed, lines, session, judgement)
+        text = _Sheet(scene_of(self._path, session, judgement), session, judgement).text()
         path.parent.mkdir(parents=True, exist_ok=True)
         handle, name = tempfile.mkstemp(dir=path.parent, suffix=".svg")
         try:
@@ -77,139 +64,419 @@ class Drawing:
             raise
 
 
-def _arc(start: np.ndarray, end: np.ndarray, center: np.ndarray, turns: int, plane: Plane) -> np.ndarray:
-    u, v = {Plane.XY: (0, 1), Plane.XZ: (2, 0), Plane.YZ: (1, 2)}[plane]
-    a0 = math.atan2(start[v] - center[v], start[u] - center[u])
-    a1 = math.atan2(end[v] - center[v], end[u] - center[u])
-    sign = 1 if turns > 0 else -1
-    sweep = ((a1 - a0) * sign) % (2 * math.pi)
-    if sweep < 1e-9:
-        sweep = 2 * math.pi
-    sweep += (abs(turns) - 1) * 2 * math.pi
-    count = max(2, math.ceil(sweep / _ARC_STEP))
-    t = np.linspace(0, 1, count + 1)[1:]
-    angle = a0 + sign * sweep * t
-    radius = math.hypot(start[u] - center[u], start[v] - center[v])
-    out = start + np.outer(t, end - start)
-    out[:, u], out[:, v] = center[u] + radius * np.cos(angle), center[v] + radius * np.sin(angle)
-    return out
-
-
+@dataclass(frozen=True, slots=True, kw_only=True)
 class _View:
-    """Machine coordinates of two axes to the page."""
+    """A window on two axes: what it spans, where it stands on the page, pixels per mm."""
 
-    def __init__(self, low: np.ndarray, high: np.ndarray, axes: tuple[int, int], scale: float, top: float) -> None:
-        self.low, self.high, self.axes, self.scale, self.top = low, high, axes, scale, top
+    name: str
+    axes: tuple[int, int]
+    low: Pair
+    high: Pair
+    left: float
+    top: float
+    scale: float
+    shift: Pair = (0.0, 0.0)
+
+    @property
+    def width(self) -> float:
+        return (self.high[0] - self.low[0]) * self.scale
 
     @property
     def height(self) -> float:
-        v = self.axes[1]
-        return float(self.high[v] - self.low[v]) * self.scale
+        return (self.high[1] - self.low[1]) * self.scale
 
-    def at(self, x: float, y: float) -> tuple[float, float]:
+    def at(self, x: float, y: float) -> Pair:
+        return self.left + (x - self.low[0]) * self.scale, self.top + (self.high[1] - y) * self.scale
+
+    def page(self, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Page coordinates of (n, 3) points."""
         u, v = self.axes
-        return MARGIN + (x - float(self.low[u])) * self.scale, self.top + (float(self.high[v]) - y) * self.scale
-
-    def path(self, points: np.ndarray) -> str:
-        u, v = self.axes
-        x = MARGIN + (points[:, u] - self.low[u]) * self.scale
-        y = self.top + (self.high[v] - points[:, v]) * self.scale
-        return "M" + "L".join(f"{a:.1f} {b:.1f}" for a, b in zip(x.tolist(), y.tolist(), strict=True))
+        x = self.left + (points[:, u] + self.shift[0] - self.low[0]) * self.scale
+        y = self.top + (self.high[1] - points[:, v] - self.shift[1]) * self.scale
+        return x, y
 
 
-def _extent(points: np.ndarray, machine: Machine) -> tuple[np.ndarray, np.ndarray]:
-    low, high = points.min(axis=0).astype(float), points.max(axis=0).astype(float)
-    for axis in machine.axes[:3]:
-        if axis.index < 3 and axis.lower is not None and axis.upper is not None:
-            low[axis.index] = min(low[axis.index], axis.lower)
-            high[axis.index] = max(high[axis.index], axis.upper)
-    return low, np.maximum(high, low + 1.0)
+class _Sheet:
+    """The page."""
 
+    def __init__(self, scene: Scene, session: Session, judgement: Judgement) -> None:
+        self.scene, self.session, self.judgement = scene, session, judgement
+        self.machine = session.machine
+        self.root = ET.Element("svg", xmlns="http://www.w3.org/2000/svg")
+        self.root.set("font-family", "DejaVu Sans, Verdana, Arial, sans-serif")
+        self.used: set[str] = set()
+        self.taken: list[tuple[float, float, float, float]] = []
 
-def _svg(points: np.ndarray, feed: np.ndarray, lines: np.ndarray, session: Session, judgement: Judgement) -> str:
-    low, high = _extent(points, session.machine)
-    scale = (WIDTH - 2 * MARGIN) / float(high[0] - low[0])
-    scale = min(scale, 700.0 / float(high[1] - low[1]))
-    top = _View(low, high, (0, 1), scale, 70.0)
-    front = _View(low, high, (0, 2), scale, 70.0 + top.height + GAP)
-    page = front.top + front.height + MARGIN + 20
-    root = ET.Element("svg", xmlns="http://www.w3.org/2000/svg", viewBox=f"0 0 {WIDTH:.0f} {page:.0f}",
-                      width=f"{WIDTH:.0f}", height=f"{page:.0f}")  # fmt: skip
-    root.set("font-family", "sans-serif")
-    ET.SubElement(root, "rect", width="100%", height="100%", fill="#ffffff")
-    _heading(root, session, judgement)
-    bad = {f.span.line for f in judgement.findings.kept if f.severity is Severity.ERROR}
-    keep = np.linspace(0, len(points) - 1, min(len(points), MAX_POINTS)).astype(int)
-    points, feed, lines = points[keep], feed[keep], lines[keep]
-    for view, name in ((top, "top view, X Y"), (front, "front view, X Z")):
-        _limits(root, view, session.machine)
-        _runs(root, view, points, feed)
-        _marks(root, view, points, lines, bad)
-        x, y = view.at(float(low[0]), float(high[view.axes[1]]))
-        ET.SubElement(root, "text", x=f"{x:.1f}", y=f"{y - 5:.1f}", fill="#616161").text = name
-        root[-1].set("font-size", "11")
-    return '<?xml version="1.0" encoding="UTF-8"?>\n' + ET.tostring(root, encoding="unicode") + "\n"
+    def text(self) -> str:
+        """The whole document."""
+        background = ET.SubElement(self.root, "rect", width="100%", height="100%", fill="#ffffff")
+        top = self._heading()
+        bottom = top
+        for n, view in enumerate(views := self._views(top)):
+            self._view(view, n)
+            bottom = max(bottom, view.top + view.height + 40)
+        if not views:
+            self._say(EDGE, bottom + 20, "There is no motion to draw.", 14, _SOFT)
+            bottom += 40
+        bottom = self._footer(bottom + 12)
+        for element in (self.root, background):
+            element.set("width", f"{WIDTH:.0f}")
+            element.set("height", f"{bottom:.0f}")
+        self.root.set("viewBox", f"0 0 {WIDTH:.0f} {bottom:.0f}")
+        ET.indent(self.root, " ")
+        return '<?xml version="1.0" encoding="UTF-8"?>\n' + ET.tostring(self.root, encoding="unicode") + "\n"
 
+    # Text
 
-def _heading(root: ET.Element, session: Session, judgement: Judgement) -> None:
-    text = ET.SubElement(root, "text", x=f"{MARGIN}", y="32", fill=_BADGE[judgement.verdict])
-    text.set("font-size", "22")
-    text.set("font-weight", "bold")
-    text.text = judgement.verdict.value
-    name = ET.SubElement(root, "text", x=f"{MARGIN + 130}", y="32", fill="#212121")
-    name.set("font-size", "14")
-    parts = [f"{r.name} {r.verdict.value}" for r in judgement.properties]
-    name.text = f"{session.job.parent.name}/{session.job.name} on {session.machine.name}: " + ", ".join(parts)
-
-
-def _limits(root: ET.Element, view: _View, machine: Machine) -> None:
-    u, v = (next((a for a in machine.axes if a.index == k), None) for k in view.axes)
-    if u and v and None not in (u.lower, u.upper, v.lower, v.upper):
-        _box(root, view, (u.lower, u.upper), (v.lower, v.upper), _COLOURS["limit"], "soft limits", 0.0)  # type: ignore[arg-type]
-    if machine.tool_change_area is not None:
-        box = machine.tool_change_area.box
-        _box(root, view, box[view.axes[0]], box[view.axes[1]], _COLOURS["area"], "tool change area", 0.15)
-
-
-def _box(
-    root: ET.Element, view: _View, x: tuple[float, float], y: tuple[float, float], colour: str, title: str, fill: float
-) -> None:
-    u, v = view.axes
-    x = max(x[0], float(view.low[u])), min(x[1], float(view.high[u]))
-    y = max(y[0], float(view.low[v])), min(y[1], float(view.high[v]))
-    left, up = view.at(x[0], y[1])
-    rect = ET.SubElement(root, "rect", x=f"{left:.1f}", y=f"{up:.1f}", width=f"{max(0.0, x[1] - x[0]) * view.scale:.1f}",
-                         height=f"{max(0.0, y[1] - y[0]) * view.scale:.1f}", stroke=colour)  # fmt: skip
-    rect.set("fill", colour)
-    rect.set("fill-opacity", str(fill))
-    rect.set("stroke-dasharray", "6 3")
-    ET.SubElement(rect, "title").text = title
-
-
-def _runs(root: ET.Element, view: _View, points: np.ndarray, feed: np.ndarray) -> None:
-    """One path element for each run of feed or traverse moves."""
-    edges = np.flatnonzero(feed[1:] != feed[:-1]) + 1
-    begin = 1
-    for stop in [*edges.tolist(), len(points)]:
-        if stop <= begin:
-            continue
-        kind = "feed" if feed[begin] else "traverse"
-        path = ET.SubElement(root, "path", d=view.path(points[begin - 1 : stop]), fill="none", stroke=_COLOURS[kind])
-        path.set("stroke-width", "1.2" if kind == "feed" else "0.6")
-        if kind == "traverse":
-            path.set("stroke-dasharray", "3 3")
-        begin = stop
-
-
-def _marks(root: ET.Element, view: _View, points: np.ndarray, lines: np.ndarray, bad: set[int]) -> None:
-    """A ring where a line with an error ends."""
-    if not bad:
-        return
-    hits = np.flatnonzero(np.isin(lines, np.array(sorted(bad))))
-    for i in hits[:200].tolist():
-        x, y = view.at(float(points[i, view.axes[0]]), float(points[i, view.axes[1]]))
-        mark = ET.SubElement(
-            root, "circle", cx=f"{x:.1f}", cy=f"{y:.1f}", r="5", fill="none", stroke=_COLOURS["finding"]
+    def _say(
+        self, x: float, y: float, text: str, size: float, colour: str, *, bold: bool = False, anchor: str = "start",
+        room: float = 0.0, parent: ET.Element | None = None,
+    ) -> float:  # fmt: skip
+        """Write a line, cut to ``room``; returns about how wide it is."""
+        text = "".join(c if c.isprintable() else "?" for c in text)
+        if room and _wide(text, size, bold) > room:
+            while text and _wide(text + "…", size, bold) > room:
+                text = text[:-1]
+            text = text.rstrip() + "…"
+        element = ET.SubElement(
+            self.root if parent is None else parent, "text", x=f"{x:.1f}", y=f"{y:.1f}", fill=colour
         )
-        mark.set("stroke-width", "2")
-        ET.SubElement(mark, "title").text = f"line {int(lines[i])}"
+        element.set("font-size", f"{size:g}")
+        if bold:
+            element.set("font-weight", "bold")
+        if anchor != "start":
+            element.set("text-anchor", anchor)
+        element.text = text
+        return _wide(text, size, bold)
+
+    def _heading(self) -> float:
+        verdict = self.judgement.verdict
+        width = 28 + _wide(verdict.value, 21, bold=True)
+        badge = ET.SubElement(self.root, "rect", x=f"{EDGE:.0f}", y="18", width=f"{width:.0f}", height="42", rx="6",
+                              fill=_BADGE[verdict])  # fmt: skip
+        self._say(EDGE + width / 2, 46, verdict.value, 21, "#ffffff", bold=True, anchor="middle")
+        left = EDGE + width + 16
+        badge.set("stroke", "none")
+        job = self.session.job
+        self._say(left, 36, f"{job.parent.name}/{job.name}".lstrip("/"), 18, _INK, bold=True, room=WIDTH - EDGE - left)
+        self._say(left, 57, f"on {self.machine.name}", 13, _SOFT, room=WIDTH - EDGE - left)
+        x = EDGE
+        for result in self.judgement.properties:
+            x += self._say(x, 84, result.name, 13, _SOFT) + 5
+            x += self._say(x, 84, result.verdict.value, 13, _BADGE[result.verdict], bold=True) + 18
+        return 100.0
+
+    # Views
+
+    def _views(self, top: float) -> list[_View]:
+        """The cut and the machine side by side, each from above and from the front."""
+        if not len(self.scene.points):
+            return []
+        rows = [[v for v in pair if v is not None] for pair in zip(self._cut(), self._whole(), strict=True)]
+        out, at = [], top + 24
+        for row in rows:
+            out += [replace(view, top=at) for view in row]
+            at += max((view.height + 64 for view in row), default=0)
+        return out
+
+    def _cut(self) -> tuple[_View, _View]:
+        """At one scale and with X lined up."""
+        low, high = self.scene.low, self.scene.high
+        size = np.maximum(high - low, 1e-3)
+        pad = 0.06 * max(float(size[0]), float(size[1]), 4.0)
+        rooms = (CUT_WIDTH, CUT_HEIGHT, CUT_FRONT)
+        scale = min(CUT_SCALE, *(room / (float(s) + 2 * pad) for room, s in zip(rooms, size, strict=True)))
+        x, y, z = (
+            _widened(float(low[k]) - pad, float(high[k]) + pad, least / scale)
+            for k, least in enumerate((CUT_WIDTH, CUT_LEAST, CUT_LEAST))
+        )
+        mm, unit = self._unit()
+        sizes = " x ".join(f"{v:.1f}" if v >= 10 else f"{v:.2f}" for v in ((high - low)[:2] / mm).tolist())
+        said, left = f"The cut from above ({sizes} {unit})", EDGE + RULER
+        return (
+            _View(name=said, axes=(0, 1), low=(x[0], y[0]), high=(x[1], y[1]), left=left, top=0.0, scale=scale),
+            _View(name="The cut from the front", axes=(0, 2), low=(x[0], z[0]), high=(x[1], z[1]), left=left, top=0.0,
+                  scale=scale),
+        )  # fmt: skip
+
+    def _unit(self) -> tuple[float, str]:
+        """The machine's own unit of length: mm in it, its name."""
+        return (self.machine.unit, "in") if self.machine.unit != 1.0 else (1.0, "mm")
+
+    def _whole(self) -> tuple[_View | None, _View | None]:
+        """On the whole machine, as far as its limits and the place of the job are known."""
+        spans: list[Pair | None] = []
+        for k in range(3):
+            axis, shift = self.machine.axis(AXIS_NAMES[k]), self.scene.shift[k]
+            if axis is None or axis.lower is None or axis.upper is None or shift is None:
+                spans.append(None)
+                continue
+            low = min(axis.lower, float(self.scene.low[k]) + shift)
+            high = max(axis.upper, float(self.scene.high[k]) + shift)
+            spans.append((low, high))
+        x, y, z = spans
+        if x is None:
+            return None, None
+        sizes = [s[1] - s[0] for s in (x, y or (0.0, 1.0), z or (0.0, 1.0))]
+        pad = 0.04 * max(sizes[0], sizes[1], 1.0)
+        rooms = (MACHINE_WIDTH, MACHINE_HEIGHT, MACHINE_FRONT)
+        scale = min(room / (size + 2 * pad) for room, size in zip(rooms, sizes, strict=True))
+
+        def view(name: str, k: int, span: Pair | None) -> _View | None:
+            if span is None:
+                return None
+            return _View(
+                name=f"On the machine, {name}", axes=(0, k), low=(x[0] - pad, span[0] - pad),
+                high=(x[1] + pad, span[1] + pad), left=WIDTH - EDGE - MACHINE_WIDTH, top=0.0, scale=scale,
+                shift=(self.scene.shift[0] or 0.0, self.scene.shift[k] or 0.0),
+            )  # fmt: skip
+
+        return view("from above", 1, y), view("from the front", 2, z)
+
+    def _view(self, view: _View, number: int) -> None:
+        whole = view.name.startswith("On")
+        self._say(view.left, view.top - 8, view.name, 13, _INK, bold=True, room=view.width)
+        self._rulers(view)
+        clip = ET.SubElement(ET.SubElement(self.root, "clipPath", id=f"view{number}"), "rect")
+        for element in (clip, ET.SubElement(self.root, "rect", fill="none", stroke="#cfd8dc")):
+            for name, value in (("x", view.left), ("y", view.top), ("width", view.width), ("height", view.height)):
+                element.set(name, f"{value:.1f}")
+        group = ET.SubElement(self.root, "g")
+        group.set("clip-path", f"url(#view{number})")
+        group.set("fill", "none")
+        group.set("stroke-linejoin", "round")
+        group.set("stroke-linecap", "round")
+        known = whole or not any(self.scene.forms[k] for k in view.axes)
+        self._areas(group, view, known, whole)
+        if view.axes == (0, 1):
+            self._widths(group, view)
+        self._moves(group, view, whole)
+        if view.axes == (0, 1) and not whole:
+            self._holes(group, view)
+        if known:
+            self._limits(group, view)
+        self._findings(group, view)
+
+    def _rulers(self, view: _View) -> None:
+        """Grid and numbers along the left and the bottom, in the machine's own unit."""
+        unit, unit_name = self._unit()
+        for n, k in enumerate(view.axes):
+            length = view.width if n == 0 else view.height
+            step = _nice((view.high[n] - view.low[n]) / unit * (56 if n == 0 else 30) / length)
+            first = math.ceil(view.low[n] / unit / step - 1e-9)
+            last = math.floor(view.high[n] / unit / step + 1e-9)
+            for i in range(first, last + 1):
+                value = i * step
+                x, y = view.at(value * unit, view.low[1]) if n == 0 else view.at(view.low[0], value * unit)
+                line = ET.SubElement(self.root, "path", stroke=_GRID)
+                line.set(
+                    "d", f"M{x:.1f} {y:.1f}v{-view.height:.1f}" if n == 0 else f"M{x:.1f} {y:.1f}h{view.width:.1f}"
+                )
+                label = f"{value:g}" if abs(value) >= step / 2 else "0"
+                if n == 0:
+                    self._say(x, y + 14, label, 11, _SOFT, anchor="middle")
+                else:
+                    self._say(x - 5, y + 4, label, 11, _SOFT, anchor="end")
+            name = f"{AXIS_NAMES[k].upper()} {unit_name}"
+            if n == 0:
+                self._say(view.left + view.width, view.top + view.height + 28, name, 11, _INK, bold=True, anchor="end")
+            else:
+                self._say(view.left - 40, view.top - 8, name, 11, _INK, bold=True)
+
+    def _limits(self, group: ET.Element, view: _View) -> None:
+        u, v = (self.machine.axis(AXIS_NAMES[k]) for k in view.axes)
+        if u is None or v is None:
+            return
+        low_u, high_u, low_v, high_v = u.lower, u.upper, v.lower, v.upper
+        if low_u is None or high_u is None or low_v is None or high_v is None:
+            return
+        self._box(group, view, (low_u, high_u), (low_v, high_v), stroke=_LIMIT, dash="9 4", width="1.6")
+        self.used.add("limits")
+
+    def _areas(self, group: ET.Element, view: _View, known: bool, whole: bool) -> None:
+        """What lies beneath the path: the tool change area, and where an unknown zero may be."""
+        area = self.machine.tool_change_area
+        if area is not None and known:
+            x, y = area.box[view.axes[0]], area.box[view.axes[1]]
+            if x[1] >= view.low[0] and x[0] <= view.high[0] and y[1] >= view.low[1] and y[0] <= view.high[1]:
+                self._box(group, view, x, y, stroke=_AREA, fill="#ffe0b2", width="1.2")
+                self.used.add("area")
+        if whole and any(self.scene.zero[k] for k in view.axes):
+            pairs = [self.scene.zero[k] or (view.low[n], view.high[n]) for n, k in enumerate(view.axes)]
+            self._box(group, view, pairs[0], pairs[1], stroke=_ZERO, fill="#e8f5e9", width="1.2", dash="2 3")
+            self.used.add("zero")
+
+    def _box(
+        self, group: ET.Element, view: _View, x: Pair, y: Pair, *, stroke: str, fill: str = "none", width: str = "1",
+        dash: str = "",
+    ) -> None:  # fmt: skip
+        """A box in machine coordinates; sides beyond the view lie just outside of it."""
+        x = max(x[0], view.low[0] - 9 / view.scale), min(x[1], view.high[0] + 9 / view.scale)
+        y = max(y[0], view.low[1] - 9 / view.scale), min(y[1], view.high[1] + 9 / view.scale)
+        left, top = view.at(x[0], y[1])
+        box = ET.SubElement(group, "rect", x=f"{left:.1f}", y=f"{top:.1f}", fill=fill, stroke=stroke)
+        box.set("width", f"{max(0.0, x[1] - x[0]) * view.scale:.1f}")
+        box.set("height", f"{max(0.0, y[1] - y[0]) * view.scale:.1f}")
+        box.set("stroke-width", width)
+        if dash:
+            box.set("stroke-dasharray", dash)
+
+    def _widths(self, group: ET.Element, view: _View) -> None:
+        """The tool's width along the cut, beneath the path."""
+        p = self.scene.points
+        drawn = self.scene.joined & p.feed & (p.diameter > 0)
+        for begin, stop in _runs(drawn, p.diameter):
+            width = float(p.diameter[begin]) * view.scale
+            if width < 1.5:
+                continue
+            path = ET.SubElement(group, "path", d=self._line(view, begin, stop), stroke=_CUT)
+            path.set("stroke-width", f"{width:.1f}")
+            self.used.add("cut")
+
+    def _moves(self, group: ET.Element, view: _View, whole: bool) -> None:
+        """One path element for each run of feed or traverse moves; traverses beneath."""
+        p = self.scene.points
+        for feed, colour, width in ((False, _TRAVERSE, 0.8), (True, _FEED, 1.0 if whole else 1.4)):
+            for begin, stop in _runs(self.scene.joined & (p.feed == feed), p.feed):
+                path = ET.SubElement(group, "path", d=self._line(view, begin, stop), stroke=colour)
+                path.set("stroke-width", f"{width:g}")
+                if not feed:
+                    path.set("stroke-dasharray", "4 3")
+                self.used.add("feed" if feed else "traverse")
+
+    def _line(self, view: _View, begin: int, stop: int) -> str:
+        """The moves to points begin ... stop - 1; points closer than a tenth of a pixel are left out."""
+        x, y = view.page(self.scene.points.at[begin - 1 : stop].astype(float))
+        texts = [f"{a:.1f} {b:.1f}" for a, b in zip(x.tolist(), y.tolist(), strict=True)]
+        kept = texts[:1] + [b for a, b in itertools.pairwise(texts) if a != b]
+        return "M" + "L".join(kept if len(kept) > 1 else kept * 2)
+
+    def _holes(self, group: ET.Element, view: _View) -> None:
+        """A circle with a cross where the tool goes straight down, as wide as the tool."""
+        for x, y, diameter in self.scene.plunges:
+            cx, cy = view.at(x, y)
+            r = max(diameter / 2 * view.scale, 2.5)
+            d, arm = 2 * r, r + 3
+            circle = f"M{cx - r:.1f} {cy:.1f}a{r:.1f} {r:.1f} 0 1 0 {d:.1f} 0a{r:.1f} {r:.1f} 0 1 0 {-d:.1f} 0"
+            cross = f"M{cx - arm:.1f} {cy:.1f}h{2 * arm:.1f}M{cx:.1f} {cy - arm:.1f}v{2 * arm:.1f}"
+            hole = ET.SubElement(group, "path", d=circle + cross, stroke=_FEED, fill=_CUT if diameter else "none")
+            hole.set("stroke-width", "0.8")
+            self.used.add("plunge")
+
+    def _findings(self, group: ET.Element, view: _View) -> None:
+        """Moves with findings painted over, a ring where it is, and a label as long as there is room."""
+        for n, mark in enumerate(self.scene.marks):
+            chosen = np.zeros(len(self.scene.points), dtype=bool)
+            chosen[mark.moves] = True
+            for begin, stop in _runs(chosen, chosen):
+                path = ET.SubElement(group, "path", d=self._line(view, begin, stop), stroke=mark.colour)
+                path.set("stroke-width", "2.4")
+            x, y = (float(c[0]) for c in view.page(np.array([mark.at])))
+            ring = ET.SubElement(group, "circle", cx=f"{x:.1f}", cy=f"{y:.1f}", r="6", stroke=mark.colour)
+            ring.set("stroke-width", "2")
+            self.taken.append((x - 7, y - 7, x + 7, y + 7))
+            if n < _LABELS:
+                self._label(view, x, y, mark)
+            self.used.add("finding" if mark.colour == WEIGHT[Severity.ERROR] else "open")
+
+    def _label(self, view: _View, x: float, y: float, mark: Mark) -> None:
+        width = _wide(mark.text, 12, bold=True)
+        for dx, dy in (
+            (11, -9),
+            (11, 19),
+            (-11 - width, -9),
+            (-11 - width, 19),
+            (11, -26),
+            (-11 - width, -26),
+            (11, 36),
+        ):
+            box = (x + dx - 2, y + dy - 12, x + dx + width + 2, y + dy + 4)
+            inside = box[0] >= view.left and box[2] <= view.left + view.width
+            inside = inside and box[1] >= view.top and box[3] <= view.top + view.height
+            if inside and not any(_overlap(box, other) for other in self.taken):
+                self.taken.append(box)
+                back = ET.SubElement(self.root, "rect", x=f"{box[0]:.1f}", y=f"{box[1]:.1f}", rx="3", fill="#ffffff")
+                back.set("width", f"{box[2] - box[0]:.1f}")
+                back.set("height", f"{box[3] - box[1]:.1f}")
+                back.set("fill-opacity", "0.85")
+                self._say(x + dx, y + dy, mark.text, 12, mark.colour, bold=True)
+                return
+
+    # Below the views
+
+    def _footer(self, top: float) -> float:
+        x, y = EDGE, top + 10
+        for key, said, style in _LEGEND:
+            if key not in self.used:
+                continue
+            if x + 40 + _wide(said, 12) > WIDTH - EDGE:
+                x, y = EDGE, y + 22
+            shape = "m7 0a6 6 0 1 0 12 0a6 6 0 1 0 -12 0m-3 0h18m-9 -9v18" if key == "plunge" else "h26"
+            ET.SubElement(self.root, "path", {"d": f"M{x:.0f} {y - 4:.0f}{shape}", "fill": "none", **style})
+            x += 32 + self._say(x + 32, y, said, 12, _INK) + 20
+        y += 24
+        for note in self._notes():
+            self._say(EDGE, y, note, 13, _SOFT, room=WIDTH - 2 * EDGE)
+            y += 20
+        judged = sorted((f for f in self.judgement.findings.kept if f.severity in WEIGHT), key=by_weight)
+        weighty = {f"{f.code.label}{f' line {f.span.line}' if f.span.line else ''}: {f.message}": f for f in judged}
+        for said, f in list(weighty.items())[:_LISTED]:
+            self._say(EDGE, y, said, 13, WEIGHT[f.severity], room=WIDTH - 2 * EDGE)
+            y += 20
+        if len(weighty) > _LISTED:
+            self._say(EDGE, y, f"and {len(weighty) - _LISTED} more", 13, _SOFT)
+            y += 20
+        return y
+
+    def _notes(self) -> list[str]:
+        """What the drawing leaves open or leaves out."""
+        unknown = [f"{AXIS_NAMES[k].upper()} from {describe(f)}" for k, f in enumerate(self.scene.forms) if f]
+        out = [f"Numbers beside the cut count {', '.join(unknown)}."] if unknown else []
+        turning = sorted({axis.upper() for axis, *_ in self.judgement.summary.box if axis not in "xyz"})
+        if turning:
+            out.append(f"The turning of {', '.join(turning)} is not drawn.")
+        return out
+
+
+_LEGEND: tuple[tuple[str, str, dict[str, str]], ...] = (
+    ("feed", "feed", {"stroke": _FEED, "stroke-width": "2"}),
+    ("cut", "as wide as the tool", {"stroke": _CUT, "stroke-width": "10"}),
+    ("traverse", "rapid", {"stroke": _TRAVERSE, "stroke-width": "1.4", "stroke-dasharray": "4 3"}),
+    ("plunge", "straight down", {"stroke": _FEED, "stroke-width": "0.8", "fill": _CUT}),
+    ("limits", "soft limits", {"stroke": _LIMIT, "stroke-width": "1.6", "stroke-dasharray": "9 4"}),
+    ("area", "tool change area", {"stroke": "#ffcc80", "stroke-width": "10"}),
+    ("zero", "the work zero may lie here", {"stroke": "#c8e6c9", "stroke-width": "10"}),
+    ("finding", "not safe", {"stroke": WEIGHT[Severity.ERROR], "stroke-width": "2.4"}),
+    ("open", "not known", {"stroke": WEIGHT[Severity.UNKNOWN], "stroke-width": "2.4"}),
+)
+
+
+def _wide(text: str, size: float, bold: bool = False) -> float:
+    """About how wide a text is drawn, rather more than less."""
+    units = sum(0.36 if c in " .,:;'|!()[]iljtf" else 0.76 if c.isupper() or c in "mwMW…" else 0.63 for c in text)
+    return units * size * (1.1 if bold else 1.0)
+
+
+def _widened(low: float, high: float, least: float) -> Pair:
+    """The range, grown about its middle to at least ``least``."""
+    more = max(0.0, least - (high - low)) / 2
+    return low - more, high + more
+
+
+def _nice(least: float) -> float:
+    """1, 2 or 5 times a power of ten, not below ``least``."""
+    power = 10.0 ** math.floor(math.log10(least))
+    return next(power * m for m in (1, 2, 5, 10) if power * m >= least * (1 - 1e-9))
+
+
+def _overlap(a: tuple[float, float, float, float], b: tuple[float, float, float, float]) -> bool:
+    return a[0] < b[2] and b[0] < a[2] and a[1] < b[3] and b[1] < a[3]
+
+
+def _runs(drawn: np.ndarray, kind: np.ndarray) -> list[tuple[int, int]]:
+    """(begin, stop) of maximal stretches of moves that are drawn and of one kind."""
+    if not len(drawn):
+        return []
+    change = np.flatnonzero((drawn[1:] != drawn[:-1]) | (kind[1:] != kind[:-1])) + 1
+    edges = [0, *change.tolist(), len(drawn)]
+    return [(a, b) for a, b in itertools.pairwise(edges) if drawn[a] and b > a]

@@ -1,0 +1,143 @@
+"""What a picture of a job shows: the path in one frame, where its findings are, where an unknown work zero may lie."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from gproof.cli.judge import Judgement
+from gproof.cli.path_points import Forms, PathPoints, Points
+from gproof.cli.session import Session
+from gproof.ir.finding import Finding, Severity
+from gproof.ir.machine import Machine
+from gproof.ir.trace import Affine
+
+WEIGHT = {Severity.ERROR: "#d50000", Severity.UNKNOWN: "#8e24aa"}
+"""Findings that a picture shows, and their colours."""
+_MOST_MARKS = 60
+_SLACK = 1e-3  # mm; points are single precision
+
+Pair = tuple[float, float]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Mark:
+    """Where a finding is: the moves to paint (indices of their ends), the place of its ring, what to write there."""
+
+    moves: np.ndarray
+    at: tuple[float, float, float]
+    text: str
+    colour: str
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Scene:
+    """What there is to draw, in the frame that most of the cut stands in.
+
+    joined: (n,) the move to point i can be drawn; shift: by axis, mm to add for machine coordinates (None: not
+    known, 0: they are); zero: by axis, where the unknown work zero may lie.
+    """
+
+    points: Points
+    joined: np.ndarray
+    forms: Forms
+    shift: tuple[float | None, float | None, float | None]
+    zero: tuple[Pair | None, Pair | None, Pair | None]
+    plunges: tuple[tuple[float, float, float], ...]
+    marks: tuple[Mark, ...]
+    low: np.ndarray
+    high: np.ndarray
+
+
+def scene_of(path: PathPoints, session: Session, judgement: Judgement) -> Scene:
+    """The scene of a path; the frame that most of the cut stands in decides."""
+    points = path.points()
+    forms: list[Forms] = list(path.forms) or [((), (), ())]
+    cutting = points.frame[points.feed] if points.feed.any() else points.frame
+    frame = int(np.bincount(cutting).argmax()) if len(cutting) else 0
+    here = points.frame == frame
+    joined = here.copy()
+    joined[1:] &= here[:-1]
+    joined[:1] = False
+    zero = [_zero(judgement, form) if form else None for form in forms[frame]]
+    shift = [(0.0 if not form else None if z is None else (z[0] + z[1]) / 2)
+             for form, z in zip(forms[frame], zero, strict=True)]  # fmt: skip
+    known = not any(forms[frame])
+    marks = _marks(points, joined, path, session.machine if known else None, judgement) if path.trace else []
+    shown = points.at[here & points.feed] if (here & points.feed).any() else points.at[here]
+    shown = np.concatenate([shown.astype(float), np.array([m.at for m in marks]).reshape(-1, 3)])
+    if not len(shown):
+        shown = np.zeros((1, 3))
+    return Scene(
+        points=points, joined=joined, forms=forms[frame], shift=(shift[0], shift[1], shift[2]),
+        zero=(zero[0], zero[1], zero[2]), marks=tuple(marks), low=shown.min(axis=0), high=shown.max(axis=0),
+        plunges=tuple((x, y, d) for (x, y, f), d in path.plunges.items() if f == frame),
+    )  # fmt: skip
+
+
+def _zero(judgement: Judgement, form: Affine) -> Pair | None:
+    """Where the sum of unknown offsets may lie, by the conditions of the verdict."""
+    for result in judgement.properties:
+        for c in result.conditions:
+            if c.terms == form and math.isfinite(c.low) and math.isfinite(c.high):
+                return c.low, c.high
+    return None
+
+
+def _marks(
+    points: Points, joined: np.ndarray, path: PathPoints, machine: Machine | None, judgement: Judgement
+) -> list[Mark]:
+    """Marks of errors and unknowns whose line moves; several on one line share a mark."""
+    assert path.trace is not None
+    out: list[Mark] = []
+    seen: set[tuple[str, int]] = set()
+    files = {name: i for i, name in enumerate(path.trace.files)}
+    beyond = _beyond(points.at, machine)
+    for f in sorted((f for f in judgement.findings.kept if f.severity in WEIGHT), key=by_weight):
+        place = f.span.file, f.span.line
+        if place in seen or len(out) >= _MOST_MARKS:
+            continue
+        seen.add(place)
+        moves = np.flatnonzero(joined & (points.line == f.span.line) & (points.file == files.get(f.span.file, -1)))
+        if not len(moves):
+            continue
+        outside = moves[beyond[moves] > _SLACK]
+        at = points.at[moves[-1]].astype(float)
+        if len(outside):
+            moves, at = outside, points.at[outside[np.argmax(beyond[outside])]].astype(float)
+        elif f.code.decides == "areas" and machine is not None:
+            at = _entry(points.at, moves, machine, at)
+        out.append(Mark(moves=moves, at=(at[0], at[1], at[2]), text=f"{f.code.label} line {f.span.line}",
+                         colour=WEIGHT[f.severity]))  # fmt: skip
+    return out
+
+
+def by_weight(finding: Finding) -> tuple[bool, int]:
+    """Errors first, then by line."""
+    return finding.severity is not Severity.ERROR, finding.span.line
+
+
+def _beyond(at: np.ndarray, machine: Machine | None) -> np.ndarray:
+    """(n,): mm by which a point lies outside the soft limits, 0 or less inside."""
+    out = np.zeros(len(at))
+    for axis in machine.axes if machine is not None else ():
+        if axis.index < 3 and axis.lower is not None:
+            out = np.maximum(out, axis.lower - at[:, axis.index])
+        if axis.index < 3 and axis.upper is not None:
+            out = np.maximum(out, at[:, axis.index] - axis.upper)
+    return out
+
+
+def _entry(at: np.ndarray, moves: np.ndarray, machine: Machine, default: np.ndarray) -> np.ndarray:
+    """About where a move enters the tool change area."""
+    if machine.tool_change_area is None:
+        return default
+    box = np.array(machine.tool_change_area.box)
+    for i in moves.tolist():
+        for t in np.linspace(0, 1, 101):
+            p = at[i - 1] + (at[i] - at[i - 1]) * t
+            if ((box[:, 0] <= p) & (p <= box[:, 1])).all():
+                return np.asarray(p, dtype=float)
+    return default
