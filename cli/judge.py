@@ -9,12 +9,11 @@ from dataclasses import dataclass, field
 from gproof.cli.session import Session
 from gproof.ir import codes
 from gproof.ir.finding import Findings, Severity, Span
-from gproof.ir.trace import Chunk
+from gproof.ir.trace import Chunk, Wait
 from gproof.ir.verdict import DEFAULT_POLICY, PropertyResult, Verdict, worst
 from gproof.passes.arc_radius import ArcRadius
 from gproof.passes.execute import Executor
 from gproof.passes.limits import Limits
-
 from gproof.passes.plan import MotionEstimate
 from gproof.passes.tool_change_area import ToolChangeArea
 
@@ -94,8 +93,9 @@ def _pass(
     limits = Limits(machine, setup, findings)
     checks = [limits, ToolChangeArea(machine, setup, findings), ArcRadius(machine, setup, findings)]
     estimate = MotionEstimate(machine)
-    sections = 0
+    sections, waits = 0, set[Wait]()
     for chunk in ex.run():
+        waits.update(edge.wait for edge in chunk.edges)
         for check in checks:
             check.feed(chunk)
         estimate.feed(chunk)
@@ -110,7 +110,21 @@ def _pass(
         path_length=estimate.path_length_mm, feed_length=estimate.feed_length_mm, seconds=estimate.seconds,
         at_least=estimate.unknown_rows > 0, box=limits.box(),
     )  # fmt: skip
-    return [language, *results], summary, list(ex.assumed), ex.met_deleted
+    return [language, *results], summary, [*ex.assumed, *_standing(session, waits)], ex.met_deleted
+
+
+def _standing(session: Session, waits: set[Wait]) -> list[str]:
+    """What every answer about positions stands on."""
+    out = []
+    homed = session.setup.homed
+    missing = [axis.name.upper() for axis in session.machine.axes if axis.name not in homed]
+    if missing and session.machine_given:
+        out.append(f"{' '.join(missing)} are homed: machine positions are what the controller shows")
+    if waits & {Wait.OPERATOR, Wait.TOOL_CHANGE}:
+        out.append("while the job waits for the operator nobody moves the axes")
+    if session.machine.controller.auto_tool_change:
+        out.append("a tool change brings the axes back to where they were; its own motion is not judged")
+    return out
 
 
 def _language(findings: Findings) -> Verdict:

@@ -12,7 +12,6 @@ from gproof.ir.machine import NO_MACHINE, Machine
 from gproof.ir.program import Program
 from gproof.ir.setup import NOTHING, ZERO, Setup
 
-
 T = TypeVar("T")
 
 
