@@ -3,23 +3,26 @@
 from __future__ import annotations
 
 import json
+import math
 import os
 import sys
 import time
 from collections.abc import Callable
+from decimal import ROUND_CEILING, ROUND_FLOOR, Decimal
 from pathlib import Path
 
 import click
 
 from gproof.cli.judge import NOT_JUDGED, Judgement, judge
-from gproof.cli.report import coloured, finding_json, print_findings
+from gproof.cli.report import coloured, distinct, finding_json, print_findings
 from gproof.cli.session import Session, open_session
 from gproof.ir.codes import CODES
-from gproof.ir.trace import Chunk
+from gproof.ir.trace import UNKNOWN, Chunk
 from gproof.ir.verdict import Condition, Verdict
 from gproof.passes.values import describe
 
 SCHEMA = "gproof-check/1"
+_NOWHERE = describe(UNKNOWN)
 _SHADES = {Verdict.SAFE: "green", Verdict.UNSAFE: "red", Verdict.UNKNOWN: "magenta"}
 
 
@@ -99,12 +102,28 @@ def progress_bar(session: Session) -> Progress | None:
 
 
 def condition_text(condition: Condition) -> str:
-    """``G54 X offset in 12.4 ... 230.1``."""
-    return f"{describe(condition.terms)} in {condition.low:.4f} ... {condition.high:.4f}"
+    """``G54 X offset is 12.4000 ... 230.1000 mm``; bounds are rounded inwards."""
+    name, bounds = _condition_parts(condition)
+    return f"{name} is {' '.join(bounds.split())}"
+
+
+def _condition_parts(condition: Condition) -> tuple[str, str]:
+    """Name and bounds, the bounds in columns."""
+    low, high = _inward(condition.low, ROUND_CEILING), _inward(condition.high, ROUND_FLOOR)
+    axis = condition.terms[0][0].rpartition(".")[2] if condition.terms else "x"
+    unit = "deg" if axis in "abc" else "mm"
+    if low is None or high is None:
+        side = f"at least {low}" if low is not None else f"at most {high}" if high is not None else "anything, in"
+        return describe(condition.terms), f"{side} {unit}"
+    return describe(condition.terms), f"{low:>9} ... {high:>9} {unit}"
+
+
+def _inward(value: float, rounding: str) -> str | None:
+    return str(Decimal(repr(value)).quantize(Decimal("0.0001"), rounding)) if math.isfinite(value) else None
 
 
 def print_summary(session: Session, judgement: Judgement) -> None:
-    """Verdicts with their assumptions, and the figures, lined up."""
+    """Verdicts with their conditions, what they stand on, then the figures of the job, lined up."""
     colour = coloured()
 
     def shade(verdict: Verdict) -> str:
@@ -113,44 +132,85 @@ def print_summary(session: Session, judgement: Judgement) -> None:
 
     if judgement.findings.kept:
         click.echo()
-    summary = judgement.summary
     click.echo(f"{session.job}: {shade(judgement.verdict).rstrip()}")
-    click.echo(f"  dialect    {session.dialect} ({session.dialect_reason})")
-    click.echo(f"  machine    {session.machine.name}")
     for result in judgement.properties:
-        first = True
-        details = [condition_text(c) for c in result.conditions if not _is_start(c)]
-        for detail in details or [""]:
-            label, verdict = (result.name, shade(result.verdict)) if first else ("", " " * 8)
-            click.echo(f"  {label:<10} {verdict} {detail and 'for ' + detail}".rstrip())
-            first = False
-    click.echo(f"  not judged {', '.join(NOT_JUDGED)}")
-    for text in [*judgement.assumptions, *(a for r in judgement.properties for a in r.assumptions)]:
-        click.echo(f"  assuming   {text}")
-    click.echo(f"  lines      {summary.lines}, {summary.blocks} blocks executed, {summary.sections} section(s)")
+        parts = [_condition_parts(c) for c in result.conditions if not _is_start(c)]
+        parts = parts if result.verdict is Verdict.SAFE else []
+        width = max((len(name) for name, _ in parts), default=0)
+        for n, detail in enumerate([f"if {name:<{width}} is {bounds}" for name, bounds in parts] or [""]):
+            _row("" if n else result.name, f"{' ' * 8 if n else shade(result.verdict)} {detail}")
+    _row("not judged", ", ".join(NOT_JUDGED))
+    assumed = [*judgement.assumptions, *(a for r in judgement.properties for a in r.assumptions)]
+    _rows("assuming", list(dict.fromkeys(assumed)))
+    _row("machine", session.machine.name)
+    _row("dialect", f"{session.dialect} ({session.dialect_reason})")
+    if session.program is not None:
+        _figures(session, judgement)
+
+
+def _row(label: str, text: str) -> None:
+    click.echo(f"  {label:<10}  {text}".rstrip())
+
+
+def _rows(label: str, texts: list[str]) -> None:
+    for n, text in enumerate(texts):
+        _row("" if n else label, text)
+
+
+def _figures(session: Session, judgement: Judgement) -> None:
+    summary = judgement.summary
+    blocks, sections = _count(summary.blocks, "block"), _count(summary.sections, "section")
+    _row("program", f"{_count(summary.lines, 'line')}, {blocks} executed in {sections}")
+    reaches = [r for r in summary.box if not (r[1].startswith("the start position") and r[2] == r[3])]
+    _rows("reaches", _lined_up([_reach(session, *r) for r in reaches]))
     if summary.box:
-        click.echo(f"  path       {summary.path_length:.1f} mm, of which {summary.feed_length:.1f} mm at feed")
-        for axis, relative, low, high in summary.box:
-            unit = "mm" if axis in "xyz" else "deg"
-            beside = f" + {relative}" if relative else ""
-            click.echo(f"  box {axis.upper()}      {low:.3f} ... {high:.3f} {unit}{beside}")
-        click.echo(f"  time       {duration_text(summary.seconds, summary.at_least)}")
+        _row("path", f"{summary.path_length:.1f} mm, {summary.feed_length:.1f} mm of it at feed")
+        _row("time", duration_text(summary.seconds, summary.at_least, session.machine_given))
+
+
+def _reach(session: Session, axis: str, relative: str, low: float, high: float) -> tuple[str, ...]:
+    """The cells of one line: axis, range, what to compare it with."""
+    if relative == _NOWHERE:
+        return axis.upper(), "", "", f"{'and ' if low != high else ''}somewhere that is not known"
+    known = session.machine.axis(axis)
+    unit = known.unit if known is not None else "mm" if axis in "xyz" else "deg"
+    beside = f"from {relative}" if relative else ""
+    if not relative and known is not None and session.machine_given:
+        beside = f"(limits {_limit(known.lower)} ... {_limit(known.upper)})"
+    return axis.upper(), f"{low:.3f}", f"{high:.3f} {unit}", beside
+
+
+def _limit(value: float | None) -> str:
+    return "not given" if value is None else f"{value:.4f}".rstrip("0").rstrip(".")
+
+
+def _lined_up(cells: list[tuple[str, ...]]) -> list[str]:
+    wide = [max((len(row[k]) for row in cells), default=0) for k in range(3)]
+    return [
+        f"{axis} {low:>{wide[1]}} {'...' if low else '   '} {high:>{wide[2]}}  {beside}".rstrip()
+        for axis, low, high, beside in cells
+    ]
+
+
+def _count(number: int, what: str) -> str:
+    return f"{number} {what}{'' if number == 1 else 's'}"
 
 
 def _is_start(condition: Condition) -> bool:
     return len(condition.terms) == 1 and condition.terms[0][0].startswith("start.")
 
 
-def duration_text(seconds: float | None, at_least: bool) -> str:
-    """``3 min 12 s``, or why it is not known."""
+def duration_text(seconds: float | None, at_least: bool, machine_given: bool = True) -> str:
+    """``about 3 min 12 s``, or why it is not known."""
     if seconds is None:
-        return "not known: the machine file gives no velocities and accelerations"
+        missing = "the machine file gives no velocities and accelerations" if machine_given else "no machine file"
+        return f"not known: {missing}"
     minutes, rest = divmod(round(seconds), 60)
     hours, minutes = divmod(minutes, 60)
-    text = (
-        f"{hours} h {minutes} min {rest} s" if hours else f"{minutes} min {rest} s" if minutes else f"{seconds:.1f} s"
-    )
-    return f"about {text} without waits" + (", at least" if at_least else "")
+    text = f"{seconds:.1f} s"
+    if hours or minutes:
+        text = f"{hours} h {minutes} min" if hours else f"{minutes} min {rest} s"
+    return f"{'at least' if at_least else 'about'} {text}, waits not counted"
 
 
 def report_json(session: Session, judgement: Judgement) -> dict[str, object]:
@@ -162,6 +222,7 @@ def report_json(session: Session, judgement: Judgement) -> dict[str, object]:
         "dialect": {"name": session.dialect, "reason": session.dialect_reason},
         "machine": session.machine.name if session.machine_given else None,
         "setup": session.setup.name,
+        "inputs": [{"file": name, "sha256": digest, "role": role} for name, digest, role in session.inputs],
         "verdict": judgement.verdict.value,
         "properties": {
             r.name: {
@@ -171,8 +232,8 @@ def report_json(session: Session, judgement: Judgement) -> dict[str, object]:
                     {
                         "text": condition_text(c),
                         "terms": [{"symbol": s, "coefficient": k} for s, k in c.terms],
-                        "low": c.low,
-                        "high": c.high,
+                        "low": c.low if math.isfinite(c.low) else None,
+                        "high": c.high if math.isfinite(c.high) else None,
                     }
                     for c in r.conditions
                 ],
@@ -181,7 +242,7 @@ def report_json(session: Session, judgement: Judgement) -> dict[str, object]:
         },
         "not_judged": list(NOT_JUDGED),
         "assumptions": judgement.assumptions,
-        "findings": [finding_json(f) for f in sorted(judgement.findings.kept, key=_by_place)],
+        "findings": [finding_json(f, times) for f, times in distinct(judgement.findings)],
         "counts": {CODES[n].label: count for n, count in sorted(judgement.findings.counts.items())},
         "summary": {
             "lines": summary.lines,
@@ -194,9 +255,3 @@ def report_json(session: Session, judgement: Judgement) -> dict[str, object]:
             "box": [{"axis": a, "relative_to": rel, "low": lo, "high": hi} for a, rel, lo, hi in summary.box],
         },
     }
-
-
-def _by_place(finding: object) -> tuple[str, int, int, int]:
-    from gproof.cli.report import sort_key
-
-    return sort_key(finding)  # type: ignore[arg-type]

@@ -21,9 +21,9 @@ _ORDER = [Severity.ERROR, Severity.UNKNOWN, Severity.WARNING, Severity.NOTE]
 
 
 def coloured(err: bool = False) -> bool:
-    """True when the output is a terminal and NO_COLOR is not set."""
+    """True when the output is a terminal and NO_COLOR is not set or empty."""
     stream = sys.stderr if err else sys.stdout
-    return stream.isatty() and "NO_COLOR" not in os.environ
+    return stream.isatty() and not os.environ.get("NO_COLOR")
 
 
 def source_lines(path: str, wanted: set[int]) -> dict[int, str]:
@@ -61,7 +61,15 @@ def location(span: Span) -> str:
     return ":".join(parts)
 
 
-def format_finding(finding: Finding, text: str | None, colour: bool) -> list[str]:
+def distinct(findings: Findings) -> list[tuple[Finding, int]]:
+    """The kept findings by place, each once, with how often it came."""
+    times: dict[Finding, int] = {}
+    for finding in sorted(findings.kept, key=sort_key):
+        times[finding] = times.get(finding, 0) + 1
+    return list(times.items())
+
+
+def format_finding(finding: Finding, text: str | None, colour: bool, times: int = 1) -> list[str]:
     """The lines of one finding."""
     severity = (
         click.style(finding.severity.value, fg=COLOURS[finding.severity], bold=True)
@@ -69,7 +77,8 @@ def format_finding(finding: Finding, text: str | None, colour: bool) -> list[str
         else (finding.severity.value)
     )
     code = finding.code
-    out = [f"{location(finding.span)}: {severity} {code.label} [{code.name}] {finding.message}"]
+    often = f" ({times} times)" if times > 1 else ""
+    out = [f"{location(finding.span)}: {severity} {code.label} [{code.name}] {finding.message}{often}"]
     if text is not None:
         out += _excerpt(finding.span, text)
     if finding.hint:
@@ -100,9 +109,9 @@ def print_findings(findings: Findings, *, err: bool = False) -> None:
         if f.span.line:
             by_file.setdefault(f.span.file, set()).add(f.span.line)
     texts = {name: source_lines(name, lines) for name, lines in by_file.items()}
-    for finding in sorted(findings.kept, key=sort_key):
+    for finding, times in distinct(findings):
         text = texts.get(finding.span.file, {}).get(finding.span.line)
-        for line in format_finding(finding, text, colour):
+        for line in format_finding(finding, text, colour, times):
             click.echo(line, err=err)
     for number in sorted(findings.counts):
         hidden = findings.hidden(CODES[number])
@@ -110,7 +119,7 @@ def print_findings(findings: Findings, *, err: bool = False) -> None:
             click.echo(f"... and {hidden} more {CODES[number].label} [{CODES[number].name}]", err=err)
 
 
-def finding_json(finding: Finding) -> dict[str, object]:
+def finding_json(finding: Finding, times: int = 1) -> dict[str, object]:
     """One finding of ``check --format json``."""
     out: dict[str, object] = {
         "code": finding.code.label,
@@ -122,6 +131,7 @@ def finding_json(finding: Finding) -> dict[str, object]:
         "column": finding.span.column,
         "end_column": finding.span.end_column,
         "message": finding.message,
+        "times": times,
     }
     if finding.hint:
         out["hint"] = finding.hint
