@@ -20,13 +20,13 @@ from gproof.ir.columns import Columns
 from gproof.ir.finding import Findings
 from gproof.ir.machine import AXES, AXIS_NAMES, Axis, Machine
 from gproof.ir.plan import PLAN_ROW, Plan, PlanSection
-from gproof.ir.trace import Chunk, Frame, Op, PathMode, State, Trace, TraceSection
+from gproof.ir.trace import Chunk, Frame, Op, PathMode, State, Trace
 from gproof.passes import plan_kernels as k
 from gproof.passes.check import row_span
 from gproof.passes.values import describe
 
 assert (Op.TRAVERSE, Op.ARC, Op.PROBE, Op.DWELL) == (k.TRAVERSE, k.ARC, k.PROBE, k.DWELL)
-assert (Op.SPINDLE, Op.HOME) == (k.SPINDLE, k.LAST_EVENT)
+assert (Op.SPINDLE, Op.HOME) == (k.SPINDLE, k.HOME)
 
 STEP_RATE_SHARE = 0.95
 """Of the highest step frequency, what motion may use: rounding of step times to ticks takes the rest at most."""
@@ -66,7 +66,7 @@ def allowed_velocity(axis: Axis, machine: Machine) -> float | None:
 
 
 def _limits(machine: Machine) -> tuple[npt.NDArray[np.float64], list[str]]:
-    """(2, 6) 1 / velocity and 1 / acceleration, and for each axis what the machine file does not say ("" : all there)."""
+    """(2, 6) 1 / velocity and 1 / acceleration, and for each axis what the machine file does not say."""
     limits = np.full((2, AXES), _NOT_LIMITED)
     missing = ["axis"] * AXES
     for axis in machine.axes:
@@ -140,6 +140,7 @@ class _Measure:
         if chunk.begin == 0:
             self.place[0] = chunk.start
             self.carry[k.C_STOP] = 1.0
+            self.carry[k.C_SPINDLE] = k.SPINDLE_UNSEEN
             self.carry[k.C_FRAME] = self.tables.forms[chunk.start_frame]
         room = self.used + len(rows) + 2
         if room > len(self.queue):
@@ -325,12 +326,3 @@ def _first_move(chunk: Chunk, axis: int) -> int:
     rows = chunk.rows
     moving = (rows["op"] < Op.DWELL) & ((rows["to"][:, axis] != chunk.starts()[:, axis]) | (rows["op"] == Op.ARC))
     return int(np.argmax(moving))
-
-
-def planned_starts(section: TraceSection, planned: npt.NDArray[np.int64]) -> npt.NDArray[np.float64]:
-    """(n, 6): where each planned motion row begins: where the motion row planned before it ended."""
-    starts = np.empty((len(planned), AXES))
-    if len(planned):
-        starts[0] = section.start
-        starts[1:] = section.rows["to"][planned[:-1]]
-    return starts

@@ -21,8 +21,8 @@ from gproof.ir.kernel import kernel
 Floats = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
 
-TRAVERSE, ARC, PROBE, DWELL, SPINDLE, LAST_EVENT, FIRST_STILL = 1, 3, 4, 10, 11, 17, 10
-"""Ops of ir/trace.py that the loop must know; plan.py asserts that they are those."""
+TRAVERSE, ARC, PROBE, DWELL, SPINDLE, HOME = 1, 3, 4, 10, 11, 17
+"""Ops of ir/trace.py that the loop must know; plan.py asserts that they are those. DWELL to HOME happen at rest."""
 
 SHORTEST = 1e-9
 """mm or deg: a row below this takes no time; it is made together with the next one that is longer."""
@@ -48,9 +48,12 @@ ROTARY = 32.0
 # What ``measure`` remembers from row to row: the pending row, whose end is not known yet, and what came before it.
 (
     C_PENDING, C_LENGTH, C_SPEED, C_CURVE, C_INERTIA, C_CORNERS, C_ENTRY, C_KIND, C_ROW, C_BEFORE, C_REACH, C_STOP,
-    C_FRAME, C_FED, C_FED_STATE,
-) = range(15)  # fmt: skip
+    C_FRAME, C_FED, C_FED_STATE, C_SPINDLE,
+) = range(16)  # fmt: skip
 CARRY_WIDTH = 16
+
+SPINDLE_UNSEEN = 2.0
+"""The spindle's direction where a section begins: none that a start could not be a change from."""
 
 # Kinds of notes; N_COUNT of them are counted, the first ones kept with their row and axis.
 N_UNKNOWN, N_FEED, N_OVER, N_DWELL = 0, 1, 2, 3
@@ -85,7 +88,7 @@ def arc_shape(u0: float, v0: float, u1: float, v1: float, turns: int) -> tuple[f
     return begin, sweep, math.sqrt(u0 * u0 + v0 * v0), math.sqrt(u1 * u1 + v1 * v1)
 
 
-@kernel(seconds_per_unit=4e-6, compile_seconds=1.5)
+@kernel(seconds_per_unit=4e-6, compile_seconds=0.3)
 def arc_shapes(start: Floats, to: Floats, center: Floats, turns: Any, plane: Any, out: Floats) -> None:
     """``arc_shape`` of arc rows; start, to: (n, 6); out: (n, 4)."""
     for k in range(len(out)):
@@ -132,7 +135,7 @@ def finish_row(carry: Floats, queue: Floats, used: int) -> int:
     else:
         share = 1.0 - corners * speed
     acceleration = share / float(carry[C_INERTIA])
-    entry = min(min(float(carry[C_ENTRY]), float(carry[C_BEFORE])), speed)
+    entry = min(float(carry[C_ENTRY]), float(carry[C_BEFORE]), speed)
     reach = min(entry * entry, float(carry[C_REACH]))
     gain = 2.0 * acceleration * float(carry[C_LENGTH])
     queue[used, Q_REACH] = reach
@@ -175,7 +178,7 @@ def note(kind: int, row: int, counts: Ints, notes: Ints) -> None:
     counts[kind] += 1
 
 
-@kernel(seconds_per_unit=2e-5, compile_seconds=6.0)
+@kernel(seconds_per_unit=2e-5, compile_seconds=2.5)
 def measure(
     op: Any, to: Floats, frame: Any, state: Any, feed: Floats, center: Floats, turns: Any, plane: Any, arg: Floats,
     begin: int, forms: Ints, chords: Floats, limits: Floats, period: float, ramp: float, closing: bool,
@@ -186,19 +189,19 @@ def measure(
     begin: section's row number of the first row; forms: what stands for each frame, equal numbers for equal
     unknowns, -1 where a difference can not be known; chords: for each state the square of the largest change of
     direction that passes without a stop, -1 for none; limits: (2, 6) 1 / velocity and 1 / acceleration;
-    period: the interpolation time; ramp: seconds after a spindle start; closing: the section ends with the rows.
-    place: (3, 6) position, direction at the end of the pending row, scratch; carry: see C_*; moved: (6,) set
+    period: the interpolation time; ramp: seconds after a spindle start or reversal; closing: the section ends with
+    the rows. place: (3, 6) position, direction at the end of the pending row, scratch; carry: see C_*; moved: (6,) set
     to 1 for axes that move; counts, notes: see N_*. All four are kept from call to call.
     """
     for k in range(len(op)):
         kind = int(op[k])
         form = int(forms[int(frame[k])])
-        if kind >= FIRST_STILL:
-            if form != int(carry[C_FRAME]):
+        if kind >= DWELL:
+            if form != int(carry[C_FRAME]) or kind == HOME:
                 carry[C_FRAME] = form
                 for i in range(6):
                     place[0, i] = to[k, i]
-            if kind > LAST_EVENT:
+            if kind > HOME:
                 continue
             used = finish_row(carry, queue, used)
             carry[C_STOP] = 1.0
@@ -208,8 +211,10 @@ def measure(
                 if not 0.0 <= wait <= LONGEST:
                     note(N_DWELL, begin + k, counts, notes)
                     wait = 0.0
-            elif kind == SPINDLE and float(arg[k, 0]) != 0.0:
-                wait = ramp
+            elif kind == SPINDLE:
+                if float(arg[k, 0]) != 0.0 and float(arg[k, 0]) != float(carry[C_SPINDLE]):
+                    wait = ramp
+                carry[C_SPINDLE] = arg[k, 0]
             if wait > 0.0:
                 used = put_rest(carry, queue, used, float(kind), begin + k, wait)
             continue
@@ -368,7 +373,7 @@ def measure(
     return used
 
 
-@kernel(seconds_per_unit=6e-6, compile_seconds=3.0)
+@kernel(seconds_per_unit=6e-6, compile_seconds=0.5)
 def settle(queue: Floats, used: int, closed: bool, totals: Floats, out: Floats) -> int:
     """Final speeds and times of the queue's lines that can be final; returns how many those are.
 
@@ -406,7 +411,7 @@ def settle(queue: Floats, used: int, closed: bool, totals: Floats, out: Floats) 
             peak = 0.5 * (square + ahead + float(queue[k, Q_GAIN]))
             if peak < cruise * cruise:
                 cruise = math.sqrt(peak)
-            cruise = max(cruise, max(entry, leave))
+            cruise = max(cruise, entry, leave)
             ramps = (2.0 * cruise * cruise - square - ahead) / (2.0 * acceleration)
             duration = (2.0 * cruise - entry - leave) / acceleration + max(0.0, length - ramps) / cruise
             kind = float(queue[k, Q_KIND])

@@ -1,0 +1,375 @@
+"""Plan to StepStream: when each motor steps, to the tick.
+
+A motor's count is its axis's position times steps per unit, rounded to the nearest whole number (a half to the even
+one). It steps from n to n + 1 when the axis passes (n + 1/2) / steps per unit, and ``step_kernels`` finds
+those times exactly. Sections, and in them the stretches between events, are walked one after the other; steps
+wait in a buffer of bounded size until they are runs. docs/stream.md states the rules that the stream keeps.
+"""
+
+from __future__ import annotations
+
+import math
+from fractions import Fraction
+
+import numpy as np
+import numpy.typing as npt
+
+from gproof.ir import codes
+from gproof.ir.columns import Columns, concatenate
+from gproof.ir.finding import Findings, Refusal, Span
+from gproof.ir.machine import AXIS_NAMES, Axis, Machine
+from gproof.ir.plan import Plan, PlanSection
+from gproof.ir.setup import Setup
+from gproof.ir.stream import EVENT, RUN, Motor, StepStream, StreamSection
+from gproof.ir.trace import Op, Plane, Trace, TraceSection
+from gproof.passes import step_kernels as k
+from gproof.passes.check import row_span
+from gproof.passes.plan import shortest_interval
+from gproof.passes.plan_kernels import SPINDLE_UNSEEN, arc_shapes
+from gproof.passes.values import describe
+
+Floats = npt.NDArray[np.float64]
+Ints = npt.NDArray[np.int64]
+
+TOLERANCE = 25e-6
+"""Seconds that compression may move a step, at most; also at most 9/20 of the intervals beside it."""
+
+BUFFER = 1 << 19
+"""Steps of a motor that wait to become runs."""
+
+_FARTHEST = 1e15
+"""Steps: beyond this a float64 does not tell half steps apart."""
+
+_ANY = 1 << 62
+
+
+def step(trace: Trace, plan: Plan, machine: Machine, setup: Setup, findings: Findings) -> StepStream | None:
+    """The planned job as a stream; None after a finding GP502, GP503 or GP504.
+
+    setup: not needed while positions of the trace are exact; in the signature for machine states that are not.
+    """
+    try:
+        return _Stepper(trace, plan, machine, findings).stream()
+    except Refusal as refusal:
+        findings.add(refusal.finding)
+        return None
+
+
+def nearest_count(position: float, steps_per_unit: Fraction) -> int:
+    """The motor's count at a position: exact, a half rounds to the even neighbour."""
+    return round(Fraction(position) * steps_per_unit)
+
+
+class _Stepper:
+    """What all sections share: motors and the machine's times in ticks."""
+
+    def __init__(self, trace: Trace, plan: Plan, machine: Machine, findings: Findings) -> None:
+        self.trace = trace
+        self.plan = plan
+        self.machine = machine
+        board = machine.board
+        self.frequency = board.tick_frequency
+        self.near = shortest_interval(machine)
+        self.turn = max(self.near, math.ceil(Fraction(board.direction_setup) * board.tick_frequency))
+        self.tolerance = int(TOLERANCE * board.tick_frequency)
+        self.axes = self._axes()
+        for axis in self.axes:
+            if axis.backlash > 0:
+                where = Span(machine.name, 0)
+                findings.add(codes.NOT_MODELLED_SETTING.at(where, key=f"backlash of {axis.name.upper()}"))
+
+    def _axes(self) -> list[Axis]:
+        """Axes with a motor: those with steps per unit; GP504 for one that moves and has none."""
+        for section, planned in zip(self.trace.sections, self.plan.sections, strict=True):
+            rows, moving = section.rows, planned.rows["row"][planned.rows["length"] > 0]
+            for index, name in enumerate(AXIS_NAMES):
+                axis = self.machine.axis(name)
+                if axis is not None and axis.steps_per_unit is not None:
+                    continue
+                moves = (rows["to"][moving, index] != section.start[index]) | _in_plane(rows, moving, index)
+                if moves.any():
+                    raise Refusal(
+                        codes.NO_MOTOR_DATA.at(
+                            row_span(self.trace, rows, int(moving[np.argmax(moves)])), axis=name.upper(),
+                            missing="axis" if axis is None else "steps per unit",
+                        )
+                    )  # fmt: skip
+        return [axis for axis in self.machine.axes if axis.steps_per_unit is not None]
+
+    def stream(self) -> StepStream:
+        motors = []
+        for axis in self.axes:
+            assert axis.steps_per_unit is not None
+            for n in range(1 + axis.slaves):
+                name = axis.name.upper() + (str(n + 1) if n else "")
+                motors.append(Motor(name=name, axis=axis.index, steps_per_unit=axis.steps_per_unit))
+        sections = [
+            _Section(self, section, planned).walk()
+            for section, planned in zip(self.trace.sections, self.plan.sections, strict=True)
+        ]
+        return StepStream(tick_frequency=self.frequency, motors=tuple(motors), sections=sections)
+
+
+def _in_plane(rows: Columns, at: Ints, axis: int) -> npt.NDArray[np.bool_]:
+    """Which of the rows are arcs with this axis in their plane."""
+    plane = rows["plane"][at]
+    normal = {0: Plane.YZ, 1: Plane.XZ, 2: Plane.XY}.get(axis, Plane.NONE)
+    return np.asarray((plane != 0) & (plane != normal) & (axis < 3))
+
+
+class _Section:
+    """One section: events in row order, the motion between two of them at a time."""
+
+    def __init__(self, stepper: _Stepper, section: TraceSection, planned: PlanSection) -> None:
+        self.stepper = stepper
+        self.section = section
+        self.rows = section.rows
+        trace = stepper.trace
+        for axis in stepper.axes:
+            form = trace.frames[section.start_frame][axis.index]
+            if form:
+                cause = f"{axis.name.upper()} depends on {describe(form)}"
+                where = row_span(trace, self.rows, 0) if len(self.rows) else Span(trace.files[0], 0)
+                raise Refusal(codes.PLAN_NEEDS_NUMBERS.at(where, cause=cause))
+        self.events = np.flatnonzero((self.rows["op"] >= Op.DWELL) & (self.rows["op"] <= Op.HOME))
+        timed = planned.rows
+        moving = timed["length"] > 0
+        self.moving: Ints = timed["row"][moving]
+        names = ("begin", "duration", "length", "entry", "cruise", "exit", "acceleration")
+        self.profile = np.column_stack([timed[name][moving] for name in names])
+        before = np.vstack([np.array(section.start).reshape(1, -1), self.rows["to"]])
+        self.starts = np.ascontiguousarray(before[self.moving])
+        self.ends = np.ascontiguousarray(self.rows["to"][self.moving])
+        self.arcs = np.flatnonzero(self.rows["op"][self.moving] == Op.ARC)
+        self.shapes = self._shapes()
+        self.spindle = SPINDLE_UNSEEN
+        self.last = tuple(self.rows["to"][-1].tolist()) if len(self.rows) else section.start
+
+    def _shapes(self) -> Floats:
+        """(arcs, 4): start angle, sweep, start radius, end radius."""
+        shapes = np.zeros((len(self.arcs), 4))
+        at = self.moving[self.arcs]
+        if len(at):
+            arc_shapes.pick(len(at))(
+                self.starts[self.arcs], self.ends[self.arcs], self.rows["center"][at], self.rows["turns"][at],
+                self.rows["plane"][at], shapes,
+            )  # fmt: skip
+        return shapes
+
+    def walk(self) -> StreamSection:
+        """All motion and events of the section."""
+        stepper, f = self.stepper, self.stepper.frequency
+        motors = [_Steps(self, axis) for axis in stepper.axes]
+        pieces = [*np.searchsorted(self.moving, self.events).tolist(), len(self.moving)]
+        ticks = np.zeros(len(self.events), dtype=np.int64)
+        now = first = 0
+        for number, last in enumerate(pieces):
+            end = now
+            if last > first:
+                base = self.profile[first, k.R_BEGIN]
+                close = self.profile[last - 1, k.R_BEGIN] + self.profile[last - 1, k.R_DURATION] - base
+                self.profile[first:last, k.R_BEGIN] -= base
+                end = now + math.ceil(close * f)
+                floor = now + 1 if number else stepper.turn
+                end = max([end, *(motor.run(first, last, now, floor, end) for motor in motors)])
+            if number < len(self.events):
+                ticks[number] = end
+                end += self._wait(int(self.events[number]))
+            now, first = end, last
+        for motor in motors:
+            now = max(now, motor.settle(now))
+        start: list[int] = []
+        runs: list[Columns] = []
+        for motor, axis in zip(motors, stepper.axes, strict=True):
+            start += [motor.start] * (1 + axis.slaves)
+            runs += [motor.columns()] * (1 + axis.slaves)
+        return StreamSection(
+            number=self.section.number, start=tuple(start), runs=tuple(runs), events=self._events(ticks), duration=now
+        )
+
+    def _wait(self, row: int) -> int:
+        """Ticks of rest after an event: a dwell's time, a spindle's start or reversal."""
+        seconds = 0.0
+        if self.rows["op"][row] == Op.DWELL:
+            seconds = float(self.rows["arg"][row, 0])
+        elif self.rows["op"][row] == Op.SPINDLE:
+            direction = float(self.rows["arg"][row, 0])
+            if direction not in (0.0, self.spindle):
+                seconds = self.stepper.machine.controller.spindle_ramp_time
+            self.spindle = direction
+        return math.ceil(Fraction(seconds) * self.stepper.frequency)
+
+    def _events(self, ticks: Ints) -> Columns:
+        arguments = self.rows["arg"][self.events]
+        unknown = np.flatnonzero(~(np.abs(arguments) < _FARTHEST).all(axis=1))
+        if len(unknown):
+            row = int(self.events[unknown[0]])
+            name = Op(int(self.rows["op"][row])).name.lower().replace("_", " ")
+            where = row_span(self.stepper.trace, self.rows, row)
+            raise Refusal(codes.PLAN_NEEDS_NUMBERS.at(where, cause=f"an argument of this {name} is not known"))
+        arrays = {
+            "tick": ticks,
+            "row": self.events.astype(np.int64),
+            "op": self.rows["op"][self.events],
+            "arg": np.rint(arguments * 1000.0).astype(np.int64),
+        }
+        return Columns(EVENT, arrays)
+
+
+class _Steps:
+    """One motor in one section: its steps, then its runs."""
+
+    def __init__(self, section: _Section, axis: Axis) -> None:
+        self.section = section
+        self.stepper = section.stepper
+        self.axis = axis
+        assert axis.steps_per_unit is not None
+        exact, index = axis.steps_per_unit, axis.index
+        self.rate = float(exact)
+        self.start = nearest_count(section.section.start[index], exact)
+        self.end = nearest_count(section.last[index], exact)
+        self.motor = np.zeros((len(section.moving), k.MOTOR_WIDTH))
+        self.motor[:, k.M_FROM] = section.starts[:, index] * self.rate
+        self.motor[:, k.M_TO] = section.ends[:, index] * self.rate
+        self._fill_arcs()
+        steps = np.rint(self.motor[:, k.M_TO])
+        if not (np.abs(steps) < _FARTHEST).all():
+            row = int(section.moving[np.argmax(~(np.abs(steps) < _FARTHEST))])
+            where = row_span(self.stepper.trace, section.rows, row)
+            raise Refusal(codes.PLAN_NEEDS_NUMBERS.at(where, cause="the position is too far away to count steps"))
+        self.target = steps.astype(np.int64)
+        # The float product may fall on the other side of a half; where the section ends, the exact one counts.
+        self.target[section.ends[:, index] == section.last[index]] = self.end
+        self.target[-1:] = self.end
+        self.expected = self._expected()
+        self.state = np.zeros(k.STATE_WIDTH, dtype=np.int64)
+        self.state[k.S_COUNT] = self.start
+        self.encoder = np.zeros(k.ENCODER_WIDTH, dtype=np.int64)
+        self.count = 0
+        self.tables: list[Columns] = []
+        self.ticks: Ints = np.empty(0, dtype=np.int64)
+        self.signs: npt.NDArray[np.int8] = np.empty(0, dtype=np.int8)
+        self.step_times = k.step_times.pick(self.expected)
+        self.bounds = k.bounds.pick(self.expected)
+        self.compress = k.compress.pick(self.expected)
+        self._allocate(min(BUFFER, int(self.expected) + 64))
+
+    def _fill_arcs(self) -> None:
+        section, index = self.section, self.axis.index
+        if index >= section.rows["center"].shape[1]:
+            return
+        turning = _in_plane(section.rows, section.moving[section.arcs], index)
+        at, shapes = section.arcs[turning], section.shapes[turning]
+        plane = section.rows["plane"][section.moving[at]]
+        # The pairs are X Y, Z X and Y Z: the second of a pair follows the sine, a cosine a quarter turn earlier.
+        second = ((plane == Plane.XY) & (index == 1)) | ((plane == Plane.XZ) & (index == 0)) | (
+            (plane == Plane.YZ) & (index == 2)
+        )  # fmt: skip
+        self.motor[at, k.M_ANGLE] = shapes[:, 0] - np.where(second, 0.5 * math.pi, 0.0)
+        self.motor[at, k.M_SWEEP] = shapes[:, 1]
+        self.motor[at, k.M_RADIUS] = shapes[:, 2]
+        self.motor[at, k.M_RADIUS_TO] = shapes[:, 3]
+        self.motor[at, k.M_CENTER] = section.rows["center"][section.moving[at], index] * self.rate
+
+    def _expected(self) -> float:
+        """About how many steps, for the choice of kernels."""
+        lines = np.abs(self.motor[:, k.M_TO] - self.motor[:, k.M_FROM]).sum()
+        turns = np.abs(self.motor[:, k.M_SWEEP]) / math.pi + 1.0
+        return float(lines + (2.0 * turns * self.motor[:, k.M_RADIUS] * abs(self.rate)).sum())
+
+    def _allocate(self, size: int) -> None:
+        ticks, signs = np.empty(size, dtype=np.int64), np.empty(size, dtype=np.int8)
+        ticks[: self.count] = self.ticks[: self.count]
+        signs[: self.count] = self.signs[: self.count]
+        self.ticks, self.signs = ticks, signs
+        self.low, self.high = np.empty(size, dtype=np.int64), np.empty(size, dtype=np.int64)
+        self.runs = np.empty((min(size, 1 << 16), 4), dtype=np.int64)
+
+    def run(self, first: int, last: int, origin: int, floor: int, end: int) -> int:
+        """Motion rows first..last-1, which begin at tick ``origin`` at rest; returns the tick of the last step."""
+        s = self.stepper
+        self.state[k.S_FLOOR] = floor
+        while True:
+            first, self.count = self.step_times(
+                first, last, self.section.profile, self.motor, self.target, self.rate, float(s.frequency), origin,
+                s.near, s.turn, self.state, self.ticks, self.signs, self.count,
+            )  # fmt: skip
+            if first == last:
+                break
+            waiting = self.count
+            self._encode(floor, _ANY, final=False)
+            if self.count == waiting:
+                self._allocate(2 * len(self.ticks))
+        self._refuse_if_late(first - 1)
+        self._encode(floor, end, final=True)
+        return int(self.state[k.S_TICK])
+
+    def _encode(self, floor: int, ceiling: int, *, final: bool) -> None:
+        """Steps of the buffer into runs: all of them, or those that no further step can matter to."""
+        s, done, filled = self.stepper, 0, 0
+        if not self.count:
+            return
+        self.bounds(
+            self.ticks, self.signs, self.count, int(self.state[k.S_OLD_TICK]), s.tolerance, s.near, s.turn, floor,
+            ceiling, self.low, self.high,
+        )  # fmt: skip
+        while done < self.count:
+            covered, filled = self.compress(
+                self.ticks[done:], self.signs[done:], self.low[done:], self.high[done:], self.count - done, final,
+                s.near, s.turn, self.encoder, self.runs, 0,
+            )  # fmt: skip
+            self._keep(filled)
+            done += covered
+            if filled < len(self.runs):
+                break
+        if done:
+            self.state[k.S_OLD_TICK] = self.ticks[done - 1]
+            self.state[k.S_OLD_SIGN] = self.signs[done - 1]
+        rest = self.count - done
+        self.ticks[:rest] = self.ticks[done : self.count].copy()
+        self.signs[:rest] = self.signs[done : self.count].copy()
+        self.count = rest
+        if final:
+            # What comes next keeps its distance from the last step as it was encoded.
+            self.state[k.S_TICK] = self.state[k.S_OLD_TICK] = self.encoder[k.E_TICK]
+
+    def _keep(self, filled: int) -> None:
+        if filled:
+            part = self.runs[:filled]
+            arrays = {c.name: part[:, at].astype(c.dtype) for at, c in enumerate(RUN.columns)}
+            self.tables.append(Columns(RUN, arrays))
+
+    def settle(self, now: int) -> int:
+        """At the section's end: a last step where moves too short to be planned ended past a half step."""
+        while int(self.state[k.S_COUNT]) != self.end:
+            sign = 1 if self.end > self.state[k.S_COUNT] else -1
+            self.count = k.put_step(
+                now, sign, self.stepper.near, self.stepper.turn, self.state, self.ticks, self.signs, self.count
+            )
+            self.state[k.S_COUNT] += sign
+            self._encode(0, _ANY, final=True)
+        return int(self.state[k.S_TICK])
+
+    def _refuse_if_late(self, row: int) -> None:
+        """GP502 when steps had to give way by more than what rounding and starts from rest explain."""
+        s = self.stepper
+        if not self.state[k.S_NESTED] and self.state[k.S_LATE] <= 4 * s.turn + s.tolerance:
+            return
+        profile = self.section.profile
+        distance = np.abs(self.motor[:, k.M_TO] - self.motor[:, k.M_FROM]) + np.abs(
+            self.motor[:, k.M_SWEEP] * self.motor[:, k.M_RADIUS] * self.rate
+        )
+        speeds = distance / profile[:, k.R_LENGTH] * profile[:, k.R_CRUISE]
+        at = int(np.argmax(speeds[: row + 1]))
+        needed = float(speeds[at])
+        where = row_span(s.trace, self.section.rows, int(self.section.moving[at]))
+        raise Refusal(
+            codes.STEP_FREQUENCY.at(
+                where, axis=self.axis.name.upper(), velocity=needed / abs(self.rate), unit=self.axis.unit,
+                needed=needed, allowed=s.frequency / s.near,
+            )
+        )  # fmt: skip
+
+    def columns(self) -> Columns:
+        """The motor's runs."""
+        return concatenate(RUN, self.tables)

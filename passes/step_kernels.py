@@ -1,0 +1,361 @@
+"""Step times of one motor from its planned rows, and their compression into runs. Used by ``step``.
+
+``step_times`` inverts position over time exactly: on lines in closed form, on arcs by monotone pieces between the
+extremes of the axis. ``bounds`` says how far each step may move, ``compress`` covers the steps with runs
+(interval, count, add). docs/stream.md states the rules that are kept here.
+
+All loops work on one motor; times are ticks (int64) of one section.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import numpy.typing as npt
+
+from gproof.ir.kernel import kernel
+
+Floats = npt.NDArray[np.float64]
+Ints = npt.NDArray[np.int64]
+Signs = npt.NDArray[np.int8]
+
+MOST_COUNT = 65535
+MOST_ADD = 32767
+"""A run's count and add fit the u16 and i16 of common boards."""
+
+# Columns of the profile of a planned row.
+R_BEGIN, R_DURATION, R_LENGTH, R_ENTRY, R_CRUISE, R_EXIT, R_ACCELERATION = 0, 1, 2, 3, 4, 5, 6
+PROFILE_WIDTH = 7
+
+# Columns of what a planned row means for the motor, in steps; the arc's are those of its cosine.
+M_FROM, M_TO, M_ANGLE, M_SWEEP, M_RADIUS, M_RADIUS_TO, M_CENTER = 0, 1, 2, 3, 4, 5, 6
+MOTOR_WIDTH = 7
+
+# The motor while the section is walked: its count; the last step and the last one before the buffer; the first
+# tick that is free; whether the last thing done was to leave a pair out; what steps had to give way, and pairs
+# that were left out inside others.
+S_COUNT, S_TICK, S_SIGN, S_OLD_TICK, S_OLD_SIGN, S_FLOOR, S_OMITTED, S_LATE, S_NESTED = 0, 1, 2, 3, 4, 5, 6, 7, 8
+STATE_WIDTH = 9
+
+# The encoder while the section is walked: last step as encoded, its direction.
+E_TICK, E_SIGN = 0, 1
+ENCODER_WIDTH = 4
+
+CLOSE = 1e-12
+"""Relative difference of an arc's radii that is none."""
+
+
+@kernel(seconds_per_unit=1e-6)
+def time_at(s: float, length: float, duration: float, entry: float, cruise: float, leave: float, a: float,
+            up: float, down: float) -> float:  # fmt: skip
+    """Seconds after the row's begin at which its path is ``s`` long; up, down: where the ramps end and begin."""
+    if s <= 0.0:
+        return 0.0
+    if s >= length:
+        return duration
+    if s < up:
+        return min(duration, 2.0 * s / (entry + math.sqrt(entry * entry + 2.0 * a * s)))
+    if s <= down:
+        return min(duration, (cruise - entry) / a + (s - up) / cruise)
+    rest = length - s
+    return max(0.0, duration - 2.0 * rest / (leave + math.sqrt(leave * leave + 2.0 * a * rest)))
+
+
+@kernel(seconds_per_unit=1e-6)
+def put_step(tick: int, sign: int, near: int, turn: int, state: Ints, ticks: Ints, signs: Signs, count: int) -> int:
+    """Append a step; the new number of steps.
+
+    near, turn: least ticks between two steps in one direction, and across a change of direction. A step that
+    is undone within ``turn`` is left out together with the one that undoes it; other steps give way.
+    """
+    last = int(state[S_TICK])
+    if int(state[S_SIGN]) == sign:
+        first = last + near
+    else:
+        first = last + turn
+        if tick < first and count > 0 and int(state[S_SIGN]) == -sign:
+            state[S_NESTED] += state[S_OMITTED]
+            state[S_OMITTED] = 1
+            count -= 1
+            if count > 0:
+                state[S_TICK] = ticks[count - 1]
+                state[S_SIGN] = signs[count - 1]
+            else:
+                state[S_TICK] = state[S_OLD_TICK]
+                state[S_SIGN] = state[S_OLD_SIGN]
+            return count
+    first = max(first, int(state[S_FLOOR]))
+    if tick < first:
+        state[S_LATE] = max(int(state[S_LATE]), first - tick)
+        tick = first
+    ticks[count] = tick
+    signs[count] = sign
+    state[S_TICK] = tick
+    state[S_SIGN] = sign
+    state[S_OMITTED] = 0
+    return count + 1
+
+
+@kernel(seconds_per_unit=1e-6)
+def extreme(near: float, angle: float, radius: float, drift: float) -> float:
+    """The angle near ``near`` (a multiple of pi) where r * cos has an extreme; r runs linearly with the angle.
+
+    r' cos = r sin, so angle - atan(r' / r) is that multiple of pi: a function with a slope of 1 to 2.
+    """
+    x = near
+    for _ in range(8):
+        r = radius + drift * (x - angle)
+        slope = 1.0 + drift * drift / (r * r + drift * drift) if r > 0.0 else 1.0
+        step = (x - math.atan2(drift, r) - near) / slope
+        x -= step
+        if abs(step) < 1e-15 * (1.0 + abs(x)):
+            break
+    return x
+
+
+@kernel(seconds_per_unit=3e-6)
+def crossing(level: float, rate: float, center: float, angle: float, radius: float, drift: float,
+             low: float, high: float, guess: float, rising: bool) -> float:  # fmt: skip
+    """The angle between low and high where center + rate * r * cos is ``level``; the function is monotone there."""
+    x = min(max(guess, low), high)
+    for _ in range(80):
+        r = radius + drift * (x - angle)
+        cosine = math.cos(x)
+        sine = math.sin(x)
+        over = center + rate * r * cosine - level
+        if (over < 0.0) == rising:
+            low = x
+        else:
+            high = x
+        slope = rate * (drift * cosine - r * sine)
+        ahead = x - over / slope if abs(slope) > 1e-9 else low - 1.0
+        if not low <= ahead <= high:
+            ahead = 0.5 * (low + high)
+        if abs(ahead - x) < 1e-10:
+            return ahead
+        x = ahead
+    return x
+
+
+@kernel(seconds_per_unit=2.5e-6, compile_seconds=1.2)
+def step_times(
+    first: int, last: int, profile: Floats, motor: Floats, target: Ints, rate: float, frequency: float, origin: int,
+    near: int, turn: int, state: Ints, ticks: Ints, signs: Signs, count: int,
+) -> tuple[int, int]:  # fmt: skip
+    """Steps of rows first..last-1; returns (the first row that did not fit, the number of steps now).
+
+    profile: (n, 7) R_*, begin relative to tick ``origin``; motor: (n, 7) M_*; target: (n,) count at the end of
+    each row; rate: steps a unit, signed; frequency: ticks a second; state: S_*, kept from call to call.
+    """
+    for k in range(first, last):
+        n = int(state[S_COUNT])
+        end = int(target[k])
+        sweep = float(motor[k, M_SWEEP])
+        length = float(profile[k, R_LENGTH])
+        if sweep == 0.0:
+            room = abs(end - n)
+        else:
+            wide = max(float(motor[k, M_RADIUS]), float(motor[k, M_RADIUS_TO])) * abs(rate)
+            room = int((abs(sweep) / math.pi + 2.0) * (2.0 * wide + 2.0)) + abs(end - n)
+        if count + room > len(ticks):
+            return k, count
+        if room == 0:
+            continue
+        begin = float(profile[k, R_BEGIN])
+        duration = float(profile[k, R_DURATION])
+        entry = float(profile[k, R_ENTRY])
+        cruise = float(profile[k, R_CRUISE])
+        leave = float(profile[k, R_EXIT])
+        a = float(profile[k, R_ACCELERATION])
+        up = (cruise * cruise - entry * entry) / (2.0 * a)
+        down = length - (cruise * cruise - leave * leave) / (2.0 * a)
+        if sweep == 0.0:
+            q = float(motor[k, M_FROM])
+            distance = float(motor[k, M_TO]) - q
+            each = length / distance if abs(distance) > 1e-9 else 0.0
+            sign = 1 if end > n else -1
+            while n != end:
+                s = (n + 0.5 * sign - q) * each
+                t = begin + time_at(s, length, duration, entry, cruise, leave, a, up, down)
+                count = put_step(origin + int(t * frequency + 0.5), sign, near, turn, state, ticks, signs, count)
+                n += sign
+        else:
+            angle = float(motor[k, M_ANGLE])
+            radius = float(motor[k, M_RADIUS])
+            center = float(motor[k, M_CENTER])
+            drift = (float(motor[k, M_RADIUS_TO]) - radius) / sweep
+            even = abs(float(motor[k, M_RADIUS_TO]) - radius) <= CLOSE * radius
+            if even:
+                drift = 0.0
+            ahead = 1 if sweep > 0.0 else -1
+            finish = angle + sweep
+            # The next extreme is at angle = half * pi + atan(drift / r).
+            g0 = (angle - math.atan2(drift, radius)) / math.pi
+            g1 = (finish - math.atan2(drift, float(motor[k, M_RADIUS_TO]))) / math.pi
+            half = math.floor(g0) + 1 if ahead > 0 else math.ceil(g0) - 1
+            here = angle
+            going = True
+            while going:
+                stop = finish
+                to = end
+                if (half - g1) * ahead < 0.0:
+                    stop = extreme(half * math.pi, angle, radius, drift)
+                    stop = min(max(stop, here), finish) if ahead > 0 else max(min(stop, here), finish)
+                    r = radius + drift * (stop - angle)
+                    to = math.floor(center + rate * r * math.cos(stop) + 0.5)
+                else:
+                    going = False
+                sign = 1 if to > n else -1
+                low, high = min(here, stop), max(here, stop)
+                # Between half - 1 and half (half + 1 when going back) the cosine falls from an even multiple of pi.
+                base = half - 1 if ahead > 0 else half
+                flip = 1.0 if base % 2 == 0 else -1.0
+                rising = (sign > 0) == (ahead > 0)
+                while n != to:
+                    level = n + 0.5 * sign
+                    r = radius + drift * (here - angle)
+                    y = flip * (level - center) / (rate * r) if r > 0.0 else 0.0
+                    x = base * math.pi + math.acos(min(max(y, -1.0), 1.0))
+                    if even:
+                        x = min(max(x, low), high)
+                    else:
+                        x = crossing(level, rate, center, angle, radius, drift, low, high, x, rising)
+                    if ahead > 0:
+                        low = x
+                    else:
+                        high = x
+                    here = x
+                    s = (x - angle) / sweep * length
+                    t = begin + time_at(s, length, duration, entry, cruise, leave, a, up, down)
+                    count = put_step(origin + int(t * frequency + 0.5), sign, near, turn, state, ticks, signs, count)
+                    n += sign
+                here = stop
+                half += ahead
+        state[S_COUNT] = end
+    return last, count
+
+
+@kernel(seconds_per_unit=1.2e-6, compile_seconds=0.3)
+def bounds(
+    ticks: Ints, signs: Signs, count: int, before: int, tolerance: int, near: int, turn: int, floor: int, ceiling: int,
+    low: Ints, high: Ints,
+) -> None:  # fmt: skip
+    """Where each step may go: low, high (count,), so that the steps can always be placed ``near`` or ``turn`` apart.
+
+    before: tick of the step before the first; floor, ceiling: nothing goes before or behind these, unless it is
+    there. A step moves by 9/20 of the shorter of the two intervals beside it, and by ``tolerance``, at most.
+    """
+    later = 0
+    for k in range(count - 1, -1, -1):
+        tick = int(ticks[k])
+        gap = tick - (int(ticks[k - 1]) if k > 0 else before)
+        after = tolerance * 3
+        if k + 1 < count:
+            after = int(ticks[k + 1]) - tick
+        room = min(tolerance, min(gap, after) * 9 // 20)
+        low[k] = max(tick - room, min(floor, tick))
+        most = min(tick + room, max(ceiling, tick))
+        if k + 1 < count:
+            most = min(most, later - (near if signs[k + 1] == signs[k] else turn))
+        high[k] = most
+        later = most
+
+
+@kernel(seconds_per_unit=1e-6)
+def adds(low: Ints, high: Ints, at: int, base: int, n: int) -> tuple[int, int]:
+    """Least and most ``add`` with which a run from ``base`` could meet its n-th step and the one that binds it most.
+
+    Between two parabolas through the same point that stay within the same bounds up to n, the difference is
+    largest when they meet the bounds at n and at (sqrt(2) - 1) n.
+    """
+    m = max(1, int(n * 0.41421356 + 0.5))
+    least = (low[at + n - 1] - base) / n - (high[at + m - 1] - base) / m
+    most = (high[at + n - 1] - base) / n - (low[at + m - 1] - base) / m
+    return math.ceil(2.0 * least / (n - m) - 1e-9), math.floor(2.0 * most / (n - m) + 1e-9)
+
+
+@kernel(seconds_per_unit=1e-6)
+def fit(low: Ints, high: Ints, at: int, base: int, n: int, add: int, gap: int, near: int) -> tuple[int, int, int]:
+    """The longest run of at most n steps with this ``add``: its count, and the least and most interval of it.
+
+    gap: least first interval; near: least interval of the others.
+    """
+    least = max(gap, low[at] - base)
+    most = max(least, high[at] - base)
+    shift = 0
+    for k in range(2, n + 1):
+        shift += add * (k - 1)
+        early = low[at + k - 1] - base - shift
+        late = high[at + k - 1] - base - shift
+        up, down = least, most
+        if up * k < early:
+            up = -(-early // k)
+        if down * k > late:
+            down = late // k
+        up = max(up, near - add * (k - 1))
+        if up > down:
+            return k - 1, least, most
+        least, most = up, down
+    return n, least, most
+
+
+@kernel(seconds_per_unit=1e-6, compile_seconds=1.0)
+def compress(
+    ticks: Ints, signs: Signs, low: Ints, high: Ints, count: int, final: bool, near: int, turn: int, encoder: Ints,
+    runs: Ints, filled: int,
+) -> tuple[int, int]:  # fmt: skip
+    """Cover steps with runs, each step within low..high; returns (steps covered, runs now).
+
+    ticks: exact times, of which a run's last step is kept close; final: nothing comes after these steps,
+    otherwise the last ones, which a longer run could still cover, are left for the next call; encoder: see E_*;
+    runs: (n, 4) interval, count, add, direction. Stops early when ``runs`` is full.
+    """
+    at = 0
+    same = 0
+    while at < count and filled < len(runs) and (final or count - at > MOST_COUNT + 1):
+        sign = int(signs[at])
+        if same <= at:
+            same = at + 1
+            while same < count and signs[same] == sign:
+                same += 1
+        longest = min(same - at, MOST_COUNT)
+        base = int(encoder[E_TICK])
+        gap = near if int(encoder[E_SIGN]) == sign else turn
+
+        # How long a run can be, and with which adds: as far as two points of it tell.
+        good, bad, n = 1, longest + 1, 2
+        first, last = -MOST_ADD, MOST_ADD
+        while bad - good > 1 + good // 16:
+            n = min(n, bad - 1)
+            least, most = adds(low, high, at, base, n)
+            least, most = max(least, first), min(most, last)
+            if least > most:
+                bad = n
+                n = (good + bad) // 2
+            else:
+                good, first, last = n, least, most
+                n = 2 * n if bad > longest else (good + bad) // 2
+
+        # The adds that are left, tried on every step, from the middle outwards.
+        best, best_add = 0, 0
+        best_least, best_most = 1, 0
+        middle = (first + last) // 2
+        for k in range(5):
+            add = middle + (k + 1) // 2 * (1 if k % 2 == 1 else -1)
+            if first <= add <= last and best < longest:
+                reach, least, most = fit(low, high, at, base, longest, add, gap, near)
+                if reach > best:
+                    best, best_add, best_least, best_most = reach, add, least, most
+        shift = best_add * (best * (best - 1) // 2)
+        wish = (2 * (int(ticks[at + best - 1]) - base - shift) + best) // (2 * best)
+        interval = min(max(wish, best_least), best_most)
+        runs[filled, 0] = interval
+        runs[filled, 1] = best
+        runs[filled, 2] = best_add
+        runs[filled, 3] = sign
+        filled += 1
+        encoder[E_TICK] = base + interval * best + shift
+        encoder[E_SIGN] = sign
+        at += best
+    return at, filled
