@@ -1,0 +1,29 @@
+"""The pictures in the pages are those that `check --picture` draws."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+from support.goldens import ROOT
+
+from gproof.cli.main import main
+
+JOBS = ["drilled-plate", "over-limit-arc-bulge"]
+
+
+@pytest.mark.parametrize("name", JOBS)
+def test_picture_is_fresh(
+    name: str, golden: Callable[[Path, str], None], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    folder = ROOT / "corpus" / "eding" / name
+    picture = tmp_path / f"{name}.svg"
+    main(["check", str(folder / "job.cnc"), "--machine", str(folder / "machine.toml"), "--setup", "zero",
+          "--picture", str(picture)])  # fmt: skip
+    capsys.readouterr()
+    golden(ROOT / "docs" / "images" / picture.name, picture.read_text(encoding="utf-8"))
+
+
+def test_every_image_of_a_page_is_drawn_here() -> None:
+    assert {path.stem for path in (ROOT / "docs" / "images").iterdir()} == set(JOBS)

@@ -1,0 +1,109 @@
+"""The ```console blocks of the pages: commands after `$ `, below each what it prints; `...` stands for any lines."""
+
+from __future__ import annotations
+
+import difflib
+import os
+import re
+import subprocess
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+
+ELLIPSIS = "..."
+
+
+@dataclass(frozen=True)
+class Step:
+    """A command and the lines below it: text lines first ... stop - 1 of the page, counted from 0."""
+
+    command: str
+    expected: list[str]
+    first: int
+    stop: int
+
+
+def steps(page: str) -> list[Step]:
+    """All commands of a page, in order."""
+    lines = page.split("\n")
+    out: list[Step] = []
+    at, inside = 0, False
+    while at < len(lines):
+        line = lines[at]
+        if line.startswith("```"):
+            inside = line.strip() == "```console"
+        elif inside and line.startswith("$ "):
+            command = line[2:]
+            while command.endswith("\\"):
+                at += 1
+                command = command[:-1].rstrip() + " " + lines[at].strip()
+            first = stop = at + 1
+            while not lines[stop].startswith(("$ ", "```")):
+                stop += 1
+            out.append(Step(command, lines[first:stop], first, stop))
+            at = stop - 1
+        at += 1
+    return out
+
+
+def matches(expected: list[str], actual: list[str]) -> bool:
+    """True when the lines are equal, `...` lines standing for any number of lines."""
+    pattern = "".join(r"(?:.*\n)*?" if line == ELLIPSIS else re.escape(line) + r"\n" for line in expected)
+    return re.fullmatch(pattern, "".join(f"{line}\n" for line in actual)) is not None
+
+
+def renewed(expected: list[str], actual: list[str]) -> list[str]:
+    """What the page should show: the actual lines, with the page's `...` where they still leave something out."""
+    parts: list[list[str]] = [[]]
+    for line in expected:
+        if line == ELLIPSIS:
+            parts.append([])
+        else:
+            parts[-1].append(line)
+    if len(parts) == 1:
+        return actual
+    head, tail = len(parts[0]), len(parts[-1])
+    if head + tail > len(actual):
+        return actual
+    out, at, end = actual[:head], head, len(actual) - tail
+    for part in parts[1:-1]:
+        size = min(len(part), end - at)
+        begin = max(range(at, end - size + 1), key=lambda b: (_alike(part, actual[b : b + size]), -b))
+        out += [ELLIPSIS, *actual[begin : begin + size]]
+        at = begin + size
+    return [*out, ELLIPSIS, *actual[end:]]
+
+
+def _alike(old: list[str], new: list[str]) -> tuple[int, float]:
+    """Equal lines, then equal characters."""
+    same = sum(a == b for a, b in zip(old, new, strict=False))
+    return same, difflib.SequenceMatcher(None, "\n".join(old), "\n".join(new)).ratio()
+
+
+class Shell:
+    """Runs commands one after another in a folder; `gproof` is the one under test; `cd` and `$?` last."""
+
+    def __init__(self, folder: Path) -> None:
+        self.folder, self.exit_code = folder, 0
+        commands = self.commands = folder / ".commands"
+        commands.mkdir()
+        gproof = commands / "gproof"
+        gproof.write_text(f'#!/bin/sh\nexec "{sys.executable}" -m gproof.cli.main "$@"\n', encoding="utf-8")
+        gproof.chmod(0o755)
+        self.environment = {
+            **{k: v for k, v in os.environ.items() if not k.startswith(("GPROOF_", "PYTEST_"))},
+            "PATH": f"{commands}:{os.environ['PATH']}",
+            "LC_ALL": "C.UTF-8",
+            "COLUMNS": "100",
+        }
+
+    def run(self, command: str) -> list[str]:
+        """The lines that a command prints, on both streams."""
+        done = subprocess.run(
+            ["bash", "-c", f"trap 'pwd >{self.commands}/folder' EXIT; (exit {self.exit_code}); {command}"],
+            cwd=self.folder, env=self.environment, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT, encoding="utf-8", check=False,
+        )  # fmt: skip
+        self.exit_code = done.returncode
+        self.folder = Path((self.commands / "folder").read_text(encoding="utf-8").strip())
+        return done.stdout.splitlines()
