@@ -3,19 +3,21 @@
 from __future__ import annotations
 
 import dataclasses
+import math
 from collections.abc import Callable
 from dataclasses import dataclass, field
 
 from gproof.cli.session import Session
 from gproof.ir import codes
 from gproof.ir.finding import Findings, Severity, Span
-from gproof.ir.trace import Chunk, Wait
-from gproof.ir.verdict import DEFAULT_POLICY, PropertyResult, Verdict, worst
+from gproof.ir.trace import Affine, Chunk, Wait
+from gproof.ir.verdict import DEFAULT_POLICY, Condition, PropertyResult, Verdict, worst
 from gproof.passes.arc_radius import ArcRadius
 from gproof.passes.execute import Executor
 from gproof.passes.limits import Limits
 from gproof.passes.plan import MotionEstimate
 from gproof.passes.tool_change_area import ToolChangeArea
+from gproof.passes.values import describe
 
 NOT_JUDGED = ("feeds", "gouges", "compensation")
 """Properties that no check of this version decides; named so in reports and certificates."""
@@ -65,7 +67,7 @@ def judge(session: Session, *, budget: int, strict: bool = False, observe: Obser
     if met and setting is None:
         other = Findings(limit=findings.limit)
         second, _, more, _ = _pass(session, other, True, budget, None)
-        results = [_both(a, b) for a, b in zip(results, second, strict=True)]
+        results = [_both(session, findings, a, b) for a, b in zip(results, second, strict=True)]
         seen = {(f.code.number, f.span) for f in findings.kept}
         for f in other.kept:
             if (f.code.number, f.span) not in seen:
@@ -90,8 +92,8 @@ def _pass(
     assert session.program is not None
     machine, setup = session.machine, session.setup
     ex = Executor(session.program, setup, machine, findings, block_delete=block_delete, budget=budget)
-    limits = Limits(machine, setup, findings)
-    checks = [limits, ToolChangeArea(machine, setup, findings), ArcRadius(machine, setup, findings)]
+    limits, area = Limits(machine, setup, findings), ToolChangeArea(machine, setup, findings)
+    checks = [limits, area, ArcRadius(machine, setup, findings)]
     estimate = MotionEstimate(machine)
     sections, waits = 0, set[Wait]()
     for chunk in ex.run():
@@ -103,7 +105,9 @@ def _pass(
         if observe is not None:
             observe(chunk)
     estimate.finish()
-    results = [check.finish() for check in checks]
+    fits = limits.finish()
+    area.given(fits.conditions)
+    results = [fits, *(check.finish() for check in checks[1:])]
     language = PropertyResult(name="language", verdict=_language(findings))
     summary = Summary(
         lines=session.program.line_count, blocks=ex.blocks, sections=max(1, sections),
@@ -145,13 +149,26 @@ def _after_language(results: list[PropertyResult], language: Verdict) -> list[Pr
     return out
 
 
-def _both(a: PropertyResult, b: PropertyResult) -> PropertyResult:
-    """One property under two settings of a switch: both must hold."""
-    return PropertyResult(
-        name=a.name, verdict=worst((a.verdict, b.verdict)),
-        assumptions=a.assumptions + tuple(x for x in b.assumptions if x not in a.assumptions),
-        conditions=a.conditions + tuple(x for x in b.conditions if x not in a.conditions),
-    )  # fmt: skip
+def _both(session: Session, findings: Findings, a: PropertyResult, b: PropertyResult) -> PropertyResult:
+    """One property under two settings of a switch: both must hold, for the same offsets."""
+    verdict = worst((a.verdict, b.verdict))
+    assumptions = a.assumptions + tuple(x for x in b.assumptions if x not in a.assumptions)
+    ranges: dict[Affine, tuple[float, float]] = {}
+    for c in (*a.conditions, *b.conditions):
+        low, high = ranges.get(c.terms, (-math.inf, math.inf))
+        ranges[c.terms] = max(low, c.low), min(high, c.high)
+    conditions = tuple(Condition(terms=terms, low=low, high=high) for terms, (low, high) in ranges.items())
+    for c in conditions:
+        if c.empty:
+            cause = f"the block delete switch: no {describe(c.terms)} suits both of its settings"
+            where = Span(str(session.job), 0)
+            if a.name == "areas":
+                findings.add(codes.TOOL_CHANGE_AREA_UNKNOWN.at(where, cause=cause))
+            else:
+                findings.add(codes.POSITION_UNKNOWN.at(where, axis=describe(c.terms), cause=cause))
+            verdict = worst((verdict, Verdict.UNKNOWN))
+    conditions = tuple(c for c in conditions if not c.empty)
+    return PropertyResult(name=a.name, verdict=verdict, assumptions=assumptions, conditions=conditions)
 
 
 def _machine_findings(session: Session) -> None:

@@ -26,6 +26,26 @@ ROUNDING = 1e-9
 _KEPT = 64
 
 
+class _Offset:
+    """What all rows under one unknown offset leave of it, whatever frame and guard they stand in.
+
+    low, high: its range; least, most: extent of the rows without it; span: the row that reaches highest.
+    """
+
+    def __init__(self, axis: Axis) -> None:
+        self.axis = axis
+        self.low, self.high = -math.inf, math.inf
+        self.least, self.most = math.inf, -math.inf
+        self.span = Span("", 0)
+
+    def within(self, room: tuple[float, float], least: float, most: float, span: Span) -> None:
+        """Rows from ``least`` to ``most`` that fit when the offset lies in ``room``."""
+        self.low, self.high = max(self.low, room[0]), min(self.high, room[1])
+        if most > self.most:
+            self.most, self.span = most, span
+        self.least = min(self.least, least)
+
+
 class Limits(Check):
     """The property ``limits``; also gathers the box of the job for the summary.
 
@@ -127,11 +147,11 @@ class Limits(Check):
         """SAFE, with conditions on unknown offsets; UNSAFE; or UNKNOWN when a limit or a position is."""
         if self._trace is None:
             return PropertyResult(name=self.name, verdict=Verdict.SAFE)
-        conditions: dict[Affine, list[float]] = {}
+        offsets: dict[Affine, _Offset] = {}
         for index in range(AXES):
             if self._moves(index):
-                self._judge_axis(index, conditions)
-        results = self._conditions(conditions)
+                self._judge_axis(index, offsets)
+        results = self._conditions(offsets)
         verdict = Verdict.SAFE
         if self._errors:
             verdict = Verdict.UNSAFE
@@ -151,7 +171,7 @@ class Limits(Check):
                 return True
         return False
 
-    def _judge_axis(self, index: int, conditions: dict[Affine, list[float]]) -> None:
+    def _judge_axis(self, index: int, offsets: dict[Affine, _Offset]) -> None:
         assert self._trace is not None and self._first is not None
         name = AXIS_NAMES[index]
         axis = self.machine.axis(name)
@@ -177,19 +197,24 @@ class Limits(Check):
                 self.findings.add(codes.LIMIT_UNKNOWN.at(where[slot, index], side=what, axis=name.upper()))
             if form == () or axis is None:
                 continue
-            bounds = conditions.setdefault(form, [-math.inf, math.inf])
-            room = [-math.inf if low is None else low - least, math.inf if high is None else high - most]
-            if room[0] > room[1] + 2 * ROUNDING:
-                self._no_room(axis, form, slot, least, most)
-            bounds[0], bounds[1] = max(bounds[0], room[0]), min(bounds[1], room[1])
+            room = -math.inf if low is None else low - least, math.inf if high is None else high - most
+            offset = offsets.setdefault(form, _Offset(axis))
+            offset.within(room, least, most, self._high_span[slot, index])
+        form, at = self._start_forms[index], float(self._start[index])
+        if axis is not None and form not in ((), UNKNOWN):
+            # The path begins at the start: what GP306 says of a stated one is a condition on an unknown one.
+            low, high = self._sides(axis, False)
+            room = -math.inf if low is None else low - at, math.inf if high is None else high - at
+            offsets.setdefault(form, _Offset(axis)).within(room, at, at, self._first)
 
-    def _no_room(self, axis: Axis, form: Affine, slot: int, least: float, most: float) -> None:
-        assert axis.lower is not None and axis.upper is not None
+    def _no_room(self, form: Affine, offset: _Offset) -> None:
+        """GP303: the lowest and the highest point of the job do not fit at the same time."""
         self._errors += 1
+        extent = offset.most - offset.least
         self.findings.add(
             codes.NO_SAFE_OFFSET.at(
-                self._high_span[slot, axis.index], name=describe(form), extent=most - least, unit=axis.unit,
-                room=axis.upper - axis.lower,
+                offset.span, name=describe(form), extent=extent, unit=offset.axis.unit,
+                room=max(0.0, extent - (offset.low - offset.high)),
             )
         )  # fmt: skip
 
@@ -198,11 +223,15 @@ class Limits(Check):
             return None, None
         return (axis.travel_lower, axis.travel_upper) if off else (axis.lower, axis.upper)
 
-    def _conditions(self, found: dict[Affine, list[float]]) -> tuple[Condition, ...]:
+    def _conditions(self, found: dict[Affine, _Offset]) -> tuple[Condition, ...]:
         """Conditions that the setup does not already meet; findings where it can not or need not."""
         out = []
         assert self._first is not None
-        for form, (low, high) in sorted(found.items()):
+        for form, offset in sorted(found.items()):
+            if offset.low > offset.high + 2 * ROUNDING:
+                self._no_room(form, offset)
+                continue
+            low, high = sorted((offset.low, offset.high))
             stated = form_interval(form, self.setup)
             if stated is not None:
                 if low - ROUNDING <= stated.low and stated.high <= high + ROUNDING:

@@ -41,6 +41,11 @@ class ToolChangeArea(Check):
         self._high: dict[int, np.ndarray] = {}
         self._symbolic: Span | None = None
         self._frames: list[tuple[Affine, ...]] = []
+        self._given: dict[Affine, tuple[float, float]] = {}
+
+    def given(self, conditions: tuple[Condition, ...]) -> None:
+        """Conditions that hold anyway (those of the limits), so that the answer does not contradict them."""
+        self._given = {c.terms: (c.low, c.high) for c in conditions}
 
     def feed(self, chunk: Chunk) -> None:
         """GP310 for each line of the job that enters the area, GP312 with the guard off."""
@@ -171,7 +176,7 @@ class ToolChangeArea(Check):
                 if (high[axis] > face) if below else (low[axis] < face):
                     return None
                 continue
-            bound = bounds.setdefault(form, [-math.inf, math.inf])
+            bound = bounds.setdefault(form, list(self._given.get(form, (-math.inf, math.inf))))
             if limits is not None and limits.lower is not None:
                 bound[0] = max(bound[0], limits.lower - float(low[axis]))
             if limits is not None and limits.upper is not None:
@@ -227,8 +232,8 @@ def enters(
         p, q, middle = at(t0), at(t1), at((t0 + t1) / 2)
         if all(low < x < high for x, (low, high) in zip(middle, box, strict=True)):
             return middle
-        # A piece lies within the bulge (sagitta) of its chord's box.
-        bulge = biggest * (1 - math.cos(min(math.pi, abs(sweep) * (t1 - t0) / 2))) + abs(r1 - r0)
+        # A piece lies within the bulge of its chord's box: the sagitta, and what the radius changes on the way.
+        bulge = biggest * (1 - math.cos(min(math.pi, abs(sweep) * (t1 - t0) / 2))) + abs(r1 - r0) * (t1 - t0)
         meets = True
         for k in range(3):
             widen = 0.0 if k == w else bulge
@@ -236,9 +241,9 @@ def enters(
                 meets = False
         if not meets:
             continue
-        if max(abs(x - y) for x, y in zip(p, q, strict=True)) + bulge < RESOLUTION:
-            return middle
         half = (t0 + t1) / 2
+        if max(abs(x - y) for x, y in zip(p, q, strict=True)) + bulge < RESOLUTION or not t0 < half < t1:
+            return middle
         stack += [(t0, half), (half, t1)]
     return None
 
