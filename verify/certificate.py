@@ -1,0 +1,276 @@
+"""The certificate: what was proved of which bytes, signed, and checked again before anything moves.
+
+The body names by SHA-256 the inputs and every part of the package, and each property with its verdict, bound,
+assumptions, conditions and checker. A signature (Ed25519) says who made it, not that it is true:
+``check_package`` believes nothing and runs the stream checker again.
+"""
+
+from __future__ import annotations
+
+import base64
+import binascii
+import hashlib
+import os
+from collections.abc import Iterable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from gproof.ir import codes
+from gproof.ir.finding import Finding, Severity, Span
+from gproof.ir.machine import Machine
+from gproof.ir.setup import Interval, Setup
+from gproof.ir.stream import StepStream
+from gproof.ir.text import print_ir
+from gproof.ir.trace import Trace
+from gproof.ir.verdict import DEFAULT_POLICY, PropertyResult, Verdict
+from gproof.verify.package import (
+    BODY,
+    SIGNATURE,
+    CertificateError,
+    Package,
+    canonical,
+    parts_of,
+    read_package,
+    write_members,
+)
+from gproof.verify.stream import validate
+from gproof.verify.stream_report import BOUNDS, CHECKER, CHECKER_VERSION, StreamReport
+
+if TYPE_CHECKING:
+    from cryptography.hazmat.primitives.asymmetric.ed25519 import Ed25519PrivateKey
+
+__all__ = [
+    "CertificateError", "Check", "Package", "check_package", "load_or_create_key", "public_key_text", "read_package",
+    "write_package",
+]  # fmt: skip
+
+FORMAT = "gproof-certificate/1"
+TRACE_CHECKER = "gproof.passes"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Check:
+    """What ``check_package`` found. valid: every part holds, so that it may run; stream: the checker's report."""
+
+    findings: tuple[Finding, ...]
+    stream: StreamReport
+    signer: str | None
+
+    @property
+    def valid(self) -> bool:
+        """True when no finding is an error or an unknown."""
+        return not any(f.severity in (Severity.ERROR, Severity.UNKNOWN) for f in self.findings)
+
+
+def write_package(
+    path: Path, *, job: str, version: str, inputs: Iterable[tuple[str, str, str]],
+    properties: Iterable[PropertyResult], not_judged: Iterable[str], assumptions: Iterable[str], machine: Machine,
+    setup: Setup, trace: Trace, stream: StepStream, report: StreamReport, key: Ed25519PrivateKey | None = None,
+    created: str = "", comment: str = "",
+) -> str:  # fmt: skip
+    """Write a package and return the SHA-256 of its body; the file appears whole or not at all.
+
+    inputs: (name, sha256, role); properties: those of the trace; report: of the stream checker;
+    created, comment: kept beside the signature, outside the signed body.
+    """
+    members = parts_of(machine, setup, trace, stream)
+    body = {
+        "format": FORMAT,
+        "gproof": version,
+        "job": job,
+        "policy": list(DEFAULT_POLICY),
+        "inputs": [{"name": n, "sha256": d, "role": r} for n, d, r in sorted(inputs, key=lambda i: (i[2], i[0]))],
+        "members": {name: hashlib.sha256(data).hexdigest() for name, data in members.items()},
+        "properties": [
+            *(_property(p, TRACE_CHECKER, version, "") for p in properties),
+            *(_property(p, CHECKER, CHECKER_VERSION, BOUNDS[p.name]) for p in report.properties),
+        ],
+        "not_judged": sorted(not_judged),
+        "assumptions": list(assumptions),
+        "steps": report.steps,
+        "duration_ticks": sum(s.duration for s in stream.sections),
+    }
+    data = canonical(body)
+    members[BODY] = data
+    if key is not None:
+        members[SIGNATURE] = canonical(
+            {
+                "public_key": _encode(_raw_public(key)),
+                "signature": _encode(key.sign(data)),
+                "created": created,
+                "comment": comment,
+            }
+        )
+    write_members(path, members)
+    return hashlib.sha256(data).hexdigest()
+
+
+def _property(result: PropertyResult, checker: str, version: str, bound: str) -> dict[str, Any]:
+    return {
+        "name": result.name,
+        "verdict": result.verdict.value,
+        "bound": bound,
+        "assumptions": list(result.assumptions),
+        "conditions": [
+            {"terms": [[s, k] for s, k in c.terms], "low": repr(c.low), "high": repr(c.high)} for c in result.conditions
+        ],
+        "checker": checker,
+        "version": version,
+    }
+
+
+def check_package(
+    package: Package, machine: Machine | None = None, setup: Setup | None = None,
+    trusted_keys: Iterable[bytes] | None = None,
+) -> Check:  # fmt: skip
+    """Check everything but the hashes (``read_package`` did): signature, machine, verdicts, conditions, stream.
+
+    machine, setup: those at hand, when they are known apart from the package; trusted_keys: raw public keys of
+    signers to accept (None: any signer, an empty list: nobody).
+    """
+    where = Span(package.path, 0)
+    findings: list[Finding] = []
+    signer = _check_signature(package, trusted_keys, findings, where)
+    if machine is not None and print_ir(machine) != print_ir(package.machine):
+        findings.append(
+            codes.CERTIFICATE_MACHINE.at(
+                where, what=f"made for machine {package.machine.name!r} in another state than {machine.name!r} is now"
+            )
+        )
+    _check_verdicts(package, findings, where)
+    _check_conditions(package, setup or package.setup, findings, where)
+    report = validate(package.stream, package.trace, package.machine, package.setup)
+    findings += report.findings
+    if report.verdict is not Verdict.SAFE and not report.findings:
+        findings.append(codes.CERTIFICATE_VERDICT.at(where, what="the stream checker could not judge every property"))
+    return Check(findings=tuple(findings), stream=report, signer=signer)
+
+
+def _check_signature(
+    package: Package, trusted: Iterable[bytes] | None, findings: list[Finding], where: Span
+) -> str | None:
+    if package.signature is None:
+        if trusted is not None:
+            findings.append(codes.CERTIFICATE_SIGNATURE.at(where, what="unsigned, and a trusted signer is asked for"))
+        else:
+            findings.append(codes.CERTIFICATE_UNSIGNED.at(where))
+        return None
+    from cryptography.exceptions import InvalidSignature
+    from cryptography.hazmat.primitives.asymmetric.ed25519 import Ed25519PublicKey
+
+    try:
+        raw = base64.b64decode(str(package.signature["public_key"]), validate=True)
+        signature = base64.b64decode(str(package.signature["signature"]), validate=True)
+        Ed25519PublicKey.from_public_bytes(raw).verify(signature, package.body_bytes)
+    except (KeyError, ValueError, binascii.Error, InvalidSignature):
+        findings.append(codes.CERTIFICATE_SIGNATURE.at(where, what="the signature does not fit the certificate"))
+        return None
+    if trusted is not None and raw not in set(trusted):
+        findings.append(codes.CERTIFICATE_SIGNATURE.at(where, what=f"signed by {_encode(raw)}, who is not trusted"))
+    return _encode(raw)
+
+
+def _check_verdicts(package: Package, findings: list[Finding], where: Span) -> None:
+    """Every property listed is SAFE and every one of the policy is listed."""
+    body = package.body
+    verdicts = (
+        {p["name"]: p["verdict"] for p in body["properties"] if isinstance(p, dict)}
+        if isinstance(body.get("properties"), list)
+        else {}
+    )
+    if body.get("format") != FORMAT:
+        findings.append(codes.CERTIFICATE_MALFORMED.at(where, what=f"format {body.get('format')!r} is not {FORMAT}"))
+    for name in (*DEFAULT_POLICY, *BOUNDS):
+        verdict = verdicts.get(name, "missing")
+        if verdict != Verdict.SAFE.value:
+            findings.append(codes.CERTIFICATE_VERDICT.at(where, what=f"property {name} is {verdict}, not SAFE"))
+
+
+def _check_conditions(package: Package, setup: Setup, findings: list[Finding], where: Span) -> None:
+    for prop in package.body.get("properties", []):
+        for condition in prop.get("conditions", []):
+            low, high = float(condition["low"]), float(condition["high"])
+            known = _sum(condition["terms"], setup)
+            if known is None or not (low <= known.low and known.high <= high):
+                stated = "not stated" if known is None else f"{known.low:g} to {known.high:g}"
+                names = " + ".join(str(s) for s, _ in condition["terms"])
+                findings.append(
+                    codes.CERTIFICATE_OFFSETS.at(
+                        where, what=f"holds for {names} in {low:g} to {high:g}; it is {stated}"
+                    )
+                )
+
+
+def _sum(terms: list[list[Any]], setup: Setup) -> Interval | None:
+    low = high = 0.0
+    for symbol, coefficient in terms:
+        known = setup.interval(str(symbol))
+        if known is None:
+            return None
+        ends = (known.low * int(coefficient), known.high * int(coefficient))
+        low, high = low + min(ends), high + max(ends)
+    return Interval(low, high)
+
+
+def _encode(raw: bytes) -> str:
+    return base64.b64encode(raw).decode()
+
+
+def _raw_public(key: Ed25519PrivateKey) -> bytes:
+    from cryptography.hazmat.primitives.serialization import Encoding, PublicFormat
+
+    return key.public_key().public_bytes(Encoding.Raw, PublicFormat.Raw)
+
+
+def load_key(path: Path) -> Ed25519PrivateKey:
+    """An Ed25519 private key from a PEM file; ValueError when it is none."""
+    from cryptography.exceptions import UnsupportedAlgorithm
+    from cryptography.hazmat.primitives.asymmetric.ed25519 import Ed25519PrivateKey
+    from cryptography.hazmat.primitives.serialization import load_pem_private_key
+
+    try:
+        key = load_pem_private_key(path.read_bytes(), password=None)
+    except (ValueError, TypeError, UnsupportedAlgorithm):
+        raise ValueError(f"{path} is no private key in PEM form without a password") from None
+    if not isinstance(key, Ed25519PrivateKey):
+        raise ValueError(f"{path} is no Ed25519 key")
+    return key
+
+
+def load_or_create_key(path: Path) -> Ed25519PrivateKey:
+    """The key at ``path``; a new one is made there, readable by its owner alone, when there is none."""
+    if path.exists():
+        return load_key(path)
+    from cryptography.hazmat.primitives.asymmetric.ed25519 import Ed25519PrivateKey
+    from cryptography.hazmat.primitives.serialization import Encoding, NoEncryption, PrivateFormat
+
+    key = Ed25519PrivateKey.generate()
+    text = key.private_bytes(Encoding.PEM, PrivateFormat.PKCS8, NoEncryption())
+    path.parent.mkdir(parents=True, exist_ok=True, mode=0o700)
+    handle = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600)
+    with os.fdopen(handle, "wb") as out:
+        out.write(text)
+    return key
+
+
+def public_key_text(key: Ed25519PrivateKey) -> str:
+    """The public half in PEM, to hand out."""
+    from cryptography.hazmat.primitives.serialization import Encoding, PublicFormat
+
+    return key.public_key().public_bytes(Encoding.PEM, PublicFormat.SubjectPublicKeyInfo).decode()
+
+
+def load_public_key(path: Path) -> bytes:
+    """The raw public key of a PEM file; ValueError when it is none."""
+    from cryptography.exceptions import UnsupportedAlgorithm
+    from cryptography.hazmat.primitives.asymmetric.ed25519 import Ed25519PublicKey
+    from cryptography.hazmat.primitives.serialization import Encoding, PublicFormat, load_pem_public_key
+
+    try:
+        key = load_pem_public_key(path.read_bytes())
+    except (ValueError, TypeError, UnsupportedAlgorithm):
+        raise ValueError(f"{path} is no public key in PEM form") from None
+    if not isinstance(key, Ed25519PublicKey):
+        raise ValueError(f"{path} is no Ed25519 key")
+    return key.public_bytes(Encoding.Raw, PublicFormat.Raw)

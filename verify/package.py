@@ -1,0 +1,235 @@
+"""The ``.gpx`` file: a zip of the certificate's body, its signature and the parts it speaks of.
+
+Members: ``body.json`` (what is signed), ``signature.json`` (outside every hash), ``machine.ir``, ``setup.ir``,
+``trace.ir``, ``stream.ir`` (text forms, with empty tables), and one ``.bin`` a table: the columns of its schema
+one after the other, little-endian, rows in order. Same inputs, same bytes: members in sorted order, fixed
+times. Nothing is believed while reading; docs/certificate.md defines the format.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import hashlib
+import json
+import os
+import struct
+import tempfile
+import zipfile
+import zlib
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from gproof.ir import codes
+from gproof.ir.columns import Columns, Schema
+from gproof.ir.finding import Code, Finding, Span
+from gproof.ir.machine import Machine
+from gproof.ir.setup import Setup
+from gproof.ir.stream import EVENT, RUN, StepStream
+from gproof.ir.text import parse_ir, print_ir
+from gproof.ir.trace import TRACE_ROW, Trace
+
+BODY, SIGNATURE = "body.json", "signature.json"
+TEXTS = ("machine.ir", "setup.ir", "trace.ir", "stream.ir")
+MEMBER_LIMIT = 2 << 30
+"""Bytes of one member at most; a larger one is refused before it is read."""
+TOTAL_LIMIT = 4 << 30
+_EPOCH = (1980, 1, 1, 0, 0, 0)
+
+
+class CertificateError(Exception):
+    """A package can not be used; ``finding`` says why (GP820 or GP821)."""
+
+    def __init__(self, code: Code, path: str, what: str) -> None:
+        self.finding: Finding = code.at(Span(path, 0), what=what)
+        super().__init__(what)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Package:
+    """A package as read: its parts, the parsed body with its exact bytes, and the signature (None: unsigned)."""
+
+    path: str
+    body: dict[str, Any]
+    body_bytes: bytes
+    signature: dict[str, Any] | None
+    machine: Machine
+    setup: Setup
+    trace: Trace
+    stream: StepStream
+
+    @property
+    def sha256(self) -> str:
+        """The certificate's identity: SHA-256 of its body."""
+        return hashlib.sha256(self.body_bytes).hexdigest()
+
+
+def canonical(value: Any) -> bytes:
+    """JSON with sorted keys and no blanks, UTF-8; floats in their shortest exact form, no NaN."""
+    return json.dumps(value, sort_keys=True, separators=(",", ":"), ensure_ascii=False, allow_nan=False).encode()
+
+
+def parts_of(machine: Machine, setup: Setup, trace: Trace, stream: StepStream) -> dict[str, bytes]:
+    """Every hashed member by name."""
+    bare_trace = dataclasses.replace(
+        trace, sections=[dataclasses.replace(s, rows=Columns(TRACE_ROW)) for s in trace.sections]
+    )
+    bare_stream = dataclasses.replace(
+        stream,
+        sections=[
+            dataclasses.replace(s, runs=tuple(Columns(RUN) for _ in s.runs), events=Columns(EVENT))
+            for s in stream.sections
+        ],
+    )
+    members = {
+        "machine.ir": print_ir(machine).encode(),
+        "setup.ir": print_ir(setup).encode(),
+        "trace.ir": print_ir(bare_trace).encode(),
+        "stream.ir": print_ir(bare_stream).encode(),
+    }
+    members.update((name, _encode(table)) for name, table in _tables(trace, stream))
+    return members
+
+
+def _tables(trace: Trace, stream: StepStream) -> Iterator[tuple[str, Columns]]:
+    for section in trace.sections:
+        yield f"trace/{section.number}.bin", section.rows
+    for part in stream.sections:
+        for index, runs in enumerate(part.runs):
+            yield f"stream/{part.number}/{index}.bin", runs
+        yield f"stream/{part.number}/events.bin", part.events
+
+
+def _little(dtype: str) -> np.dtype[Any]:
+    return np.dtype(dtype).newbyteorder("<")
+
+
+def _encode(table: Columns) -> bytes:
+    return b"".join(table[c.name].astype(_little(c.dtype), copy=False).tobytes() for c in table.schema.columns)
+
+
+def _decode(schema: Schema, data: bytes) -> Columns:
+    sizes = [np.dtype(c.dtype).itemsize * c.width for c in schema.columns]
+    rows, rest = divmod(len(data), sum(sizes))
+    if rest:
+        raise ValueError(f"a {schema.name} table of {len(data)} bytes does not hold whole rows")
+    arrays, at = {}, 0
+    for c, size in zip(schema.columns, sizes, strict=True):
+        flat = np.frombuffer(data, dtype=_little(c.dtype), count=rows * c.width, offset=at).astype(c.dtype)
+        arrays[c.name] = flat.reshape(rows, c.width) if c.width > 1 else flat
+        at += rows * size
+    return Columns(schema, arrays)
+
+
+def write_members(path: Path, members: dict[str, bytes]) -> None:
+    """Write the zip whole or not at all; an existing file is replaced only by a complete one."""
+    handle, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")
+    try:
+        with os.fdopen(handle, "wb") as out, zipfile.ZipFile(out, "w") as archive:
+            for member in sorted(members):
+                info = zipfile.ZipInfo(member, date_time=_EPOCH)
+                info.compress_type = zipfile.ZIP_DEFLATED
+                info.external_attr = 0o644 << 16
+                info.create_system = 3
+                archive.writestr(info, members[member], compresslevel=6)
+            out.flush()
+        os.chmod(name, 0o644)
+        os.replace(name, path)
+    except BaseException:
+        os.unlink(name)
+        raise
+
+
+def read_package(path: Path) -> Package:
+    """Read and re-hash a package; CertificateError for anything but a whole, unaltered one."""
+    try:
+        return _read(path)
+    except CertificateError:
+        raise
+    except OSError as error:
+        raise CertificateError(codes.CERTIFICATE_MALFORMED, str(path), error.strerror or "can not be read") from None
+    except (zipfile.BadZipFile, zlib.error, EOFError, NotImplementedError, RuntimeError, struct.error) as error:
+        raise CertificateError(codes.CERTIFICATE_MALFORMED, str(path), f"not a whole zip file ({error})") from None
+    except (ValueError, KeyError, TypeError, AttributeError, IndexError, OverflowError, MemoryError) as error:
+        raise CertificateError(
+            codes.CERTIFICATE_MALFORMED, str(path), f"not a certified stream ({type(error).__name__}: {error})"
+        ) from None
+
+
+def _read(path: Path) -> Package:
+    members = _members(path)
+    for needed in (BODY, *TEXTS):
+        if needed not in members:
+            raise CertificateError(codes.CERTIFICATE_MALFORMED, str(path), f"{needed} is missing")
+    body = json.loads(members[BODY])
+    if not isinstance(body, dict) or canonical(body) != members[BODY]:
+        raise CertificateError(codes.CERTIFICATE_MALFORMED, str(path), "body.json is not in its canonical form")
+    _check_hashes(path, body, members)
+    signature = json.loads(members[SIGNATURE]) if SIGNATURE in members else None
+    if signature is not None and not isinstance(signature, dict):
+        raise CertificateError(codes.CERTIFICATE_MALFORMED, str(path), "signature.json is no object")
+    machine, setup, trace, stream = (parse_ir(members[name].decode()) for name in TEXTS)
+    for value, kind in ((machine, Machine), (setup, Setup), (trace, Trace), (stream, StepStream)):
+        if not isinstance(value, kind):
+            raise CertificateError(codes.CERTIFICATE_MALFORMED, str(path), f"no {kind.__name__} where one belongs")
+    _fill(trace, stream, members)
+    machine.verify()
+    trace.verify()
+    stream.verify()
+    return Package(
+        path=str(path), body=body, body_bytes=members[BODY], signature=signature, machine=machine, setup=setup,
+        trace=trace, stream=stream,
+    )  # fmt: skip
+
+
+def _members(path: Path) -> dict[str, bytes]:
+    """All members, each no larger than it says and all together bounded."""
+    out: dict[str, bytes] = {}
+    total = 0
+    with zipfile.ZipFile(path) as archive:
+        for info in archive.infolist():
+            total += info.file_size
+            if info.file_size > MEMBER_LIMIT or total > TOTAL_LIMIT:
+                raise CertificateError(codes.CERTIFICATE_MALFORMED, str(path), f"{info.filename!r} is too large")
+            if info.filename in out:
+                raise CertificateError(codes.CERTIFICATE_MALFORMED, str(path), f"{info.filename!r} is there twice")
+            with archive.open(info) as handle:
+                data = handle.read(info.file_size + 1)
+            if len(data) != info.file_size:
+                raise CertificateError(
+                    codes.CERTIFICATE_MALFORMED, str(path), f"{info.filename!r} is not as long as it says"
+                )
+            out[info.filename] = data
+    return out
+
+
+def _check_hashes(path: Path, body: dict[str, Any], members: dict[str, bytes]) -> None:
+    named = body["members"]
+    there = set(members) - {BODY, SIGNATURE}
+    if set(named) != there:
+        odd = sorted(set(named) ^ there)[0]
+        raise CertificateError(codes.CERTIFICATE_HASH, str(path), f"{odd} is not what the certificate lists")
+    for name, digest in named.items():
+        if hashlib.sha256(members[name]).hexdigest() != digest:
+            raise CertificateError(codes.CERTIFICATE_HASH, str(path), f"{name} was changed: its hash differs")
+
+
+def _fill(trace: Trace, stream: StepStream, members: dict[str, bytes]) -> None:
+    """Put the tables where they belong; every table member is used exactly once."""
+    used = set()
+
+    def table(name: str, schema: Schema) -> Columns:
+        used.add(name)
+        return _decode(schema, members[name])
+
+    for section in trace.sections:
+        section.rows = table(f"trace/{section.number}.bin", TRACE_ROW)
+    for part in stream.sections:
+        part.runs = tuple(table(f"stream/{part.number}/{i}.bin", RUN) for i in range(len(part.runs)))
+        part.events = table(f"stream/{part.number}/events.bin", EVENT)
+    extra = set(members) - used - {BODY, SIGNATURE, *TEXTS}
+    if extra:
+        raise ValueError(f"a table that belongs nowhere: {sorted(extra)[0]}")
