@@ -71,7 +71,21 @@ class Part(NamedTuple):
     operator: str = ""
 
 
-_UNSTATED = frozenset(("band", "bor", "bxor", "<<", ">>", ">", ">=", "<", "<=", "==", "<>"))
+ATAN_TAKES_TWO = "'atan' takes two values: atan[y]/[x]"
+
+DIALOG_VALUES = 12  # 4.2
+
+LEVELS = (
+    "> >= < <= == <>",  # only listed in 4.2: weaker than all that 3.2.2.3 groups
+    "<< >>",  # only listed in 4.2
+    "+ - and or xor band bor bxor",  # third group of 3.2.2.3, and the bit operations of 4.2
+    "* / mod",  # second group
+    "**",  # first group
+)
+"""Binary operators, weakest first; within a level the one on the left is performed first (3.2.2.3)."""
+
+_LEVEL = {operator: number for number, level in enumerate(LEVELS) for operator in level.split()}
+_UNSTATED = frozenset("band bor bxor << >> > >= < <= == <>".split())
 """Operators that section 4.2 lists and to which no section gives a precedence."""
 _ASSOCIATIVE = frozenset(("band", "bor", "bxor"))
 
@@ -113,26 +127,42 @@ class Builder:
         begin, end = _range(tokens[0])
         return Part(Number(float(tokens[0]), self.span(begin, end)), begin, end)
 
-    def negative(self, tokens: Tokens) -> Part:
-        return self._signed("neg", *tokens)
-
-    def positive(self, tokens: Tokens) -> Part:
-        return self._signed("pos", *tokens)
-
-    def _signed(self, operator: str, sign: Token, value: Part) -> Part:
-        begin = _range(sign)[0]
-        span = self.span(begin, value.end)
-        if isinstance(value.node, Number) and self.line.code[value.begin] != "[":
-            number = -value.node.value if operator == "neg" else value.node.value
-            return Part(Number(number, span), begin, value.end)
-        return Part(Unary(operator, value.node, span), begin, value.end, "sign")
+    def signed(self, tokens: Tokens) -> Part:
+        begin, value = _range(tokens[0])[0], tokens[1]
+        if value.operator == "sign" or self.line.code[value.begin] in "+-":
+            raise self.error(codes.BAD_NUMBER, begin, value.end, text=self.line.code[begin : value.end])
+        operator = "neg" if tokens[0] == "-" else "pos"
+        return Part(Unary(operator, value.node, self.span(begin, value.end)), begin, value.end, "sign")
 
     def parameter(self, tokens: Tokens) -> Part:
         begin, inner = _range(tokens[0])[0], tokens[1]
         return Part(Variable(inner.node, self.span(begin, inner.end)), begin, inner.end)
 
     def bracket(self, tokens: Tokens) -> Part:
-        return Part(tokens[1].node, _range(tokens[0])[0], _range(tokens[2])[1])
+        begin, end = _range(tokens[0])[0], _range(tokens[-1])[1]
+        node = tokens[1].node if len(tokens) == 3 else self._grouped(tokens[1:-1])
+        return Part(node, begin, end)
+
+    def _grouped(self, tokens: Tokens) -> Expr:
+        """Values with operators between them: the tighter level first, within a level the left one first."""
+        values: list[Part] = [tokens[0]]
+        waiting: list[str] = []
+        for token, value in zip(tokens[1::2], tokens[2::2], strict=True):
+            operator = token.lower()
+            while waiting and _LEVEL[waiting[-1]] >= _LEVEL[operator]:
+                self._combine(values, waiting.pop())
+            waiting.append(operator)
+            values.append(value)
+        while waiting:
+            self._combine(values, waiting.pop())
+        return values[0].node
+
+    def _combine(self, values: list[Part], operator: str) -> None:
+        right, left = values.pop(), values.pop()
+        doubtful = _doubtful(operator, left.operator) or _doubtful(operator, right.operator)
+        span = self.span(left.begin, right.end)
+        node = Binary(operator, left.node, right.node, span, doubtful)
+        values.append(Part(node, left.begin, right.end, operator))
 
     def function(self, tokens: Tokens) -> Part:
         begin, inner = _range(tokens[0])[0], tokens[1]
@@ -141,15 +171,10 @@ class Builder:
 
     def arctangent(self, tokens: Tokens) -> Part:
         begin, left, right = _range(tokens[0])[0], tokens[1], tokens[3]
+        if tokens[2] != "/":
+            raise self.error(codes.BAD_EXPRESSION, *_range(tokens[2]), what=ATAN_TAKES_TWO)
         node = Binary("atan", left.node, right.node, self.span(begin, right.end))
         return Part(node, begin, right.end)
-
-    def binary(self, tokens: Tokens) -> Part:
-        left, right, operator = tokens[0], tokens[2], str(tokens[1]).lower()
-        doubtful = _doubtful(operator, left.operator) or _doubtful(operator, right.operator)
-        span = self.span(left.begin, right.end)
-        node = Binary(operator, left.node, right.node, span, doubtful)
-        return Part(node, left.begin, right.end, operator)
 
     # ---- items of a block ----
 
@@ -255,6 +280,14 @@ class Builder:
         return Message(kind=kind, parts=parts, span=_range_span(self, tokens))
 
     def dialog(self, tokens: Tokens) -> Message:
+        """Parts: the title, then by turns the name of a value and the number of its parameter."""
+        if len(tokens) > 2 + 2 * DIALOG_VALUES:
+            what = f"a dialog asks for at most {DIALOG_VALUES} values"
+            raise self.error(codes.SYNTAX, *_range(tokens[2 + 2 * DIALOG_VALUES]), what=what)
+        for token in tokens[3::2]:
+            if not token.isdigit():
+                what = f"{str(token)!r} is not the number of a parameter"
+                raise self.error(codes.SYNTAX, *_range(token), what=what)
         parts = tuple(self._label(token) for token in tokens[1:])
         return Message(kind="dialog", parts=parts, span=_range_span(self, tokens))
 
