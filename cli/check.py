@@ -177,7 +177,7 @@ def _reach(session: Session, axis: str, relative: str, low: float, high: float) 
     beside = f"from {relative}" if relative else ""
     if not relative and known is not None and session.machine_given:
         beside = f"(limits {_limit(known.lower)} ... {_limit(known.upper)})"
-    return axis.upper(), f"{low:.3f}", f"{high:.3f} {unit}", beside
+    return axis.upper(), f"{round(low, 3) + 0.0:.3f}", f"{round(high, 3) + 0.0:.3f} {unit}", beside
 
 
 def _limit(value: float | None) -> str:
@@ -232,8 +232,8 @@ def report_json(session: Session, judgement: Judgement) -> dict[str, object]:
                     {
                         "text": condition_text(c),
                         "terms": [{"symbol": s, "coefficient": k} for s, k in c.terms],
-                        "low": c.low if math.isfinite(c.low) else None,
-                        "high": c.high if math.isfinite(c.high) else None,
+                        "low": _finite(c.low),
+                        "high": _finite(c.high),
                     }
                     for c in r.conditions
                 ],
@@ -248,10 +248,18 @@ def report_json(session: Session, judgement: Judgement) -> dict[str, object]:
             "lines": summary.lines,
             "blocks": summary.blocks,
             "sections": summary.sections,
-            "path_length_mm": summary.path_length,
-            "feed_length_mm": summary.feed_length,
-            "seconds": summary.seconds,
+            "path_length_mm": _finite(summary.path_length),
+            "feed_length_mm": _finite(summary.feed_length),
+            "seconds": _finite(summary.seconds),
             "seconds_at_least": summary.at_least,
-            "box": [{"axis": a, "relative_to": rel, "low": lo, "high": hi} for a, rel, lo, hi in summary.box],
+            "box": [
+                {"axis": axis, "relative_to": relative, "low": _finite(low), "high": _finite(high)}
+                for axis, relative, low, high in summary.box
+            ],
         },
     }
+
+
+def _finite(value: float | None) -> float | None:
+    """JSON has no infinities."""
+    return value if value is not None and math.isfinite(value) else None

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import datetime
 from dataclasses import dataclass
 from pathlib import Path
 
 import click
 
-from gproof.cli.judge import NOT_JUDGED, judge
+from gproof.cli.check import print_summary
+from gproof.cli.judge import NOT_JUDGED, Judgement, judge
 from gproof.cli.main import UsageError
 from gproof.cli.report import print_findings
 from gproof.cli.session import Session, open_session
@@ -52,3 +54,96 @@ def lower(session: Session, budget: int, stage: str) -> Lowered:
     if lowered.stream is not None:
         lowered.stream.verify()
     return lowered
+
+
+def run_compile(
+    job: Path, *, machine: Path | None, setup: str | None, dialect: str | None, max_blocks: int, output: Path,
+    key: Path | None, unsigned: bool,
+) -> int:  # fmt: skip
+    """Judge, lower, validate, sign and write; a file appears only for a job that is SAFE all the way."""
+    _writable(output)
+    if key is not None and unsigned:
+        raise UsageError("--key and --unsigned exclude each other")
+    session = open_session(job, machine=machine, setup=setup, dialect=dialect)
+    judgement = judge(session, budget=max_blocks)
+    if judgement.verdict is not Verdict.SAFE:
+        return _refuse(session, judgement, judgement.verdict, "the job is not SAFE")
+    lowered = _quiet_lower(session, max_blocks)
+    findings = session.findings
+    if lowered.stream is None or findings.has(Severity.UNKNOWN) or findings.has(Severity.ERROR):
+        verdict = Verdict.UNSAFE if findings.has(Severity.ERROR) else Verdict.UNKNOWN
+        return _refuse(session, judgement, verdict, "the job is SAFE, but no step stream can be made of it")
+    from gproof.verify.stream import validate
+
+    report = validate(lowered.stream, lowered.trace, session.machine, session.setup)
+    for finding in report.findings:
+        findings.add(finding)
+    if report.verdict is not Verdict.SAFE:
+        return _refuse(session, judgement, report.verdict, "the stream checker refuses the stream")
+    digest, signer = _write(session, judgement, lowered, report, output, key, unsigned)
+    print_findings(findings)
+    seconds = sum(s.duration for s in lowered.stream.sections) / lowered.stream.tick_frequency
+    click.echo(f"{output}: certified, {report.steps} steps in {len(lowered.stream.sections)} section(s), {seconds:.1f} s")
+    click.echo(f"  certificate {digest}")
+    click.echo(f"  signed by   {signer}")
+    return 0
+
+
+def _quiet_lower(session: Session, budget: int) -> Lowered:
+    """Lower with a collector of its own: judging told what executing finds already."""
+    from gproof.ir.finding import Findings
+
+    told = session.findings
+    session.findings = Findings(limit=told.limit)
+    lowered = lower(session, budget, "stream")
+    known = {(f.code.number, f.span) for f in told.kept}
+    for finding in session.findings.kept:
+        if (finding.code.number, finding.span) not in known:
+            told.add(finding)
+    session.findings = told
+    return lowered
+
+
+def _refuse(session: Session, judgement: Judgement, verdict: Verdict, why: str) -> int:
+    print_findings(session.findings)
+    print_summary(session, judgement)
+    click.echo(f"gproof: nothing was written: {why}", err=True)
+    return verdict.exit_code
+
+
+def _write(session, judgement, lowered, report, output, key_path, unsigned):  # type: ignore[no-untyped-def]
+    from importlib.metadata import version
+
+    from gproof.verify import certificate as c
+
+    key, signer = None, "nobody (--unsigned)"
+    if not unsigned:
+        place = key_path or default_key_path()
+        if key_path is not None and not key_path.is_file():
+            raise UsageError(f"key {key_path}: no such file")
+        try:
+            key = c.load_or_create_key(place)
+        except ValueError as error:
+            raise UsageError(str(error)) from None
+        signer = f"the key in {place}"
+    now = datetime.datetime.now(datetime.UTC).isoformat(timespec="seconds")
+    digest = c.write_package(
+        output, job=session.job.name, version=version("gproof"), inputs=session.inputs,
+        properties=judgement.properties, not_judged=NOT_JUDGED, assumptions=judgement.assumptions,
+        machine=session.machine, setup=session.setup, trace=lowered.trace, stream=lowered.stream, report=report,
+        key=key, created=now,
+    )  # fmt: skip
+    return digest, signer
+
+
+def default_key_path() -> Path:
+    """Where a user's own signing key is kept; made on the first ``compile``."""
+    return Path(click.get_app_dir("gproof")) / "signing-key.pem"
+
+
+def _writable(output: Path) -> None:
+    """Refuse an output that can not be written before working for it."""
+    if output.is_dir():
+        raise UsageError(f"output {output}: is a directory")
+    if not output.parent.is_dir():
+        raise UsageError(f"output {output}: there is no folder {output.parent}")

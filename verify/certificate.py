@@ -138,8 +138,11 @@ def check_package(
                 where, what=f"made for machine {package.machine.name!r} in another state than {machine.name!r} is now"
             )
         )
-    _check_verdicts(package, findings, where)
-    _check_conditions(package, setup or package.setup, findings, where)
+    try:
+        _check_verdicts(package, findings, where)
+        _check_conditions(package, setup or package.setup, findings, where)
+    except (KeyError, ValueError, TypeError, AttributeError, OverflowError) as error:
+        findings.append(codes.CERTIFICATE_MALFORMED.at(where, what=f"the body is not of its form ({error})"))
     report = validate(package.stream, package.trace, package.machine, package.setup)
     findings += report.findings
     if report.verdict is not Verdict.SAFE and not report.findings:

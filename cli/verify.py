@@ -1,0 +1,70 @@
+"""``gproof verify``: a package judged again from its parts alone."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+from gproof.cli.main import UsageError
+from gproof.cli.report import print_findings
+from gproof.ir.finding import Findings, Severity
+from gproof.ir.machine import Machine
+from gproof.ir.verdict import Verdict
+
+
+def run_verify(path: Path, *, machine: Path | None, trust: tuple[Path, ...]) -> int:
+    """Print what holds; exit 0 only when the package may run."""
+    from gproof.verify.certificate import CertificateError, check_package, load_public_key, read_package
+
+    require_file(path, "package")
+    findings = Findings()
+    given = load_given_machine(machine, findings)
+    try:
+        trusted = [load_public_key(key) for key in trust] if trust else None
+    except (ValueError, OSError) as error:
+        raise UsageError(str(error)) from None
+    try:
+        package = read_package(path)
+    except CertificateError as error:
+        findings.add(error.finding)
+        print_findings(findings)
+        click.echo(f"{path}: {Verdict.UNSAFE.value}")
+        return Verdict.UNSAFE.exit_code
+    check = check_package(package, given, None, trusted)
+    for finding in check.findings:
+        findings.add(finding)
+    print_findings(findings)
+    verdict = Verdict.SAFE if check.valid else Verdict.UNSAFE
+    if verdict is Verdict.UNSAFE and not any(f.severity is Severity.ERROR for f in check.findings):
+        verdict = Verdict.UNKNOWN
+    click.echo(f"{path}: {verdict.value}")
+    click.echo(f"  certificate {package.sha256}")
+    click.echo(f"  job         {package.body.get('job')}, machine {package.machine.name}")
+    click.echo(f"  signed by   {check.signer or 'nobody'}{'' if trusted is not None else ' (no --trust given)'}")
+    click.echo(f"  steps       {check.stream.steps} checked")
+    for result in check.stream.properties:
+        click.echo(f"  {result.name:<20} {result.verdict.value}")
+    return verdict.exit_code
+
+
+def require_file(path: Path, what: str) -> None:
+    """UsageError for what is not a readable file."""
+    if not path.exists():
+        raise UsageError(f"{what} {path}: no such file")
+    if path.is_dir():
+        raise UsageError(f"{what} {path}: is a directory")
+
+
+def load_given_machine(path: Path | None, findings: Findings) -> Machine | None:
+    """The machine of a file, None without one; UsageError when it can not be used."""
+    if path is None:
+        return None
+    from gproof.frontend.machine_file import load_machine
+
+    require_file(path, "machine file")
+    machine, _ = load_machine(path, findings)
+    if machine is None:
+        print_findings(findings, err=True)
+        raise UsageError("the machine file can not be used")
+    return machine
