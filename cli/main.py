@@ -131,18 +131,18 @@ def verify(package: Path, machine: Path | None, trust: tuple[Path, ...]) -> int:
 @click.option("--real-time", is_flag=True, help="As slow as the real machine.")
 @click.option("--hold-at", type=click.FloatRange(0), help="Feed hold at this second of the first section.")
 @click.option("--estop-at", type=click.FloatRange(0), help="Emergency stop at this second.")
-@click.option("--override", type=click.FloatRange(0.1, 2.0), help="Feed override, 1 is 100 %.")
-@click.option("--yes", is_flag=True, help="Answer the job's operator stops without asking.")
+@click.option("--override", type=click.FloatRange(0.1, 1.0), help="Feed override; 1 is 100 %.")
+@click.option("--ask", is_flag=True, help="Ask at operator stops; a virtual board goes on by itself otherwise.")
 def run(
     package: Path, board: str, record: Path | None, real_time: bool, hold_at: float | None, estop_at: float | None,
-    override: float | None, yes: bool,
+    override: float | None, ask: bool,
 ) -> int:  # fmt: skip
     """Run a certified stream on a board; it is validated again before anything moves."""
     from gproof.cli.run import run_run
 
     return run_run(
         package, board=board, record=record, real_time=real_time, hold_at=hold_at, estop_at=estop_at,
-        override=override, yes=yes,
+        override=override, ask=ask,
     )  # fmt: skip
 
 

@@ -1,0 +1,93 @@
+"""``gproof run``: a certified stream on a board, with an execution record."""
+
+from __future__ import annotations
+
+import sys
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from fractions import Fraction
+from pathlib import Path
+
+import click
+
+from gproof.cli.main import UsageError
+from gproof.cli.report import print_findings
+from gproof.cli.verify import require_file
+from gproof.ir.finding import Finding, Findings, Severity
+from gproof.ir.verdict import Verdict
+
+
+def run_run(
+    path: Path, *, board: str, record: Path | None, real_time: bool, hold_at: float | None, estop_at: float | None,
+    override: float | None, ask: bool,
+) -> int:  # fmt: skip
+    """Check the package again, run it, print what came back; exit 0 only for a completed run."""
+    from gproof.backend.boards.virtual import VirtualBoard
+    from gproof.backend.operators import AutoContinue, Terminal
+    from gproof.backend.record_data import Result
+    from gproof.backend.runtime import RunRefused, run
+    from gproof.verify.certificate import CertificateError, read_package
+
+    assert board == "virtual"
+    require_file(path, "package")
+    if record is not None and (record.is_dir() or not record.parent.is_dir()):
+        raise UsageError(f"record {record}: can not be written there")
+    try:
+        package = read_package(path)
+    except CertificateError as error:
+        return _refused([error.finding])
+    frequency = package.stream.tick_frequency
+    the_board = VirtualBoard.for_machine(package.machine, len(package.stream.motors), real_time=real_time)
+    began = time.monotonic()
+    with _progress() as progress:
+        try:
+            done = run(
+                package, the_board, operator=Terminal(tell=click.echo) if ask else AutoContinue(resume=True),
+                on_progress=progress, hold_at=None if hold_at is None else round(hold_at * frequency),
+                estop_at=None if estop_at is None else round(estop_at * frequency),
+                override=Fraction(1) if override is None else Fraction(override).limit_denominator(1000),
+            )  # fmt: skip
+        except RunRefused as refused:
+            return _refused(list(refused.findings))
+    took = time.monotonic() - began
+    if record is not None:
+        done.write(record)
+    findings = Findings()
+    for finding in done.findings():
+        findings.add(finding)
+    print_findings(findings)
+    ticks = sum(section.ticks for section in done.sections)
+    click.echo(f"{path}: {done.result.value}" + (f": {done.reason}" if done.reason else ""))
+    click.echo(f"  board       {done.board.name}, {frequency / 1e6:g} MHz, FIFO of {done.board.fifo_runs} runs")
+    click.echo(f"  sections    {len(done.sections)} of {len(package.stream.sections)}")
+    for name, motor, steps, position in zip(done.motors, package.stream.motors, done.steps, done.position, strict=True):
+        place = float(Fraction(position) / motor.steps_per_unit)
+        click.echo(f"  motor {name:<5} {steps} steps, ends at step {position} ({place:.4f})")
+    click.echo(f"  time        {ticks / frequency:.1f} s of motion" + ("" if real_time else f", run in {took:.1f} s"))
+    click.echo(f"  record      {done.sha256()}" + (f", in {record}" if record is not None else ""))
+    return 0 if done.result is Result.COMPLETED else Verdict.UNSAFE.exit_code
+
+
+def _refused(found: list[Finding]) -> int:
+    findings = Findings()
+    for finding in found:
+        findings.add(finding)
+    print_findings(findings)
+    click.echo("gproof: nothing was moved: the package is refused", err=True)
+    errors = any(f.severity is Severity.ERROR for f in found)
+    return (Verdict.UNSAFE if errors else Verdict.UNKNOWN).exit_code
+
+
+@contextmanager
+def _progress() -> Iterator[Callable[[float], None] | None]:
+    """A bar on a terminal, nothing elsewhere."""
+    if not sys.stderr.isatty():
+        yield None
+        return
+    from rich.console import Console
+    from rich.progress import Progress
+
+    with Progress(console=Console(stderr=True), transient=True) as bar:
+        task = bar.add_task("running", total=1.0)
+        yield lambda part: bar.update(task, completed=part)
