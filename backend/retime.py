@@ -9,13 +9,13 @@ every retimed section before it sends a step of it.
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 from fractions import Fraction
 
 import numpy as np
 import numpy.typing as npt
 
+from gproof.backend.boards.board import ticks_up
 from gproof.backend.retime_kernels import fit
 from gproof.backend.runs import Ints, cut, expand, join, table
 from gproof.backend.time_map import MapBuilder, TimeMap
@@ -47,12 +47,12 @@ class Spacing:
     @classmethod
     def of(cls, machine: Machine, tick_frequency: int, *, exact: bool = False) -> Spacing:
         """What the machine file asks for; ``exact``: every step on its mapped tick."""
-        gap = math.ceil(2 * machine.board.step_pulse * tick_frequency)
+        gap = 2 * ticks_up(machine.board.step_pulse, tick_frequency)
         if machine.controller.max_step_frequency:
-            gap = max(gap, math.ceil(tick_frequency / machine.controller.max_step_frequency))
+            gap = max(gap, ticks_up(1 / machine.controller.max_step_frequency, tick_frequency))
         return cls(
             gap=gap,
-            setup=max(gap, math.ceil(machine.board.direction_setup * tick_frequency)),
+            setup=max(gap, ticks_up(machine.board.direction_setup, tick_frequency)),
             tolerance=0 if exact else int(TOLERANCE * tick_frequency),
         )
 

@@ -54,13 +54,15 @@ def fit(low: Ints, high: Ints, direction: npt.NDArray[np.int8], last: int, out: 
     """
     size = len(low)
     begin = 0
+    turn = 0
     rows = 0
     while begin < size:
         facing = direction[begin]
-        end = begin + 1
-        stop = min(size, begin + LONGEST_RUN)
-        while end < stop and direction[end] == facing:
-            end += 1
+        if turn <= begin:
+            turn = begin + 1
+            while turn < size and direction[turn] == facing:
+                turn += 1
+        end = min(turn, begin + LONGEST_RUN)
         best = 1
         interval = (low[begin] + high[begin]) // 2 - last
         add = 0

@@ -8,10 +8,17 @@ the section, and asks for the status in between. ``docs/boards.md`` tells how to
 from __future__ import annotations
 
 import enum
+import math
 from dataclasses import dataclass
+from fractions import Fraction
 from typing import Protocol
 
 from gproof.ir.columns import Columns
+
+
+def ticks_up(seconds: float, tick_frequency: int) -> int:
+    """Whole ticks that last at least ``seconds``; what a float adds to a round number does not count."""
+    return max(0, math.ceil(Fraction(seconds) * tick_frequency - Fraction(1, 10**6)))
 
 
 class BoardState(enum.Enum):

@@ -8,7 +8,6 @@ waits, as fast as the processor can; ``latency`` and hiccups make the host late.
 
 from __future__ import annotations
 
-import math
 import time
 from collections import deque
 from dataclasses import dataclass
@@ -23,6 +22,7 @@ from gproof.backend.boards.board import (
     EventDone,
     Observed,
     Status,
+    ticks_up,
 )
 from gproof.backend.runs import spans, table
 from gproof.ir.columns import Columns
@@ -116,8 +116,8 @@ class VirtualBoard:
         return cls(
             motors,
             tick_frequency=ticks,
-            step_pulse=math.ceil(machine.board.step_pulse * ticks),
-            direction_setup=math.ceil(machine.board.direction_setup * ticks),
+            step_pulse=ticks_up(machine.board.step_pulse, ticks),
+            direction_setup=ticks_up(machine.board.direction_setup, ticks),
             fifo_runs=fifo_runs,
             delay=delay,
             guarded=guarded,

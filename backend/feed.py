@@ -1,0 +1,144 @@
+"""Feeding a section to a board: which runs fit now, what has been sent, what comes next.
+
+Runs go out in the order in which their first steps are due, whatever their motor, and never a step beyond
+the tick asked for: long runs are cut there. So everything not yet sent can still be retimed.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from gproof.backend.boards.board import Board
+from gproof.backend.runs import Ints, steps_within, table
+from gproof.ir.columns import Columns
+from gproof.ir.stream import StreamSection
+
+_NEVER = 2**62
+
+
+class _Cursor:
+    """One motor's runs and how far they have been sent."""
+
+    def __init__(self, runs: Columns, max_count: int) -> None:
+        interval, count, add = (runs[name].astype(np.int64) for name in ("interval", "count", "add"))
+        direction = runs["direction"].copy()
+        if len(count) and int(count.max()) > max_count:
+            parts = -(-count // max_count)
+            place = np.arange(int(parts.sum())) - np.repeat(np.cumsum(parts) - parts, parts)
+            skipped = place * max_count
+            interval, add = np.repeat(interval, parts), np.repeat(add, parts)
+            count = np.minimum(np.repeat(count, parts) - skipped, max_count)
+            interval = interval + add * skipped
+            direction = np.repeat(direction, parts)
+        self.interval: Ints = interval
+        self.count: Ints = count
+        self.add: Ints = add
+        self.direction = direction
+        span = count * interval + add * (count * (count - 1) // 2)
+        self.end: Ints = np.cumsum(span, dtype=np.int64)
+        self.due: Ints = self.end - span + interval
+        self.next = 0
+        self.sent = 0
+        self.sent_until = 0
+
+    def first_due(self) -> int:
+        return int(self.due[self.next]) if self.next < len(self.due) else _NEVER
+
+    def skip(self, steps: int) -> None:
+        """Take so many steps as sent."""
+        counted = np.cumsum(self.count)
+        self.next = int(np.searchsorted(counted, steps, side="right"))
+        before = int(counted[self.next - 1]) if self.next else 0
+        self.sent_until = int(self.end[self.next - 1]) if self.next else 0
+        self.sent = steps
+        if steps > before:
+            self._split(steps - before)
+
+    def _split(self, k: int) -> None:
+        """Drop the first ``k`` steps of the next run, which has more."""
+        n, first, add = self.next, int(self.interval[self.next]), int(self.add[self.next])
+        passed = k * first + add * (k * (k - 1) // 2)
+        self.sent_until = int(self.due[n]) - first + passed
+        self.interval[n] = first + k * add
+        self.count[n] -= k
+        self.due[n] = self.sent_until + self.interval[n]
+
+    def take(self, until: int) -> Columns:
+        """The steps due at or before ``until``, as runs, and count them as sent."""
+        begin = self.next
+        stop = int(np.searchsorted(self.due, until, side="right"))
+        if stop <= begin:
+            return self._table(begin, begin)
+        whole = stop if int(self.end[stop - 1]) <= until else stop - 1
+        taken = self._table(begin, stop)
+        self.next = whole
+        if whole > begin:
+            self.sent_until = int(self.end[whole - 1])
+        if whole < stop:
+            first, add = int(self.interval[whole]), int(self.add[whole])
+            before = int(self.due[whole]) - first
+            k = steps_within(first, add, int(self.count[whole]), until - before)
+            taken["count"][-1] = k
+            self._split(k)
+        self.sent += int(taken["count"].sum())
+        return taken
+
+    def _table(self, begin: int, stop: int) -> Columns:
+        return table(
+            self.interval[begin:stop].copy(),
+            self.count[begin:stop].copy(),
+            self.add[begin:stop].copy(),
+            self.direction[begin:stop].copy(),
+        )
+
+
+class Feeder:
+    """The runs and events of one section on their way to a board."""
+
+    def __init__(self, section: StreamSection, *, max_count: int = 2**31 - 1) -> None:
+        self._max_count = max_count
+        self._load(section)
+        self._event = 0
+
+    def _load(self, section: StreamSection) -> None:
+        self.section = section
+        self._motors = [_Cursor(runs, self._max_count) for runs in section.runs]
+        self._events = list(section.events.rows())
+
+    def replace(self, section: StreamSection) -> None:
+        """Go on with a section that has the same steps and events up to what has been sent."""
+        sent = [(m.sent, m.sent_until) for m in self._motors]
+        self._load(section)
+        for motor, (steps, until) in zip(self._motors, sent, strict=True):
+            motor.skip(steps)
+            if motor.sent_until != until:
+                raise ValueError(f"step {steps} was sent for tick {until}, not for {motor.sent_until}")
+
+    @property
+    def sent_until(self) -> int:
+        """The tick of the last step sent."""
+        return max((m.sent_until for m in self._motors), default=0)
+
+    @property
+    def next_due(self) -> int | None:
+        """The tick of the first step or event that has not been sent; None when all have."""
+        first = min((m.first_due() for m in self._motors), default=_NEVER)
+        if self._event < len(self._events):
+            first = min(first, int(self._events[self._event][0]))
+        return None if first == _NEVER else first
+
+    def fill(self, board: Board, free: int, until: int) -> None:
+        """Send what is due up to ``until``, as far as ``free`` runs reach; earlier steps first."""
+        waiting = [m.due[m.next : m.next + free + 1] for m in self._motors]
+        due = np.concatenate([w[: np.searchsorted(w, until, side="right")] for w in waiting])
+        if len(due) > free:
+            due.partition(free)
+            until = min(until, int(due[free]) - 1)
+        while self._event < len(self._events) and int(self._events[self._event][0]) <= until:
+            tick, row, op, arg = self._events[self._event]
+            board.queue_event(int(tick), int(row), int(op), (int(arg[0]), int(arg[1])))
+            self._event += 1
+        for number, motor in enumerate(self._motors):
+            runs = motor.take(until)
+            if len(runs):
+                board.queue_runs(number, runs)

@@ -1,0 +1,106 @@
+"""Who answers when a job waits: the ``Operator`` protocol and three ready-made answers."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Protocol
+
+from gproof.ir.trace import Wait
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class WaitRequest:
+    """A section has ended and waits. text: what is waited for; outcomes: the answers there are."""
+
+    wait: Wait
+    section: int
+    line: int
+    text: str
+    outcomes: tuple[str, ...]
+    optional: bool = False
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class HoldRequest:
+    """The machine has come to rest in a feed hold, ``tick`` ticks after the section's start."""
+
+    section: int
+    tick: int
+
+
+class Operator(Protocol):
+    """Answers are given while the machine is at rest."""
+
+    def wait(self, request: WaitRequest) -> str | None:
+        """One of the outcomes, or None to end the job here."""
+
+    def held(self, request: HoldRequest) -> bool:
+        """True to go on, False to end the job here."""
+
+
+class AutoContinue:
+    """Nobody asks: goes on where only an operator would be waited for, ends where an answer is a guess.
+
+    resume: whether a feed hold goes on by itself.
+    """
+
+    def __init__(self, *, resume: bool = False) -> None:
+        self.resume = resume
+
+    def wait(self, request: WaitRequest) -> str | None:
+        """The only outcome of an operator's wait or a tool change."""
+        if request.wait in (Wait.OPERATOR, Wait.TOOL_CHANGE) and len(request.outcomes) == 1:
+            return request.outcomes[0]
+        return None
+
+    def held(self, request: HoldRequest) -> bool:
+        """As said when it was made."""
+        return self.resume
+
+
+class RefuseAll:
+    """Ends the job at its first wait."""
+
+    def wait(self, request: WaitRequest) -> str | None:
+        """Never."""
+        return None
+
+    def held(self, request: HoldRequest) -> bool:
+        """Never."""
+        return False
+
+
+class Terminal:
+    """Asks a person; ``ask`` reads a line, ``tell`` prints one."""
+
+    def __init__(self, ask: Callable[[str], str] = input, tell: Callable[[str], None] = print) -> None:
+        self.ask = ask
+        self.tell = tell
+
+    def wait(self, request: WaitRequest) -> str | None:
+        """Enter takes the only outcome; several are numbered; q ends the job."""
+        self.tell(f"line {request.line}: {request.text}")
+        if len(request.outcomes) == 1:
+            answer = self._read(f"Enter: {request.outcomes[0]}, q: end the job here: ")
+            return None if answer is None else request.outcomes[0]
+        for number, outcome in enumerate(request.outcomes, start=1):
+            self.tell(f"  {number}: {outcome}")
+        while True:
+            answer = self._read("number, q: end the job here: ")
+            if answer is None:
+                return None
+            if answer.isdecimal() and 1 <= int(answer) <= len(request.outcomes):
+                return request.outcomes[int(answer) - 1]
+
+    def held(self, request: HoldRequest) -> bool:
+        """Enter goes on, q ends the job."""
+        return self._read("feed hold. Enter: go on, q: end the job here: ") is not None
+
+    def _read(self, prompt: str) -> str | None:
+        """A line, None for q or the end of input."""
+        try:
+            answer = self.ask(prompt).strip()
+        except EOFError:
+            return None
+        return None if answer.lower() in ("q", "quit") else answer

@@ -1,0 +1,76 @@
+"""Retimings that passed the validator: feed override and feed hold of a job's sections.
+
+Each proposal is validated before anyone may send it; when it fails, steps on their exact ticks and then
+gentler ramps are tried.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from fractions import Fraction
+
+from gproof.backend.feed_hold import MARGINS, hold
+from gproof.backend.record_data import Retiming
+from gproof.backend.retime import Spacing, retime, slow_map
+from gproof.backend.section_run import Prepared
+from gproof.backend.time_map import TimeMap
+from gproof.ir.machine import Machine
+from gproof.ir.stream import Motor, StreamSection
+
+Accept = Callable[[StreamSection], bool]
+
+
+class Retimer:
+    """For one stream on one machine; ``accept`` asks the validator about a section."""
+
+    def __init__(self, motors: tuple[Motor, ...], machine: Machine, tick_frequency: int, accept: Accept) -> None:
+        self.motors = motors
+        self.machine = machine
+        self.tick_frequency = tick_frequency
+        self.accept = accept
+
+    def override(self, section: StreamSection, factor: Fraction) -> Prepared | None:
+        """The section at ``factor`` of its speed; None when the validator refuses it."""
+        times = slow_map(section, self.tick_frequency, factor)
+        for exact in (False, True):
+            source, target = _lists(times)
+            retiming = Retiming(kind="override", factor=str(factor), exact=exact, source=source, target=target)
+            found = self._made(section, times, retiming)
+            if found is not None:
+                return found
+        return None
+
+    def hold(self, section: StreamSection, tick: int, rest: int) -> Prepared | None:
+        """A feed hold from ``tick`` on; None when the validator refuses every ramp."""
+        for margin in MARGINS:
+            for exact in (False, True):
+                found = self._held(section, tick, rest, (margin, exact))
+                if found is not None:
+                    return found
+        return None
+
+    def _held(self, section: StreamSection, tick: int, rest: int, way: tuple[float, bool]) -> Prepared | None:
+        margin, exact = way
+        made = hold(section, self.motors, self.machine, self.tick_frequency, tick=tick, rest=rest, margin=margin)
+        source, target = _lists(made.times)
+        retiming = Retiming(
+            kind="hold",
+            asked=tick,
+            rest_begins=made.rest_begins,
+            rest=rest,
+            exact=exact,
+            source=source,
+            target=target,
+        )
+        found = self._made(section, made.times, retiming)
+        if found is None:
+            return None
+        return Prepared(found.section, found.retiming, lambda longer: self._held(section, tick, longer, way))
+
+    def _made(self, section: StreamSection, times: TimeMap, retiming: Retiming) -> Prepared | None:
+        late = retime(section, times, Spacing.of(self.machine, self.tick_frequency, exact=retiming.exact))
+        return Prepared(late, retiming) if self.accept(late) else None
+
+
+def _lists(times: TimeMap) -> tuple[tuple[int, ...], tuple[int, ...]]:
+    return tuple(times.source.tolist()), tuple(times.target.tolist())

@@ -1,0 +1,417 @@
+"""The runtime: a certified package to a board, section by section, with a record of what came back.
+
+Before any motion the package is checked again, whole; nothing is sent that was not validated, retimed
+sections included. Between sections the operator answers. Whatever happens after the board was opened ends in
+an ExecutionRecord that says how far it came.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import math
+import signal
+import threading
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from fractions import Fraction
+from types import FrameType
+
+from gproof.backend.boards.board import Board, BoardError, Capabilities, EventDone, Observed, Status, ticks_up
+from gproof.backend.control import Control
+from gproof.backend.job import Job, RunRefused, checked_job
+from gproof.backend.operators import AutoContinue, HoldRequest, Operator, WaitRequest
+from gproof.backend.record_data import BoardRecord, ExecutionRecord, Result, Retiming, SectionRecord
+from gproof.backend.retime import GREATEST_FACTOR, LEAST_FACTOR
+from gproof.backend.retimer import Retimer
+from gproof.backend.section_run import Pace, SectionRun
+from gproof.ir import codes
+from gproof.ir.finding import Finding, Span
+from gproof.ir.machine import Machine
+from gproof.ir.setup import Setup
+from gproof.ir.stream import StreamSection
+from gproof.ir.trace import Edge, Op, Trace, TraceSection, Wait
+from gproof.ir.verdict import Verdict
+from gproof.verify.package import Package
+from gproof.verify.stream import validate
+
+__all__ = ["Control", "Hold", "RunFailed", "RunRefused", "run"]
+
+Progress = Callable[[float], None]
+
+LEAD = 0.05
+"""Seconds between opening a section and its first tick."""
+
+SECONDS_PER_STEP = 2e-6
+"""What retiming and the validator take for a step, at most; a feed hold on a real board waits for it."""
+
+
+class RunFailed(Exception):
+    """A callback or the runtime itself failed after the board was opened; ``record`` says how far it came."""
+
+    def __init__(self, record: ExecutionRecord) -> None:
+        super().__init__(record.reason)
+        self.record = record
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Hold:
+    """A feed hold planned before the run: ``at`` ticks of motion since the start, resting ``rest`` ticks."""
+
+    at: int
+    rest: int
+
+
+def run(
+    package: Package,
+    board: Board,
+    *,
+    operator: Operator | None = None,
+    on_progress: Progress | None = None,
+    hold_at: int | Hold | Sequence[Hold] | None = None,
+    override: float | Fraction = 1,
+    estop_at: int | None = None,
+    machine: Machine | None = None,
+    setup: Setup | None = None,
+    trusted_keys: Iterable[bytes] | None = None,
+    control: Control | None = None,
+) -> ExecutionRecord:
+    """Run a package on a board; RunRefused before any motion, a record afterwards whatever happens.
+
+    RunFailed, with the record, when a callback raises.
+
+    operator: who answers waits (default: AutoContinue). on_progress: called with the part of all ticks done.
+    hold_at: feed holds, in ticks of motion since the start (an int rests for one second). override: 0.1 to 1,
+    of the planned speed. estop_at: emergency stop at that tick of motion. machine, setup: what is at hand, when
+    it is known apart from the package; trusted_keys: whose certificates are accepted. control: requests from
+    other threads; Ctrl-C is a feed hold, a second one an emergency stop.
+    """
+    return walk(
+        checked_job(package, machine=machine, setup=setup, trusted_keys=trusted_keys),
+        board,
+        operator=operator,
+        on_progress=on_progress,
+        hold_at=hold_at,
+        override=override,
+        estop_at=estop_at,
+        control=control,
+    )
+
+
+def walk(
+    job: Job,
+    board: Board,
+    *,
+    operator: Operator | None = None,
+    on_progress: Progress | None = None,
+    hold_at: int | Hold | Sequence[Hold] | None = None,
+    override: float | Fraction = 1,
+    estop_at: int | None = None,
+    control: Control | None = None,
+) -> ExecutionRecord:
+    """``run`` for a job that has been checked; only ``checked_job`` makes one from a package."""
+    factor = Fraction(override).limit_denominator(1000)
+    if not LEAST_FACTOR <= factor <= GREATEST_FACTOR:
+        raise ValueError(f"override {override}: outside {LEAST_FACTOR} to {GREATEST_FACTOR}")
+    if isinstance(hold_at, int):
+        hold_at = Hold(at=hold_at, rest=job.stream.tick_frequency)
+    holds = [hold_at] if isinstance(hold_at, Hold) else sorted(hold_at or (), key=lambda h: h.at)
+    walking = _Walk(job, board, operator or AutoContinue(), control or Control())
+    walking.factor, walking.holds, walking.estop_at = factor, holds, estop_at
+    walking.on_progress = on_progress
+    with _interrupts(walking.control):
+        return walking.run()
+
+
+class _Walk:
+    """The section graph, one section after the other."""
+
+    def __init__(self, job: Job, board: Board, operator: Operator, control: Control) -> None:
+        self.job = job
+        self.board = board
+        self.operator = operator
+        self.control = control
+        self.factor = Fraction(1)
+        self.holds: list[Hold] = []
+        self.estop_at: int | None = None
+        self.on_progress: Progress | None = None
+        self.sections: list[SectionRecord] = []
+        self.result = Result.FAULT
+        self.reason = ""
+        self.done_ticks = 0
+        self._shown = -1.0
+        self._last: Status | None = None
+        self._all_ticks = 1
+        self.observed = Observed()
+        self.retimer = Retimer(job.stream.motors, job.machine, job.stream.tick_frequency, self._accept)
+
+    def run(self) -> ExecutionRecord:
+        """Open the board, walk, close it."""
+        is_ = self.board.open()
+        refusals = list(_unfit(self.job, is_))
+        if refusals:
+            self.board.close()
+            raise RunRefused(refusals)
+        self._all_ticks = int(sum(s.duration for s in self.job.stream.sections) / self.factor) or 1
+        try:
+            try:
+                number = 0
+                while number >= 0:
+                    number = self._section(number, is_)
+            finally:
+                with contextlib.suppress(BoardError):
+                    self.observed = self.board.observed()
+                    self.board.close()
+        except BoardError as error:
+            self.result, self.reason = Result.FAULT, str(error)
+        except Exception as error:
+            self.result, self.reason = Result.FAULT, f"{type(error).__name__}: {error}"
+            raise RunFailed(self._record(is_)) from error
+        return self._record(is_)
+
+    def _record(self, is_: Capabilities) -> ExecutionRecord:
+        start = self.job.stream.sections[0].start
+        return ExecutionRecord(
+            certificate=self.job.certificate,
+            job=self.job.name,
+            board=BoardRecord(
+                name=is_.name,
+                motors=is_.motors,
+                tick_frequency=is_.tick_frequency,
+                fifo_runs=is_.fifo_runs,
+                step_pulse=is_.step_pulse,
+                direction_setup=is_.direction_setup,
+                real_time=is_.real_time,
+            ),
+            motors=tuple(m.name for m in self.job.stream.motors),
+            start=start,
+            sections=tuple(self.sections),
+            steps=self._last.steps if self._last else (0,) * is_.motors,
+            position=self.sections[-1].position if self.sections else start,
+            observed=self.observed,
+            result=self.result,
+            reason=self.reason,
+        )
+
+    # One section.
+
+    def _section(self, number: int, is_: Capabilities) -> int:
+        """Run a section and what follows it; the next one's number, -1 at the end."""
+        planned = self.job.stream.sections[number]
+        ready = self._prepared(planned)
+        if isinstance(ready, str):
+            self.result, self.reason = Result.REFUSED, f"section {number}: {ready}"
+            return -1
+        section, retimings = ready
+        before = self.board.status()
+        run = SectionRun(
+            self.board,
+            is_,
+            section,
+            pace=self._pace(is_, section),
+            prepare=self.retimer.hold,
+            operator=self.operator,
+            control=self.control,
+            estop_at=None if self.estop_at is None else self.estop_at - self.done_ticks,
+            on_tick=self._show,
+        )
+        try:
+            run.run()
+        except KeyboardInterrupt:
+            run.interrupted()
+        except BoardError as error:
+            run.broken(str(error))
+        except BaseException as error:
+            run.broken(f"{type(error).__name__}: {error}")
+            raise
+        finally:
+            self._note(before, run, retimings)
+        ended = run.ended
+        if ended.outcome is not Result.COMPLETED:
+            self.result, self.reason = ended.outcome, ended.reason
+            return -1
+        self.done_ticks += ended.ticks
+        self._show(0)
+        return self._follow(number)
+
+    def _prepared(self, planned: StreamSection) -> tuple[StreamSection, list[Retiming]] | str:
+        """The section with the override and the holds that fall into it, or why it can not be had."""
+        section, retimings = planned, []
+        if self.factor != 1 and self._overridable(planned.number):
+            made = self.retimer.override(section, self.factor)
+            if made is None:
+                return f"at {float(self.factor):g} of its speed it does not pass the validator"
+            section = made.section
+            retimings.append(made.retiming)
+        while self.holds and self.holds[0].at < self.done_ticks + section.duration:
+            hold = self.holds.pop(0)
+            made = self.retimer.hold(section, max(0, hold.at - self.done_ticks), hold.rest)
+            if made is None:
+                return f"with a feed hold at tick {hold.at - self.done_ticks} it does not pass the validator"
+            section = made.section
+            retimings.append(made.retiming)
+        return section, retimings
+
+    def _overridable(self, number: int) -> bool:
+        """False when a row of the section was programmed without overrides."""
+        rows = self.job.trace.sections[number].rows
+        used = set(rows["state"][rows["op"] < 10].tolist())
+        return all(self.job.trace.states[state].overrides for state in used)
+
+    def _accept(self, section: StreamSection) -> bool:
+        """The validator's answer for a section in its place."""
+        sections = list(self.job.stream.sections)
+        sections[section.number] = section
+        stream = replace(self.job.stream, sections=sections)
+        report = validate(stream, self.job.trace, self.job.machine, self.job.setup, sections=(section.number,))
+        return report.verdict is Verdict.SAFE
+
+    def _pace(self, is_: Capabilities, section: StreamSection) -> Pace:
+        ticks = is_.tick_frequency
+        steps = sum(int(r["count"].sum()) for r in section.runs)
+        return Pace(
+            lookahead=max(1, int(self.job.machine.controller.fifo_time * ticks)),
+            lead=int(LEAD * ticks),
+            preparing=int((0.2 + steps * SECONDS_PER_STEP) * ticks),
+        )
+
+    def _note(self, before: Status, run: SectionRun, planned: list[Retiming]) -> None:
+        """Write down how a section went, from the board's first and last answers."""
+        ended = run.ended
+        self._last = after = run.seen or before
+        events: list[EventDone] = []
+        with contextlib.suppress(BoardError):
+            events = self.board.take_events()
+        self.sections.append(
+            SectionRecord(
+                number=ended.section.number,
+                outcome=ended.outcome,
+                ticks=ended.ticks,
+                retimings=(*planned, *ended.retimings),
+                steps=tuple(b - a for a, b in zip(before.steps, after.steps, strict=True)),
+                position=after.position,
+                accepted=tuple(b - a for a, b in zip(before.accepted, after.accepted, strict=True)),
+                events=tuple((e.tick - run.base, e.row, e.op) for e in events),
+            )
+        )
+
+    def _show(self, now: int) -> None:
+        """Tell the progress, at most a thousand times."""
+        part = min(1.0, (self.done_ticks + max(0, now)) / self._all_ticks)
+        if self.on_progress is not None and part >= self._shown + 0.001:
+            self._shown = part
+            try:
+                self.on_progress(part)
+            except KeyboardInterrupt:
+                self.control.interrupt()
+
+    # Between sections.
+
+    def _follow(self, number: int) -> int:
+        """What comes after a section: the next one's number, or -1 with the result noted."""
+        edges = self.job.trace.sections[number].edges
+        if not edges or any(edge.wait is Wait.END for edge in edges):
+            self._answer(edges[0] if edges else None)
+            self.result = Result.COMPLETED
+            return -1
+        if self.control.hold_asked and not self._go_on(number):
+            return -1
+        request = _request(self.job.trace, self.job.trace.sections[number])
+        answer = self.control.ask(lambda: self.operator.wait(request))
+        edge = next((edge for edge in edges if edge.outcome == answer), None)
+        self._answer(edge if edge is not None else replace(edges[0], outcome="", target=-1))
+        self.result = Result.STOPPED
+        if edge is None:
+            self.reason = f"section {number}: ended while waiting ({edges[0].wait.value})"
+        elif edge.target < 0:
+            self.reason = f"section {number}: {edge.outcome}"
+        else:
+            return self._reached(edge.target)
+        return -1
+
+    def _reached(self, target: int) -> int:
+        """The next section, when it begins where the motors are."""
+        here, there = self.sections[-1].position, self.job.stream.sections[target].start
+        if here == there:
+            return target
+        self.result = Result.REFUSED
+        self.reason = f"section {target} starts at {list(there)}, the motors are at {list(here)}"
+        return -1
+
+    def _go_on(self, number: int) -> bool:
+        """A feed hold that was asked for so late that the section has ended: it holds here."""
+        request = HoldRequest(section=number, tick=self.sections[-1].ticks)
+        resume = bool(self.control.ask(lambda: self.operator.held(request)))
+        self.control.answered()
+        if not resume:
+            self.result, self.reason = Result.STOPPED, f"section {number}: ended in a feed hold"
+        return resume
+
+    def _answer(self, edge: Edge | None) -> None:
+        if edge is not None:
+            self.sections[-1] = replace(
+                self.sections[-1], wait=edge.wait.value, answer=edge.outcome, target=edge.target
+            )
+
+
+def _request(trace: Trace, section: TraceSection) -> WaitRequest:
+    """What to ask at the end of a section: its last message, tool or stop row says."""
+    edge = section.edges[0]
+    text, optional = edge.outcome, False
+    for k in range(len(section.rows) - 1, max(-1, len(section.rows) - 16), -1):
+        op = section.rows["op"][k]
+        if op == Op.MESSAGE:
+            text = trace.texts[int(section.rows["text"][k])]
+        elif op == Op.TOOL_CHANGE:
+            tool = float(section.rows["arg"][k, 0])
+            text = "change the tool" if math.isnan(tool) else f"put in tool {tool:g}"
+        elif op == Op.STOP:
+            optional = bool(section.rows["arg"][k, 0])
+            continue
+        elif op == Op.END or op >= Op.OFFSET:
+            continue
+        break
+    return WaitRequest(
+        wait=edge.wait,
+        section=section.number,
+        line=edge.line,
+        text=text,
+        outcomes=tuple(edge.outcome for edge in section.edges),
+        optional=optional,
+    )
+
+
+@contextlib.contextmanager
+def _interrupts(control: Control) -> Iterator[None]:
+    """Ctrl-C asks for a feed hold, a second one for an emergency stop; only the main thread can hear it."""
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+
+    def heard(_number: int, _frame: FrameType | None) -> None:
+        control.interrupt()
+
+    before = signal.signal(signal.SIGINT, heard)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, before)
+
+
+def _unfit(job: Job, is_: Capabilities) -> Iterator[Finding]:
+    """Why a board can not run a job."""
+    board, ticks = job.machine.board, job.stream.tick_frequency
+    wanted = (
+        (is_.motors != len(job.stream.motors), f"drives {is_.motors} motors, the stream {len(job.stream.motors)}"),
+        (is_.tick_frequency != ticks, f"counts {is_.tick_frequency} ticks a second, the stream {ticks}"),
+        (
+            is_.step_pulse > ticks_up(board.step_pulse, ticks),
+            f"needs step pulses of {is_.step_pulse} ticks, the machine file says {board.step_pulse:g} s",
+        ),
+        (
+            is_.direction_setup > ticks_up(board.direction_setup, ticks),
+            f"needs {is_.direction_setup} ticks to turn round, the machine file says {board.direction_setup:g} s",
+        ),
+    )
+    for wrong, what in wanted:
+        if wrong:
+            yield codes.CERTIFICATE_MACHINE.at(Span(job.name, 0), what=f"board {is_.name} {what}")

@@ -1,0 +1,249 @@
+"""One section on a board: feeding ahead, feed hold, emergency stop, until the board is done or stopped."""
+
+from __future__ import annotations
+
+import contextlib
+from collections.abc import Callable
+from concurrent.futures import Future, ThreadPoolExecutor
+from dataclasses import dataclass, field
+
+from gproof.backend.boards.board import Board, BoardError, BoardState, Capabilities, Status
+from gproof.backend.control import Control
+from gproof.backend.feed import Feeder
+from gproof.backend.operators import HoldRequest, Operator
+from gproof.backend.record_data import Result, Retiming
+from gproof.ir.stream import StreamSection
+
+SLICE = 0.05
+"""Seconds that a real board is left alone at most, so that requests are heard."""
+
+
+@dataclass(frozen=True, slots=True)
+class Prepared:
+    """A retimed section that the validator accepted; ``again`` makes the same hold with another rest."""
+
+    section: StreamSection
+    retiming: Retiming
+    again: Callable[[int], Prepared | None] | None = None
+
+
+Prepare = Callable[[StreamSection, int, int], Prepared | None]
+"""A section, the tick of a feed hold and the ticks to rest; None: no retiming passed the validator."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Pace:
+    """Ticks. lookahead: how far ahead runs are sent; lead: from opening a section to its tick 0;
+    preparing: what working out a feed hold takes while a real board goes on."""
+
+    lookahead: int
+    lead: int
+    preparing: int
+
+
+@dataclass(slots=True)
+class Ended:
+    """How a section ended, after ``ticks`` of the section that was last valid."""
+
+    outcome: Result
+    ticks: int
+    section: StreamSection
+    retimings: list[Retiming] = field(default_factory=list)
+    reason: str = ""
+
+
+class SectionRun:
+    """Runs one section; ``run`` is called once."""
+
+    def __init__(
+        self,
+        board: Board,
+        is_: Capabilities,
+        section: StreamSection,
+        *,
+        pace: Pace,
+        prepare: Prepare,
+        operator: Operator,
+        control: Control,
+        estop_at: int | None,
+        on_tick: Callable[[int], None],
+    ) -> None:
+        self.board = board
+        self.is_ = is_
+        self.pace = pace
+        self.prepare = prepare
+        self.operator = operator
+        self.control = control
+        self.estop_at = estop_at
+        self.on_tick = on_tick
+        self.ended = Ended(Result.FAULT, 0, section)
+        self.base = 0
+        self.seen: Status | None = None
+        self._feeder = Feeder(section, max_count=is_.max_count)
+        self._held: Prepared | None = None
+        self._asked: tuple[int, Future[Prepared | None]] | None = None
+        self._patience = pace.preparing
+        self._worker: ThreadPoolExecutor | None = None
+        self._finished = False
+
+    def run(self) -> Ended:
+        """To the end of the section, or to what stopped it."""
+        try:
+            self.base = self.board.start_section(self.ended.section.number, self.ended.section.start, self.pace.lead)
+            while self._once():
+                pass
+        finally:
+            if self._worker is not None:
+                self._worker.shutdown(wait=False, cancel_futures=True)
+        return self.ended
+
+    def _once(self) -> bool:
+        """One round: hear requests, feed, let time pass. False when the section is over."""
+        self.seen = status = self.board.status()
+        now = status.tick - self.base
+        if status.state is not BoardState.RUNNING:
+            self.end(status)
+            return False
+        self.on_tick(now)
+        if self.control.stop_asked or (self.estop_at is not None and now >= self.estop_at):
+            self.board.emergency_stop()
+            return True
+        self._hear(now)
+        if self._held is not None and now >= self._held.retiming.rest_begins and not self._rest(now):
+            return False
+        self._feed(status, now)
+        return True
+
+    def interrupted(self) -> None:
+        """An interrupt that nobody was ready to hear: an emergency stop."""
+        try:
+            self.board.emergency_stop()
+            self.end(self.board.status())
+        except BoardError as error:
+            self.broken(str(error))
+
+    def broken(self, why: str) -> None:
+        """The board, or the line to it, failed: stop it if it still hears, and note what is known."""
+        with contextlib.suppress(BoardError):
+            self.board.emergency_stop()
+            self.seen = self.board.status()
+        if self.seen is not None:
+            self.end(self.seen)
+        self.ended.outcome = Result.FAULT
+        self.ended.reason = f"section {self.ended.section.number}, tick {self.ended.ticks}: {why}"
+
+    def end(self, status: Status) -> None:
+        """Note how the board left the section."""
+        self.seen = status
+        outcome = {
+            BoardState.IDLE: Result.COMPLETED,
+            BoardState.STOPPED: Result.EMERGENCY_STOP,
+            BoardState.UNDERRUN: Result.UNDERRUN,
+        }.get(status.state, Result.FAULT)
+        self.ended.outcome = outcome
+        self.ended.ticks = self.ended.section.duration
+        if outcome is not Result.COMPLETED:
+            stopped = status.tick if status.stopped_at is None else status.stopped_at
+            self.ended.ticks = max(0, stopped - self.base)
+            why = "; ".join(text for text in (status.reason, self.ended.reason) if text)
+            self.ended.reason = f"section {self.ended.section.number}, tick {self.ended.ticks}: {why}"
+
+    # Feeding.
+
+    def _feed(self, status: Status, now: int) -> None:
+        ahead = max(now, 0) + self.pace.lookahead
+        goal = self.ended.section.duration
+        until = ahead
+        if self._held is not None:
+            goal = self._held.retiming.rest_begins
+            until = min(until, goal)
+        elif self._asked is not None:
+            until = min(until, self._asked[0])
+        feeder = self._feeder
+        if not self._finished:
+            feeder.fill(self.board, status.free, until)
+        due = feeder.next_due
+        if self._held is not None and (due is None or due > goal):
+            self.board.commit(None)
+            due = None
+        elif due is not None:
+            self.board.commit(due - 1)
+        elif not self._finished and self._asked is None:
+            self.board.finish_section(goal)
+            self._finished = True
+        if due is None:
+            target = min(max(goal, now + 1), now + self.pace.lookahead)
+        else:
+            target = now + max(1, (min(due - 1, ahead) - now) // 2)
+        if self.estop_at is not None:
+            target = min(target, max(self.estop_at, now))
+        if self.is_.real_time:
+            target = min(target, now + int(SLICE * self.is_.tick_frequency))
+        self.board.wait(self.base + target)
+
+    # Feed hold.
+
+    def _hear(self, now: int) -> None:
+        """Begin or go on working out a feed hold."""
+        if self._held is not None or self._finished or not self.control.hold_asked:
+            return
+        rest = self.is_.tick_frequency
+        section = self.ended.section
+        if not self.is_.real_time:
+            # Simulated time stands still meanwhile.
+            self._take(self.prepare(section, max(now, self._feeder.sent_until), rest))
+            return
+        if self._asked is None:
+            # The board goes on: the hold begins where its FIFO will be fed no further.
+            self._worker = self._worker or ThreadPoolExecutor(max_workers=1)
+            at = max(now, self._feeder.sent_until, now + self.pace.lookahead + self._patience)
+            self._asked = (at, self._worker.submit(self.prepare, section, at, rest))
+            return
+        at, future = self._asked
+        if future.done():
+            self._asked = None
+            if now + self.pace.lookahead // 2 < at:
+                self._take(future.result())
+        elif now + self.pace.lookahead // 2 >= at:
+            # Too slow: go on as planned and ask again with more time.
+            self._asked = None
+            self._patience *= 2
+
+    def _take(self, prepared: Prepared | None) -> None:
+        if prepared is None:
+            self.ended.reason = "no feed hold passed the validator"
+            self.control.stop()
+            return
+        self._replace(prepared)
+        self._held = prepared
+
+    def _replace(self, prepared: Prepared) -> None:
+        self._feeder.replace(prepared.section)
+        if self._held is not None:
+            self.ended.retimings.pop()
+        self.ended.section = prepared.section
+        self.ended.retimings.append(prepared.retiming)
+
+    def _rest(self, now: int) -> bool:
+        """At rest in a feed hold: go on or end here. False when the section is over."""
+        held = self._held
+        assert held is not None
+        begins = held.retiming.rest_begins
+        number = self.ended.section.number
+        request = HoldRequest(section=number, tick=begins)
+        resume = bool(self.control.ask(lambda: self.operator.held(request)))
+        self.control.answered()
+        if resume:
+            now = self.board.status().tick - self.base
+            again = held.again(max(1, now + self.pace.lead - begins)) if held.again else None
+            if again is not None:
+                self._replace(again)
+                self._held = None
+                return True
+        self.board.finish_section(now)
+        self.ended.outcome = Result.REFUSED if resume else Result.STOPPED
+        self.ended.ticks = begins
+        self.ended.reason = f"section {number}: " + (
+            "the rest of the section did not pass the validator" if resume else "ended in a feed hold"
+        )
+        return False

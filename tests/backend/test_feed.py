@@ -1,0 +1,97 @@
+"""The feeder: everything once, in time, never beyond what was asked."""
+
+import pytest
+from backend.streams import events_of, runs_of, sections, steps_of
+from backend.test_virtual_board import reference
+from hypothesis import given
+from hypothesis import strategies as st
+
+from gproof.backend.boards.virtual import VirtualBoard
+from gproof.backend.feed import Feeder
+from gproof.backend.retime import Spacing, retime
+from gproof.backend.time_map import MapBuilder
+from gproof.ir.stream import StreamSection
+
+
+class Store:
+    """A board that only remembers."""
+
+    def __init__(self, motors: int) -> None:
+        self.steps: list[list[tuple[int, int]]] = [[] for _ in range(motors)]
+        self.runs = 0
+        self.events: list[int] = []
+
+    def queue_runs(self, motor: int, runs) -> None:
+        last = self.steps[motor][-1][0] if self.steps[motor] else 0
+        self.steps[motor] += [(last + t, d) for t, d in steps_of(runs)]
+        self.runs += len(runs)
+
+    def queue_event(self, tick: int, row: int, op: int, arg: tuple[int, int]) -> None:
+        self.events.append(tick)
+
+
+@given(sections(), st.lists(st.tuples(st.integers(3, 12), st.integers(1, 3000)), max_size=30), st.integers(1, 9))
+def test_everything_is_sent_once_and_never_too_early(
+    section: StreamSection, fills: list[tuple[int, int]], most: int
+) -> None:
+    board, feeder, until = Store(len(section.runs)), Feeder(section, max_count=most), 0
+    for free, more in [*fills, (10**6, 10**9)]:
+        until += more
+        runs = board.runs
+        feeder.fill(board, free, until)
+        assert board.runs - runs <= free
+        sent = [s for steps in board.steps for s in steps]
+        assert all(t <= until for t, _ in sent)
+        assert feeder.sent_until == max((t for t, _ in sent), default=0)
+        left = [
+            steps_of(runs)[len(done)][0]
+            for runs, done in zip(section.runs, board.steps, strict=True)
+            if len(done) < len(steps_of(runs))
+        ] + section.events["tick"].tolist()[len(board.events) :]
+        assert feeder.next_due == (min(left) if left else None)
+    assert board.steps == [steps_of(runs) for runs in section.runs]
+    assert board.events == section.events["tick"].tolist()
+
+
+@given(sections(), st.integers(0, 30_000), st.integers(1, 5000))
+def test_the_rest_can_be_retimed_after_some_was_sent(section: StreamSection, until: int, rest: int) -> None:
+    board, feeder = Store(len(section.runs)), Feeder(section)
+    feeder.fill(board, 10**6, until)
+    build = MapBuilder()
+    build.shift(feeder.sent_until)
+    build.rest(rest)
+    late = retime(section, build.done(), Spacing(gap=1, setup=1, tolerance=0))
+    feeder.replace(late)
+    feeder.fill(board, 10**6, 10**9)
+    assert board.steps == [steps_of(runs) for runs in late.runs]
+
+
+def test_a_section_that_differs_in_what_was_sent_is_refused() -> None:
+    section = StreamSection(
+        number=0,
+        start=(0,),
+        runs=(runs_of([(5, 9, 0, 1)]),),
+        events=events_of([]),
+        duration=50,
+    )
+    feeder = Feeder(section)
+    feeder.fill(Store(1), 9, 20)
+    build = MapBuilder()
+    build.to(10, 30)
+    with pytest.raises(ValueError, match="was sent"):
+        feeder.replace(retime(section, build.done(), Spacing(gap=1, setup=1, tolerance=0)))
+
+
+@given(sections(motors=2), st.integers(4, 40))
+def test_a_small_fifo_is_fed_in_order(section: StreamSection, depth: int) -> None:
+    board = VirtualBoard(2, fifo_runs=depth)
+    board.open()
+    feeder = Feeder(section)
+    base = board.start_section(0, section.start, 0)
+    while (due := feeder.next_due) is not None:
+        feeder.fill(board, board.status().free, board.status().tick - base + 1000)
+        due = feeder.next_due
+        board.commit(section.duration if due is None else due - 1)
+        board.wait(board.status().tick + max(1, ((due or 2) - 1 - board.status().tick + base) // 2))
+        assert board.status().position == reference(section, board.status().tick - base)
+        assert not board.status().state.over, board.status().reason
