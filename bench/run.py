@@ -64,10 +64,12 @@ class Bench:
         self.folder = folder
         self.repeat = repeat
         self.rs274 = shutil.which("rs274")
-        kept = {k: v for k, v in os.environ.items() if not k.startswith("GPROOF_")}
+        kept = {k: v for k, v in os.environ.items() if not k.startswith(("GPROOF_", "PYTHON"))}
         (folder / "home").mkdir()
         self.peer_environment = kept | {"HOME": str(folder / "home")}
-        self.warm_environment = kept | {"GPROOF_CACHE_DIR": str(folder / "warm")}
+        # Bytecode is there, as pip leaves it for a package that is installed.
+        bytecode = {"PYTHONPYCACHEPREFIX": str(folder / "bytecode")}
+        self.warm_environment = kept | bytecode | {"GPROOF_CACHE_DIR": str(folder / "warm")}
 
     def program(self, shape: str, lines: int) -> Path:
         path = self.folder / f"{shape}-{lines}.ngc"
@@ -76,10 +78,11 @@ class Bench:
         return path
 
     def fill_cache(self) -> None:
-        """Compile every kernel that ``check`` uses."""
+        """Compile every kernel and module that ``check`` uses."""
         for shape in SHAPES:
             command = gproof_command(self.program(shape, START_LINES), MACHINE)
-            run_once(command, self.warm_environment | {"GPROOF_KERNELS": "numba"}, Runs())
+            for mode in ("numba", "python"):
+                run_once(command, self.warm_environment | {"GPROOF_KERNELS": mode}, Runs())
 
     def compare(self, shape: str, lines: int) -> Compared:
         """Both tools in turn, so that a change of the machine's load meets both."""
@@ -206,8 +209,7 @@ def main() -> None:
     print("\n".join(f"{name + ':':<9}{text}" for name, text in answer["about"].items()))
     with tempfile.TemporaryDirectory(prefix="gproof-bench-") as name:
         bench = Bench(Path(name), max(1, asked.repeat))
-        if parts != ["steps"]:
-            bench.fill_cache()
+        bench.fill_cache()
         if "start" in parts:
             rows = [bench.compare(shape, START_LINES) for shape in shapes]
             print_start(rows)

@@ -65,7 +65,7 @@ def run_run(
         place = float(Fraction(position) / motor.steps_per_unit)
         click.echo(f"  motor {name:<5} {steps} steps, ends at step {position} ({place:.4f})")
     click.echo(f"  time        {ticks / frequency:.1f} s of motion" + ("" if real_time else f", run in {took:.1f} s"))
-    click.echo(f"  record      {done.sha256()}" + (f", in {record}" if record is not None else ""))
+    click.echo(f"  record      {done.sha256}" + (f", in {record}" if record is not None else ""))
     return 0 if done.result is Result.COMPLETED else Verdict.UNSAFE.exit_code
 
 

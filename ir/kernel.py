@@ -2,7 +2,9 @@
 
 A kernel is a plain function over numpy arrays (or bytes) in a file named ``*_kernels.py``. It runs
 unchanged in both modes, so tests run both and compare bit for bit. ``kernel.pick(work)`` chooses by
-estimated cost, counting the import of numba and, when no compiled copy is cached, its compile time.
+estimated cost, counting the import of numba and, when no compiled copy is cached, its compile time: that is
+spent once plain Python has lost as much, in this process and earlier ones together, so that nobody waits
+for the compiler on a first job that is done sooner without it, nor for ever without it.
 
 Rules for kernel bodies: + - * / and ``math`` functions only, no division by zero, int64 and float64
 arithmetic, other kernels may be called when they stand in the same file.
@@ -12,6 +14,8 @@ arithmetic, other kernels may be called when they stand in the same file.
 
 from __future__ import annotations
 
+import atexit
+import contextlib
 import functools
 import hashlib
 import os
@@ -24,8 +28,11 @@ from typing import Any, Generic, ParamSpec, TypeVar
 P = ParamSpec("P")
 R = TypeVar("R")
 
-_IMPORT_SECONDS = 0.45
-_LOAD_SECONDS = 0.06
+_IMPORT_SECONDS = 0.35
+_LOAD_SECONDS = 0.01
+_NOTED_SECONDS = 0.02
+"""Measured by bench/kernels.py. Import: with what numba sets up on its first call; load: one compiled copy;
+noted: a loss smaller than this is not worth a file."""
 
 
 @functools.cache
@@ -61,13 +68,24 @@ class Kernel(Generic[P, R]):
     compile_seconds: what numba needs for it without a cache, about.
     """
 
+    _forecast = 0.0
+
     def __init__(self, function: Callable[P, R], seconds_per_unit: float, compile_seconds: float) -> None:
         self.python = function
         self.seconds_per_unit = seconds_per_unit
         self.compile_seconds = compile_seconds
         self._compiled: Callable[P, R] | None = None
         self._spent = 0.0
+        self._lost_before: float | None = None
         functools.update_wrapper(self, function)
+
+    @classmethod
+    def forecast(cls, seconds: float) -> None:
+        """Tell, before the first kernel runs, what all of them together would take in plain Python.
+
+        They share the import of numba; without a forecast the first one has to be worth it alone.
+        """
+        Kernel._forecast = seconds
 
     def __call__(self, *args: P.args, **kwargs: P.kwargs) -> R:
         """The plain Python run; callers with much work use ``pick``."""
@@ -83,18 +101,44 @@ class Kernel(Generic[P, R]):
     def pick(self, work: float) -> Callable[P, R]:
         """The implementation that finishes ``work`` units first.
 
-        What earlier calls cost in Python counts too, so that many small calls end up compiled as well, at
-        the latest when they have cost as much as compiling.
+        What earlier calls cost in Python counts too, so that many small calls end up compiled as well.
         """
         mode = os.environ.get("GPROOF_KERNELS", "")
         if mode == "python":
             return self.python
         if mode == "numba" or self._compiled is not None:
             return self.compiled()
-        cost = 0.0 if "numba" in sys.modules else _IMPORT_SECONDS
-        cost += _LOAD_SECONDS if self.is_cached() else self.compile_seconds
         self._spent += work * self.seconds_per_unit
-        return self.compiled() if self._spent > cost else self.python
+        lost = self._lost()
+        if lost <= 0.0:
+            return self.python
+        if self.is_cached():
+            return self.compiled()
+        if self._lost_before is None:
+            self._lost_before = self._noted()
+            atexit.register(self._note)
+        return self.compiled() if self._lost_before + lost > self.compile_seconds else self.python
+
+    def _lost(self) -> float:
+        """Seconds by which a compiled copy on disk would have been sooner than plain Python, so far."""
+        start = _LOAD_SECONDS
+        if "numba" not in sys.modules:
+            start += _IMPORT_SECONDS * self._spent / max(self._spent, self._forecast, _LOAD_SECONDS)
+        return self._spent - start
+
+    def _noted(self) -> float:
+        """What earlier processes lost in plain Python while there was no compiled copy."""
+        try:
+            return float(self._marker().with_suffix(".lost").read_text(encoding="ascii"))
+        except (OSError, ValueError):
+            return 0.0
+
+    def _note(self) -> None:
+        lost = self._lost()
+        note = self._marker().with_suffix(".lost")
+        if self._compiled is None and lost > _NOTED_SECONDS and _writable(note.parent):
+            with contextlib.suppress(OSError):
+                note.write_text(f"{(self._lost_before or 0.0) + lost:.3f}", encoding="ascii")
 
     def compiled(self) -> Callable[P, R]:
         """The numba version, compiled on its first call or loaded from the cache."""

@@ -231,8 +231,9 @@ class Chunk:
     """Some successive rows of a section while a job streams by.
 
     begin: index of its first row in the section; start, start_frame: position before its first row;
-    last: True when the section ends with it; expected: about how many rows the whole job has, 0 when not
-    known, so that kernels can be chosen. Tables (frames, states ...) are those of ``trace``, which grows.
+    last: True when the section ends with it; expected: how many more rows a kernel can count on from here than
+    earlier chunks have told, -1 when nobody reckons: its own. Tables (frames, states ...) are those of ``trace``,
+    which grows.
     """
 
     trace: Trace
@@ -243,12 +244,12 @@ class Chunk:
     rows: Columns
     last: bool = False
     edges: tuple[Edge, ...] = ()
-    expected: int = 0
+    expected: int = -1
 
     @property
     def work(self) -> int:
-        """Rows to count on when choosing between a kernel's two speeds."""
-        return max(len(self.rows), self.expected)
+        """Rows to charge a kernel with when it chooses between its two speeds; over all chunks their number."""
+        return len(self.rows) if self.expected < 0 else self.expected
 
     def starts(self) -> np.ndarray[tuple[int, int], np.dtype[np.float64]]:
         """(n, 6): the position before each row."""

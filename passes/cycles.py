@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from typing import TYPE_CHECKING
 
 from gproof.ir import codes
@@ -20,7 +21,8 @@ AXES_OF_PLANE = {Plane.XY: (0, 1, 2), Plane.XZ: (0, 2, 1), Plane.YZ: (1, 2, 0)}
 
 _DWELLS = (Function.DRILL_DWELL, Function.BORE_STOP, Function.BORE_DWELL)
 _FED_OUT = (Function.BORE, Function.BORE_DWELL)
-MAX_PECKS = 1_000_000
+MAX_MOVES = 1_000_000
+"""Moves of one line; more are not followed, because a line's rows are held until it is done."""
 
 
 def run_cycle(ex: Executor, line: Line, rule: CodeRule) -> None:
@@ -58,6 +60,11 @@ def run_cycle(ex: Executor, line: Line, rule: CodeRule) -> None:
         raise Refusal(
             codes.CYCLE_R_BELOW_DEPTH.at(line.where("R"), code=rule.text, r=r_word, letter=letters, depth=depth_word)
         )
+    pecks = 1 if peck is None else (r.value - depth.value) / (peck * unit)
+    if repeats * (3 * pecks + 4) > MAX_MOVES:
+        s.motion = Function.UNSUPPORTED
+        what = f"a cycle of more than {MAX_MOVES} moves"
+        raise Refusal(codes.UNSUPPORTED_CODE.at(line.span, code=what, hint="Q or L may be meant otherwise"))
     s.cycle = {"R": r_word, letters: depth_word} | ({"P": dwell} if dwell is not None else {})
     if peck is not None:
         s.cycle["Q"] = peck
@@ -168,12 +175,8 @@ def _pecks(
 
     Out is the clear position (G83), or the length of a peck but not beyond R (G73, clear None).
     """
-    total = r.value - depth.value
-    pecks = int(total / peck) + 2
-    if pecks > MAX_PECKS:
-        raise Refusal(codes.CYCLE_PECK.at(line.where("Q"), code="the cycle", given=f"; {pecks} pecks are too many"))
     back_off = min(ex.modal.rules.peck_clearance_mm, peck)
-    for k in range(1, pecks + 1):
+    for k in itertools.count(1):
         bottom = Position(max(r.value - k * peck, depth.value), depth.form)
         _along(ex, line, drill, bottom, Op.FEED)
         if bottom.value <= depth.value:

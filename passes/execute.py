@@ -39,12 +39,14 @@ from gproof.ir.trace import Chunk, Edge, Op, PathMode, Plane, Trace, TraceSectio
 from gproof.passes import execute_kernels as k
 from gproof.passes.cycles import AXES_OF_PLANE, run_cycle
 from gproof.passes.expressions import Evaluator, describe_parts
-from gproof.passes.line import Line, check_unused, gather
+from gproof.passes.line import LARGEST, Line, check_unused, gather
 from gproof.passes.modal import INCH, NO_OFFSET, Modal
 from gproof.passes.rows import RowBuffer
 from gproof.passes.values import NOWHERE, FrameTable, Position, Unknown, Value, describe
 
 CHUNK_BYTES = 1 << 20
+MAX_NESTED = 200
+"""Blocks within blocks, those of calls counted in; each takes a frame of Python's stack."""
 DEFAULT_BUDGET = 100_000_000
 
 _CYCLES = (F.DRILL, F.DRILL_DWELL, F.DRILL_PECK, F.DRILL_CHIP_BREAK, F.BORE, F.BORE_STOP, F.BORE_DWELL)
@@ -86,9 +88,11 @@ class Executor:
         self._depth: list[str] = []
         self._ended = False
         self._states: dict[object, int] = {}
+        self._texts: dict[str, int] = {}
         self._state_index = -1
         self._warned: set[int] = set()
         self._moved = False
+        self._moves = 0
         self._nesting = 0
         self._end: tuple[str, int] | None = None
         self.rows = RowBuffer(self.trace, [p.value for p in self.modal.position], self._frame(), program.line_count)
@@ -106,6 +110,7 @@ class Executor:
         except Refusal as refusal:
             with contextlib.suppress(_End):
                 self._fail(refusal.finding)
+                self._end_section(Wait.UNKNOWN, refusal.finding.message, -1, refusal.finding.span.line)
         if not self._ended:
             if self.failed is None:
                 self.event(Op.END, Span(self.trace.files[self._file], self.program.line_count))
@@ -135,11 +140,11 @@ class Executor:
                 yield from self._table(node)
             elif isinstance(node, If):
                 self.spend(node.span)
-                self._nesting += 1
+                self._enter(node.span)
                 yield from self._body(node.then if self._condition(node.condition) else node.otherwise)
                 self._nesting -= 1
             elif isinstance(node, While):
-                self._nesting += 1
+                self._enter(node.span)
                 while True:
                     self.spend(node.span)
                     if not self._condition(node.condition):
@@ -153,6 +158,12 @@ class Executor:
                 self._guarded(node)
             if self.rows.ready:
                 yield from self._ready()
+
+    def _enter(self, span: Span) -> None:
+        """One block or call deeper; Refusal GP113 when that goes on for too long."""
+        if self._nesting >= MAX_NESTED:
+            raise Refusal(codes.UNSUPPORTED_CODE.at(span, code=f"a nesting of more than {MAX_NESTED} blocks"))
+        self._nesting += 1
 
     def _condition(self, condition: object) -> bool:
         value = self.evaluator.value(condition)  # type: ignore[arg-type]
@@ -176,7 +187,9 @@ class Executor:
         if name not in self.trace.calls:
             self.trace.calls.append(name)
         self._call = self.trace.calls.index(name)
+        self._enter(node.span)
         yield from self._body(sub.body)
+        self._nesting -= 1
         self._depth.pop()
         self._call, self._file = outer
 
@@ -342,30 +355,62 @@ class Executor:
 
     def _line(self, span: Span, words: list[tuple[str, Value, Span]]) -> None:
         line: Line | None = None
+        moves = self._moves
         try:
             line = gather(self.program.rules, span, words)
             unsupported = line.find(F.UNSUPPORTED, F.COMPENSATION_LEFT, F.COMPENSATION_RIGHT)
-            if unsupported is not None:
-                if unsupported.group == "G1":
-                    self.modal.motion = F.UNSUPPORTED
-                raise Refusal(codes.UNSUPPORTED_CODE.at(line.where_code(unsupported), code=unsupported.text))
-            self._execute(line)
+            if unsupported is None:
+                self._execute(line)
+            else:
+                self._beside(line, unsupported)
         except Refusal as refusal:
-            if line is not None:
+            if line is not None and moves == self._moves:
                 self._recover(line)
             self._fail(refusal.finding)
+
+    def _beside(self, line: Line, unsupported: CodeRule) -> None:
+        """GP113 for a code that is not modelled; what else the line says counts.
+
+        Where such a code takes the axis words, nobody knows where the axes are after it.
+        """
+        self._fail(codes.UNSUPPORTED_CODE.at(line.where_code(unsupported), code=unsupported.text))
+        line.used.update(line.values)
+        if not unsupported.uses_axes:
+            self._execute(line)
+            return
+        if unsupported.group == "G1":
+            self.modal.motion = F.UNSUPPORTED
+        self._settings(line)
+        for axis in line.axes():
+            self.modal.position[axis] = NOWHERE
+        self._stop(line)
 
     def _recover(self, line: Line) -> None:
         """After an error the axes of the line are taken to be where it sent them, else anywhere."""
         rule = line.group("G0")
         if rule is not None and rule.uses_axes:
             return
+        machine = rule is not None and rule.function is F.MACHINE_COORDINATES
         for axis, value in line.axes().items():
-            self.modal.position[axis] = self.target(axis, value)
+            if machine and not isinstance(value, Unknown):
+                self.modal.position[axis] = Position(value * self.modal.scale(axis))
+            else:
+                self.modal.position[axis] = self.target(axis, value)
 
     def _execute(self, line: Line) -> None:
         """The steps of table 3-7, in its order (the comment, step 1, is the frontend's)."""
         owner = self._axis_owner(line)
+        self._settings(line)
+        self._once(line)
+        if owner is not None:
+            self._motion(line, owner)
+        elif (rule := line.group("G1")) is not None and rule.function is F.MOTION_CANCEL:
+            self._set_motion(rule)
+        check_unused(line)
+        self._stop(line)
+
+    def _settings(self, line: Line) -> None:
+        """Steps 2 to 18."""
         self._feed_mode(line)
         self._feed(line)
         self._spindle_speed(line)
@@ -383,13 +428,6 @@ class Executor:
         self._coordinate_system(line)
         self._path_mode(line)
         self._distance_and_retract(line)
-        self._once(line)
-        if owner is not None:
-            self._motion(line, owner)
-        elif (rule := line.group("G1")) is not None and rule.function is F.MOTION_CANCEL:
-            self._set_motion(rule)
-        check_unused(line)
-        self._stop(line)
 
     def _axis_owner(self, line: Line) -> CodeRule | None:
         """The motion code that takes the axis words of this line, None when none moves (3.3)."""
@@ -683,6 +721,9 @@ class Executor:
         for axis in range(AXES):
             if self.modal.has_axis(axis):
                 home[axis] = self.modal.park_position(kind, axis)
+                if abs(home[axis].value) > LARGEST:
+                    what = f"the park position of {AXIS_NAMES[axis].upper()} is beyond every machine"
+                    raise Refusal(codes.ARITHMETIC.at(line.span, what=what))
         unknown = [AXIS_NAMES[a].upper() for a in range(AXES) if home[a].form == NOWHERE.form]
         if unknown:
             number = 5161 if kind == "park_1" else 5181
@@ -878,6 +919,7 @@ class Executor:
         if op is not Op.TRAVERSE:
             feed = self._effective_feed(length, rotary)
         s.position = list(target)
+        self._moves += 1
         self.rows.append(
             op, file=self._file_of(span), line=span.line, call=self._call, to=[p.value for p in target],
             frame=self._frame(), state=self._state(), feed=feed,
@@ -967,9 +1009,11 @@ class Executor:
         return self._state_index
 
     def _text(self, text: str) -> int:
-        if text not in self.trace.texts:
+        index = self._texts.get(text)
+        if index is None:
+            index = self._texts[text] = len(self.trace.texts)
             self.trace.texts.append(text)
-        return self.trace.texts.index(text)
+        return index
 
 
 def _first_line(node: Statement) -> int:
@@ -1008,7 +1052,7 @@ def _length(
     length = math.sqrt(sum(d * d for d in linear))
     if length > 0:
         return length, False
-    return math.sqrt(sum((b - a) ** 2 for a, b in zip(start[3:], end[3:], strict=True))), True
+    return math.sqrt(sum((b - a) * (b - a) for a, b in zip(start[3:], end[3:], strict=True))), True
 
 
 def execute(

@@ -20,6 +20,9 @@ INT_STATE = 11
 UNIT, FEED, POSITION, OFFSET = 0, 1, 2, 8
 FLOAT_STATE = 14
 
+LARGEST = 1e12
+"""As in ``line``: numbers up to here can not overflow in anything that is computed from them."""
+
 RADIUS_OK, RADIUS_SAME_POINT, RADIUS_UNREACHABLE, RADIUS_ZERO = range(4)
 
 
@@ -34,7 +37,8 @@ def radius_center(x0: float, y0: float, x1: float, y1: float, radius: float, ccw
     chord = math.sqrt(dx * dx + dy * dy)
     if radius == 0.0:
         return 0.0, 0.0, RADIUS_ZERO
-    if chord == 0.0:
+    # The same distance that closes a full circle: what no drive can move.
+    if abs(dx) < 1e-6 and abs(dy) < 1e-6:
         return 0.0, 0.0, RADIUS_SAME_POINT
     size = abs(radius)
     half = chord / 2.0
@@ -91,6 +95,8 @@ def run_lines(
         while end < count and line[end] == here:
             code = letter[end]
             number = value[end]
+            if number > LARGEST or number < -LARGEST:
+                plain = False
             bit = 0
             if code == 88:
                 bit = 1

@@ -48,7 +48,7 @@ def arc_extreme(u0: float, v0: float, u1: float, v1: float, turns: int) -> tuple
     return low_u, high_u, low_v, high_v, sweep + (abs(turns) - 1) * TWO_PI
 
 
-@kernel(seconds_per_unit=6e-6, compile_seconds=3.0)
+@kernel(seconds_per_unit=6e-6, compile_seconds=0.6)
 def row_boxes(
     op: Any,
     to: Any,
@@ -123,7 +123,7 @@ def row_boxes(
     return bad
 
 
-@kernel(seconds_per_unit=4e-6, compile_seconds=2.0)
+@kernel(seconds_per_unit=1e-6, compile_seconds=0.2)
 def radius_errors(
     op: Any,
     to: Any,
@@ -162,7 +162,7 @@ def radius_errors(
     return found
 
 
-@kernel(seconds_per_unit=6e-6, compile_seconds=3.0)
+@kernel(seconds_per_unit=3e-6, compile_seconds=0.3)
 def rows_near(
     op: Any,
     to: Any,

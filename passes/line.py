@@ -14,6 +14,9 @@ from gproof.ir.rules import CodeRule, Function, LanguageRules
 from gproof.passes.values import AXIS_INDEX, Unknown, Value
 
 WordSpan = Callable[[str], Span]
+LARGEST = 1e12
+"""A word beyond is no number of any machine, and what is made of it could overflow. ``execute_kernels`` has it too."""
+
 ARGUMENTS = "DHIJKLPQR"
 LETTERS = frozenset("ABCDFGHIJKLMPQRSTXYZ")
 
@@ -74,10 +77,12 @@ class Line:
 
 
 def gather(rules: LanguageRules, span: Span, words: list[tuple[str, Value, Span]]) -> Line:
-    """Words to a Line; Refusal with GP101, GP109 to GP113 or GP229."""
+    """Words to a Line; Refusal with GP101, GP109 to GP113, GP228 or GP229."""
     line = Line(span)
     m_codes = 0
     for letter, value, where in words:
+        if not isinstance(value, Unknown) and abs(value) > LARGEST:
+            raise Refusal(codes.ARITHMETIC.at(where, what=f"{letter}{value:g} is beyond every machine"))
         if letter in "GM":
             m_codes += letter == "M"
             rule = _code(rules, letter, value, where)

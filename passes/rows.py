@@ -12,7 +12,10 @@ CAPACITY = 1 << 15
 
 
 class RowBuffer:
-    """Collects rows of the current section; ``ready`` holds chunks that can be handed on."""
+    """Collects rows of the current section; ``ready`` holds chunks that can be handed on.
+
+    expected: about how many rows the whole job has. The first chunk announces them, later ones what is beyond.
+    """
 
     def __init__(self, trace: Trace, start: Sequence[float], start_frame: int, expected: int) -> None:
         self.trace = trace
@@ -21,6 +24,8 @@ class RowBuffer:
         self.begin = 0
         self.count = 0
         self.expected = expected
+        self.announced = 0
+        self.flushed = 0
         self.start = tuple(start)
         self.start_frame = start_frame
         self.arrays: dict[str, Array] = TRACE_ROW.empty(FIRST_CAPACITY)
@@ -55,10 +60,13 @@ class RowBuffer:
         if not self.count and not last:
             return
         rows = Columns(TRACE_ROW, {name: array[: self.count] for name, array in self.arrays.items()})
+        self.flushed += self.count
+        more = max(self.expected, self.flushed) - self.announced
+        self.announced += more
         self.ready.append(
             Chunk(
                 trace=self.trace, section=self.section, begin=self.begin, start=self.start,
-                start_frame=self.start_frame, rows=rows, last=last, edges=edges, expected=self.expected,
+                start_frame=self.start_frame, rows=rows, last=last, edges=edges, expected=more,
             )
         )  # fmt: skip
         if self.count:

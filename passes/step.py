@@ -9,7 +9,9 @@ wait in a buffer of bounded size until they are runs. docs/stream.md states the 
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from fractions import Fraction
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -58,6 +60,17 @@ def step(trace: Trace, plan: Plan, machine: Machine, setup: Setup, findings: Fin
 def nearest_count(position: float, steps_per_unit: Fraction) -> int:
     """The motor's count at a position: exact, a half rounds to the even neighbour."""
     return round(Fraction(position) * steps_per_unit)
+
+
+def nearest_counts(positions: Floats, steps_per_unit: Fraction) -> Ints:
+    """``nearest_count`` of many positions: in float64, exactly again where that is close to a half."""
+    steps = positions * float(steps_per_unit)
+    counts = np.rint(steps).astype(np.int64)
+    doubtful = np.abs(np.abs(steps - counts) - 0.5) < 1e-9 + 1e-15 * np.abs(steps)
+    values, place = np.unique(positions[doubtful], return_inverse=True)
+    exact = np.array([nearest_count(value, steps_per_unit) for value in values.tolist()], dtype=np.int64)
+    counts[doubtful] = exact[place]
+    return counts
 
 
 class _Stepper:
@@ -160,6 +173,9 @@ class _Section:
         """All motion and events of the section."""
         stepper, f = self.stepper, self.stepper.frequency
         motors = [_Steps(self, axis) for axis in stepper.axes]
+        loops = _Loops.pick(sum(motor.expected for motor in motors))
+        for motor in motors:
+            motor.loops = loops
         pieces = [*np.searchsorted(self.moving, self.events).tolist(), len(self.moving)]
         ticks = np.zeros(len(self.events), dtype=np.int64)
         now = first = 0
@@ -171,7 +187,8 @@ class _Section:
                 self.profile[first:last, k.R_BEGIN] -= base
                 end = now + math.ceil(close * f)
                 floor = now + 1 if number else stepper.turn
-                end = max([end, *(motor.run(first, last, now, floor, end) for motor in motors)])
+                # An event follows the last step, never at the same tick.
+                end = max([end, *(motor.run(first, last, now, floor, end) + 1 for motor in motors)])
             if number < len(self.events):
                 ticks[number] = end
                 end += self._wait(int(self.events[number]))
@@ -216,6 +233,18 @@ class _Section:
         return Columns(EVENT, arrays)
 
 
+class _Loops(NamedTuple):
+    """The kernels of one section, at the speed that suits its number of steps."""
+
+    step_times: Callable[..., tuple[int, int]]
+    bounds: Callable[..., None]
+    compress: Callable[..., tuple[int, int]]
+
+    @classmethod
+    def pick(cls, steps: float) -> _Loops:
+        return cls(k.step_times.pick(steps), k.bounds.pick(steps), k.compress.pick(steps))
+
+
 class _Steps:
     """One motor in one section: its steps, then its runs."""
 
@@ -226,21 +255,20 @@ class _Steps:
         assert axis.steps_per_unit is not None
         exact, index = axis.steps_per_unit, axis.index
         self.rate = float(exact)
+        ends = np.array([section.section.start[index], *section.ends[:, index], section.last[index]]) * self.rate
+        far = np.flatnonzero(~(np.abs(ends) < _FARTHEST))
+        if len(far):
+            at = min(max(int(far[0]) - 1, 0), len(section.moving) - 1)
+            where = row_span(self.stepper.trace, section.rows, int(section.moving[at]) if at >= 0 else 0)
+            raise Refusal(codes.PLAN_NEEDS_NUMBERS.at(where, cause="the position is too far away to count steps"))
         self.start = nearest_count(section.section.start[index], exact)
         self.end = nearest_count(section.last[index], exact)
         self.motor = np.zeros((len(section.moving), k.MOTOR_WIDTH))
         self.motor[:, k.M_FROM] = section.starts[:, index] * self.rate
         self.motor[:, k.M_TO] = section.ends[:, index] * self.rate
         self._fill_arcs()
-        steps = np.rint(self.motor[:, k.M_TO])
-        if not (np.abs(steps) < _FARTHEST).all():
-            row = int(section.moving[np.argmax(~(np.abs(steps) < _FARTHEST))])
-            where = row_span(self.stepper.trace, section.rows, row)
-            raise Refusal(codes.PLAN_NEEDS_NUMBERS.at(where, cause="the position is too far away to count steps"))
-        self.target = steps.astype(np.int64)
-        # The float product may fall on the other side of a half; where the section ends, the exact one counts.
-        self.target[section.ends[:, index] == section.last[index]] = self.end
-        self.target[-1:] = self.end
+        self.target = nearest_counts(section.ends[:, index], exact)
+        self.target[-1:] = self.end  # with moves behind it that are too short to be planned
         self.expected = self._expected()
         self.state = np.zeros(k.STATE_WIDTH, dtype=np.int64)
         self.state[k.S_COUNT] = self.start
@@ -249,9 +277,7 @@ class _Steps:
         self.tables: list[Columns] = []
         self.ticks: Ints = np.empty(0, dtype=np.int64)
         self.signs: npt.NDArray[np.int8] = np.empty(0, dtype=np.int8)
-        self.step_times = k.step_times.pick(self.expected)
-        self.bounds = k.bounds.pick(self.expected)
-        self.compress = k.compress.pick(self.expected)
+        self.loops = _Loops(k.step_times, k.bounds, k.compress)
         self._allocate(min(BUFFER, int(self.expected) + 64))
 
     def _fill_arcs(self) -> None:
@@ -290,7 +316,7 @@ class _Steps:
         s = self.stepper
         self.state[k.S_FLOOR] = floor
         while True:
-            first, self.count = self.step_times(
+            first, self.count = self.loops.step_times(
                 first, last, self.section.profile, self.motor, self.target, self.rate, float(s.frequency), origin,
                 s.near, s.turn, self.state, self.ticks, self.signs, self.count,
             )  # fmt: skip
@@ -309,12 +335,12 @@ class _Steps:
         s, done, filled = self.stepper, 0, 0
         if not self.count:
             return
-        self.bounds(
+        self.loops.bounds(
             self.ticks, self.signs, self.count, int(self.state[k.S_OLD_TICK]), s.tolerance, s.near, s.turn, floor,
             ceiling, self.low, self.high,
         )  # fmt: skip
         while done < self.count:
-            covered, filled = self.compress(
+            covered, filled = self.loops.compress(
                 self.ticks[done:], self.signs[done:], self.low[done:], self.high[done:], self.count - done, final,
                 s.near, s.turn, self.encoder, self.runs, 0,
             )  # fmt: skip

@@ -138,7 +138,7 @@ def crossing(level: float, rate: float, center: float, angle: float, radius: flo
     return x
 
 
-@kernel(seconds_per_unit=2.5e-6, compile_seconds=1.2)
+@kernel(seconds_per_unit=4e-6, compile_seconds=1.2)
 def step_times(
     first: int, last: int, profile: Floats, motor: Floats, target: Ints, rate: float, frequency: float, origin: int,
     near: int, turn: int, state: Ints, ticks: Ints, signs: Signs, count: int,

@@ -89,7 +89,8 @@ class Generator:
         self.seed = seed
         self.model = Model()
         self.lines: list[str] = []
-        self.parameters: dict[int, float] = {}
+        self.parameters: dict[int, float] = {}  # in the order of their last assignment
+        self.assigned = 0
         self.top = 0.0  # R of the cycle in force, a program coordinate
         self.lower = self.random.random() < 0.15
         self.numbered = self.random.random() < 0.3
@@ -147,7 +148,7 @@ class Generator:
             inner, read = self.number(abs(value), decimals)
             return (f"[0 - {inner}]", -read) if value < 0 else (f"abs[{inner}]", read)
         if form == 4 and self.parameters:
-            index, known = pick.choice(sorted(self.parameters.items()))
+            index, known = pick.choice(list(self.parameters.items())[-500:])
             rest = self.number(value - known, decimals)
             return f"[#{index} + {rest[0]}]", known + rest[1]
         if form == 5:
@@ -156,8 +157,10 @@ class Generator:
         return self.number(value, decimals)
 
     def assign(self, text: str, value: float) -> int:
-        """A line that sets a parameter not used before (a line in preparation may already use the others)."""
-        index = 100 + len(self.parameters)
+        """A line that sets a parameter not lately used (a line in preparation may already use the others)."""
+        index = 100 + self.assigned % 3000
+        self.assigned += 1
+        self.parameters.pop(index, None)
         self.line(f"#{index}{self.random.choice(['=', ' = '])}{text}")
         self.parameters[index] = value
         return index
@@ -495,10 +498,10 @@ class Generator:
         return Program(self.seed, "\n".join(self.lines) + "\n", dict(self.model.machine))
 
 
-def random_program(seed: int) -> Program:
-    """The program of a seed, of some ten to some fifty statements."""
+def random_program(seed: int, statements: int | None = None) -> Program:
+    """The program of a seed, of some ten to some fifty statements if it is not said how many."""
     generator = Generator(seed)
-    return generator.program(generator.random.randrange(10, 50))
+    return generator.program(generator.random.randrange(10, 50) if statements is None else statements)
 
 
 def shrink(text: str, fails: Callable[[str], bool], tries: int = 200) -> str:

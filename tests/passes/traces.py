@@ -22,7 +22,8 @@ def machine(
     made = tuple(
         Axis(
             name=n, kind=AxisKind.LINEAR if n in "xyz" else AxisKind.ROTARY, max_velocity=velocity,
-            max_acceleration=acceleration, steps_per_unit=None if steps is None else Fraction(steps), slaves=slaves if n == "x" else 0,
+            max_acceleration=acceleration, steps_per_unit=None if steps is None else Fraction(steps),
+            slaves=slaves if n == "x" else 0,
         )
         for n in axes
     )  # fmt: skip
@@ -49,8 +50,8 @@ class Path:
     def _add(self, op: Op, **values: object) -> Path:
         row: dict[str, object] = {
             "op": int(op), "file": 0, "line": len(self._rows) + 1, "call": 0, "to": list(self.place),
-            "frame": self._frame, "state": self._state, "feed": 0.0, "center": [0.0] * 3, "turns": 0, "plane": 0, "arg": [0.0, 0.0],
-            "text": 0,
+            "frame": self._frame, "state": self._state, "feed": 0.0, "center": [0.0] * 3, "turns": 0, "plane": 0,
+            "arg": [0.0, 0.0], "text": 0,
         }  # fmt: skip
         row.update(values)
         self._rows.append(row)
