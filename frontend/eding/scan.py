@@ -24,7 +24,7 @@ LONGEST_LINE = 1024
 """More bytes than a plain line can have; the line limit of any dialect's rules lies below."""
 
 WORD_LETTERS = "ABCDEFGHIJKLMPQRSTXYZ"
-"""Table 3-2 of the manual without N, and E, which M54, M55, M56 (3.5.8) and G76 use."""
+"""Table 3-2 of the manual without N, and E, which M54, M55, M56 (3.5.9) and G76 (3.4.19) use."""
 
 _CLASSES = tuple(
     "blank slash N letter M S G digit sign point open close comma semicolon percent return feed text control high"

@@ -1,0 +1,45 @@
+"""The examples in the pages on machine and setup files are read without a finding, and name every key."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from gproof.frontend.eding.prepare import FUNCTIONS
+from gproof.frontend.machine_file import load_machine
+from gproof.frontend.setup_file import load_setup
+from gproof.ir.finding import Findings
+from gproof.ir.rules import UNARY
+
+DOCS = Path(__file__).resolve().parents[2] / "docs"
+
+
+def example(page: str) -> str:
+    found = re.search(r"```toml\n(.*?)```", (DOCS / page).read_text(encoding="utf-8"), re.DOTALL)
+    assert found is not None
+    return found[1]
+
+
+@pytest.mark.parametrize(("page", "load"), [("machine-files.md", load_machine), ("setup-files.md", load_setup)])
+def test_examples_are_read(tmp_path: Path, page: str, load: Any) -> None:
+    path = tmp_path / "example.toml"
+    path.write_text(re.sub(r"^base = .*$", "", example(page), flags=re.MULTILINE), encoding="utf-8")
+    findings = Findings()
+    value, _ = load(path, findings)
+    assert [f.message for f in findings.kept] == []
+    assert value is not None
+
+
+def test_every_key_of_the_code_is_on_its_page() -> None:
+    for source, page in (("machine_file.py", "machine-files.md"), ("setup_file.py", "setup-files.md")):
+        code = (DOCS.parent / "frontend" / source).read_text(encoding="utf-8")
+        readers = r"\.(?:text|number|positive|ratio|interval|whole|boolean|table|numbered|take)\(\"(\w+)\""
+        keys = set(re.findall(readers, code))
+        assert keys - set(re.findall(r"\w+", example(page))) == set()
+
+
+def test_functions_are_those_of_the_rules() -> None:
+    assert set(UNARY) - {"neg", "pos"} == FUNCTIONS
