@@ -1,0 +1,182 @@
+"""Stream validation: from the StepStream, the Trace, the Machine and the Setup alone.
+
+``validate`` re-expands every run, merges the motors in time order and follows the traced path with them. It
+takes nothing from the passes that made the stream. The propositions it proves, their bounds and what they do
+not say are in docs/verification.md; the loop is in stream_kernels.py.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Collection
+from fractions import Fraction
+
+import numpy as np
+
+from gproof.ir.codes import STREAM_END, STREAM_MALFORMED, STREAM_PULSE, STREAM_STEP_RATE
+from gproof.ir.finding import Span
+from gproof.ir.machine import Machine
+from gproof.ir.setup import Setup
+from gproof.ir.stream import StepStream
+from gproof.ir.trace import Trace, Wait
+from gproof.verify import stream_inputs as inputs
+from gproof.verify import stream_kernels as kernels
+from gproof.verify.stream_explain import explain
+from gproof.verify.stream_report import Collector, StreamReport
+
+MOVED_BY_OTHERS = (Wait.HOME, Wait.PROBE)
+"""Waits after which the machine may stand elsewhere than the section ended."""
+
+
+def validate(
+    stream: StepStream,
+    trace: Trace,
+    machine: Machine,
+    setup: Setup,
+    *,
+    override: float = 1.0,
+    sections: Collection[int] | None = None,
+) -> StreamReport:
+    """Judge a stream; never raises for a bad one.
+
+    override: the highest feed override the stream may contain; sections: only those (None: all), as when
+    the runtime has retimed one of them.
+    """
+    collector = Collector()
+    if not _well_formed(stream, trace, machine, override, collector):
+        collector.leave_open("the stream is malformed")
+        return collector.report()
+    times = _times(stream, machine, override)
+    motors = inputs.motor_arrays(stream, machine, times.grid, collector)
+    if machine.controller.max_step_frequency is None:
+        collector.assume("stream-step-rate", "the machine file states no greatest step frequency")
+    window = _window(len(stream.motors))
+    spindle = inputs.spindle_before(trace)
+    for number in range(len(trace.sections)):
+        if sections is None or number in sections:
+            _section(stream, trace, machine, setup, number, spindle[number], times, motors, window, collector)
+            _edges(stream, trace, number, times, collector)
+    return collector.report()
+
+
+def _well_formed(stream: StepStream, trace: Trace, machine: Machine, override: float, collector: Collector) -> bool:
+    span = Span(trace.files[0] if trace.files else "", 0)
+    for part in (machine, trace):
+        try:
+            part.verify()
+        except ValueError as error:
+            collector.add(STREAM_MALFORMED.at(span, what=f"{type(part).__name__}: {error}"))
+            return False
+    problems = [*inputs.number_problems(stream), *inputs.machine_number_problems(machine, override)]
+    if len(stream.sections) != len(trace.sections):
+        problems.append(f"the stream has {len(stream.sections)} sections, the trace {len(trace.sections)}")
+    if not problems:
+        problems = list(inputs.machine_problems(stream, trace, machine))
+    for what in problems[:20]:
+        collector.add(STREAM_MALFORMED.at(span, what=what))
+    return not problems
+
+
+def _times(stream: StepStream, machine: Machine, override: float) -> kernels.Times:
+    frequency = stream.tick_frequency
+    most = machine.controller.max_step_frequency
+    # Both steps of a pair are rounded to ticks, so a step period may come out one tick short.
+    interval = max(1, math.ceil(Fraction(frequency) / Fraction(most)) - 1) if most else 1
+    return kernels.Times(
+        interval=interval,
+        pulse=inputs.ticks_up(2 * Fraction(machine.board.step_pulse), frequency),
+        setup=inputs.ticks_up(Fraction(machine.board.direction_setup), frequency),
+        grid=max(1, round(machine.controller.interpolation_time * frequency)),
+        duration=0,
+        seconds=override / frequency,
+    )
+
+
+def _window(motors: int) -> kernels.Window:
+    room = 2 * kernels.WINDOW
+    return kernels.Window(line=np.empty((room, motors, 3)), reach=np.empty((room, 5)), row=np.zeros(room, np.int64))
+
+
+def _section(
+    stream: StepStream,
+    trace: Trace,
+    machine: Machine,
+    setup: Setup,
+    number: int,
+    spindle: int | None,
+    times: kernels.Times,
+    motors: kernels.Motors,
+    window: kernels.Window,
+    collector: Collector,
+) -> None:
+    """Judge one section."""
+    rows = inputs.row_arrays(stream, trace, trace.sections[number], collector)
+    good = inputs.start_problems(stream, trace, number, setup, collector)
+    ramp = machine.controller.spindle_ramp_time
+    events = inputs.event_arrays(stream, trace, number, spindle, ramp, collector)
+    if rows is None or events is None or not good:
+        collector.leave_open(f"section {number} could not be followed")
+        return
+    section = stream.sections[number]
+    count = len(stream.motors)
+    names = ("interval", "count", "add", "direction")
+    runs = [np.concatenate([r[name] for r in section.runs]).astype(np.int64) for name in names] if count else []
+    if not count:
+        runs = [np.zeros(0, np.int64)] * 4
+    first = np.cumsum([0, *(len(r) for r in section.runs)]).astype(np.int64)
+    place = np.zeros((kernels.PLACES, 6))
+    place[kernels.HERE] = trace.sections[number].start
+    walk = kernels.Walk(
+        ints=np.zeros(kernels.INTS, np.int64),
+        reals=np.zeros(kernels.REALS),
+        place=place,
+        turns=np.zeros((4, count), np.int64),
+    )
+    room = kernels.PROBLEMS * kernels.KEPT
+    problems = kernels.Problems(
+        counts=np.zeros(kernels.PROBLEMS, np.int64),
+        found=np.zeros((room, 4), np.int64),
+        numbers=np.zeros((room, 2)),
+    )
+    position = np.array(section.start, np.int64)
+    work = float(sum(int(r["count"].sum()) for r in section.runs) + len(rows.op))
+    collector.steps += int(
+        kernels.check_section.pick(work)(
+            position,
+            kernels.Runs(runs[0], runs[1], runs[2], runs[3], first),
+            rows,
+            events,
+            motors,
+            times._replace(duration=section.duration),
+            window,
+            walk,
+            problems,
+        )
+    )
+    explain(stream, trace, machine, number, rows, problems, position, collector)
+
+
+def _edges(stream: StepStream, trace: Trace, number: int, times: kernels.Times, collector: Collector) -> None:
+    """What follows a section starts where it ended, and its first steps keep their distance from the last ones."""
+    here, rows = stream.sections[number], trace.sections[number].rows
+    ended = tuple(float(x) for x in rows["to"][-1]) if len(rows) else trace.sections[number].start
+    span = inputs.span_of(trace, number, len(rows) - 1)
+    final, before = here.end(), inputs.ends(here)
+    for edge in trace.sections[number].edges:
+        if edge.target < 0:
+            continue
+        there = stream.sections[edge.target]
+        if edge.wait in MOVED_BY_OTHERS:
+            collector.assume("stream-end", f"{edge.wait.value} leaves the machine where the trace goes on")
+        elif final != there.start or tuple(trace.sections[edge.target].start) != tuple(ended):
+            what = f"section {number} ends at {final}, section {edge.target} starts at {there.start}"
+            collector.add(STREAM_END.at(span, what=what))
+        for motor, last, next_ in zip(stream.motors, before, inputs.ends(there), strict=True):
+            if last is None or next_ is None:
+                continue
+            ticks = here.duration - last[2] + next_[0]
+            what = f"{motor.name}: {ticks} ticks between the steps of sections {number} and {edge.target}"
+            if last[3] != next_[1] and ticks < times.setup:
+                collector.add(STREAM_PULSE.at(span, what=f"{what}; {times.setup} needed for the new direction"))
+            if ticks < max(times.interval, times.pulse):
+                collector.add(STREAM_STEP_RATE.at(span, what=f"{what}; {max(times.interval, times.pulse)} needed"))

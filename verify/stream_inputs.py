@@ -1,0 +1,455 @@
+"""From Trace, Machine and StepStream to the checker's arrays; what can not be judged is refused here.
+
+Every function that refuses says so with findings and returns None (or False); nothing is corrected.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from fractions import Fraction
+
+import numpy as np
+import numpy.typing as npt
+
+from gproof.ir.codes import STREAM_END, STREAM_EVENT, STREAM_MALFORMED
+from gproof.ir.finding import Span
+from gproof.ir.machine import AXES, AXIS_NAMES, Axis, Machine
+from gproof.ir.setup import Setup
+from gproof.ir.stream import EVENT, RUN, StepStream, StreamSection
+from gproof.ir.trace import TRACE_ROW, Op, Plane, Trace, TraceSection
+from gproof.verify import stream_kernels as kernels
+from gproof.verify.stream_report import Collector
+
+EVENT_OPS = (
+    Op.DWELL,
+    Op.SPINDLE,
+    Op.COOLANT,
+    Op.TOOL_CHANGE,
+    Op.OUTPUT,
+    Op.INPUT_WAIT,
+    Op.STOP,
+    Op.HOME,
+)
+"""Rows that cost time or switch something: motion is at rest there, and each has one event."""
+
+MOTION_OPS = (Op.TRAVERSE, Op.FEED, Op.ARC, Op.PROBE)
+assert kernels.ARC_OP == Op.ARC and kernels.LAST_MOTION_OP == Op.PROBE == max(MOTION_OPS)
+
+PAIRS = {Plane.XY: (0, 1), Plane.XZ: (2, 0), Plane.YZ: (1, 2)}
+"""The axes of an arc, in the order of a right-handed frame."""
+
+GUARD = "machine_area"
+"""The guard that stands for the soft limits in ``State.guards_off``."""
+
+FARTHEST = 1 << 30
+"""Steps: positions and lengths of arcs up to this keep float64's rounding far below ``kernels.ROUNDING``."""
+
+Floats = npt.NDArray[np.float64]
+
+_FEW = 1 << 52
+_LONG = 1 << 60
+_TOUCH = Fraction(1, 10**6)
+
+
+def span_of(trace: Trace, section: int, row: int) -> Span:
+    """The source line of a row; the file as a whole when there is none."""
+    rows = trace.sections[section].rows if section < len(trace.sections) else ()
+    if isinstance(rows, tuple) or not 0 <= row < len(rows):
+        return Span(trace.files[0] if trace.files else "", 0)
+    return Span(trace.files[int(rows["file"][row])], int(rows["line"][row]))
+
+
+def ticks_up(seconds: Fraction, tick_frequency: int) -> int:
+    """Whole ticks that last at least ``seconds``; what a float64 adds to a round number does not count."""
+    return max(0, math.ceil(seconds * tick_frequency - _TOUCH))
+
+
+# --- the stream's own numbers -------------------------------------------------------------------------------
+
+
+def number_problems(stream: StepStream) -> Iterator[str]:
+    """What keeps a stream's integers from being added up safely."""
+    if not 1 <= stream.tick_frequency <= 10**12:
+        yield f"tick frequency {stream.tick_frequency}"
+    for place, s in enumerate(stream.sections):
+        where = f"section {s.number}"
+        if s.number != place:
+            yield f"{where} stands at place {place}"
+        if len(s.start) != len(stream.motors) or len(s.runs) != len(stream.motors):
+            yield f"{where}: not one start position and one run table for each motor"
+            continue
+        if s.events.schema is not EVENT or any(r.schema is not RUN for r in s.runs):
+            yield f"{where}: a table is not one of runs or events"
+            continue
+        if any(abs(n) > _FEW for n in s.start) or not 0 <= s.duration < _LONG:
+            yield f"{where}: start {s.start}, duration {s.duration}"
+        for motor, runs in zip(stream.motors, s.runs, strict=True):
+            interval, count, add = (runs[k].astype(np.float64) for k in ("interval", "count", "add"))
+            grown = add * (count - 1)
+            good = (interval >= 1) & (count >= 1) & (np.abs(grown) < _FEW) & (interval + grown >= 1)
+            good &= (interval * count < _LONG) & (np.abs(grown) * count < _LONG)
+            good &= np.abs(runs["direction"]) == 1
+            if not good.all():
+                k = int(np.argmin(good))
+                yield f"{where}: run {k} of {motor.name} is {tuple(int(runs[c.name][k]) for c in RUN.columns)}"
+            elif count.sum() > _FEW or (count * interval + grown * count / 2).sum() > _LONG:
+                yield f"{where}: {motor.name} has more steps or ticks than can be counted"
+
+
+def ends(section: StreamSection) -> list[tuple[int, int, int, int] | None]:
+    """(first tick, first direction, last tick, last direction) by motor; None for a motor without steps."""
+    found: list[tuple[int, int, int, int] | None] = []
+    for runs in section.runs:
+        if not len(runs):
+            found.append(None)
+            continue
+        interval, count, add = (runs[k].astype(np.int64) for k in ("interval", "count", "add"))
+        ticks = int((interval * count + add * (count - 1) * count // 2).sum())
+        found.append((int(interval[0]), int(runs["direction"][0]), ticks, int(runs["direction"][-1])))
+    return found
+
+
+# --- stream against machine ---------------------------------------------------------------------------------
+
+
+def machine_number_problems(machine: Machine, override: float) -> Iterator[str]:
+    """Numbers of the machine file that the checker can not reckon with."""
+    controller, board = machine.controller, machine.board
+    for name, value, most in (
+        ("interpolation time", controller.interpolation_time, 10.0),
+        ("step pulse", board.step_pulse, 1.0),
+        ("direction set-up", board.direction_setup, 1.0),
+        ("spindle ramp time", controller.spindle_ramp_time, 1e6),
+        ("greatest step frequency", controller.max_step_frequency or 1.0, 1e12),
+        ("feed override", override, 1e3),
+    ):
+        if not 0 <= value <= most:
+            yield f"{name} {value!r}"
+    if not controller.interpolation_time * board.tick_frequency >= 1:
+        yield f"interpolation time {controller.interpolation_time!r} is less than a tick"
+    for axis in machine.axes:
+        for edge in (axis.lower, axis.upper, axis.travel_lower, axis.travel_upper):
+            if edge is not None and math.isnan(edge):
+                yield f"axis {axis.name}: a limit is not a number"
+        if not 0 <= axis.slaves <= AXES:
+            yield f"axis {axis.name}: {axis.slaves} slaves"
+
+
+def machine_problems(stream: StepStream, trace: Trace, machine: Machine) -> Iterator[str]:
+    """Where the stream's motors are not those of the machine."""
+    if stream.tick_frequency != machine.board.tick_frequency:
+        yield (
+            f"the stream counts {stream.tick_frequency} ticks a second, "
+            f"the board {machine.board.name} {machine.board.tick_frequency}"
+        )
+    if len({motor.name for motor in stream.motors}) != len(stream.motors):
+        yield f"two motors of one name: {', '.join(motor.name for motor in stream.motors)}"
+    by_index = {axis.index: axis for axis in machine.axes}
+    for motor in stream.motors:
+        axis = by_index.get(motor.axis)
+        if axis is None:
+            yield f"motor {motor.name} drives axis {motor.axis}, which the machine does not have"
+        elif axis.steps_per_unit != motor.steps_per_unit:
+            yield (
+                f"motor {motor.name} has {motor.steps_per_unit} steps per {axis.unit}, "
+                f"the machine's {axis.name} {axis.steps_per_unit}"
+            )
+        elif not motor.steps_per_unit or abs(motor.steps_per_unit) > _FEW or abs(1 / motor.steps_per_unit) > _FEW:
+            yield f"motor {motor.name}: {motor.steps_per_unit} steps per {axis.unit}"
+    for index, name in enumerate(AXIS_NAMES):
+        found = sum(motor.axis == index for motor in stream.motors)
+        axis = by_index.get(index)
+        wanted = 1 + axis.slaves if axis is not None else 0
+        if found != wanted and (found or any(moves(section, index) for section in trace.sections)):
+            yield f"axis {name} has {found} motors in the stream, {wanted} on the machine"
+
+
+def moves(section: TraceSection, axis: int) -> bool:
+    """True when a row ends elsewhere on that axis than the section starts."""
+    return bool((section.rows["to"][:, axis] != section.start[axis]).any())
+
+
+def motor_arrays(stream: StepStream, machine: Machine, grid: int, collector: Collector) -> kernels.Motors:
+    """Limits in steps and window bounds; what the machine does not state is left open or assumed."""
+    axes = {axis.index: axis for axis in machine.axes}
+    count = len(stream.motors)
+    low, high = np.full(count, -_LONG, np.int64), np.full(count, _LONG, np.int64)
+    travel_low, travel_high = np.ones(count, np.int64), np.zeros(count, np.int64)
+    speed, acceleration = np.full((3, count), np.inf), np.full((3, count), np.inf)
+    base = grid / stream.tick_frequency
+    for m, motor in enumerate(stream.motors):
+        axis = axes[motor.axis]
+        scale = float(abs(motor.steps_per_unit))
+        low[m], high[m] = _limits(axis, axis.lower, axis.upper)
+        if None in (axis.lower, axis.upper):
+            collector.assume("stream-limit", f"axis {axis.name} needs no limit where the machine file states none")
+        if axis.travel_lower is not None and axis.travel_upper is not None:
+            travel_low[m], travel_high[m] = _limits(axis, axis.travel_lower, axis.travel_upper)
+        for k, width in enumerate(kernels.SPANS):
+            h = width * base
+            if axis.max_velocity is not None:
+                speed[k, m] = axis.max_velocity * h * scale + 2 + kernels.ROUNDING
+            if axis.max_acceleration is not None:
+                acceleration[k, m] = axis.max_acceleration * h * (h + 2 * base) * scale + 4 + kernels.ROUNDING
+        for name, value in (("velocity", axis.max_velocity), ("acceleration", axis.max_acceleration)):
+            if value is None:
+                collector.leave_open(f"the machine file states no {name} for {axis.name}", f"stream-{name}")
+    return kernels.Motors(
+        axis=np.array([motor.axis for motor in stream.motors], np.int64),
+        spu=np.array([float(motor.steps_per_unit) for motor in stream.motors], np.float64),
+        low=low,
+        high=high,
+        travel_low=travel_low,
+        travel_high=travel_high,
+        speed=speed,
+        acceleration=acceleration,
+    )
+
+
+def _limits(axis: Axis, lower: float | None, upper: float | None) -> tuple[int, int]:
+    """Whole steps from limit to limit: a limit's own nearest step still belongs to it, either one at a tie."""
+    spu = axis.steps_per_unit
+    assert spu is not None
+    edges = [None if edge is None or math.isinf(edge) else Fraction(edge) * spu for edge in (lower, upper)]
+    first, last = edges if spu > 0 else edges[::-1]
+    half = Fraction(1, 2) + _TOUCH
+    low = -_LONG if first is None else max(-_LONG, math.ceil(first - half))
+    high = _LONG if last is None else min(_LONG, math.floor(last + half))
+    return low, high
+
+
+# --- stream against trace -----------------------------------------------------------------------------------
+
+
+def row_arrays(stream: StepStream, trace: Trace, section: TraceSection, collector: Collector) -> kernels.Rows | None:
+    """The section's rows for the kernel, when each of them can be followed."""
+    rows = section.rows
+    refused: list[int] = []
+
+    def refuse(row: int, what: str) -> None:
+        refused.append(row)
+        collector.add(
+            STREAM_MALFORMED.at(
+                span_of(trace, section.number, row), what=f"section {section.number}, row {row}: {what}"
+            )
+        )
+
+    driven = sorted({motor.axis for motor in stream.motors})
+    known = np.array([all(frame[a] == () for a in driven) for frame in trace.frames], dtype=bool)
+    if not known[section.start_frame]:
+        refuse(-1, "the section's start depends on something that is not known")
+    if rows.schema is not TRACE_ROW:
+        refuse(-1, "the table is not one of trace rows")
+        return None
+    n = len(rows)
+    to = np.ascontiguousarray(rows["to"], dtype=np.float64)
+    start = np.array(section.start, dtype=np.float64)
+    if not np.isfinite(start).all():
+        refuse(-1, "the start is not finite")
+        return None
+    before = np.vstack([start[np.newaxis, :], to])[:n]
+    op = rows["op"]
+    motion = np.isin(op, np.array([int(o) for o in MOTION_OPS], dtype=op.dtype))
+    arcs = op == Op.ARC
+    idle = np.array([a for a in range(AXES) if a not in driven], dtype=np.intp)
+    reach = np.zeros(AXES)
+    for motor in stream.motors:
+        reach[motor.axis] = abs(float(motor.steps_per_unit))
+    extent = np.abs(to) * reach
+    moved = (to != before).any(axis=1)
+    needs_feed = motion & (op != Op.TRAVERSE) & (moved | arcs)
+    for bad, what in (
+        (~known[rows["frame"]], "the position depends on something that is not known"),
+        (moved & ~motion, "the position jumps in a row that is no motion"),
+        ((to[:, idle] != start[idle]).any(axis=1), "an axis without a motor moves"),
+        ((extent > FARTHEST).any(axis=1), f"a position of more than {FARTHEST} steps"),
+        (arcs & ~np.isin(rows["plane"], [int(p) for p in Plane if p]), "an arc in no plane"),
+        (needs_feed & ~(np.isfinite(rows["feed"]) & (rows["feed"] > 0)), "motion without a feed"),
+    ):
+        if bad.any():
+            refuse(int(np.argmax(bad)), what)
+    if (np.abs(start) * reach > FARTHEST).any():
+        refuse(-1, f"a start of more than {FARTHEST} steps")
+    if refused:
+        return None
+    for plane, pair in PAIRS.items():
+        here = np.flatnonzero(arcs & (rows["plane"] == plane))
+        problem = _arc_problems(rows["center"][here][:, pair], before[here][:, pair], to[here][:, pair],
+                            rows["turns"][here], float(reach[list(pair)].max()))  # fmt: skip
+        if problem is not None:
+            refuse(int(here[problem[0]]), problem[1])
+    if refused:
+        return None
+    off = np.array([GUARD in state.guards_off for state in trace.states], dtype=np.uint8)
+    guard = np.zeros(n + 1, np.uint8)
+    if n:
+        guard[:n] = off[rows["state"]]
+    return kernels.Rows(
+        op=np.ascontiguousarray(op, dtype=np.uint8),
+        to=to,
+        center=np.ascontiguousarray(rows["center"], dtype=np.float64),
+        turns=rows["turns"].astype(np.int64),
+        plane=np.ascontiguousarray(rows["plane"], dtype=np.uint8),
+        feed=np.ascontiguousarray(rows["feed"], dtype=np.float64),
+        guard=guard,
+    )
+
+
+def _arc_problems(
+    center: Floats, start: Floats, to: Floats, turns: Floats, steps_per_mm: float
+) -> tuple[int, str] | None:
+    """The first arc that can not be followed, and why; positions in the arcs' plane."""
+    if not len(center):
+        return None
+    radii = np.hypot(*(start - center).T), np.hypot(*(to - center).T)
+    small, large = np.minimum(*radii), np.maximum(*radii)
+    length = (large * (np.abs(turns.astype(np.float64)) + 1) * 2 * math.pi + np.abs(center).max(axis=1)) * steps_per_mm
+    for bad, what in (
+        (~(small > 0), "an arc without a radius"),
+        (~(length <= FARTHEST), f"an arc of more than {FARTHEST} steps"),
+    ):
+        if bad.any():
+            return int(np.argmax(bad)), what
+    return None
+
+
+def start_problems(stream: StepStream, trace: Trace, number: int, setup: Setup, collector: Collector) -> bool:
+    """Add findings unless the section starts at the steps nearest to its traced start, and that where it is stated."""
+    section, place = stream.sections[number], trace.sections[number].start
+    good = True
+    for motor, steps in zip(stream.motors, section.start, strict=True):
+        exact = Fraction(place[motor.axis]) * motor.steps_per_unit
+        if abs(steps - exact) > Fraction(kernels.EXACT):
+            good = False
+            what = (
+                f"section {number}: {motor.name} starts at step {steps}, the trace at "
+                f"{place[motor.axis]:.6f}, which is step {float(exact):.3f}"
+            )
+            collector.add(STREAM_END.at(span_of(trace, number, 0), what=what))
+    if number == 0:
+        for axis in sorted({motor.axis for motor in stream.motors}):
+            stated = setup.interval(f"start.{AXIS_NAMES[axis]}")
+            if stated is not None and not stated.low <= place[axis] <= stated.high:
+                good = False
+                what = (
+                    f"the trace starts at {AXIS_NAMES[axis]} {place[axis]:.6f}; "
+                    f"the setup says {stated.low:.6f} to {stated.high:.6f}"
+                )
+                collector.add(STREAM_END.at(span_of(trace, 0, 0), what=what))
+    return good
+
+
+def event_arrays(
+    stream: StepStream,
+    trace: Trace,
+    number: int,
+    spindle: int | None,
+    ramp: float,
+    collector: Collector,
+) -> kernels.Events | None:
+    """The section's events, when they are those of its rows. spindle: direction before the section, None: unknown."""
+    rows, given = trace.sections[number].rows, stream.sections[number].events
+    wanted = np.flatnonzero(np.isin(rows["op"], np.array([int(o) for o in EVENT_OPS], dtype=np.uint8)))
+    good = True
+
+    def refuse(row: int, tick: int, what: str) -> None:
+        nonlocal good
+        good = False
+        where = f"section {number}, row {row}, tick {tick}: {what}"
+        collector.add(STREAM_EVENT.at(span_of(trace, number, row), what=where))
+
+    if not np.array_equal(wanted, given["row"]):
+        _order_problems(wanted.tolist(), given["row"].tolist(), given["tick"].tolist(), refuse)
+        return None
+    ticks = given["tick"].astype(np.int64)
+    duration = stream.sections[number].duration
+    outside = (ticks < 0) | (ticks > duration)
+    if outside.any():
+        k = int(np.argmax(outside))
+        refuse(int(wanted[k]), int(ticks[k]), f"an event outside its section of {duration} ticks")
+        return None
+    if len(ticks) and (np.diff(ticks) < 0).any():
+        k = int(np.argmax(np.diff(ticks) < 0)) + 1
+        refuse(int(wanted[k]), int(ticks[k]), "an event before the one of an earlier row")
+        return None
+    still = np.zeros(len(wanted), np.int64)
+    for k, row in enumerate(wanted.tolist()):
+        op, arg = Op(int(rows["op"][row])), rows["arg"][row].tolist()
+        what = _event_problem(op, arg, int(given["op"][k]), given["arg"][k].tolist())
+        if what:
+            refuse(row, int(ticks[k]), what)
+            continue
+        seconds = Fraction(0)
+        if op is Op.DWELL:
+            seconds = Fraction(arg[0])
+        elif op is Op.SPINDLE:
+            direction = int(arg[0])
+            if direction and direction != spindle:
+                seconds = Fraction(ramp)
+            spindle = direction
+        still[k] = min(_LONG, ticks_up(seconds, stream.tick_frequency))
+    if not good:
+        return None
+    return kernels.Events(tick=np.ascontiguousarray(ticks), row=wanted.astype(np.int64), still=still)
+
+
+def _order_problems(wanted: list[int], given: list[int], ticks: list[int], refuse: object) -> None:
+    """Say which events are missing, doubled, strange or out of order."""
+    assert callable(refuse)
+    for row in sorted(set(wanted) - set(given))[:8]:
+        refuse(row, -1, "the event of this row is missing")
+    seen: set[int] = set()
+    told = 0
+    known = set(wanted)
+    for row, tick in zip(given, ticks, strict=True):
+        if told < 8 and row not in known:
+            refuse(row, tick, "an event for a row that has none")
+            told += 1
+        elif told < 8 and row in seen:
+            refuse(row, tick, "the event of this row a second time")
+            told += 1
+        seen.add(row)
+    if sorted(given) == wanted:
+        k = next(k for k, row in enumerate(given) if row != wanted[k])
+        refuse(given[k], ticks[k], "an event out of the order of its rows")
+
+
+def _event_problem(op: Op, arg: list[float], given: int, values: list[int]) -> str:
+    if given != op:
+        return f"the event is {given}, the row {op.name} ({int(op)})"
+    if op is Op.SPINDLE and arg[0] == 0.0 and math.isnan(arg[1]):
+        arg = [arg[0], values[1] / 1000]  # a spindle that stops needs no speed
+    for value, thousandths in zip(arg, values, strict=True):
+        if not math.isfinite(value):
+            return f"{op.name} with a value that is not known"
+        if abs(Fraction(value) * 1000 - thousandths) > Fraction(1, 2) + _TOUCH:
+            return f"{op.name} with {thousandths} thousandths, the row says {value!r}"
+    if op is Op.DWELL and arg[0] < 0:
+        return f"a dwell of {arg[0]!r} seconds"
+    if op is Op.SPINDLE and arg[0] not in (-1.0, 0.0, 1.0):
+        return f"a spindle direction of {arg[0]!r}"
+    return ""
+
+
+def spindle_before(trace: Trace) -> list[int | None]:
+    """The spindle's direction at each section's beginning; None where it depends on the way there.
+
+    Off at section 0; only SPINDLE rows change it.
+    """
+    unseen = -2
+    before: list[int | None] = [unseen] * len(trace.sections)
+    todo: list[tuple[int, int | None]] = [(0, 0)] if before else []
+    while todo:
+        number, direction = todo.pop()
+        if before[number] == direction or before[number] is None:
+            continue
+        direction = direction if before[number] == unseen else None
+        before[number] = direction
+        rows = trace.sections[number].rows
+        spins = np.flatnonzero(rows["op"] == Op.SPINDLE)
+        if len(spins):
+            last = float(rows["arg"][spins[-1], 0])
+            direction = int(last) if last in (-1.0, 0.0, 1.0) else None
+        todo.extend((edge.target, direction) for edge in trace.sections[number].edges if edge.target >= 0)
+    return [None if direction == unseen else direction for direction in before]

@@ -1,0 +1,731 @@
+"""The stream checker's inner loop: all motors' steps in time order against the traced path.
+
+Everything is in steps: a path point is ``q[m] = position[axis of m] * steps_per_unit[m]``. The path comes as
+straight pieces that are made when they are needed: a line row is one piece, an arc row many chords whose
+distance from the arc, at equal parameter, is at most ``CHORD`` steps of any motor.
+
+Which path points the machine may be at is kept exactly, not guessed: for each piece of a window the interval
+of the piece's parameter that can be reached without ever being more than the tolerance away from the step
+position and without going back (the free space of the Fréchet distance in the maximum norm). A step shrinks
+the intervals to what is also near the new position; when none is left, no path point explains it.
+
+docs/verification.md proves what follows from a run without a problem, and that a right stream gives none.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from gproof.ir.kernel import kernel
+
+Ints = npt.NDArray[np.int64]
+Floats = npt.NDArray[np.float64]
+Bytes = npt.NDArray[np.uint8]
+
+PATH_TOLERANCE = 1.0
+"""Steps that a motor may be away from the path point, all motors from the same path point."""
+
+ROUNDING = 1e-6
+"""Steps: more than what float64 loses between a position of the trace and steps."""
+
+CHORD = 1e-2
+"""Steps between an arc and the chords it is followed with, at most."""
+
+EXACT = 0.5 + ROUNDING
+"""Steps between a position at rest and the traced position: the nearest step, either one at a tie."""
+
+WINDOW = 8192
+"""Pieces of path within one tolerance box that the checker is ready to hold."""
+
+SPANS = (1, 4, 16)
+"""Windows for velocity, acceleration and feed, in interpolation times."""
+
+RING = 64
+SETTLED = 2 * 16 + 1
+"""Samples without a step after which all windows are still."""
+
+FEED_SLACK = 1e-6
+"""Seconds by which a window may seem shorter than its feed allows (float64)."""
+
+NEVER = 1 << 62
+TINY = 1e-9
+
+# Rows of trace ops that the loop must know; stream.py asserts that they are those of ir/trace.py.
+ARC_OP = 3
+LAST_MOTION_OP = 4
+
+# Problems, as they are reported.
+P_LEFT, P_DENSE, P_EXTRA, P_RATE, P_PULSE, P_SETUP, P_SPEED, P_ACCELERATION, P_FEED = 1, 2, 3, 4, 5, 6, 7, 8, 9
+P_EARLY, P_OFF_PLACE, P_WAIT_CUT, P_UNFINISHED, P_END = 10, 11, 12, 13, 14
+P_LIMIT, P_TRAVEL, P_LIMIT_UNKNOWN, P_AFTER_END = 15, 16, 17, 18
+PROBLEMS = 19
+
+KEPT = 8
+"""Places kept of each problem; all are counted."""
+
+# What ``Walk.ints`` holds.
+ROW, PIECE, PIECES, BARRIER = 0, 1, 2, 3  # row being made or next, next piece of it, pieces in it (0: none), next event
+HEAD, TAIL, FRONT, DONE = 4, 5, 6, 7  # window begin and end, last reachable piece, 1: all that was made is reachable
+FIRST, SECOND, NOTED = 8, 9, 10  # the row's arc axes (-1: a line); problems kept
+INTS = 11
+
+# What ``Walk.reals`` holds: of an arc radii, angles, centre, the last piece's direction; seconds at full feed of a
+# piece of the row, and of all pieces made so far.
+R0, R1, ANGLE, SWEEP, CENTER_0, CENTER_1, COS, SIN, SHARE, TIME = 0, 1, 2, 3, 4, 5, 6, 7, 8, 9
+REALS = 10
+
+# What ``Walk.place`` holds: the path made so far, the end of the next piece, begin and end of the row.
+HERE, NEXT, ORIGIN, GOAL = 0, 1, 2, 3
+PLACES = 4
+
+# Columns of ``Window``.
+BEGIN, EXTENT, INVERSE = 0, 1, 2
+FROM, TO, BEFORE, SECONDS, TOLERANCE = 0, 1, 2, 3, 4
+UNREACHED = 2.0
+
+
+class Rows(NamedTuple):
+    """Columns of a trace section; guard: 1 where the soft limits are off (one more row than the others)."""
+
+    op: Bytes
+    to: Floats
+    center: Floats
+    turns: Ints
+    plane: Bytes
+    feed: Floats
+    guard: Bytes
+
+
+class Motors(NamedTuple):
+    """By motor; speed, acceleration: (3, motors) greatest counts in the windows of ``SPANS``."""
+
+    axis: Ints
+    spu: Floats
+    low: Ints
+    high: Ints
+    travel_low: Ints
+    travel_high: Ints
+    speed: Floats
+    acceleration: Floats
+
+
+class Runs(NamedTuple):
+    """All motors' runs one after another, length in steps; motor m has those from first[m] to first[m + 1]."""
+
+    interval: Ints
+    length: Ints
+    add: Ints
+    direction: Ints
+    first: Ints
+
+
+class Events(NamedTuple):
+    """Event rows: tick, row, ticks for which the motors stand still."""
+
+    tick: Ints
+    row: Ints
+    still: Ints
+
+
+class Times(NamedTuple):
+    """Ticks between steps, between steps that must not merge, before a turn, in one window; section's length;
+    seconds at full feed that pass in one tick."""
+
+    interval: int
+    pulse: int
+    setup: int
+    grid: int
+    duration: int
+    seconds: float
+
+
+class Window(NamedTuple):
+    """Pieces of path. line: (pieces, motors, 3) BEGIN, EXTENT, INVERSE; reach: (pieces, 5) FROM, TO: the
+    reachable interval, BEFORE, SECONDS: at full feed before the piece and in it, TOLERANCE; row: of the trace."""
+
+    line: Floats
+    reach: Floats
+    row: Ints
+
+
+class Walk(NamedTuple):
+    """What changes along the way. place: (PLACES, 6) positions; turns: (4, motors) last direction and number of
+    reversals since the last rest, of the path and of the steps."""
+
+    ints: Ints
+    reals: Floats
+    place: Floats
+    turns: Ints
+
+
+class Problems(NamedTuple):
+    """counts by kind; the first KEPT of each: (kind, motor, tick, row) and two numbers."""
+
+    counts: Ints
+    found: Ints
+    numbers: Floats
+
+
+@kernel(seconds_per_unit=5e-6)
+def note(kind: int, motor: int, tick: int, row: int, a: float, b: float, walk: Walk, problems: Problems) -> None:
+    """Count a problem and keep its place while there is room for its kind."""
+    problems.counts[kind] += 1
+    if problems.counts[kind] <= KEPT:
+        k = walk.ints[NOTED]
+        problems.found[k, 0] = kind
+        problems.found[k, 1] = motor
+        problems.found[k, 2] = tick
+        problems.found[k, 3] = row
+        problems.numbers[k, 0] = a
+        problems.numbers[k, 1] = b
+        walk.ints[NOTED] = k + 1
+
+
+@kernel(seconds_per_unit=5e-6)
+def turned(way: float, m: int, turns: Ints) -> None:
+    """The path moves motor ``m`` in the direction of ``way``: count it when that is a reversal."""
+    sign = 0
+    if way > 0.0:
+        sign = 1
+    elif way < 0.0:
+        sign = -1
+    if sign != 0:
+        if turns[0, m] == -sign:
+            turns[1, m] += 1
+        turns[0, m] = sign
+
+
+@kernel(seconds_per_unit=1e-5)
+def open_arc(r: int, rows: Rows, motors: Motors, walk: Walk) -> float:
+    """Prepare the arc row ``r``: its axes, angles, radii and number of pieces; gives its length."""
+    # The right-handed pairs: XY, ZX, YZ.
+    first = 0
+    second = 1
+    third = 2
+    if rows.plane[r] == 2:
+        first = 2
+        second = 0
+        third = 1
+    elif rows.plane[r] == 3:
+        first = 1
+        second = 2
+        third = 0
+    here = walk.place[HERE]
+    x0 = here[first] - rows.center[r, first]
+    y0 = here[second] - rows.center[r, second]
+    x1 = rows.to[r, first] - rows.center[r, first]
+    y1 = rows.to[r, second] - rows.center[r, second]
+    r0 = math.sqrt(x0 * x0 + y0 * y0)
+    r1 = math.sqrt(x1 * x1 + y1 * y1)
+    angle = math.atan2(y0, x0)
+    sweep = math.atan2(y1, x1) - angle
+    full = 2.0 * math.pi
+    if rows.turns[r] > 0:
+        if sweep <= 0.0:
+            sweep += full
+        sweep += full * np.float64(rows.turns[r] - 1)
+    else:
+        if sweep >= 0.0:
+            sweep -= full
+        sweep += full * np.float64(rows.turns[r] + 1)
+    # A chord over the angle h is within h^2 / 8 * |second derivative| of its arc, parameter by parameter.
+    scale = 0.0
+    for m in range(motors.axis.shape[0]):
+        if motors.axis[m] == first or motors.axis[m] == second:
+            scale = max(scale, abs(motors.spu[m]))
+    bend = (max(r0, r1) + 2.0 * abs((r1 - r0) / sweep)) * scale
+    largest = math.pi / 8.0
+    if bend > 0.0:
+        largest = min(largest, math.sqrt(8.0 * CHORD / bend))
+    walk.ints[PIECES] = max(1, math.ceil(abs(sweep) / largest))
+    walk.ints[FIRST] = first
+    walk.ints[SECOND] = second
+    walk.reals[R0] = r0
+    walk.reals[R1] = r1
+    walk.reals[ANGLE] = angle
+    walk.reals[SWEEP] = sweep
+    walk.reals[CENTER_0] = rows.center[r, first]
+    walk.reals[CENTER_1] = rows.center[r, second]
+    walk.reals[COS] = math.cos(angle)
+    walk.reals[SIN] = math.sin(angle)
+    along = 0.5 * (r0 + r1) * sweep
+    aside = rows.to[r, third] - here[third]
+    return math.sqrt(along * along + aside * aside)
+
+
+@kernel(seconds_per_unit=1e-5)
+def open_row(rows: Rows, motors: Motors, walk: Walk) -> bool:
+    """Prepare the next row that moves; False at the next event row or the section's end."""
+    ints = walk.ints
+    place = walk.place
+    while ints[ROW] < ints[BARRIER]:
+        r = ints[ROW]
+        linear = 0.0
+        rotary = 0.0
+        for a in range(6):
+            delta = rows.to[r, a] - place[HERE, a]
+            if a < 3:
+                linear += delta * delta
+            else:
+                rotary += delta * delta
+        arc = rows.op[r] == ARC_OP
+        if rows.op[r] > LAST_MOTION_OP or (linear == 0.0 and rotary == 0.0 and not arc):
+            ints[ROW] = r + 1
+            continue
+        length = math.sqrt(linear) if linear > 0.0 else math.sqrt(rotary)
+        ints[PIECE] = 0
+        ints[PIECES] = 1
+        ints[FIRST] = -1
+        ints[SECOND] = -1
+        for a in range(6):
+            place[ORIGIN, a] = place[HERE, a]
+            place[GOAL, a] = rows.to[r, a]
+        if arc:
+            length = open_arc(r, rows, motors, walk)
+        walk.reals[SHARE] = 0.0
+        if rows.feed[r] > 0.0:
+            walk.reals[SHARE] = length * 60.0 / rows.feed[r] / np.float64(ints[PIECES])
+        return True
+    return False
+
+
+@kernel(seconds_per_unit=1e-5)
+def arc_piece(axis: Ints, spu: Floats, ints: Ints, reals: Floats, place: Floats, turns: Ints) -> None:
+    """The end of the arc's next chord, and the arc's reversals along it."""
+    first = ints[FIRST]
+    second = ints[SECOND]
+    sweep = reals[SWEEP]
+    wider = reals[R1] - reals[R0]
+    share = np.float64(ints[PIECE] + 1) / np.float64(ints[PIECES])
+    radius0 = reals[R0] + wider * (np.float64(ints[PIECE]) / np.float64(ints[PIECES]))
+    radius1 = reals[R0] + wider * share
+    way = reals[ANGLE] + sweep * share
+    cos0 = reals[COS]
+    sin0 = reals[SIN]
+    cos1 = math.cos(way)
+    sin1 = math.sin(way)
+    reals[COS] = cos1
+    reals[SIN] = sin1
+    if ints[PIECE] + 1 < ints[PIECES]:
+        for a in range(6):
+            place[NEXT, a] = place[ORIGIN, a] + (place[GOAL, a] - place[ORIGIN, a]) * share
+        place[NEXT, first] = reals[CENTER_0] + radius1 * cos1
+        place[NEXT, second] = reals[CENTER_1] + radius1 * sin1
+    # Where the arc itself turns round counts, not where its chords do: signs of its derivative at both ends.
+    slope = wider / sweep
+    for m in range(axis.shape[0]):
+        sense = sweep * spu[m]
+        if axis[m] == first:
+            turned((slope * cos0 - radius0 * sin0) * sense, m, turns)
+            turned((slope * cos1 - radius1 * sin1) * sense, m, turns)
+        elif axis[m] == second:
+            turned((slope * sin0 + radius0 * cos0) * sense, m, turns)
+            turned((slope * sin1 + radius1 * cos1) * sense, m, turns)
+        else:
+            turned((place[GOAL, axis[m]] - place[ORIGIN, axis[m]]) * spu[m], m, turns)
+
+
+@kernel(seconds_per_unit=1e-5)
+def add_piece(axis: Ints, spu: Floats, window: Window, ints: Ints, reals: Floats, place: Floats, turns: Ints) -> None:
+    """Append the open row's next piece at the window's tail."""
+    for a in range(6):
+        place[NEXT, a] = place[GOAL, a]
+    arc = ints[FIRST] >= 0
+    slack = ROUNDING
+    if arc:
+        arc_piece(axis, spu, ints, reals, place, turns)
+        slack += CHORD
+    t = ints[TAIL]
+    for m in range(axis.shape[0]):
+        a = axis[m]
+        begin = place[HERE, a] * spu[m]
+        extent = place[NEXT, a] * spu[m] - begin
+        window.line[t, m, BEGIN] = begin
+        window.line[t, m, EXTENT] = extent
+        window.line[t, m, INVERSE] = 1.0 / extent if abs(extent) > TINY else 0.0
+        if not arc:
+            turned(extent, m, turns)
+    window.row[t] = ints[ROW]
+    window.reach[t, FROM] = UNREACHED
+    window.reach[t, TO] = -1.0
+    window.reach[t, BEFORE] = reals[TIME]
+    window.reach[t, SECONDS] = reals[SHARE]
+    window.reach[t, TOLERANCE] = PATH_TOLERANCE + slack
+    reals[TIME] += reals[SHARE]
+    for a in range(6):
+        place[HERE, a] = place[NEXT, a]
+    ints[PIECE] += 1
+    if ints[PIECE] == ints[PIECES]:
+        ints[ROW] += 1
+        ints[PIECES] = 0
+    ints[TAIL] = t + 1
+
+
+@kernel(seconds_per_unit=5e-6)
+def make_room(window: Window, walk: Walk) -> bool:
+    """Move the window to the arrays' beginning; False when it holds more than WINDOW pieces."""
+    head = walk.ints[HEAD]
+    count = walk.ints[TAIL] - head
+    if count > WINDOW:
+        return False
+    for j in range(count):
+        window.row[j] = window.row[head + j]
+        for m in range(window.line.shape[1]):
+            for c in range(3):
+                window.line[j, m, c] = window.line[head + j, m, c]
+        for c in range(5):
+            window.reach[j, c] = window.reach[head + j, c]
+    walk.ints[HEAD] = 0
+    walk.ints[TAIL] = count
+    walk.ints[FRONT] -= head
+    return True
+
+
+@kernel(seconds_per_unit=5e-6)
+def from_rest(row: int, barrier: int, motors: Motors, window: Window, walk: Walk) -> None:
+    """Begin anew at the path point reached so far: the window holds that one point."""
+    ints = walk.ints
+    ints[ROW] = row
+    ints[PIECES] = 0
+    ints[BARRIER] = barrier
+    ints[HEAD] = 0
+    ints[TAIL] = 1
+    ints[FRONT] = 0
+    ints[DONE] = 1
+    window.row[0] = max(0, row - 1)
+    window.reach[0, FROM] = 0.0
+    window.reach[0, TO] = 1.0
+    window.reach[0, BEFORE] = walk.reals[TIME]
+    window.reach[0, SECONDS] = 0.0
+    window.reach[0, TOLERANCE] = PATH_TOLERANCE + ROUNDING
+    for m in range(motors.axis.shape[0]):
+        window.line[0, m, BEGIN] = walk.place[HERE, motors.axis[m]] * motors.spu[m]
+        window.line[0, m, EXTENT] = 0.0
+        window.line[0, m, INVERSE] = 0.0
+        for k in range(4):
+            walk.turns[k, m] = 0
+
+
+@kernel(seconds_per_unit=1e-5)
+def shrink(n: Ints, j: int, flows: bool, line: Floats, reach: Floats, ints: Ints) -> None:
+    """From piece ``j`` on, keep what is reachable and near position ``n``, and follow the path while it is near.
+
+    flows: the end of the piece before is reachable. Sets HEAD (the tail when nothing is left), FRONT, DONE.
+    """
+    first = ints[HEAD] if flows else -1
+    front = ints[FRONT]
+    while j < ints[TAIL]:
+        tolerance = reach[j, TOLERANCE]
+        low = 0.0
+        high = 1.0
+        for m in range(n.shape[0]):
+            off = np.float64(n[m]) - line[j, m, BEGIN]
+            inverse = line[j, m, INVERSE]
+            if inverse > 0.0:
+                low = max(low, (off - tolerance) * inverse)
+                high = min(high, (off + tolerance) * inverse)
+            elif inverse < 0.0:
+                low = max(low, (off + tolerance) * inverse)
+                high = min(high, (off - tolerance) * inverse)
+            elif abs(off) > tolerance:
+                high = -1.0
+        start = UNREACHED
+        if low <= high:
+            if flows and low <= 0.0:
+                start = 0.0
+            else:
+                start = max(low, reach[j, FROM])
+                if start > min(high, reach[j, TO]):
+                    start = UNREACHED
+        if start <= 1.0:
+            reach[j, FROM] = start
+            reach[j, TO] = high
+            flows = high >= 1.0
+            front = j
+            if first < 0:
+                first = j
+        else:
+            reach[j, FROM] = UNREACHED
+            reach[j, TO] = -1.0
+            flows = False
+        j += 1
+    ints[HEAD] = ints[TAIL] if first < 0 else first
+    ints[FRONT] = front
+    ints[DONE] = 1 if flows else 0
+
+
+@kernel(seconds_per_unit=1e-5)
+def follow(n: Ints, rows: Rows, motors: Motors, window: Window, walk: Walk) -> bool:
+    """While the path's end so far is reachable, make more of it; False when more than WINDOW pieces are near."""
+    while walk.ints[DONE] == 1:
+        if walk.ints[TAIL] == window.row.shape[0] and not make_room(window, walk):
+            return False
+        if walk.ints[PIECES] == 0 and not open_row(rows, motors, walk):
+            break
+        add_piece(motors.axis, motors.spu, window, walk.ints, walk.reals, walk.place, walk.turns)
+        shrink(n, walk.ints[TAIL] - 1, True, window.line, window.reach, walk.ints)
+    return True
+
+
+@kernel(seconds_per_unit=5e-6)
+def off_place(n: Ints, motors: Motors, walk: Walk) -> int:
+    """The first motor that is not at the step nearest to the path point made last, or -1."""
+    for m in range(n.shape[0]):
+        if abs(np.float64(n[m]) - walk.place[HERE, motors.axis[m]] * motors.spu[m]) > EXACT:
+            return m
+    return -1
+
+
+@kernel(seconds_per_unit=2e-5)
+def sample(
+    n: Ints,
+    tick: int,
+    at: int,
+    positions: Ints,
+    progress: Floats,
+    motors: Motors,
+    times: Times,
+    window: Window,
+    walk: Walk,
+    problems: Problems,
+) -> None:
+    """Enter the position at a window's end into the ring at place ``at``, and check the windows that end here."""
+    head = walk.ints[HEAD]
+    front = walk.ints[FRONT]
+    progress[at, 0] = window.reach[head, BEFORE] + window.reach[head, SECONDS] * window.reach[head, FROM]
+    progress[at, 1] = window.reach[front, BEFORE] + window.reach[front, SECONDS] * window.reach[front, TO]
+    for m in range(n.shape[0]):
+        positions[at, m] = n[m]
+    for s in range(3):
+        width = SPANS[s]
+        middle = (at - width) & (RING - 1)
+        before = (at - 2 * width) & (RING - 1)
+        row = window.row[head]
+        for m in range(n.shape[0]):
+            moved = np.float64(positions[at, m] - positions[middle, m])
+            change = moved - np.float64(positions[middle, m] - positions[before, m])
+            if abs(moved) > motors.speed[s, m]:
+                note(P_SPEED, m, tick, row, moved, np.float64(width), walk, problems)
+            if abs(change) > motors.acceleration[s, m]:
+                note(P_ACCELERATION, m, tick, row, change, np.float64(width), walk, problems)
+        seconds = progress[at, 0] - progress[middle, 1]
+        allowed = np.float64(width * times.grid) * times.seconds
+        if seconds > allowed + FEED_SLACK:
+            note(P_FEED, -1, tick, row, seconds / allowed, np.float64(width), walk, problems)
+
+
+@kernel(seconds_per_unit=2e-5)
+def settle(
+    n: Ints,
+    tick: int,
+    at: int,
+    positions: Ints,
+    progress: Floats,
+    motors: Motors,
+    times: Times,
+    window: Window,
+    walk: Walk,
+    problems: Problems,
+) -> int:
+    """At rest: check the windows that reach into the stillness; the new place in the ring."""
+    for _ in range(SETTLED):
+        at = (at + 1) & (RING - 1)
+        sample(n, tick, at, positions, progress, motors, times, window, walk, problems)
+    return at
+
+
+@kernel(seconds_per_unit=2e-5)
+def rest_problems(
+    n: Ints, tick: int, row: int, begin: int, began: float, times: Times, walk: Walk, problems: Problems
+) -> None:
+    """At rest at a known path point: steps back and forth that the path does not ask for; feed since the last rest."""
+    for m in range(n.shape[0]):
+        if walk.turns[3, m] > walk.turns[1, m]:
+            note(P_EXTRA, m, tick, row, np.float64(walk.turns[3, m]), np.float64(walk.turns[1, m]), walk, problems)
+    seconds = walk.reals[TIME] - began
+    allowed = np.float64(tick - begin) * times.seconds
+    if seconds > allowed + FEED_SLACK:
+        ratio = seconds / allowed if allowed > 0.0 else math.inf
+        note(P_FEED, -1, tick, row, ratio, 0.0, walk, problems)
+
+
+@kernel(seconds_per_unit=4e-5, compile_seconds=12.0)
+def check_section(
+    start: Ints,
+    runs: Runs,
+    rows: Rows,
+    events: Events,
+    motors: Motors,
+    times: Times,
+    window: Window,
+    walk: Walk,
+    problems: Problems,
+) -> int:
+    """Follow one section's steps; the number of steps checked (all of them unless a problem ended the walk).
+
+    walk.place[HERE]: the section's traced start, which ``start`` rounds.
+    """
+    count = start.shape[0]
+    n = start.copy()
+    ints = walk.ints
+    line = window.line
+    reach = window.reach
+    run = runs.first[:-1].copy()
+    due = np.empty(count, np.int64)
+    gap = np.zeros(count, np.int64)
+    left = np.zeros(count, np.int64)
+    last = np.full(count, -1, np.int64)
+    way = np.zeros(count, np.int64)
+    for m in range(count):
+        due[m] = NEVER
+        if run[m] < runs.first[m + 1]:
+            gap[m] = runs.interval[run[m]]
+            left[m] = runs.length[run[m]]
+            due[m] = gap[m]
+    positions = np.zeros((RING, count), np.int64)
+    progress = np.zeros((RING, 2))
+    for k in range(RING):
+        for m in range(count):
+            positions[k, m] = n[m]
+    at = 0
+    quiet = SETTLED
+    steps = 0
+    sampled = 0
+    e = 0
+    still = 0
+    begin = 0
+    began = 0.0
+    edge = times.grid
+    from_rest(0, events.row[0] if events.row.shape[0] > 0 else rows.op.shape[0], motors, window, walk)
+    dense = not follow(n, rows, motors, window, walk)
+    while True:
+        t = NEVER
+        m = -1
+        for k in range(count):
+            if due[k] < t:
+                t = due[k]
+                m = k
+        if e < events.row.shape[0] and events.tick[e] <= t:
+            tick = events.tick[e]
+            row = events.row[e]
+            ready = ints[DONE] == 1 and off_place(n, motors, walk) < 0
+            if tick < t or ready:
+                if tick < still:
+                    note(P_WAIT_CUT, -1, tick, row, np.float64(still - tick), 0.0, walk, problems)
+                if ints[DONE] != 1:
+                    note(P_EARLY, -1, tick, row, np.float64(window.row[ints[FRONT]]), 0.0, walk, problems)
+                    return steps
+                if not ready:
+                    k = off_place(n, motors, walk)
+                    aim = walk.place[HERE, motors.axis[k]] * motors.spu[k]
+                    note(P_OFF_PLACE, k, tick, row, np.float64(n[k]), aim, walk, problems)
+                    return steps
+                rest_problems(n, tick, row, begin, began, times, walk, problems)
+                if steps != sampled or quiet < SETTLED:
+                    at = settle(n, tick, at, positions, progress, motors, times, window, walk, problems)
+                still = max(still, tick + events.still[e])
+                begin = still
+                began = walk.reals[TIME]
+                edge = still + times.grid
+                quiet = SETTLED
+                sampled = steps
+                e += 1
+                from_rest(row + 1, events.row[e] if e < events.row.shape[0] else rows.op.shape[0], motors, window, walk)
+                for k in range(RING):
+                    progress[k, 0] = began
+                    progress[k, 1] = began
+                dense = not follow(n, rows, motors, window, walk)
+                continue
+        if m < 0:
+            break
+
+        while edge < t:
+            if steps == sampled and quiet >= SETTLED:
+                edge += (t - edge + times.grid - 1) // times.grid * times.grid
+                break
+            quiet = quiet + 1 if steps == sampled else 0
+            sampled = steps
+            at = (at + 1) & (RING - 1)
+            sample(n, edge, at, positions, progress, motors, times, window, walk, problems)
+            edge += times.grid
+
+        direction = runs.direction[run[m]]
+        row = window.row[ints[HEAD]]
+        if last[m] >= 0:
+            ticks = t - last[m]
+            if ticks < times.interval:
+                note(P_RATE, m, t, row, np.float64(ticks), np.float64(times.interval), walk, problems)
+            if ticks < times.pulse:
+                note(P_PULSE, m, t, row, np.float64(ticks), np.float64(times.pulse), walk, problems)
+            if direction != way[m] and ticks < times.setup:
+                note(P_SETUP, m, t, row, np.float64(ticks), np.float64(times.setup), walk, problems)
+        if t < still:
+            note(P_WAIT_CUT, m, t, row, np.float64(still - t), 0.0, walk, problems)
+        if t > times.duration:
+            note(P_AFTER_END, m, t, row, np.float64(t - times.duration), 0.0, walk, problems)
+        if walk.turns[2, m] == -direction:
+            walk.turns[3, m] += 1
+        walk.turns[2, m] = direction
+        way[m] = direction
+        last[m] = t
+        n[m] += direction
+        steps += 1
+
+        shrink(n, ints[HEAD], False, line, reach, ints)
+        if ints[HEAD] == ints[TAIL]:
+            note(P_LEFT, m, t, row, np.float64(n[m]), np.float64(direction), walk, problems)
+            for k in range(count):
+                start[k] = n[k]
+            return steps
+        if ints[DONE] == 1:
+            dense = not follow(n, rows, motors, window, walk)
+        if dense:
+            note(P_DENSE, m, t, row, 0.0, 0.0, walk, problems)
+            return steps
+
+        if n[m] < motors.low[m] or n[m] > motors.high[m]:
+            guarded = True
+            for j in range(ints[HEAD], ints[FRONT] + 1):
+                if reach[j, FROM] <= 1.0 and rows.guard[window.row[j]] != 0:
+                    guarded = False
+            row = window.row[ints[HEAD]]
+            if guarded:
+                note(P_LIMIT, m, t, row, np.float64(n[m]), 0.0, walk, problems)
+            elif motors.travel_low[m] > motors.travel_high[m]:
+                note(P_LIMIT_UNKNOWN, m, t, row, np.float64(n[m]), 0.0, walk, problems)
+            elif n[m] < motors.travel_low[m] or n[m] > motors.travel_high[m]:
+                note(P_TRAVEL, m, t, row, np.float64(n[m]), 0.0, walk, problems)
+
+        left[m] -= 1
+        if left[m] > 0:
+            gap[m] += runs.add[run[m]]
+            due[m] = t + gap[m]
+        else:
+            run[m] += 1
+            if run[m] < runs.first[m + 1]:
+                gap[m] = runs.interval[run[m]]
+                left[m] = runs.length[run[m]]
+                due[m] = t + gap[m]
+            else:
+                due[m] = NEVER
+
+    for m in range(count):
+        start[m] = n[m]
+    row = max(0, ints[ROW] - 1)
+    if ints[DONE] != 1:
+        note(P_UNFINISHED, -1, times.duration, window.row[ints[FRONT]], 0.0, 0.0, walk, problems)
+        return steps
+    m = off_place(n, motors, walk)
+    if m >= 0:
+        aim = walk.place[HERE, motors.axis[m]] * motors.spu[m]
+        note(P_END, m, times.duration, row, np.float64(n[m]), aim, walk, problems)
+        return steps
+    rest_problems(n, times.duration, row, begin, began, times, walk, problems)
+    settle(n, times.duration, at, positions, progress, motors, times, window, walk, problems)
+    if times.duration < still:
+        note(P_WAIT_CUT, -1, times.duration, row, np.float64(still - times.duration), 0.0, walk, problems)
+    return steps
