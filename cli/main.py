@@ -179,6 +179,13 @@ def main(arguments: list[str] | None = None) -> int:
     except MemoryError:
         click.echo("gproof: error: not enough memory", err=True)
         return COULD_NOT_RUN
+    except Exception as error:
+        # A defect of gproof, never of the input: say so, and stay out of the exit codes of verdicts.
+        if os.environ.get("GPROOF_TRACEBACK"):
+            raise
+        what = f"{type(error).__name__}: {error}"
+        click.echo(f"gproof: internal error: {what}; please report it (GPROOF_TRACEBACK=1 shows more)", err=True)
+        return COULD_NOT_RUN
     return result if isinstance(result, int) else 0
 
 

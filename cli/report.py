@@ -41,10 +41,18 @@ def source_lines(path: str, wanted: set[int]) -> dict[int, str]:
                     if not more or more.endswith(b"\n"):
                         break
                 if number in wanted:
-                    found[number] = raw.decode("utf-8", "replace").rstrip("\r\n")
+                    found[number] = _text(raw.removeprefix(b"\xef\xbb\xbf") if number == 1 else raw).rstrip("\r\n")
     except OSError:
         return {}
     return found
+
+
+def _text(raw: bytes) -> str:
+    """A line as the frontends read it, so that columns fit."""
+    try:
+        return raw.decode("utf-8")
+    except UnicodeDecodeError:
+        return raw.decode("cp1252", "replace")
 
 
 def sort_key(finding: Finding) -> tuple[str, int, int, int]:

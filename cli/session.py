@@ -14,6 +14,9 @@ from gproof.ir.setup import NOTHING, ZERO, Setup
 
 T = TypeVar("T")
 
+PLAIN_SECONDS_A_BYTE = 1e-6
+"""What ``check`` takes in plain Python for a byte of source, measured by bench/kernels.py."""
+
 
 @dataclass(slots=True, kw_only=True)
 class Session:
@@ -59,7 +62,9 @@ def open_session(job: Path, *, machine: Path | None, setup: str | None, dialect:
         _readable(Path(setup), "setup file")
         the_setup = _loaded(load_setup(Path(setup), findings), findings, inputs, "setup")
     from gproof.frontend.eding.load import load_program
+    from gproof.ir.kernel import Kernel
 
+    Kernel.forecast(job.stat().st_size * PLAIN_SECONDS_A_BYTE)
     program = load_program(job, findings)
     if program is not None:
         inputs += [(f.name, f.sha256, "source") for f in program.files]
