@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 from gproof.frontend.eding.build import Parsed, Structural
 from gproof.ir import codes
 from gproof.ir.finding import Findings, Related, Span
-from gproof.ir.program import Call, Expr, If, Number, Statement, Subprogram, While
+from gproof.ir.program import Call, Expr, If, Number, Statement, Subprogram, Unsupported, While
 
 
 @dataclass(slots=True)
@@ -29,6 +29,9 @@ class _Open:
     def current(self) -> list[Statement]:
         return self.body if self.otherwise is None else self.otherwise
 
+
+NESTING = 100
+"""Blocks within blocks that a Program holds; programs are walked by recursion."""
 
 _CLOSES = {"endif": "if", "endwhile": "while", "endsub": "sub"}
 
@@ -78,6 +81,9 @@ class Assembler:
             while len(self._stack) > 1:
                 self._unclosed(self._stack[-1], f"before the next 'sub' in line {line.span.line}")
                 self._close()
+        if len(self._stack) == NESTING + 1:
+            what = f"{line.keyword!r} within more than {NESTING} others"
+            self._stack[-1].current.append(Unsupported(what=what, span=line.span))
         condition = line.condition if line.condition is not None else Number(0.0, line.span)
         self._stack.append(_Open(line.keyword, line.span, condition, line.name))
 
@@ -106,6 +112,8 @@ class Assembler:
         block = self._stack.pop()
         outer = self._stack[-1].current
         body = tuple(block.body)
+        if len(self._stack) > NESTING:
+            return  # an Unsupported stands in its place
         if block.keyword == "if":
             otherwise = tuple(block.otherwise or ())
             outer.append(If(condition=block.condition, then=body, otherwise=otherwise, span=block.span))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import pytest
@@ -9,6 +10,7 @@ from frontend.programs import load, program_of, shown
 
 from gproof.frontend.eding.load import load_program
 from gproof.ir.finding import Findings
+from gproof.ir.text import parse_ir, print_ir
 
 CASES = [
     # GP101 syntax
@@ -194,6 +196,23 @@ def test_a_bad_condition_still_opens_its_block(tmp_path: Path) -> None:
     _, findings = load(tmp_path, text)
     codes = [(code, line) for code, line, _, _ in shown(findings)]
     assert codes == [("GP107", 1), ("GP107", 6), ("GP124", 9), ("GP122", 11), ("GP122", 13), ("GP114", 13)]
+
+
+@pytest.mark.parametrize("word", ["if", "while"])
+def test_blocks_nested_too_deep_are_not_modelled(tmp_path: Path, word: str) -> None:
+    for depth, kinds in ((100, set()), (101, {"Unsupported"}), (3000, {"Unsupported"})):
+        text = f"{word} [1]\nx1\n" * depth + f"end{word}\n" * depth
+        program = program_of(tmp_path, text)
+        assert parse_ir(print_ir(program)) == program
+        assert {name for name in re.findall(r"\((\w+)", print_ir(program)) if name == "Unsupported"} == kinds
+
+
+@pytest.mark.parametrize(
+    "value", ["#" * 240 + "1", "-[" * 80 + "1" + "]" * 80, "[" + "1+" * 120 + "1]", "sin[" * 40 + "1" + "]" * 40]
+)
+def test_the_deepest_expressions_that_fit_a_line(tmp_path: Path, value: str) -> None:
+    program = program_of(tmp_path, f"x{value}\n")
+    assert parse_ir(print_ir(program)) == program
 
 
 def test_findings_come_in_the_order_of_lines(tmp_path: Path) -> None:
