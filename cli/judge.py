@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 from gproof.cli.session import Session
 from gproof.ir import codes
 from gproof.ir.finding import Findings, Severity, Span
-from gproof.ir.trace import Affine, Chunk, Wait
+from gproof.ir.trace import Affine, Chunk, Wait, verify_rows
 from gproof.ir.verdict import DEFAULT_POLICY, Condition, PropertyResult, Verdict, worst
 from gproof.passes.arc_radius import ArcRadius
 from gproof.passes.execute import Executor
@@ -96,7 +96,9 @@ def _pass(
     checks = [limits, area, ArcRadius(machine, setup, findings)]
     estimate = MotionEstimate(machine)
     sections, waits = 0, set[Wait]()
+    session.program.verify()
     for chunk in ex.run():
+        verify_rows(chunk.rows, chunk.trace, f"section {chunk.section}")
         waits.update(edge.wait for edge in chunk.edges)
         for check in checks:
             check.feed(chunk)

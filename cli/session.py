@@ -47,7 +47,8 @@ def open_session(job: Path, *, machine: Path | None, setup: str | None, dialect:
     if dialect is None:
         dialect, reason = guess_dialect(job)
     if dialect != "eding":
-        raise UsageError(f"{job}: looks like {dialect} ({reason}), which is not supported; --dialect overrides")
+        how = "was asked for" if reason == "as given" else f"is what it looks like ({reason}; --dialect overrides)"
+        raise UsageError(f"{job}: {dialect} {how}, and this version reads eding only")
     the_machine, the_setup = NO_MACHINE, NOTHING
     if machine is not None:
         from gproof.frontend.machine_file import load_machine
