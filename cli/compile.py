@@ -5,6 +5,7 @@ from __future__ import annotations
 import datetime
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 
@@ -18,6 +19,9 @@ from gproof.ir.plan import Plan
 from gproof.ir.stream import StepStream
 from gproof.ir.trace import Trace
 from gproof.ir.verdict import Verdict
+
+if TYPE_CHECKING:
+    from gproof.verify.stream_report import StreamReport
 
 
 @dataclass(slots=True, kw_only=True)
@@ -113,11 +117,16 @@ def _refuse(session: Session, judgement: Judgement, verdict: Verdict, why: str) 
     return verdict.exit_code
 
 
-def _write(session, judgement, lowered, report, output, key_path, unsigned):  # type: ignore[no-untyped-def]
+def _write(
+    session: Session, judgement: Judgement, lowered: Lowered, report: StreamReport, output: Path,
+    key_path: Path | None, unsigned: bool,
+) -> tuple[str, str]:  # fmt: skip
+    """Sign and write the package; returns its identity and who signed it."""
     from importlib.metadata import version
 
     from gproof.verify import certificate as c
 
+    assert lowered.stream is not None
     key, signer = None, "nobody (--unsigned)"
     if not unsigned:
         place = key_path or default_key_path()

@@ -13,6 +13,7 @@ from typing import Any
 import click
 
 COULD_NOT_RUN = 3
+_DIALECTS = ["wincnc", "eding", "mcuwin"]
 
 
 class UsageError(click.ClickException):
@@ -49,7 +50,7 @@ def _job_options(command: Any) -> Any:
         (
             click.option("--machine", type=click.Path(path_type=Path), help="Machine file (TOML or the controller's)."),
             click.option("--setup", help="Setup file, or 'zero': homed, at machine 0, no offsets, tool 0."),
-            click.option("--dialect", type=click.Choice(["wincnc", "eding", "mcuwin"]), help="Language; guessed when not given."),
+            click.option("--dialect", type=click.Choice(_DIALECTS), help="Language; guessed when not given."),
             click.option(
                 "--max-blocks", type=click.IntRange(1), default=100_000_000, help="Blocks to execute at most."
             ),

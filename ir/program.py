@@ -9,7 +9,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import Union
 
 import numpy as np
 
@@ -81,7 +80,7 @@ class Binary:
     doubtful: bool = False
 
 
-Expr = Union[Number, Text, Variable, Unary, Binary]
+Expr = Number | Text | Variable | Unary | Binary
 
 
 @dataclass(frozen=True, slots=True)
@@ -183,7 +182,7 @@ class BlockTable:
     words: Columns | None = None
 
 
-Statement = Union[Block, If, While, Call, Message, Guard, Unsupported, BlockTable]
+Statement = Block | If | While | Call | Message | Guard | Unsupported | BlockTable
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -64,7 +64,7 @@ def run_cycle(ex: Executor, line: Line, rule: CodeRule) -> None:
     if repeats * (3 * pecks + 4) > MAX_MOVES:
         s.motion = Function.UNSUPPORTED
         what = f"a cycle of more than {MAX_MOVES} moves"
-        raise Refusal(codes.UNSUPPORTED_CODE.at(line.span, code=what, hint="Q or L may be meant otherwise"))
+        raise Refusal(codes.UNSUPPORTED_CODE.at(line.span, code=what))
     s.cycle = {"R": r_word, letters: depth_word} | ({"P": dwell} if dwell is not None else {})
     if peck is not None:
         s.cycle["Q"] = peck

@@ -45,6 +45,7 @@ from gproof.passes.rows import RowBuffer
 from gproof.passes.values import NOWHERE, FrameTable, Position, Unknown, Value, describe
 
 CHUNK_BYTES = 1 << 20
+_UTF8_MARK = b"\xef\xbb\xbf"
 MAX_NESTED = 200
 """Blocks within blocks, those of calls counted in; each takes a frame of Python's stack."""
 DEFAULT_BUDGET = 100_000_000
@@ -313,11 +314,16 @@ class Executor:
         data = self.program.files[table.file].data
         first = base + int(words["offset"][begin])
         start = data.rfind(b"\n", 0, first) + 1
+        if start == 0 and data[:3] == _UTF8_MARK:
+            start = len(_UTF8_MARK)
         spans = []
         for i in range(begin, end):
             column = base + int(words["offset"][i]) - start + 1
             stop = base + int(words["offset"][i + 1]) - start + 1 if i + 1 < end else 0
             spans.append(Span(name, number, column, _word_end(data, start, column, stop)))
+        before = data[start : start + spans[-1].end_column - 1]
+        if not before.isascii():
+            spans = [_in_characters(span, before) for span in spans]
         letters = [chr(x) for x in words["letter"][begin:end].tolist()]
         values: list[float] = words["value"][begin:end].tolist()
         span = Span(name, number, spans[0].column, spans[-1].end_column)
@@ -345,10 +351,10 @@ class Executor:
 
     def _read(self, number: float, span: Span) -> Value:
         value = self.modal.read(number, span)
-        if isinstance(value, Unknown) and value.cause == f"#{round(number)}":
-            if round(number) not in self._warned:
-                self._warned.add(round(number))
-                self.findings.add(codes.UNSET_PARAMETER.at(span, number=round(number)))
+        whole = round(number)
+        if isinstance(value, Unknown) and value.cause == f"#{whole}" and whole not in self._warned:
+            self._warned.add(whole)
+            self.findings.add(codes.UNSET_PARAMETER.at(span, number=whole))
         return value
 
     # -- one line
@@ -1029,6 +1035,15 @@ def _word_end(data: bytes, start: int, column: int, stop: int) -> int:
     while stop > column + 1 and start + stop - 2 < len(data) and data[start + stop - 2] in b" \t":
         stop -= 1
     return stop
+
+
+def _in_characters(span: Span, raw: bytes) -> Span:
+    """The span of a word in a line that begins with ``raw``: bytes to characters of its encoding."""
+    try:
+        column, end_column = (len(raw[: at - 1].decode("utf-8")) + 1 for at in (span.column, span.end_column))
+    except UnicodeDecodeError:
+        return span  # no UTF-8: each byte is a character
+    return Span(span.file, span.line, column, end_column)
 
 
 def _length(

@@ -90,7 +90,7 @@ def row_boxes(
                 p = plane[row]
                 u = 0 if p == 1 else (2 if p == 2 else 1)
                 v = 1 if p == 1 else (0 if p == 2 else 2)
-                if axis == u or axis == v:
+                if axis in (u, v):
                     cu, cv = center[row, u], center[row, v]
                     a, b, c, d, _ = arc_extreme(
                         position[u] - cu, position[v] - cv, to[row, u] - cu, to[row, v] - cv, turns[row]

@@ -245,12 +245,9 @@ class Limits(Check):
                         )
                     )  # fmt: skip
                 else:
-                    self.findings.add(
-                        codes.POSITION_UNKNOWN.at(
-                            self._first, axis=describe(form),
-                            cause=f"its value: safe for {low:.4f} to {high:.4f}, stated {stated.low:g} to {stated.high:g}",
-                        )
-                    )  # fmt: skip
+                    safe, said = f"{low:.4f} to {high:.4f}", f"{stated.low:g} to {stated.high:g}"
+                    cause = f"its value: safe for {safe}, stated {said}"
+                    self.findings.add(codes.POSITION_UNKNOWN.at(self._first, axis=describe(form), cause=cause))
                 continue
             if low > high or (low == -math.inf and high == math.inf):
                 continue

@@ -259,7 +259,7 @@ def _line_enters(start: Point, end: Point, box: Box) -> Point | None:
             continue
         enter, leave = sorted(((low - a) / d, (high - a) / d))
         t0, t1 = max(t0, enter), min(t1, leave)
-        if t0 >= t1 and not (start == end):
+        if t0 >= t1 and start != end:
             return None
     middle = (t0 + t1) / 2
     return tuple(a + (b - a) * middle for a, b in zip(start, end, strict=True))  # type: ignore[return-value]

@@ -22,7 +22,7 @@ def add_forms(left: Affine, right: Affine, sign: int = 1) -> Affine:
     """left + sign * right; anything with UNKNOWN is UNKNOWN."""
     if not right:
         return left
-    if left == UNKNOWN or right == UNKNOWN:
+    if UNKNOWN in (left, right):
         return UNKNOWN
     total = dict(left)
     for symbol, coefficient in right:

@@ -117,9 +117,11 @@ machines = st.builds(
 )  # fmt: skip
 intervals = st.builds(Interval, floats, floats)
 setups = st.builds(
-    Setup, name=names, homed=st.lists(names, max_size=2).map(tuple), start=st.dictionaries(names, intervals, max_size=2),
+    Setup, name=names, homed=st.lists(names, max_size=2).map(tuple),
+    start=st.dictionaries(names, intervals, max_size=2),
     work=st.dictionaries(st.tuples(st.integers(1, 9), names), intervals, max_size=2),
-    g92=st.dictionaries(names, intervals, max_size=1), tool_lengths=st.dictionaries(st.integers(), intervals, max_size=1),
+    g92=st.dictionaries(names, intervals, max_size=1),
+    tool_lengths=st.dictionaries(st.integers(), intervals, max_size=1),
     parameters=st.dictionaries(st.integers(), floats, max_size=2), tool=st.none() | st.integers(),
     default_offset=optional, block_delete=st.none() | st.booleans(),
 )  # fmt: skip
