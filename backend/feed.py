@@ -96,23 +96,18 @@ class Feeder:
     """The runs and events of one section on their way to a board."""
 
     def __init__(self, section: StreamSection, *, max_count: int = 2**31 - 1) -> None:
-        self._max_count = max_count
-        self._load(section)
+        self.section = section
+        self._motors = [_Cursor(runs, max_count) for runs in section.runs]
+        self._events = list(section.events.rows())
         self._event = 0
 
-    def _load(self, section: StreamSection) -> None:
-        self.section = section
-        self._motors = [_Cursor(runs, self._max_count) for runs in section.runs]
-        self._events = list(section.events.rows())
-
-    def replace(self, section: StreamSection) -> None:
-        """Go on with a section that has the same steps and events up to what has been sent."""
-        sent = [(m.sent, m.sent_until) for m in self._motors]
-        self._load(section)
-        for motor, (steps, until) in zip(self._motors, sent, strict=True):
-            motor.skip(steps)
-            if motor.sent_until != until:
-                raise ValueError(f"step {steps} was sent for tick {until}, not for {motor.sent_until}")
+    def follow(self, other: Feeder) -> None:
+        """Go on where ``other`` stands; ValueError when what it has sent is not the beginning of this section."""
+        for motor, sent in zip(self._motors, other._motors, strict=True):
+            motor.skip(sent.sent)
+            if motor.sent_until != sent.sent_until:
+                raise ValueError(f"step {sent.sent} was sent for tick {sent.sent_until}, not for {motor.sent_until}")
+        self._event = other._event
 
     @property
     def sent_until(self) -> int:

@@ -41,8 +41,8 @@ Progress = Callable[[float], None]
 LEAD = 0.05
 """Seconds between opening a section and its first tick."""
 
-SECONDS_PER_STEP = 2e-6
-"""What retiming and the validator take for a step, at most; a feed hold on a real board waits for it."""
+PREPARING = 0.2
+"""Seconds that a feed hold needs at least on a real board, beside what the validator took for the whole job."""
 
 
 class RunFailed(Exception):
@@ -207,7 +207,7 @@ class _Walk:
             self.board,
             is_,
             section,
-            pace=self._pace(is_, section),
+            pace=self._pace(is_),
             prepare=self.retimer.hold,
             operator=self.operator,
             control=self.control,
@@ -265,13 +265,12 @@ class _Walk:
         report = validate(stream, self.job.trace, self.job.machine, self.job.setup, sections=(section.number,))
         return report.verdict is Verdict.SAFE
 
-    def _pace(self, is_: Capabilities, section: StreamSection) -> Pace:
+    def _pace(self, is_: Capabilities) -> Pace:
         ticks = is_.tick_frequency
-        steps = sum(int(r["count"].sum()) for r in section.runs)
         return Pace(
             lookahead=max(1, int(self.job.machine.controller.fifo_time * ticks)),
             lead=int(LEAD * ticks),
-            preparing=int((0.2 + steps * SECONDS_PER_STEP) * ticks),
+            preparing=int((PREPARING + 1.5 * self.job.seconds) * ticks),
         )
 
     def _note(self, before: Status, run: SectionRun, planned: list[Retiming]) -> None:

@@ -52,6 +52,9 @@ class Ended:
     reason: str = ""
 
 
+_Ready = tuple[Prepared, Feeder]
+
+
 class SectionRun:
     """Runs one section; ``run`` is called once."""
 
@@ -81,7 +84,7 @@ class SectionRun:
         self.seen: Status | None = None
         self._feeder = Feeder(section, max_count=is_.max_count)
         self._held: Prepared | None = None
-        self._asked: tuple[int, Future[Prepared | None]] | None = None
+        self._asked: tuple[int, Future[_Ready | None]] | None = None
         self._patience = pace.preparing
         self._worker: ThreadPoolExecutor | None = None
         self._finished = False
@@ -191,13 +194,13 @@ class SectionRun:
         section = self.ended.section
         if not self.is_.real_time:
             # Simulated time stands still meanwhile.
-            self._take(self.prepare(section, max(now, self._feeder.sent_until), rest))
+            self._take(self._ready(section, max(now, self._feeder.sent_until), rest))
             return
         if self._asked is None:
             # The board goes on: the hold begins where its FIFO will be fed no further.
             self._worker = self._worker or ThreadPoolExecutor(max_workers=1)
             at = max(now, self._feeder.sent_until, now + self.pace.lookahead + self._patience)
-            self._asked = (at, self._worker.submit(self.prepare, section, at, rest))
+            self._asked = (at, self._worker.submit(self._ready, section, at, rest))
             return
         at, future = self._asked
         if future.done():
@@ -209,16 +212,24 @@ class SectionRun:
             self._asked = None
             self._patience *= 2
 
-    def _take(self, prepared: Prepared | None) -> None:
+    def _ready(self, section: StreamSection, at: int, rest: int) -> _Ready | None:
+        """A hold with its feeder, which takes a moment to make for a long section."""
+        prepared = self.prepare(section, at, rest)
         if prepared is None:
+            return None
+        return prepared, Feeder(prepared.section, max_count=self.is_.max_count)
+
+    def _take(self, ready: _Ready | None) -> None:
+        if ready is None:
             self.ended.reason = "no feed hold passed the validator"
             self.control.stop()
             return
-        self._replace(prepared)
-        self._held = prepared
+        self._replace(*ready)
+        self._held = ready[0]
 
-    def _replace(self, prepared: Prepared) -> None:
-        self._feeder.replace(prepared.section)
+    def _replace(self, prepared: Prepared, feeder: Feeder) -> None:
+        feeder.follow(self._feeder)
+        self._feeder = feeder
         if self._held is not None:
             self.ended.retimings.pop()
         self.ended.section = prepared.section
@@ -237,7 +248,7 @@ class SectionRun:
             now = self.board.status().tick - self.base
             again = held.again(max(1, now + self.pace.lead - begins)) if held.again else None
             if again is not None:
-                self._replace(again)
+                self._replace(again, Feeder(again.section, max_count=self.is_.max_count))
                 self._held = None
                 return True
         self.board.finish_section(now)

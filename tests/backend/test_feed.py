@@ -54,15 +54,16 @@ def test_everything_is_sent_once_and_never_too_early(
 
 
 @given(sections(), st.integers(0, 30_000), st.integers(1, 5000))
-def test_the_rest_can_be_retimed_after_some_was_sent(section: StreamSection, until: int, rest: int) -> None:
+def test_the_rest_can_be_retimed_after_some_was_sent(section: StreamSection, until: int, ticks: int) -> None:
     board, feeder = Store(len(section.runs)), Feeder(section)
     feeder.fill(board, 10**6, until)
     build = MapBuilder()
     build.shift(feeder.sent_until)
-    build.rest(rest)
+    build.rest(ticks)
     late = retime(section, build.done(), Spacing(gap=1, setup=1, tolerance=0))
-    feeder.replace(late)
-    feeder.fill(board, 10**6, 10**9)
+    rest = Feeder(late)
+    rest.follow(feeder)
+    rest.fill(board, 10**6, 10**9)
     assert board.steps == [steps_of(runs) for runs in late.runs]
 
 
@@ -79,7 +80,7 @@ def test_a_section_that_differs_in_what_was_sent_is_refused() -> None:
     build = MapBuilder()
     build.to(10, 30)
     with pytest.raises(ValueError, match="was sent"):
-        feeder.replace(retime(section, build.done(), Spacing(gap=1, setup=1, tolerance=0)))
+        Feeder(retime(section, build.done(), Spacing(gap=1, setup=1, tolerance=0))).follow(feeder)
 
 
 @given(sections(motors=2), st.integers(4, 40))

@@ -1,0 +1,112 @@
+"""From a package on disk to a record: what holds runs, everything else is refused before any motion."""
+
+import dataclasses
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+from backend.jobs import job
+from backend.streams import FREQUENCY
+from backend.test_runtime import Tap
+
+from gproof.backend.boards.virtual import VirtualBoard
+from gproof.backend.record import parse_record, read_record, verify_record
+from gproof.backend.runtime import RunRefused, run
+from gproof.ir.machine import Board
+from gproof.ir.setup import ZERO, Interval
+from gproof.ir.verdict import DEFAULT_POLICY, Condition, PropertyResult, Verdict
+from gproof.verify.certificate import check_package, write_package
+from gproof.verify.package import CertificateError, Package, read_package
+from gproof.verify.stream import validate
+
+Make = Callable[..., Package]
+JOB = job([(6.0, 0.0), (6.0, 5.0)], [(0.0, 0.0)])
+
+
+@pytest.fixture
+def make(tmp_path: Path) -> Make:
+    """Writes a package and reads it back; keywords change what it says."""
+
+    def package(
+        what=JOB, conditions: tuple[Condition, ...] = (), verdict: Verdict = Verdict.SAFE, setup=ZERO
+    ) -> Package:
+        path = tmp_path / "job.gpx"
+        write_package(
+            path,
+            job=what.name,
+            version="0",
+            inputs=[],
+            properties=[PropertyResult(name=name, verdict=verdict, conditions=conditions) for name in DEFAULT_POLICY],
+            not_judged=[],
+            assumptions=[],
+            machine=what.machine,
+            setup=setup,
+            trace=what.trace,
+            stream=what.stream,
+            report=validate(what.stream, what.trace, what.machine, setup),
+        )
+        return read_package(path)
+
+    return package
+
+
+def refused(*arguments, **more) -> set[int]:
+    board = Tap(2)
+    with pytest.raises(RunRefused) as refusal:
+        run(*arguments[:1], board, *arguments[1:], **more)
+    assert board.status().state.value == "closed"
+    assert board.seen == [[], []]
+    assert str(refusal.value)
+    return {f.code.number for f in refusal.value.findings} - {826}
+
+
+def test_a_package_runs_and_its_record_fits(make: Make, tmp_path: Path) -> None:
+    package = make()
+    board = VirtualBoard.for_machine(package.machine, len(package.stream.motors))
+    record = run(package, board, override=0.5, hold_at=200_000, machine=package.machine, setup=ZERO)
+    assert record.result.value == "completed"
+    assert record.certificate == package.sha256
+    assert record.job == "job.cnc"
+    assert sum(record.steps) == package.stream.steps()
+    record.write(tmp_path / "record.json")
+    assert verify_record(read_record(tmp_path / "record.json"), package) == []
+    other = dataclasses.replace(record, position=(0, 1))
+    assert [f.code.label for f in verify_record(parse_record(other.to_json()), package)] == ["GP833"]
+
+
+def test_another_machine_is_refused(make: Make) -> None:
+    package = make()
+    other = dataclasses.replace(package.machine, board=Board(tick_frequency=FREQUENCY, step_pulse=1e-6))
+    assert refused(package, machine=other) == {823}
+
+
+def test_other_offsets_are_refused(make: Make) -> None:
+    condition = Condition(terms=(("work.1.x", 1),), low=0.0, high=2.0)
+    package = make(conditions=(condition,))
+    assert check_package(package).valid
+    setup = dataclasses.replace(ZERO, work={(1, "x"): Interval(2.5, 2.5)})
+    assert refused(package, setup=setup) == {825}
+
+
+def test_what_is_not_safe_is_refused(make: Make) -> None:
+    assert refused(make(verdict=Verdict.UNKNOWN)) == {824}
+
+
+def test_a_stream_that_does_not_hold_is_refused(make: Make) -> None:
+    bad = job([(6.0, 0.0)])
+    bad.stream.sections[0].runs[0]["interval"][5] += 4000
+    assert refused(make(bad)) & set(range(801, 811))
+
+
+def test_an_unsigned_package_is_refused_where_signers_are_named(make: Make) -> None:
+    assert refused(make(), trusted_keys=[b"x" * 32]) == {822}
+
+
+def test_a_changed_file_is_not_even_read(make: Make) -> None:
+    package = make()
+    path = Path(package.path)
+    data = bytearray(path.read_bytes())
+    data[len(data) // 2] ^= 1
+    path.write_bytes(data)
+    with pytest.raises(CertificateError):
+        read_package(path)
