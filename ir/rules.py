@@ -101,7 +101,8 @@ class ParameterRange:
     """Numbered variables first..last: meaning, whether a program may write them, section of the manual.
 
     kind: how the executor finds the live value: ``free``, ``persistent``, ``position`` (work),
-    ``machine_position``, ``tool``, ``g92``, ``work`` (stride 20 from first), ``work_number``, ``park_1``, ``park_2``, ``tool_length``, ``other``.
+    ``machine_position``, ``tool``, ``g92``, ``work`` (stride 20 from first), ``work_number``, ``park_1``,
+    ``park_2``, ``tool_length``, ``other``.
     """
 
     first: int

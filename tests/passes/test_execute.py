@@ -196,7 +196,8 @@ def test_arc_geometry_in_every_plane(tmp_path: Path) -> None:
     """G3 a quarter turn from the first axis of the right-handed pair: XY X to Y, ZX Z to X, YZ Y to Z."""
     text = (
         HEAD
-        + "F100\nG0 X10 Y0\nG17 G3 X0 Y10 I-10\nG0 X0 Y0 Z10\nG18 G3 X10 Z0 K-10\nG0 X0 Y10 Z0\nG19 G3 Y0 Z10 J-10\nM30\n"
+        + "F100\nG0 X10 Y0\nG17 G3 X0 Y10 I-10\nG0 X0 Y0 Z10\nG18 G3 X10 Z0 K-10\n"
+        + "G0 X0 Y10 Z0\nG19 G3 Y0 Z10 J-10\nM30\n"
     )
     trace, findings = run(tmp_path, text)
     assert codes_of(findings) == []
