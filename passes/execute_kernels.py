@@ -52,7 +52,7 @@ def radius_center(x0: float, y0: float, x1: float, y1: float, radius: float, ccw
     return x0 + dx / 2.0 - side * height * dy / chord, y0 + dy / 2.0 + side * height * dx / chord, RADIUS_OK
 
 
-@kernel(seconds_per_unit=12e-6, compile_seconds=6.0)
+@kernel(seconds_per_unit=3e-6, compile_seconds=1.5)
 def run_lines(
     line: Any,
     letter: Any,
