@@ -13,6 +13,7 @@ from pathlib import Path
 
 import click
 
+from gproof.cli.files import require_place
 from gproof.cli.judge import NOT_JUDGED, Judgement, judge
 from gproof.cli.report import coloured, distinct, finding_json, print_findings
 from gproof.cli.session import Session, open_session
@@ -31,6 +32,8 @@ def run_check(
     strict: bool, picture: Path | None,
 ) -> int:  # fmt: skip
     """Judge a job, print the report, write the picture; returns the exit code."""
+    if picture is not None:
+        require_place(picture, "picture", (job, machine, setup))
     session = open_session(job, machine=machine, setup=setup, dialect=dialect)
     drawing = None
     if picture is not None:
