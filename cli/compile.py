@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 import click
 
 from gproof.cli.check import print_summary
+from gproof.cli.files import require_place
 from gproof.cli.judge import NOT_JUDGED, Judgement, judge
 from gproof.cli.main import UsageError
 from gproof.cli.report import print_findings
@@ -65,7 +66,7 @@ def run_compile(
     key: Path | None, unsigned: bool,
 ) -> int:  # fmt: skip
     """Judge, lower, validate, sign and write; a file appears only for a job that is SAFE all the way."""
-    _writable(output)
+    require_place(output, "output", (job, machine, setup, key))
     if key is not None and unsigned:
         raise UsageError("--key and --unsigned exclude each other")
     session = open_session(job, machine=machine, setup=setup, dialect=dialect)
@@ -150,11 +151,3 @@ def _write(
 def default_key_path() -> Path:
     """Where a user's own signing key is kept; made on the first ``compile``."""
     return Path(click.get_app_dir("gproof")) / "signing-key.pem"
-
-
-def _writable(output: Path) -> None:
-    """Refuse an output that can not be written before working for it."""
-    if output.is_dir():
-        raise UsageError(f"output {output}: is a directory")
-    if not output.parent.is_dir():
-        raise UsageError(f"output {output}: there is no folder {output.parent}")

@@ -5,6 +5,7 @@ Exit codes: 0 SAFE (or done), 1 UNSAFE, 2 UNKNOWN, 3 the command itself could no
 
 from __future__ import annotations
 
+import io
 import os
 import sys
 from pathlib import Path
@@ -158,6 +159,10 @@ def explain(code: str) -> int:
 
 def main(arguments: list[str] | None = None) -> int:
     """Run the command line; returns the exit code, never raises for anything a user can cause."""
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, io.TextIOWrapper):
+            # File names may hold bytes that are no text, and messages what the terminal can not show.
+            stream.reconfigure(errors="backslashreplace")
     try:
         result = cli.main(args=arguments, prog_name="gproof", standalone_mode=False)
     except click.UsageError as error:

@@ -52,7 +52,6 @@ class Drawing:
     def write(self, path: Path, session: Session, judgement: Judgement) -> None:
         """Draw and write the file, whole or not at all."""
         text = _Sheet(scene_of(self._path, session, judgement), session, judgement).text()
-        path.parent.mkdir(parents=True, exist_ok=True)
         handle, name = tempfile.mkstemp(dir=path.parent, suffix=".svg")
         try:
             with os.fdopen(handle, "w", encoding="utf-8") as out:

@@ -11,9 +11,8 @@ from pathlib import Path
 
 import click
 
-from gproof.cli.main import UsageError
+from gproof.cli.files import require_file, require_place
 from gproof.cli.report import print_findings
-from gproof.cli.verify import require_file
 from gproof.ir.finding import Finding, Findings, Severity
 from gproof.ir.verdict import Verdict
 
@@ -31,8 +30,8 @@ def run_run(
 
     assert board == "virtual"
     require_file(path, "package")
-    if record is not None and (record.is_dir() or not record.parent.is_dir()):
-        raise UsageError(f"record {record}: can not be written there")
+    if record is not None:
+        require_place(record, "record", (path,))
     try:
         package = read_package(path)
     except CertificateError as error:

@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TypeVar
 
+from gproof.cli.files import require_file
 from gproof.cli.main import UsageError
 from gproof.ir.finding import Findings
 from gproof.ir.machine import NO_MACHINE, Machine
@@ -40,7 +41,7 @@ def open_session(job: Path, *, machine: Path | None, setup: str | None, dialect:
     """Read everything; UsageError (exit 3) for files that can not be read at all."""
     from gproof.frontend.guess import guess_dialect
 
-    _readable(job, "job")
+    require_file(job, "job")
     findings = Findings()
     inputs: list[tuple[str, str, str]] = []
     reason = "as given"
@@ -53,14 +54,14 @@ def open_session(job: Path, *, machine: Path | None, setup: str | None, dialect:
     if machine is not None:
         from gproof.frontend.machine_file import load_machine
 
-        _readable(machine, "machine file")
+        require_file(machine, "machine file")
         the_machine = _loaded(load_machine(machine, findings), findings, inputs, "machine")
     if setup == "zero":
         the_setup = ZERO
     elif setup is not None:
         from gproof.frontend.setup_file import load_setup
 
-        _readable(Path(setup), "setup file")
+        require_file(Path(setup), "setup file")
         the_setup = _loaded(load_setup(Path(setup), findings), findings, inputs, "setup")
     from gproof.frontend.eding.load import load_program
     from gproof.ir.kernel import Kernel
@@ -87,16 +88,3 @@ def _loaded(
         print_findings(findings, err=True)
         raise UsageError(f"the {role} file can not be used")
     return value
-
-
-def _readable(path: Path, what: str) -> None:
-    """One clear line instead of a traceback for what is not a readable file."""
-    if not path.exists():
-        raise UsageError(f"{what} {path}: no such file")
-    if path.is_dir():
-        raise UsageError(f"{what} {path}: is a directory")
-    try:
-        with path.open("rb"):
-            pass
-    except OSError as error:
-        raise UsageError(f"{what} {path}: {error.strerror}") from None

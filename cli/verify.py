@@ -6,6 +6,7 @@ from pathlib import Path
 
 import click
 
+from gproof.cli.files import require_file
 from gproof.cli.main import UsageError
 from gproof.cli.report import print_findings
 from gproof.ir.finding import Findings, Severity
@@ -46,14 +47,6 @@ def run_verify(path: Path, *, machine: Path | None, trust: tuple[Path, ...]) -> 
     for result in check.stream.properties:
         click.echo(f"  {result.name:<20} {result.verdict.value}")
     return verdict.exit_code
-
-
-def require_file(path: Path, what: str) -> None:
-    """UsageError for what is not a readable file."""
-    if not path.exists():
-        raise UsageError(f"{what} {path}: no such file")
-    if path.is_dir():
-        raise UsageError(f"{what} {path}: is a directory")
 
 
 def load_given_machine(path: Path | None, findings: Findings) -> Machine | None:

@@ -175,6 +175,7 @@ class Limits(Check):
         assert self._trace is not None and self._first is not None
         name = AXIS_NAMES[index]
         axis = self.machine.axis(name)
+        told: set[bool] = set()
         for slot in range(len(self._low)):
             least, most = float(self._low[slot, index]), float(self._high[slot, index])
             if most < least:
@@ -191,7 +192,8 @@ class Limits(Check):
                 continue
             low, high = self._sides(axis, off)
             missing = [side for side, limit in (("lower", low), ("upper", high)) if limit is None]
-            if missing:
+            if missing and off not in told:
+                told.add(off)
                 what = ("physical " if off else "") + " and ".join(missing)
                 where = self._low_span if missing[0] == "lower" else self._high_span
                 self.findings.add(codes.LIMIT_UNKNOWN.at(where[slot, index], side=what, axis=name.upper()))
