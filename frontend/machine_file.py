@@ -184,9 +184,10 @@ def _board(root: TomlTable, before: Board) -> Board:
 
 
 def _areas(root: TomlTable, machine: Machine, unit: Fraction) -> Machine:
-    """``[areas.tool_change]``, and any other name as an area to keep out of."""
+    """``[areas.tool_change]``, and any other name as an area to keep out of (kept, but no check knows it yet)."""
     outer = root.table("areas")
     change, keep_out = machine.tool_change_area, {area.name: area for area in machine.keep_out}
+    not_modelled = list(machine.not_modelled)
     for name in outer.values if outer else ():
         assert outer is not None
         table = outer.table(name)
@@ -203,4 +204,10 @@ def _areas(root: TomlTable, machine: Machine, unit: Fraction) -> Machine:
             change = area
         else:
             keep_out[name] = area
-    return replace(machine, tool_change_area=change, keep_out=tuple(keep_out.values()))
+            not_modelled.append(".".join(table.path))
+    return replace(
+        machine,
+        tool_change_area=change,
+        keep_out=tuple(keep_out.values()),
+        not_modelled=tuple(dict.fromkeys(not_modelled)),
+    )

@@ -74,7 +74,7 @@ class _Loader:
         limit = self.program.rules.line_length
         begin = len(UTF8_MARK) if source.data[:3] == UTF8_MARK else 0
         found = index(source.data, begin, limit)
-        self.program.line_count += found.line_count
+        self.program.line_count = self.program.line_count or found.line_count
         self.assembler.begin_file(source.name)
         self._lines(number, source, begin, found)
         body = self.assembler.end_file()

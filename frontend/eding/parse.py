@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import functools
 import re
-from importlib import resources
+from pathlib import Path
 from typing import TYPE_CHECKING, cast
 
 from gproof.frontend.eding.build import Builder, Parsed
@@ -24,7 +24,7 @@ def _grammar() -> tuple[Builder, Lark]:
     """The parser and the object whose methods are its actions."""
     from lark import Lark
 
-    text = resources.files("gproof.frontend.eding").joinpath("grammar.lark").read_text("utf-8")
+    text = Path(__file__).with_name("grammar.lark").read_text("utf-8")
     builder = Builder()
     lark = Lark(
         text,

@@ -103,7 +103,7 @@ def _steps() -> dict[str, dict[str, str]]:
     steps["int"] = word | end1 | {"digit": "int", "point": "real"}
     steps["dot"] = {"digit": "real"}
     steps["real"] = word | end1 | {"digit": "real"}
-    steps["percent"] = dict(end0)
+    steps["percent"] = {"semicolon": "rest0", "return": "return0"}
     for state in _BLANK_LOOPS:
         steps[state]["blank"] = state
     for has in "01":

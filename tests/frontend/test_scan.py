@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import math
 import random
 import re
@@ -14,7 +15,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from gproof.frontend.eding import scan
-from gproof.ir.program import FLAG_DELETE, FLAG_POINT
+from gproof.frontend.eding.parse import parse_line
+from gproof.frontend.eding.prepare import LineError
+from gproof.ir.program import FLAG_DELETE, FLAG_POINT, Block, Number
 
 LIMIT = 256
 LINE = re.compile(r"/?(?:N[0-9]{1,5})?((?:[ABCDEFGHIJKLMPQRSTXYZ][-+]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)|\|)*)")
@@ -44,7 +47,7 @@ def words_of_line(raw: bytes, line: int, offset: int) -> Words | None:
             kept.append((at, text[at]))
         at += 1
     code = "".join(character.upper() if character.isascii() else "?" for _, character in kept)
-    if re.fullmatch(r"%\|*", code):
+    if code == "%":
         return []
     match = LINE.fullmatch(code)
     if match is None:
@@ -107,6 +110,19 @@ def assert_same(data: bytes) -> None:
     assert [bits(word[4]) for word in found_words] == [bits(word[4]) for word in words]
 
 
+def by_grammar(line: bytes, offset: int) -> Words:
+    """The words of a plain line as the grammar reads them; offsets only of lines in one-byte characters."""
+    words: Words = []
+    for block in parse_line(line, "job.cnc", 1):
+        assert isinstance(block, Block)
+        for word in block.words:
+            assert isinstance(word.value, Number)
+            written = line.decode("latin-1")[word.span.column - 1 : word.span.end_column - 1]
+            flags = (FLAG_DELETE if block.deleted else 0) | (FLAG_POINT if "." in written else 0)
+            words.append((1, offset + word.span.column - 1, word.letter, flags, word.value.value))
+    return words
+
+
 NUMBERS = st.one_of(
     st.from_regex(r"[-+]?([0-9]{1,20}\.?[0-9]{0,25}|\.[0-9]{1,25})", fullmatch=True),
     st.sampled_from(["0", "-0", "-.0", "9007199254740992", "9007199254740993", "90071992547409925", "1." + "0" * 23]),
@@ -137,6 +153,24 @@ FILES = st.builds(
 @given(FILES)
 def test_index_and_scan_equal_the_slow_tokenizer(data: bytes) -> None:
     assert_same(data)
+
+
+@settings(max_examples=400, deadline=None)
+@given(LINES)
+def test_the_grammar_reads_a_plain_line_alike(text: str) -> None:
+    line = text.encode("ascii", "replace").removesuffix(b"\r")
+    words = words_of_line(line, 1, 0)
+    if words is not None and b"%" not in line:
+        assert by_grammar(line, 0) == words
+        assert [bits(word[4]) for word in by_grammar(line, 0)] == [bits(word[4]) for word in words]
+    elif words is None and b"MSG," not in re.sub(rb"[ \t]", b"", line).upper():
+        with contextlib.suppress(LineError):  # a mistake, or more than literal words
+            assert any(has_more(node) for node in parse_line(line, "job.cnc", 1) if isinstance(node, Block))
+
+
+def has_more(block: Block) -> bool:
+    """Something that makes a line of words not plain: a setting or an expression."""
+    return bool(block.assigns) or not all(isinstance(word.value, Number) for word in block.words)
 
 
 @settings(max_examples=400, deadline=None)
@@ -188,7 +222,9 @@ def test_random_numbers_equal_float_of_the_text() -> None:
         ("; (open", True),
         ("%", True),
         (" % ", True),
-        ("% (a) ; b", True),
+        ("% ; b", True),
+        ("% (a)", False),
+        ("%(a)X1", False),
         ("(a) %", False),
         ("% 1", False),
         ("%%", False),
