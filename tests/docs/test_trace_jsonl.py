@@ -1,0 +1,47 @@
+"""docs/trace-jsonl.md lists every operation and key that `dump --stage trace --format jsonl` prints."""
+
+from __future__ import annotations
+
+import json
+import re
+import tomllib
+from pathlib import Path
+
+import pytest
+from support.goldens import ROOT
+
+from gproof.cli.main import main
+from gproof.ir.trace import Op
+
+JOBS = [path.parent for path in sorted(ROOT.glob("corpus/*/*/expect.toml")) if path.parent.name != "raster-surface"]
+EVERYWHERE = {"op", "line", "file"}
+
+
+def listed() -> dict[str, set[str]]:
+    """Keys by op: the words in backticks of a row before an explanation, or between them."""
+    out = {}
+    for row in re.findall(r"^\| (`.*?) \|(.*)\|$", (ROOT / "docs" / "trace-jsonl.md").read_text(encoding="utf-8"), re.M):
+        keys = set(re.findall(r"`([a-z_]+)`", row[1]))
+        out |= dict.fromkeys(re.findall(r"`([a-z_]+)`", row[0]), keys)
+    return out
+
+
+@pytest.mark.parametrize("folder", JOBS, ids=lambda folder: folder.name)
+def test_rows_have_the_listed_keys(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    expect = tomllib.loads((folder / "expect.toml").read_text(encoding="utf-8"))
+    words = ["dump", str(folder / "job.cnc"), "--stage", "trace", "--format", "jsonl"]
+    words += ["--machine", str(folder / expect["machine"])]
+    if "setup" in expect:
+        words += ["--setup", expect["setup"] if expect["setup"] == "zero" else str(folder / expect["setup"])]
+    code = main(words)
+    rows = [json.loads(line) for line in capsys.readouterr().out.splitlines()]
+    keys = listed()
+    for row in rows:
+        assert set(row) <= keys[row["op"]] | EVERYWHERE, row
+        assert {"op", "line"} <= set(row)
+    assert [n for n, row in enumerate(rows) if row["op"] == "error"] in ([], [len(rows) - 1])
+    assert code != 0 or rows[-1]["op"] != "error"
+
+
+def test_every_operation_is_listed() -> None:
+    assert {op.name.lower() for op in Op} | {"error"} == set(listed())
