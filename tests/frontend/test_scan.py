@@ -335,3 +335,14 @@ def test_chunks_are_bounded_and_join() -> None:
 def test_negative_zero_keeps_its_sign() -> None:
     (word,) = scan.scan(b"x-0", 0, 3, 1, 10)[0].rows()
     assert math.copysign(1.0, word[4]) == -1.0
+
+
+@pytest.mark.soak
+@pytest.mark.parametrize("seed", range(20))
+def test_soak(seed: int) -> None:
+    rng = random.Random(seed)
+    pieces = 'G1 X Y-2.5 n10 N123456 ( ) (c) (MSG , ; % / . - + #1 [2] é 0 00.10 U1 E1 " ='.split()
+    pieces += ["m s g", " ", "\t", "\r", "\r\n", "\n", "\n", "\n", "\x07", "9" * 18]
+    for _ in range(500):
+        text = "".join(rng.choice(pieces) for _ in range(rng.randint(0, 60)))
+        assert_same(text.encode("latin-1"))
