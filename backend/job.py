@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 from gproof.ir.finding import Finding
 from gproof.ir.machine import Machine
@@ -25,10 +24,7 @@ class RunRefused(Exception):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Job:
-    """name: the source file; certificate: SHA-256 of the certificate's body; then what it certifies.
-
-    seconds: what checking the whole stream took here.
-    """
+    """name: the source file; certificate: SHA-256 of the certificate's body; the rest is what it certifies."""
 
     name: str
     certificate: str
@@ -36,7 +32,6 @@ class Job:
     machine: Machine
     setup: Setup
     stream: StepStream
-    seconds: float = 0.0
 
 
 def job_of(package: Package) -> Job:
@@ -62,8 +57,7 @@ def checked_job(
 
     machine, setup, trusted_keys: as for ``check_package``.
     """
-    begin = time.monotonic()
     check = check_package(package, machine, setup, trusted_keys)
     if not check.valid:
         raise RunRefused(check.findings)
-    return replace(job_of(package), seconds=time.monotonic() - begin)
+    return job_of(package)

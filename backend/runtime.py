@@ -11,6 +11,7 @@ import contextlib
 import math
 import signal
 import threading
+import time
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
@@ -42,7 +43,7 @@ LEAD = 0.05
 """Seconds between opening a section and its first tick."""
 
 PREPARING = 0.2
-"""Seconds that a feed hold needs at least on a real board, beside what the validator took for the whole job."""
+"""Seconds that working out a feed hold beside a running board may take, beside twice what a rehearsal took."""
 
 
 class RunFailed(Exception):
@@ -207,7 +208,7 @@ class _Walk:
             self.board,
             is_,
             section,
-            pace=self._pace(is_),
+            pace=self._pace(is_, section),
             prepare=self.retimer.hold,
             operator=self.operator,
             control=self.control,
@@ -265,12 +266,17 @@ class _Walk:
         report = validate(stream, self.job.trace, self.job.machine, self.job.setup, sections=(section.number,))
         return report.verdict is Verdict.SAFE
 
-    def _pace(self, is_: Capabilities) -> Pace:
+    def _pace(self, is_: Capabilities, section: StreamSection) -> Pace:
+        """How far ahead to send. On a real board a feed hold is rehearsed while the motors still stand."""
         ticks = is_.tick_frequency
+        began = time.monotonic()
+        if is_.real_time:
+            self.retimer.hold(section, section.duration // 2, ticks)
+        seconds = PREPARING + 2 * (time.monotonic() - began)
         return Pace(
             lookahead=max(1, int(self.job.machine.controller.fifo_time * ticks)),
             lead=int(LEAD * ticks),
-            preparing=int((PREPARING + 1.5 * self.job.seconds) * ticks),
+            preparing=int(seconds * ticks),
         )
 
     def _note(self, before: Status, run: SectionRun, planned: list[Retiming]) -> None:

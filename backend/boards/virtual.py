@@ -136,6 +136,9 @@ class VirtualBoard:
         self._accepted = [0] * self._is.motors
         self._events_done, self._done_events = 0, []
         self._waits = 0
+        if self._is.real_time:
+            # Compiled now rather than in the middle of motion.
+            vk.advance.compiled()(self._rings, self._state, self._now, 0, 0)
         self._epoch = time.monotonic() - self._now / (self._is.tick_frequency * self._speed)
         return self._is
 

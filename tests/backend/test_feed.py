@@ -90,9 +90,14 @@ def test_a_small_fifo_is_fed_in_order(section: StreamSection, depth: int) -> Non
     feeder = Feeder(section)
     base = board.start_section(0, section.start, 0)
     while (due := feeder.next_due) is not None:
-        feeder.fill(board, board.status().free, board.status().tick - base + 1000)
+        now = board.status().tick - base
+        feeder.fill(board, board.status().free, now + 1000)
         due = feeder.next_due
-        board.commit(section.duration if due is None else due - 1)
-        board.wait(board.status().tick + max(1, ((due or 2) - 1 - board.status().tick + base) // 2))
-        assert board.status().position == reference(section, board.status().tick - base)
+        if due is None:
+            board.finish_section(section.duration)
+        else:
+            board.commit(due - 1)
+        board.wait(base + now + max(1, ((due or section.duration) - 1 - now) // 2))
+        now = board.status().tick - base
+        assert board.status().position == reference(section, now)
         assert not board.status().state.over, board.status().reason

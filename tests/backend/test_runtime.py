@@ -321,19 +321,20 @@ def test_real_time_keeps_the_time() -> None:
     short = job([(4.0, 1.0)])
     seconds = short.stream.sections[0].duration / FREQUENCY
     begin = time.monotonic()
-    record = run(short, Tap(2, real_time=True, speed=0.5))
+    record = run(short, Tap(2, real_time=True, speed=0.5, fifo_runs=50_000))
     taken = time.monotonic() - begin
     assert record.result is Result.COMPLETED
-    assert 2 * seconds < taken < 2 * seconds + 1.5
+    assert 2 * seconds < taken < 2 * seconds + 20
 
 
 def test_a_feed_hold_in_real_time_goes_on_feeding_while_it_is_worked_out() -> None:
-    runtime.walk(TWO, Tap(2), hold_at=5000)  # compiled and cached from here on
     long = job([(30.0, 9.0), (0.0, 0.0)])
     control = Control()
     timer = threading.Timer(0.3, control.hold)
     timer.start()
-    record = run(long, Tap(2, real_time=True, speed=0.5), control=control, operator=AutoContinue(resume=True))
+    record = run(
+        long, Tap(2, real_time=True, speed=0.5, fifo_runs=50_000), control=control, operator=AutoContinue(resume=True)
+    )
     assert record.result is Result.COMPLETED
     assert [r.kind for r in record.sections[0].retimings] == ["hold"]
     assert merged(long.stream.sections[0])

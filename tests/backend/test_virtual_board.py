@@ -188,13 +188,13 @@ def test_a_section_must_start_where_the_board_is() -> None:
 def test_real_time_follows_the_wall_clock() -> None:
     board = VirtualBoard(1, tick_frequency=FREQUENCY, real_time=True, speed=2.0)
     board.open()
-    base = board.start_section(0, (0,), 1000)
+    begin = time.monotonic()
+    base = board.start_section(0, (0,), 1_000_000)
     board.queue(0, 1000, 200, 0, 1)
     board.finish_section(200_000)
-    begin = time.monotonic()
     board.wait(base + 200_000)
     taken = time.monotonic() - begin
-    assert 0.08 < taken < 0.35
+    assert 0.6 <= taken < 5
     assert board.status().position == (200,)
 
 
