@@ -10,6 +10,8 @@ import sys
 from dataclasses import dataclass
 from pathlib import Path
 
+from gproof.ir.kernel import cache_root
+
 ELLIPSIS = "..."
 
 
@@ -91,8 +93,10 @@ class Shell:
         gproof.write_text(f'#!/bin/sh\nexec "{sys.executable}" -m gproof.cli.main "$@"\n', encoding="utf-8")
         gproof.chmod(0o755)
         self.environment = {
-            **{k: v for k, v in os.environ.items() if not k.startswith(("GPROOF_", "PYTEST_"))},
+            **{k: v for k, v in os.environ.items() if not k.startswith(("GPROOF_", "PYTEST_", "XDG_"))},
             "PATH": f"{commands}:{os.environ['PATH']}",
+            "HOME": str(commands),
+            "GPROOF_CACHE_DIR": str(cache_root()),
             "LC_ALL": "C.UTF-8",
             "COLUMNS": "100",
         }
