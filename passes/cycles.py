@@ -21,7 +21,7 @@ AXES_OF_PLANE = {Plane.XY: (0, 1, 2), Plane.XZ: (0, 2, 1), Plane.YZ: (1, 2, 0)}
 
 _DWELLS = (Function.DRILL_DWELL, Function.BORE_STOP, Function.BORE_DWELL)
 _FED_OUT = (Function.BORE, Function.BORE_DWELL)
-MAX_MOVES = 1_000_000
+MAX_MOVES = 100_000
 """Moves of one line; more are not followed, because a line's rows are held until it is done."""
 
 
