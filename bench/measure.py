@@ -33,6 +33,10 @@ class Runs:
     def median(self) -> float:
         return statistics.median(self.wall_s)
 
+    @property
+    def cpu(self) -> float:
+        return min(self.cpu_s)
+
     def as_json(self) -> dict[str, object]:
         out: dict[str, object] = {"wall_s": self.wall_s, "cpu_s": self.cpu_s, "peak_mb": self.peak_mb}
         return {**out, "problem": self.problem} if self.problem else out

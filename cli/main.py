@@ -159,6 +159,8 @@ def explain(code: str) -> int:
 
 def main(arguments: list[str] | None = None) -> int:
     """Run the command line; returns the exit code, never raises for anything a user can cause."""
+    # numpy's linear algebra is not used; its threads would only spin on the other cores.
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):
             # File names may hold bytes that are no text, and messages what the terminal can not show.
