@@ -29,6 +29,7 @@ from gproof.ir.program import (
     Message,
     Program,
     Statement,
+    Text,
     Unsupported,
     While,
 )
@@ -177,7 +178,9 @@ class Executor:
         self.spend(node.span)
         sub = self.program.subprograms.get(node.name)
         if sub is None:
-            self._fail(codes.UNKNOWN_SUBPROGRAM.at(node.span, name=node.name))
+            told = any(f.code is codes.UNKNOWN_SUBPROGRAM and f.span == node.span for f in self.findings.kept)
+            if not told:
+                self._fail(codes.UNKNOWN_SUBPROGRAM.at(node.span, name=node.name))
             return
         if len(self._depth) >= self.program.rules.call_depth:
             chain = " > ".join([*self._depth[-3:], node.name])
@@ -202,6 +205,8 @@ class Executor:
             elif isinstance(node, Message):
                 text = describe_parts(node.parts, self.evaluator)
                 self.event(Op.MESSAGE, node.span, text=self._text(text))
+                if node.kind == "dialog":
+                    self._dialog(node)
                 if node.kind == "error":
                     self._end_section(Wait.OPERATOR, "error message", -1, node.span.line)
                     raise _End
@@ -214,6 +219,17 @@ class Executor:
                 raise Refusal(codes.UNSUPPORTED_CODE.at(node.span, code=node.what))
         except Refusal as refusal:
             self._fail(refusal.finding)
+
+    def _dialog(self, node: Message) -> None:
+        """What the operator typed is not known: the dialog's variables and its answer #5398 (4.2.4)."""
+        self.modal.parameters[5398] = Unknown("the answer of a dialog")
+        for part in node.parts[1:]:
+            if not isinstance(part, Text):
+                number = self.evaluator.value(part)
+                if isinstance(number, Unknown):
+                    raise Refusal(codes.UNKNOWN_CONDITION.at(node.span, cause=number.cause))
+                self.modal.write(number, Unknown(f"the operator's answer in #{number:g}"), node.span)
+        self._end_section(Wait.OPERATOR, "dialog answered", None, node.span.line)
 
     def _fail(self, finding: Finding) -> None:
         self.findings.add(finding)
@@ -363,6 +379,7 @@ class Executor:
         line: Line | None = None
         moves = self._moves
         try:
+            self._overridden(words)
             line = gather(self.program.rules, span, words)
             unsupported = line.find(F.UNSUPPORTED, F.COMPENSATION_LEFT, F.COMPENSATION_RIGHT)
             if unsupported is None:
@@ -390,6 +407,14 @@ class Executor:
         for axis in line.axes():
             self.modal.position[axis] = NOWHERE
         self._stop(line)
+
+    def _overridden(self, words: list[tuple[str, Value, Span]]) -> None:
+        """Refusal GP113 for an M code that a subprogram of its name replaces (manual 4.4)."""
+        for letter, value, where in words:
+            if letter == "M" and not isinstance(value, Unknown):
+                name = f"m{round(value)}"
+                if name in self.program.subprograms and name not in self._depth:
+                    raise Refusal(codes.UNSUPPORTED_CODE.at(where, code=f"M{round(value)} with a subprogram {name}"))
 
     def _recover(self, line: Line) -> None:
         """After an error the axes of the line are taken to be where it sent them, else anywhere."""
@@ -572,7 +597,7 @@ class Executor:
         self.event(Op.OVERRIDE, line.span, arg=(float(self.modal.overrides), 0.0))
 
     def _outputs(self, line: Line) -> None:
-        """M54 P and M55 P: a general purpose output (3.5.8); M54 E Q (pulse width) is not modelled."""
+        """M54 P and M55 P: a general purpose output (3.5.9); M54 E Q (pulse width) is not modelled."""
         rule = line.find(F.OUTPUT_ON, F.OUTPUT_OFF)
         if rule is None:
             return

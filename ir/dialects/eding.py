@@ -89,8 +89,8 @@ _SUPPORTED = (
     _m(7, F.MIST_ON, "M8", "3.5.4"),
     _m(8, F.FLOOD_ON, "M8", "3.5.4"),
     _m(9, F.COOLANT_OFF, "M8", "3.5.4"),
-    _m(54, F.OUTPUT_ON, "M5", "3.5.8"),
-    _m(55, F.OUTPUT_OFF, "M5", "3.5.8"),
+    _m(54, F.OUTPUT_ON, "M5", "3.5.9"),
+    _m(55, F.OUTPUT_OFF, "M5", "3.5.9"),
     _m(48, F.OVERRIDES_ON, "M9", "3.5.5"),
     _m(49, F.OVERRIDES_OFF, "M9", "3.5.5"),
 )
@@ -102,13 +102,16 @@ _UNSUPPORTED = (
     *(_g(n, F.UNSUPPORTED, _CUTTER, "3.4.11") for n in (41.1, 42.1)),
     *(_g(n, F.UNSUPPORTED, "", "3.4.13", axes=True) for n in (50, 51)),
     *(_g(n, F.UNSUPPORTED, _ROTATION, "3.4.18", axes=True) for n in (68, 69)),
-    *(_g(n, F.UNSUPPORTED, _MOTION, "3.4.21", axes=True) for n in (74, 76, 84, 87, 88)),
+    *(_g(n, F.UNSUPPORTED, _MOTION, "3.4.21", axes=True) for n in (74, 84, 87, 88)),
+    _g(76, F.UNSUPPORTED, _MOTION, "3.4.19", axes=True),
     *(_g(n, F.UNSUPPORTED, "", "3.4.25") for n in (96, 97)),
-    *(_m(n, F.UNSUPPORTED, "M5", "3.5.8") for n in (56, 64, 65, 66)),
+    *(_m(n, F.UNSUPPORTED, "M5", "3.5.9") for n in (56, 64, 65, 66)),
     *(_m(n, F.UNSUPPORTED, "M9", "3.5.5") for n in (50, 51, 52, 53)),
     *(_m(n, F.UNSUPPORTED, "M10", "3.5.6") for n in (90, 91, 92, 93, 95, 97)),
-    *(_m(n, F.UNSUPPORTED, "", "3.5.7") for n in (20, 21, 22, 26, 27, 80, 81, 84, 85, 86, 87)),
-    *(_m(n, F.UNSUPPORTED, "", "3.5.10") for n in (100, 104, 106, 107, 109, 140, 143, 190)),
+    *(_m(n, F.UNSUPPORTED, "", "3.5.11") for n in (20, 21, 22)),
+    *(_m(n, F.UNSUPPORTED, "", "3.5.10") for n in (26, 27)),
+    *(_m(n, F.UNSUPPORTED, "", "3.5.8") for n in (80, 81, 84, 85, 86, 87)),
+    *(_m(n, F.UNSUPPORTED, "", "3.5.12") for n in (100, 104, 106, 107, 109, 140, 143, 190)),
 )
 
 

@@ -239,3 +239,21 @@ def _exact(value: float):  # type: ignore[no-untyped-def]
     from gproof.ir.setup import Interval
 
     return Interval(value, value)
+
+
+def test_what_an_operator_types_is_unknown(tmp_path: Path) -> None:
+    """4.2.4: a dialog changes its variables and #5398."""
+    trace, findings = run(tmp_path, HEAD + '#1=5\ndlgmsg "size" "length" 1\nG0 X#1\nM30\n')
+    assert "GP225" in codes_of(findings)
+    assert trace.sections[0].edges[0].wait is Wait.OPERATOR
+
+
+def test_replaced_m_code_is_not_taken_for_the_real_one(tmp_path: Path) -> None:
+    """4.4: a subprogram m8 runs instead of M8."""
+    _, findings = run(tmp_path, HEAD + "sub m8\nG0 X900\nendsub\nM8\nM30\n")
+    assert codes_of(findings) == ["GP113"]
+
+
+def test_missing_subprogram_is_told_once(tmp_path: Path) -> None:
+    _, findings = run(tmp_path, HEAD + "gosub nowhere\nM30\n")
+    assert codes_of(findings) == ["GP115"]
