@@ -114,6 +114,7 @@ FEED_IN_OLD_UNITS = code(
 NEGATIVE_FEED = code(241, "negative-feed", _E, "feed rate F{value:g} is negative")
 CYCLE_DWELL_MISSING = code(242, "cycle-dwell-missing", _E, "{code} needs a dwell time in P")
 CYCLE_SPINDLE_STOPPED = code(244, "cycle-spindle-stopped", _E, "{code} needs a turning spindle")
+ERROR_MESSAGE = code(245, "error-message", _W, "the program ends itself here with the error {text!r}")
 OPERATOR_STOP = code(243, "operator-stop", _N, "the job waits here for the operator ({code})")
 
 # 3xx limits and areas

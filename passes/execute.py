@@ -208,6 +208,7 @@ class Executor:
                 if node.kind == "dialog":
                     self._dialog(node)
                 if node.kind == "error":
+                    self.findings.add(codes.ERROR_MESSAGE.at(node.span, text=text))
                     self._end_section(Wait.OPERATOR, "error message", -1, node.span.line)
                     raise _End
             elif isinstance(node, Guard):
