@@ -20,7 +20,9 @@ EVERYWHERE = {"op", "line", "file"}
 def listed() -> dict[str, set[str]]:
     """Keys by op: the words in backticks of a row before an explanation, or between them."""
     out = {}
-    for row in re.findall(r"^\| (`.*?) \|(.*)\|$", (ROOT / "docs" / "trace-jsonl.md").read_text(encoding="utf-8"), re.M):
+    for row in re.findall(
+        r"^\| (`.*?) \|(.*)\|$", (ROOT / "docs" / "trace-jsonl.md").read_text(encoding="utf-8"), re.M
+    ):
         keys = set(re.findall(r"`([a-z_]+)`", row[1]))
         out |= dict.fromkeys(re.findall(r"`([a-z_]+)`", row[0]), keys)
     return out
