@@ -130,18 +130,18 @@ def print_summary(session: Session, judgement: Judgement) -> None:
     colour = coloured()
 
     def shade(verdict: Verdict) -> str:
-        text = f"{verdict.value:<8}"
-        return click.style(text, fg=_SHADES[verdict], bold=True) if colour else text
+        return click.style(verdict.value, fg=_SHADES[verdict], bold=True) if colour else verdict.value
 
     if judgement.findings.kept:
         click.echo()
-    click.echo(f"{session.job}: {shade(judgement.verdict).rstrip()}")
+    click.echo(f"{session.job}: {shade(judgement.verdict)}")
     for result in judgement.properties:
         parts = [_condition_parts(c) for c in result.conditions if not _is_start(c)]
         parts = parts if result.verdict is Verdict.SAFE else []
         width = max((len(name) for name, _ in parts), default=0)
+        first = shade(result.verdict) + " " * (9 - len(result.verdict.value))
         for n, detail in enumerate([f"if {name:<{width}} is {bounds}" for name, bounds in parts] or [""]):
-            _row("" if n else result.name, f"{' ' * 8 if n else shade(result.verdict)} {detail}")
+            _row("" if n else result.name, (" " * 9 if n else first) + detail)
     _row("not judged", ", ".join(NOT_JUDGED))
     assumed = [*judgement.assumptions, *(a for r in judgement.properties for a in r.assumptions)]
     _rows("assuming", list(dict.fromkeys(assumed)))
