@@ -141,6 +141,7 @@ class _Measure:
             self.place[0] = chunk.start
             self.carry[k.C_STOP] = 1.0
             self.carry[k.C_SPINDLE] = k.SPINDLE_UNSEEN
+            self.carry[k.C_SKIPPED] = 0.0
             self.carry[k.C_FRAME] = self.tables.forms[chunk.start_frame]
         room = self.used + len(rows) + 2
         if room > len(self.queue):

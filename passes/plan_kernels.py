@@ -25,7 +25,7 @@ TRAVERSE, ARC, PROBE, DWELL, SPINDLE, HOME = 1, 3, 4, 10, 11, 17
 """Ops of ir/trace.py that the loop must know; plan.py asserts that they are those. DWELL to HOME happen at rest."""
 
 SHORTEST = 1e-9
-"""mm or deg: a row below this takes no time; it is made together with the next one that is longer."""
+"""mm or deg: rows that together stay below this take no time."""
 
 LONGEST = 1e9
 """mm or deg: what is longer, or not a number, is no length."""
@@ -48,9 +48,9 @@ ROTARY = 32.0
 # What ``measure`` remembers from row to row: the pending row, whose end is not known yet, and what came before it.
 (
     C_PENDING, C_LENGTH, C_SPEED, C_CURVE, C_INERTIA, C_CORNERS, C_ENTRY, C_KIND, C_ROW, C_BEFORE, C_REACH, C_STOP,
-    C_FRAME, C_FED, C_FED_STATE, C_SPINDLE,
-) = range(16)  # fmt: skip
-CARRY_WIDTH = 16
+    C_FRAME, C_FED, C_FED_STATE, C_SPINDLE, C_SKIPPED,
+) = range(17)  # fmt: skip
+CARRY_WIDTH = 17
 
 SPINDLE_UNSEEN = 2.0
 """The spindle's direction where a section begins: none that a start could not be a change from."""
@@ -74,16 +74,24 @@ HALF_PI = 0.5 * math.pi
 
 @kernel(seconds_per_unit=2e-6)
 def arc_shape(u0: float, v0: float, u1: float, v1: float, turns: int) -> tuple[float, float, float, float]:
-    """An arc about the origin of its plane: start angle, signed sweep, radius at the start and at the end."""
+    """An arc about the origin of its plane: start angle, signed sweep, radius at the start and at the end.
+
+    Beyond whole turns the sweep is above 0 and at most a full circle, also where one of the angles is pi and the
+    other -pi.
+    """
     begin = math.atan2(v0, u0)
     sweep = math.atan2(v1, u1) - begin
     if turns > 0:
         if sweep <= 0.0:
             sweep += TWO_PI
+        if sweep <= 0.0:
+            sweep = TWO_PI
         sweep += TWO_PI * (turns - 1)
     else:
         if sweep >= 0.0:
             sweep -= TWO_PI
+        if sweep >= 0.0:
+            sweep = -TWO_PI
         sweep += TWO_PI * (turns + 1)
     return begin, sweep, math.sqrt(u0 * u0 + v0 * v0), math.sqrt(u1 * u1 + v1 * v1)
 
@@ -248,12 +256,14 @@ def measure(
             along = float(to[k, third]) - float(place[0, third])
             length = math.sqrt(flat * flat + along * along)
             if length < SHORTEST:
-                length = math.sqrt(da * da + db * db + dc * dc)
+                length = max(length, math.sqrt(da * da + db * db + dc * dc))
         else:
             length = math.sqrt(dx * dx + dy * dy + dz * dz)
             if length < SHORTEST:
-                length = math.sqrt(da * da + db * db + dc * dc)
-                rotary = ROTARY
+                angle = math.sqrt(da * da + db * db + dc * dc)
+                if angle > length:
+                    length = angle
+                    rotary = ROTARY
         if not (known and length < LONGEST):
             note(N_UNKNOWN, begin + k, counts, notes)
             used = finish_row(carry, queue, used)
@@ -264,8 +274,13 @@ def measure(
             for i in range(6):
                 place[0, i] = to[k, i]
             continue
-        if length < SHORTEST:
+        skipped = float(carry[C_SKIPPED]) + length
+        if skipped < SHORTEST:
+            carry[C_SKIPPED] = skipped
+            for i in range(6):
+                place[0, i] = to[k, i]
             continue
+        carry[C_SKIPPED] = 0.0
 
         # Directions: axis velocity is path velocity times ``place[2]`` at the start, ``place[1]`` at the end.
         each = 1.0 / length
