@@ -49,13 +49,14 @@ _NAMES = ("at", "feed", "line", "file", "diameter", "frame")
 
 
 class PathPoints:
-    """Gathers points; memory is bounded by thinning."""
+    """Gathers points; memory is bounded by thinning. tools: numbers of those that cut."""
 
     def __init__(self, diameters: dict[int, float]) -> None:
         self.diameters = diameters
         self.trace: Trace | None = None
         self.forms: dict[Forms, int] = {}
         self.plunges: dict[tuple[float, float, int], float] = {}
+        self.tools: set[int] = set()
         self._parts: list[Points] = []
         self._count = 0
 
@@ -74,7 +75,9 @@ class PathPoints:
         op, feed = rows["op"][moving], rows["op"][moving] != Op.TRAVERSE
         starts, ends = chunk.starts()[moving, :3], rows["to"][moving, :3]
         frame, before = frames[rows["frame"][moving]], frames[chunk.start_frames()[moving]]
-        diameter = wide[rows["state"][moving]]
+        states = rows["state"][moving]
+        self.tools.update(trace.states[i].tool for i in np.unique(states[feed]).tolist())
+        diameter = wide[states]
         self._plunges(starts, ends, feed & (frame == before), diameter, frame)
         repeat = np.ones(len(moving), dtype=np.int64)
         points = ends

@@ -431,6 +431,8 @@ class _Sheet:
         """What the drawing leaves open or leaves out."""
         unknown = [f"{AXIS_NAMES[k].upper()} from {describe(f)}" for k, f in enumerate(self.scene.forms) if f]
         out = [f"Numbers beside the cut count {', '.join(unknown)}."] if unknown else []
+        if self.scene.tools > 1:
+            out.append("Z is the machine's: under a longer tool the axis stands higher.")
         turning = sorted({axis.upper() for axis, *_ in self.judgement.summary.box if axis not in "xyz"})
         if turning:
             out.append(f"The turning of {', '.join(turning)} is not drawn.")

@@ -37,7 +37,7 @@ class Scene:
     """What there is to draw, in the frame that most of the cut stands in.
 
     joined: (n,) the move to point i can be drawn; shift: by axis, mm to add for machine coordinates (None: not
-    known, 0: they are); zero: by axis, where the unknown work zero may lie.
+    known, 0: they are); zero: by axis, where the unknown work zero may lie; tools: how many cut.
     """
 
     points: Points
@@ -47,6 +47,7 @@ class Scene:
     zero: tuple[Pair | None, Pair | None, Pair | None]
     plunges: tuple[tuple[float, float, float], ...]
     marks: tuple[Mark, ...]
+    tools: int
     low: np.ndarray
     high: np.ndarray
 
@@ -72,7 +73,7 @@ def scene_of(path: PathPoints, session: Session, judgement: Judgement) -> Scene:
         shown = np.zeros((1, 3))
     return Scene(
         points=points, joined=joined, forms=forms[frame], shift=(shift[0], shift[1], shift[2]),
-        zero=(zero[0], zero[1], zero[2]), marks=tuple(marks), low=shown.min(axis=0), high=shown.max(axis=0),
+        zero=(zero[0], zero[1], zero[2]), marks=tuple(marks), tools=len(path.tools), low=shown.min(axis=0), high=shown.max(axis=0),
         plunges=tuple((x, y, d) for (x, y, f), d in path.plunges.items() if f == frame),
     )  # fmt: skip
 
