@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 import math
 from fractions import Fraction
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -31,7 +32,9 @@ TURN = 128
 
 MACHINES = [
     machine(),
-    machine(steps=Fraction(-1600, 7), velocity=400.0, acceleration=2000.0, max_step_frequency=90e3, spindle_ramp_time=0.2),
+    machine(
+        steps=Fraction(-1600, 7), velocity=400.0, acceleration=2000.0, max_step_frequency=90e3, spindle_ramp_time=0.2
+    ),
     machine(steps=1600, max_step_frequency=None, acceleration=3000.0, board=Board(tick_frequency=1_000_000)),
 ]  # fmt: skip
 
@@ -77,7 +80,7 @@ def test_a_full_circle_goes_four_radii_on_each_axis() -> None:
         steps = expand(stream, 0, motor)
         assert len(steps) == 4 * 10 * 320
         assert sum(direction for _, direction in steps) == 0
-        turns = sum(a[1] != b[1] for a, b in zip(steps, steps[1:], strict=False))
+        turns = sum(a[1] != b[1] for a, b in pairwise(steps))
         assert turns == (1 if motor == 0 else 2)
     # Counter-clockwise from (10, 0): X goes back first, Y forth.
     assert expand(stream, 0, 0)[0][1] == -1
@@ -128,7 +131,8 @@ def test_events_have_their_ticks_and_dwells_their_time() -> None:
     _, stream = lowered(trace, machine(spindle_ramp_time=1.5))
     events = list(stream.sections[0].events.rows())
     assert [(row, Op(op), arg) for _, row, op, arg in events] == [
-        (0, Op.COOLANT, [0, 1000]), (2, Op.SPINDLE, [1000, 12_345_679]), (3, Op.DWELL, [100, 0]), (6, Op.STOP, [1000, 0]),
+        (0, Op.COOLANT, [0, 1000]), (2, Op.SPINDLE, [1000, 12_345_679]), (3, Op.DWELL, [100, 0]),
+        (6, Op.STOP, [1000, 0]),
     ]  # fmt: skip
     ticks = [tick for tick, *_ in events]
     steps = [tick for tick, _ in expand(stream, 0, 0)]
@@ -171,7 +175,7 @@ def test_a_peak_just_past_a_half_step_makes_no_pair() -> None:
         _, stream = lowered(Path().feed(600, x=top + beyond).feed(600, x=0).done())
         made = expand(stream, 0, 0)
         assert len(made) == steps
-        assert min(b - a for (a, _), (b, _) in zip(made, made[1:], strict=False)) >= TURN
+        assert min(b - a for (a, _), (b, _) in pairwise(made)) >= TURN
 
 
 def test_moves_too_short_to_plan_still_count() -> None:
@@ -275,7 +279,7 @@ def test_steps_come_when_the_axis_passes_the_halves(trace: Trace, on: Machine) -
             # Half of the interval beside it, rounding, and room for a change of direction or a start from rest.
             slack = min(25e-6, 0.5 * max(tick - before, ahead) / stream.tick_frequency) + 2 / stream.tick_frequency
             slack += 2 * turn / stream.tick_frequency
-            if at % 7 == 0 or direction != was:
+            if at % (1 + len(steps) // 200) == 0 or (direction != was and at < 5000):
                 level = count + 0.5 * direction
                 assert crossing_error(motion, motor.axis, rate, level, tick / stream.tick_frequency, slack)
             count += direction
