@@ -189,7 +189,7 @@ STEP_FREQUENCY = code(
     "{axis} at {velocity:g} {unit}/s needs {needed:g} steps/s; {allowed:g} allowed",
     "motion",
 )
-PLAN_NEEDS_NUMBERS = code(503, "plan-needs-numbers", _U, "steps need exact positions: {cause}", "motion")
+PLAN_NEEDS_NUMBERS = code(503, "plan-needs-numbers", _U, "steps need exact numbers: {cause}", "motion")
 NO_MOTOR_DATA = code(504, "no-motor-data", _U, "{axis} moves, but the machine file has no {missing} for it", "motion")
 
 # 6xx files

@@ -287,9 +287,9 @@ def test_step_rate_keeps_the_shortest_interval(ticks: int, frequency: float, pul
 
 def test_unknown_positions_are_refused_by_name() -> None:
     told = refused(Path().frame("start.x").traverse(y=5).done())
-    assert told == ["GP503 steps need exact positions: X depends on the start position of X"]
+    assert told == ["GP503 steps need exact numbers: X depends on the start position of X"]
     offset = Path().traverse(y=5).frame("work.1.z").traverse(z=5)
-    assert refused(offset.done()) == ["GP503 steps need exact positions: Z depends on G54 Z offset"]
+    assert refused(offset.done()) == ["GP503 steps need exact numbers: Z depends on G54 Z offset"]
     # An axis that the machine does not have, and a job that does not move.
     assert planned(Path().frame("start.a").traverse(y=5).done(), machine(axes="xyz")).duration > 0
     assert planned(Path().frame("start.x").dwell(1).done()).duration == 1

@@ -212,7 +212,7 @@ def test_an_axis_that_moves_needs_steps_per_unit() -> None:
 
 def test_a_motor_needs_to_know_where_it_stands() -> None:
     trace = Path().frame("start.x").dwell(1).done()
-    assert told(trace, machine()) == ["1 GP503 steps need exact positions: X depends on the start position of X"]
+    assert told(trace, machine()) == ["1 GP503 steps need exact numbers: X depends on the start position of X"]
 
 
 def test_event_arguments_must_be_known() -> None:
