@@ -73,7 +73,8 @@ def scene_of(path: PathPoints, session: Session, judgement: Judgement) -> Scene:
         shown = np.zeros((1, 3))
     return Scene(
         points=points, joined=joined, forms=forms[frame], shift=(shift[0], shift[1], shift[2]),
-        zero=(zero[0], zero[1], zero[2]), marks=tuple(marks), tools=len(path.tools), low=shown.min(axis=0), high=shown.max(axis=0),
+        zero=(zero[0], zero[1], zero[2]), marks=tuple(marks), tools=len(path.tools),
+        low=shown.min(axis=0), high=shown.max(axis=0),
         plunges=tuple((x, y, d) for (x, y, f), d in path.plunges.items() if f == frame),
     )  # fmt: skip
 

@@ -1,0 +1,147 @@
+"""Pictures: well-formed whatever the job, honest about what is not known, nothing written over something else."""
+
+from __future__ import annotations
+
+import math
+import re
+import tomllib
+import xml.etree.ElementTree as ET
+from pathlib import Path
+
+import numpy as np
+import pytest
+from support.goldens import ROOT
+
+from gproof.cli import path_points
+from gproof.cli.main import main
+from gproof.cli.path_points import PathPoints
+from gproof.ir.columns import Columns
+from gproof.ir.trace import TRACE_ROW, Chunk, Op, Plane, State, Trace
+
+JOBS = [path.parent for path in sorted(ROOT.glob("corpus/*/*/expect.toml")) if path.parent.name != "raster-surface"]
+SVG = "{http://www.w3.org/2000/svg}"
+MACHINE = str(ROOT / "corpus" / "eding" / "drilled-plate" / "machine.toml")
+HEAD = "G21 G17 G90 G94 G40 G49 G80 G54\n"
+
+
+def draw(words: list[str], to: Path) -> ET.Element:
+    main(["check", *words, "--picture", str(to)])
+    return ET.parse(to).getroot()
+
+
+def texts(root: ET.Element) -> list[str]:
+    return [element.text or "" for element in root.iter(f"{SVG}text")]
+
+
+def program(folder: Path, text: str) -> str:
+    path = folder / "job.cnc"
+    path.write_text(text, encoding="utf-8")
+    return str(path)
+
+
+@pytest.mark.parametrize("folder", JOBS, ids=lambda folder: folder.name)
+def test_every_corpus_job_can_be_drawn(folder: Path, tmp_path: Path) -> None:
+    expect = tomllib.loads((folder / "expect.toml").read_text(encoding="utf-8"))
+    words = [str(folder / "job.cnc"), "--machine", str(folder / expect["machine"])]
+    if "setup" in expect:
+        words += ["--setup", expect["setup"] if expect["setup"] == "zero" else str(folder / expect["setup"])]
+    root = draw(words, tmp_path / "job.svg")
+    said = texts(root)
+    assert expect["verdict"] in said
+    assert f"{folder.name}/job.cnc" in said
+    for code in expect["findings"]:
+        assert any(code in line for line in said) or any(re.match(r"and \d+ more", line) for line in said), code
+    width, height = float(root.get("width", "0")), float(root.get("height", "0"))
+    for element in root.iter(f"{SVG}text"):
+        assert 0 <= float(element.get("x", "nan")) <= width
+        assert 0 <= float(element.get("y", "nan")) <= height
+    assert not re.search(r"\b(nan|inf)\b", (tmp_path / "job.svg").read_text(encoding="utf-8"))
+
+
+def test_nothing_to_draw_is_said(tmp_path: Path) -> None:
+    root = draw([program(tmp_path, "M5\nM30\n"), "--machine", MACHINE, "--setup", "zero"], tmp_path / "a.svg")
+    assert "There is no motion to draw." in texts(root)
+
+
+def test_without_a_machine_only_the_cut_is_drawn(tmp_path: Path) -> None:
+    root = draw([program(tmp_path, f"{HEAD}G0 X0 Y0\nG1 X30 Y20 F500\nM30\n"), "--setup", "zero"], tmp_path / "a.svg")
+    said = texts(root)
+    assert any(line.startswith("The cut from above (30.0 x 20.0 mm)") for line in said)
+    assert not any(line.startswith("On the machine") for line in said)
+
+
+def test_an_unknown_zero_is_named_and_placed(tmp_path: Path) -> None:
+    folder = ROOT / "corpus" / "eding" / "unknown-offsets"
+    said = texts(draw([str(folder / "job.cnc"), "--machine", str(folder / "machine.toml")], tmp_path / "a.svg"))
+    assert "the work zero may lie here" in said
+    assert any("G54 X offset" in line for line in said)
+
+
+def test_where_a_limit_is_crossed_is_marked_where_it_is_worst(tmp_path: Path) -> None:
+    folder = ROOT / "corpus" / "eding" / "over-limit-arc-bulge"
+    root = draw(
+        [str(folder / "job.cnc"), "--machine", str(folder / "machine.toml"), "--setup", "zero"], tmp_path / "a.svg"
+    )
+    said = texts(root)
+    assert "GP301 line 11" in said
+    rings = [c for c in root.iter(f"{SVG}circle") if c.get("r") == "6"]
+    limit = [r for r in root.iter(f"{SVG}rect") if r.get("stroke-dasharray") == "9 4"]
+    right = float(limit[0].get("x", "0")) + float(limit[0].get("width", "0"))
+    assert float(rings[0].get("cx", "0")) > right
+
+
+def test_text_of_a_job_can_not_break_the_drawing(tmp_path: Path) -> None:
+    folder = tmp_path / 'x<&"\x01y'
+    folder.mkdir()
+    root = draw([program(folder, f"{HEAD}G0 X1\nG1 X<5 F100\nM30\n"), "--machine", MACHINE], tmp_path / "a.svg")
+    assert 'x<&"?y/job.cnc' in texts(root)
+
+
+def test_same_job_same_bytes(tmp_path: Path) -> None:
+    words = [program(tmp_path, f"{HEAD}G0 X5 Y5\nG2 X15 I5 F300\nM30\n"), "--machine", MACHINE, "--setup", "zero"]
+    draw(words, tmp_path / "a.svg")
+    draw(words, tmp_path / "b.svg")
+    assert (tmp_path / "a.svg").read_bytes() == (tmp_path / "b.svg").read_bytes()
+
+
+def chunk(rows: list[dict[str, object]], begin: int = 0) -> Chunk:
+    arrays = {
+        c.name: np.zeros((len(rows), c.width) if c.width > 1 else len(rows), dtype=c.dtype) for c in TRACE_ROW.columns
+    }
+    for i, row in enumerate(rows):
+        for name, value in row.items():
+            arrays[name][i] = value
+    trace = Trace(files=["job.cnc"], states=[State()])
+    start = (0.0,) * 6
+    return Chunk(trace=trace, section=0, begin=begin, start=start, start_frame=0, rows=Columns(TRACE_ROW, arrays))
+
+
+@pytest.mark.parametrize(
+    ("plane", "center", "end", "turns", "middle"),
+    [
+        (Plane.XY, (5, 0, 0), (10, 0, 0), -1, (5, 5, 0)),
+        (Plane.XY, (5, 0, 0), (10, 0, 0), 1, (5, -5, 0)),
+        (Plane.XZ, (5, 0, 0), (10, 0, 0), 1, (5, 0, 5)),
+        (Plane.YZ, (0, 5, 0), (0, 10, 0), 1, (0, 5, -5)),
+    ],
+)
+def test_arcs_turn_the_right_way(
+    plane: Plane, center: tuple[float, ...], end: tuple[float, ...], turns: int, middle: tuple[float, ...]
+) -> None:
+    path = PathPoints({})
+    path.add(chunk([{"op": Op.ARC, "to": (*end, 0, 0, 0), "center": center, "turns": turns, "plane": plane}]))
+    points = path.points()
+    assert points.at[-1].tolist() == list(end)
+    assert min(math.dist(p, middle) for p in points.at.tolist()) < 0.1
+    assert max(abs(math.dist(p, center) - 5) for p in points.at.tolist()) < 1e-3
+
+
+def test_long_paths_are_thinned_and_keep_their_end(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(path_points, "MOST", 100)
+    path = PathPoints({})
+    for part in range(50):
+        rows = [{"op": Op.FEED, "to": (part + i / 40, 1, 0, 0, 0, 0), "line": part} for i in range(40)]
+        path.add(chunk(rows, begin=part * 40))
+    points = path.points()
+    assert 50 <= len(points) <= 102
+    assert points.at[-1, 0] > 49
