@@ -19,8 +19,9 @@ def run_explain(text: str) -> int:
     if code is None:
         import difflib
 
-        close = difflib.get_close_matches(text.lower(), [*by_name, *(c.label.lower() for c in CODES.values())], 1)
-        hint = f"; did you mean {close[0]}?" if close else "; codes look like GP301 or soft-limit"
+        known = {name: name for name in by_name} | {c.label.lower(): c.label for c in CODES.values()}
+        close = difflib.get_close_matches(text.lower(), known, 1)
+        hint = f"; did you mean {known[close[0]]}?" if close else "; codes look like GP301 or soft-limit"
         raise UsageError(f"there is no finding {text!r}{hint}")
     page = resources.files("gproof.docs_codes") / code.label / "explanation.md"
     click.echo(page.read_text(encoding="utf-8").rstrip())

@@ -168,8 +168,11 @@ def main(arguments: list[str] | None = None) -> int:
     try:
         result = cli.main(args=arguments, prog_name="gproof", standalone_mode=False)
     except click.UsageError as error:
+        if type(error).__name__ == "NoArgsIsHelpError":  # its message is the help
+            click.echo(error.format_message(), err=True)
+            return COULD_NOT_RUN
         where = error.ctx.command_path if error.ctx else "gproof"
-        click.echo(f"{where}: error: {error.format_message()}", err=True)
+        click.echo(f"{where}: error: {' '.join(error.format_message().split())}", err=True)
         return COULD_NOT_RUN
     except click.ClickException as error:
         error.show()
@@ -177,9 +180,8 @@ def main(arguments: list[str] | None = None) -> int:
     except (click.Abort, KeyboardInterrupt):
         click.echo("gproof: interrupted", err=True)
         return COULD_NOT_RUN
-    except BrokenPipeError:
-        # The reader went away (``| head``): nothing left to say, and nothing to flush at exit either.
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+    except SystemExit:
+        # click's answer to a reader that went away (``| head``); its exit code is that of a verdict.
         return COULD_NOT_RUN
     except OSError as error:
         click.echo(f"gproof: error: {error.strerror or error}: {error.filename or ''}".rstrip(": "), err=True)

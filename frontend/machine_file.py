@@ -54,7 +54,11 @@ def _load_toml(path: Path, findings: Findings, depth: int) -> tuple[Machine | No
         if depth == 0:
             root.bad("base", "files refer to one another in a circle")
             return None, files
-        machine, more = _load(path.parent / base, findings, depth - 1)
+        target = path.parent / base
+        if "\0" in base or (target.exists() and not target.is_file()):
+            root.bad("base", f"{base!r} is not a regular file")
+            return None, files
+        machine, more = _load(target, findings, depth - 1)
         files = files + more
     if machine is None:
         return None, files

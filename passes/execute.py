@@ -818,9 +818,6 @@ class Executor:
             self.need_feed(line, rule)
         target = list(self.modal.position)
         for axis, value in line.axes().items():
-            if not self.modal.has_axis(axis):
-                name = AXIS_NAMES[axis].upper()
-                self.findings.add(codes.LIMIT_UNKNOWN.at(line.where(name), side="(absent)", axis=name))
             if isinstance(value, Unknown):
                 word = AXIS_NAMES[axis].upper()
                 self.findings.add(codes.UNKNOWN_VALUE.at(line.where(word), word=word, cause=value.cause))

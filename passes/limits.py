@@ -196,7 +196,8 @@ class Limits(Check):
                 told.add(off)
                 what = ("physical " if off else "") + " and ".join(missing)
                 where = self._low_span if missing[0] == "lower" else self._high_span
-                self.findings.add(codes.LIMIT_UNKNOWN.at(where[slot, index], side=what, axis=name.upper()))
+                hint = "the machine file has no such axis" if axis is None else ""
+                self.findings.add(codes.LIMIT_UNKNOWN.at(where[slot, index], side=what, axis=name.upper(), hint=hint))
             if form == () or axis is None:
                 continue
             room = -math.inf if low is None else low - least, math.inf if high is None else high - most
