@@ -42,7 +42,7 @@ def run_run(
     with _progress() as progress:
         try:
             done = run(
-                package, the_board, operator=Terminal(tell=click.echo) if ask else AutoContinue(resume=True),
+                package, the_board, operator=Terminal(tell=click.echo) if ask else AutoContinue(),
                 on_progress=progress, hold_at=None if hold_at is None else round(hold_at * frequency),
                 estop_at=None if estop_at is None else round(estop_at * frequency),
                 override=Fraction(1) if override is None else Fraction(override).limit_denominator(1000),

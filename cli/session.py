@@ -39,23 +39,16 @@ class Session:
 
 def open_session(job: Path, *, machine: Path | None, setup: str | None, dialect: str | None) -> Session:
     """Read everything; UsageError (exit 3) for files that can not be read at all."""
-    from gproof.frontend.guess import guess_dialect
-
     require_file(job, "job")
     findings = Findings()
     inputs: list[tuple[str, str, str]] = []
-    reason = "as given"
-    if dialect is None:
-        dialect, reason = guess_dialect(job)
-    if dialect != "eding":
-        how = "was asked for" if reason == "as given" else f"is what it looks like ({reason}; --dialect overrides)"
-        raise UsageError(f"{job}: {dialect} {how}, and this version reads eding only")
     the_machine, the_setup = NO_MACHINE, NOTHING
     if machine is not None:
         from gproof.frontend.machine_file import load_machine
 
         require_file(machine, "machine file")
         the_machine = _loaded(load_machine(machine, findings), findings, inputs, "machine")
+    dialect, reason = _dialect(job, dialect, the_machine, machine)
     if setup == "zero":
         the_setup = ZERO
     elif setup is not None:
@@ -74,6 +67,22 @@ def open_session(job: Path, *, machine: Path | None, setup: str | None, dialect:
         job=job, dialect=dialect, dialect_reason=reason, program=program, machine=the_machine, setup=the_setup,
         machine_given=machine is not None, findings=findings, inputs=inputs,
     )  # fmt: skip
+
+
+def _dialect(job: Path, given: str | None, machine: Machine, machine_file: Path | None) -> tuple[str, str]:
+    """The language and how it is known: the option, the machine file, else a guess from name and content."""
+    from gproof.frontend.guess import guess_dialect
+
+    if given is not None:
+        dialect, reason = given, "as given"
+    elif machine.controller.dialect is not None:
+        dialect, reason = machine.controller.dialect, f"the machine file {machine_file} says so"
+    else:
+        dialect, guessed = guess_dialect(job)
+        reason = f"guessed: {guessed}"
+    if dialect != "eding":
+        raise UsageError(f"{job}: is {dialect} ({reason}), and this version reads eding only; --dialect overrides")
+    return dialect, reason
 
 
 def _loaded(

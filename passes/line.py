@@ -45,11 +45,17 @@ class Line:
 
     def find(self, *functions: Function) -> CodeRule | None:
         """The code on this line with one of these functions."""
-        return next((r for r in self.rules if r.function in functions), None)
+        for rule in self.rules:
+            if rule.function in functions:
+                return rule
+        return None
 
     def group(self, name: str) -> CodeRule | None:
         """The code of a modal group on this line."""
-        return next((r for r in self.rules if r.group == name), None)
+        for rule in self.rules:
+            if rule.group == name:
+                return rule
+        return None
 
     def number(self, letter: str) -> float | None:
         """The known value of a word, None when the word is absent; marks it used.
@@ -122,9 +128,6 @@ def _check_groups(line: Line) -> None:
             continue
         other = first.setdefault(rule.group, rule)
         if other is rule and line.rules.count(rule) == 1:
-            continue
-        together = {other.function, rule.function}
-        if together == {Function.MIST_ON, Function.FLOOD_ON}:
             continue
         if other is not rule or line.rules.count(rule) > 1:
             raise Refusal(codes.MODAL_GROUP_CONFLICT.at(where, first=other.text, second=rule.text, group=rule.group))

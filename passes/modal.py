@@ -30,6 +30,8 @@ class Modal:
         self.rules = rules
         self.setup = setup
         self.machine = machine
+        self.axis_there = tuple(machine.axis(name) is not None for name in AXIS_NAMES)
+        self.axis_there = tuple(machine.axis(name) is not None for name in AXIS_NAMES)
         self.unit = 1.0
         self.absolute = True
         self.plane = Plane.XY
@@ -42,7 +44,8 @@ class Modal:
         self.path_tolerance = 0.0
         self.simplify = 0.0
         self.laf_angle = math.nan
-        self.spindle_speed: Value = Unknown("the spindle speed at the start")
+        zero = setup.default_parameter is not None
+        self.spindle_speed: Value = 0.0 if zero else Unknown("the spindle speed at the start")
         self.spindle_direction = 0
         self.mist = False
         self.flood = False
@@ -101,7 +104,7 @@ class Modal:
 
     def has_axis(self, axis: int) -> bool:
         """True when the machine has that axis."""
-        return self.machine.axis(AXIS_NAMES[axis]) is not None
+        return self.axis_there[axis]
 
     def row_state(self) -> State:
         """The slow columns of the rows that come now."""

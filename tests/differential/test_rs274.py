@@ -39,7 +39,6 @@ def test_command_and_function_say_the_same() -> None:
     assert gproof_rows(program) == gproof_rows(program, in_process=True)
 
 
-@pytest.mark.xfail(strict=True, reason="the language is guessed although the machine file names it")
 @pytest.mark.usefixtures("gproof")
 def test_machine_file_names_the_language(tmp_path: Path) -> None:
     program = tmp_path / "origin.ngc"
