@@ -25,7 +25,7 @@ def run_run(
     from gproof.backend.boards.virtual import VirtualBoard
     from gproof.backend.operators import AutoContinue, Terminal
     from gproof.backend.record_data import Result
-    from gproof.backend.runtime import RunRefused, run
+    from gproof.backend.runtime import RunFailed, RunRefused, run
     from gproof.verify.certificate import CertificateError, read_package
 
     assert board == "virtual"
@@ -49,6 +49,8 @@ def run_run(
             )  # fmt: skip
         except RunRefused as refused:
             return _refused(list(refused.findings))
+        except RunFailed as failed:
+            done = failed.record
     took = time.monotonic() - began
     if record is not None:
         done.write(record)

@@ -51,6 +51,8 @@ MAX_NESTED = 200
 """Blocks within blocks, those of calls counted in; each takes a frame of Python's stack."""
 DEFAULT_BUDGET = 100_000_000
 
+_COLD = np.array([chr(letter) not in "XYZABCIJKRFG" for letter in range(256)])
+"""Letters that ``run_lines`` hands back."""
 _CYCLES = (F.DRILL, F.DRILL_DWELL, F.DRILL_PECK, F.DRILL_CHIP_BREAK, F.BORE, F.BORE_STOP, F.BORE_DWELL)
 _OUT_OF_PLANE = {Plane.XY: "K", Plane.XZ: "J", Plane.YZ: "I"}
 _CENTER_WORDS = {Plane.XY: ("I", "J"), Plane.XZ: ("I", "K"), Plane.YZ: ("J", "K")}
@@ -81,6 +83,12 @@ class Executor:
         self.trace = Trace(files=[f.name for f in program.files] or ["(program)"])
         self.frames = FrameTable(self.trace.frames)
         self.evaluator = Evaluator(self._read, findings)
+        # The first code of each function, as a motion mode is looked up by.
+        codes_of_g = [r for r in reversed(program.rules.codes.values()) if r.letter == "G"]
+        self._motion_rules: dict[int, CodeRule] = {int(r.function): r for r in codes_of_g}
+        # The first code of each function, as a motion mode is looked up by.
+        codes_of_g = [r for r in reversed(program.rules.codes.values()) if r.letter == "G"]
+        self._motion_rules: dict[int, CodeRule] = {int(r.function): r for r in codes_of_g}
         self.met_deleted = False
         self.blocks = 0
         self.assumed: dict[str, None] = {}
@@ -266,9 +274,10 @@ class Executor:
         lines = line.tolist() if not compiled else line
         letters = letter.tolist() if not compiled else letter
         values = value.tolist() if not compiled else value
-        count, at = len(words), 0
+        count, at, cold = len(words), 0, _cold_lines(words)
         while at < count:
-            at = self._hot(run, lines, letters, values, count, at, compiled)
+            if not cold or int(line[at]) not in cold:
+                at = self._hot(run, lines, letters, values, count, at, compiled)
             if at < count and self.rows.count < self.rows.capacity:
                 end = at + 1
                 here = line[at]
@@ -484,10 +493,7 @@ class Executor:
             raise Refusal(codes.AXIS_WORDS_UNUSED.at(line.span, why=f"{motion.text} on this line"))
         if self.modal.motion == F.UNSUPPORTED:
             raise Refusal(codes.UNSUPPORTED_CODE.at(line.span, code="the active motion"))
-        active = next(
-            (r for r in self.program.rules.codes.values() if r.function == self.modal.motion and r.letter == "G"),
-            None,
-        )
+        active = self._motion_rules.get(self.modal.motion)
         if active is None or active.function is F.MOTION_CANCEL:
             why = "no motion code before" if active is None else "G80"
             raise Refusal(codes.AXIS_WORDS_UNUSED.at(line.span, why=why))
@@ -942,6 +948,11 @@ class Executor:
     ) -> None:  # fmt: skip
         """Append a motion row and go there."""
         s = self.modal
+        if any(a.value != b.value for a, b in zip(target[3:], s.position[3:], strict=True)):
+            # Rounding is no motion: a rotary move beside it keeps its feed in degrees.
+            for axis in range(3):
+                if abs(target[axis].value - s.position[axis].value) < 1e-9:
+                    target[axis] = Position(s.position[axis].value, target[axis].form)
         start = [p.value for p in s.position]
         length, rotary = _length(op, start, [p.value for p in target], center, turns, plane)
         feed = 0.0
@@ -1047,6 +1058,15 @@ class Executor:
 
 def _first_line(node: Statement) -> int:
     return node.first_line if isinstance(node, BlockTable) else node.span.line
+
+
+def _cold_lines(words: Columns) -> set[int]:
+    """Lines with a word that the kernel certainly leaves to the Python path: not worth a call."""
+    letter, value = words["letter"], words["value"]
+    cold = _COLD[letter]
+    g = np.flatnonzero(letter == ord("G"))
+    cold[g] = ~np.isin(value[g], (0.0, 1.0, 2.0, 3.0))
+    return set(words["line"][cold].tolist())
 
 
 def _word_end(data: bytes, start: int, column: int, stop: int) -> int:

@@ -202,6 +202,14 @@ def run_lines(
             t4 = v4 + (floats[OFFSET + 4] if absolute else p4)
         if axes & 32:
             t5 = v5 + (floats[OFFSET + 5] if absolute else p5)
+        if axes & 56:
+            # Rounding is no motion: a rotary move beside it keeps its feed in degrees.
+            if abs(t0 - p0) < 1e-9:
+                t0 = p0
+            if abs(t1 - p1) < 1e-9:
+                t1 = p1
+            if abs(t2 - p2) < 1e-9:
+                t2 = p2
         c0 = c1 = c2 = 0.0
         turn = 0
         flat = 0

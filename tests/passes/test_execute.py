@@ -257,3 +257,11 @@ def test_replaced_m_code_is_not_taken_for_the_real_one(tmp_path: Path) -> None:
 def test_missing_subprogram_is_told_once(tmp_path: Path) -> None:
     _, findings = run(tmp_path, HEAD + "gosub nowhere\nM30\n")
     assert codes_of(findings) == ["GP115"]
+
+
+def test_rounding_beside_a_rotary_move_is_no_motion(tmp_path: Path) -> None:
+    """0.1 + 0.2 is not 0.3: the tiny X step must not turn degrees a minute into mm a minute."""
+    trace, _ = run(tmp_path, HEAD + "F90\nG1 X[0.1+0.2]\nX0.3 A45\nG93\nX[0.1+0.2] A90 F2\nM30\n")
+    rows = trace.sections[0].rows
+    assert rows["feed"][rows["op"] == Op.FEED].tolist() == [90.0, 90.0, 90.0]
+    assert len(set(rows["to"][rows["op"] == Op.FEED][:, 0].tolist())) == 1
