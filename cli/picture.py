@@ -22,6 +22,7 @@ from gproof.cli.judge import Judgement
 from gproof.cli.path_points import PathPoints
 from gproof.cli.scene import WEIGHT, Mark, Pair, Scene, by_weight, scene_of
 from gproof.cli.session import Session
+from gproof.ir.codes import CODES
 from gproof.ir.finding import Severity
 from gproof.ir.machine import AXIS_NAMES, Machine
 from gproof.ir.trace import Chunk
@@ -30,6 +31,7 @@ from gproof.passes.values import describe
 
 WIDTH, EDGE, RULER, GAP = 1000.0, 22.0, 46.0, 26.0
 CUT_WIDTH, CUT_HEIGHT, CUT_FRONT, CUT_LEAST = 540.0, 500.0, 240.0, 70.0
+RING = 11.0  # pixels between two rings at least
 CUT_SCALE = 80.0  # pixels per mm at most
 MACHINE_HEIGHT, MACHINE_FRONT = 330.0, 300.0
 MACHINE_WIDTH = WIDTH - 2 * EDGE - 2 * RULER - GAP - CUT_WIDTH
@@ -363,20 +365,24 @@ class _Sheet:
             self.used.add("plunge")
 
     def _findings(self, group: ET.Element, view: _View) -> None:
-        """Moves with findings painted over, a ring where it is, and a label as long as there is room."""
-        for n, mark in enumerate(self.scene.marks):
+        """Moves with findings painted over, rings where they are, and labels as long as there is room."""
+        rings: list[tuple[float, float, Mark]] = []
+        for mark in self.scene.marks:
             chosen = np.zeros(len(self.scene.points), dtype=bool)
             chosen[mark.moves] = True
             for begin, stop in _runs(chosen, chosen):
                 path = ET.SubElement(group, "path", d=self._line(view, begin, stop), stroke=mark.colour)
                 path.set("stroke-width", "2.4")
             x, y = (float(c[0]) for c in view.page(np.array([mark.at])))
+            self.used.add("finding" if mark.colour == WEIGHT[Severity.ERROR] else "open")
+            if all(math.hypot(x - other[0], y - other[1]) > RING for other in rings):
+                rings.append((x, y, mark))
+        for x, y, mark in rings:
             ring = ET.SubElement(group, "circle", cx=f"{x:.1f}", cy=f"{y:.1f}", r="6", stroke=mark.colour)
             ring.set("stroke-width", "2")
             self.taken.append((x - 7, y - 7, x + 7, y + 7))
-            if n < _LABELS:
-                self._label(view, x, y, mark)
-            self.used.add("finding" if mark.colour == WEIGHT[Severity.ERROR] else "open")
+        for x, y, mark in rings[:_LABELS]:
+            self._label(view, x, y, mark)
 
     def _label(self, view: _View, x: float, y: float, mark: Mark) -> None:
         width = _wide(mark.text, 12, bold=True)
@@ -417,13 +423,15 @@ class _Sheet:
         for note in self._notes():
             self._say(EDGE, y, note, 13, _SOFT, room=WIDTH - 2 * EDGE)
             y += 20
-        judged = sorted((f for f in self.judgement.findings.kept if f.severity in WEIGHT), key=by_weight)
+        findings = self.judgement.findings
+        judged = sorted((f for f in findings.kept if f.severity in WEIGHT), key=by_weight)
         weighty = {f"{f.code.label}{f' line {f.span.line}' if f.span.line else ''}: {f.message}": f for f in judged}
         for said, f in list(weighty.items())[:_LISTED]:
             self._say(EDGE, y, said, 13, WEIGHT[f.severity], room=WIDTH - 2 * EDGE)
             y += 20
-        if len(weighty) > _LISTED:
-            self._say(EDGE, y, f"and {len(weighty) - _LISTED} more", 13, _SOFT)
+        more = len(weighty) - _LISTED + sum(findings.hidden(c) for c in CODES.values() if c.severity in WEIGHT)
+        if more > 0:
+            self._say(EDGE, y, f"and {more} more", 13, _SOFT)
             y += 20
         return y
 

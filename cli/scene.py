@@ -10,6 +10,7 @@ import numpy as np
 from gproof.cli.judge import Judgement
 from gproof.cli.path_points import Forms, PathPoints, Points
 from gproof.cli.session import Session
+from gproof.ir.codes import SOFT_LIMIT
 from gproof.ir.finding import Finding, Severity
 from gproof.ir.machine import Machine
 from gproof.ir.trace import Affine
@@ -113,6 +114,12 @@ def _marks(
             at = _entry(points.at, moves, machine, at)
         out.append(Mark(moves=moves, at=(at[0], at[1], at[2]), text=f"{f.code.label} line {f.span.line}",
                          colour=WEIGHT[f.severity]))  # fmt: skip
+    outside = np.flatnonzero(joined & (beyond > _SLACK))
+    if judgement.findings.hidden(SOFT_LIMIT) and len(outside):
+        # Findings are listed up to a number; the drawing shows all that lies outside.
+        at = points.at[outside[np.argmax(beyond[outside])]].tolist()
+        colour = WEIGHT[Severity.ERROR]
+        out.insert(0, Mark(moves=outside, at=(at[0], at[1], at[2]), text="GP301 at its worst", colour=colour))
     return out
 
 

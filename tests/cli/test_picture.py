@@ -90,6 +90,37 @@ def test_where_a_limit_is_crossed_is_marked_where_it_is_worst(tmp_path: Path) ->
     assert float(rings[0].get("cx", "0")) > right
 
 
+def test_all_that_lies_outside_is_painted(tmp_path: Path) -> None:
+    moves = "".join(f"G1 X{700 + i} Y{i % 5}\n" for i in range(60))
+    job = program(tmp_path, f"{HEAD}G0 X0 Y0\nF500\n{moves}M30\n")
+    root = draw([job, "--machine", MACHINE, "--setup", "zero"], tmp_path / "a.svg")
+    said = texts(root)
+    assert "GP301 at its worst" in said
+    assert "and 56 more" in said
+    red = {p.get("d") for p in root.iter(f"{SVG}path") if p.get("stroke") == "#d50000" and "h26" not in p.get("d", "")}
+    blue = [p.get("d", "") for p in root.iter(f"{SVG}path") if p.get("stroke") == "#0d47a1"]
+    assert any(len(d or "") >= len(max(blue, key=len)) for d in red)
+
+
+def test_labels_and_rings_do_not_overlap(tmp_path: Path) -> None:
+    moves = "".join(f"G1 X{601 + 3 * (i % 4)} Y{7 * i}\n" for i in range(15))
+    job = program(tmp_path, f"{HEAD}G0 X0 Y0\nF500\n{moves}M30\n")
+    root = draw([job, "--machine", MACHINE, "--setup", "zero"], tmp_path / "a.svg")
+    rings = [(float(c.get("cx", "0")), float(c.get("cy", "0"))) for c in root.iter(f"{SVG}circle")]
+    boxes = [
+        tuple(float(r.get(k, "0")) for k in ("x", "y", "width", "height"))
+        for r in root.iter(f"{SVG}rect")
+        if r.get("fill-opacity") == "0.85"
+    ]
+    assert rings
+    assert boxes
+    for x, y, width, height in boxes:
+        assert not any(x - 6 < cx < x + width + 6 and y - 6 < cy < y + height + 6 for cx, cy in rings)
+    for i, (x, y, width, height) in enumerate(boxes):
+        for a, b, other_width, other_height in boxes[:i]:
+            assert x >= a + other_width or a >= x + width or y >= b + other_height or b >= y + height
+
+
 def test_text_of_a_job_can_not_break_the_drawing(tmp_path: Path) -> None:
     folder = tmp_path / 'x<&"\x01y'
     folder.mkdir()
