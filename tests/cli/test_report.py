@@ -25,7 +25,7 @@ ESCAPE = re.compile(r"\x1b\[[0-9;]*m")
 
 JOBS = [
     "drilled-plate", "unknown-offsets", "over-limit-cycle-retract", "magazine-by-hand", "language-errors",
-    "unknown-parameter", "nine-fixtures", "inch-bracket", "pitch-table-on",
+    "unknown-parameter", "rotary-engraving", "inch-bracket", "pitch-table-on",
 ]  # fmt: skip
 EXAMPLES = ["GP110", "GP301", "GP303", "GP310", "GP401"]
 EXPLAINED = ["GP301", "GP401", "soft-limit"]
