@@ -8,7 +8,6 @@ assumptions, conditions and checker. A signature (Ed25519) says who made it, not
 from __future__ import annotations
 
 import base64
-import binascii
 import hashlib
 import os
 from collections.abc import Iterable
@@ -72,7 +71,7 @@ def write_package(
     """Write a package and return the SHA-256 of its body; the file appears whole or not at all.
 
     inputs: (name, sha256, role); properties: those of the trace; report: of the stream checker;
-    created, comment: kept beside the signature, outside the signed body.
+    created, comment: kept beside the signature, outside the body; a second signature covers them.
     """
     members = parts_of(machine, setup, trace, stream)
     body = {
@@ -94,14 +93,13 @@ def write_package(
     data = canonical(body)
     members[BODY] = data
     if key is not None:
-        members[SIGNATURE] = canonical(
-            {
-                "public_key": _encode(_raw_public(key)),
-                "signature": _encode(key.sign(data)),
-                "created": created,
-                "comment": comment,
-            }
-        )
+        label = {
+            "public_key": _encode(_raw_public(key)),
+            "signature": _encode(key.sign(data)),
+            "created": created,
+            "comment": comment,
+        }
+        members[SIGNATURE] = canonical({**label, "label_signature": _encode(key.sign(canonical(label)))})
     write_members(path, members)
     return hashlib.sha256(data).hexdigest()
 
@@ -127,7 +125,7 @@ def check_package(
     """Check everything but the hashes (``read_package`` did): signature, machine, verdicts, conditions, stream.
 
     machine, setup: those at hand, when they are known apart from the package; trusted_keys: raw public keys of
-    signers to accept (None: any signer, an empty list: nobody).
+    signers to accept (None: any signer, an empty list: nobody). Never raises for what the package says.
     """
     where = Span(package.path, 0)
     findings: list[Finding] = []
@@ -141,7 +139,9 @@ def check_package(
     try:
         _check_verdicts(package, findings, where)
         _check_conditions(package, setup or package.setup, findings, where)
-    except (KeyError, ValueError, TypeError, AttributeError, OverflowError) as error:
+        if setup is not None:
+            _check_setup(package.setup, setup, findings, where)
+    except (LookupError, ValueError, TypeError, AttributeError, ArithmeticError) as error:
         findings.append(codes.CERTIFICATE_MALFORMED.at(where, what=f"the body is not of its form ({error})"))
     report = validate(package.stream, package.trace, package.machine, package.setup)
     findings += report.findings
@@ -163,10 +163,13 @@ def _check_signature(
     from cryptography.hazmat.primitives.asymmetric.ed25519 import Ed25519PublicKey
 
     try:
-        raw = base64.b64decode(str(package.signature["public_key"]), validate=True)
-        signature = base64.b64decode(str(package.signature["signature"]), validate=True)
-        Ed25519PublicKey.from_public_bytes(raw).verify(signature, package.body_bytes)
-    except (KeyError, ValueError, binascii.Error, InvalidSignature):
+        label = dict(package.signature)
+        over_label = _decode(label.pop("label_signature"))
+        raw, signature = _decode(label["public_key"]), _decode(label["signature"])
+        public = Ed25519PublicKey.from_public_bytes(raw)
+        public.verify(signature, package.body_bytes)
+        public.verify(over_label, canonical(label))
+    except (KeyError, ValueError, TypeError, InvalidSignature):
         findings.append(codes.CERTIFICATE_SIGNATURE.at(where, what="the signature does not fit the certificate"))
         return None
     if trusted is not None and raw not in set(trusted):
@@ -175,19 +178,19 @@ def _check_signature(
 
 
 def _check_verdicts(package: Package, findings: list[Finding], where: Span) -> None:
-    """Every property listed is SAFE and every one of the policy is listed."""
+    """Every property of the policy and of the stream is listed, once, and SAFE; none listed is UNSAFE."""
     body = package.body
-    verdicts = (
-        {p["name"]: p["verdict"] for p in body["properties"] if isinstance(p, dict)}
-        if isinstance(body.get("properties"), list)
-        else {}
-    )
     if body.get("format") != FORMAT:
         findings.append(codes.CERTIFICATE_MALFORMED.at(where, what=f"format {body.get('format')!r} is not {FORMAT}"))
+    listed = [(str(p["name"]), str(p["verdict"])) for p in body["properties"]]
     for name in (*DEFAULT_POLICY, *BOUNDS):
-        verdict = verdicts.get(name, "missing")
-        if verdict != Verdict.SAFE.value:
-            findings.append(codes.CERTIFICATE_VERDICT.at(where, what=f"property {name} is {verdict}, not SAFE"))
+        verdicts = [v for n, v in listed if n == name] or ["missing"]
+        if verdicts != [Verdict.SAFE.value]:
+            said = " and ".join(verdicts)
+            findings.append(codes.CERTIFICATE_VERDICT.at(where, what=f"property {name} is {said}, not SAFE"))
+    for name, verdict in listed:
+        if verdict not in Verdict.__members__ or (verdict == "UNSAFE" and name not in (*DEFAULT_POLICY, *BOUNDS)):
+            findings.append(codes.CERTIFICATE_VERDICT.at(where, what=f"property {name} is {verdict}"))
 
 
 def _check_conditions(package: Package, setup: Setup, findings: list[Finding], where: Span) -> None:
@@ -205,6 +208,32 @@ def _check_conditions(package: Package, setup: Setup, findings: list[Finding], w
                 )
 
 
+def _check_setup(made_for: Setup, now: Setup, findings: list[Finding], where: Span) -> None:
+    """What the stream was reckoned with is so now: offsets, tool lengths, parameters, start, switches.
+
+    What the package's setup leaves open the stream does not depend on.
+    """
+    symbols = [f"start.{axis}" for axis in {*made_for.start, *now.start}]
+    symbols += [f"work.{number}.{axis}" for number, axis in {*made_for.work, *now.work}]
+    symbols += [f"g92.{axis}" for axis in {*made_for.g92, *now.g92}]
+    symbols += [f"tool.{number}.z" for number in {*made_for.tool_lengths, *now.tool_lengths}]
+    differing: list[tuple[str, object, object]] = []
+    for symbol in sorted(symbols):
+        then, given = made_for.interval(symbol), now.interval(symbol)
+        if then is not None and (given is None or not then.low <= given.low <= given.high <= then.high):
+            differing.append(
+                (symbol, f"{then.low:g} to {then.high:g}", f"{given.low:g} to {given.high:g}" if given else None)
+            )
+    plain = [(f"#{n}", made_for.parameter(n), now.parameter(n)) for n in {*made_for.parameters, *now.parameters}]
+    for name in ("active_work", "tool", "default_start", "default_offset", "default_parameter", "block_delete",
+                 "optional_stop"):  # fmt: skip
+        plain.append((name, getattr(made_for, name), getattr(now, name)))
+    differing += [(name, was, is_) for name, was, is_ in plain if was is not None and was != is_]
+    for name, wanted, found in differing:
+        said = "not stated" if found is None else found
+        findings.append(codes.CERTIFICATE_OFFSETS.at(where, what=f"made for {name} {wanted}; it is {said} now"))
+
+
 def _sum(terms: list[list[Any]], setup: Setup) -> Interval | None:
     low = high = 0.0
     for symbol, coefficient in terms:
@@ -218,6 +247,14 @@ def _sum(terms: list[list[Any]], setup: Setup) -> Interval | None:
 
 def _encode(raw: bytes) -> str:
     return base64.b64encode(raw).decode()
+
+
+def _decode(text: str) -> bytes:
+    """ValueError for any spelling but the one of ``_encode``."""
+    raw = base64.b64decode(text, validate=True)
+    if _encode(raw) != text:
+        raise ValueError("base64 with bits left over")
+    return raw
 
 
 def _raw_public(key: Ed25519PrivateKey) -> bytes:
@@ -242,8 +279,13 @@ def load_key(path: Path) -> Ed25519PrivateKey:
 
 
 def load_or_create_key(path: Path) -> Ed25519PrivateKey:
-    """The key at ``path``; a new one is made there, readable by its owner alone, when there is none."""
+    """The key at ``path``; a new one is made there, readable by its owner alone, when there is none.
+
+    ValueError for a file that is no such key, or that others may read.
+    """
     if path.exists():
+        if os.name == "posix" and path.stat().st_mode & 0o077:
+            raise ValueError(f"{path} can be read or written by others: chmod 600 it, or make a new key")
         return load_key(path)
     from cryptography.hazmat.primitives.asymmetric.ed25519 import Ed25519PrivateKey
     from cryptography.hazmat.primitives.serialization import Encoding, NoEncryption, PrivateFormat

@@ -3,7 +3,8 @@
 Members: ``body.json`` (what is signed), ``signature.json`` (outside every hash), ``machine.ir``, ``setup.ir``,
 ``trace.ir``, ``stream.ir`` (text forms, with empty tables), and one ``.bin`` a table: the columns of its schema
 one after the other, little-endian, rows in order. Same inputs, same bytes: members in sorted order, fixed
-times. Nothing is believed while reading; docs/certificate.md defines the format.
+times. The zip's comment is the SHA-256 of all bytes before it, so that no damaged file is taken for a whole one.
+Nothing is believed while reading; docs/certificate.md defines the format.
 """
 
 from __future__ import annotations
@@ -19,7 +20,7 @@ import zlib
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, BinaryIO
 
 import numpy as np
 
@@ -31,12 +32,15 @@ from gproof.ir.setup import Setup
 from gproof.ir.stream import EVENT, RUN, StepStream
 from gproof.ir.text import parse_ir, print_ir
 from gproof.ir.trace import TRACE_ROW, Trace
+from gproof.verify.conform import misfit
 
 BODY, SIGNATURE = "body.json", "signature.json"
 TEXTS = ("machine.ir", "setup.ir", "trace.ir", "stream.ir")
 MEMBER_LIMIT = 2 << 30
-"""Bytes of one member at most; a larger one is refused before it is read."""
+"""Bytes of one table at most (and of one text, of all together): more is refused before it is read."""
+TEXT_LIMIT = 64 << 20
 TOTAL_LIMIT = 4 << 30
+_SEAL = b"sha256:"
 _EPOCH = (1980, 1, 1, 0, 0, 0)
 
 
@@ -128,19 +132,41 @@ def write_members(path: Path, members: dict[str, bytes]) -> None:
     """Write the zip whole or not at all; an existing file is replaced only by a complete one."""
     handle, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")
     try:
-        with os.fdopen(handle, "wb") as out, zipfile.ZipFile(out, "w") as archive:
-            for member in sorted(members):
-                info = zipfile.ZipInfo(member, date_time=_EPOCH)
-                info.compress_type = zipfile.ZIP_DEFLATED
-                info.external_attr = 0o644 << 16
-                info.create_system = 3
-                archive.writestr(info, members[member], compresslevel=6)
+        with os.fdopen(handle, "w+b") as out:
+            with zipfile.ZipFile(out, "w") as archive:
+                for member in sorted(members):
+                    info = zipfile.ZipInfo(member, date_time=_EPOCH)
+                    info.compress_type = zipfile.ZIP_DEFLATED
+                    info.external_attr = 0o644 << 16
+                    info.create_system = 3
+                    archive.writestr(info, members[member], compresslevel=6)
+                archive.comment = _SEAL + b"0" * 64
+            seal(out)
             out.flush()
+            os.fsync(out.fileno())
         os.chmod(name, 0o644)
         os.replace(name, path)
     except BaseException:
         os.unlink(name)
         raise
+
+
+def seal(file: BinaryIO) -> None:
+    """Write the digest of everything before it over the last 64 bytes of the zip's comment."""
+    end = file.seek(-64, os.SEEK_END)
+    file.seek(0)
+    digest = _digest(file, end)
+    file.seek(end)
+    file.write(digest)
+
+
+def _digest(file: BinaryIO, size: int) -> bytes:
+    """SHA-256 of the next ``size`` bytes, as hexadecimal text."""
+    whole = hashlib.sha256()
+    while size > 0 and (block := file.read(min(size, 1 << 20))):
+        whole.update(block)
+        size -= len(block)
+    return whole.hexdigest().encode()
 
 
 def read_package(path: Path) -> Package:
@@ -153,7 +179,7 @@ def read_package(path: Path) -> Package:
         raise CertificateError(codes.CERTIFICATE_MALFORMED, str(path), error.strerror or "can not be read") from None
     except (zipfile.BadZipFile, zlib.error, EOFError, NotImplementedError, RuntimeError, struct.error) as error:
         raise CertificateError(codes.CERTIFICATE_MALFORMED, str(path), f"not a whole zip file ({error})") from None
-    except (ValueError, KeyError, TypeError, AttributeError, IndexError, OverflowError, MemoryError) as error:
+    except (ValueError, LookupError, TypeError, AttributeError, ArithmeticError, MemoryError, AssertionError) as error:
         raise CertificateError(
             codes.CERTIFICATE_MALFORMED, str(path), f"not a certified stream ({type(error).__name__}: {error})"
         ) from None
@@ -164,17 +190,14 @@ def _read(path: Path) -> Package:
     for needed in (BODY, *TEXTS):
         if needed not in members:
             raise CertificateError(codes.CERTIFICATE_MALFORMED, str(path), f"{needed} is missing")
-    body = json.loads(members[BODY])
-    if not isinstance(body, dict) or canonical(body) != members[BODY]:
-        raise CertificateError(codes.CERTIFICATE_MALFORMED, str(path), "body.json is not in its canonical form")
+    body = _json(path, BODY, members[BODY])
     _check_hashes(path, body, members)
-    signature = json.loads(members[SIGNATURE]) if SIGNATURE in members else None
-    if signature is not None and not isinstance(signature, dict):
-        raise CertificateError(codes.CERTIFICATE_MALFORMED, str(path), "signature.json is no object")
+    signature = _json(path, SIGNATURE, members[SIGNATURE]) if SIGNATURE in members else None
     machine, setup, trace, stream = (parse_ir(members[name].decode()) for name in TEXTS)
     for value, kind in ((machine, Machine), (setup, Setup), (trace, Trace), (stream, StepStream)):
-        if not isinstance(value, kind):
-            raise CertificateError(codes.CERTIFICATE_MALFORMED, str(path), f"no {kind.__name__} where one belongs")
+        wrong = misfit(value, kind, kind.__name__)
+        if wrong:
+            raise CertificateError(codes.CERTIFICATE_MALFORMED, str(path), wrong)
     _fill(trace, stream, members)
     machine.verify()
     trace.verify()
@@ -185,24 +208,42 @@ def _read(path: Path) -> Package:
     )  # fmt: skip
 
 
+def _json(path: Path, name: str, data: bytes) -> dict[str, Any]:
+    """An object in its one canonical spelling: no blanks, no key twice, nothing left over."""
+    value = json.loads(data)
+    if not isinstance(value, dict) or canonical(value) != data:
+        raise CertificateError(codes.CERTIFICATE_MALFORMED, str(path), f"{name} is not in its canonical form")
+    return value
+
+
 def _members(path: Path) -> dict[str, bytes]:
-    """All members, each no larger than it says and all together bounded."""
+    """All members of a sealed zip, each no larger than it says and all together bounded."""
     out: dict[str, bytes] = {}
     total = 0
-    with zipfile.ZipFile(path) as archive:
-        for info in archive.infolist():
-            total += info.file_size
-            if info.file_size > MEMBER_LIMIT or total > TOTAL_LIMIT:
-                raise CertificateError(codes.CERTIFICATE_MALFORMED, str(path), f"{info.filename!r} is too large")
-            if info.filename in out:
-                raise CertificateError(codes.CERTIFICATE_MALFORMED, str(path), f"{info.filename!r} is there twice")
-            with archive.open(info) as handle:
-                data = handle.read(info.file_size + 1)
-            if len(data) != info.file_size:
-                raise CertificateError(
-                    codes.CERTIFICATE_MALFORMED, str(path), f"{info.filename!r} is not as long as it says"
-                )
-            out[info.filename] = data
+    with path.open("rb") as file:
+        size = os.fstat(file.fileno()).st_size - 64
+        if size < 0 or _digest(file, size) != file.read():
+            raise CertificateError(codes.CERTIFICATE_HASH, str(path), "the file is damaged, cut short or not a package")
+        with zipfile.ZipFile(file) as archive:
+            if not archive.comment.startswith(_SEAL) or len(archive.comment) != len(_SEAL) + 64:
+                raise CertificateError(codes.CERTIFICATE_MALFORMED, str(path), "the zip file is not a sealed package")
+            for info in archive.infolist():
+                name = info.filename
+                total += info.file_size
+                limit = MEMBER_LIMIT if name.endswith(".bin") else TEXT_LIMIT
+                if info.file_size > limit or total > TOTAL_LIMIT:
+                    raise CertificateError(codes.CERTIFICATE_MALFORMED, str(path), f"{name!r} is too large")
+                if name in out:
+                    raise CertificateError(codes.CERTIFICATE_MALFORMED, str(path), f"{name!r} is there twice")
+                if info.compress_type not in (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED):
+                    raise CertificateError(codes.CERTIFICATE_MALFORMED, str(path), f"{name!r} is packed otherwise")
+                with archive.open(info) as handle:
+                    data = handle.read(info.file_size + 1)
+                if len(data) != info.file_size:
+                    raise CertificateError(
+                        codes.CERTIFICATE_MALFORMED, str(path), f"{name!r} is not as long as it says"
+                    )
+                out[name] = data
     return out
 
 

@@ -181,6 +181,8 @@ def motor_arrays(stream: StepStream, machine: Machine, grid: int, collector: Col
     for m, motor in enumerate(stream.motors):
         axis = axes[motor.axis]
         scale = float(abs(motor.steps_per_unit))
+        if axis.backlash:
+            collector.assume("stream-position", f"the backlash of {axis.name} is not made good")
         low[m], high[m] = _limits(axis, axis.lower, axis.upper)
         if None in (axis.lower, axis.upper):
             collector.assume("stream-limit", f"axis {axis.name} needs no limit where the machine file states none")
@@ -253,6 +255,7 @@ def row_arrays(stream: StepStream, trace: Trace, section: TraceSection, collecto
     motion = np.isin(op, np.array([int(o) for o in MOTION_OPS], dtype=op.dtype))
     arcs = op == Op.ARC
     idle = np.array([a for a in range(AXES) if a not in driven], dtype=np.intp)
+    undriven = [int(plane) for plane, pair in PAIRS.items() if not set(pair) <= set(driven)]
     reach = np.zeros(AXES)
     for motor in stream.motors:
         reach[motor.axis] = abs(float(motor.steps_per_unit))
@@ -263,6 +266,7 @@ def row_arrays(stream: StepStream, trace: Trace, section: TraceSection, collecto
         (~known[rows["frame"]], "the position depends on something that is not known"),
         (moved & ~motion, "the position jumps in a row that is no motion"),
         ((to[:, idle] != start[idle]).any(axis=1), "an axis without a motor moves"),
+        (arcs & np.isin(rows["plane"], undriven), "an arc in an axis without a motor"),
         ((extent > FARTHEST).any(axis=1), f"a position of more than {FARTHEST} steps"),
         (arcs & ~np.isin(rows["plane"], [int(p) for p in Plane if p]), "an arc in no plane"),
         (needs_feed & ~(np.isfinite(rows["feed"]) & (rows["feed"] > 0)), "motion without a feed"),

@@ -337,6 +337,22 @@ def test_ties_may_go_either_way() -> None:
     assert {f.code.label for f in bad.findings} == {"GP808"}
 
 
+def test_a_circle_in_an_axis_without_a_motor_is_refused() -> None:
+    """Its ends are the same, so that only its plane tells that the axis moves."""
+    job = Job().rapid(x=1).arc((0.0, 2.0), 1, plane=2).rapid(x=0)
+    flat = dataclasses.replace(machine(), axes=machine().axes[:2])
+    still = Job().rapid(x=1).rapid(x=0)
+    report = validate(stream_of(step(still, flat), flat), job.trace(), flat, NOTHING)
+    assert {f.code.label for f in report.findings} == {"GP810"}
+
+
+def test_backlash_is_an_assumption() -> None:
+    on = dataclasses.replace(machine(), axes=tuple(dataclasses.replace(a, backlash=0.01) for a in machine().axes))
+    report = check(step(JOBS["square"](), on), JOBS["square"](), on)
+    assert_safe(report)
+    assert any("backlash" in a for a in report.result().assumptions)
+
+
 def test_a_path_too_dense_to_follow_is_refused_not_believed() -> None:
     job = Job()
     for k in range(2 * stream_kernels.WINDOW + 50):

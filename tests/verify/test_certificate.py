@@ -1,0 +1,567 @@
+"""The certificate and its package: whole and unaltered, or refused with a finding; never anything else."""
+
+import base64
+import dataclasses
+import io
+import json
+import os
+import random
+import stat
+import struct
+import zipfile
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+from verify.jobs import JOBS
+from verify.reference_stepper import machine, step, stream_of
+
+from gproof.ir.machine import Machine
+from gproof.ir.setup import NOTHING, ZERO, Interval, Setup
+from gproof.ir.text import print_ir
+from gproof.ir.verdict import DEFAULT_POLICY, Condition, PropertyResult, Verdict
+from gproof.verify import package as packages
+from gproof.verify.certificate import (
+    Check,
+    check_package,
+    load_key,
+    load_or_create_key,
+    load_public_key,
+    public_key_text,
+    write_package,
+)
+from gproof.verify.conform import misfit
+from gproof.verify.package import CertificateError, Package, canonical, read_package, seal
+from gproof.verify.stream import validate
+
+SAFE = tuple(PropertyResult(name=name, verdict=Verdict.SAFE) for name in DEFAULT_POLICY)
+Members = dict[str, bytes]
+
+
+def write(path: Path, *, name: str = "events", setup: Setup = ZERO, **changes: Any) -> Path:
+    job = JOBS[name]()
+    on, trace = machine(), job.trace()
+    stream = stream_of(step(job, on), on)
+    values: dict[str, Any] = {
+        "job": "job.cnc",
+        "version": "1.2.3",
+        "inputs": [("job.cnc", "ab" * 32, "source"), ("machine.toml", "cd" * 32, "machine")],
+        "properties": SAFE,
+        "not_judged": ["gouges", "feeds"],
+        "assumptions": ["setup zero"],
+        "machine": on,
+        "setup": setup,
+        "trace": trace,
+        "stream": stream,
+        "report": validate(stream, trace, on, setup),
+    }
+    write_package(path, **(values | changes))
+    return path
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return tmp_path_factory.mktemp("certificates")
+
+
+@pytest.fixture(scope="module")
+def key(folder: Path) -> Any:
+    return load_or_create_key(folder / "key.pem")
+
+
+@pytest.fixture(scope="module")
+def signed(folder: Path, key: Any) -> Path:
+    return write(folder / "signed.gpx", key=key, created="2024-01-01T00:00:00+00:00", comment="bench 3")
+
+
+@pytest.fixture(scope="module")
+def unsigned(folder: Path) -> Path:
+    return write(folder / "unsigned.gpx")
+
+
+def codes(check: Check) -> set[str]:
+    return {f.code.label for f in check.findings}
+
+
+def refusal(path: Path) -> str:
+    with pytest.raises(CertificateError) as caught:
+        read_package(path)
+    assert str(path) == caught.value.finding.span.file
+    assert caught.value.finding.message
+    return caught.value.finding.code.label
+
+
+def raw_public(key: Any) -> bytes:
+    from cryptography.hazmat.primitives.serialization import Encoding, PublicFormat
+
+    raw: bytes = key.public_key().public_bytes(Encoding.Raw, PublicFormat.Raw)
+    return raw
+
+
+# --- what is right ------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("name", JOBS)
+def test_everything_is_read_back_bit_for_bit(name: str, tmp_path: Path) -> None:
+    job = JOBS[name]()
+    stream = stream_of(step(job, machine()), machine())
+    package = read_package(write(tmp_path / "job.gpx", name=name, setup=NOTHING))
+    assert package.machine == machine()
+    assert package.setup == NOTHING
+    assert print_ir(package.trace) == print_ir(job.trace())
+    assert print_ir(package.stream) == print_ir(stream)
+    for ours, theirs in zip(stream.sections, package.stream.sections, strict=True):
+        assert ours.events == theirs.events
+        assert ours.runs == theirs.runs
+    assert check_package(package).valid
+
+
+def test_body_says_what_was_proved(signed: Path) -> None:
+    package = read_package(signed)
+    body = package.body
+    assert body["format"] == "gproof-certificate/1"
+    assert body["gproof"] == "1.2.3"
+    assert [p["name"] for p in body["properties"]][:4] == list(DEFAULT_POLICY)
+    assert {p["name"] for p in body["properties"]} > {"stream-position", "stream-velocity", "stream-event"}
+    assert all(p["verdict"] == "SAFE" and p["checker"] and p["version"] for p in body["properties"])
+    assert all(p["bound"] for p in body["properties"] if p["name"].startswith("stream-"))
+    assert body["not_judged"] == ["feeds", "gouges"]
+    assert body["inputs"][1] == {"name": "job.cnc", "sha256": "ab" * 32, "role": "source"}
+    assert set(body["members"]) == set(members_of(signed)) - {"body.json", "signature.json"}
+    assert package.body_bytes == canonical(body)
+
+
+def test_same_inputs_same_bytes(tmp_path: Path, key: Any) -> None:
+    first, second = (write(tmp_path / name, key=key, created="now").read_bytes() for name in ("a.gpx", "b.gpx"))
+    assert first == second
+    later = write(tmp_path / "c.gpx", key=key, created="later")
+    assert read_package(later).sha256 == read_package(tmp_path / "a.gpx").sha256
+
+
+def test_any_zip_program_can_open_it(signed: Path) -> None:
+    with zipfile.ZipFile(signed) as archive:
+        assert archive.testzip() is None
+        assert archive.comment.startswith(b"sha256:")
+        assert archive.namelist() == sorted(archive.namelist())
+        assert json.loads(archive.read("signature.json"))["comment"] == "bench 3"
+
+
+def test_signature_and_signers(signed: Path, unsigned: Path, key: Any) -> None:
+    raw = raw_public(key)
+    package = read_package(signed)
+    check = check_package(package)
+    assert check.valid
+    assert check.signer == base64.b64encode(raw).decode()
+    assert check.findings == ()
+    assert check_package(package, trusted_keys=[b"x" * 32, raw]).valid
+    assert codes(check_package(package, trusted_keys=[b"x" * 32])) == {"GP822"}
+    assert codes(check_package(package, trusted_keys=[])) == {"GP822"}
+    nobody = check_package(read_package(unsigned))
+    assert nobody.valid
+    assert codes(nobody) == {"GP826"}
+    assert codes(check_package(read_package(unsigned), trusted_keys=[raw])) == {"GP822"}
+
+
+def test_keys_are_private_and_kept(tmp_path: Path) -> None:
+    from cryptography.hazmat.primitives.asymmetric.ed25519 import Ed25519PrivateKey
+
+    path = tmp_path / "new" / "key.pem"
+    made = load_or_create_key(path)
+    assert stat.S_IMODE(path.stat().st_mode) == 0o600
+    assert isinstance(made, Ed25519PrivateKey)
+    assert raw_public(load_or_create_key(path)) == raw_public(made) == raw_public(load_key(path))
+    (tmp_path / "public.pem").write_text(public_key_text(made))
+    assert load_public_key(tmp_path / "public.pem") == raw_public(made)
+    path.chmod(0o644)
+    with pytest.raises(ValueError, match="others"):
+        load_or_create_key(path)
+    for text in (b"", b"-----BEGIN PRIVATE KEY-----\nnonsense\n-----END PRIVATE KEY-----\n", bytes(100)):
+        path.write_bytes(text)
+        path.chmod(0o600)
+        for load in (load_or_create_key, load_key, load_public_key):
+            with pytest.raises(ValueError, match=r"key\.pem"):
+                load(path)
+
+
+def test_nothing_half_written(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    path = write(tmp_path / "job.gpx")
+    before = path.read_bytes()
+
+    def full(*_: object) -> None:
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(os, "fsync", full)
+    with pytest.raises(OSError, match="No space"):
+        write(path, name="square")
+    assert path.read_bytes() == before
+    assert [p.name for p in tmp_path.iterdir()] == ["job.gpx"]
+
+
+# --- machine, setup, verdicts -------------------------------------------------------------------------------
+
+
+def test_another_machine_is_refused(unsigned: Path) -> None:
+    package = read_package(unsigned)
+    assert check_package(package, machine()).valid
+    for other in (
+        dataclasses.replace(machine(), name="its neighbour"),
+        dataclasses.replace(machine(), axes=(dataclasses.replace(machine().axes[0], upper=299.0), *machine().axes[1:])),
+    ):
+        check = check_package(package, other)
+        assert "GP823" in codes(check)
+        assert not check.valid
+
+
+@pytest.mark.parametrize("verdict", [Verdict.UNSAFE, Verdict.UNKNOWN])
+def test_only_safe_verdicts_are_accepted(verdict: Verdict, tmp_path: Path) -> None:
+    for k, name in enumerate(DEFAULT_POLICY):
+        results = [dataclasses.replace(p, verdict=verdict if p.name == name else p.verdict) for p in SAFE]
+        check = check_package(read_package(write(tmp_path / f"{k}.gpx", properties=results)))
+        assert "GP824" in codes(check)
+        assert not check.valid
+
+
+def test_a_property_missing_or_said_twice_is_refused(tmp_path: Path) -> None:
+    twice = (*SAFE, dataclasses.replace(SAFE[0], verdict=Verdict.UNSAFE), SAFE[0])
+    also = (*SAFE, PropertyResult(name="gouges", verdict=Verdict.UNSAFE))
+    for k, properties in enumerate((SAFE[1:], twice, (*twice[::-1],), also)):
+        check = check_package(read_package(write(tmp_path / f"{k}.gpx", properties=properties)))
+        assert "GP824" in codes(check)
+        assert not check.valid
+    unknown = (*SAFE, PropertyResult(name="gouges", verdict=Verdict.UNKNOWN))
+    assert check_package(read_package(write(tmp_path / "unknown.gpx", properties=unknown))).valid
+
+
+def test_conditions_are_held_against_the_setup(tmp_path: Path) -> None:
+    condition = Condition(terms=(("g92.x", -1), ("work.1.x", 2)), low=-1.0, high=float("inf"))
+    properties = (*SAFE[:1], dataclasses.replace(SAFE[1], conditions=(condition,)), *SAFE[2:])
+
+    def check(setup: Setup) -> set[str]:
+        return codes(check_package(read_package(write(tmp_path / "c.gpx", properties=properties, setup=setup))))
+
+    def offsets(low: float, high: float, g92: float) -> Setup:
+        return Setup(work={(1, "x"): Interval(low, high)}, g92={"x": Interval(g92, g92)})
+
+    assert "GP825" not in check(offsets(0.0, 1.0, 1.0))
+    assert "GP825" in check(offsets(-0.1, 1.0, 1.0))
+    assert "GP825" in check(Setup(g92={"x": Interval(0.0, 0.0)}))
+
+
+def test_a_stream_runs_only_with_the_setup_it_was_made_for(tmp_path: Path) -> None:
+    made_for = dataclasses.replace(ZERO, work={(1, "x"): Interval(5.0, 6.0)}, parameters={100: 2.0})
+    package = read_package(write(tmp_path / "job.gpx", setup=made_for))
+    assert check_package(package, setup=made_for).valid
+    assert check_package(package, setup=dataclasses.replace(made_for, work={(1, "x"): Interval(5.5, 5.5)})).valid
+    for change in (
+        {"work": {(1, "x"): Interval(5.0, 6.5)}},
+        {"work": {(1, "x"): Interval(5.0, 6.0), (2, "y"): Interval(1.0, 1.0)}},
+        {"work": {}},
+        {"g92": {"z": Interval(0.5, 0.5)}},
+        {"tool_lengths": {4: Interval(1.0, 1.0)}},
+        {"parameters": {100: 3.0}},
+        {"parameters": {}},
+        {"active_work": 2},
+        {"default_offset": None},
+        {"optional_stop": True},
+    ):
+        check = check_package(package, setup=dataclasses.replace(made_for, **change))
+        assert "GP825" in codes(check), change
+        assert not check.valid
+    open_ = read_package(write(tmp_path / "open.gpx", setup=NOTHING))
+    assert check_package(open_, setup=made_for).valid, "what its setup left open, the stream does not depend on"
+
+
+# --- damage -------------------------------------------------------------------------------------------------
+
+
+def members_of(path: Path) -> Members:
+    with zipfile.ZipFile(path) as archive:
+        return {name: archive.read(name) for name in archive.namelist()}
+
+
+def rebuilt(path: Path, members: Members, *, rehash: bool = True, extra: tuple[str, bytes] | None = None) -> Path:
+    """A package as a forger would make it: hashes and seal fit, only the signature does not."""
+    if rehash and "body.json" in members:
+        body = json.loads(members["body.json"])
+        inside = {n: d for n, d in members.items() if n not in ("body.json", "signature.json")}
+        body["members"] = {n: packages.hashlib.sha256(d).hexdigest() for n, d in inside.items()}
+        members = members | {"body.json": canonical(body)}
+    buffer = io.BytesIO()
+    with zipfile.ZipFile(buffer, "w", zipfile.ZIP_DEFLATED) as archive:
+        for name, data in members.items():
+            archive.writestr(name, data)
+        if extra is not None:
+            archive.writestr(*extra)
+        archive.comment = b"sha256:" + b"0" * 64
+    seal(buffer)
+    path.write_bytes(buffer.getvalue())
+    return path
+
+
+def damage(data: bytes, rng: random.Random) -> bytes:
+    kind = rng.random()
+    if kind < 0.25:
+        return data[: rng.randrange(len(data))]
+    out = bytearray(data)
+    if kind < 0.75:
+        for _ in range(rng.choice((1, 1, 1, 3, 20))):
+            out[rng.randrange(len(out))] ^= 1 << rng.randrange(8)
+    elif kind < 0.85:
+        at = rng.randrange(len(out))
+        del out[at : at + rng.randrange(1, 40)]
+    elif kind < 0.95:
+        at = rng.randrange(len(out))
+        out[at:at] = rng.randbytes(rng.randrange(1, 40))
+    else:
+        out += rng.randbytes(rng.randrange(1, 200))
+    return bytes(out)
+
+
+def fuzz(source: Path, path: Path, seeds: range) -> None:
+    data = source.read_bytes()
+    for seed in seeds:
+        spoilt = damage(data, random.Random(seed))
+        if spoilt == data:
+            continue
+        path.write_bytes(spoilt)
+        with pytest.raises(CertificateError) as caught:
+            read_package(path)
+        assert caught.value.finding.code.label in ("GP820", "GP821"), seed
+
+
+def test_damaged_files_are_refused(signed: Path, tmp_path: Path) -> None:
+    fuzz(signed, tmp_path / "spoilt.gpx", range(300))
+
+
+@pytest.mark.soak
+def test_damaged_files_are_refused_for_long(signed: Path, tmp_path: Path) -> None:
+    fuzz(signed, tmp_path / "spoilt.gpx", range(300, 10_300))
+
+
+def fuzz_sealed(source: Path, path: Path, seeds: range) -> int:
+    """Damage below the seal and the hashes: what a forger without the key can do. How many could be read."""
+    clean = members_of(source)
+    readable = 0
+    for seed in seeds:
+        rng = random.Random(seed)
+        members = dict(clean)
+        name = rng.choice(sorted(members))
+        members[name] = damage(members[name], rng) if members[name] else b"x"
+        if members[name] == clean[name]:
+            continue
+        unsigned = rng.random() < 0.5 and name != "signature.json"
+        if unsigned:
+            del members["signature.json"]
+        rebuilt(path, members, rehash=name not in ("body.json", "signature.json"))
+        try:
+            package = read_package(path)
+        except CertificateError as error:
+            assert error.finding.code.label in ("GP820", "GP821"), seed
+            continue
+        readable += 1
+        check = check_package(package)
+        # Unsigned, some damage is harmless within the bounds: a step a few ticks later, a name.
+        assert unsigned or not check.valid, seed
+    return readable
+
+
+def test_forged_parts_are_refused(signed: Path, tmp_path: Path) -> None:
+    assert fuzz_sealed(signed, tmp_path / "forged.gpx", range(300)) > 20
+
+
+@pytest.mark.soak
+def test_forged_parts_are_refused_for_long(signed: Path, tmp_path: Path) -> None:
+    assert fuzz_sealed(signed, tmp_path / "forged.gpx", range(300, 10_300)) > 20
+
+
+def edit(what: str, find: str, put: str) -> Callable[[Members], None]:
+    def apply(members: Members) -> None:
+        text = members[what].decode()
+        assert find in text, text[:300]
+        members[what] = text.replace(find, put, 1).encode()
+
+    return apply
+
+
+def edited_body(change: Callable[[dict[str, Any]], object]) -> Callable[[Members], None]:
+    def apply(members: Members) -> None:
+        body = json.loads(members["body.json"])
+        change(body)
+        members["body.json"] = canonical(body)
+
+    return apply
+
+
+def stream_of_other_job(members: Members) -> None:
+    job = JOBS["square"]()
+    stream = stream_of(step(job, machine()), machine())
+    for name in [n for n in members if n.startswith("stream")]:
+        del members[name]
+    parts = packages.parts_of(machine(), ZERO, job.trace(), stream)
+    members.update({n: d for n, d in parts.items() if n.startswith("stream")})
+
+
+def run_changed(members: Members) -> None:
+    """All steps of X a second later."""
+    table = bytearray(members["stream/0/0.bin"])
+    table[:8] = (int.from_bytes(table[:8], "little") + 16_000_000).to_bytes(8, "little")
+    members["stream/0/0.bin"] = bytes(table)
+
+
+EDITS: dict[str, Callable[[Members], None]] = {
+    "limit widened": edit("machine.ir", "300.0", "400.0"),
+    "resolution": edit("machine.ir", "80/1", "81/1"),
+    "another start": edit("stream.ir", "[0 0 0 0]", "[0 0 0 1]"),
+    "setup": edit("setup.ir", "0.0", "0.5"),
+    "stream of another job": stream_of_other_job,
+    "one interval": run_changed,
+    "verdict": edited_body(lambda body: body["properties"][1].update(verdict="UNKNOWN")),
+    "inputs": edited_body(lambda body: body.update(inputs=[])),
+    "gproof version": edited_body(lambda body: body.update(gproof="9")),
+    "format": edited_body(lambda body: body.update(format="gproof-certificate/2")),
+    "properties no list": edited_body(lambda body: body.update(properties=7)),
+    "property no object": edited_body(lambda body: body["properties"].append("limits")),
+    "conditions no list": edited_body(lambda body: body["properties"][0].update(conditions=3)),
+    "absurd condition": edited_body(
+        lambda body: body["properties"][0].update(conditions=[{"terms": [["x", "y"]], "low": "1e999", "high": []}])
+    ),
+    "endless coefficient": edited_body(
+        lambda body: body["properties"][0].update(
+            conditions=[{"terms": [["g92.x", 10**400]], "low": "0", "high": "nan"}]
+        )
+    ),
+    "comment": edit("signature.json", "bench 3", "bench 4"),
+    "created": edit("signature.json", "2024", "2034"),
+    "another spelling of the same signature": edit("signature.json", '=="', '=9"'),
+    "a key more": edit("signature.json", '"comment"', '"a":1,"comment"'),
+    "no signature left": edit("signature.json", '"signature"', '"sygnature"'),
+}
+
+
+@pytest.mark.parametrize("name", EDITS)
+def test_edited_parts_with_fitting_hashes_are_refused(name: str, signed: Path, tmp_path: Path) -> None:
+    members = members_of(signed)
+    EDITS[name](members)
+    path = rebuilt(tmp_path / "edited.gpx", members)
+    check = check_package(read_package(path))
+    assert "GP822" in codes(check)
+    assert not check.valid
+
+
+@pytest.mark.parametrize("name", [n for n in EDITS if n not in ("inputs", "gproof version", "setup", "limit widened")])
+def test_edited_parts_are_refused_without_a_signature_too(name: str, signed: Path, tmp_path: Path) -> None:
+    """Inputs, versions and the assumptions of who ran the checks are somebody's word: that is what the signature
+    is for. All else is found out."""
+    members = members_of(signed)
+    EDITS[name](members)
+    edited = members.pop("signature.json") == members_of(signed)["signature.json"]
+    path = rebuilt(tmp_path / "edited.gpx", members)
+    assert check_package(read_package(path)).valid != edited
+
+
+MALFORMED: dict[str, tuple[Callable[[Members], object], str]] = {
+    "no body": (lambda m: m.pop("body.json"), "GP820"),
+    "no machine": (lambda m: m.pop("machine.ir"), "GP820"),
+    "no table": (lambda m: m.pop("trace/0.bin"), "GP820"),
+    "a table too many": (lambda m: m.update({"trace/1.bin": b""}), "GP820"),
+    "half a row": (lambda m: m.update({"trace/0.bin": m["trace/0.bin"][:-1]}), "GP820"),
+    "body no JSON": (lambda m: m.update({"body.json": b"{"}), "GP820"),
+    "body no object": (lambda m: m.update({"body.json": b"[]"}), "GP820"),
+    "body not canonical": (lambda m: m.update({"body.json": m["body.json"] + b"\n"}), "GP820"),
+    "body deep": (lambda m: m.update({"body.json": b"[" * 100_000}), "GP820"),
+    "body not UTF-8": (lambda m: m.update({"body.json": b"\xff\xfe"}), "GP820"),
+    "body NaN": (lambda m: m.update({"body.json": b'{"members":NaN}'}), "GP820"),
+    "body huge number": (lambda m: m.update({"body.json": b'{"members":' + b"9" * 5000 + b"}"}), "GP820"),
+    "members no object": (lambda m: m.update({"body.json": b'{"members":[1]}'}), "GP820"),
+    "a hash of the wrong kind": (
+        edited_body(lambda body: body["members"].update({"trace.ir": 3})),
+        "GP821",
+    ),
+    "signature no JSON": (lambda m: m.update({"signature.json": b"x"}), "GP820"),
+    "machine of another type": (lambda m: m.update({"machine.ir": m["setup.ir"]}), "GP820"),
+    "machine no text form": (lambda m: m.update({"machine.ir": b"(("}), "GP820"),
+    "machine deep": (lambda m: m.update({"machine.ir": b"[" * 100_000}), "GP820"),
+    "field of the wrong type": (edit("machine.ir", "AxisKind.LINEAR", '"linear"'), "GP820"),
+    "an unknown enumeration": (edit("machine.ir", "AxisKind.LINEAR", "AxisKind.SPIRAL"), "GP820"),
+    "division by zero": (edit("machine.ir", "80/1", "80/0"), "GP820"),
+    "too few fields": (edit("machine.ir", "none", ""), "GP820"),
+    "sections of numbers": (lambda m: m.update({"trace.ir": b'(Trace ["f"] [""] [] [] [] [1 2 3])'}), "GP820"),
+    "absurd table in the text": (edit("trace.ir", "(columns trace 0", "(columns trace 99999999999"), "GP820"),
+    "unknown schema": (edit("trace.ir", "(columns trace 0", "(columns nothing 0"), "GP820"),
+}
+
+
+@pytest.mark.parametrize("name", MALFORMED)
+def test_malformed_packages_are_refused(name: str, unsigned: Path, tmp_path: Path) -> None:
+    change, code = MALFORMED[name]
+    members = members_of(unsigned)
+    change(members)
+    by_hand = name.startswith(("body", "members", "a hash"))
+    assert refusal(rebuilt(tmp_path / "bad.gpx", members, rehash=not by_hand)) == code
+
+
+def test_containers_that_are_none(unsigned: Path, tmp_path: Path) -> None:
+    path = tmp_path / "bad.gpx"
+    for data in (b"", b"PK", bytes(100), b"PK\x05\x06" + bytes(18), random.Random(1).randbytes(5000)):
+        path.write_bytes(data)
+        assert refusal(path) == "GP821"
+    assert refusal(tmp_path / "nowhere.gpx") == "GP820"
+    assert refusal(tmp_path) == "GP820"
+    sealed = io.BytesIO(b"no zip at all" + b"0" * 64)
+    seal(sealed)
+    path.write_bytes(sealed.getvalue())
+    assert refusal(path) == "GP820"
+    with pytest.warns(UserWarning, match="Duplicate name"):
+        rebuilt(path, members_of(unsigned), extra=("body.json", b"{}"))
+    assert refusal(path) == "GP820"
+    other = io.BytesIO()
+    with zipfile.ZipFile(other, "w", zipfile.ZIP_LZMA) as archive:
+        for name, data in members_of(unsigned).items():
+            archive.writestr(name, data)
+        archive.comment = b"sha256:" + b"0" * 64
+    seal(other)
+    path.write_bytes(other.getvalue())
+    assert refusal(path) == "GP820"
+
+
+def test_zip_bombs_are_not_unpacked(unsigned: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(packages, "MEMBER_LIMIT", 1 << 20)
+    monkeypatch.setattr(packages, "TEXT_LIMIT", 1 << 16)
+    path = tmp_path / "bomb.gpx"
+    for name, size in (("trace/0.bin", 2 << 20), ("machine.ir", 1 << 17)):
+        assert refusal(rebuilt(path, members_of(unsigned) | {name: bytes(size)})) == "GP820"
+    # A member that says it is small and is not: the local and the central header claim 10 bytes.
+    rebuilt(path, members_of(unsigned) | {"machine.ir": bytes(1 << 15)})
+    data = path.read_bytes().replace(struct.pack("<I", 1 << 15), struct.pack("<I", 10))
+    buffer = io.BytesIO(data)
+    seal(buffer)
+    path.write_bytes(buffer.getvalue())
+    assert refusal(path) == "GP820"
+
+
+def test_a_stolen_signature_does_not_fit(signed: Path, tmp_path: Path, key: Any) -> None:
+    other = write(tmp_path / "other.gpx", name="square", key=key)
+    members = members_of(other) | {"signature.json": members_of(signed)["signature.json"]}
+    check = check_package(read_package(rebuilt(tmp_path / "stolen.gpx", members)))
+    assert codes(check) == {"GP822"}
+    assert not check.valid
+
+
+def test_types_are_checked_all_the_way_down() -> None:
+    assert misfit(machine(), Machine) == ""
+    assert "axes[0].name" in misfit(
+        dataclasses.replace(machine(), axes=(dataclasses.replace(machine().axes[0], name=3),)),  # type: ignore[arg-type]
+        Machine,
+    )
+    assert misfit(dataclasses.replace(machine(), unit=True), Machine)
+    assert misfit(1, float) == ""
+    assert misfit((("a", 1),), tuple[tuple[str, int], ...]) == ""
+    assert misfit((("a", 1, 2),), tuple[tuple[str, int], ...])
+    assert misfit({"a": 1.5}, dict[str, int])
+
+
+def test_package_keeps_what_was_hashed(signed: Path) -> None:
+    package = read_package(signed)
+    assert isinstance(package, Package)
+    assert len(package.sha256) == 64
