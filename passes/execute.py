@@ -338,14 +338,15 @@ class Executor:
         """One plain line in Python."""
         name, number = self.trace.files[table.file], int(words["line"][begin])
         data = self.program.files[table.file].data
-        first = base + int(words["offset"][begin])
+        offsets = words["offset"][begin:end].tolist()
+        first = base + offsets[0]
         start = data.rfind(b"\n", 0, first) + 1
         if start == 0 and data[:3] == _UTF8_MARK:
             start = len(_UTF8_MARK)
         spans = []
-        for i in range(begin, end):
-            column = base + int(words["offset"][i]) - start + 1
-            stop = base + int(words["offset"][i + 1]) - start + 1 if i + 1 < end else 0
+        for i, offset in enumerate(offsets, 1):
+            column = base + offset - start + 1
+            stop = base + offsets[i] - start + 1 if i < len(offsets) else 0
             spans.append(Span(name, number, column, _word_end(data, start, column, stop)))
         before = data[start : start + spans[-1].end_column - 1]
         if not before.isascii():
