@@ -83,12 +83,9 @@ class Executor:
         self.trace = Trace(files=[f.name for f in program.files] or ["(program)"])
         self.frames = FrameTable(self.trace.frames)
         self.evaluator = Evaluator(self._read, findings)
-        # The first code of each function, as a motion mode is looked up by.
-        codes_of_g = [r for r in reversed(program.rules.codes.values()) if r.letter == "G"]
-        self._motion_rules: dict[int, CodeRule] = {int(r.function): r for r in codes_of_g}
-        # The first code of each function, as a motion mode is looked up by.
-        codes_of_g = [r for r in reversed(program.rules.codes.values()) if r.letter == "G"]
-        self._motion_rules: dict[int, CodeRule] = {int(r.function): r for r in codes_of_g}
+        # A motion mode is known by the first code of its function.
+        g_codes = [rule for rule in program.rules.codes.values() if rule.letter == "G"]
+        self._motion_rules: dict[int, CodeRule] = {int(rule.function): rule for rule in reversed(g_codes)}
         self.met_deleted = False
         self.blocks = 0
         self.assumed: dict[str, None] = {}

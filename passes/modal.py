@@ -31,7 +31,6 @@ class Modal:
         self.setup = setup
         self.machine = machine
         self.axis_there = tuple(machine.axis(name) is not None for name in AXIS_NAMES)
-        self.axis_there = tuple(machine.axis(name) is not None for name in AXIS_NAMES)
         self.unit = 1.0
         self.absolute = True
         self.plane = Plane.XY
