@@ -185,7 +185,7 @@ FEED_OVER_MAXIMUM = code(
 STEP_FREQUENCY = code(
     502,
     "step-frequency",
-    _E,
+    _W,
     "{axis} at {velocity:g} {unit}/s needs {needed:g} steps/s; {allowed:g} allowed",
     "motion",
 )

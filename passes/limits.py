@@ -1,7 +1,7 @@
 """Soft limits: every position of the path, arcs and helices by their exact extents.
 
 An axis whose offset nobody stated gives a condition: the range of that offset for which the whole job fits.
-Limits: Eding CNC manual 2.1.2 (positive and negative limit), 4.2 (MCAGuard); the answer is a closed interval,
+Limits: Eding CNC manual 2.1.3 (positive and negative limit), 4.2 (MCAGuard); the answer is a closed interval,
 positions on a limit are inside. With the guard off the physical travel decides.
 """
 

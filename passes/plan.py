@@ -17,7 +17,7 @@ import numpy.typing as npt
 
 from gproof.ir import codes
 from gproof.ir.columns import Columns
-from gproof.ir.finding import Findings
+from gproof.ir.finding import Findings, Span
 from gproof.ir.machine import AXES, AXIS_NAMES, Axis, Machine
 from gproof.ir.plan import PLAN_ROW, Plan, PlanSection
 from gproof.ir.trace import Chunk, Frame, Op, PathMode, State, Trace
@@ -253,6 +253,7 @@ def plan(trace: Trace, machine: Machine, findings: Findings) -> Plan | None:
     expected = sum(len(section.rows) for section in trace.sections)
     sections = []
     sound = True
+    slow: set[str] = set()
     for section in trace.sections:
         chunk = Chunk(
             trace=trace, section=section.number, begin=0, start=section.start, start_frame=section.start_frame,
@@ -263,6 +264,7 @@ def plan(trace: Trace, machine: Machine, findings: Findings) -> Plan | None:
         measure.carry[:] = 0.0
         measure.feed(chunk)
         sound = _judge(measure, chunk, findings) and sound
+        slow |= {AXIS_NAMES[i] for i in range(AXES) if measure.moved[i]}
         if not sound:
             continue
         measure.report_feeds(chunk, findings)
@@ -272,7 +274,25 @@ def plan(trace: Trace, machine: Machine, findings: Findings) -> Plan | None:
         columns["row"] = columns["row"].astype(np.int64)
         rows = Columns(PLAN_ROW, columns)
         sections.append(PlanSection(number=section.number, rows=rows, duration=float(totals[k.T_TIME])))
+    _report_rates(machine, slow, Span(trace.files[0], 0), findings)
     return Plan(sections=sections) if sound else None
+
+
+def _report_rates(machine: Machine, moved: set[str], where: Span, findings: Findings) -> None:
+    """GP502 for axes whose greatest velocity asks for more steps a second than there may be."""
+    for axis in machine.axes:
+        allowed = allowed_velocity(axis, machine)
+        if axis.name not in moved or axis.steps_per_unit is None or axis.max_velocity is None or allowed is None:
+            continue
+        if allowed < axis.max_velocity:
+            rate = abs(float(axis.steps_per_unit))
+            findings.add(
+                codes.STEP_FREQUENCY.at(
+                    where, axis=axis.name.upper(), velocity=axis.max_velocity, unit=axis.unit,
+                    needed=axis.max_velocity * rate, allowed=step_rate(machine),
+                    hint=f"it is planned with {allowed:g} {axis.unit}/s",
+                )
+            )  # fmt: skip
 
 
 def _judge(measure: _Measure, chunk: Chunk, findings: Findings) -> bool:
@@ -293,7 +313,7 @@ def _judge(measure: _Measure, chunk: Chunk, findings: Findings) -> bool:
             needs(at, "the length of this move is not a usable number")
     for at in measure.noted(k.N_FEED):
         feed = float(rows["feed"][at])
-        needs(at, "the feed is 0" if feed == 0 else "the feed of this move is not known")
+        needs(at, f"a feed of {feed:g} never ends this move" if feed >= 0 else "the feed of this move is not known")
     for at in measure.noted(k.N_DWELL):
         needs(at, "the time of this dwell is not known")
     for name, missing in measure.lacking():
