@@ -42,7 +42,7 @@ PAIRS = {Plane.XY: (0, 1), Plane.XZ: (2, 0), Plane.YZ: (1, 2)}
 GUARD = "machine_area"
 """The guard that stands for the soft limits in ``State.guards_off``."""
 
-FARTHEST = 1 << 30
+FARTHEST = 1 << 28
 """Steps: positions and lengths of arcs up to this keep float64's rounding far below ``kernels.ROUNDING``."""
 
 Floats = npt.NDArray[np.float64]
