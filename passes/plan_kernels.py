@@ -28,7 +28,7 @@ SHORTEST = 1e-9
 """mm or deg: rows that together stay below this take no time."""
 
 LONGEST = 1e9
-"""mm or deg: what is longer, or not a number, is no length."""
+"""mm, deg or s: what is longer, or not a number, is no length and no time."""
 
 CORNER_SHARE = 0.75
 """Of an axis's acceleration, what the corners at the two ends of a row may use; the rest is for its ramps."""
@@ -254,7 +254,8 @@ def measure(
             start, sweep, r0, r1 = arc_shape(u0, v0, u1, v1, int(turns[k]))
             flat = 0.5 * (r0 + r1) * sweep
             along = float(to[k, third]) - float(place[0, third])
-            length = math.sqrt(flat * flat + along * along)
+            # What the radius drifts (0.002 mm at most) is path too: all there is of an arc without an angle.
+            length = math.sqrt(flat * flat + along * along + (r1 - r0) * (r1 - r0))
             if length < SHORTEST:
                 length = max(length, math.sqrt(da * da + db * db + dc * dc))
         else:
@@ -327,7 +328,7 @@ def measure(
             speed = min(speed, math.sqrt(NORMAL_SHARE / curve))
         if kind != TRAVERSE:
             wanted = float(feed[k]) / 60.0
-            if wanted > 0.0:
+            if wanted * LONGEST > length:
                 if speed < wanted * (1.0 - 1e-9):
                     if float(carry[C_FED]) != wanted or float(carry[C_FED_STATE]) != float(state[k]):
                         note(N_OVER, begin + k, counts, notes)

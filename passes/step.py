@@ -40,7 +40,7 @@ BUFFER = 1 << 19
 """Steps of a motor that wait to become runs."""
 
 _FARTHEST = 1e15
-"""Steps: beyond this a float64 does not tell half steps apart."""
+"""Steps or ticks: beyond this a float64 does not tell halves apart."""
 
 _ANY = 1 << 62
 
@@ -144,6 +144,10 @@ class _Section:
                 cause = f"{axis.name.upper()} depends on {describe(form)}"
                 where = row_span(trace, self.rows, 0) if len(self.rows) else Span(trace.files[0], 0)
                 raise Refusal(codes.PLAN_NEEDS_NUMBERS.at(where, cause=cause))
+        if planned.duration * stepper.frequency > _FARTHEST:
+            at = int(planned.rows["row"][np.argmax(planned.rows["duration"])])
+            cause = f"the section takes {planned.duration:.3g} s, more than ticks can count"
+            raise Refusal(codes.PLAN_NEEDS_NUMBERS.at(row_span(trace, self.rows, at), cause=cause))
         self.events = np.flatnonzero((self.rows["op"] >= Op.DWELL) & (self.rows["op"] <= Op.HOME))
         timed = planned.rows
         moving = timed["length"] > 0
@@ -156,7 +160,8 @@ class _Section:
         self.arcs = np.flatnonzero(self.rows["op"][self.moving] == Op.ARC)
         self.shapes = self._shapes()
         self.spindle = SPINDLE_UNSEEN
-        self.last = tuple(self.rows["to"][-1].tolist()) if len(self.rows) else section.start
+        motion = np.flatnonzero(self.rows["op"] < Op.DWELL)
+        self.last = tuple(self.rows["to"][motion[-1]].tolist()) if len(motion) else section.start
 
     def _shapes(self) -> Floats:
         """(arcs, 4): start angle, sweep, start radius, end radius."""

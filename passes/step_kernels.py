@@ -34,9 +34,9 @@ MOTOR_WIDTH = 7
 
 # The motor while the section is walked: its count; the last step and the last one before the buffer; the first
 # tick that is free; whether the last thing done was to leave a pair out; what steps had to give way, and pairs
-# that were left out inside others.
-S_COUNT, S_TICK, S_SIGN, S_OLD_TICK, S_OLD_SIGN, S_FLOOR, S_OMITTED, S_LATE, S_NESTED = 0, 1, 2, 3, 4, 5, 6, 7, 8
-STATE_WIDTH = 9
+# that were left out inside others; pieces that are done of an arc that did not fit into the buffer.
+S_COUNT, S_TICK, S_SIGN, S_OLD_TICK, S_OLD_SIGN, S_FLOOR, S_OMITTED, S_LATE, S_NESTED, S_PIECES = range(10)
+STATE_WIDTH = 10
 
 # The encoder while the section is walked: last step as encoded, its direction.
 E_TICK, E_SIGN = 0, 1
@@ -143,7 +143,9 @@ def step_times(
     first: int, last: int, profile: Floats, motor: Floats, target: Ints, rate: float, frequency: float, origin: int,
     near: int, turn: int, state: Ints, ticks: Ints, signs: Signs, count: int,
 ) -> tuple[int, int]:  # fmt: skip
-    """Steps of rows first..last-1; returns (the first row that did not fit, the number of steps now).
+    """Steps of rows first..last-1; returns (the row that did not fit any more, the number of steps now).
+
+    What fitted of that row is done and kept in ``state``: the next call, with room in ``ticks``, goes on there.
 
     profile: (n, 7) R_*, begin relative to tick ``origin``; motor: (n, 7) M_*; target: (n,) count at the end of
     each row; rate: steps a unit, signed; frequency: ticks a second; state: S_*, kept from call to call.
@@ -153,15 +155,9 @@ def step_times(
         end = int(target[k])
         sweep = float(motor[k, M_SWEEP])
         length = float(profile[k, R_LENGTH])
-        if sweep == 0.0:
-            room = abs(end - n)
-        else:
-            wide = max(float(motor[k, M_RADIUS]), float(motor[k, M_RADIUS_TO])) * abs(rate)
-            room = int((abs(sweep) / math.pi + 2.0) * (2.0 * wide + 2.0)) + abs(end - n)
-        if count + room > len(ticks):
-            return k, count
-        if room == 0:
+        if sweep == 0.0 and end == n:
             continue
+        size = len(ticks)
         begin = float(profile[k, R_BEGIN])
         duration = float(profile[k, R_DURATION])
         entry = float(profile[k, R_ENTRY])
@@ -175,11 +171,14 @@ def step_times(
             distance = float(motor[k, M_TO]) - q
             each = length / distance if abs(distance) > 1e-9 else 0.0
             sign = 1 if end > n else -1
-            while n != end:
+            while n != end and count < size:
                 s = (n + 0.5 * sign - q) * each
                 t = begin + time_at(s, length, duration, entry, cruise, leave, a, up, down)
                 count = put_step(origin + int(t * frequency + 0.5), sign, near, turn, state, ticks, signs, count)
                 n += sign
+            state[S_COUNT] = n
+            if n != end:
+                return k, count
         else:
             angle = float(motor[k, M_ANGLE])
             radius = float(motor[k, M_RADIUS])
@@ -195,6 +194,10 @@ def step_times(
             g1 = (finish - math.atan2(drift, float(motor[k, M_RADIUS_TO]))) / math.pi
             half = math.floor(g0) + 1 if ahead > 0 else math.ceil(g0) - 1
             here = angle
+            done = int(state[S_PIECES])
+            if done > 0:
+                half += ahead * done
+                here = extreme((half - ahead) * math.pi, angle, radius, drift)
             going = True
             while going:
                 stop = finish
@@ -206,6 +209,10 @@ def step_times(
                     to = math.floor(center + rate * r * math.cos(stop) + 0.5)
                 else:
                     going = False
+                if abs(to - n) > size - count:
+                    state[S_COUNT] = n
+                    state[S_PIECES] = done
+                    return k, count
                 sign = 1 if to > n else -1
                 low, high = min(here, stop), max(here, stop)
                 # Between half - 1 and half (half + 1 when going back) the cosine falls from an even multiple of pi.
@@ -232,7 +239,9 @@ def step_times(
                     n += sign
                 here = stop
                 half += ahead
-        state[S_COUNT] = end
+                done += 1
+            state[S_COUNT] = end
+            state[S_PIECES] = 0
     return last, count
 
 

@@ -299,6 +299,8 @@ def test_unknown_positions_are_refused_by_name() -> None:
 def test_unknown_feed_is_refused(feed: float) -> None:
     (told,) = refused(Path().traverse(x=5).feed(feed, x=10).done())
     assert told.startswith("GP503") and "feed" in told
+    assert len(refused(Path().feed(1e-12, x=10).done())) == 1
+    assert len(refused(Path().feed(1e-310, x=10).done())) == 1
 
 
 def test_unknown_dwell_is_refused() -> None:

@@ -228,6 +228,13 @@ def test_positions_beyond_counting_are_refused() -> None:
     assert message.startswith("1 GP503")
 
 
+def test_times_beyond_counting_are_refused() -> None:
+    (message,) = told(Path().feed(1e-4, x=1000).done(), machine())
+    assert message.startswith("1 GP503 steps need exact numbers: the section takes 6e+08 s")
+    (message,) = told(Path().dwell(1e9).done(), machine())
+    assert message.startswith("1 GP503")
+
+
 def test_a_plan_made_for_a_faster_board_is_refused() -> None:
     trace = Path().traverse(x=100, y=10).done()
     made = plan(trace, machine(), Findings())
@@ -339,3 +346,16 @@ def test_runs_fit_the_words_of_boards() -> None:
     runs: Columns = stream.sections[0].runs[0]
     assert runs["count"].max() <= 65535
     assert np.abs(runs["add"]).max() <= 32767
+
+
+def test_one_row_may_be_longer_than_the_buffer(monkeypatch: pytest.MonkeyPatch) -> None:
+    trace = Path().feed(6000, x=30).arc(6000, -7, (30, 10.0004), x=30, z=5).feed(6000, y=-10).done()
+    _, whole = lowered(trace)
+    monkeypatch.setattr(module, "BUFFER", 1000)
+    monkeypatch.setattr(module.k, "MOST_COUNT", 100)
+    _, pieces = lowered(trace)
+    for number in range(3):
+        a, b = expand(whole, 0, number), expand(pieces, 0, number)
+        assert [d for _, d in a] == [d for _, d in b]
+        assert max(abs(s - t) for (s, _), (t, _) in zip(a, b, strict=True)) <= 800
+    assert not validate(pieces, trace, machine(), NOTHING).findings

@@ -43,7 +43,7 @@ class Path:
         self._state = 0
         self._frame = 0
         self._rows: list[dict[str, object]] = []
-        self.place = [start.get(n, 0.0) for n in AXIS_NAMES]
+        self.place = [start.get(n, 0.0) + 0.0 for n in AXIS_NAMES]
         self._start = tuple(self.place)
         self._start_frame = 0
 
@@ -59,7 +59,7 @@ class Path:
 
     def _go(self, to: dict[str, float]) -> None:
         for name, value in to.items():
-            self.place[AXIS_NAMES.index(name)] = float(value)
+            self.place[AXIS_NAMES.index(name)] = float(value) + 0.0  # never -0.0
 
     def traverse(self, **to: float) -> Path:
         self._go(to)
