@@ -231,6 +231,34 @@ def test_printed_offsets_are_exactly_the_safe_ones(group: int, tmp_path: Path) -
     assert impossible >= 2
 
 
+def test_an_offset_within_a_range_is_judged_for_all_of_it(tmp_path: Path) -> None:
+    verdicts = []
+    for seed in range(60):
+        rng = random.Random(7000 + seed)
+        program = conditional_program(rng)
+        low = np.array([round(rng.uniform(-60, 0), 3) for _ in AXES])
+        machine = machine_text(low, low + rng.choice((80.0, 150.0)))
+        ends = [sorted(round(rng.uniform(-30, 30), 3) for _ in range(2)) for _ in AXES]
+        table = "[work.1]\n" + "".join(f"{n} = {pair}\n" for n, pair in zip("xyz", ends, strict=True))
+        around = setup_text([float(x) for x in low + 40.0], {}, [0.0] * 3)
+        judgement = judge_texts(tmp_path, program, machine, around + table)
+        limits = answer(judgement, "limits").verdict
+        if answer(judgement, "arcs").verdict is not Verdict.SAFE:
+            continue
+        exact = []
+        for pick in range(8):
+            values = [pair[pick >> k & 1] for k, pair in enumerate(ends)]
+            stated = setup_text([float(x) for x in low + 40.0], {1: values}, [0.0] * 3)
+            exact.append(answer(judge_texts(tmp_path, program, machine, stated), "limits").verdict)
+        where = told(seed, judgement, program, machine, around + table, str(exact))
+        # Positions are sums with the offset: when all corners of the ranges fit, all of them fits.
+        assert (limits is Verdict.SAFE) == (set(exact) == {Verdict.SAFE}), where
+        if limits is Verdict.UNSAFE:
+            assert set(exact) == {Verdict.UNSAFE}, where
+        verdicts.append(limits)
+    assert set(verdicts) == set(Verdict)
+
+
 def test_offsets_inside_the_printed_ranges_keep_out_of_the_tool_change_area(tmp_path: Path) -> None:
     conditional = 0
     unknown = 'schema = "gproof-setup/1"\nactive_work = 1\ntool = 1\n'

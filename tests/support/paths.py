@@ -1,7 +1,7 @@
 """Random programs of lines, arcs and helices together with the path they mean, by formulas of this file alone.
 
 Nothing here comes from gproof: positions follow from the words that are printed (manual 3.4.1 to 3.4.3, 3.4.5,
-3.4.7, 3.4.12, 3.4.14, 3.4.15, 3.4.22, 3.4.23), arcs from their angle. Lengths are mm in machine coordinates.
+3.4.7, 3.4.12, 3.4.14, 3.4.15, 3.4.21 to 3.4.23), arcs from their angle. Lengths are mm in machine coordinates.
 """
 
 from __future__ import annotations
@@ -47,8 +47,10 @@ class RandomPath:
         self.plane = "G17"
         self.active = 1
         self.feed_known = False
+        self.guard = True
         self.lines = ["G21 G90 G17 G94 G40 G49 G54"]
         self.pieces: list[Piece] = [_still(start)]
+        self.guarded: list[bool] = [True]
 
     @property
     def text(self) -> str:
@@ -64,8 +66,11 @@ class RandomPath:
     def change_state(self) -> None:
         """One line of settings, now and then."""
         rng = self.rng
-        kind = rng.randrange(9)
-        if kind == 0:
+        kind = rng.randrange(10)
+        if kind == 9:
+            self.guard = not self.guard
+            self.lines.append(f"TCAGuard {'on' if self.guard else 'off'}")
+        elif kind == 0:
             self.absolute = not self.absolute
             self.lines.append("G90" if self.absolute else "G91")
         elif kind == 1:
@@ -177,16 +182,44 @@ class RandomPath:
             end[u], end[v] = self.at[u], self.at[v]
         self._go(_arc(self.at, end, center, u, v, ccw), end)
 
+    def drill(self) -> None:
+        """G81 or G73 with its moves: over the hole, to R, to the depth, back to where it came from or to R."""
+        u, v = PAIRS[self.plane]
+        w = 3 - u - v
+        if not self.absolute:
+            self.absolute = True
+            self.lines.append("G90")
+        words, end = [], list(self.at)
+        for axis in (u, v):
+            word, end[axis] = self.place(axis, self.rng.uniform(-40, 40))
+            words.append(word)
+        r_word, r = self.place(w, self.at[w] + self.rng.uniform(-10, 10))
+        depth_word, depth = self.place(w, r - self.rng.uniform(0.5, 20))
+        back = self.rng.choice((98, 99))
+        code = self.rng.choice(("G81", "G73 Q50"))
+        self.lines.append(f"G{back} {code} {' '.join(words)} {depth_word} R{r_word[1:]}{self.feed()}")
+        clear = r if back == 99 else max(self.at[w], r)
+        for axis, to in ((w, max(self.at[w], r)), (u, end[u]), (w, r), (w, depth), (w, clear)):
+            goal = list(self.at)
+            goal[axis] = to
+            if axis == u:
+                goal[v] = end[v]
+            self._go(_straight(self.at, goal), goal)
+
     def _go(self, piece: Piece, end: list[float]) -> None:
         self.pieces.append(piece)
+        self.guarded.append(self.guard)
         self.at = end
 
     def random_move(self, reach: float = 60.0) -> None:
         """A line or an arc, after a change of state now and then."""
         while self.rng.random() < 0.35:
             self.change_state()
-        if self.rng.random() < 0.55:
+        kind = self.rng.random()
+        if kind < 0.5:
             self.arc()
+        elif kind < 0.6:
+            self.drill()
         else:
             axes = sorted(self.rng.sample(range(3), self.rng.randrange(1, 4)))
             self.line_to(axes, [self.rng.uniform(-reach, reach) for _ in range(3)])
@@ -248,7 +281,7 @@ def _center_by_radius(start: list[float], end: list[float], u: int, v: int, radi
 
 
 def nearest(path: RandomPath, low: Points, high: Points) -> float:
-    """How far the path stays from a box (negative: how deep it goes in), the largest over the axes.
+    """How far the guarded path stays from a box (negative: how deep it goes in), the largest over the axes.
 
     Coarse samples first, then ever finer ones around the best places of each piece.
     """
@@ -257,7 +290,7 @@ def nearest(path: RandomPath, low: Points, high: Points) -> float:
         return np.maximum(low - points, points - high).max(axis=1)
 
     best = math.inf
-    for piece in path.pieces:
+    for piece in (p for p, guarded in zip(path.pieces[1:], path.guarded[1:], strict=True) if guarded):
         t, step = np.linspace(0.0, 1.0, 401), 1 / 400
         for _ in range(5):
             found = distance(piece(t))
