@@ -14,10 +14,16 @@ from gproof.passes.line import Line
 from gproof.passes.values import Position, Unknown
 
 if TYPE_CHECKING:
-    from gproof.passes.execute import Executor
+    from gproof.passes.motion import Motion
 
 AXES_OF_PLANE = {Plane.XY: (0, 1, 2), Plane.XZ: (0, 2, 1), Plane.YZ: (1, 2, 0)}
 """The two axes of a plane and the one a cycle drills along."""
+
+CYCLES = (
+    Function.DRILL, Function.DRILL_DWELL, Function.DRILL_PECK, Function.DRILL_CHIP_BREAK, Function.BORE,
+    Function.BORE_STOP, Function.BORE_DWELL,
+)  # fmt: skip
+"""Functions that ``run_cycle`` executes."""
 
 _DWELLS = (Function.DRILL_DWELL, Function.BORE_STOP, Function.BORE_DWELL)
 _FED_OUT = (Function.BORE, Function.BORE_DWELL)
@@ -25,7 +31,7 @@ MAX_MOVES = 100_000
 """Moves of one line; more are not followed, because a line's rows are held until it is done."""
 
 
-def run_cycle(ex: Executor, line: Line, rule: CodeRule) -> None:
+def run_cycle(ex: Motion, line: Line, rule: CodeRule) -> None:
     """Execute one cycle line; Refusal with GP215 to GP223, GP242 or GP244."""
     s = ex.modal
     first, second, drill = AXES_OF_PLANE[s.plane]
@@ -131,7 +137,7 @@ def _repeats(line: Line, rule: CodeRule) -> int:
     return round(value)
 
 
-def _check_rotary(ex: Executor, line: Line, rule: CodeRule) -> None:
+def _check_rotary(ex: Motion, line: Line, rule: CodeRule) -> None:
     for axis, value in line.axes().items():
         if axis < 3:
             continue
@@ -142,7 +148,7 @@ def _check_rotary(ex: Executor, line: Line, rule: CodeRule) -> None:
             raise Refusal(codes.CYCLE_ROTARY_MOTION.at(line.span, code=rule.text, axis=AXIS_NAMES[axis].upper()))
 
 
-def _preliminary(ex: Executor, line: Line, drill: int, r: Position) -> Position:
+def _preliminary(ex: Motion, line: Line, drill: int, r: Position) -> Position:
     """Up to R when below it, once; returns the clear position (3.4.21, 3.4.21.1, 3.4.26)."""
     s = ex.modal
     above = s.position[drill].minus(r)
@@ -159,7 +165,7 @@ def _preliminary(ex: Executor, line: Line, drill: int, r: Position) -> Position:
     return s.position[drill] if s.retract_initial else r
 
 
-def _along(ex: Executor, line: Line, drill: int, to: Position, op: Op) -> None:
+def _along(ex: Motion, line: Line, drill: int, to: Position, op: Op) -> None:
     """One move of the drilling axis alone; none when it is there already."""
     if ex.modal.position[drill] == to:
         return
@@ -169,7 +175,7 @@ def _along(ex: Executor, line: Line, drill: int, to: Position, op: Op) -> None:
 
 
 def _pecks(
-    ex: Executor, line: Line, drill: int, r: Position, depth: Position, peck: float, clear: Position | None
+    ex: Motion, line: Line, drill: int, r: Position, depth: Position, peck: float, clear: Position | None
 ) -> None:
     """Feed a peck, out, back down to just above the bottom, until the depth.
 

@@ -1,0 +1,454 @@
+"""One line of words, executed step by step in the order of the Eding CNC manual 3.7 (table 3-7)."""
+
+from __future__ import annotations
+
+import math
+
+from gproof.ir import codes
+from gproof.ir.finding import Refusal, Span
+from gproof.ir.machine import AXES, AXIS_NAMES
+from gproof.ir.rules import CodeRule
+from gproof.ir.rules import Function as F
+from gproof.ir.trace import Op, PathMode, Plane, Wait
+from gproof.passes.cycles import CYCLES
+from gproof.passes.emitter import ProgramEnd
+from gproof.passes.line import LARGEST, Line, check_unused, gather
+from gproof.passes.modal import INCH, NO_OFFSET
+from gproof.passes.motion import Motion
+from gproof.passes.values import NOWHERE, Position, Unknown, Value
+
+
+class Blocks(Motion):
+    """What the codes of a line do to the state, each step of the table a method."""
+
+    def _line(self, span: Span, words: list[tuple[str, Value, Span]]) -> None:
+        line: Line | None = None
+        moves = self._moves
+        try:
+            self._overridden(words)
+            line = gather(self.program.rules, span, words)
+            unsupported = line.find(F.UNSUPPORTED, F.COMPENSATION_LEFT, F.COMPENSATION_RIGHT)
+            if unsupported is None:
+                self._execute(line)
+            else:
+                self._beside(line, unsupported)
+        except Refusal as refusal:
+            if line is not None and moves == self._moves:
+                self._recover(line)
+            self._fail(refusal.finding)
+
+    def _beside(self, line: Line, unsupported: CodeRule) -> None:
+        """GP113 for a code that is not modelled; what else the line says counts.
+
+        Where such a code takes the axis words, nobody knows where the axes are after it.
+        """
+        self._fail(codes.UNSUPPORTED_CODE.at(line.where_code(unsupported), code=unsupported.text))
+        line.used.update(line.values)
+        if not unsupported.uses_axes:
+            self._execute(line)
+            return
+        if unsupported.group == "G1":
+            self.modal.motion = F.UNSUPPORTED
+        self._settings(line)
+        for axis in line.axes():
+            self.modal.position[axis] = NOWHERE
+        self._stop(line)
+
+    def _overridden(self, words: list[tuple[str, Value, Span]]) -> None:
+        """Refusal GP113 for an M code that a subprogram of its name replaces (manual 4.4)."""
+        for letter, value, where in words:
+            if letter == "M" and not isinstance(value, Unknown):
+                name = f"m{round(value)}"
+                if name in self.program.subprograms and name not in self._depth:
+                    raise Refusal(codes.UNSUPPORTED_CODE.at(where, code=f"M{round(value)} with a subprogram {name}"))
+
+    def _recover(self, line: Line) -> None:
+        """After an error the axes of the line are taken to be where it sent them, else anywhere."""
+        rule = line.group("G0")
+        if rule is not None and rule.uses_axes:
+            return
+        machine = rule is not None and rule.function is F.MACHINE_COORDINATES
+        for axis, value in line.axes().items():
+            if machine and not isinstance(value, Unknown):
+                self.modal.position[axis] = Position(value * self.modal.scale(axis))
+            else:
+                self.modal.position[axis] = self.target(axis, value)
+
+    def _execute(self, line: Line) -> None:
+        """The steps of table 3-7, in its order (the comment, step 1, is the frontend's)."""
+        owner = self._axis_owner(line)
+        self._settings(line)
+        self._once(line)
+        if owner is not None:
+            self._motion(line, owner)
+        elif (rule := line.group("G1")) is not None and rule.function is F.MOTION_CANCEL:
+            self._set_motion(rule)
+        check_unused(line)
+        self._stop(line)
+
+    def _settings(self, line: Line) -> None:
+        """Steps 2 to 18."""
+        self._feed_mode(line)
+        self._feed(line)
+        self._spindle_speed(line)
+        self._select_tool(line)
+        if line.find(F.TOOL_CHANGE):
+            self._change_tool(line)
+        self._spindle(line)
+        self._coolant(line)
+        self._overrides(line)
+        self._outputs(line)
+        self._dwell(line)
+        self._plane(line)
+        self._units(line)
+        self._length_offset(line)
+        self._coordinate_system(line)
+        self._path_mode(line)
+        self._distance_and_retract(line)
+
+    def _axis_owner(self, line: Line) -> CodeRule | None:
+        """The motion code that takes the axis words of this line, None when none moves (3.3)."""
+        motion, once = line.group("G1"), line.group("G0")
+        axes = line.axes()
+        takes_once = once is not None and once.uses_axes
+        if once is not None and once.function is F.AXIS_OFFSET_SET and not axes:
+            raise Refusal(codes.G92_AXIS_MISSING.at(line.where_code(once)))
+        if motion is not None and motion.uses_axes:
+            if takes_once and once is not None:
+                raise Refusal(codes.TWO_AXIS_COMMANDS.at(line.where_code(once), first=motion.text, second=once.text))
+            if not axes and motion.function not in CYCLES:
+                raise Refusal(codes.AXIS_WORDS_MISSING.at(line.where_code(motion), code=motion.text))
+            return motion
+        if takes_once:
+            return None
+        if not axes:
+            if once is not None and once.function is F.MACHINE_COORDINATES:
+                raise Refusal(codes.AXIS_WORDS_MISSING.at(line.where_code(once), code=once.text))
+            return None
+        if motion is not None:
+            raise Refusal(codes.AXIS_WORDS_UNUSED.at(line.span, why=f"{motion.text} on this line"))
+        if self.modal.motion == F.UNSUPPORTED:
+            raise Refusal(codes.UNSUPPORTED_CODE.at(line.span, code="the active motion"))
+        active = self._motion_rules.get(self.modal.motion)
+        if active is None or active.function is F.MOTION_CANCEL:
+            why = "no motion code before" if active is None else "G80"
+            raise Refusal(codes.AXIS_WORDS_UNUSED.at(line.span, why=why))
+        return active
+
+    # steps 2 to 5
+
+    def _feed_mode(self, line: Line) -> None:
+        rule = line.group("G5")
+        if rule is None:
+            return
+        mode = rule.tenths // 10
+        if mode != self.modal.feed_mode:
+            # A number of one mode means nothing in another.
+            self.modal.feed_mode, self.modal.feed = mode, 0.0
+            self._state_changed()
+
+    def _feed(self, line: Line) -> None:
+        value = line.values.get("F")
+        if value is None:
+            return
+        s = self.modal
+        if isinstance(value, Unknown):
+            s.feed, s.feed_unit = math.nan, s.unit
+            return
+        if value < 0:
+            raise Refusal(codes.NEGATIVE_FEED.at(line.where("F"), value=value))
+        units = line.group("G6")
+        if units is not None and (units.function is F.UNITS_INCH) != (s.unit == INCH) and s.feed_mode != 93:
+            self.findings.add(
+                codes.FEED_IN_OLD_UNITS.at(
+                    line.where("F"), value=value, code=units.text, units="inches" if s.unit == INCH else "mm"
+                )
+            )
+        s.feed = value if s.feed_mode == 93 else value * s.unit
+        s.feed_unit = s.unit
+
+    def _spindle_speed(self, line: Line) -> None:
+        value = line.values.get("S")
+        if value is None:
+            return
+        if not isinstance(value, Unknown) and value < 0:
+            raise Refusal(codes.SPINDLE_SPEED_NEGATIVE.at(line.where("S"), value=value))
+        self.modal.spindle_speed = value
+        self._state_changed()
+        if self.modal.spindle_direction and line.group("M7") is None:
+            self.spindle_row(line)
+
+    def _select_tool(self, line: Line) -> None:
+        if "T" not in line.values:
+            return
+        highest = self.program.rules.highest_tool
+        tool = line.whole("T", self.program.rules.integer_tolerance)
+        if tool is None or not 0 <= tool <= highest:
+            raise Refusal(codes.TOOL_NUMBER.at(line.where("T"), value=tool, highest=highest))
+        self.modal.selected_tool = tool
+
+    # steps 6 to 10
+
+    def _change_tool(self, line: Line) -> None:
+        s = self.modal
+        if "change_tool" in self.program.subprograms:
+            raise Refusal(codes.UNSUPPORTED_CODE.at(line.span, code="M6 with a change_tool subprogram"))
+        if s.spindle_direction:
+            s.spindle_direction = 0
+            self.spindle_row(line)
+        s.tool = s.selected_tool
+        self._state_changed()
+        number = math.nan if s.tool is None else float(s.tool)
+        self.event(Op.TOOL_CHANGE, line.span, arg=(number, 0.0))
+        if s.length_follows_tool:
+            self._use_length(line, s.tool)
+        if not self.machine.controller.auto_tool_change:
+            self._note_stop(line, "M6")
+            self._end_section(Wait.TOOL_CHANGE, "tool changed", None, line.span.line)
+
+    def _spindle(self, line: Line) -> None:
+        rule = line.group("M7")
+        if rule is None:
+            return
+        self.modal.spindle_direction = {F.SPINDLE_CW: 1, F.SPINDLE_CCW: -1}.get(rule.function, 0)
+        self.spindle_row(line)
+
+    def _coolant(self, line: Line) -> None:
+        s = self.modal
+        for rule in line.rules:
+            if rule.group != "M8":
+                continue
+            s.mist = rule.function is F.MIST_ON or (s.mist and rule.function is not F.COOLANT_OFF)
+            s.flood = rule.function is F.FLOOD_ON or (s.flood and rule.function is not F.COOLANT_OFF)
+            self.event(Op.COOLANT, line.span, arg=(float(s.mist), float(s.flood)))
+
+    def _overrides(self, line: Line) -> None:
+        rule = line.find(F.OVERRIDES_ON, F.OVERRIDES_OFF)
+        if rule is None:
+            return
+        self.modal.overrides = rule.function is F.OVERRIDES_ON
+        self._state_changed()
+        self.event(Op.OVERRIDE, line.span, arg=(float(self.modal.overrides), 0.0))
+
+    def _outputs(self, line: Line) -> None:
+        """M54 P and M55 P: a general purpose output (3.5.9); M54 E Q (pulse width) is not modelled."""
+        rule = line.find(F.OUTPUT_ON, F.OUTPUT_OFF)
+        if rule is None:
+            return
+        channel = line.whole("P", self.program.rules.integer_tolerance)
+        if channel is None:
+            raise Refusal(codes.UNSUPPORTED_CODE.at(line.where_code(rule), code=f"{rule.text} without P"))
+        value = 1.0 if rule.function is F.OUTPUT_ON else 0.0
+        self.event(Op.OUTPUT, line.span, arg=(float(channel), value))
+
+    def _dwell(self, line: Line) -> None:
+        rule = line.find(F.DWELL)
+        if rule is None:
+            return
+        seconds = line.number("P")
+        if seconds is None:
+            raise Refusal(codes.DWELL_MISSING.at(line.where_code(rule), code=rule.text))
+        if seconds < 0:
+            raise Refusal(codes.DWELL_NEGATIVE.at(line.where("P"), seconds=seconds))
+        self.event(Op.DWELL, line.span, arg=(seconds, 0.0))
+
+    # steps 11 to 18
+
+    def _plane(self, line: Line) -> None:
+        rule = line.group("G2")
+        if rule is None:
+            return
+        self.modal.plane = {F.PLANE_XY: Plane.XY, F.PLANE_XZ: Plane.XZ}.get(rule.function, Plane.YZ)
+        self.modal.stated.add("plane")
+        self.event(Op.PLANE, line.span, arg=(float(self.modal.plane), 0.0))
+
+    def _units(self, line: Line) -> None:
+        rule = line.group("G6")
+        if rule is None:
+            return
+        self.modal.unit = INCH if rule.function is F.UNITS_INCH else 1.0
+        self.modal.stated.add("units")
+        self._state_changed()
+        self.event(Op.UNITS, line.span, arg=(self.modal.unit, 0.0))
+
+    def _length_offset(self, line: Line) -> None:
+        rule = line.group("G8")
+        if rule is None:
+            return
+        s = self.modal
+        s.length_follows_tool = False
+        if rule.function is F.TOOL_OFFSET_OFF:
+            s.tool_offset = list(NO_OFFSET)
+            self.event(Op.TOOL_OFFSET, line.span)
+            return
+        if rule.function is F.TOOL_OFFSET_DYNAMIC:
+            x, z = line.number("I"), line.number("K")
+            if x is None and z is None:
+                raise Refusal(codes.MISSING_VALUE.at(line.where_code(rule), letter="G43.1 I or K"))
+            s.tool_offset = list(NO_OFFSET)
+            s.tool_offset[0], s.tool_offset[2] = Position((x or 0.0) * s.unit), Position((z or 0.0) * s.unit)
+            self.event(Op.TOOL_OFFSET, line.span)
+            return
+        tool = line.whole("H", self.program.rules.integer_tolerance)
+        if tool is not None and not 1 <= tool <= self.program.rules.highest_tool:
+            raise Refusal(
+                codes.TOOL_OFFSET_NUMBER.at(line.where("H"), value=tool, highest=self.program.rules.highest_tool)
+            )
+        s.length_follows_tool = tool is None
+        self._use_length(line, s.tool if tool is None else tool)
+
+    def _use_length(self, line: Line, tool: int | None) -> None:
+        s = self.modal
+        s.tool_offset = list(NO_OFFSET)
+        if tool is None:
+            s.tool_offset[2] = NOWHERE
+            self._fail(codes.TOOL_OFFSET_UNKNOWN.at(line.span, hint="name the tool with T and M6, or in the setup"))
+        else:
+            s.tool_offset[2] = s.length_of(tool)
+            entry = self.machine.tool(tool)
+            if entry is not None and entry.x_offset:
+                s.tool_offset[0] = Position(entry.x_offset)
+        self.event(Op.TOOL_OFFSET, line.span, arg=(math.nan if tool is None else float(tool), 0.0))
+
+    def _coordinate_system(self, line: Line) -> None:
+        rule = line.group("G12")
+        if rule is None:
+            return
+        self.modal.work = rule.value
+        self._state_changed()
+        self.event(Op.OFFSET, line.span, arg=(float(rule.value), 0.0))
+
+    def _path_mode(self, line: Line) -> None:
+        rule = line.group("G13")
+        if rule is None:
+            return
+        s = self.modal
+        s.path_mode = {F.EXACT_PATH: PathMode.EXACT_PATH, F.EXACT_STOP: PathMode.EXACT_STOP}.get(
+            rule.function, PathMode.CONTINUOUS
+        )
+        tolerance = line.number("P") if rule.function is F.CONTINUOUS else None
+        simplify, angle = line.number("Q"), line.number("R")
+        s.path_tolerance = 0.0 if tolerance is None else tolerance * s.unit
+        s.simplify = 0.0 if simplify is None else simplify * s.unit
+        s.laf_angle = math.nan if angle is None else angle
+        self._state_changed()
+        self.event(Op.PATH_MODE, line.span, arg=(float(s.path_mode), s.path_tolerance))
+
+    def _distance_and_retract(self, line: Line) -> None:
+        rule = line.group("G3")
+        if rule is not None:
+            self.modal.absolute = rule.function is F.ABSOLUTE
+            self.modal.stated.add("distance")
+        rule = line.group("G10")
+        if rule is not None:
+            self.modal.retract_initial = rule.function is F.RETRACT_INITIAL
+
+    # step 19
+
+    def _once(self, line: Line) -> None:
+        rule = line.group("G0")
+        if rule is None:
+            return
+        s = self.modal
+        if rule.function in (F.PARK_1, F.PARK_2):
+            self._park(line, "park_1" if rule.function is F.PARK_1 else "park_2")
+        elif rule.function is F.SET_COORDINATES:
+            self._set_coordinates(line, rule)
+        elif rule.function is F.AXIS_OFFSET_SET:
+            for axis, value in line.axes().items():
+                if isinstance(value, Unknown):
+                    s.g92[axis] = NOWHERE
+                    continue
+                # The origin moves so that the current point gets the given number (3.4.23).
+                wanted = s.position[axis].moved(-value * s.scale(axis))
+                s.g92[axis] = wanted.minus(s.work_offsets[s.work, axis]).minus(s.tool_offset[axis])
+            s.g92_stored = list(s.g92)
+            self.event(Op.OFFSET, line.span)
+        elif rule.function is F.AXIS_OFFSET_RESET:
+            s.g92, s.g92_stored = list(NO_OFFSET), list(NO_OFFSET)
+            self.event(Op.OFFSET, line.span)
+        elif rule.function is F.AXIS_OFFSET_SUSPEND:
+            s.g92 = list(NO_OFFSET)
+            self.event(Op.OFFSET, line.span)
+        elif rule.function is F.AXIS_OFFSET_RESTORE:
+            s.g92 = list(s.g92_stored)
+            self.event(Op.OFFSET, line.span)
+
+    def _park(self, line: Line, kind: str) -> None:
+        """Through the programmed point, if any, to the park position; every axis goes (3.4.8)."""
+        axes = line.axes()
+        if axes:
+            target = list(self.modal.position)
+            for axis, value in axes.items():
+                target[axis] = self.target(axis, value)
+            self.move(Op.TRAVERSE, target, line.span)
+        home = list(self.modal.position)
+        for axis in range(AXES):
+            if self.modal.has_axis(axis):
+                home[axis] = self.modal.park_position(kind, axis)
+                if abs(home[axis].value) > LARGEST:
+                    what = f"the park position of {AXIS_NAMES[axis].upper()} is beyond every machine"
+                    raise Refusal(codes.ARITHMETIC.at(line.span, what=what))
+        unknown = [AXIS_NAMES[a].upper() for a in range(AXES) if home[a].form == NOWHERE.form]
+        if unknown:
+            number = 5161 if kind == "park_1" else 5181
+            self.findings.add(
+                codes.UNKNOWN_VALUE.at(
+                    line.span, word=f"the park position of {' '.join(unknown)}",
+                    cause=f"parameters #{number} to #{number + 5}",
+                    hint="state them under [parameters] in the setup file",
+                )
+            )  # fmt: skip
+        self.move(Op.TRAVERSE, home, line.span)
+
+    def _set_coordinates(self, line: Line, rule: CodeRule) -> None:
+        """G10 L2: the origin is given; G10 L20: the current point gets the given numbers (3.4.5)."""
+        s = self.modal
+        key = line.whole("L", self.program.rules.integer_tolerance)
+        if key not in (2, 20):
+            given = "" if key is None else f", not L{key}"
+            raise Refusal(codes.G10_KEY.at(line.where("L"), given=given))
+        number = line.number("P")
+        system = -1 if number is None else round(number)
+        if number is None or abs(number - system) > self.program.rules.integer_tolerance or not 1 <= system <= 9:
+            raise Refusal(
+                codes.COORDINATE_SYSTEM_RANGE.at(line.where("P"), value=math.nan if number is None else number)
+            )
+        if s.work == 0:
+            # Which system is active is not stated: it may be the one that changes here.
+            for axis in line.axes():
+                s.work_offsets[0, axis] = NOWHERE
+        for axis, value in line.axes().items():
+            if isinstance(value, Unknown):
+                s.work_offsets[system, axis] = NOWHERE
+            elif key == 2:
+                s.work_offsets[system, axis] = Position(value * s.scale(axis))
+            else:
+                wanted = s.position[axis].moved(-value * s.scale(axis))
+                s.work_offsets[system, axis] = wanted.minus(s.g92[axis]).minus(s.tool_offset[axis])
+        self.event(Op.OFFSET, line.span, arg=(float(system), 0.0))
+
+    # step 21
+
+    def _stop(self, line: Line) -> None:
+        rule = line.group("M4")
+        if rule is None:
+            return
+        s = self.modal
+        if rule.function in (F.STOP, F.OPTIONAL_STOP, F.STOP_KEEP):
+            optional = rule.function is F.OPTIONAL_STOP
+            self.event(Op.STOP, line.span, arg=(float(optional), 0.0))
+            self._note_stop(line, rule.text)
+            self._end_section(Wait.OPERATOR, "cycle start", None, line.span.line)
+            return
+        if rule.function is F.END_RESET:
+            if s.spindle_direction:
+                s.spindle_direction = 0
+                self.spindle_row(line)
+            if s.mist or s.flood:
+                s.mist = s.flood = False
+                self.event(Op.COOLANT, line.span)
+        self.event(Op.END, line.span)
+        self._end = rule.text, line.span.line
+        self._end_section(Wait.END, "end", -1, line.span.line)
+        raise ProgramEnd

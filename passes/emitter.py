@@ -1,0 +1,150 @@
+"""What every step of execution stands on: the run's state, its findings, and the rows it appends."""
+
+from __future__ import annotations
+
+import math
+
+from gproof.ir import codes
+from gproof.ir.finding import Finding, Findings, Refusal, Severity, Span
+from gproof.ir.machine import Machine
+from gproof.ir.program import (
+    Program,
+)
+from gproof.ir.rules import CodeRule
+from gproof.ir.setup import Setup
+from gproof.ir.trace import Edge, Op, Trace, Wait
+from gproof.passes.expressions import Evaluator
+from gproof.passes.line import Line
+from gproof.passes.modal import Modal
+from gproof.passes.rows import RowBuffer
+from gproof.passes.values import FrameTable, Unknown, Value
+
+DEFAULT_BUDGET = 100_000_000
+
+
+class ProgramEnd(Exception):
+    """The program has ended."""
+
+
+class Emitter:
+    """The state of one run of a program, and how it becomes rows of the Trace."""
+
+    def __init__(
+        self, program: Program, setup: Setup, machine: Machine, findings: Findings, *,
+        block_delete: bool = False, budget: int = DEFAULT_BUDGET, stop_at_error: bool = False,
+    ) -> None:  # fmt: skip
+        self.program = program
+        self.machine = machine
+        self.findings = findings
+        self.block_delete = block_delete
+        self.budget = budget
+        self.stop_at_error = stop_at_error
+        self.modal = Modal(program.rules, setup, machine)
+        self.trace = Trace(files=[f.name for f in program.files] or ["(program)"])
+        self.frames = FrameTable(self.trace.frames)
+        self.evaluator = Evaluator(self._read, findings)
+        # A motion mode is known by the first code of its function.
+        g_codes = [rule for rule in program.rules.codes.values() if rule.letter == "G"]
+        self._motion_rules: dict[int, CodeRule] = {int(rule.function): rule for rule in reversed(g_codes)}
+        self.met_deleted = False
+        self.blocks = 0
+        self.assumed: dict[str, None] = {}
+        self.failed: Finding | None = None
+        self._file = 0
+        self._call = 0
+        self._depth: list[str] = []
+        self._ended = False
+        self._states: dict[object, int] = {}
+        self._texts: dict[str, int] = {}
+        self._state_index = -1
+        self._warned: set[int] = set()
+        self._moved = False
+        self._moves = 0
+        self._nesting = 0
+        self._end: tuple[str, int] | None = None
+        self.rows = RowBuffer(self.trace, [p.value for p in self.modal.position], self._frame(), program.line_count)
+
+    def spend(self, span: Span) -> None:
+        """Count one executed block; Refusal GP233 when the budget is used up."""
+        self.blocks += 1
+        if self.blocks > self.budget:
+            raise Refusal(codes.STEP_BUDGET.at(span, budget=self.budget, hint="--max-blocks raises it"))
+
+    def _fail(self, finding: Finding) -> None:
+        self.findings.add(finding)
+        if finding.severity in (Severity.ERROR, Severity.UNKNOWN):
+            if self.failed is None:
+                self.failed = finding
+            if finding.code in (codes.UNKNOWN_CONDITION, codes.RECURSION, codes.STEP_BUDGET):
+                self._end_section(Wait.UNKNOWN, finding.message, -1, finding.span.line)
+                raise ProgramEnd
+            if self.stop_at_error:
+                self._end_section(Wait.UNKNOWN, "error", -1, finding.span.line)
+                raise ProgramEnd
+
+    def _note_stop(self, line: Line, text: str) -> None:
+        self.findings.add(codes.OPERATOR_STOP.at(line.span, code=text))
+
+    def _end_section(self, wait: Wait, outcome: str, target: int | None, number: int) -> None:
+        """Close the section; target None: the next one."""
+        if target is None:
+            target = self.rows.section + 1
+        edge = Edge(wait=wait, outcome=outcome, target=target, line=number)
+        if target < 0:
+            self._ended = True
+            self.rows.flush(last=True, edges=(edge,))
+            return
+        self.rows.end_section((edge,), [p.value for p in self.modal.position], self._frame())
+
+    def event(self, op: Op, span: Span, *, arg: tuple[float, float] = (0.0, 0.0), text: int = 0) -> None:
+        """Append a row that does not move."""
+        self.rows.append(
+            op, file=self._file_of(span), line=span.line, call=self._call,
+            to=[p.value for p in self.modal.position], frame=self._frame(), state=self._state(),
+            arg=arg, text=text,
+        )  # fmt: skip
+
+    def _file_of(self, span: Span) -> int:
+        return self.trace.files.index(span.file) if span.file in self.trace.files else 0
+
+    def _frame(self) -> int:
+        return self.frames.frame(self.modal.position)
+
+    def _state_changed(self) -> None:
+        self._state_index = -1
+
+    def _state(self) -> int:
+        if self._state_index < 0:
+            state = self.modal.row_state()
+            # NaN is not equal to itself: the text of a state is its identity.
+            key = repr(state)
+            index = self._states.get(key)
+            if index is None:
+                index = self._states[key] = len(self.trace.states)
+                self.trace.states.append(state)
+            self._state_index = index
+        return self._state_index
+
+    def _text(self, text: str) -> int:
+        index = self._texts.get(text)
+        if index is None:
+            index = self._texts[text] = len(self.trace.texts)
+            self.trace.texts.append(text)
+        return index
+
+    def spindle_row(self, line: Line) -> None:
+        """Append a row that tells the spindle its direction and speed."""
+        s = self.modal
+        rpm = math.nan if isinstance(s.spindle_speed, Unknown) else s.spindle_speed
+        if s.spindle_direction == 0:
+            rpm = 0.0
+        self._state_changed()
+        self.event(Op.SPINDLE, line.span, arg=(float(s.spindle_direction), rpm))
+
+    def _read(self, number: float, span: Span) -> Value:
+        value = self.modal.read(number, span)
+        whole = round(number)
+        if isinstance(value, Unknown) and value.cause == f"#{whole}" and whole not in self._warned:
+            self._warned.add(whole)
+            self.findings.add(codes.UNSET_PARAMETER.at(span, number=whole))
+        return value

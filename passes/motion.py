@@ -1,0 +1,223 @@
+"""Motion codes to rows: lines, arcs by centre or radius, feeds. Eding CNC manual 3.4.1 to 3.4.3, 3.4.24."""
+
+from __future__ import annotations
+
+import math
+
+from gproof.ir import codes
+from gproof.ir.finding import Refusal, Span
+from gproof.ir.machine import AXIS_NAMES
+from gproof.ir.rules import CodeRule
+from gproof.ir.rules import Function as F
+from gproof.ir.trace import Op, Plane
+from gproof.passes import execute_kernels as k
+from gproof.passes.cycles import AXES_OF_PLANE, CYCLES, run_cycle
+from gproof.passes.emitter import Emitter
+from gproof.passes.line import Line
+from gproof.passes.values import NOWHERE, Position, Unknown, Value, describe
+
+_OUT_OF_PLANE = {Plane.XY: "K", Plane.XZ: "J", Plane.YZ: "I"}
+_CENTER_WORDS = {Plane.XY: ("I", "J"), Plane.XZ: ("I", "K"), Plane.YZ: ("J", "K")}
+
+
+class Motion(Emitter):
+    """Step 20 of the order of execution."""
+
+    def target(self, axis: int, value: Value) -> Position:
+        """Where an axis word sends its axis, in machine coordinates."""
+        s = self.modal
+        if isinstance(value, Unknown):
+            return NOWHERE
+        origin = s.offset(axis) if s.absolute else s.position[axis]
+        return Position(value * s.scale(axis) + origin.value, origin.form)
+
+    def _motion(self, line: Line, rule: CodeRule) -> None:
+        self._note_assumptions(line, rule)
+        machine = line.find(F.MACHINE_COORDINATES)
+        if machine is not None and rule.function not in (F.TRAVERSE, F.FEED):
+            raise Refusal(codes.G53_NEEDS_G0_G1.at(line.where_code(machine), mode=rule.text))
+        if rule.function in CYCLES:
+            run_cycle(self, line, rule)
+            return
+        self._set_motion(rule)
+        if rule.function is not F.TRAVERSE:
+            self.need_feed(line, rule)
+        target = list(self.modal.position)
+        for axis, value in line.axes().items():
+            if isinstance(value, Unknown):
+                word = AXIS_NAMES[axis].upper()
+                self.findings.add(codes.UNKNOWN_VALUE.at(line.where(word), word=word, cause=value.cause))
+                target[axis] = NOWHERE
+            elif machine is not None:
+                target[axis] = Position(value * self.modal.scale(axis))
+            else:
+                target[axis] = self.target(axis, value)
+        if rule.function in (F.ARC_CW, F.ARC_CCW):
+            self._arc(line, rule, target)
+        else:
+            self.move(Op.TRAVERSE if rule.function is F.TRAVERSE else Op.FEED, target, line.span)
+        self._moved = True
+
+    def _set_motion(self, rule: CodeRule) -> None:
+        if self.modal.motion != rule.function or rule.function is F.MOTION_CANCEL:
+            self.modal.cycle, self.modal.cycle_code = {}, 0
+        self.modal.motion = int(rule.function)
+
+    def _note_assumptions(self, line: Line, rule: CodeRule) -> None:
+        stated = self.modal.stated
+        if "units" not in stated:
+            self.assumed["the job starts in millimetres (G21)"] = None
+        if "distance" not in stated:
+            self.assumed["the job starts in absolute distances (G90)"] = None
+        if "plane" not in stated and rule.function not in (F.TRAVERSE, F.FEED):
+            self.assumed["the job starts in the XY plane (G17)"] = None
+
+    def need_feed(self, line: Line, rule: CodeRule) -> None:
+        """Refusal GP204 or GP205 when a feed move has no feed rate."""
+        s = self.modal
+        if s.feed_mode == 93 and "F" not in line.values:
+            raise Refusal(codes.INVERSE_TIME_FEED_MISSING.at(line.span))
+        if s.feed == 0.0:
+            raise Refusal(codes.FEED_MISSING.at(line.span, code=rule.text))
+        if s.feed_mode == 95 and (isinstance(s.spindle_speed, Unknown) or s.spindle_direction == 0):
+            self.findings.add(codes.SPINDLE_UNKNOWN.at(line.span, hint="give S and start the spindle before"))
+
+    def _arc(self, line: Line, rule: CodeRule, target: list[Position]) -> None:
+        """Radius and centre format, 3.4.3.1 and 3.4.3.2."""
+        s = self.modal
+        first, second, _ = AXES_OF_PLANE[s.plane]
+        names = [AXIS_NAMES[first].upper(), AXIS_NAMES[second].upper()]
+        if first not in line.axes() and second not in line.axes():
+            raise Refusal(
+                codes.AXIS_WORDS_MISSING.at(line.span, code=f"{rule.text} in this plane, {names[0]} or {names[1]},")
+            )
+        one, two = _CENTER_WORDS[s.plane]
+        radius = line.number("R")
+        center_words = (line.number(one), line.number(two))
+        if radius is None and center_words == (None, None):
+            raise Refusal(codes.ARC_CENTER_MISSING.at(line.span, code=rule.text, needed=f"{one} or {two}, or R"))
+        wrong = _OUT_OF_PLANE[s.plane]
+        if wrong in line.values:
+            raise Refusal(codes.UNUSED_WORD.at(line.where(wrong), word=f"{wrong} (out of the arc's plane)"))
+        if radius is not None and center_words != (None, None):
+            raise Refusal(codes.UNUSED_WORD.at(line.where("R"), word="R beside a centre"))
+        start = [s.position[first], s.position[second]]
+        end = [target[first], target[second]]
+        for a, b, name in zip(start, end, names, strict=True):
+            difference = b.minus(a)
+            if difference.form:
+                raise Refusal(codes.ARC_UNKNOWN.at(line.span, cause=f"{name}: {describe(difference.form)}"))
+        if radius is not None:
+            center = self._radius_center(line, start, end, radius * s.unit, rule.function is F.ARC_CCW)
+        elif self.machine.controller.absolute_arc_centers:
+            center = self._absolute_center(line, center_words, (first, second), start)
+        else:
+            i, j = (0.0 if v is None else v * s.unit for v in center_words)
+            center = [start[0].value + i, start[1].value + j]
+        if all(abs(a.value - b.value) < 1e-6 for a, b in zip(start, end, strict=True)):
+            target[first], target[second] = start
+        whole = [p.value for p in s.position[:3]]
+        whole[first], whole[second] = center
+        if math.hypot(center[0] - start[0].value, center[1] - start[1].value) < 1e-9:
+            raise Refusal(codes.ARC_RADIUS_ZERO.at(line.span))
+        turns = 1 if rule.function is F.ARC_CCW else -1
+        self.move(Op.ARC, target, line.span, center=whole, turns=turns, plane=s.plane)
+
+    def _radius_center(
+        self, line: Line, start: list[Position], end: list[Position], radius: float, ccw: bool
+    ) -> list[float]:
+        # Counter-clockwise is meant in a right-handed pair; XZ is listed as (X, Z), its pair is (Z, X).
+        flip = self.modal.plane is Plane.XZ
+        a, b = (1, 0) if flip else (0, 1)
+        x, y, bad = k.radius_center(start[a].value, start[b].value, end[a].value, end[b].value, radius, int(ccw))
+        chord = math.hypot(end[0].value - start[0].value, end[1].value - start[1].value)
+        if bad == k.RADIUS_ZERO:
+            raise Refusal(codes.ARC_RADIUS_ZERO.at(line.where("R")))
+        if bad == k.RADIUS_SAME_POINT:
+            raise Refusal(codes.ARC_SAME_POINT.at(line.span))
+        if bad == k.RADIUS_UNREACHABLE:
+            raise Refusal(codes.ARC_UNREACHABLE.at(line.where("R"), chord=chord, radius=abs(radius), unit="mm"))
+        degrees = 2 * math.degrees(math.asin(min(1.0, chord / (2 * abs(radius)))))
+        degrees = 360 - degrees if radius < 0 else degrees
+        if abs(degrees - 180) < 15 or degrees > 345:
+            self.findings.add(
+                codes.ARC_ILL_CONDITIONED.at(line.span, degrees=degrees, hint="give its centre with I, J, K")
+            )
+        return [y, x] if flip else [x, y]
+
+    def _absolute_center(
+        self,
+        line: Line,
+        words: tuple[float | None, float | None],
+        axes: tuple[int, int],
+        start: list[Position],
+    ) -> list[float]:
+        center = []
+        for value, axis, at in zip(words, axes, start, strict=True):
+            if value is None:
+                raise Refusal(codes.ARC_UNKNOWN.at(line.span, cause="a centre word left out with absolute centres on"))
+            place = self.modal.offset(axis).moved(value * self.modal.scale(axis))
+            if place.form != at.form:
+                raise Refusal(codes.ARC_UNKNOWN.at(line.span, cause=describe(place.minus(at).form)))
+            center.append(place.value)
+        return center
+
+    def move(
+        self, op: Op, target: list[Position], span: Span, *, center: list[float] | None = None,
+        turns: int = 0, plane: int = 0,
+    ) -> None:  # fmt: skip
+        """Append a motion row and go there."""
+        s = self.modal
+        if any(a.value != b.value for a, b in zip(target[3:], s.position[3:], strict=True)):
+            # Rounding is no motion: a rotary move beside it keeps its feed in degrees.
+            for axis in range(3):
+                if abs(target[axis].value - s.position[axis].value) < 1e-9:
+                    target[axis] = Position(s.position[axis].value, target[axis].form)
+        start = [p.value for p in s.position]
+        length, rotary = _length(op, start, [p.value for p in target], center, turns, plane)
+        feed = 0.0
+        if op is not Op.TRAVERSE:
+            feed = self._effective_feed(length, rotary)
+        s.position = list(target)
+        self._moves += 1
+        self.rows.append(
+            op, file=self._file_of(span), line=span.line, call=self._call, to=[p.value for p in target],
+            frame=self._frame(), state=self._state(), feed=feed,
+            center=(0.0, 0.0, 0.0) if center is None else center, turns=turns, plane=plane,
+        )  # fmt: skip
+
+    def _effective_feed(self, length: float, rotary: bool) -> float:
+        """mm/min (deg/min for rotary moves) of a feed move of this length; NaN when not known."""
+        s = self.modal
+        if s.feed_mode == 93:
+            return s.feed * length
+        feed = s.feed / s.feed_unit if rotary else s.feed
+        if s.feed_mode == 95:
+            if isinstance(s.spindle_speed, Unknown) or s.spindle_direction == 0 or s.spindle_speed == 0:
+                return math.nan
+            return feed * s.spindle_speed
+        return feed
+
+
+def _length(
+    op: Op, start: list[float], end: list[float], center: list[float] | None, turns: int, plane: int
+) -> tuple[float, bool]:
+    """(path length in mm, or degrees for moves of rotary axes alone; whether it is such a move)."""
+    linear = [b - a for a, b in zip(start[:3], end[:3], strict=True)]
+    if op is Op.ARC and center is not None:
+        first, second, third = AXES_OF_PLANE[Plane(plane)]
+        if plane == Plane.XZ:
+            first, second = second, first
+        a0 = math.atan2(start[second] - center[second], start[first] - center[first])
+        a1 = math.atan2(end[second] - center[second], end[first] - center[first])
+        sweep = math.fmod((a1 - a0) * (1 if turns > 0 else -1), 2 * math.pi)
+        if sweep <= 0:
+            sweep += 2 * math.pi
+        sweep += 2 * math.pi * (abs(turns) - 1)
+        r0 = math.hypot(start[first] - center[first], start[second] - center[second])
+        r1 = math.hypot(end[first] - center[first], end[second] - center[second])
+        return math.hypot(sweep * (r0 + r1) / 2, linear[third]), False
+    length = math.sqrt(sum(d * d for d in linear))
+    if length > 0:
+        return length, False
+    return math.sqrt(sum((b - a) * (b - a) for a, b in zip(start[3:], end[3:], strict=True))), True
