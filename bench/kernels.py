@@ -105,14 +105,15 @@ def main() -> None:
     print(f"{'':<32} {'work':>10}   {'µs a unit':>14}   {'s to compile':>13} {'to load':>7} {'ns a unit':>9}")
     print(f"{'':<32} {'':>10}   {'declared':>8} {'meas':>5}   {'declared':>8} {'meas':>4}")
     for kernel, note in plain["kernels"].items():
-        first = cold["kernels"].get(kernel, note)
-        again = warm["kernels"].get(kernel, note)
-        work, rest = note["work"], sum(again["calls"][1:])
-        declared = note["declared"]
+        first, again = cold["kernels"].get(kernel), warm["kernels"].get(kernel)
+        if not (first and again and first["calls"] and again["calls"] and note["work"]):
+            print(f"{kernel:<32} not called")
+            continue
+        work, declared = note["work"], note["declared"]
         print(
             f"{kernel:<32} {work:10.0f}   {declared['unit'] * 1e6:8.2f} {sum(note['calls']) / work * 1e6:5.2f}   "
             f"{declared['compile']:8.1f} {first['calls'][0] + first['picking'][0]:4.1f} "
-            f"{again['calls'][0] + again['picking'][0]:7.3f} {rest / work * 1e9:9.0f}"
+            f"{again['calls'][0] + again['picking'][0]:7.3f} {sum(again['calls'][1:]) / work * 1e9:9.0f}"
         )
 
 
