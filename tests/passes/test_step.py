@@ -243,16 +243,6 @@ def test_a_plan_made_for_a_faster_board_is_refused() -> None:
     assert message == "1 GP502 X at 100 mm/s needs 32000 steps/s; 20000 allowed"
 
 
-def test_backlash_is_not_silently_left_out() -> None:
-    m = machine()
-    m = dataclasses.replace(m, axes=(dataclasses.replace(m.axes[0], backlash=0.02), *m.axes[1:]))
-    findings, trace = Findings(), Path().traverse(x=1).done()
-    made = plan(trace, m, findings)
-    assert made is not None
-    step(trace, made, m, NOTHING, findings)
-    assert [f.code.label for f in findings.kept] == ["GP605"]
-
-
 # --- properties ---------------------------------------------------------------------------------------------
 
 
