@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
-from passes.motion import paths
+from passes.reference_motion import paths
 from passes.traces import Path, machine
 
 from gproof.ir import kernel as kernel_module

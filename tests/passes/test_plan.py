@@ -9,7 +9,7 @@ from fractions import Fraction
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from passes.motion import Motion, paths
+from passes.reference_motion import Motion, paths
 from passes.traces import Path, machine
 
 from gproof.ir.finding import Findings, Severity

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from passes.motion import Motion, expand, paths
+from passes.reference_motion import Motion, expand, paths
 from passes.traces import Path, machine
 
 from gproof.ir.columns import Columns
