@@ -58,9 +58,10 @@ def random_path(rng: random.Random) -> tuple[RandomPath, str]:
     return path, setup
 
 
-def room(rng: random.Random) -> float:
-    """How far a limit lies beyond the path: mostly a little, now and then before it."""
-    return rng.choice((1.0, 1.0, 1.0, 1.0, -1.0)) * rng.choice((2e-6, 1e-4, 0.01, 1.0, 20.0)) * rng.uniform(1.0, 2.0)
+def rooms(rng: random.Random) -> Points:
+    """How far the six limits lie beyond the path: all of them a little, or some of them hardly, or before it."""
+    sizes = rng.choice(((2e-3, 0.01, 1.0, 20.0), (2e-6, 1e-4, 0.01, -2e-6, -1e-4, 1.0, 20.0), (1.0, 1.0, 20.0, -0.01)))
+    return np.array([[rng.choice(sizes) * rng.uniform(1.0, 2.0) for _ in AXES] for _ in range(2)])
 
 
 def told(seed: int, judgement: Judgement, *texts: str) -> str:
@@ -81,8 +82,8 @@ def test_limits_agree_with_a_dense_walk_of_the_path(group: int, tmp_path: Path) 
         rng = random.Random(seed)
         path, setup = random_path(rng)
         points = path.samples()
-        low = points.min(axis=0) - np.array([room(rng) for _ in AXES])
-        high = points.max(axis=0) + np.array([room(rng) for _ in AXES])
+        below, above = rooms(rng)
+        low, high = points.min(axis=0) - below, points.max(axis=0) + above
         high = np.maximum(low, high)
         machine = machine_text(low, high)
         judgement = judge_texts(tmp_path, path.text, machine, setup)
@@ -110,6 +111,12 @@ def test_tool_change_area_agrees_with_a_dense_walk_of_the_path(group: int, tmp_p
         # A corner or a side of the box a little beside a point of the path, to any side.
         side = np.array([rng.choice((-1.0, 0.0, 1.0)) for _ in AXES])
         gap = np.array([rng.choice((0.0, 1e-5, 0.01, 1.0)) * rng.choice((-1, 1)) for _ in AXES])
+        if rng.random() < 0.5:
+            # Beside the farthest point of the path, where an arc passes without entering.
+            axis, sign = rng.randrange(3), rng.choice((-1.0, 1.0))
+            points = path.samples()
+            near = points[np.argmax(sign * points[:, axis])]
+            side = np.eye(3)[axis] * sign
         low = near + side * (size / 2 + gap) - size / 2
         high = low + size
         area = "[areas.tool_change]\n" + "".join(
