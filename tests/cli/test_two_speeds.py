@@ -11,8 +11,8 @@ import random
 import subprocess
 import sys
 from pathlib import Path
+from typing import Any
 
-import pytest
 from support.paths import Offsets, RandomPath
 from support.wild import ROOT, wild_program
 
@@ -72,7 +72,7 @@ def commands(folder: Path) -> list[list[str]]:
     return out
 
 
-def results(speed: str, given: list[list[str]]) -> list[dict[str, object]]:
+def results(speed: str, given: list[list[str]]) -> list[dict[str, Any]]:
     done = subprocess.run(
         [sys.executable, "-c", SCRIPT],
         input=json.dumps(given),
@@ -85,19 +85,12 @@ def results(speed: str, given: list[list[str]]) -> list[dict[str, object]]:
     return [json.loads(line) for line in done.stdout.splitlines()]
 
 
-@pytest.fixture(scope="module")
-def both(tmp_path_factory: pytest.TempPathFactory) -> list[tuple[list[str], dict[str, object], dict[str, object]]]:
-    given = commands(tmp_path_factory.mktemp("jobs"))
-    return list(zip(given, results("python", given), results("numba", given), strict=True))
-
-
-def test_both_speeds_give_the_same_bytes(both) -> None:
+def test_both_speeds_give_the_same_bytes(tmp_path: Path) -> None:
+    given = commands(tmp_path)
+    both = list(zip(given, results("python", given), results("numba", given), strict=True))
     for words, plain, compiled in both:
         assert plain == compiled, " ".join(words)
-
-
-def test_something_was_compared(both) -> None:
-    """Every command was reached with something to print, and with every verdict."""
+    # Every command was reached with something to print, and with every verdict.
     exits = {(words[0], plain["exit"]) for words, plain, _ in both}
     assert {("check", 0), ("check", 1), ("check", 2), ("dump", 0)} <= exits
     assert all(plain["exit"] == 0 for words, plain, _ in both if words[-1] in ("plan", "stream"))
