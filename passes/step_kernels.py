@@ -171,11 +171,26 @@ def step_times(
             distance = float(motor[k, M_TO]) - q
             each = length / distance if abs(distance) > 1e-9 else 0.0
             sign = 1 if end > n else -1
+            # Once the motor steps in this direction, what ``put_step`` does to further steps is done here: faster.
+            least = -1
             while n != end and count < size:
                 s = (n + 0.5 * sign - q) * each
                 t = begin + time_at(s, length, duration, entry, cruise, leave, a, up, down)
-                count = put_step(origin + int(t * frequency + 0.5), sign, near, turn, state, ticks, signs, count)
+                tick = origin + int(t * frequency + 0.5)
                 n += sign
+                if least < 0:
+                    count = put_step(tick, sign, near, turn, state, ticks, signs, count)
+                    if state[S_OMITTED] == 0:
+                        least = int(state[S_TICK]) + near
+                    continue
+                if tick < least:
+                    state[S_LATE] = max(int(state[S_LATE]), least - tick)
+                    tick = least
+                ticks[count] = tick
+                signs[count] = sign
+                state[S_TICK] = tick
+                least = tick + near
+                count += 1
             state[S_COUNT] = n
             if n != end:
                 return k, count
@@ -219,6 +234,7 @@ def step_times(
                 base = half - 1 if ahead > 0 else half
                 flip = 1.0 if base % 2 == 0 else -1.0
                 rising = (sign > 0) == (ahead > 0)
+                least = -1
                 while n != to:
                     level = n + 0.5 * sign
                     r = radius + drift * (here - angle)
@@ -235,8 +251,21 @@ def step_times(
                     here = x
                     s = (x - angle) / sweep * length
                     t = begin + time_at(s, length, duration, entry, cruise, leave, a, up, down)
-                    count = put_step(origin + int(t * frequency + 0.5), sign, near, turn, state, ticks, signs, count)
+                    tick = origin + int(t * frequency + 0.5)
                     n += sign
+                    if least < 0:
+                        count = put_step(tick, sign, near, turn, state, ticks, signs, count)
+                        if state[S_OMITTED] == 0:
+                            least = int(state[S_TICK]) + near
+                        continue
+                    if tick < least:
+                        state[S_LATE] = max(int(state[S_LATE]), least - tick)
+                        tick = least
+                    ticks[count] = tick
+                    signs[count] = sign
+                    state[S_TICK] = tick
+                    least = tick + near
+                    count += 1
                 here = stop
                 half += ahead
                 done += 1
