@@ -88,9 +88,9 @@ def run_compile(
     digest, signer = _write(session, judgement, lowered, report, output, key, unsigned)
     print_findings(findings)
     seconds = sum(s.duration for s in lowered.stream.sections) / lowered.stream.tick_frequency
-    click.echo(
-        f"{output}: certified, {report.steps} steps in {len(lowered.stream.sections)} section(s), {seconds:.1f} s"
-    )
+    count = len(lowered.stream.sections)
+    sections = f"{count} section{'s' if count > 1 else ''}"
+    click.echo(f"{output}: certified, {report.steps} steps in {sections}, {seconds:.1f} s")
     click.echo(f"  certificate {digest}")
     click.echo(f"  signed by   {signer}")
     return 0

@@ -71,10 +71,7 @@ def location(span: Span) -> str:
 
 def distinct(findings: Findings) -> list[tuple[Finding, int]]:
     """The kept findings by place, each once, with how often it came."""
-    times: dict[Finding, int] = {}
-    for finding in sorted(findings.kept, key=sort_key):
-        times[finding] = times.get(finding, 0) + 1
-    return list(times.items())
+    return [(finding, findings.times[finding]) for finding in sorted(findings.kept, key=sort_key)]
 
 
 def format_finding(finding: Finding, text: str | None, colour: bool, times: int = 1) -> list[str]:

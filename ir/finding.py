@@ -90,18 +90,27 @@ class Refusal(Exception):
 class Findings:
     """A collector with a cap for each code, so that a million-line job does not print a million lines.
 
-    ``counts`` holds every occurrence; ``kept`` the first ``limit`` of each code in order of arrival.
+    ``counts`` holds every occurrence by code; ``kept`` the first ``limit`` different findings of each code in
+    order of arrival; ``times`` how often each kept one came.
     """
 
     limit: int = 20
     kept: list[Finding] = field(default_factory=list)
     counts: dict[int, int] = field(default_factory=dict)
+    times: dict[Finding, int] = field(default_factory=dict)
+    _different: dict[int, int] = field(default_factory=dict)
 
     def add(self, finding: Finding) -> None:
-        """Count a finding and keep it while its code is below the cap."""
-        seen = self.counts.get(finding.code.number, 0)
-        self.counts[finding.code.number] = seen + 1
-        if seen < self.limit:
+        """Count a finding; keep it when it is new and its code is below the cap."""
+        number = finding.code.number
+        self.counts[number] = self.counts.get(number, 0) + 1
+        if finding in self.times:
+            self.times[finding] += 1
+            return
+        different = self._different.get(number, 0)
+        if different < self.limit:
+            self._different[number] = different + 1
+            self.times[finding] = 1
             self.kept.append(finding)
 
     def has(self, severity: Severity, properties: Iterable[str] | None = None) -> bool:
@@ -111,4 +120,5 @@ class Findings:
 
     def hidden(self, code: Code) -> int:
         """How many findings of a code were counted but not kept."""
-        return max(0, self.counts.get(code.number, 0) - self.limit)
+        shown = sum(times for finding, times in self.times.items() if finding.code is code)
+        return max(0, self.counts.get(code.number, 0) - shown)

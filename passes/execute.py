@@ -1,7 +1,8 @@
 """Execution: Program + Setup -> Trace, streamed in chunks.
 
 A line is executed by ``passes/blocks.py`` in the order of the manual, its motion by ``passes/motion.py``, its
-rows are appended by ``passes/emitter.py``. Straight-line code runs in ``execute_kernels.run_lines``; every other line comes here.
+rows are appended by ``passes/emitter.py``. Straight-line code runs in ``execute_kernels.run_lines``; every
+other line comes here.
 Errors are findings: the line that has one does nothing more, and execution goes on behind it so that one run
 shows all of them; ``stop_at_error`` ends there instead, as the controller would.
 """

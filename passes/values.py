@@ -55,7 +55,9 @@ NOWHERE = Position(0.0, UNKNOWN)
 
 def describe(form: Affine) -> str:
     """A form in words: ``G54 X offset + tool 3 length``."""
-    return " + ".join(describe_symbol(s) if c == 1 else f"{c} x {describe_symbol(s)}" for s, c in form)
+    kinds = ("work", "g92", "tool", "start")
+    ordered = sorted(form, key=lambda term: kinds.index(k) if (k := term[0].split(".")[0]) in kinds else len(kinds))
+    return " + ".join(describe_symbol(s) if c == 1 else f"{c} x {describe_symbol(s)}" for s, c in ordered)
 
 
 def describe_symbol(symbol: str) -> str:
