@@ -227,8 +227,13 @@ def open_arc(r: int, rows: Rows, motors: Motors, walk: Walk) -> float:
     if rows.turns[r] > 0:
         if sweep <= 0.0:
             sweep += full
+        if sweep <= 0.0:
+            # From pi to -pi, the same direction: a full circle.
+            sweep += full
         sweep += full * np.float64(rows.turns[r] - 1)
     else:
+        if sweep >= 0.0:
+            sweep -= full
         if sweep >= 0.0:
             sweep -= full
         sweep += full * np.float64(rows.turns[r] + 1)
