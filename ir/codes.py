@@ -138,6 +138,13 @@ OFFSET_BOX = code(305, "offset-box", _N, "safe for {box}", "limits")
 START_OUTSIDE_LIMITS = code(
     306, "start-outside-limits", _E, "the stated start {axis} {value:.4f} lies outside its limits", "limits"
 )
+SOFT_LIMIT_GUARD_OFF = code(
+    307,
+    "soft-limit-guard-off",
+    _W,
+    "{axis} goes to {reached:.4f} {unit}, past its {side} limit {limit:.4f}, with the guard off",
+    "limits",
+)
 TOOL_CHANGE_AREA = code(310, "tool-change-area", _E, "the path enters the tool change area at {where}", "areas")
 TOOL_CHANGE_AREA_UNKNOWN = code(
     311,

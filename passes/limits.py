@@ -191,6 +191,8 @@ class Limits(Check):
                 )
                 continue
             low, high = self._sides(axis, off)
+            if off and axis is not None:
+                low, high = self._guard_off(axis, form, slot, least, most)
             missing = [side for side, limit in (("lower", low), ("upper", high)) if limit is None]
             if missing and off not in told:
                 told.add(off)
@@ -209,6 +211,38 @@ class Limits(Check):
             low, high = self._sides(axis, False)
             room = -math.inf if low is None else low - at, math.inf if high is None else high - at
             offsets.setdefault(form, _Offset(axis)).within(room, at, at, self._first)
+
+    def _guard_off(
+        self, axis: Axis, form: Affine, slot: int, least: float, most: float
+    ) -> tuple[float | None, float | None]:
+        """What holds with the guard off: the soft limit as far as the path stays within it, then the travel.
+
+        A crossing is always told (GP307). Where the offset is unknown, the travel, or the soft limit where
+        nobody stated the travel.
+        """
+        sides: list[float | None] = []
+        for side, reach, soft, travel, sign in (
+            ("lower", least, axis.lower, axis.travel_lower, -1.0), ("upper", most, axis.upper, axis.travel_upper, 1.0)
+        ):  # fmt: skip
+            if form != ():
+                sides.append(soft if travel is None else travel)
+                continue
+            if soft is None or sign * (reach - soft) <= ROUNDING:
+                sides.append(travel if soft is None else soft)
+                continue
+            where = self._low_span if side == "lower" else self._high_span
+            self.findings.add(
+                codes.SOFT_LIMIT_GUARD_OFF.at(
+                    where[slot, axis.index],
+                    axis=axis.name.upper(),
+                    reached=reach,
+                    unit=axis.unit,
+                    side=side,
+                    limit=soft,
+                )
+            )
+            sides.append(travel)
+        return sides[0], sides[1]
 
     def _no_room(self, form: Affine, offset: _Offset) -> None:
         """GP303: the lowest and the highest point of the job do not fit at the same time."""
