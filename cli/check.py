@@ -28,7 +28,7 @@ _SHADES = {Verdict.SAFE: "green", Verdict.UNSAFE: "red", Verdict.UNKNOWN: "magen
 
 
 def run_check(
-    job: Path, *, machine: Path | None, setup: str | None, dialect: str | None, max_blocks: int, form: str,
+    job: Path, *, machine: Path | None, setup: str | None, dialect: str | None, max_blocks: int | None, form: str,
     strict: bool, picture: Path | None,
 ) -> int:  # fmt: skip
     """Judge a job, print the report, write the picture; returns the exit code."""
@@ -43,7 +43,7 @@ def run_check(
     progress = progress_bar(session)
     observe = _observers(progress, drawing.add if drawing is not None else None)
     try:
-        judgement = judge(session, budget=max_blocks, strict=strict, observe=observe)
+        judgement = judge(session, budget=session.budget(max_blocks), strict=strict, observe=observe)
     finally:
         if progress is not None:
             progress.stop()

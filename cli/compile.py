@@ -62,7 +62,7 @@ def lower(session: Session, budget: int, stage: str) -> Lowered:
 
 
 def run_compile(
-    job: Path, *, machine: Path | None, setup: str | None, dialect: str | None, max_blocks: int, output: Path,
+    job: Path, *, machine: Path | None, setup: str | None, dialect: str | None, max_blocks: int | None, output: Path,
     key: Path | None, unsigned: bool,
 ) -> int:  # fmt: skip
     """Judge, lower, validate, sign and write; a file appears only for a job that is SAFE all the way."""
@@ -70,10 +70,10 @@ def run_compile(
     if key is not None and unsigned:
         raise UsageError("--key and --unsigned exclude each other")
     session = open_session(job, machine=machine, setup=setup, dialect=dialect)
-    judgement = judge(session, budget=max_blocks)
+    judgement = judge(session, budget=session.budget(max_blocks))
     if judgement.verdict is not Verdict.SAFE:
         return _refuse(session, judgement, judgement.verdict, "the job is not SAFE")
-    lowered = _quiet_lower(session, max_blocks)
+    lowered = _quiet_lower(session, session.budget(max_blocks))
     findings = session.findings
     if lowered.stream is None or findings.has(Severity.UNKNOWN) or findings.has(Severity.ERROR):
         verdict = Verdict.UNSAFE if findings.has(Severity.ERROR) else Verdict.UNKNOWN

@@ -17,7 +17,14 @@ from gproof.ir.verdict import Verdict
 
 
 def run_dump(
-    job: Path, *, machine: Path | None, setup: str | None, dialect: str | None, max_blocks: int, stage: str, form: str
+    job: Path,
+    *,
+    machine: Path | None,
+    setup: str | None,
+    dialect: str | None,
+    max_blocks: int | None,
+    stage: str,
+    form: str,
 ) -> int:
     """Print the stage; findings go to standard error. Exit 0 when the stage was reached without error."""
     if form == "jsonl" and stage != "trace":
@@ -30,9 +37,9 @@ def run_dump(
         _print(loaded(session.program))
         reached = True
     elif form == "jsonl":
-        reached = _jsonl(session, max_blocks)
+        reached = _jsonl(session, session.budget(max_blocks))
     else:
-        reached = _stages(session, max_blocks, stage)
+        reached = _stages(session, session.budget(max_blocks), stage)
     print_findings(session.findings, err=True)
     if session.findings.has(Severity.ERROR):
         return Verdict.UNSAFE.exit_code

@@ -53,7 +53,9 @@ def _job_options(command: Any) -> Any:
             click.option("--setup", help="Setup file, or 'zero': homed, at machine 0, no offsets, tool 0."),
             click.option("--dialect", type=click.Choice(_DIALECTS), help="Language; guessed when not given."),
             click.option(
-                "--max-blocks", type=click.IntRange(1), default=100_000_000, help="Blocks to execute at most."
+                "--max-blocks",
+                type=click.IntRange(1),
+                help="Blocks to execute at most; 10 million and 4 a line by default.",
             ),
         )
     ):
@@ -68,7 +70,7 @@ def _job_options(command: Any) -> Any:
 @click.option("--strict", is_flag=True, help="Conditional answers count as UNKNOWN.")
 @click.option("--picture", type=click.Path(path_type=Path), help="Write a picture of the path (SVG).")
 def check(
-    job: Path, machine: Path | None, setup: str | None, dialect: str | None, max_blocks: int, form: str,
+    job: Path, machine: Path | None, setup: str | None, dialect: str | None, max_blocks: int | None, form: str,
     strict: bool, picture: Path | None,
 ) -> int:  # fmt: skip
     """Prove or refute that JOB is safe on a machine."""
@@ -88,7 +90,13 @@ def check(
 )
 @click.option("--format", "form", type=click.Choice(["text", "jsonl"]), default="text", help="jsonl: trace only.")
 def dump(
-    job: Path, machine: Path | None, setup: str | None, dialect: str | None, max_blocks: int, stage: str, form: str
+    job: Path,
+    machine: Path | None,
+    setup: str | None,
+    dialect: str | None,
+    max_blocks: int | None,
+    stage: str,
+    form: str,
 ) -> int:
     """Print JOB as one of the compiler's stages."""
     from gproof.cli.dump import run_dump
@@ -103,7 +111,7 @@ def dump(
 @click.option("--key", type=click.Path(path_type=Path), help="Ed25519 private key (PEM) to sign with.")
 @click.option("--unsigned", is_flag=True, help="Write the certificate without a signature.")
 def compile_(
-    job: Path, machine: Path | None, setup: str | None, dialect: str | None, max_blocks: int, output: Path,
+    job: Path, machine: Path | None, setup: str | None, dialect: str | None, max_blocks: int | None, output: Path,
     key: Path | None, unsigned: bool,
 ) -> int:  # fmt: skip
     """Compile JOB to a certified step stream."""

@@ -36,6 +36,12 @@ class Session:
     findings: Findings = field(default_factory=Findings)
     inputs: list[tuple[str, str, str]] = field(default_factory=list)
 
+    def budget(self, given: int | None) -> int:
+        """How many blocks to execute at most: as given, or so many that only endless loops meet it."""
+        if given is not None:
+            return given
+        return 10_000_000 + 4 * (self.program.line_count if self.program is not None else 0)
+
 
 def open_session(job: Path, *, machine: Path | None, setup: str | None, dialect: str | None) -> Session:
     """Read everything; UsageError (exit 3) for files that can not be read at all."""
