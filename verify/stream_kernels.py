@@ -558,6 +558,18 @@ def rest_problems(
         note(P_FEED, -1, tick, row, ratio, 0.0, walk, problems)
 
 
+@kernel(seconds_per_unit=2e-5)
+def unmoved(began: float, progress: Floats, window: Window, walk: Walk) -> None:
+    """Before the first step after a rest the path point may be anywhere that the resting position allows."""
+    farthest = began
+    front = walk.ints[FRONT]
+    if walk.ints[HEAD] != walk.ints[TAIL]:
+        farthest = window.reach[front, BEFORE] + window.reach[front, SECONDS] * window.reach[front, TO]
+    for k in range(RING):
+        progress[k, 0] = began
+        progress[k, 1] = max(began, farthest)
+
+
 @kernel(seconds_per_unit=4e-5, compile_seconds=12.0)
 def check_section(
     start: Ints,
@@ -607,6 +619,7 @@ def check_section(
     edge = times.grid
     from_rest(0, events.row[0] if events.row.shape[0] > 0 else rows.op.shape[0], motors, window, walk)
     dense = not follow(n, rows, motors, window, walk)
+    unmoved(0.0, progress, window, walk)
     while True:
         t = NEVER
         m = -1
@@ -640,10 +653,8 @@ def check_section(
                 sampled = steps
                 e += 1
                 from_rest(row + 1, events.row[e] if e < events.row.shape[0] else rows.op.shape[0], motors, window, walk)
-                for k in range(RING):
-                    progress[k, 0] = began
-                    progress[k, 1] = began
                 dense = not follow(n, rows, motors, window, walk)
+                unmoved(began, progress, window, walk)
                 continue
         if m < 0:
             break
