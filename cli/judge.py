@@ -128,8 +128,6 @@ def _standing(session: Session, waits: set[Wait]) -> list[str]:
         out.append(f"{' '.join(missing)} are homed: machine positions are what the controller shows")
     if waits & {Wait.OPERATOR, Wait.TOOL_CHANGE}:
         out.append("while the job waits for the operator nobody moves the axes")
-    if session.machine.controller.auto_tool_change:
-        out.append("a tool change brings the axes back to where they were; its own motion is not judged")
     return out
 
 

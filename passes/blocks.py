@@ -202,7 +202,10 @@ class Blocks(Motion):
         self.event(Op.TOOL_CHANGE, line.span, arg=(number, 0.0))
         if s.length_follows_tool:
             self._use_length(line, s.tool)
-        if not self.machine.controller.auto_tool_change:
+        if self.machine.controller.auto_tool_change:
+            # The changer's own motion stands in a change_tool subprogram that was not given: not known.
+            self._fail(codes.UNSUPPORTED_CODE.at(line.span, code="M6 on a machine that changes tools by itself"))
+        else:
             self._note_stop(line, "M6")
             self._end_section(Wait.TOOL_CHANGE, "tool changed", None, line.span.line)
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import math
 from pathlib import Path
 
@@ -10,7 +11,7 @@ import pytest
 
 from gproof.frontend.eding.load import load_program
 from gproof.ir.finding import Findings
-from gproof.ir.machine import NO_MACHINE
+from gproof.ir.machine import NO_MACHINE, Controller
 from gproof.ir.setup import NOTHING, ZERO, Setup
 from gproof.ir.trace import Op, Trace, Wait
 from gproof.passes.execute import execute
@@ -265,3 +266,15 @@ def test_rounding_beside_a_rotary_move_is_no_motion(tmp_path: Path) -> None:
     rows = trace.sections[0].rows
     assert rows["feed"][rows["op"] == Op.FEED].tolist() == [90.0, 90.0, 90.0]
     assert len(set(rows["to"][rows["op"] == Op.FEED][:, 0].tolist())) == 1
+
+
+def test_an_automatic_tool_change_of_unknown_motion_is_unknown(tmp_path: Path) -> None:
+    """3.5.3: M6 may move the axes; where the changer goes by itself and nobody said how, nothing is proved."""
+    job = tmp_path / "job.cnc"
+    job.write_text(HEAD + "M6 T1\nG0 X1\nM30\n")
+    findings = Findings()
+    program = load_program(job, findings)
+    assert program is not None
+    machine = dataclasses.replace(NO_MACHINE, controller=Controller(auto_tool_change=True))
+    execute(program, ZERO, machine, findings)
+    assert codes_of(findings) == ["GP113"]
