@@ -14,7 +14,7 @@ import numpy as np
 
 from gproof.ir.columns import Column, Columns, Schema
 from gproof.ir.finding import Span
-from gproof.ir.rules import LanguageRules
+from gproof.ir.rules import DEVICES, LanguageRules
 
 WORD = Schema(
     "words",
@@ -158,6 +158,19 @@ class Guard:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class Device:
+    """A command to the controller that is no block of words: homing, height maps, a knife ...
+
+    name: a key of ``rules.DEVICES``, which tells what it means and how many arguments it has; names of axes, files
+    and switches are ``Text`` arguments (axes in lower case).
+    """
+
+    name: str
+    arguments: tuple[Expr, ...]
+    span: Span
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Unsupported:
     """A statement that the manual has and gproof does not model; what follows is unknown."""
 
@@ -182,7 +195,7 @@ class BlockTable:
     words: Columns | None = None
 
 
-Statement = Block | If | While | Call | Message | Guard | Unsupported | BlockTable
+Statement = Block | If | While | Call | Message | Guard | Device | Unsupported | BlockTable
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -209,13 +222,18 @@ Scan = Callable[[bytes, int, int, int, int], tuple[Columns, int, int]]
 
 @dataclass(slots=True, kw_only=True)
 class Program:
-    """A whole job. body runs from the top; subprograms are called by name."""
+    """A whole job. body runs from the top; subprograms are called by name.
+
+    overrides: (letter, tenths) of codes that a subprogram replaces -> its name. The words of such a line are its
+    arguments (``LanguageRules.argument_base``); inside of it the code is the controller's own.
+    """
 
     dialect: str
     rules: LanguageRules
     files: list[SourceFile] = field(default_factory=list)
     body: tuple[Statement, ...] = ()
     subprograms: dict[str, Subprogram] = field(default_factory=dict)
+    overrides: dict[tuple[str, int], str] = field(default_factory=dict)
     line_count: int = 0
     scan: Scan | None = field(default=None, compare=False, repr=False)
 
@@ -236,11 +254,18 @@ class Program:
             if sub.name != sub.name.lower():
                 raise ValueError(f"subprogram name {sub.name!r} is not lower case")
             self._verify_body(sub.body)
+        for code, name in self.overrides.items():
+            if name not in self.subprograms:
+                raise ValueError(f"{code} is replaced by {name!r}, which is no subprogram")
         self._verify_body(self.body)
 
     def _verify_body(self, body: tuple[Statement, ...]) -> None:
         for node in body:
-            if isinstance(node, BlockTable):
+            if isinstance(node, Device):
+                least, most, _ = DEVICES.get(node.name, (1, 0, ""))
+                if not least <= len(node.arguments) <= most:
+                    raise ValueError(f"{node.name!r} with {len(node.arguments)} arguments is no command of DEVICES")
+            elif isinstance(node, BlockTable):
                 size = len(self.files[node.file].data) or node.end
                 if not (0 <= node.begin <= node.end <= size and 1 <= node.first_line <= node.last_line):
                     raise ValueError(f"block table {node} lies outside its file")

@@ -115,7 +115,11 @@ class ParameterRange:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class LanguageRules:
-    """Everything the executor must know about a language; see the module's text."""
+    """Everything the executor must know about a language; see the module's text.
+
+    argument_base: number of the variable that holds the A word of a code which a subprogram replaces, B to Z follow;
+    argument_missing: what the variable of a letter holds that the line does not have.
+    """
 
     name: str
     codes: dict[tuple[str, int], CodeRule] = field(repr=False)
@@ -129,6 +133,8 @@ class LanguageRules:
     integer_tolerance: float
     peck_clearance_mm: float
     call_depth: int
+    argument_base: int = 1
+    argument_missing: float = -1e10
 
     def __eq__(self, other: object) -> bool:
         return isinstance(other, LanguageRules) and other.name == self.name
@@ -148,3 +154,25 @@ BINARY = (
     "bxor", "<<", ">>",
 )  # fmt: skip
 """Binary operators; ``atan`` is the two-argument arc tangent of left over right, in degrees."""
+
+DEVICES: dict[str, tuple[int, int, str]] = {
+    "home": (1, 6, "home axes, one after the other"),
+    "home_tandem": (1, 1, "home an axis with two motors and set its bridge straight"),
+    "prepare_tandem_home": (1, 1, "move both motors of an axis onto their home sensors"),
+    "align_slave": (1, 1, "move a second motor to the place of the first"),
+    "home_is_stop": (1, 1, "switch on or off: a home sensor is an emergency stop"),
+    "store_position": (1, 2, "write the position to a file; 0: a new file, 1: add to it"),
+    "log_file": (1, 2, "open a log; 1: add to it, 0: a new one"),
+    "laf_angle": (1, 1, "set the look-ahead feed angle, degrees"),
+    "knife_on": (0, 1, "tangential knife on; side to which a bent one is bent, 90 or -90"),
+    "knife_off": (0, 0, "tangential knife off"),
+    "knife_axis": (1, 1, "axis output of the knife, b or c"),
+    "knife_calibrate": (1, 1, "lo or hi: the present height is the knife's lowest or highest"),
+    "height_map_init": (3, 3, "begin a height map: grid size, points in X, points in Y"),
+    "height_map_add": (0, 0, "add the last probed point to the height map"),
+    "height_map_save": (1, 1, "write the height map to a file"),
+    "height_map_load": (1, 1, "read the height map from a file"),
+    "height_map_on": (0, 0, "height compensation on"),
+    "height_map_off": (0, 0, "height compensation off"),
+}
+"""Commands of ``Device`` nodes: (least, most arguments, meaning)."""

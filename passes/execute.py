@@ -24,6 +24,7 @@ from gproof.ir.program import (
     Block,
     BlockTable,
     Call,
+    Device,
     Guard,
     If,
     Message,
@@ -166,6 +167,8 @@ class Executor(Blocks):
                 self.modal.guards_off = tuple(sorted(guards))
                 self._state_changed()
                 self.event(Op.GUARD, node.span, arg=(float(node.on), 0.0), text=self._text(node.name))
+            elif isinstance(node, Device):
+                raise Refusal(codes.UNSUPPORTED_CODE.at(node.span, code=node.name))
             elif isinstance(node, Unsupported):
                 raise Refusal(codes.UNSUPPORTED_CODE.at(node.span, code=node.what))
         except Refusal as refusal:

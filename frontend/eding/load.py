@@ -7,6 +7,8 @@ only for its lines with expressions and flow control.
 
 from __future__ import annotations
 
+import re
+from collections.abc import Iterable
 from pathlib import Path
 
 from gproof.frontend.eding.build import STRUCTURAL, Structural
@@ -20,6 +22,7 @@ from gproof.ir.columns import Columns
 from gproof.ir.dialects import rules_named
 from gproof.ir.finding import Findings, Refusal, Span
 from gproof.ir.program import BlockTable, Program, SourceFile, Statement
+from gproof.ir.rules import LanguageRules
 
 MACRO_FILE = "macro.cnc"
 """Loaded with every job from the job's folder (manual 4.3)."""
@@ -50,10 +53,24 @@ def load_program(path: Path, findings: Findings, macro: Path | None = None) -> P
         return None
     loader.assembler.check_calls()
     program.subprograms = loader.assembler.subprograms
+    program.overrides = overrides_of(program.subprograms, program.rules)
     is_clean = sum(findings.counts.values()) == before
     if is_clean and not program.body and not loader.subprograms_in_job:
         findings.add(codes.EMPTY_PROGRAM.at(Span(str(path), 0)))
     return program
+
+
+_M_NAME = re.compile(r"m(\d{1,3})")
+CHANGE_TOOL = "change_tool"
+
+
+def overrides_of(names: Iterable[str], rules: LanguageRules) -> dict[tuple[str, int], str]:
+    """Codes that subprograms of these names replace: ``m3``, ``m100`` ... (4.4), ``change_tool`` for M6 (3.5.3)."""
+    found = {("M", 10 * int(m[1])): m[0] for name in sorted(names) if (m := _M_NAME.fullmatch(name))}
+    found = {code: name for code, name in found.items() if name == f"m{code[1] // 10}"}
+    if CHANGE_TOOL in names:
+        found.setdefault(("M", 60), CHANGE_TOOL)
+    return found
 
 
 class _Loader:
