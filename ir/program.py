@@ -35,10 +35,11 @@ FLAG_DELETE = 2
 
 @dataclass(frozen=True, slots=True)
 class Number:
-    """A literal. text: as written, when it matters (had a point)."""
+    """A literal. point: it was written with a decimal point, which some controllers read as another unit."""
 
     value: float
     span: Span
+    point: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -114,21 +115,28 @@ class Block:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class If:
-    """condition is true when not zero."""
+    """condition is true when not zero.
+
+    span: the line that opens it; else_span: the line that divides it, None without one (an empty ``otherwise`` may
+    have one); end_span: the line that closes it. The latter two are None where nobody wrote them.
+    """
 
     condition: Expr
     then: tuple[Statement, ...]
     otherwise: tuple[Statement, ...]
     span: Span
+    else_span: Span | None = None
+    end_span: Span | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class While:
-    """Repeats while the condition is not zero."""
+    """Repeats while the condition is not zero. end_span: the line that closes it."""
 
     condition: Expr
     body: tuple[Statement, ...]
     span: Span
+    end_span: Span | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -141,11 +149,15 @@ class Call:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Message:
-    """Text for the operator. kind: ``msg``, ``warning``, ``error`` (stops the program), ``log``, ``dialog``."""
+    """Text for the operator. kind: ``msg``, ``warning``, ``error`` (stops the program), ``log``, ``dialog``.
+
+    in_comment: written as a comment of its line, where its text stands among the notes too.
+    """
 
     kind: str
     parts: tuple[Expr, ...]
     span: Span
+    in_comment: bool = False
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -172,10 +184,14 @@ class Device:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Unsupported:
-    """A statement that the manual has and gproof does not model; what follows is unknown."""
+    """A statement that the manual has and gproof does not model; what follows is unknown.
+
+    text: the statement as written, without comments; "" when there is more of it than a line.
+    """
 
     what: str
     span: Span
+    text: str = ""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -200,11 +216,12 @@ Statement = Block | If | While | Call | Message | Guard | Device | Unsupported |
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Subprogram:
-    """A named list of statements; name in lower case."""
+    """A named list of statements; name in lower case; end_span: the line that closes it."""
 
     name: str
     body: tuple[Statement, ...]
     span: Span
+    end_span: Span | None = None
 
 
 @dataclass(slots=True, kw_only=True)

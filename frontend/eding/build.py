@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from gproof.frontend.eding.prepare import Line, LineError
 from gproof.frontend.eding.scan import WORD_LETTERS
 from gproof.ir import codes
+from gproof.ir.dialects.eding_operators import LEVEL, SIGN, is_doubtful
 from gproof.ir.finding import Code, Span
 from gproof.ir.program import (
     Assign,
@@ -75,29 +76,6 @@ ATAN_TAKES_TWO = "'atan' takes two values: atan[y]/[x]"
 
 DIALOG_VALUES = 12  # 4.2
 
-LEVELS = (
-    "> >= < <= == <>",  # only listed in 4.2: weaker than all that 3.2.2.3 groups
-    "<< >>",  # only listed in 4.2
-    "+ - and or xor band bor bxor",  # third group of 3.2.2.3, and the bit operations of 4.2
-    "* / mod",  # second group
-    "**",  # first group
-)
-"""Binary operators, weakest first; within a level the one on the left is performed first (3.2.2.3)."""
-
-_LEVEL = {operator: number for number, level in enumerate(LEVELS) for operator in level.split()}
-_UNSTATED = frozenset("band bor bxor << >> > >= < <= == <>".split())
-"""Operators that section 4.2 lists and to which no section gives a precedence."""
-_ASSOCIATIVE = frozenset(("band", "bor", "bxor"))
-
-
-def _doubtful(operator: str, inner: str) -> bool:
-    """Whether the manual leaves open how ``operator`` and an unbracketed neighbour group."""
-    if not inner or (operator == inner and inner in _ASSOCIATIVE):
-        return False
-    if inner == "sign":
-        return operator in ("**", "mod")  # the sign of a number is stated (3.2.2.1), that of other values not
-    return operator in _UNSTATED or inner in _UNSTATED
-
 
 class Builder:
     """The actions of the grammar: each rule and alias of ``grammar.lark`` has the method of its name.
@@ -125,14 +103,14 @@ class Builder:
 
     def number(self, tokens: Tokens) -> Part:
         begin, end = _range(tokens[0])
-        return Part(Number(float(tokens[0]), self.span(begin, end)), begin, end)
+        return Part(Number(float(tokens[0]), self.span(begin, end), "." in tokens[0]), begin, end)
 
     def signed(self, tokens: Tokens) -> Part:
         begin, value = _range(tokens[0])[0], tokens[1]
-        if value.operator == "sign" or self.line.code[value.begin] in "+-":
+        if value.operator == SIGN or self.line.code[value.begin] in "+-":
             raise self.error(codes.BAD_NUMBER, begin, value.end, text=self.line.code[begin : value.end])
         operator = "neg" if tokens[0] == "-" else "pos"
-        return Part(Unary(operator, value.node, self.span(begin, value.end)), begin, value.end, "sign")
+        return Part(Unary(operator, value.node, self.span(begin, value.end)), begin, value.end, SIGN)
 
     def parameter(self, tokens: Tokens) -> Part:
         begin, inner = _range(tokens[0])[0], tokens[1]
@@ -149,7 +127,7 @@ class Builder:
         waiting: list[str] = []
         for token, value in zip(tokens[1::2], tokens[2::2], strict=True):
             operator = token.lower()
-            while waiting and _LEVEL[waiting[-1]] >= _LEVEL[operator]:
+            while waiting and LEVEL[waiting[-1]] >= LEVEL[operator]:
                 self._combine(values, waiting.pop())
             waiting.append(operator)
             values.append(value)
@@ -159,7 +137,7 @@ class Builder:
 
     def _combine(self, values: list[Part], operator: str) -> None:
         right, left = values.pop(), values.pop()
-        doubtful = _doubtful(operator, left.operator) or _doubtful(operator, right.operator)
+        doubtful = is_doubtful(operator, left.operator) or is_doubtful(operator, right.operator)
         span = self.span(left.begin, right.end)
         node = Binary(operator, left.node, right.node, span, doubtful)
         values.append(Part(node, left.begin, right.end, operator))
@@ -203,7 +181,7 @@ class Builder:
             return Comment(text.strip(), None)
         shown = text[message.end() :].strip()
         span = self.span(begin, end)
-        return Comment(text.strip(), Message(kind="msg", parts=(Text(shown, span),), span=span))
+        return Comment(text.strip(), Message(kind="msg", parts=(Text(shown, span),), span=span, in_comment=True))
 
     def prefix(self, tokens: Tokens) -> bool:
         """Whether the line begins with a slash; its line number is checked and forgotten."""
@@ -237,7 +215,8 @@ class Builder:
         if isinstance(statement, Structural):
             what = f"a block delete slash before {statement.keyword!r}"
             raise self.error(codes.FLOW_WORD_MISPLACED, 0, 1, what=what)
-        return [Unsupported(what=f"block delete before {self.line.keyword!r}", span=statement.span)]
+        what = f"block delete before {self.line.keyword!r}"
+        return [Unsupported(what=what, span=statement.span, text=self._written())]
 
     def if_(self, tokens: Tokens) -> Structural:
         return Structural("if", _range_span(self, tokens), condition=tokens[1].node)
@@ -300,7 +279,7 @@ class Builder:
         begin, end = _range(token)
         span = self.span(begin, end)
         if token.type == "NUMBER":
-            return Number(float(token), span)
+            return Number(float(token), span, "." in token)
         return Text(str(token)[1:-1] if token.type == "TEXT" else str(token), span)
 
     def guard(self, tokens: Tokens) -> Guard:
@@ -308,7 +287,12 @@ class Builder:
         return Guard(name=name, on=str(tokens[1]).lower() == "on", span=_range_span(self, tokens))
 
     def unsupported(self, tokens: Tokens) -> Unsupported:
-        return Unsupported(what=self.line.keyword, span=_range_span(self, tokens))
+        return Unsupported(what=self.line.keyword, span=_range_span(self, tokens), text=self._written())
+
+    def _written(self) -> str:
+        """The statement of the line as written, without what stands before and behind it."""
+        line = self.line
+        return _COMMENT.sub("", line.text[line.keyword_at : line.places[-1]]).strip()
 
 
 @dataclass(frozen=True, slots=True)
@@ -319,6 +303,8 @@ class Comment:
     message: Message | None
 
 
+_COMMENT = re.compile(r"\([^()]*\)(?=[^\"“”„]*(?:[\"“”„][^\"“”„]*[\"“”„][^\"“”„]*)*$)")
+"""A comment in parentheses, not one inside a text."""
 _MESSAGE = re.compile(r"[ \t]*m[ \t]*s[ \t]*g[ \t]*,", re.IGNORECASE)
 _MESSAGE_KINDS = {"msg": "msg", "warnmsg": "warning", "errmsg": "error", "logmsg": "log"}
 _NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")

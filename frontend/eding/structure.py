@@ -24,6 +24,7 @@ class _Open:
     name: str = ""
     body: list[Statement] = field(default_factory=list)
     otherwise: list[Statement] | None = None
+    else_span: Span | None = None
 
     @property
     def current(self) -> list[Statement]:
@@ -95,7 +96,7 @@ class Assembler:
         while self._stack[-1].keyword != wanted:
             self._unclosed(self._stack[-1], f"before {line.keyword!r} in line {line.span.line}")
             self._close()
-        self._close()
+        self._close(line.span)
 
     def _else(self, line: Structural) -> None:
         innermost = self._stack[-1]
@@ -106,9 +107,10 @@ class Assembler:
             self.findings.add(codes.UNBALANCED_BLOCK.at(line.span, what="a second 'else' for one 'if'", related=first))
         else:
             innermost.otherwise = []
+            innermost.else_span = line.span
 
-    def _close(self) -> None:
-        """Make a statement or subprogram of the innermost block and put it where it belongs."""
+    def _close(self, end: Span | None = None) -> None:
+        """Make a statement or subprogram of the innermost block and put it where it belongs; end: its last line."""
         block = self._stack.pop()
         outer = self._stack[-1].current
         body = tuple(block.body)
@@ -116,15 +118,24 @@ class Assembler:
             return  # an Unsupported stands in its place
         if block.keyword == "if":
             otherwise = tuple(block.otherwise or ())
-            outer.append(If(condition=block.condition, then=body, otherwise=otherwise, span=block.span))
+            outer.append(
+                If(
+                    condition=block.condition,
+                    then=body,
+                    otherwise=otherwise,
+                    span=block.span,
+                    else_span=block.else_span,
+                    end_span=end,
+                )
+            )
         elif block.keyword == "while":
-            outer.append(While(condition=block.condition, body=body, span=block.span))
+            outer.append(While(condition=block.condition, body=body, span=block.span, end_span=end))
         elif block.name in self.subprograms:
             first = (Related(self.subprograms[block.name].span, "the first is here"),)
             finding = codes.DUPLICATE_SUBPROGRAM.at(block.span, name=block.name, related=first)
             self.findings.add(finding)
         elif block.name:
-            self.subprograms[block.name] = Subprogram(name=block.name, body=body, span=block.span)
+            self.subprograms[block.name] = Subprogram(name=block.name, body=body, span=block.span, end_span=end)
 
     def _unclosed(self, block: _Open, where: str = "before the end of the file") -> None:
         self._unbalanced(block.span, f"{block.keyword!r} has no 'end{block.keyword}' {where}")

@@ -36,15 +36,16 @@ def shown(findings: Findings) -> list[tuple[str, int, int, int]]:
 
 
 def without_places(node: Any) -> Any:
-    """The same tree with every span blank and every doubt left out."""
+    """The same tree with every span blank, without doubts and decimal points."""
     if isinstance(node, Span):
         return NOWHERE
     if isinstance(node, tuple | list):
         return tuple(without_places(item) for item in node)
     if dataclasses.is_dataclass(node) and not isinstance(node, type):
         changes = {f.name: without_places(getattr(node, f.name)) for f in dataclasses.fields(node)}
-        if "doubtful" in changes:
-            changes["doubtful"] = False
+        for name in ("doubtful", "point"):
+            if name in changes:
+                changes[name] = False
         return type(node)(**changes)
     return node
 
