@@ -174,5 +174,6 @@ DEVICES: dict[str, tuple[int, int, str]] = {
     "height_map_load": (1, 1, "read the height map from a file"),
     "height_map_on": (0, 0, "height compensation on"),
     "height_map_off": (0, 0, "height compensation off"),
+    "nesting": (2, 2, "preset of the dialog that repeats a job in rows, and its value; nothing moves by it"),
 }
 """Commands of ``Device`` nodes: (least, most arguments, meaning)."""

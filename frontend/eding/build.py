@@ -21,6 +21,7 @@ from gproof.ir.program import (
     Binary,
     Block,
     Call,
+    Device,
     Expr,
     Guard,
     Message,
@@ -210,7 +211,7 @@ class Builder:
     def flow(self, tokens: Tokens) -> list[Parsed]:
         deleted = tokens[0]
         statement = next(item for item in tokens[1:] if not isinstance(item, Comment))
-        if not deleted or (isinstance(statement, Message) and statement.kind in ("msg", "log")):
+        if not deleted or _is_harmless(statement):
             return [statement]
         if isinstance(statement, Structural):
             what = f"a block delete slash before {statement.keyword!r}"
@@ -270,11 +271,6 @@ class Builder:
         parts = tuple(self._label(token) for token in tokens[1:])
         return Message(kind="dialog", parts=parts, span=_range_span(self, tokens))
 
-    def log_file(self, tokens: Tokens) -> Message:
-        """Opening a log changes nothing that is checked, so it is a log message of its own words."""
-        parts = tuple(self._label(token) for token in tokens[1:])
-        return Message(kind="log", parts=parts, span=_range_span(self, tokens))
-
     def _label(self, token: Token) -> Expr:
         begin, end = _range(token)
         span = self.span(begin, end)
@@ -285,6 +281,68 @@ class Builder:
     def guard(self, tokens: Tokens) -> Guard:
         name = "tool_change_area" if str(tokens[0]).lower() == "tcaguard" else "machine_area"
         return Guard(name=name, on=str(tokens[1]).lower() == "on", span=_range_span(self, tokens))
+
+    # ---- commands to the controller ----
+
+    def _device(self, name: str, tokens: Tokens, *arguments: Expr) -> Device:
+        return Device(name=name, arguments=arguments, span=_range_span(self, tokens))
+
+    def _lower(self, token: Token) -> Text:
+        """The name of an axis or a setting."""
+        return Text(str(token).lower(), self.span(*_range(token)))
+
+    def _file(self, name: str, tokens: Tokens) -> Device:
+        """A command with the name of a file and perhaps a value."""
+        return self._device(name, tokens, self._label(tokens[1]), *(part.node for part in tokens[2:]))
+
+    def log_file(self, tokens: Tokens) -> Device:
+        return self._file("log_file", tokens)
+
+    def store_position(self, tokens: Tokens) -> Device:
+        return self._file("store_position", tokens)
+
+    def height_map_save(self, tokens: Tokens) -> Device:
+        return self._file("height_map_save", tokens)
+
+    def home(self, tokens: Tokens) -> Device:
+        return self._device("home", tokens, self._lower(tokens[1]))
+
+    def tandem(self, tokens: Tokens) -> Device:
+        return self._device(_TANDEM[str(tokens[0]).lower()], tokens, self._lower(tokens[1]))
+
+    def home_is_stop(self, tokens: Tokens) -> Device:
+        return self._device("home_is_stop", tokens, self._lower(tokens[1]))
+
+    def laf_angle(self, tokens: Tokens) -> Device:
+        return self._device("laf_angle", tokens, tokens[1].node)
+
+    def knife(self, tokens: Tokens) -> Device:
+        """On and off; behind ``on`` the side to which a bent knife is bent (2.1.9)."""
+        side = tokens[2:]
+        if str(tokens[1]).lower() == "off":
+            if side:
+                raise self.error(codes.SYNTAX, side[0].begin, side[0].end, what="'tanknife off' takes no value")
+            return self._device("knife_off", tokens)
+        if side and isinstance(side[0].node, Number) and abs(side[0].node.value) != BENT_KNIFE_DEGREES:
+            what = f"a bent knife is bent to the side {BENT_KNIFE_DEGREES} or -{BENT_KNIFE_DEGREES}"
+            raise self.error(codes.SYNTAX, side[0].begin, side[0].end, what=what)
+        return self._device("knife_on", tokens, *(part.node for part in side))
+
+    def knife_setting(self, tokens: Tokens) -> Device:
+        name = "knife_axis" if tokens[1].type == "KNIFE_AXIS" else "knife_calibrate"
+        return self._device(name, tokens, self._lower(tokens[1]))
+
+    def height_map_init(self, tokens: Tokens) -> Device:
+        return self._device("height_map_init", tokens, *(part.node for part in tokens[1:]))
+
+    def height_map_add(self, tokens: Tokens) -> Device:
+        return self._device("height_map_add", tokens)
+
+    def nesting(self, tokens: Tokens) -> Device:
+        """A preset of the nesting dialog (2.2.4.4)."""
+        begin, end = _range(tokens[1])
+        name = Text(str(tokens[0])[1:].lower(), self.span(*_range(tokens[0])))
+        return self._device("nesting", tokens, name, Number(float(tokens[1]), self.span(begin, end)))
 
     def unsupported(self, tokens: Tokens) -> Unsupported:
         return Unsupported(what=self.line.keyword, span=_range_span(self, tokens), text=self._written())
@@ -307,7 +365,21 @@ _COMMENT = re.compile(r"\([^()]*\)(?=[^\"“”„]*(?:[\"“”„][^\"“”�
 """A comment in parentheses, not one inside a text."""
 _MESSAGE = re.compile(r"[ \t]*m[ \t]*s[ \t]*g[ \t]*,", re.IGNORECASE)
 _MESSAGE_KINDS = {"msg": "msg", "warnmsg": "warning", "errmsg": "error", "logmsg": "log"}
+_TANDEM = {
+    "hometandem": "home_tandem",
+    "preparetandemhome": "prepare_tandem_home",
+    "moveslavetomaster": "align_slave",
+    "movestavetomaster": "align_slave",  # so printed once in 2.10.3
+}
+BENT_KNIFE_DEGREES = 90  # 2.1.9
 _NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
+
+
+def _is_harmless(statement: Parsed) -> bool:
+    """Whether it makes no difference to the machine if a block delete switch passes over the statement."""
+    if isinstance(statement, Device):
+        return statement.name == "log_file"
+    return isinstance(statement, Message) and statement.kind in ("msg", "log")
 
 
 def _range(token: Token) -> tuple[int, int]:

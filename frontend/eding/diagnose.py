@@ -222,6 +222,32 @@ _UNEXPECTED = {
 }
 
 
+_SWITCH, _AXIS, _FILE = "'on' or 'off'", "one axis: x, y, z, a, b or c", "the name of a file"
+_TAKES = {
+    "tcaguard": _SWITCH,
+    "mcaguard": _SWITCH,
+    "homeisestop": _SWITCH,
+    "home": _AXIS,
+    "hometandem": _AXIS,
+    "preparetandemhome": _AXIS,
+    "moveslavetomaster": _AXIS,
+    "movestavetomaster": _AXIS,
+    "setlafangle": "an angle",
+    "sp": f"{_FILE}, then perhaps 0 or 1",
+    "logfile": f"{_FILE}, then perhaps 0 or 1",
+    "tanknife": "'on' (then perhaps 90 or -90), 'off', 'b', 'c', 'lo' or 'hi'",
+    "zhcinit": "three values: grid size, points in X, points in Y",
+    "zhcaddpoint": "nothing",
+    "zhcs": _FILE,
+    "%": "a number: %mx=200",
+}
+"""What the commands to the controller take behind them."""
+
+
+def _takes(stop: _Stop) -> str:
+    return f"{stop.line.keyword!r} takes {_TAKES[stop.line.keyword]}"
+
+
 def _unexpected(stop: _Stop) -> str:
     character = stop.rest[0]
     if stop.line.rule == "block":
@@ -231,8 +257,8 @@ def _unexpected(stop: _Stop) -> str:
             return "a number without a letter"
     if stop.line.keyword in ("msg", "warnmsg", "errmsg", "logmsg", "dlgmsg") and character.isalnum():
         return f"the text of {stop.line.keyword!r} stands in quotes"
-    if stop.line.keyword in ("tcaguard", "mcaguard"):
-        return f"{stop.line.keyword!r} takes 'on' or 'off'"
+    if stop.line.keyword in _TAKES:
+        return _takes(stop)
     shown = repr(character) if character.isascii() else f"{character!r} (U+{ord(character):04X})"
     return f"{shown} is not expected here"
 
@@ -240,8 +266,8 @@ def _unexpected(stop: _Stop) -> str:
 def _incomplete(stop: _Stop) -> str:
     if stop.line.keyword in ("sub", "gosub"):
         return f"{stop.line.keyword!r} needs a name"
-    if stop.line.keyword in ("tcaguard", "mcaguard"):
-        return f"{stop.line.keyword!r} takes 'on' or 'off'"
+    if stop.line.keyword in _TAKES:
+        return _takes(stop)
     if stop.line.rule == "block" and "#" in stop.before:
         return "a parameter alone is no code: a setting needs '=' and a value"
     return "the line ends too early"

@@ -35,6 +35,8 @@ _HEAD = re.compile(
         (?P<word> end[ \t]*(?:if|while|sub)(?![a-z]) | [a-z]+ )""",
     re.VERBOSE | re.IGNORECASE | re.ASCII,
 )
+NESTING = re.compile(r"[ \t]*%[ \t]*[mdo][ \t]*[xy][ \t]*=", re.IGNORECASE)
+"""A preset of the nesting dialog (2.2.4.4); any other text behind a percent sign is no code."""
 _CONTROL = re.compile(r"[\x00-\x08\x0a-\x1f\x7f]")
 _BLANKS = re.compile(r"[ \t]+")
 
@@ -131,7 +133,7 @@ def _keyword(text: str) -> tuple[str, int]:
     """The statement of chapter 4 that a line begins with and where, or ("", -1) for a line of words."""
     head = _HEAD.match(text)
     if head is None:
-        return "", -1
+        return ("%", text.index("%")) if NESTING.match(text) else ("", -1)
     word = _BLANKS.sub("", head.group("word")).lower()
     at, end = head.span("word")
     is_statement = word in _WITH_EXPRESSIONS or word in _WITH_NAMES or word.startswith("zhc")

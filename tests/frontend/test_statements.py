@@ -9,9 +9,11 @@ from frontend.programs import program_of, table_words, without_places
 
 from gproof.frontend.eding.parse import parse_line
 from gproof.ir.program import (
+    Binary,
     Block,
     BlockTable,
     Call,
+    Device,
     Guard,
     If,
     Message,
@@ -21,6 +23,7 @@ from gproof.ir.program import (
     Variable,
     While,
 )
+from gproof.ir.rules import DEVICES
 
 
 def parse(line: str | bytes) -> list[object]:
@@ -72,8 +75,6 @@ def test_only_the_last_comment_of_a_line_counts() -> None:
         ('logmsg "Hi" #5001', "log", ["Hi", Variable]),
         ("msg", "msg", []),
         ('dlgmsg "Give" par1 100 "B 2" 101', "dialog", ["Give", "par1", 100.0, "B 2", 101.0]),
-        ('logfile "text.txt" 1', "log", ["text.txt", 1.0]),
-        ("logfile text.txt", "log", ["text.txt"]),
         ('N10 (c) msg "a" (d)', "msg", ["a"]),
         ('/msg "a"', "msg", ["a"]),
     ],
@@ -115,15 +116,73 @@ def test_guards(line: str, name: str, on: bool) -> None:
 @pytest.mark.parametrize(
     "line",
     [
-        "HomeIsEstop on", "SetLafAngle 3", 'SP "positions.txt" 1', "sp positions.txt", "Tanknife on 90", "home x",
-        "HomeTandem X", "PrepareTandemHome X", "MoveSlaveToMaster A", "ZHCINIT [#4104] [#4100] [#4101]",
-        "ZHCADDPOINT", "zhcs zHeightCompTable.txt", "/gosub part", "/tcaguard off", '/errmsg "no"',
+        "zhc on", 'zhcload "map.txt"', "ZHCSAVE x", "/gosub part", "/tcaguard off", '/errmsg "no"', "/home x",
     ],
 )  # fmt: skip
-def test_statements_that_are_not_modelled(line: str) -> None:
+def test_statements_that_are_not_understood(line: str) -> None:
     (statement,) = parse(line)
     assert isinstance(statement, Unsupported)
     assert statement.what
+
+
+@pytest.mark.parametrize(
+    ("line", "name", "arguments"),
+    [
+        ("HomeIsEstop on", "home_is_stop", ["on"]),
+        ("homeisestop OFF ;safe", "home_is_stop", ["off"]),
+        ("SetLafAngle 3", "laf_angle", [3.0]),
+        ("setlafangle -2.5", "laf_angle", [-2.5]),
+        ("SetLafAngle [#4 + 1]", "laf_angle", [Binary]),
+        ("setlafangle #4", "laf_angle", [Variable]),
+        ('SP "positions.txt" 1', "store_position", ["positions.txt", 1.0]),
+        ("sp positions.txt", "store_position", ["positions.txt"]),
+        ("LogFile “text.txt” 1", "log_file", ["text.txt", 1.0]),
+        (r"logfile C:\logs\t.txt", "log_file", [r"C:\logs\t.txt"]),
+        ('/logfile "text.txt" #1', "log_file", ["text.txt", Variable]),
+        ("Tanknife on", "knife_on", []),
+        ("tanknife\ton 90", "knife_on", [90.0]),
+        ("TANKNIFE ON -90 (bent)", "knife_on", [-90.0]),
+        ("tanknife on [#1]", "knife_on", [Variable]),
+        ("Tanknife off", "knife_off", []),
+        ("tanknife B", "knife_axis", ["b"]),
+        ("tanknife c ;standard", "knife_axis", ["c"]),
+        ("tanknife LO", "knife_calibrate", ["lo"]),
+        ("tanknife hi", "knife_calibrate", ["hi"]),
+        ("home X", "home", ["x"]),
+        ("N20 Home c", "home", ["c"]),
+        ("HomeTandem X", "home_tandem", ["x"]),
+        ("PrepareTandemHome y", "prepare_tandem_home", ["y"]),
+        ("MoveSlaveToMaster A", "align_slave", ["a"]),
+        ("MoveStaveToMaster A", "align_slave", ["a"]),
+        ("ZHCINIT [#4104] #4100 [#4101 + 1]", "height_map_init", [Variable, Variable, Binary]),
+        ("zhcinit .5 10 7", "height_map_init", [0.5, 10.0, 7.0]),
+        ("ZHCADDPOINT", "height_map_add", []),
+        ("zhcs map.txt", "height_map_save", ["map.txt"]),
+        ('ZHCS "a map.txt" ;kept', "height_map_save", ["a map.txt"]),
+        ("%mx=200", "nesting", ["mx", 200.0]),
+        ("% D Y = -1 0.5 ; pitch", "nesting", ["dy", -10.5]),
+    ],
+)
+def test_commands_to_the_controller(line: str, name: str, arguments: list[object]) -> None:
+    (device,) = parse(line)
+    assert isinstance(device, Device)
+    assert device.name == name
+    least, most, _ = DEVICES[name]
+    assert least <= len(device.arguments) <= most
+    for found, wanted in zip(device.arguments, arguments, strict=True):
+        if isinstance(wanted, type):
+            assert isinstance(found, wanted)
+        else:
+            assert isinstance(found, Text | Number)
+            assert found.value == wanted
+
+
+def test_every_command_of_a_file_is_a_device_of_the_table(tmp_path: Path) -> None:
+    """Also in a whole file: a nesting line looks like the ``%`` of a plain line at its start."""
+    program = program_of(tmp_path, "%\n%mx=200\n%my=100\ng0 x1\nzhcaddpoint\nhome z\nm30\n")
+    assert [type(node).__name__ for node in program.body] == [
+        "Device", "Device", "BlockTable", "Device", "Device", "BlockTable",
+    ]  # fmt: skip
 
 
 STRUCTURED = """\
