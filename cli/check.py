@@ -16,7 +16,7 @@ import click
 from gproof.cli.files import require_place
 from gproof.cli.judge import NOT_JUDGED, Judgement, judge
 from gproof.cli.report import coloured, distinct, finding_json, print_findings
-from gproof.cli.session import Session, open_session
+from gproof.cli.session import Running, Session, open_session
 from gproof.ir.codes import CODES
 from gproof.ir.trace import UNKNOWN, Chunk
 from gproof.ir.verdict import Condition, Verdict
@@ -28,7 +28,7 @@ _SHADES = {Verdict.SAFE: "green", Verdict.UNSAFE: "red", Verdict.UNKNOWN: "magen
 
 
 def run_check(
-    job: Path, *, machine: Path | None, setup: str | None, dialect: str | None, max_blocks: int | None, form: str,
+    job: Path, *, machine: Path | None, setup: str | None, dialect: str | None, running: Running, form: str,
     strict: bool, picture: Path | None,
 ) -> int:  # fmt: skip
     """Judge a job, print the report, write the picture; returns the exit code."""
@@ -43,7 +43,7 @@ def run_check(
     progress = progress_bar(session)
     observe = _observers(progress, drawing.add if drawing is not None else None)
     try:
-        judgement = judge(session, budget=session.budget(max_blocks), strict=strict, observe=observe)
+        judgement = judge(session, running=running, strict=strict, observe=observe)
     finally:
         if progress is not None:
             progress.stop()
@@ -163,12 +163,16 @@ def _rows(label: str, texts: list[str]) -> None:
 def _figures(session: Session, judgement: Judgement) -> None:
     summary = judgement.summary
     blocks, sections = _count(summary.blocks, "block"), _count(summary.sections, "section")
-    _row("program", f"{_count(summary.lines, 'line')}, {blocks} executed in {sections}")
+    ways = f", {summary.branches} outcomes of unknown conditions followed" if summary.branches else ""
+    _row("program", f"{_count(summary.lines, 'line')}, {blocks} executed in {sections}{ways}")
     reaches = [r for r in summary.box if not (r[1].startswith("the start position") and r[2] == r[3])]
     _rows("reaches", _lined_up([_reach(session, *r) for r in reaches]))
     if summary.box:
         _row("path", f"{summary.path_length:.1f} mm, {summary.feed_length:.1f} mm of it at feed")
-        _row("time", duration_text(summary.seconds, summary.at_least, session.machine_given))
+        if summary.branches:
+            _row("time", "not known: the way depends on inputs; the path is that of all outcomes together")
+        else:
+            _row("time", duration_text(summary.seconds, summary.at_least, session.machine_given))
 
 
 def _reach(session: Session, axis: str, relative: str, low: float, high: float) -> tuple[str, ...]:
@@ -251,6 +255,7 @@ def report_json(session: Session, judgement: Judgement) -> dict[str, object]:
             "lines": summary.lines,
             "blocks": summary.blocks,
             "sections": summary.sections,
+            "branches": summary.branches,
             "path_length_mm": _finite(summary.path_length),
             "feed_length_mm": _finite(summary.feed_length),
             "seconds": _finite(summary.seconds),

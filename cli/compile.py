@@ -14,7 +14,7 @@ from gproof.cli.files import require_place
 from gproof.cli.judge import NOT_JUDGED, Judgement, judge
 from gproof.cli.main import UsageError
 from gproof.cli.report import print_findings
-from gproof.cli.session import Session, open_session
+from gproof.cli.session import Running, Session, open_session
 from gproof.ir.finding import Severity
 from gproof.ir.plan import Plan
 from gproof.ir.stream import StepStream
@@ -34,13 +34,13 @@ class Lowered:
     stream: StepStream | None = None
 
 
-def lower(session: Session, budget: int, stage: str) -> Lowered:
+def lower(session: Session, running: Running, stage: str) -> Lowered:
     """Trace, then plan, then stream, as far as ``stage``; every stage verified."""
     from gproof.passes.execute import execute
 
     assert session.program is not None
     trace = execute(
-        session.program, session.setup, session.machine, session.findings, budget=budget,
+        session.program, session.setup, session.machine, session.findings, **session.options(running),
         block_delete=bool(session.setup.block_delete),
     )  # fmt: skip
     trace.verify()
@@ -62,7 +62,7 @@ def lower(session: Session, budget: int, stage: str) -> Lowered:
 
 
 def run_compile(
-    job: Path, *, machine: Path | None, setup: str | None, dialect: str | None, max_blocks: int | None, output: Path,
+    job: Path, *, machine: Path | None, setup: str | None, dialect: str | None, running: Running, output: Path,
     key: Path | None, unsigned: bool,
 ) -> int:  # fmt: skip
     """Judge, lower, validate, sign and write; a file appears only for a job that is SAFE all the way."""
@@ -70,10 +70,10 @@ def run_compile(
     if key is not None and unsigned:
         raise UsageError("--key and --unsigned exclude each other")
     session = open_session(job, machine=machine, setup=setup, dialect=dialect)
-    judgement = judge(session, budget=session.budget(max_blocks))
+    judgement = judge(session, running=running)
     if judgement.verdict is not Verdict.SAFE:
         return _refuse(session, judgement, judgement.verdict, "the job is not SAFE")
-    lowered = _quiet_lower(session, session.budget(max_blocks))
+    lowered = _quiet_lower(session, running)
     findings = session.findings
     if lowered.stream is None or findings.has(Severity.UNKNOWN) or findings.has(Severity.ERROR):
         verdict = Verdict.UNSAFE if findings.has(Severity.ERROR) else Verdict.UNKNOWN
@@ -96,13 +96,13 @@ def run_compile(
     return 0
 
 
-def _quiet_lower(session: Session, budget: int) -> Lowered:
+def _quiet_lower(session: Session, running: Running) -> Lowered:
     """Lower with a collector of its own: judging told what executing finds already."""
     from gproof.ir.finding import Findings
 
     told = session.findings
     session.findings = Findings(limit=told.limit)
-    lowered = lower(session, budget, "stream")
+    lowered = lower(session, running, "stream")
     known = {(f.code.number, f.span) for f in told.kept}
     for finding in session.findings.kept:
         if (finding.code.number, finding.span) not in known:

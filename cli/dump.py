@@ -9,7 +9,7 @@ import click
 
 from gproof.cli.main import UsageError
 from gproof.cli.report import print_findings
-from gproof.cli.session import Session, open_session
+from gproof.cli.session import Running, Session, open_session
 from gproof.ir.finding import Severity
 from gproof.ir.program import BlockTable, If, Program, Statement, While
 from gproof.ir.text import print_lines
@@ -22,7 +22,7 @@ def run_dump(
     machine: Path | None,
     setup: str | None,
     dialect: str | None,
-    max_blocks: int | None,
+    running: Running,
     stage: str,
     form: str,
 ) -> int:
@@ -37,9 +37,9 @@ def run_dump(
         _print(loaded(session.program))
         reached = True
     elif form == "jsonl":
-        reached = _jsonl(session, session.budget(max_blocks))
+        reached = _jsonl(session, running)
     else:
-        reached = _stages(session, session.budget(max_blocks), stage)
+        reached = _stages(session, running, stage)
     print_findings(session.findings, err=True)
     if session.findings.has(Severity.ERROR):
         return Verdict.UNSAFE.exit_code
@@ -51,7 +51,7 @@ def _print(value: object) -> None:
         click.echo(line)
 
 
-def _jsonl(session: Session, budget: int) -> bool:
+def _jsonl(session: Session, running: Running) -> bool:
     from gproof.cli.jsonl import chunk_lines, error_line
     from gproof.passes.execute import Executor
 
@@ -62,8 +62,8 @@ def _jsonl(session: Session, budget: int) -> bool:
         click.echo(error_line(early))
         return False
     ex = Executor(
-        session.program, session.setup, session.machine, session.findings, budget=budget, stop_at_error=True,
-        block_delete=bool(session.setup.block_delete),
+        session.program, session.setup, session.machine, session.findings, stop_at_error=True,
+        block_delete=bool(session.setup.block_delete), **session.options(running),
     )  # fmt: skip
     for chunk in ex.run():
         for line in chunk_lines(chunk, session.machine, str(session.job)):
@@ -73,10 +73,10 @@ def _jsonl(session: Session, budget: int) -> bool:
     return ex.failed is None
 
 
-def _stages(session: Session, budget: int, stage: str) -> bool:
+def _stages(session: Session, running: Running, stage: str) -> bool:
     from gproof.cli.compile import lower
 
-    lowered = lower(session, budget, stage)
+    lowered = lower(session, running, stage)
     value = getattr(lowered, stage)
     if value is not None:
         _print(value)

@@ -7,7 +7,7 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass, field
 
-from gproof.cli.session import Session
+from gproof.cli.session import Running, Session
 from gproof.ir import codes
 from gproof.ir.finding import Findings, Severity, Span
 from gproof.ir.trace import Affine, Chunk, Wait, verify_rows
@@ -28,7 +28,9 @@ Observer = Callable[[Chunk], None]
 @dataclass(slots=True, kw_only=True)
 class Summary:
     """Figures of a job. box: (axis, relative to "" or unknown offsets, low, high), mm or degrees;
-    seconds: estimated time without waits, None without machine data; at_least: some moves are not in it."""
+    seconds: estimated time without waits, None without machine data; at_least: some moves are not in it;
+    branches: outcomes of unknown conditions that were followed: with some, lengths are those of all of them together
+    and the time is not known."""
 
     lines: int = 0
     blocks: int = 0
@@ -37,6 +39,7 @@ class Summary:
     feed_length: float = 0.0
     seconds: float | None = None
     at_least: bool = False
+    branches: int = 0
     box: list[tuple[str, str, float, float]] = field(default_factory=list)
 
 
@@ -51,7 +54,7 @@ class Judgement:
     findings: Findings
 
 
-def judge(session: Session, *, budget: int, strict: bool = False, observe: Observer | None = None) -> Judgement:
+def judge(session: Session, *, running: Running, strict: bool = False, observe: Observer | None = None) -> Judgement:
     """Judge the job under the default policy; ``observe`` sees every chunk of the first pass."""
     findings = session.findings
     _machine_findings(session)
@@ -63,10 +66,10 @@ def judge(session: Session, *, budget: int, strict: bool = False, observe: Obser
             findings=findings,
         )  # fmt: skip
     setting = session.setup.block_delete
-    results, summary, assumed, met = _pass(session, findings, bool(setting), budget, observe)
+    results, summary, assumed, met = _pass(session, findings, bool(setting), running, observe)
     if met and setting is None:
         other = Findings(limit=findings.limit)
-        second, _, more, _ = _pass(session, other, True, budget, None)
+        second, _, more, _ = _pass(session, other, True, running, None)
         results = [_both(session, findings, a, b) for a, b in zip(results, second, strict=True)]
         seen = {(f.code.number, f.span) for f in findings.kept}
         for f in other.kept:
@@ -87,11 +90,11 @@ def judge(session: Session, *, budget: int, strict: bool = False, observe: Obser
 
 
 def _pass(
-    session: Session, findings: Findings, block_delete: bool, budget: int, observe: Observer | None
+    session: Session, findings: Findings, block_delete: bool, running: Running, observe: Observer | None
 ) -> tuple[list[PropertyResult], Summary, list[str], bool]:
     assert session.program is not None
     machine, setup = session.machine, session.setup
-    ex = Executor(session.program, setup, machine, findings, block_delete=block_delete, budget=budget)
+    ex = Executor(session.program, setup, machine, findings, block_delete=block_delete, **session.options(running))
     limits, area = Limits(machine, setup, findings), ToolChangeArea(machine, setup, findings)
     checks = [limits, area, ArcRadius(machine, setup, findings)]
     estimate = MotionEstimate(machine)
@@ -113,7 +116,8 @@ def _pass(
     language = PropertyResult(name="language", verdict=_language(findings))
     summary = Summary(
         lines=session.program.line_count, blocks=ex.blocks, sections=max(1, sections),
-        path_length=estimate.path_length_mm, feed_length=estimate.feed_length_mm, seconds=estimate.seconds,
+        path_length=estimate.path_length_mm, feed_length=estimate.feed_length_mm,
+        seconds=None if ex.branches else estimate.seconds, branches=ex.branches,
         at_least=estimate.unknown_rows > 0, box=limits.box(),
     )  # fmt: skip
     return [language, *results], summary, [*ex.assumed, *_standing(session, waits)], ex.met_deleted

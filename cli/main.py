@@ -57,6 +57,13 @@ def _job_options(command: Any) -> Any:
                 type=click.IntRange(1),
                 help="Blocks to execute at most; 10 million and 4 a line by default.",
             ),
+            click.option(
+                "--max-branches",
+                type=click.IntRange(0),
+                default=256,
+                help="Outcomes of unknown conditions to follow at most; 256 by default.",
+            ),
+            click.option("--render", is_flag=True, help="As the controller draws it: probes miss, dialogs say OK."),
         )
     ):
         command = option(command)
@@ -70,15 +77,16 @@ def _job_options(command: Any) -> Any:
 @click.option("--strict", is_flag=True, help="Conditional answers count as UNKNOWN.")
 @click.option("--picture", type=click.Path(path_type=Path), help="Write a picture of the path (SVG).")
 def check(
-    job: Path, machine: Path | None, setup: str | None, dialect: str | None, max_blocks: int | None, form: str,
-    strict: bool, picture: Path | None,
+    job: Path, machine: Path | None, setup: str | None, dialect: str | None, max_blocks: int | None,
+    max_branches: int, render: bool, form: str, strict: bool, picture: Path | None,
 ) -> int:  # fmt: skip
     """Prove or refute that JOB is safe on a machine."""
     from gproof.cli.check import run_check
+    from gproof.cli.session import Running
 
     return run_check(
-        job, machine=machine, setup=setup, dialect=dialect, max_blocks=max_blocks, form=form, strict=strict,
-        picture=picture,
+        job, machine=machine, setup=setup, dialect=dialect, running=Running(max_blocks, max_branches, render),
+        form=form, strict=strict, picture=picture,
     )  # fmt: skip
 
 
@@ -95,13 +103,24 @@ def dump(
     setup: str | None,
     dialect: str | None,
     max_blocks: int | None,
+    max_branches: int,
+    render: bool,
     stage: str,
     form: str,
 ) -> int:
     """Print JOB as one of the compiler's stages."""
     from gproof.cli.dump import run_dump
+    from gproof.cli.session import Running
 
-    return run_dump(job, machine=machine, setup=setup, dialect=dialect, max_blocks=max_blocks, stage=stage, form=form)
+    return run_dump(
+        job,
+        machine=machine,
+        setup=setup,
+        dialect=dialect,
+        running=Running(max_blocks, max_branches, render),
+        stage=stage,
+        form=form,
+    )
 
 
 @cli.command(name="compile")
@@ -111,15 +130,16 @@ def dump(
 @click.option("--key", type=click.Path(path_type=Path), help="Ed25519 private key (PEM) to sign with.")
 @click.option("--unsigned", is_flag=True, help="Write the certificate without a signature.")
 def compile_(
-    job: Path, machine: Path | None, setup: str | None, dialect: str | None, max_blocks: int | None, output: Path,
-    key: Path | None, unsigned: bool,
+    job: Path, machine: Path | None, setup: str | None, dialect: str | None, max_blocks: int | None,
+    max_branches: int, render: bool, output: Path, key: Path | None, unsigned: bool,
 ) -> int:  # fmt: skip
     """Compile JOB to a certified step stream."""
     from gproof.cli.compile import run_compile
+    from gproof.cli.session import Running
 
     return run_compile(
-        job, machine=machine, setup=setup, dialect=dialect, max_blocks=max_blocks, output=output, key=key,
-        unsigned=unsigned,
+        job, machine=machine, setup=setup, dialect=dialect, running=Running(max_blocks, max_branches, render),
+        output=output, key=key, unsigned=unsigned,
     )  # fmt: skip
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TypeVar
+from typing import TypedDict, TypeVar
 
 from gproof.cli.files import require_file
 from gproof.cli.main import UsageError
@@ -17,6 +17,23 @@ T = TypeVar("T")
 
 PLAIN_SECONDS_A_BYTE = 1e-6
 """What ``check`` takes in plain Python for a byte of source, measured by bench/kernels.py."""
+
+
+@dataclass(frozen=True, slots=True)
+class Running:
+    """How far a program is executed: see the options of the command line."""
+
+    max_blocks: int | None = None
+    max_branches: int = 256
+    render: bool = False
+
+
+class Options(TypedDict):
+    """Keyword arguments of an Executor."""
+
+    budget: int
+    max_branches: int
+    render: bool
 
 
 @dataclass(slots=True, kw_only=True)
@@ -36,11 +53,11 @@ class Session:
     findings: Findings = field(default_factory=Findings)
     inputs: list[tuple[str, str, str]] = field(default_factory=list)
 
-    def budget(self, given: int | None) -> int:
-        """How many blocks to execute at most: as given, or so many that only endless loops meet it."""
-        if given is not None:
-            return given
-        return 10_000_000 + 4 * (self.program.line_count if self.program is not None else 0)
+    def options(self, running: Running) -> Options:
+        """Keyword arguments of an Executor; by default it executes so many blocks that only endless loops meet it."""
+        lines = self.program.line_count if self.program is not None else 0
+        budget = 10_000_000 + 4 * lines if running.max_blocks is None else running.max_blocks
+        return {"budget": budget, "max_branches": running.max_branches, "render": running.render}
 
 
 def open_session(job: Path, *, machine: Path | None, setup: str | None, dialect: str | None) -> Session:

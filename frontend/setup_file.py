@@ -35,6 +35,7 @@ def load_setup(path: Path, findings: Findings) -> tuple[Setup | None, Files]:
         if length is not None:
             lengths[number] = Interval(*length)
         table.finish()
+    parameters, ranges = _parameters(root.table("parameters"))
     setup = Setup(
         name=root.text("name") or path.name,
         homed=_homed(root),
@@ -42,7 +43,8 @@ def load_setup(path: Path, findings: Findings) -> tuple[Setup | None, Files]:
         work=work,
         g92=_axes(root.table("g92"), unit),
         tool_lengths=lengths,
-        parameters=_parameters(root.table("parameters")),
+        parameters=parameters,
+        parameter_ranges=ranges,
         active_work=root.whole("active_work", 1, COORDINATE_SYSTEMS),
         tool=root.whole("tool", 0, HIGHEST_TOOL),
         block_delete=root.boolean("block_delete"),
@@ -75,16 +77,19 @@ def _homed(root: TomlTable) -> tuple[str, ...]:
     return tuple(axis for axis in AXIS_NAMES if axis in value)
 
 
-def _parameters(table: TomlTable | None) -> dict[int, float]:
-    """Numbered parameters in the program's own numbers."""
+def _parameters(table: TomlTable | None) -> tuple[dict[int, float], dict[int, Interval]]:
+    """Numbered parameters in the program's own numbers: exact ones, and those of which only bounds are stated."""
     highest = rules_named("eding").highest_parameter
-    found = {}
+    found: dict[int, float] = {}
+    ranges: dict[int, Interval] = {}
     for name in table.values if table else ():
         assert table is not None
         if small_number(name, 1, highest) is None:
             table.bad(name, f"{name!r} is not a parameter number from 1 to {highest}")
             continue
-        value = table.number(name)
-        if value is not None:
-            found[int(name)] = value
-    return found
+        ends = table.interval(name)
+        if ends is not None and ends[0] == ends[1]:
+            found[int(name)] = ends[0]
+        elif ends is not None:
+            ranges[int(name)] = Interval(*ends)
+    return found, ranges

@@ -115,6 +115,21 @@ NEGATIVE_FEED = code(241, "negative-feed", _E, "feed rate F{value:g} is negative
 CYCLE_DWELL_MISSING = code(242, "cycle-dwell-missing", _E, "{code} needs a dwell time in P")
 CYCLE_SPINDLE_STOPPED = code(244, "cycle-spindle-stopped", _E, "{code} needs a turning spindle")
 ERROR_MESSAGE = code(245, "error-message", _W, "the program ends itself here with the error {text!r}")
+OVERRIDE_WITH_CODES = code(
+    290, "override-with-codes", _E, "{code} calls the subprogram {name!r}: {other} can not stand on its line"
+)
+PROBE_TOO_NEAR = code(
+    291, "probe-too-near", _E, "the probe move is {distance:.4f} mm long; it must have at least {least:g} mm"
+)
+PROBE_INVERSE_TIME = code(292, "probe-inverse-time", _E, "probing (G38.2) in inverse time mode (G93)")
+PROBE_ROTARY = code(293, "probe-rotary", _E, "the probe move would turn the rotary axis {axis}")
+PROBE_AXIS_MISSING = code(294, "probe-axis-missing", _E, "{code} without an X, Y or Z word")
+HOMING = code(295, "homing", _N, "{axes} homes here: the way to the sensor is not judged")
+AXIS_NOT_THERE = code(296, "axis-not-there", _E, "the machine has no axis {axis}")
+INPUT_CHANNEL = code(297, "input-channel", _E, "{what}")
+OFFSET_IN_USE = code(
+    298, "offset-in-use", _W, "{what} is written while it is in use: whether it acts at once is not stated", "limits"
+)
 OPERATOR_STOP = code(243, "operator-stop", _N, "the job waits here for the operator ({code})")
 
 # 3xx limits and areas

@@ -25,6 +25,7 @@ class Function(enum.IntEnum):
     BORE = 10
     BORE_STOP = 11
     BORE_DWELL = 12
+    PROBE = 13
     DWELL = 20
     SET_COORDINATES = 21
     PLANE_XY = 22
@@ -72,6 +73,7 @@ class Function(enum.IntEnum):
     OVERRIDES_OFF = 73
     OUTPUT_ON = 74
     OUTPUT_OFF = 75
+    INPUT_READ = 76
     UNSUPPORTED = 99
 
 
@@ -100,9 +102,8 @@ class CodeRule:
 class ParameterRange:
     """Numbered variables first..last: meaning, whether a program may write them, section of the manual.
 
-    kind: how the executor finds the live value: ``free``, ``persistent``, ``position`` (work),
-    ``machine_position``, ``tool``, ``g92``, ``work`` (stride 20 from first), ``work_number``, ``park_1``,
-    ``park_2``, ``tool_length``, ``other``.
+    kind: how the executor finds the live value, a key of the table in ``passes/modal.py``; ``free``, ``persistent``,
+    ``park_1`` and ``park_2`` are what the program or the setup put there, any other what the setup states.
     """
 
     first: int

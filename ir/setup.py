@@ -24,7 +24,8 @@ class Setup:
 
     start: machine position by axis name; work: offsets of coordinate systems 1..9 by (number, axis);
     g92: axis offsets; tool_lengths: by tool number; parameters: numbered variables in the
-    controller's numbering; default_*: what everything not listed is (None: unknown).
+    controller's numbering; parameter_ranges: those that are only bounded, and what the operator or a measurement will
+    put into them; default_*: what everything not listed is (None: unknown).
     Offsets are mm or degrees; parameters are in the program's own numbers.
     """
 
@@ -35,6 +36,7 @@ class Setup:
     g92: dict[str, Interval] = field(default_factory=dict)
     tool_lengths: dict[int, Interval] = field(default_factory=dict)
     parameters: dict[int, float] = field(default_factory=dict)
+    parameter_ranges: dict[int, Interval] = field(default_factory=dict)
     active_work: int | None = None
     tool: int | None = None
     default_start: float | None = None

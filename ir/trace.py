@@ -16,6 +16,7 @@ import numpy as np
 
 from gproof.ir.columns import Column, Columns, Schema
 from gproof.ir.machine import AXES
+from gproof.ir.setup import Interval
 
 
 class Op(enum.IntEnum):
@@ -182,7 +183,10 @@ class TraceSection:
 
 @dataclass(slots=True, kw_only=True)
 class Trace:
-    """A whole evaluated program as a graph of sections; section 0 is where it begins."""
+    """A whole evaluated program as a graph of sections; section 0 is where it begins.
+
+    symbols: the ranges, mm or degrees, of unknowns that arose in the run (probe contacts, answers): see ir/setup.py.
+    """
 
     files: list[str] = field(default_factory=list)
     calls: list[str] = field(default_factory=lambda: [""])
@@ -190,6 +194,7 @@ class Trace:
     states: list[State] = field(default_factory=list)
     texts: list[str] = field(default_factory=list)
     sections: list[TraceSection] = field(default_factory=list)
+    symbols: dict[str, Interval] = field(default_factory=dict)
 
     def verify(self) -> None:
         """The invariants of this stage; ValueError with the first one that fails."""

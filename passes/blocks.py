@@ -13,7 +13,7 @@ from gproof.ir.trace import Op, PathMode, Plane, Wait
 from gproof.passes.cycles import CYCLES
 from gproof.passes.emitter import ProgramEnd
 from gproof.passes.line import LARGEST, Line, check_unused, gather
-from gproof.passes.modal import INCH, NO_OFFSET
+from gproof.passes.modal import INCH, NO_OFFSET, TOOL_LENGTH, TOOL_X_OFFSET
 from gproof.passes.motion import Motion
 from gproof.passes.values import NOWHERE, Position, Unknown, Value
 
@@ -25,7 +25,6 @@ class Blocks(Motion):
         line: Line | None = None
         moves = self._moves
         try:
-            self._overridden(words)
             line = gather(self.program.rules, span, words)
             unsupported = line.find(F.UNSUPPORTED, F.COMPENSATION_LEFT, F.COMPENSATION_RIGHT)
             if unsupported is None:
@@ -53,14 +52,6 @@ class Blocks(Motion):
         for axis in line.axes():
             self.modal.position[axis] = NOWHERE
         self._stop(line)
-
-    def _overridden(self, words: list[tuple[str, Value, Span]]) -> None:
-        """Refusal GP113 for an M code that a subprogram of its name replaces (manual 4.4)."""
-        for letter, value, where in words:
-            if letter == "M" and not isinstance(value, Unknown):
-                name = f"m{round(value)}"
-                if name in self.program.subprograms and name not in self._depth:
-                    raise Refusal(codes.UNSUPPORTED_CODE.at(where, code=f"M{round(value)} with a subprogram {name}"))
 
     def _recover(self, line: Line) -> None:
         """After an error the axes of the line are taken to be where it sent them, else anywhere."""
@@ -98,6 +89,7 @@ class Blocks(Motion):
         self._coolant(line)
         self._overrides(line)
         self._outputs(line)
+        self._input(line)
         self._dwell(line)
         self._plane(line)
         self._units(line)
@@ -191,8 +183,6 @@ class Blocks(Motion):
 
     def _change_tool(self, line: Line) -> None:
         s = self.modal
-        if "change_tool" in self.program.subprograms:
-            raise Refusal(codes.UNSUPPORTED_CODE.at(line.span, code="M6 with a change_tool subprogram"))
         if s.spindle_direction:
             s.spindle_direction = 0
             self.spindle_row(line)
@@ -202,6 +192,9 @@ class Blocks(Motion):
         self.event(Op.TOOL_CHANGE, line.span, arg=(number, 0.0))
         if s.length_follows_tool:
             self._use_length(line, s.tool)
+        changer = self.program.overrides.get(("M", 60))
+        if self.machine.controller.auto_tool_change and changer in self._depth:
+            return
         if self.machine.controller.auto_tool_change:
             # The changer's own motion stands in a change_tool subprogram that was not given: not known.
             self._fail(codes.UNSUPPORTED_CODE.at(line.span, code="M6 on a machine that changes tools by itself"))
@@ -244,6 +237,30 @@ class Blocks(Motion):
         value = 1.0 if rule.function is F.OUTPUT_ON else 0.0
         self.event(Op.OUTPUT, line.span, arg=(float(channel), value))
 
+    def _input(self, line: Line) -> None:
+        """M56: an input into #5399, at once or when it has come or a time is over (3.5.9)."""
+        rule = line.find(F.INPUT_READ)
+        if rule is None:
+            return
+        tolerance = self.program.rules.integer_tolerance
+        digital, analog = line.whole("P", tolerance), line.whole("E", tolerance)
+        wait, timeout = line.whole("L", tolerance), line.number("Q")
+        if (digital is None) == (analog is None):
+            raise Refusal(codes.INPUT_CHANNEL.at(line.where_code(rule), what="M56 takes one input: P or E"))
+        if wait not in (None, 0, 1, 2) or (wait and digital is None):
+            raise Refusal(codes.INPUT_CHANNEL.at(line.where("L"), what="L is 0, 1 or 2, for an input in P"))
+        if timeout is not None and timeout < 0:
+            raise Refusal(codes.INPUT_CHANNEL.at(line.where("Q"), what=f"a timeout of {timeout:g} s"))
+        channel = float(digital if digital is not None else analog or 0)
+        wanted = math.nan if not wait else float(wait == 1)
+        self.event(Op.INPUT_WAIT, line.span, arg=(channel, wanted))
+        read = Unknown(f"input {channel:g}", 0.0, 1.0) if digital is not None else Unknown(f"analog input {channel:g}")
+        if wait and timeout is None:
+            self.modal.parameters[5399] = wanted
+        else:
+            self.modal.parameters[5399] = self.modal.stated_range(5399, read)
+        self._end_section(Wait.INPUT, "read" if not wait else "come or timed out", None, line.span.line)
+
     def _dwell(self, line: Line) -> None:
         rule = line.find(F.DWELL)
         if rule is None:
@@ -279,7 +296,7 @@ class Blocks(Motion):
         if rule is None:
             return
         s = self.modal
-        s.length_follows_tool = False
+        s.length_follows_tool, s.offset_tool = False, None
         if rule.function is F.TOOL_OFFSET_OFF:
             s.tool_offset = list(NO_OFFSET)
             self.event(Op.TOOL_OFFSET, line.span)
@@ -302,16 +319,26 @@ class Blocks(Motion):
 
     def _use_length(self, line: Line, tool: int | None) -> None:
         s = self.modal
-        s.tool_offset = list(NO_OFFSET)
+        s.tool_offset, s.offset_tool = list(NO_OFFSET), tool
         if tool is None:
             s.tool_offset[2] = NOWHERE
             self._fail(codes.TOOL_OFFSET_UNKNOWN.at(line.span, hint="name the tool with T and M6, or in the setup"))
         else:
             s.tool_offset[2] = s.length_of(tool)
-            entry = self.machine.tool(tool)
-            if entry is not None and entry.x_offset:
-                s.tool_offset[0] = Position(entry.x_offset)
+            x = s.tool_x_offset(tool)
+            s.tool_offset[0] = NOWHERE if isinstance(x, Unknown) else Position(x)
         self.event(Op.TOOL_OFFSET, line.span, arg=(math.nan if tool is None else float(tool), 0.0))
+
+    def _table_written(self, number: int, span: Span) -> None:
+        """GP298 when the program writes the length or X offset that is in use: whether it acts at once is open."""
+        s = self.modal
+        if not s.offset_tool:
+            return
+        for base, axis in ((TOOL_LENGTH, 2), (TOOL_X_OFFSET, 0)):
+            if number == base + s.offset_tool:
+                s.tool_offset[axis] = NOWHERE
+                what = f"#{number} of tool {s.offset_tool}"
+                self.findings.add(codes.OFFSET_IN_USE.at(span, what=what, hint="write G43 behind it"))
 
     def _coordinate_system(self, line: Line) -> None:
         rule = line.group("G12")

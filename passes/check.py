@@ -36,13 +36,13 @@ def row_span(trace: Trace, rows: Columns, row: int) -> Span:
     return Span(trace.files[int(rows["file"][row])], int(rows["line"][row]))
 
 
-def form_interval(form: Affine, setup: Setup) -> Interval | None:
-    """The range of a sum of unknowns by what the setup states; None when some part is not stated."""
+def form_interval(form: Affine, setup: Setup, trace: Trace) -> Interval | None:
+    """The range of a sum of unknowns by what setup and trace tell; None when some part is not bounded."""
     low = high = 0.0
     for symbol, coefficient in form:
         if form == UNKNOWN:
             return None
-        known = setup.interval(symbol)
+        known = trace.symbols.get(symbol) or setup.interval(symbol)
         if known is None:
             return None
         ends = (known.low * coefficient, known.high * coefficient)

@@ -6,20 +6,23 @@ import math
 
 from gproof.ir import codes
 from gproof.ir.finding import Finding, Findings, Refusal, Severity, Span
-from gproof.ir.machine import Machine
+from gproof.ir.machine import AXIS_NAMES, Machine
 from gproof.ir.program import (
     Program,
 )
 from gproof.ir.rules import CodeRule
-from gproof.ir.setup import Setup
+from gproof.ir.setup import Interval, Setup
 from gproof.ir.trace import Edge, Op, Trace, Wait
 from gproof.passes.expressions import Evaluator
 from gproof.passes.line import Line
 from gproof.passes.modal import Modal
+from gproof.passes.ranges import Range
 from gproof.passes.rows import RowBuffer
-from gproof.passes.values import FrameTable, Unknown, Value
+from gproof.passes.values import FrameTable, Position, Unknown, Value
 
 DEFAULT_BUDGET = 100_000_000
+DEFAULT_BRANCHES = 256
+"""Outcomes that are explored, of conditions that rest on what nobody knows before the job runs."""
 
 
 class ProgramEnd(Exception):
@@ -32,6 +35,7 @@ class Emitter:
     def __init__(
         self, program: Program, setup: Setup, machine: Machine, findings: Findings, *,
         block_delete: bool = False, budget: int = DEFAULT_BUDGET, stop_at_error: bool = False,
+        max_branches: int = DEFAULT_BRANCHES, render: bool = False,
     ) -> None:  # fmt: skip
         self.program = program
         self.machine = machine
@@ -39,9 +43,12 @@ class Emitter:
         self.block_delete = block_delete
         self.budget = budget
         self.stop_at_error = stop_at_error
+        self.max_branches = max_branches
         self.modal = Modal(program.rules, setup, machine)
+        self.modal.rendering = render
         self.trace = Trace(files=[f.name for f in program.files] or ["(program)"])
         self.frames = FrameTable(self.trace.frames)
+        self.modal.ranges = self.trace.symbols
         self.evaluator = Evaluator(self._read, findings)
         # A motion mode is known by the first code of its function.
         g_codes = [rule for rule in program.rules.codes.values() if rule.letter == "G"]
@@ -62,6 +69,7 @@ class Emitter:
         self._moves = 0
         self._nesting = 0
         self._end: tuple[str, int] | None = None
+        self._unknowns = 0
         self.rows = RowBuffer(self.trace, [p.value for p in self.modal.position], self._frame(), program.line_count)
 
     def spend(self, span: Span) -> None:
@@ -88,13 +96,28 @@ class Emitter:
     def _end_section(self, wait: Wait, outcome: str, target: int | None, number: int) -> None:
         """Close the section; target None: the next one."""
         if target is None:
-            target = self.rows.section + 1
-        edge = Edge(wait=wait, outcome=outcome, target=target, line=number)
-        if target < 0:
-            self._ended = True
-            self.rows.flush(last=True, edges=(edge,))
-            return
-        self.rows.end_section((edge,), [p.value for p in self.modal.position], self._frame())
+            target = self.rows.new_section()
+        self._close((Edge(wait=wait, outcome=outcome, target=target, line=number),))
+        if target >= 0:
+            self._begin(target)
+
+    def _close(self, edges: tuple[Edge, ...]) -> None:
+        """Hand out the rest of the section with its edges."""
+        self._ended = True
+        self.rows.flush(last=True, edges=edges)
+
+    def _begin(self, section: int) -> None:
+        """Go on in a section that starts here."""
+        self._ended = False
+        self.rows.begin_section(section, [p.value for p in self.modal.position], self._frame())
+
+    def unknown_place(self, kind: str, axis: int, ends: Range, origin: Position) -> Position:
+        """``origin`` plus an unknown of its own between ``ends`` (mm or degrees)."""
+        self._unknowns += 1
+        symbol = f"{kind}.{self._unknowns}.{AXIS_NAMES[axis]}"
+        if math.isfinite(ends[0]) and math.isfinite(ends[1]):
+            self.trace.symbols[symbol] = Interval(*ends)
+        return origin.plus(Position(0.0, ((symbol, 1),)))
 
     def event(self, op: Op, span: Span, *, arg: tuple[float, float] = (0.0, 0.0), text: int = 0) -> None:
         """Append a row that does not move."""

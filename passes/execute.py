@@ -10,7 +10,10 @@ shows all of them; ``stop_at_error`` ends there instead, as the controller would
 from __future__ import annotations
 
 import contextlib
+import copy
 from collections.abc import Iterator
+from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 
@@ -25,6 +28,7 @@ from gproof.ir.program import (
     BlockTable,
     Call,
     Device,
+    Expr,
     Guard,
     If,
     Message,
@@ -38,8 +42,11 @@ from gproof.ir.setup import Setup
 from gproof.ir.trace import Chunk, Edge, Op, Trace, TraceSection, Wait
 from gproof.passes import execute_kernels as k
 from gproof.passes.blocks import Blocks
-from gproof.passes.emitter import DEFAULT_BUDGET, ProgramEnd
+from gproof.passes.commands import run_command
+from gproof.passes.emitter import DEFAULT_BRANCHES, DEFAULT_BUDGET, ProgramEnd
 from gproof.passes.expressions import describe_parts
+from gproof.passes.modal import Modal
+from gproof.passes.overrides import Words, replaced
 from gproof.passes.values import Position, Unknown, Value
 
 CHUNK_BYTES = 1 << 20
@@ -51,21 +58,90 @@ _COLD = np.array([chr(letter) not in "XYZABCIJKRFG" for letter in range(256)])
 """Letters that ``run_lines`` hands back."""
 
 
+@dataclass(frozen=True, slots=True)
+class _Caller:
+    """Where a call came from; rest: words of its line that are executed when it is back."""
+
+    call: int
+    file: int
+    rest: tuple[Span, list[Words]] | None
+
+
+@dataclass(slots=True)
+class _Frame:
+    """Statements that are being executed: those of ``body`` from ``at`` on, or the words of a table from ``at`` on.
+
+    node: the block, subprogram or table they belong to, None for the job itself; joins: outcomes come together behind
+    it. For tables: the words of the piece that was loaded, in columns for the kernel, and where the next piece begins.
+    """
+
+    body: tuple[Statement, ...]
+    node: object = None
+    at: int = 0
+    caller: _Caller | None = None
+    joins: bool = False
+    words: Columns | None = None
+    columns: tuple[Any, ...] = ()
+    cold: set[int] = field(default_factory=set)
+    base: int = 0
+    next_byte: int = 0
+    line: int = 0
+
+    def position(self) -> tuple[int, int]:
+        """The place in a table."""
+        return self.base, self.next_byte
+
+    def next_line(self) -> int:
+        """The line of a table that comes next, 0 behind its end."""
+        if self.words is not None and self.at < len(self.words):
+            return int(self.words["line"][self.at])
+        return 0
+
+
+@dataclass(slots=True)
+class _Path:
+    """An outcome that waits to be followed: its frames, its state, its section, its place in the source."""
+
+    stack: list[_Frame]
+    modal: Modal
+    section: int
+    place: tuple[int, int, list[str], bool, int]
+
+
 class Executor(Blocks):
     """One run of a program.
 
+    What is still to do is a stack of frames, not Python's own: where a condition rests on what nobody knows before the
+    job runs (an answer, an input, a probe contact), the run splits, each outcome goes on with its own stack and state
+    in a section of its own, and outcomes that come back to the same place in the same state are joined.
     block_delete: lines with a leading slash are skipped. ``met_deleted`` tells afterwards whether there were
-    any; ``assumed`` lists what the run took for granted; ``blocks`` counts executed lines.
+    any; ``assumed`` lists what the run took for granted; ``blocks`` counts executed lines; ``branches`` counts
+    outcomes that were followed.
     """
 
     def run(self) -> Iterator[Chunk]:
-        """Execute; yields chunks in order, the last one of each section with its edges."""
+        """Execute; yields chunks of successive rows, the last one of each section with its edges."""
+        self.branches = 0
+        self._seen: dict[object, tuple[Edge, ...]] = {}
+        self._joins: dict[object, int] = {}
+        self._waiting: list[_Path] = []
+        self._stack: list[_Frame] = [_Frame(self.program.body)]
+        while True:
+            yield from self._path()
+            yield from self._ready()
+            if not self._waiting:
+                return
+            self._resume(self._waiting.pop())
+
+    def _path(self) -> Iterator[Chunk]:
+        """Run what is on the stack to its end."""
         try:
-            yield from self._body(self.program.body)
+            while self._stack:
+                self._step()
+                if self.rows.ready:
+                    yield from self._ready()
         except ProgramEnd:
-            after = self._end and next((n for n in map(_first_line, self.program.body) if n > self._end[1]), 0)
-            if after:
-                self._text_after_end(after)
+            self._warn_after_end()
         except Refusal as refusal:
             with contextlib.suppress(ProgramEnd):
                 self._fail(refusal.finding)
@@ -73,44 +149,101 @@ class Executor(Blocks):
         if not self._ended:
             if self.failed is None:
                 self.event(Op.END, Span(self.trace.files[self._file], self.program.line_count))
-            self.rows.flush(last=True, edges=(Edge(wait=Wait.END, outcome="end", target=-1),))
-        yield from self._ready()
+            self._close((Edge(wait=Wait.END, outcome="end", target=-1),))
 
-    def _text_after_end(self, line: int) -> None:
+    def _resume(self, path: _Path) -> None:
+        """Take up an outcome that waits."""
+        self.modal, self._stack = path.modal, path.stack
+        self._file, self._call, self._depth, self._moved, self._nesting = path.place
+        self._end = None
+        self._state_changed()
+        self._begin(path.section)
+
+    def _warn_after_end(self) -> None:
         """Warn once of code behind an end that every run reaches."""
-        if self._end is not None and not self._nesting and not self._depth:
-            code, _ = self._end
-            self._end = None
-            self.findings.add(codes.TEXT_AFTER_END.at(Span(self.trace.files[self._file], line), code=code))
+        frame = self._stack[-1]
+        in_table = isinstance(frame.node, BlockTable)
+        if self._end is None or len(self._stack) > 1 + in_table or self.branches:
+            return
+        (code, line), self._end = self._end, None
+        if in_table and (after := frame.next_line()):
+            self._text_after_end(code, after)
+            return
+        for node in self.program.body:
+            if _first_line(node) > line:
+                self._text_after_end(code, _first_line(node))
+                return
+
+    def _text_after_end(self, code: str, line: int) -> None:
+        self.findings.add(codes.TEXT_AFTER_END.at(Span(self.trace.files[self._file], line), code=code))
 
     def _ready(self) -> Iterator[Chunk]:
         ready, self.rows.ready = self.rows.ready, []
         yield from ready
 
-    def _body(self, body: tuple[Statement, ...]) -> Iterator[Chunk]:
-        for node in body:
-            if isinstance(node, BlockTable):
-                yield from self._table(node)
-            elif isinstance(node, If):
-                self.spend(node.span)
-                self._enter(node.span)
-                yield from self._body(node.then if self._condition(node.condition) else node.otherwise)
-                self._nesting -= 1
-            elif isinstance(node, While):
-                self._enter(node.span)
-                while True:
-                    self.spend(node.span)
-                    if not self._condition(node.condition):
-                        break
-                    yield from self._body(node.body)
-                self._nesting -= 1
-            elif isinstance(node, Call):
-                yield from self._called(node)
-            else:
-                self.spend(node.span)
-                self._guarded(node)
-            if self.rows.ready:
-                yield from self._ready()
+    def _step(self) -> None:
+        """The next statement of the innermost frame, or its end."""
+        frame = self._stack[-1]
+        if isinstance(frame.node, BlockTable):
+            self._table(frame)
+            return
+        if frame.at == len(frame.body):
+            self._leave(frame)
+            return
+        node = frame.body[frame.at]
+        frame.at += 1
+        kind = type(node)
+        if kind is BlockTable:
+            assert isinstance(node, BlockTable)
+            self._file = node.file
+            self._stack.append(_Frame((), node, next_byte=node.begin, line=node.first_line))
+        elif kind is If:
+            assert isinstance(node, If)
+            self._if(node)
+        elif kind is While:
+            assert isinstance(node, While)
+            self._enter(node.span)
+            self._stack.append(_Frame(node.body, node, len(node.body)))
+        elif kind is Call:
+            assert isinstance(node, Call)
+            self.spend(node.span)
+            self._called(node.name, node.span)
+        else:
+            assert not isinstance(node, BlockTable)
+            self.spend(node.span)
+            self._guarded(node)
+
+    def _leave(self, frame: _Frame) -> None:
+        """A frame is done: again, for a loop whose condition holds; else back to the one around it."""
+        node = frame.node
+        if isinstance(node, While):
+            self.spend(node.span)
+            holds = self._holds(node.condition, ("while", id(node)))
+            if holds is None:
+                self._split(node, frame)
+                return
+            if holds:
+                frame.at = 0
+                return
+        self._stack.pop()
+        if node is not None:
+            self._nesting -= 1
+        if isinstance(frame.caller, _Caller):
+            self._call, self._file = frame.caller.call, frame.caller.file
+            self._depth = self._depth[:-1]
+            if frame.caller.rest is not None:
+                super()._line(*frame.caller.rest)
+        if frame.joins:
+            self._join()
+
+    def _if(self, node: If) -> None:
+        self.spend(node.span)
+        self._enter(node.span)
+        holds = self._holds(node.condition, ("if", id(node)))
+        if holds is None:
+            self._split(node, None)
+        else:
+            self._stack.append(_Frame(node.then if holds else node.otherwise, node))
 
     def _enter(self, span: Span) -> None:
         """One block or call deeper; Refusal GP113 when that goes on for too long."""
@@ -118,35 +251,102 @@ class Executor(Blocks):
             raise Refusal(codes.UNSUPPORTED_CODE.at(span, code=f"a nesting of more than {MAX_NESTED} blocks"))
         self._nesting += 1
 
-    def _condition(self, condition: object) -> bool:
-        value = self.evaluator.value(condition)  # type: ignore[arg-type]
-        if isinstance(value, Unknown):
-            span: Span = condition.span  # type: ignore[attr-defined]
-            raise Refusal(codes.UNKNOWN_CONDITION.at(span, cause=value.cause))
-        return value != 0
+    # -- conditions that nobody can decide before the job runs
 
-    def _called(self, node: Call) -> Iterator[Chunk]:
-        self.spend(node.span)
-        sub = self.program.subprograms.get(node.name)
+    def _holds(self, condition: Expr, place: tuple[str, int]) -> bool | None:
+        """Whether a condition is true; None when the outcomes are to be explored. ProgramEnd where that is done."""
+        value = self.evaluator.value(condition)
+        if not isinstance(value, Unknown):
+            return value != 0
+        if value.low > 0 or value.high < 0:
+            return True
+        key = self._state_key(place)
+        if key in self._seen:
+            # The same question in the same state: its outcomes are followed already.
+            self._close(self._seen[key])
+            raise ProgramEnd
+        if self.branches + 2 > self.max_branches:
+            hint = "--max-branches follows more outcomes" if self.max_branches else ""
+            raise Refusal(codes.UNKNOWN_CONDITION.at(condition.span, cause=value.cause, hint=hint))
+        self._key = key
+        return None
+
+    def _state_key(self, place: object) -> object:
+        stack = tuple((id(f.body), f.at, id(f.node), f.position()) for f in self._stack)
+        return place, stack, tuple(self._depth), self.modal.key()
+
+    def _split(self, node: If | While, loop: _Frame | None) -> None:
+        """Follow the outcome "true" now and "false" later, each in a section of its own."""
+        self.branches += 2
+        yes, no = self.rows.new_section(), self.rows.new_section()
+        edges = tuple(
+            Edge(wait=Wait.BRANCH, outcome=outcome, target=target, line=node.span.line)
+            for outcome, target in (("true", yes), ("false", no))
+        )
+        self._seen[self._key] = edges
+        self._close(edges)
+        other = [copy.copy(frame) for frame in self._stack]
+        if isinstance(node, If):
+            self._stack.append(_Frame(node.then, node, joins=True))
+            other.append(_Frame(node.otherwise, node, joins=True))
+            nesting = self._nesting
+        else:
+            assert loop is not None
+            loop.at, loop.joins = 0, True
+            other[-1] = _Frame((), joins=True)
+            nesting = self._nesting - 1
+        place = self._file, self._call, list(self._depth), self._moved, nesting
+        self._waiting.append(_Path(other, self.modal.copy(), no, place))
+        self._begin(yes)
+
+    def _join(self) -> None:
+        """Behind an ``if`` whose outcomes are explored: go on once for all that come here in the same state."""
+        key = self._state_key("join")
+        target = self._joins.get(key)
+        edge = Edge(wait=Wait.BRANCH, outcome="", target=self.rows.new_section() if target is None else target)
+        self._close((edge,))
+        if target is not None:
+            raise ProgramEnd
+        self._joins[key] = edge.target
+        self._begin(edge.target)
+
+    # -- calls
+
+    def _called(self, name: str, span: Span, rest: tuple[Span, list[Words]] | None = None) -> None:
+        """Run a subprogram next; ``rest``: what is left of the line that called it."""
+        sub = self.program.subprograms.get(name)
         if sub is None:
-            told = any(f.code is codes.UNKNOWN_SUBPROGRAM and f.span == node.span for f in self.findings.kept)
+            told = any(f.code is codes.UNKNOWN_SUBPROGRAM and f.span == span for f in self.findings.kept)
             if not told:
-                self._fail(codes.UNKNOWN_SUBPROGRAM.at(node.span, name=node.name))
+                self._fail(codes.UNKNOWN_SUBPROGRAM.at(span, name=name))
             return
         if len(self._depth) >= self.program.rules.call_depth:
-            chain = " > ".join([*self._depth[-3:], node.name])
-            raise Refusal(codes.RECURSION.at(node.span, allowed=self.program.rules.call_depth, chain=chain))
-        outer = self._call, self._file
-        self._depth.append(node.name)
-        name = f"{' > '.join(self._depth)} (from line {node.span.line})"
-        if name not in self.trace.calls:
-            self.trace.calls.append(name)
-        self._call = self.trace.calls.index(name)
-        self._enter(node.span)
-        yield from self._body(sub.body)
-        self._nesting -= 1
-        self._depth.pop()
-        self._call, self._file = outer
+            chain = " > ".join([*self._depth[-3:], name])
+            raise Refusal(codes.RECURSION.at(span, allowed=self.program.rules.call_depth, chain=chain))
+        self._enter(span)
+        caller = _Caller(self._call, self._file, rest)
+        self._depth = [*self._depth, name]
+        text = f"{' > '.join(self._depth)} (from line {span.line})"
+        if text not in self.trace.calls:
+            self.trace.calls.append(text)
+        self._call = self.trace.calls.index(text)
+        self._stack.append(_Frame(sub.body, sub, caller=caller))
+
+    def _line(self, span: Span, words: list[Words]) -> None:
+        """One line: by the subprogram that replaces a code of it (4.4, 3.5.3), else as the controller's own."""
+        try:
+            found = replaced(self.program, self._depth, words, span)
+        except Refusal as refusal:
+            self._fail(refusal.finding)
+            return
+        if found is None:
+            super()._line(span, words)
+            return
+        if found.before:
+            super()._line(span, found.before)
+        for number, value in found.arguments:
+            self.modal.parameters[number] = value
+        self._called(found.name, span, (span, found.after) if found.after else None)
 
     def _guarded(self, node: Statement) -> None:
         """One statement; a Refusal inside it becomes a finding and the next statement follows."""
@@ -154,79 +354,99 @@ class Executor(Blocks):
             if isinstance(node, Block):
                 self._block(node)
             elif isinstance(node, Message):
-                text = describe_parts(node.parts, self.evaluator)
-                self.event(Op.MESSAGE, node.span, text=self._text(text))
-                if node.kind == "dialog":
-                    self._dialog(node)
-                if node.kind == "error":
-                    self.findings.add(codes.ERROR_MESSAGE.at(node.span, text=text))
-                    self._end_section(Wait.OPERATOR, "error message", -1, node.span.line)
-                    raise ProgramEnd
+                self._message(node)
             elif isinstance(node, Guard):
                 guards = set(self.modal.guards_off) - {node.name} | (set() if node.on else {node.name})
                 self.modal.guards_off = tuple(sorted(guards))
                 self._state_changed()
                 self.event(Op.GUARD, node.span, arg=(float(node.on), 0.0), text=self._text(node.name))
             elif isinstance(node, Device):
-                raise Refusal(codes.UNSUPPORTED_CODE.at(node.span, code=node.name))
+                run_command(self, node)
             elif isinstance(node, Unsupported):
                 raise Refusal(codes.UNSUPPORTED_CODE.at(node.span, code=node.what))
         except Refusal as refusal:
             self._fail(refusal.finding)
 
+    def _message(self, node: Message) -> None:
+        text = describe_parts(node.parts, self.evaluator)
+        self.event(Op.MESSAGE, node.span, text=self._text(text))
+        if node.kind == "dialog":
+            self._dialog(node)
+        if node.kind == "warning":
+            # The manual's tool setter waits behind each of its warnings until RUN is pressed (2.13).
+            self._end_section(Wait.OPERATOR, "warning read", None, node.span.line)
+        if node.kind == "error":
+            self.findings.add(codes.ERROR_MESSAGE.at(node.span, text=text))
+            self._end_section(Wait.OPERATOR, "error message", -1, node.span.line)
+            raise ProgramEnd
+
     def _dialog(self, node: Message) -> None:
         """What the operator typed is not known: the dialog's variables and its answer #5398 (4.2.4)."""
-        self.modal.parameters[5398] = Unknown("the answer of a dialog")
+        if self.modal.rendering:
+            self.modal.parameters[5398] = 1.0
+            return
+        self.modal.parameters[5398] = self.modal.stated_range(5398, Unknown("the answer of a dialog", -1.0, 1.0))
         for part in node.parts[1:]:
             if not isinstance(part, Text):
                 number = self.evaluator.value(part)
                 if isinstance(number, Unknown):
                     raise Refusal(codes.UNKNOWN_CONDITION.at(node.span, cause=number.cause))
-                self.modal.write(number, Unknown(f"the operator's answer in #{number:g}"), node.span)
+                answer = Unknown(f"the operator's answer in #{number:g}")
+                self.modal.write(number, self.modal.stated_range(round(number), answer), node.span)
         self._end_section(Wait.OPERATOR, "dialog answered", None, node.span.line)
 
     # -- straight-line code
 
-    def _table(self, table: BlockTable) -> Iterator[Chunk]:
-        self._file = table.file
+    def _table(self, frame: _Frame) -> None:
+        """Go on with the lines of a table until it ends, rows are ready, or a line has called a subprogram."""
+        table = frame.node
+        assert isinstance(table, BlockTable)
         run = k.run_lines.pick(table.last_line - table.first_line + 1)
-        at, line = table.begin, table.first_line
-        while at < table.end:
-            words, following, line_after = self.program.load(table, at, line, CHUNK_BYTES)
-            if (words["flags"] & FLAG_DELETE).any():
-                self.met_deleted = True
-                if self.block_delete:
-                    keep = (words["flags"] & FLAG_DELETE) == 0
-                    words = Columns(words.schema, {n: a[keep] for n, a in words.arrays.items()})
-            yield from self._words(table, words, at, run)
-            at, line = following, line_after
+        while self._stack[-1] is frame and not self.rows.ready:
+            if frame.words is None:
+                if frame.next_byte >= table.end:
+                    self._stack.pop()
+                    return
+                self._load(frame, table)
+            self._words(frame, table, run)
 
-    def _words(self, table: BlockTable, words: Columns, base: int, run: object) -> Iterator[Chunk]:
+    def _load(self, frame: _Frame, table: BlockTable) -> None:
+        """The next piece of the table's words."""
+        frame.base = frame.next_byte
+        words, frame.next_byte, frame.line = self.program.load(table, frame.next_byte, frame.line, CHUNK_BYTES)
+        if (words["flags"] & FLAG_DELETE).any():
+            self.met_deleted = True
+            if self.block_delete:
+                keep = (words["flags"] & FLAG_DELETE) == 0
+                words = Columns(words.schema, {n: a[keep] for n, a in words.arrays.items()})
+        frame.words, frame.at, frame.cold = words, 0, _cold_lines(words)
+        columns = words["line"], words["letter"], words["value"]
+        is_python = k.run_lines.pick(table.last_line - table.first_line + 1) is k.run_lines.python
+        frame.columns = tuple(c.tolist() for c in columns) if is_python else columns
+
+    def _words(self, frame: _Frame, table: BlockTable, run: object) -> None:
+        assert frame.words is not None
         compiled = run is not k.run_lines.python
-        line, letter, value = words["line"], words["letter"], words["value"]
-        lines = line.tolist() if not compiled else line
-        letters = letter.tolist() if not compiled else letter
-        values = value.tolist() if not compiled else value
-        count, at, cold = len(words), 0, _cold_lines(words)
-        while at < count:
-            if not cold or int(line[at]) not in cold:
-                at = self._hot(run, lines, letters, values, count, at, compiled)
+        line = frame.words["line"]
+        lines, letters, values = frame.columns
+        count = len(frame.words)
+        while frame.at < count:
+            if not frame.cold or int(line[frame.at]) not in frame.cold:
+                frame.at = self._hot(run, lines, letters, values, count, frame.at, compiled)
+            at = frame.at
             if at < count and self.rows.count < self.rows.capacity:
-                end = at + 1
-                here = line[at]
+                end, here = at + 1, line[at]
                 while end < count and line[end] == here:
                     end += 1
-                try:
-                    self._cold(table, words, at, end, base)
-                except ProgramEnd:
-                    if end < count:
-                        self._text_after_end(int(line[end]))
-                    raise
-                at = end
+                frame.at = end
+                self._cold(table, frame.words, at, end, frame.base)
+                if self._stack[-1] is not frame:
+                    return
             elif self.rows.count == self.rows.capacity:
                 self.rows.flush()
             if self.rows.ready:
-                yield from self._ready()
+                return
+        frame.words = None
 
     def _hot(
         self, run: object, line: object, letter: object, value: object, count: int, at: int, compiled: bool
@@ -300,6 +520,7 @@ class Executor(Blocks):
         # Settings take effect once every value of the line is found, before anything moves (3.2.3).
         for number, value, span in settings:
             self.modal.write(number, value, span)
+            self._table_written(round(number), span)
         if words:
             self._line(node.span, words)
 
@@ -346,6 +567,7 @@ def _in_characters(span: Span, raw: bytes) -> Span:
 def execute(
     program: Program, setup: Setup, machine: Machine, findings: Findings, *,
     block_delete: bool = False, stop_at_error: bool = False, budget: int = DEFAULT_BUDGET,
+    max_branches: int = DEFAULT_BRANCHES, render: bool = False,
 ) -> Trace:  # fmt: skip
     """The whole Trace at once, for stages that need all of it."""
     ex = Executor(
@@ -356,6 +578,8 @@ def execute(
         block_delete=block_delete,
         stop_at_error=stop_at_error,
         budget=budget,
+        max_branches=max_branches,
+        render=render,
     )
     return collect(ex)
 
@@ -378,4 +602,5 @@ def collect(ex: Executor) -> Trace:
                 )
             )  # fmt: skip
             parts, first = [], None
+    ex.trace.sections.sort(key=lambda section: section.number)
     return ex.trace

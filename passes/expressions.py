@@ -11,7 +11,8 @@ from collections.abc import Callable, Iterator
 from gproof.ir import codes
 from gproof.ir.finding import Findings, Refusal, Span
 from gproof.ir.program import Binary, Expr, Number, Text, Unary, Variable
-from gproof.passes.values import Unknown, Value
+from gproof.passes import ranges
+from gproof.passes.values import Unknown, Value, between, bounds
 
 _COMPARISONS = ("==", "<>", ">", ">=", "<", "<=")
 _LARGEST = 2.0**53
@@ -104,7 +105,7 @@ class Evaluator:
     def _unary(self, expr: Unary) -> Value:
         x = self.value(expr.operand)
         if isinstance(x, Unknown):
-            return x
+            return between(x.cause, ranges.unary(expr.operator, bounds(x)))
         try:
             return self._finite(_UNARY[expr.operator](x), expr.span)
         except (ValueError, OverflowError):
@@ -126,10 +127,9 @@ class Evaluator:
                 expr.span, operators=" and ".join(sorted(set(_operators(expr)))),
                 hint="brackets say what is meant",
             ))  # fmt: skip
-        if isinstance(x, Unknown):
-            return x
-        if isinstance(y, Unknown):
-            return y
+        if isinstance(x, Unknown) or isinstance(y, Unknown):
+            cause = x.cause if isinstance(x, Unknown) else y.cause if isinstance(y, Unknown) else ""
+            return between(cause, ranges.binary(expr.operator, bounds(x), bounds(y)))
         if expr.operator in ("==", "<>") and not (x == math.floor(x) and y == math.floor(y)):
             self._tell(codes.INEXACT_COMPARISON.number, expr.span, lambda: codes.INEXACT_COMPARISON.at(
                 expr.span, left=x, right=y, operator=expr.operator,

@@ -263,13 +263,13 @@ class Limits(Check):
     def _conditions(self, found: dict[Affine, _Offset]) -> tuple[Condition, ...]:
         """Conditions that the setup does not already meet; findings where it can not or need not."""
         out = []
-        assert self._first is not None
+        assert self._first is not None and self._trace is not None
         for form, offset in sorted(found.items()):
             if offset.low > offset.high + 2 * ROUNDING:
                 self._no_room(form, offset)
                 continue
             low, high = sorted((offset.low, offset.high))
-            stated = form_interval(form, self.setup)
+            stated = form_interval(form, self.setup, self._trace)
             if stated is not None:
                 if low - ROUNDING <= stated.low and stated.high <= high + ROUNDING:
                     continue

@@ -17,8 +17,8 @@ WordSpan = Callable[[str], Span]
 LARGEST = 1e12
 """A word beyond is no number of any machine, and what is made of it could overflow. ``execute_kernels`` has it too."""
 
-ARGUMENTS = "DHIJKLPQR"
-LETTERS = frozenset("ABCDFGHIJKLMPQRSTXYZ")
+ARGUMENTS = "DEHIJKLPQR"
+LETTERS = frozenset("ABCDEFGHIJKLMPQRSTXYZ")
 
 
 @dataclass(slots=True)

@@ -2,21 +2,25 @@
 
 from __future__ import annotations
 
+import copy
 import math
+from collections.abc import Callable
 
 from gproof.ir import codes
 from gproof.ir.finding import Refusal, Span
 from gproof.ir.machine import AXES, AXIS_NAMES, Machine
 from gproof.ir.rules import LanguageRules, ParameterRange
-from gproof.ir.setup import Setup
+from gproof.ir.setup import Interval, Setup
 from gproof.ir.trace import PathMode, Plane, State
-from gproof.passes.values import NOWHERE, Position, Unknown, Value
+from gproof.passes.values import NOWHERE, Position, Unknown, Value, between
 
 INCH = 25.4
 ZERO = Position(0.0)
 NO_OFFSET = [ZERO] * AXES
 
 _PARK_DEFAULTS = {"park_1": 5161, "park_2": 5181}
+TOOL_LENGTH, TOOL_DIAMETER, TOOL_X_OFFSET, TOOL_ORIENTATION = 5400, 5500, 5600, 5700
+_CONSTANT = ("rules", "setup", "machine", "axis_there", "ranges")
 
 
 class Modal:
@@ -53,6 +57,7 @@ class Modal:
         self.tool: int | None = setup.tool
         self.selected_tool: int | None = setup.tool
         self.length_follows_tool = False
+        self.offset_tool: int | None = None
         self.stated: set[str] = set()
         self.work = setup.active_work if setup.active_work is not None else 0
         self.parameters: dict[int, Value] = {}
@@ -62,7 +67,12 @@ class Modal:
         self.tool_offset = list(NO_OFFSET)
         if setup.default_offset is None:
             self.tool_offset[2] = self._symbol("tool.0.z")
-        self.tool_lengths: dict[int, Position] = {}
+        self.ranges: dict[str, Interval] = {}
+        self.probed = [NOWHERE] * AXES
+        self.probed_work: list[Value] = [Unknown(f"#{5061 + axis}") for axis in range(AXES)]
+        self.probe_hit: Value = Unknown("#5067")
+        self.rendering = False
+        self.height_map_on = False
         self.position = [self._symbol(f"start.{name}") for name in AXIS_NAMES]
         self.cycle: dict[str, float] = {}
         self.cycle_code = 0
@@ -87,19 +97,6 @@ class Modal:
     def scale(self, axis: int) -> float:
         """mm (or degrees) in one program unit of an axis."""
         return self.unit if axis < 3 else 1.0
-
-    def length_of(self, tool: int) -> Position:
-        """The length of a tool by the table, the setup, or as an unknown of its own."""
-        if tool == 0:
-            return ZERO
-        if tool in self.tool_lengths:
-            return self.tool_lengths[tool]
-        if tool in self.setup.tool_lengths:
-            return self._symbol(f"tool.{tool}.z")
-        entry = self.machine.tool(tool)
-        if entry is not None and entry.length is not None:
-            return Position(entry.length)
-        return self._symbol(f"tool.{tool}.z")
 
     def has_axis(self, axis: int) -> bool:
         """True when the machine has that axis."""
@@ -136,43 +133,36 @@ class Modal:
     def read(self, number: float, span: Span) -> Value:
         """The live value of a numbered variable, in the units the manual gives it.
 
-        Positions are in program units; offsets and limits in the machine's own unit.
+        Positions are in program units; offsets, limits and tools in the machine's own unit.
         """
         whole, entry = self.range_of(number, span)
         if whole in self.parameters:
             return self.parameters[whole]
-        place = whole - entry.first
-        stated = self.setup.parameters.get(whole)
-        match entry.kind:
-            case "position":
-                return self._plain(self.program_position(place), self.scale(place), whole)
-            case "machine_position":
-                return self._plain(self.position[place], self.scale(place), whole)
-            case "tool":
-                return Unknown("the tool in the spindle") if self.tool is None else float(self.tool)
-            case "g92":
-                return self._plain(self.g92_stored[place], self._machine_unit(place), whole)
-            case "work":
-                coordinates = (entry.first - 5221) // 20 + 1
-                return self._plain(self.work_offsets[coordinates, place], self._machine_unit(place), whole)
-            case "work_number":
-                return float(self.work) if self.work else Unknown("the active coordinate system")
-            case "tool_length":
-                return self._plain(self.length_of(place + 1), self.machine.unit, whole)
-            case "lower_limit" | "upper_limit":
-                axis = self.machine.axis(AXIS_NAMES[place])
-                limit = None if axis is None else (axis.lower if entry.kind == "lower_limit" else axis.upper)
-                return Unknown(f"#{whole}") if limit is None else limit / self._machine_unit(place)
-            case "free" | "persistent" | "park_1" | "park_2":
-                value = self.setup.parameter(whole)
-                return Unknown(f"#{whole}") if value is None else value
-        return Unknown(f"#{whole}") if stated is None else stated
+        show = _SHOWN.get(entry.kind)
+        if show is not None:
+            return show(self, whole, whole - entry.first)
+        if entry.kind in ("free", "persistent", "park_1", "park_2"):
+            value = self.setup.parameter(whole)
+        else:
+            value = self.setup.parameters.get(whole)
+        return self.stated_range(whole, Unknown(f"#{whole}")) if value is None else value
 
-    def _machine_unit(self, axis: int) -> float:
+    def machine_unit(self, axis: int) -> float:
+        """mm (or degrees) in one of the controller's own units of an axis."""
         return self.machine.unit if axis < 3 else 1.0
 
-    def _plain(self, at: Position, unit: float, number: int) -> Value:
-        return Unknown(f"#{number}") if at.form else at.value / unit
+    def plain(self, at: Position, unit: float, number: int) -> Value:
+        """A position as a number, with the bounds of what it rests on."""
+        if not at.form:
+            return at.value / unit
+        low = high = at.value
+        for symbol, coefficient in at.form:
+            known = self.ranges.get(symbol) or self.setup.interval(symbol)
+            if known is None:
+                return Unknown(f"#{number}")
+            ends = (known.low * coefficient, known.high * coefficient)
+            low, high = low + min(ends), high + max(ends)
+        return Unknown(f"#{number}", low / unit, high / unit)
 
     def write(self, number: float, value: Value, span: Span) -> None:
         """Set a numbered variable; Refusal GP227 for one that shows the machine's state."""
@@ -181,7 +171,145 @@ class Modal:
             raise Refusal(codes.READ_ONLY_PARAMETER.at(span, number=whole, meaning=entry.meaning))
         self.parameters[whole] = value
 
+    def stated_range(self, number: int, otherwise: Unknown) -> Value:
+        """What the setup says that a variable will hold when the machine has asked or measured it."""
+        stated = self.setup.parameter_ranges.get(number)
+        return otherwise if stated is None else between(otherwise.cause, (stated.low, stated.high))
+
+    # -- the tool table (3.1.2): the setup's lengths, the machine file's entries, what the program has written
+
+    def length_of(self, tool: int) -> Position:
+        """The length of a tool by the table, the setup, or as an unknown of its own."""
+        if tool == 0:
+            return ZERO
+        written = self.parameters.get(TOOL_LENGTH + tool)
+        if written is not None:
+            return NOWHERE if isinstance(written, Unknown) else Position(written * self.machine.unit)
+        if tool in self.setup.tool_lengths:
+            return self._symbol(f"tool.{tool}.z")
+        entry = self.machine.tool(tool)
+        if entry is not None and entry.length is not None:
+            return Position(entry.length)
+        return self._symbol(f"tool.{tool}.z")
+
+    def tool_diameter(self, tool: int) -> Value:
+        """mm; tool 0 is no tool and has none."""
+        return self._tool_number(TOOL_DIAMETER, tool, "diameter", self.machine.unit)
+
+    def tool_x_offset(self, tool: int) -> Value:
+        """mm; what the table does not tell is 0, as on a mill."""
+        value = self._tool_number(TOOL_X_OFFSET, tool, "x_offset", self.machine.unit)
+        stated = TOOL_X_OFFSET + tool in self.parameters
+        return 0.0 if isinstance(value, Unknown) and not stated else value
+
+    def tool_orientation(self, tool: int) -> Value:
+        """1 to 9, for turning."""
+        return self._tool_number(TOOL_ORIENTATION, tool, "orientation", 1.0)
+
+    def _tool_number(self, base: int, tool: int, name: str, unit: float) -> Value:
+        if tool == 0:
+            return 0.0
+        written = self.parameters.get(base + tool)
+        if isinstance(written, Unknown):
+            return between(written.cause, (written.low * unit, written.high * unit))
+        if written is not None:
+            return written * unit
+        stated = self.setup.parameters.get(base + tool)
+        if stated is not None:
+            return stated * unit
+        entry = self.machine.tool(tool)
+        value = None if entry is None else getattr(entry, name)
+        return Unknown(f"the {name.replace('_', ' ')} of tool {tool}") if value is None else float(value)
+
+    # -- copies, for the outcomes of a branch
+
+    def copy(self) -> Modal:
+        """An independent copy; values are immutable, containers are copied one level deep."""
+        other = copy.copy(self)
+        for name, value in vars(self).items():
+            if isinstance(value, dict | list | set) and name not in _CONSTANT:
+                setattr(other, name, value.copy())
+        return other
+
+    def key(self) -> str:
+        """Equal for equal states: all that can change in a run, in a fixed order."""
+        shown = {}
+        for name, value in vars(self).items():
+            if name in _CONSTANT:
+                continue
+            shown[name] = sorted(value.items()) if isinstance(value, dict) else value
+        return repr(sorted(shown.items()))
+
     def park_position(self, kind: str, axis: int) -> Position:
         """The G28 or G30 point of an axis in machine coordinates; parameters are in the machine's unit."""
         value = self.read(float(_PARK_DEFAULTS[kind] + axis), Span("", 0))
-        return NOWHERE if isinstance(value, Unknown) else Position(value * self._machine_unit(axis))
+        return NOWHERE if isinstance(value, Unknown) else Position(value * self.machine_unit(axis))
+
+
+def _area(modal: Modal, number: int, axis: int, side: int) -> Value:
+    area = modal.machine.tool_change_area
+    value = math.inf if area is None else area.box[axis][side]
+    return value / modal.machine.unit if math.isfinite(value) else Unknown(f"#{number}")
+
+
+def _limit(modal: Modal, number: int, axis: int, name: str) -> Value:
+    there = modal.machine.axis(AXIS_NAMES[axis])
+    value = None if there is None else getattr(there, name, None)
+    return Unknown(f"#{number}") if value is None else value / modal.machine_unit(axis)
+
+
+def _spindle_tool(modal: Modal, number: int, what: str) -> Value:
+    """A value of the tool in the spindle, in the machine's unit."""
+    tool = modal.tool
+    if tool is None:
+        return Unknown("the tool in the spindle")
+    unit = modal.machine.unit
+    if what == "length":
+        return modal.plain(modal.length_of(tool), unit, number)
+    value = modal.tool_diameter(tool) if what == "radius" else modal.tool_x_offset(tool)
+    unit *= 2.0 if what == "radius" else 1.0
+    if isinstance(value, Unknown):
+        return Unknown(value.cause, value.low / unit, value.high / unit)
+    return value / unit
+
+
+def _known_tool(tool: int | None, what: str) -> Value:
+    return Unknown(what) if tool is None else float(tool)
+
+
+def _of_tool(value: Value, unit: float) -> Value:
+    return value if isinstance(value, Unknown) else value / unit
+
+
+_SHOWN: dict[str, Callable[[Modal, int, int], Value]] = {
+    "position": lambda m, n, k: m.plain(m.program_position(k), m.scale(k), n),
+    "machine_position": lambda m, n, k: m.plain(m.position[k], m.scale(k), n),
+    "tool": lambda m, n, k: _known_tool(m.tool, "the tool in the spindle"),
+    "tool_radius": lambda m, n, k: _spindle_tool(m, n, "radius"),
+    "tool_z": lambda m, n, k: _spindle_tool(m, n, "length"),
+    "new_tool": lambda m, n, k: _known_tool(m.selected_tool, "the tool that is selected"),
+    "tool_x": lambda m, n, k: _spindle_tool(m, n, "x"),
+    "offset_z": lambda m, n, k: m.plain(m.tool_offset[2], m.machine.unit, n),
+    "offset_x": lambda m, n, k: m.plain(m.tool_offset[0], m.machine.unit, n),
+    "probe_machine": lambda m, n, k: m.plain(m.probed[k], m.scale(k), n),
+    "probe_work": lambda m, n, k: m.probed_work[k],
+    "probe_hit": lambda m, n, k: m.probe_hit,
+    "probe_input": lambda m, n, k: Unknown("the probe input", 0.0, 1.0),
+    "hand_wheel": lambda m, n, k: Unknown("the hand wheel"),
+    "lower_limit": lambda m, n, k: _limit(m, n, k, "lower"),
+    "upper_limit": lambda m, n, k: _limit(m, n, k, "upper"),
+    "home_position": lambda m, n, k: _limit(m, n, k, "home_position"),
+    "area_lower": lambda m, n, k: _area(m, n, k, 0),
+    "area_upper": lambda m, n, k: _area(m, n, k, 1),
+    "height_map": lambda m, n, k: float(m.height_map_on),
+    "g92": lambda m, n, k: m.plain(m.g92_stored[k], m.machine_unit(k), n),
+    "work": lambda m, n, k: m.plain(m.work_offsets[(n - 5221) // 20 + 1, k], m.machine_unit(k), n),
+    "work_number": lambda m, n, k: float(m.work) if m.work else Unknown("the active coordinate system"),
+    "simulation": lambda m, n, k: 0.0,
+    "rendering": lambda m, n, k: float(m.rendering),
+    "tool_length": lambda m, n, k: m.plain(m.length_of(k + 1), m.machine.unit, n),
+    "tool_diameter": lambda m, n, k: _of_tool(m.tool_diameter(k + 1), m.machine.unit),
+    "tool_x_offset": lambda m, n, k: _of_tool(m.tool_x_offset(k + 1), m.machine.unit),
+    "tool_orientation": lambda m, n, k: m.tool_orientation(k + 1),
+}
+"""How a kind of variable is read: (state, its number, its place in the range) -> value."""

@@ -14,6 +14,7 @@ from gproof.passes import execute_kernels as k
 from gproof.passes.cycles import AXES_OF_PLANE, CYCLES, run_cycle
 from gproof.passes.emitter import Emitter
 from gproof.passes.line import Line
+from gproof.passes.probing import run_probe
 from gproof.passes.values import NOWHERE, Position, Unknown, Value, describe
 
 _OUT_OF_PLANE = {Plane.XY: "K", Plane.XZ: "J", Plane.YZ: "I"}
@@ -27,14 +28,24 @@ class Motion(Emitter):
         """Where an axis word sends its axis, in machine coordinates."""
         s = self.modal
         if isinstance(value, Unknown):
-            return NOWHERE
+            return self._bounded(axis, value, None)
         origin = s.offset(axis) if s.absolute else s.position[axis]
         return Position(value * s.scale(axis) + origin.value, origin.form)
+
+    def _bounded(self, axis: int, value: Unknown, origin: Position | None) -> Position:
+        """A place that is only bounded, from ``origin`` or from where the axis words count."""
+        if not value.bounded:
+            return NOWHERE
+        s = self.modal
+        if origin is None:
+            origin = s.offset(axis) if s.absolute else s.position[axis]
+        scale = s.scale(axis)
+        return self.unknown_place("value", axis, (value.low * scale, value.high * scale), origin)
 
     def _motion(self, line: Line, rule: CodeRule) -> None:
         self._note_assumptions(line, rule)
         machine = line.find(F.MACHINE_COORDINATES)
-        if machine is not None and rule.function not in (F.TRAVERSE, F.FEED):
+        if machine is not None and rule.function not in (F.TRAVERSE, F.FEED, F.PROBE):
             raise Refusal(codes.G53_NEEDS_G0_G1.at(line.where_code(machine), mode=rule.text))
         if rule.function in CYCLES:
             run_cycle(self, line, rule)
@@ -46,14 +57,17 @@ class Motion(Emitter):
         for axis, value in line.axes().items():
             if isinstance(value, Unknown):
                 word = AXIS_NAMES[axis].upper()
-                self.findings.add(codes.UNKNOWN_VALUE.at(line.where(word), word=word, cause=value.cause))
-                target[axis] = NOWHERE
+                if not value.bounded:
+                    self.findings.add(codes.UNKNOWN_VALUE.at(line.where(word), word=word, cause=value.cause))
+                target[axis] = self._bounded(axis, value, None if machine is None else Position(0.0))
             elif machine is not None:
                 target[axis] = Position(value * self.modal.scale(axis))
             else:
                 target[axis] = self.target(axis, value)
         if rule.function in (F.ARC_CW, F.ARC_CCW):
             self._arc(line, rule, target)
+        elif rule.function is F.PROBE:
+            run_probe(self, line, rule, target)
         else:
             self.move(Op.TRAVERSE if rule.function is F.TRAVERSE else Op.FEED, target, line.span)
         self._moved = True

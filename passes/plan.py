@@ -20,7 +20,7 @@ from gproof.ir.columns import Columns
 from gproof.ir.finding import Findings, Span
 from gproof.ir.machine import AXES, AXIS_NAMES, Axis, Machine
 from gproof.ir.plan import PLAN_ROW, Plan, PlanSection
-from gproof.ir.trace import Chunk, Frame, Op, PathMode, State, Trace
+from gproof.ir.trace import Chunk, Frame, Op, PathMode, State, Trace, TraceSection, Wait
 from gproof.passes import plan_kernels as k
 from gproof.passes.check import row_span
 from gproof.passes.values import describe
@@ -263,7 +263,7 @@ def plan(trace: Trace, machine: Machine, findings: Findings) -> Plan | None:
         measure.moved[:] = 0
         measure.carry[:] = 0.0
         measure.feed(chunk)
-        sound = _judge(measure, chunk, findings) and sound
+        sound = _judge(measure, chunk, findings) and _is_open_loop(section, trace, findings) and sound
         slow |= {AXIS_NAMES[i] for i in range(AXES) if measure.moved[i]}
         if not sound:
             continue
@@ -276,6 +276,23 @@ def plan(trace: Trace, machine: Machine, findings: Findings) -> Plan | None:
         sections.append(PlanSection(number=section.number, rows=rows, duration=float(totals[k.T_TIME])))
     _report_rates(machine, slow, Span(trace.files[0], 0), findings)
     return Plan(sections=sections) if sound else None
+
+
+_MEASURED = {
+    Wait.BRANCH: "which way it goes depends on an input",
+    Wait.INPUT: "an input is read here",
+    Wait.PROBE: "a probe ends a move here",
+    Wait.HOME: "the axes are homed here",
+}
+
+
+def _is_open_loop(section: TraceSection, trace: Trace, findings: Findings) -> bool:
+    """True when nothing but the operator ends the section; GP503 for what a stream of steps can not follow."""
+    for edge in section.edges:
+        if edge.wait in _MEASURED:
+            findings.add(codes.PLAN_NEEDS_NUMBERS.at(Span(trace.files[0], edge.line), cause=_MEASURED[edge.wait]))
+            return False
+    return True
 
 
 def _report_rates(machine: Machine, moved: set[str], where: Span, findings: Findings) -> None:

@@ -14,13 +14,14 @@ CAPACITY = 1 << 15
 class RowBuffer:
     """Collects rows of the current section; ``ready`` holds chunks that can be handed on.
 
+    Sections may come in any order; ``sections`` is the highest number that was given out.
     expected: about how many rows the whole job has. The first chunk announces them, later ones what is beyond.
     """
 
     def __init__(self, trace: Trace, start: Sequence[float], start_frame: int, expected: int) -> None:
         self.trace = trace
         self.ready: list[Chunk] = []
-        self.section = 0
+        self.section = self.sections = 0
         self.begin = 0
         self.count = 0
         self.expected = expected
@@ -77,10 +78,14 @@ class RowBuffer:
         self.capacity = CAPACITY if self.begin else FIRST_CAPACITY
         self.arrays = TRACE_ROW.empty(self.capacity)
 
-    def end_section(self, edges: tuple[Edge, ...], start: Sequence[float], start_frame: int) -> None:
-        """Close the section; the next one starts at ``start``."""
-        self.flush(last=True, edges=edges)
-        self.section += 1
+    def new_section(self) -> int:
+        """The number of a section that somebody will begin."""
+        self.sections += 1
+        return self.sections
+
+    def begin_section(self, number: int, start: Sequence[float], start_frame: int) -> None:
+        """Go on in a section that starts at ``start``; the one before is closed."""
+        self.section = number
         self.begin = 0
         self.start = tuple(start)
         self.start_frame = start_frame

@@ -53,6 +53,7 @@ class ToolChangeArea(Check):
             return
         known = [all(form == () for form in frame[:3]) for frame in chunk.trace.frames]
         self._frames = [frame[:3] for frame in chunk.trace.frames]
+        self._trace = chunk.trace
         if all(known):
             self._near(chunk, self._area.box)
         else:
@@ -187,7 +188,7 @@ class ToolChangeArea(Check):
                 bound[0] = max(bound[0], face - float(low[axis]))
         out = []
         for form, (low_bound, high_bound) in sorted(bounds.items()):
-            stated = form_interval(form, self.setup)
+            stated = form_interval(form, self.setup, self._trace)
             if stated is not None:
                 if not (low_bound <= stated.low and stated.high <= high_bound):
                     return None

@@ -2,20 +2,39 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 from gproof.ir.machine import AXES, AXIS_NAMES
 from gproof.ir.trace import UNKNOWN, Affine, Frame
+from gproof.passes.ranges import Range
 
 
 @dataclass(frozen=True, slots=True)
 class Unknown:
-    """A number of which nothing is known; cause: what nobody stated, for the message."""
+    """A number that is not known but for its bounds; cause: what nobody stated, for the message."""
 
     cause: str
+    low: float = -math.inf
+    high: float = math.inf
+
+    @property
+    def bounded(self) -> bool:
+        """True when it lies between two finite numbers."""
+        return math.isfinite(self.low) and math.isfinite(self.high)
 
 
 Value = float | Unknown
+
+
+def bounds(value: Value) -> Range:
+    """The least and the greatest number that a value can be."""
+    return (value.low, value.high) if isinstance(value, Unknown) else (value, value)
+
+
+def between(cause: str, ends: Range) -> Value:
+    """A value somewhere in a range: a number when only one is possible."""
+    return ends[0] if ends[0] == ends[1] else Unknown(cause, *ends)
 
 
 def add_forms(left: Affine, right: Affine, sign: int = 1) -> Affine:
@@ -55,7 +74,7 @@ NOWHERE = Position(0.0, UNKNOWN)
 
 def describe(form: Affine) -> str:
     """A form in words: ``G54 X offset + tool 3 length``."""
-    kinds = ("work", "g92", "tool", "start")
+    kinds = ("work", "g92", "tool", "head", "start", "probe", "home", "value")
     ordered = sorted(form, key=lambda term: kinds.index(k) if (k := term[0].split(".")[0]) in kinds else len(kinds))
     return " + ".join(describe_symbol(s) if c == 1 else f"{c} x {describe_symbol(s)}" for s, c in ordered)
 
@@ -72,6 +91,14 @@ def describe_symbol(symbol: str) -> str:
         return f"G92 {rest[0].upper()} offset"
     if kind == "tool":
         return "active tool length" if rest[0] == "0" else f"length of tool {rest[0]}"
+    if kind == "probe":
+        return f"the probe contact {rest[0]} in {rest[1].upper()}"
+    if kind == "home":
+        return f"the place of {rest[1].upper()} after homing {rest[0]}"
+    if kind == "head":
+        return f"head {rest[0]} {rest[1].upper()} offset"
+    if kind == "value":
+        return f"the value {rest[0]} of {rest[1].upper()}"
     return "a value that nobody stated"
 
 

@@ -23,7 +23,7 @@ from gproof.cli.dump import loaded
 from gproof.cli.jsonl import chunk_lines
 from gproof.cli.judge import Judgement, judge
 from gproof.cli.report import print_findings
-from gproof.cli.session import open_session
+from gproof.cli.session import Running, open_session
 from gproof.ir.codes import CODES
 from gproof.ir.finding import Findings, Severity
 from gproof.ir.text import print_lines
@@ -91,7 +91,7 @@ def alarm(seconds: int) -> Iterator[None]:
 def answers(job: Path, machine: Path | None, setup: str | None) -> Judgement:
     """Judge, render, print the stages; every assertion holds for any bytes."""
     session = open_session(job, machine=machine, setup=setup, dialect="eding")
-    judgement = judge(session, budget=BUDGET)
+    judgement = judge(session, running=Running(BUDGET, 16))
     out = io.StringIO()
     with redirect_stdout(out):
         print_findings(judgement.findings)
@@ -119,7 +119,10 @@ def answers(job: Path, machine: Path | None, setup: str | None) -> Judgement:
     if session.program is not None:
         for _ in print_lines(loaded(session.program)):
             pass
-        ex = Executor(session.program, session.setup, session.machine, Findings(), budget=BUDGET, stop_at_error=True)
+        ex = Executor(
+            session.program, session.setup, session.machine, Findings(), budget=BUDGET, stop_at_error=True,
+            max_branches=16,
+        )  # fmt: skip
         for chunk in ex.run():
             for line in chunk_lines(chunk, session.machine, str(job)):
                 json.loads(line, parse_constant=lambda what: pytest.fail(f"{what} in the trace"))

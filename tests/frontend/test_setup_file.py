@@ -107,7 +107,7 @@ def test_inches(tmp_path: Path) -> None:
         (HEAD + "[work.1]\nx = true\n", "GP603", 3, "work.1.x"),
         (HEAD + "[parameters]\n0 = 1\n", "GP603", 3, "'0' is not a parameter number"),
         (HEAD + "[parameters]\n6000 = 1\n", "GP603", 3, "'6000' is not a parameter number"),
-        (HEAD + "[parameters]\n1 = [1, 2]\n", "GP603", 3, "parameters.1"),
+        (HEAD + "[parameters]\n1 = [2, 1]\n", "GP603", 3, "parameters.1"),
         (HEAD + "[tools.1]\ndiameter = 1\n", "GP602", 3, "tools.1.diameter"),
         (HEAD + "offsets = 1\n", "GP602", 2, "offsets"),
     ],

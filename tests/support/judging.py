@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from gproof.cli.judge import Judgement, judge
-from gproof.cli.session import open_session
+from gproof.cli.session import Running, open_session
 from gproof.ir.verdict import PropertyResult
 
 UNBOUNDED = 10**9
@@ -14,7 +14,7 @@ UNBOUNDED = 10**9
 def judged(job: Path, machine: Path | None, setup: str | None, *, budget: int = UNBOUNDED) -> Judgement:
     """The judgement of a job in a file; ``setup`` is a path, ``zero`` or None."""
     session = open_session(job, machine=machine, setup=setup, dialect="eding")
-    return judge(session, budget=budget)
+    return judge(session, running=Running(budget))
 
 
 def answer(judgement: Judgement, name: str) -> PropertyResult:

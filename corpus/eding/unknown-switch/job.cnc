@@ -1,10 +1,10 @@
 ; DRAWER FRONTS, LEFT OR RIGHT HAND
 ; #4001 is set on the variable page: 1 for left hand
-; nobody says what it is here, so both ways are open
+; nobody says what it is here: both ways are followed, and both fit
 g21 g17 g90 g94 g40 g49 g80 g54
 s16000 m3
 g0 z8
-if [#4001 == 1]                ; expect: GP232
+if [#4001 == 1]                ; expect: GP234
   g0 x30 y40
 else
   g0 x230 y40

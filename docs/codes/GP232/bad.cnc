@@ -1,6 +1,4 @@
 G21 G17 G90 G94 G40 G49 G54
 G0 Z5
-if [#120 > 0]                  ; expect: GP232
-  G0 X10
-endif
+G[#120] X10                    ; expect: GP232
 M30

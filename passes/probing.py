@@ -1,0 +1,82 @@
+"""G38.2, the straight probe: the contact lies anywhere on the programmed segment. Eding CNC manual 3.4.10.
+
+What the probe touched is an unknown of its own for each axis that moved, bounded by the ends of the segment where both
+rest on the same offsets; the place where the axes stand afterwards, drawn back a little, is another one.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+from gproof.ir import codes
+from gproof.ir.finding import Refusal
+from gproof.ir.machine import AXES, AXIS_NAMES
+from gproof.ir.rules import CodeRule
+from gproof.ir.trace import Op, Wait
+from gproof.passes.line import Line
+from gproof.passes.ranges import ANY, Range
+from gproof.passes.values import NOWHERE, Position, Unknown, Value, between
+
+if TYPE_CHECKING:
+    from gproof.passes.motion import Motion
+
+SHORTEST_MM = 0.254
+"""3.4.10.1: a programmed point nearer than this is an error."""
+
+
+def run_probe(ex: Motion, line: Line, rule: CodeRule, target: list[Position]) -> None:
+    """Execute a probe move to ``target``; Refusal GP291 to GP294."""
+    s = ex.modal
+    axes = line.axes()
+    if not any(axis < 3 for axis in axes):
+        raise Refusal(codes.PROBE_AXIS_MISSING.at(line.span, code=rule.text))
+    if s.feed_mode == 93:
+        raise Refusal(codes.PROBE_INVERSE_TIME.at(line.where_code(rule) if rule in line.rules else line.span))
+    start = list(s.position)
+    for axis in range(3, AXES):
+        if axis in axes and target[axis] != start[axis]:
+            raise Refusal(codes.PROBE_ROTARY.at(line.span, axis=AXIS_NAMES[axis].upper()))
+    ways = [end.minus(begin) for begin, end in zip(start, target, strict=True)]
+    if all(not way.form for way in ways[:3]):
+        distance = math.sqrt(sum(way.value * way.value for way in ways[:3]))
+        if distance < SHORTEST_MM:
+            raise Refusal(codes.PROBE_TOO_NEAR.at(line.span, distance=distance, least=SHORTEST_MM))
+    ex.move(Op.PROBE, list(target), line.span)
+    if s.rendering:
+        _record(ex, list(target), 1.0)
+        return
+    ex.assumed["a probing move ends at its programmed point at the latest"] = None
+    contact = [_somewhere(ex, axis, start[axis], target[axis]) for axis in range(AXES)]
+    # In the tool setter of the manual's macro file a program goes on without contact, and asks #5067 for it.
+    _record(ex, contact, Unknown("whether the probe touched", 0.0, 1.0))
+    s.position = [_somewhere(ex, axis, start[axis], target[axis]) for axis in range(AXES)]
+    ex._end_section(Wait.PROBE, "stopped", None, line.span.line)
+
+
+def _somewhere(ex: Motion, axis: int, start: Position, end: Position) -> Position:
+    """A place between two: an unknown of its own."""
+    way = end.minus(start)
+    if not way.form and way.value == 0.0:
+        return end
+    if NOWHERE.form in (start.form, end.form):
+        return NOWHERE
+    if way.form:
+        return ex.unknown_place("probe", axis, ANY, Position(0.0))
+    return ex.unknown_place("probe", axis, (min(0.0, way.value), max(0.0, way.value)), start)
+
+
+def _record(ex: Motion, contact: list[Position], hit: Value) -> None:
+    """What #5051 to #5067 show from now on, in machine and in program coordinates."""
+    s = ex.modal
+    s.probed, s.probe_hit = list(contact), hit
+    work: list[Value] = []
+    for axis in range(AXES):
+        place = contact[axis].minus(s.offset(axis))
+        unit = s.scale(axis)
+        value = s.plain(place, unit, 5061 + axis)
+        if isinstance(value, Unknown):
+            ends: Range = (value.low, value.high)
+            value = between("the probe contact", ends)
+        work.append(value)
+    s.probed_work = work

@@ -1,0 +1,108 @@
+"""Arithmetic on ranges of numbers: what an operator can give when its operands are only bounded.
+
+A range is (low, high) with low <= high, ends included, infinite ends allowed. Results contain every value that the
+operator gives for numbers of the ranges, the rounding of their ends included; ``None`` means that nothing is known.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+
+Range = tuple[float, float]
+
+ANY: Range = (-math.inf, math.inf)
+_LOGIC = ("and", "or", "xor", ">", ">=", "<", "<=", "==", "<>")
+
+
+def widened(low: float, high: float) -> Range:
+    """One step of rounding outwards on both sides; what is no number is unbounded."""
+    if math.isnan(low) or math.isnan(high):
+        return ANY
+    return math.nextafter(low, -math.inf), math.nextafter(high, math.inf)
+
+
+def _corners(x: Range, y: Range, operate: Callable[[float, float], float]) -> Range:
+    values = []
+    for a in x:
+        for b in y:
+            if 0.0 in (a, b) and (math.isinf(a) or math.isinf(b)):
+                values.append(0.0)
+                continue
+            values.append(operate(a, b))
+    return widened(min(values), max(values))
+
+
+def _truth(x: Range) -> bool | None:
+    """Whether numbers of the range are true (not zero); None when both occur."""
+    if x == (0.0, 0.0):
+        return False
+    return True if x[0] > 0 or x[1] < 0 else None
+
+
+def _logic(operator: str, x: Range, y: Range) -> bool | None:
+    a, b = _truth(x), _truth(y)
+    if operator == "and":
+        return False if a is False or b is False else (True if a and b else None)
+    if operator == "or":
+        return True if a or b else (False if a is False and b is False else None)
+    return None if a is None or b is None else a != b
+
+
+def _compare(operator: str, x: Range, y: Range) -> bool | None:
+    if operator == "<":
+        return True if x[1] < y[0] else (False if x[0] >= y[1] else None)
+    if operator == "<=":
+        return True if x[1] <= y[0] else (False if x[0] > y[1] else None)
+    if operator == ">":
+        return _compare("<", y, x)
+    if operator == ">=":
+        return _compare("<=", y, x)
+    apart = x[1] < y[0] or y[1] < x[0]
+    same = x[0] == x[1] == y[0] == y[1]
+    equal = False if apart else (True if same else None)
+    return equal if operator == "==" or equal is None else not equal
+
+
+def binary(operator: str, x: Range, y: Range) -> Range:
+    """The range of ``x operator y``."""
+    if operator in _LOGIC:
+        decided = _logic(operator, x, y) if operator in ("and", "or", "xor") else _compare(operator, x, y)
+        return (0.0, 1.0) if decided is None else (float(decided), float(decided))
+    if operator == "+":
+        return widened(x[0] + y[0], x[1] + y[1])
+    if operator == "-":
+        return widened(x[0] - y[1], x[1] - y[0])
+    if operator == "*":
+        return _corners(x, y, lambda a, b: a * b)
+    if operator == "/" and not y[0] <= 0.0 <= y[1]:
+        return _corners(x, (1.0 / y[1], 1.0 / y[0]), lambda a, b: a * b)
+    if operator == "mod" and y[0] == y[1] and y[0] > 0:
+        return 0.0, y[0]
+    if operator == "atan":
+        return -180.0, 180.0
+    return ANY
+
+
+def unary(operator: str, x: Range) -> Range:
+    """The range of ``operator x``."""
+    low, high = x
+    match operator:
+        case "neg":
+            return -high, -low
+        case "pos":
+            return x
+        case "abs":
+            return (0.0 if low <= 0 <= high else min(abs(low), abs(high))), max(abs(low), abs(high))
+        case "sin" | "cos":
+            return -1.0, 1.0
+        case "not":
+            truth = _truth(x)
+            return (0.0, 1.0) if truth is None else (float(not truth), float(not truth))
+        case "sqrt" if low >= 0:
+            return widened(math.sqrt(low), math.sqrt(high))
+        case "fix" | "fup" | "int" | "round" if math.isfinite(low) and math.isfinite(high):
+            return math.floor(low), math.ceil(high)
+        case "atan":
+            return -90.0, 90.0
+    return ANY
