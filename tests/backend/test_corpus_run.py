@@ -14,7 +14,7 @@ from gproof.backend.record import Result, problems
 from gproof.backend.runs import expand, position_at
 from gproof.backend.runtime import Hold
 from gproof.cli.compile import lower
-from gproof.cli.session import open_session
+from gproof.cli.session import Running, open_session
 from gproof.ir.verdict import Verdict
 from gproof.verify.stream import validate
 
@@ -33,7 +33,7 @@ def compiled(name: str) -> Job | None:
         setup=setup if setup == "zero" else str(folder / setup),
         dialect=None,
     )
-    lowered = lower(session, 1_000_000, "stream")
+    lowered = lower(session, Running(1_000_000), "stream")
     if lowered.stream is None:
         return None
     report = validate(lowered.stream, lowered.trace, session.machine, session.setup)

@@ -8,7 +8,7 @@ import pytest
 
 from gproof.cli.compile import lower
 from gproof.cli.dump import loaded
-from gproof.cli.session import open_session
+from gproof.cli.session import Running, open_session
 from gproof.ir.text import parse_ir, print_ir
 
 CORPUS = Path(__file__).parents[2] / "corpus" / "eding"
@@ -21,7 +21,7 @@ def test_stages_of_a_job_round_trip(name: str) -> None:
     machine = next(p for p in (folder / "machine.toml", folder / "cnc.ini") if p.exists())
     session = open_session(folder / "job.cnc", machine=machine, setup="zero", dialect=None)
     assert session.program is not None
-    lowered = lower(session, 10**6, "stream")
+    lowered = lower(session, Running(10**6), "stream")
     assert lowered.plan is not None and lowered.stream is not None
     program = loaded(session.program)
     for value in (program, lowered.trace, lowered.plan, lowered.stream, session.machine, session.setup):

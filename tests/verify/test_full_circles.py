@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from gproof.cli.compile import lower
-from gproof.cli.session import open_session
+from gproof.cli.session import Running, open_session
 from gproof.ir.verdict import Verdict
 from gproof.verify.stream import validate
 
@@ -58,7 +58,7 @@ def test_a_full_circle_turns_once(tmp_path: Path, code: str, start: str, end: st
     machine.write_text(MACHINE)
     job.write_text(f"G21 G17 G90 G94 G54 G40 G49 G80 G61\nG0 {start}\n{code} {end} {center} F600\nM30\n")
     session = open_session(job, machine=machine, setup="zero", dialect=None)
-    lowered = lower(session, 1000, "stream")
+    lowered = lower(session, Running(1000), "stream")
     assert lowered.stream is not None
     report = validate(lowered.stream, lowered.trace, session.machine, session.setup)
     assert report.verdict is Verdict.SAFE, report.findings
