@@ -130,6 +130,37 @@ INPUT_CHANNEL = code(297, "input-channel", _E, "{what}")
 OFFSET_IN_USE = code(
     298, "offset-in-use", _W, "{what} is written while it is in use: whether it acts at once is not stated", "limits"
 )
+OFFSETS_WITH_COMPENSATION = code(
+    246, "offsets-with-compensation", _E, "{code} while cutter radius compensation is on: the origin may not change"
+)
+UNITS_WITH_COMPENSATION = code(
+    247, "units-with-compensation", _E, "{code} while cutter radius compensation is on: the units may not change"
+)
+PROBE_WITH_COMPENSATION = code(248, "probe-with-compensation", _E, "{code} while cutter radius compensation is on")
+COMPENSATION_PLANE = code(
+    249, "compensation-plane", _E, "{code} in the {plane} plane; it works in XY, and in XZ for turning"
+)
+COMPENSATION_ALREADY_ON = code(
+    250, "compensation-already-on", _E, "{code} while cutter radius compensation is on already"
+)
+PARK_WITH_COMPENSATION = code(251, "park-with-compensation", _E, "{code} while cutter radius compensation is on")
+PLANE_WITH_COMPENSATION = code(
+    252, "plane-with-compensation", _E, "{code} while cutter radius compensation is on in the {plane} plane"
+)
+COMPENSATION_TOOL_NEGATIVE = code(253, "compensation-tool-negative", _E, "D{value}: a tool number is not negative")
+COMPENSATION_TOOL_RANGE = code(
+    254, "compensation-tool-range", _E, "D{value}: the tool table has 1 to {highest}, and 0 means no radius"
+)
+COMPENSATION_RADIUS_UNKNOWN = code(
+    255, "compensation-radius-unknown", _U, "the radius to compensate depends on {cause}, which nobody stated", "limits"
+)
+COMPENSATION_UNKNOWN = code(256, "compensation-unknown", _U, "the compensated path depends on {cause}", "limits")
+COMPENSATION_LATHE_UNKNOWN = code(
+    257, "compensation-lathe-unknown", _U, "compensation for turning depends on {cause}, which nobody stated", "limits"
+)
+COMPENSATION_WITHOUT_TOOL = code(
+    258, "compensation-without-tool", _W, "cutter radius compensation without a tool in the spindle: the radius is 0"
+)
 OPERATOR_STOP = code(243, "operator-stop", _N, "the job waits here for the operator ({code})")
 
 # 3xx limits and areas
@@ -198,6 +229,30 @@ ARC_ILL_CONDITIONED = code(
     _W,
     "a radius arc of {degrees:.2f} degrees: its centre is badly determined",
     "arcs",
+)
+CONCAVE_CORNER = code(
+    410,
+    "concave-corner",
+    _E,
+    "a corner of {degrees:.2f} degrees towards a tool of radius {radius:.4f} mm, which does not fit into it",
+)
+CUTTER_GOUGING = code(
+    411,
+    "cutter-gouging",
+    _E,
+    "compensation begins {distance:.4f} mm from the programmed point, within the tool's radius of {radius:.4f} mm",
+)
+ARC_TOO_SMALL_FOR_TOOL = code(
+    412,
+    "arc-too-small-for-tool",
+    _E,
+    "a tool of radius {radius:.4f} mm does not fit into an arc of radius {arc:.4f} mm",
+)
+ENTRY_ARC = code(
+    413,
+    "entry-arc",
+    _E,
+    "compensation can not begin with this arc: the tool is at {distance:.4f} mm, and the arc asks for {needed:.4f} mm",
 )
 
 # 5xx motion and time

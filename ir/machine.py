@@ -78,6 +78,7 @@ class Controller:
 
     laf_angle: degrees within which successive segments pass without a stop; None: not stated.
     interpolation_time, fifo_time: seconds. max_step_frequency: Hz.
+    xz_seen_from: ``+y`` or ``-y``: from where the XZ plane is looked at by G2, G3, G41 and G42; None: not stated.
     """
 
     dialect: str | None = None
@@ -88,6 +89,7 @@ class Controller:
     auto_tool_change: bool = False
     absolute_arc_centers: bool = False
     diameter_programming: bool = False
+    xz_seen_from: str | None = None
     spindle_ramp_time: float = 0.0
 
 

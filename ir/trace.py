@@ -88,7 +88,12 @@ turns: +1 counter-clockwise and at most one full circle, seen from the positive 
 right-handed frame; plane: Plane. arg, text: by op, see ``ARGUMENTS``.
 """
 
+_PROGRAMMED = "arg: where state.compensation is not 0, the programmed point the row belongs to"
+
 ARGUMENTS = {
+    Op.TRAVERSE: _PROGRAMMED,
+    Op.FEED: _PROGRAMMED,
+    Op.ARC: _PROGRAMMED,
     Op.DWELL: "arg[0]: seconds",
     Op.SPINDLE: "arg[0]: direction (+1 cw, -1 ccw, 0 off); arg[1]: revolutions a minute (NaN: unknown)",
     Op.COOLANT: "arg[0]: mist (0 or 1); arg[1]: flood",
@@ -124,6 +129,8 @@ class State:
     spindle: rpm, signed (+ clockwise, NaN unknown); feed_mode: G-code style 93, 94 or 95;
     path_tolerance: mm (P), simplify: mm (Q), laf_angle: degrees (R, NaN: the machine's setting);
     arc_tolerance: mm that start and end radius of an arc may differ; guards_off: names of guards that are off.
+    compensation: of the cutter's radius, 0 off, else the tool left (+) or right (-) of the path in the right-handed
+    pair of Plane 1 or 2, whose number it is; then ``arg`` of motion rows is the programmed point in that pair.
     """
 
     tool: int = -1

@@ -10,12 +10,15 @@ from gproof.ir.machine import AXES, AXIS_NAMES
 from gproof.ir.rules import CodeRule
 from gproof.ir.rules import Function as F
 from gproof.ir.trace import Op, PathMode, Plane, Wait
+from gproof.passes import compensated
 from gproof.passes.cycles import CYCLES
 from gproof.passes.emitter import ProgramEnd
 from gproof.passes.line import LARGEST, Line, check_unused, gather
 from gproof.passes.modal import INCH, NO_OFFSET, TOOL_LENGTH, TOOL_X_OFFSET
 from gproof.passes.motion import Motion
 from gproof.passes.values import NOWHERE, Position, Unknown, Value
+
+_AXIS_OFFSETS = (F.AXIS_OFFSET_SET, F.AXIS_OFFSET_RESET, F.AXIS_OFFSET_SUSPEND, F.AXIS_OFFSET_RESTORE)
 
 
 class Blocks(Motion):
@@ -26,7 +29,7 @@ class Blocks(Motion):
         moves = self._moves
         try:
             line = gather(self.program.rules, span, words)
-            unsupported = line.find(F.UNSUPPORTED, F.COMPENSATION_LEFT, F.COMPENSATION_RIGHT)
+            unsupported = line.find(F.UNSUPPORTED)
             if unsupported is None:
                 self._execute(line)
             else:
@@ -59,11 +62,16 @@ class Blocks(Motion):
         if rule is not None and rule.uses_axes:
             return
         machine = rule is not None and rule.function is F.MACHINE_COORDINATES
+        before = [self.modal.programmed(axis) for axis in range(AXES)]
+        where = {}
         for axis, value in line.axes().items():
             if machine and not isinstance(value, Unknown):
-                self.modal.position[axis] = Position(value * self.modal.scale(axis))
+                where[axis] = Position(value * self.modal.scale(axis))
             else:
-                self.modal.position[axis] = self.target(axis, value)
+                where[axis] = self.target(axis, value)
+        for axis, place in where.items():
+            self.modal.position[axis] = place
+        compensated.recovered(self.modal, before, where)
 
     def _execute(self, line: Line) -> None:
         """The steps of table 3-7, in its order (the comment, step 1, is the frontend's)."""
@@ -79,6 +87,7 @@ class Blocks(Motion):
 
     def _settings(self, line: Line) -> None:
         """Steps 2 to 18."""
+        comp, tool_offset = self.modal.compensation, list(self.modal.tool_offset)
         self._feed_mode(line)
         self._feed(line)
         self._spindle_speed(line)
@@ -93,7 +102,9 @@ class Blocks(Motion):
         self._dwell(line)
         self._plane(line)
         self._units(line)
+        compensated.switch(self, line)
         self._length_offset(line)
+        compensated.keep_tool_offset(comp, tool_offset, self.modal, line)
         self._coordinate_system(line)
         self._path_mode(line)
         self._distance_and_retract(line)
@@ -278,7 +289,9 @@ class Blocks(Motion):
         rule = line.group("G2")
         if rule is None:
             return
-        self.modal.plane = {F.PLANE_XY: Plane.XY, F.PLANE_XZ: Plane.XZ}.get(rule.function, Plane.YZ)
+        plane = {F.PLANE_XY: Plane.XY, F.PLANE_XZ: Plane.XZ}.get(rule.function, Plane.YZ)
+        compensated.keep_plane(self.modal, plane, line, rule)
+        self.modal.plane = plane
         self.modal.stated.add("plane")
         self.event(Op.PLANE, line.span, arg=(float(self.modal.plane), 0.0))
 
@@ -286,6 +299,7 @@ class Blocks(Motion):
         rule = line.group("G6")
         if rule is None:
             return
+        compensated.keep_units(self.modal, line, rule)
         self.modal.unit = INCH if rule.function is F.UNITS_INCH else 1.0
         self.modal.stated.add("units")
         self._state_changed()
@@ -344,6 +358,7 @@ class Blocks(Motion):
         rule = line.group("G12")
         if rule is None:
             return
+        compensated.keep_offsets(self.modal, line, rule)
         self.modal.work = rule.value
         self._state_changed()
         self.event(Op.OFFSET, line.span, arg=(float(rule.value), 0.0))
@@ -380,7 +395,10 @@ class Blocks(Motion):
         if rule is None:
             return
         s = self.modal
+        if rule.function in _AXIS_OFFSETS:
+            compensated.keep_offsets(s, line, rule)
         if rule.function in (F.PARK_1, F.PARK_2):
+            compensated.no_parking(s, line, rule)
             self._park(line, "park_1" if rule.function is F.PARK_1 else "park_2")
         elif rule.function is F.SET_COORDINATES:
             self._set_coordinates(line, rule)
@@ -444,6 +462,8 @@ class Blocks(Motion):
             raise Refusal(
                 codes.COORDINATE_SYSTEM_RANGE.at(line.where("P"), value=math.nan if number is None else number)
             )
+        if s.work == system:
+            compensated.keep_offsets(s, line, rule)
         if s.work == 0:
             # Which system is active is not stated: it may be the one that changes here.
             for axis in line.axes():

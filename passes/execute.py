@@ -453,7 +453,13 @@ class Executor(Blocks):
     ) -> int:
         """Run lines in the kernel from word ``at``; returns the first word it left over."""
         s, a = self.modal, self.rows.arrays
-        if not self._moved or s.feed_unit != s.unit or not 1 <= s.motion <= 4 or s.feed_mode != 94:
+        if (
+            not s.plain_motion
+            or not self._moved
+            or s.feed_unit != s.unit
+            or not 1 <= s.motion <= 4
+            or s.feed_mode != 94
+        ):
             # The first motion notes what it assumes; a motion mode must be set: Python path.
             return at
         offsets = [s.offset(axis) for axis in range(AXES)]

@@ -12,6 +12,7 @@ from gproof.ir.machine import AXES, AXIS_NAMES, Machine
 from gproof.ir.rules import LanguageRules, ParameterRange
 from gproof.ir.setup import Interval, Setup
 from gproof.ir.trace import PathMode, Plane, State
+from gproof.passes.compensation import Compensation
 from gproof.passes.values import NOWHERE, Position, Unknown, Value, between
 
 INCH = 25.4
@@ -76,6 +77,7 @@ class Modal:
         self.position = [self._symbol(f"start.{name}") for name in AXIS_NAMES]
         self.cycle: dict[str, float] = {}
         self.cycle_code = 0
+        self.compensation: Compensation | None = None
 
     def _symbol(self, symbol: str) -> Position:
         """The stated exact value of a symbol, or the symbol itself."""
@@ -94,6 +96,23 @@ class Modal:
         """The current point in program coordinates, mm."""
         return self.position[axis].minus(self.offset(axis))
 
+    def programmed(self, axis: int) -> Position:
+        """The point the program is at, in machine coordinates: that of the contour while it is compensated."""
+        comp = self.compensation
+        if comp is None or comp.programmed is None or axis not in comp.axes:
+            return self.position[axis]
+        return comp.programmed[comp.axes.index(axis)]
+
+    @property
+    def xz_mirrored(self) -> bool:
+        """True where G2 and G3 look at the active plane from its negative side (turning machines)."""
+        return self.plane is Plane.XZ and self.machine.controller.xz_seen_from == "-y"
+
+    @property
+    def plain_motion(self) -> bool:
+        """True where moves mean what ``run_lines`` makes of them."""
+        return self.compensation is None and not self.xz_mirrored
+
     def scale(self, axis: int) -> float:
         """mm (or degrees) in one program unit of an axis."""
         return self.unit if axis < 3 else 1.0
@@ -109,15 +128,19 @@ class Modal:
             spindle = 0.0
         elif not isinstance(self.spindle_speed, Unknown):
             spindle = self.spindle_speed * self.spindle_direction
-        tolerance = self.rules.arc_tolerance_mm
-        if self.unit == INCH:
-            tolerance = self.rules.arc_tolerance_inch * INCH
+        comp = self.compensation
         return State(
             tool=-1 if self.tool is None else self.tool, spindle=spindle, feed_mode=self.feed_mode,
             path_mode=self.path_mode, path_tolerance=self.path_tolerance, simplify=self.simplify,
-            laf_angle=self.laf_angle, work=self.work, overrides=self.overrides, arc_tolerance=tolerance,
-            guards_off=self.guards_off,
+            laf_angle=self.laf_angle, work=self.work, overrides=self.overrides, arc_tolerance=self.arc_tolerance(),
+            guards_off=self.guards_off, compensation=0 if comp is None else comp.side * comp.plane,
         )  # fmt: skip
+
+    def arc_tolerance(self) -> float:
+        """mm by which the radii at start and end of an arc may differ, in the units that are active."""
+        if self.unit == INCH:
+            return self.rules.arc_tolerance_inch * INCH
+        return self.rules.arc_tolerance_mm
 
     # -- numbered variables
 

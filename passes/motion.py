@@ -6,10 +6,11 @@ import math
 
 from gproof.ir import codes
 from gproof.ir.finding import Refusal, Span
-from gproof.ir.machine import AXIS_NAMES
+from gproof.ir.machine import AXES, AXIS_NAMES
 from gproof.ir.rules import CodeRule
 from gproof.ir.rules import Function as F
 from gproof.ir.trace import Op, Plane
+from gproof.passes import compensated
 from gproof.passes import execute_kernels as k
 from gproof.passes.cycles import AXES_OF_PLANE, CYCLES, run_cycle
 from gproof.passes.emitter import Emitter
@@ -29,7 +30,7 @@ class Motion(Emitter):
         s = self.modal
         if isinstance(value, Unknown):
             return self._bounded(axis, value, None)
-        origin = s.offset(axis) if s.absolute else s.position[axis]
+        origin = s.offset(axis) if s.absolute else s.programmed(axis)
         return Position(value * s.scale(axis) + origin.value, origin.form)
 
     def _bounded(self, axis: int, value: Unknown, origin: Position | None) -> Position:
@@ -38,7 +39,7 @@ class Motion(Emitter):
             return NOWHERE
         s = self.modal
         if origin is None:
-            origin = s.offset(axis) if s.absolute else s.position[axis]
+            origin = s.offset(axis) if s.absolute else s.programmed(axis)
         scale = s.scale(axis)
         return self.unknown_place("value", axis, (value.low * scale, value.high * scale), origin)
 
@@ -47,13 +48,20 @@ class Motion(Emitter):
         machine = line.find(F.MACHINE_COORDINATES)
         if machine is not None and rule.function not in (F.TRAVERSE, F.FEED, F.PROBE):
             raise Refusal(codes.G53_NEEDS_G0_G1.at(line.where_code(machine), mode=rule.text))
+        comp = self.modal.compensation
+        if comp is not None and machine is not None:
+            raise Refusal(codes.G53_WITH_COMPENSATION.at(line.where_code(machine), hint="G40 before"))
+        if rule.function is F.PROBE:
+            compensated.no_probing(self.modal, line, rule)
         if rule.function in CYCLES:
+            if comp is not None:
+                raise Refusal(codes.CYCLE_WITH_COMPENSATION.at(line.span, code=rule.text, hint="G40 before"))
             run_cycle(self, line, rule)
             return
         self._set_motion(rule)
         if rule.function is not F.TRAVERSE:
             self.need_feed(line, rule)
-        target = list(self.modal.position)
+        target = [self.modal.programmed(axis) for axis in range(AXES)]
         for axis, value in line.axes().items():
             if isinstance(value, Unknown):
                 word = AXIS_NAMES[axis].upper()
@@ -69,7 +77,11 @@ class Motion(Emitter):
         elif rule.function is F.PROBE:
             run_probe(self, line, rule, target)
         else:
-            self.move(Op.TRAVERSE if rule.function is F.TRAVERSE else Op.FEED, target, line.span)
+            op = Op.TRAVERSE if rule.function is F.TRAVERSE else Op.FEED
+            if comp is None:
+                self.move(op, target, line.span)
+            else:
+                compensated.straight(self, line, op, target)
         self._moved = True
 
     def _set_motion(self, rule: CodeRule) -> None:
@@ -115,14 +127,16 @@ class Motion(Emitter):
             raise Refusal(codes.UNUSED_WORD.at(line.where(wrong), word=f"{wrong} (out of the arc's plane)"))
         if radius is not None and center_words != (None, None):
             raise Refusal(codes.UNUSED_WORD.at(line.where("R"), word="R beside a centre"))
-        start = [s.position[first], s.position[second]]
+        turns = 1 if (rule.function is F.ARC_CCW) != s.xz_mirrored else -1
+        start = [s.programmed(first), s.programmed(second)]
         end = [target[first], target[second]]
         for a, b, name in zip(start, end, names, strict=True):
             difference = b.minus(a)
             if difference.form:
                 raise Refusal(codes.ARC_UNKNOWN.at(line.span, cause=f"{name}: {describe(difference.form)}"))
         if radius is not None:
-            center = self._radius_center(line, start, end, radius * s.unit, rule.function is F.ARC_CCW)
+            entry = compensated.entry_center(self, line, target, radius * s.unit, turns)
+            center = entry or self._radius_center(line, start, end, radius * s.unit, turns > 0)
         elif self.machine.controller.absolute_arc_centers:
             center = self._absolute_center(line, center_words, (first, second), start)
         else:
@@ -134,8 +148,10 @@ class Motion(Emitter):
         whole[first], whole[second] = center
         if math.hypot(center[0] - start[0].value, center[1] - start[1].value) < 1e-9:
             raise Refusal(codes.ARC_RADIUS_ZERO.at(line.span))
-        turns = 1 if rule.function is F.ARC_CCW else -1
-        self.move(Op.ARC, target, line.span, center=whole, turns=turns, plane=s.plane)
+        if s.compensation is None:
+            self.move(Op.ARC, target, line.span, center=whole, turns=turns, plane=s.plane)
+        else:
+            compensated.circular(self, line, target, whole, turns)
 
     def _radius_center(
         self, line: Line, start: list[Position], end: list[Position], radius: float, ccw: bool
@@ -178,9 +194,13 @@ class Motion(Emitter):
 
     def move(
         self, op: Op, target: list[Position], span: Span, *, center: list[float] | None = None,
-        turns: int = 0, plane: int = 0,
+        turns: int = 0, plane: int = 0, length: float | None = None, programmed: tuple[float, float] = (0.0, 0.0),
     ) -> None:  # fmt: skip
-        """Append a motion row and go there."""
+        """Append a motion row and go there.
+
+        length: mm that an inverse time feed counts, where the row is part of a longer move; programmed: the point of
+        the contour that a compensated row belongs to.
+        """
         s = self.modal
         if any(a.value != b.value for a, b in zip(target[3:], s.position[3:], strict=True)):
             # Rounding is no motion: a rotary move beside it keeps its feed in degrees.
@@ -188,21 +208,25 @@ class Motion(Emitter):
                 if abs(target[axis].value - s.position[axis].value) < 1e-9:
                     target[axis] = Position(s.position[axis].value, target[axis].form)
         start = [p.value for p in s.position]
-        length, rotary = _length(op, start, [p.value for p in target], center, turns, plane)
+        own, rotary = _length(op, start, [p.value for p in target], center, turns, plane)
         feed = 0.0
         if op is not Op.TRAVERSE:
-            feed = self._effective_feed(length, rotary)
+            feed = self._effective_feed(own if length is None or rotary else length, rotary)
         s.position = list(target)
         self._moves += 1
         self.rows.append(
             op, file=self._file_of(span), line=span.line, call=self._call, to=[p.value for p in target],
             frame=self._frame(), state=self._state(), feed=feed,
             center=(0.0, 0.0, 0.0) if center is None else center, turns=turns, plane=plane,
+            arg=programmed,
         )  # fmt: skip
 
     def _effective_feed(self, length: float, rotary: bool) -> float:
         """mm/min (deg/min for rotary moves) of a feed move of this length; NaN when not known."""
         s = self.modal
+        if s.feed == 0.0:
+            # No feed move comes here without F: the corner of a compensated traverse.
+            return math.nan
         if s.feed_mode == 93:
             return s.feed * length
         feed = s.feed / s.feed_unit if rotary else s.feed

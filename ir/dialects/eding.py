@@ -50,6 +50,9 @@ _SUPPORTED = (
     _g(40, F.COMPENSATION_OFF, _CUTTER, "3.4.11"),
     _g(41, F.COMPENSATION_LEFT, _CUTTER, "3.4.11"),
     _g(42, F.COMPENSATION_RIGHT, _CUTTER, "3.4.11"),
+    # value 1: D is a diameter.
+    _g(41.1, F.COMPENSATION_LEFT, _CUTTER, "3.4.11", value=1),
+    _g(42.1, F.COMPENSATION_RIGHT, _CUTTER, "3.4.11", value=1),
     _g(43, F.TOOL_OFFSET_ON, _LENGTH, "3.4.12"),
     _g(43.1, F.TOOL_OFFSET_DYNAMIC, _LENGTH, "3.4.12"),
     _g(49, F.TOOL_OFFSET_OFF, _LENGTH, "3.4.12"),
@@ -100,7 +103,6 @@ _SUPPORTED = (
 # Codes of tables 3-4 and 3-6 and of the sections on M functions that gproof does not model yet.
 _UNSUPPORTED = (
     *(_g(n, F.UNSUPPORTED, _ONCE, "3.4.9", axes=True) for n in (33, 33.1)),
-    *(_g(n, F.UNSUPPORTED, _CUTTER, "3.4.11") for n in (41.1, 42.1)),
     *(_g(n, F.UNSUPPORTED, "", "3.4.13", axes=True) for n in (50, 51)),
     *(_g(n, F.UNSUPPORTED, _ROTATION, "3.4.18", axes=True) for n in (68, 69)),
     *(_g(n, F.UNSUPPORTED, _MOTION, "3.4.21", axes=True) for n in (74, 84, 87, 88)),

@@ -5,11 +5,11 @@ S16000 M3
 G0 Z5
 G0 X40 Y60
 F900
-G42 D1                         ; expect: GP113
+G42 D1
 G1 X50
 G2 X60 Y70 R10
 G1 Z-3
-G3 X70 Y60 R10
+G3 X70 Y60 R10                 ; expect: GP410
 G1 X150
 G1 Y120
 G1 X60

@@ -1,9 +1,7 @@
 G21 G17 G90 G94 G40 G49 G54
 G0 X20 Y20
+M109 S200                      ; expect: GP113
 F400
-G41 D1                         ; expect: GP113
 G1 X30
-G1 Y60
-G40
 G0 Z5
 M30
