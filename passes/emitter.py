@@ -39,6 +39,7 @@ class Emitter:
     ) -> None:  # fmt: skip
         self.program = program
         self.machine = machine
+        self.setup = setup
         self.findings = findings
         self.block_delete = block_delete
         self.budget = budget

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import contextlib
 import copy
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -43,6 +43,7 @@ from gproof.ir.trace import Chunk, Edge, Op, Trace, TraceSection, Wait
 from gproof.passes import execute_kernels as k
 from gproof.passes.blocks import Blocks
 from gproof.passes.commands import run_command
+from gproof.passes.compiled import FALLS_BACK, Condition, FastBlock, compile_block, compile_condition
 from gproof.passes.emitter import DEFAULT_BRANCHES, DEFAULT_BUDGET, ProgramEnd
 from gproof.passes.expressions import describe_parts
 from gproof.passes.modal import Modal
@@ -50,6 +51,8 @@ from gproof.passes.overrides import Words, replaced
 from gproof.passes.values import Position, Unknown, Value
 
 CHUNK_BYTES = 1 << 20
+PENDING_LINES = 1 << 14
+"""Lines of motion that wait at most before they are executed together."""
 _UTF8_MARK = b"\xef\xbb\xbf"
 MAX_NESTED = 200
 """Blocks within blocks, those of calls counted in; each takes a frame of Python's stack."""
@@ -99,6 +102,16 @@ class _Frame:
 
 
 @dataclass(slots=True)
+class _Pending:
+    """Lines of motion that are evaluated and not executed yet: words in columns, ``line`` counts ``nodes``."""
+
+    nodes: list[Block] = field(default_factory=list)
+    line: list[int] = field(default_factory=list)
+    letter: list[int] = field(default_factory=list)
+    value: list[float] = field(default_factory=list)
+
+
+@dataclass(slots=True)
 class _Path:
     """An outcome that waits to be followed: its frames, its state, its section, its place in the source."""
 
@@ -125,6 +138,10 @@ class Executor(Blocks):
         self._seen: dict[object, tuple[Edge, ...]] = {}
         self._joins: dict[object, int] = {}
         self._waiting: list[_Path] = []
+        self._fast: dict[int, FastBlock | None] = {}
+        self._tests: dict[int, Condition | None] = {}
+        self._pending = _Pending()
+        self._key: object = None
         self._stack: list[_Frame] = [_Frame(self.program.body)]
         while True:
             yield from self._path()
@@ -140,10 +157,12 @@ class Executor(Blocks):
                 self._step()
                 if self.rows.ready:
                     yield from self._ready()
+            self._run_pending()
         except ProgramEnd:
             self._warn_after_end()
         except Refusal as refusal:
             with contextlib.suppress(ProgramEnd):
+                self._run_pending()
                 self._fail(refusal.finding)
                 self._end_section(Wait.UNKNOWN, refusal.finding.message, -1, refusal.finding.span.line)
         if not self._ended:
@@ -154,6 +173,7 @@ class Executor(Blocks):
     def _resume(self, path: _Path) -> None:
         """Take up an outcome that waits."""
         self.modal, self._stack = path.modal, path.stack
+        self._pending = _Pending()
         self._file, self._call, self._depth, self._moved, self._nesting = path.place
         self._end = None
         self._state_changed()
@@ -195,6 +215,7 @@ class Executor(Blocks):
         kind = type(node)
         if kind is BlockTable:
             assert isinstance(node, BlockTable)
+            self._run_pending()
             self._file = node.file
             self._stack.append(_Frame((), node, next_byte=node.begin, line=node.first_line))
         elif kind is If:
@@ -211,7 +232,9 @@ class Executor(Blocks):
         else:
             assert not isinstance(node, BlockTable)
             self.spend(node.span)
-            self._guarded(node)
+            if kind is not Block or not self._fast_block(node):  # type: ignore[arg-type]
+                self._run_pending()
+                self._guarded(node)
 
     def _leave(self, frame: _Frame) -> None:
         """A frame is done: again, for a loop whose condition holds; else back to the one around it."""
@@ -229,6 +252,7 @@ class Executor(Blocks):
         if node is not None:
             self._nesting -= 1
         if isinstance(frame.caller, _Caller):
+            self._run_pending()
             self._call, self._file = frame.caller.call, frame.caller.file
             self._depth = self._depth[:-1]
             if frame.caller.rest is not None:
@@ -255,6 +279,10 @@ class Executor(Blocks):
 
     def _holds(self, condition: Expr, place: tuple[str, int]) -> bool | None:
         """Whether a condition is true; None when the outcomes are to be explored. ProgramEnd where that is done."""
+        known = self._fast_condition(condition)
+        if known is not None:
+            return known != 0
+        self._run_pending()
         value = self.evaluator.value(condition)
         if not isinstance(value, Unknown):
             return value != 0
@@ -301,6 +329,7 @@ class Executor(Blocks):
 
     def _join(self) -> None:
         """Behind an ``if`` whose outcomes are explored: go on once for all that come here in the same state."""
+        self._run_pending()
         key = self._state_key("join")
         target = self._joins.get(key)
         edge = Edge(wait=Wait.BRANCH, outcome="", target=self.rows.new_section() if target is None else target)
@@ -310,10 +339,98 @@ class Executor(Blocks):
         self._joins[key] = edge.target
         self._begin(edge.target)
 
+    # -- the fast way through blocks and conditions that come again
+
+    def _fast_condition(self, condition: Expr) -> float | None:
+        """The value of a condition that was evaluated before; None when the evaluator must do it."""
+        key = id(condition)
+        if key not in self._tests:
+            # The first time is the evaluator's: it tells what is to be told once.
+            self._tests[key] = compile_condition(condition, self.program.rules)
+            return None
+        test = self._tests[key]
+        if test is None:
+            return None
+        try:
+            return test[0](self.modal.parameters)
+        except FALLS_BACK:
+            self._settle(test[1])
+            return None
+
+    def _fast_block(self, node: Block) -> bool:
+        """Evaluate a block that was executed before, and keep its motion for later; False: not possible this time."""
+        key = id(node)
+        if key not in self._fast:
+            self._fast[key] = None if node.deleted else compile_block(node, self.program.rules)
+            return False
+        fast = self._fast[key]
+        if fast is None or not (fast.is_motion or not fast.letters):
+            return False
+        parameters = self.modal.parameters
+        try:
+            values = fast.run(parameters)
+        except FALLS_BACK:
+            self._settle(fast.reads)
+            return False
+        words = len(fast.letters)
+        if words:
+            p = self._pending
+            number = len(p.nodes)
+            p.nodes.append(node)
+            p.line.extend([number] * words)
+            p.letter.extend(map(ord, fast.letters))
+            p.value.extend(values[:words])
+        for target, value in zip(fast.targets, values[words:], strict=True):
+            parameters[target] = value
+        if len(self._pending.nodes) >= PENDING_LINES:
+            self._run_pending()
+        return True
+
+    def _settle(self, numbers: Iterable[int]) -> None:
+        """Variables that the setup states and nobody has set: from now on as if they were set."""
+        for number in numbers:
+            if number not in self.modal.parameters:
+                stated = self.setup.parameter(number)
+                if stated is not None:
+                    self.modal.parameters[number] = stated
+
+    def _run_pending(self) -> None:
+        """Execute the lines that wait, in the kernel as far as it takes them."""
+        pending = self._pending
+        if not pending.nodes:
+            return
+        self._pending = _Pending()
+        nodes, count, at = pending.nodes, len(pending.line), 0
+        run = k.run_lines.pick(len(nodes))
+        compiled = run is not k.run_lines.python
+        columns: Any = pending.line, pending.letter, pending.value
+        if compiled:
+            types = np.int32, np.uint8, np.float64
+            columns = tuple(np.array(c, dtype=t) for c, t in zip(columns, types, strict=True))
+        file, self._file = self._file, self._file_of(nodes[0].span)
+        lines = np.array([node.span.line for node in nodes], dtype=np.int32)
+        while at < count:
+            before = self.rows.count
+            blocks = self.blocks
+            at = self._hot(run, columns[0], columns[1], columns[2], count, at, compiled)
+            self.blocks = blocks  # they are counted already
+            made = self.rows.arrays["line"][before : self.rows.count]
+            made[:] = lines[made]
+            if self.rows.count == self.rows.capacity:
+                self.rows.flush()
+            elif at < count:
+                node = nodes[pending.line[at]]
+                end = at + len(node.words)
+                words = zip(node.words, pending.value[at:end], strict=True)
+                self._line(node.span, [(word.letter, value, word.span) for word, value in words])
+                at = end
+        self._file = file
+
     # -- calls
 
     def _called(self, name: str, span: Span, rest: tuple[Span, list[Words]] | None = None) -> None:
         """Run a subprogram next; ``rest``: what is left of the line that called it."""
+        self._run_pending()
         sub = self.program.subprograms.get(name)
         if sub is None:
             told = any(f.code is codes.UNKNOWN_SUBPROGRAM and f.span == span for f in self.findings.kept)

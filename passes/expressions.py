@@ -33,7 +33,7 @@ def _round(x: float) -> float:
     return math.copysign(math.floor(abs(x) + 0.5), x)
 
 
-_UNARY: dict[str, Callable[[float], float]] = {
+UNARY_FUNCTIONS: dict[str, Callable[[float], float]] = {
     "neg": lambda x: -x,
     "pos": lambda x: x,
     "abs": abs,
@@ -60,7 +60,7 @@ def _mod(x: float, y: float) -> float:
     return result + abs(y) if result < 0 else result
 
 
-_BINARY: dict[str, Callable[[float, float], float]] = {
+BINARY_FUNCTIONS: dict[str, Callable[[float, float], float]] = {
     "+": lambda x, y: x + y,
     "-": lambda x, y: x - y,
     "*": lambda x, y: x * y,
@@ -107,7 +107,7 @@ class Evaluator:
         if isinstance(x, Unknown):
             return between(x.cause, ranges.unary(expr.operator, bounds(x)))
         try:
-            return self._finite(_UNARY[expr.operator](x), expr.span)
+            return self._finite(UNARY_FUNCTIONS[expr.operator](x), expr.span)
         except (ValueError, OverflowError):
             raise _fail(expr.span, f"{expr.operator}[{x:g}] has no value") from None
 
@@ -146,7 +146,7 @@ class Evaluator:
         try:
             if operator == "**":
                 return math.pow(x, y)
-            return _BINARY[operator](x, y)
+            return BINARY_FUNCTIONS[operator](x, y)
         except (ValueError, OverflowError, ZeroDivisionError):
             raise _fail(expr.span, f"{x:g} {operator} {y:g} has no value") from None
 
