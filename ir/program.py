@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 
@@ -111,6 +112,43 @@ class Block:
     span: Span
     comment: str = ""
     deleted: bool = False
+
+
+class DeferredBlock(Block):
+    """A block that is made when somebody asks for a part of it, and equal to it.
+
+    A program of a million lines with expressions keeps these (a fifth of a kilobyte each) instead of their trees.
+    make: (raw, file, line) -> the block; raw: the bytes of its line, without the end.
+    """
+
+    __slots__ = ("_file", "_line", "_make", "_raw")
+
+    def __init__(self, make: Callable[[bytes, str, int], Block], raw: bytes, file: str, line: int) -> None:
+        keep = object.__setattr__
+        keep(self, "_make", make)
+        keep(self, "_raw", raw)
+        keep(self, "_file", file)
+        keep(self, "_line", line)
+
+    def made(self) -> Block:
+        """The block itself."""
+        block: Block = self._make(self._raw, self._file, self._line)
+        return block
+
+    def __getattr__(self, name: str) -> Any:
+        """A field of the block: none is ever set here, so that Python asks for all of them."""
+        if name in DeferredBlock.__slots__:
+            raise AttributeError(name)
+        return getattr(self.made(), name)
+
+    def __eq__(self, other: object) -> bool:
+        return self.made() == (other.made() if isinstance(other, DeferredBlock) else other)
+
+    def __hash__(self) -> int:
+        return hash(self.made())
+
+    def __reduce__(self) -> Any:
+        return self.made().__reduce_ex__(4)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -112,6 +112,7 @@ def _lines(value: Any, indent: str) -> Iterator[str]:
 
 
 def _parts(value: Any) -> tuple[str, str, list[Any]]:
+    value = value.made() if type(value).__name__ == "DeferredBlock" else value
     if dataclasses.is_dataclass(value) and not isinstance(value, type):
         return f"({type(value).__name__}", ")", [getattr(value, f.name) for f in _fields(type(value))]
     if isinstance(value, dict):

@@ -340,9 +340,8 @@ class Builder:
 
     def nesting(self, tokens: Tokens) -> Device:
         """A preset of the nesting dialog (2.2.4.4)."""
-        begin, end = _range(tokens[1])
         name = Text(str(tokens[0])[1:].lower(), self.span(*_range(tokens[0])))
-        return self._device("nesting", tokens, name, Number(float(tokens[1]), self.span(begin, end)))
+        return self._device("nesting", tokens, name, self._label(tokens[1]))
 
     def unsupported(self, tokens: Tokens) -> Unsupported:
         return Unsupported(what=self.line.keyword, span=_range_span(self, tokens), text=self._written())

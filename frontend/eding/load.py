@@ -12,9 +12,9 @@ from collections.abc import Iterable
 from pathlib import Path
 
 from gproof.frontend.eding.build import STRUCTURAL, Structural
-from gproof.frontend.eding.parse import parse_line
 from gproof.frontend.eding.prepare import LineError, decode, structure_of
 from gproof.frontend.eding.scan import LineIndex, index, scan
+from gproof.frontend.eding.shapes import Reader
 from gproof.frontend.eding.structure import Assembler
 from gproof.frontend.source import UTF8_MARK, read_source
 from gproof.ir import codes
@@ -80,6 +80,7 @@ class _Loader:
         self.program = program
         self.findings = findings
         self.assembler = Assembler(findings)
+        self.reader = Reader()
         self.held = 0
         self.subprograms_in_job = 0
 
@@ -102,8 +103,7 @@ class _Loader:
     def _lines(self, file: int, source: SourceFile, begin: int, found: LineIndex) -> None:
         """Tables and statements of a file in order."""
         line = 1
-        columns = (found.line, found.begin, found.end, found.words_before)
-        for number, first, after, has_words in zip(*(c.tolist() for c in columns), strict=True):
+        for number, first, after, has_words in found.rows():
             if has_words:
                 self._table(file, source, line, number - 1, begin, first)
             self._special(source, number, source.data[first:after])
@@ -131,7 +131,7 @@ class _Loader:
                 raise LineError(
                     codes.LINE_TOO_LONG, limit, len(raw), structure=structure, length=len(raw), allowed=limit
                 )
-            for statement in parse_line(raw, source.name, number):
+            for statement in self.reader.read(raw, source.name, number):
                 self.assembler.add(statement)
         except LineError as error:
             span = Span(source.name, number, error.begin + 1, error.end + 1)

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import functools
 import re
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
@@ -177,6 +178,12 @@ class LineIndex:
     words_before: Ints
     words_after: bool
     line_count: int
+
+    def rows(self) -> Iterator[tuple[int, int, int, int]]:
+        """(line, begin, end, words_before) of each line."""
+        columns = (self.line, self.begin, self.end, self.words_before)
+        for start in range(0, len(self.line), _ROOM):
+            yield from zip(*(c[start : start + _ROOM].tolist() for c in columns), strict=True)
 
 
 _ROOM = 4096
