@@ -33,7 +33,8 @@ HELD_BLOCKS = 5_000
 """Blocks of a program that are made at once; later ones of a known shape are made when they run."""
 
 _HOLE = re.compile(r"((?<=\()[^()]+(?=\))|(?<=;)(?!\)).+|[0-9]+\.?[0-9]*|\.[0-9]+)")
-"""A hole: what is in parentheses, what is behind a semicolon (but not one that ends a comment), a number. The code around a hole tells which of them it is."""
+"""A hole: what is in parentheses, what is behind a semicolon (but not one that ends a comment), a number.
+The code around it tells which of them it is."""
 _NOT_HERE = re.compile(r"[\x00-\x08\x0a-\x1f\x7f]|\([ \t]*m[ \t]*s[ \t]*g[ \t]*,", re.IGNORECASE)
 _LINE_NUMBER = re.compile(r"[ \t]*/?[ \t]*[nN][ \t]*")
 _QUOTES = re.compile(r"[\"“”„]")
