@@ -164,6 +164,7 @@ def _controller(root: TomlTable, before: Controller) -> Controller:
             auto_tool_change=table.boolean("auto_tool_change"),
             absolute_arc_centers=table.boolean("absolute_arc_centers"),
             xz_seen_from=table.text("xz_seen_from", ("+y", "-y")),
+            diameter_programming=table.boolean("diameter_programming"),
             spindle_ramp_time=table.positive("spindle_ramp_time", zero=True),
         ),
     )

@@ -114,6 +114,12 @@ FEED_IN_OLD_UNITS = code(
 NEGATIVE_FEED = code(241, "negative-feed", _E, "feed rate F{value:g} is negative")
 CYCLE_DWELL_MISSING = code(242, "cycle-dwell-missing", _E, "{code} needs a dwell time in P")
 CYCLE_SPINDLE_STOPPED = code(244, "cycle-spindle-stopped", _E, "{code} needs a turning spindle")
+WORD_MISSING = code(275, "word-missing", _E, "{code} needs {needed}")
+TRANSFORM_OPEN = code(276, "transform-open", _U, "the manual leaves open: {what}", "limits")
+ARC_UNEQUAL_SCALING = code(
+    277, "arc-unequal-scaling", _E, "an arc while X is scaled by {x:g} and Y by {y:g} (G51 X Y)", "arcs"
+)
+SCALING_ZERO = code(278, "scaling-zero", _E, "{code} with a factor of 0 puts every point into one")
 ERROR_MESSAGE = code(245, "error-message", _W, "the program ends itself here with the error {text!r}")
 OVERRIDE_WITH_CODES = code(
     290, "override-with-codes", _E, "{code} calls the subprogram {name!r}: {other} can not stand on its line"

@@ -74,6 +74,10 @@ class Function(enum.IntEnum):
     OUTPUT_ON = 74
     OUTPUT_OFF = 75
     INPUT_READ = 76
+    ROTATION_ON = 80
+    ROTATION_OFF = 81
+    SCALING_ON = 82
+    SCALING_OFF = 83
     UNSUPPORTED = 99
 
 

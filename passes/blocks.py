@@ -16,6 +16,7 @@ from gproof.passes.emitter import ProgramEnd
 from gproof.passes.line import LARGEST, Line, check_unused, gather
 from gproof.passes.modal import INCH, NO_OFFSET, TOOL_LENGTH, TOOL_X_OFFSET
 from gproof.passes.motion import Motion
+from gproof.passes.transform_codes import frame_of, run_transform, shifts
 from gproof.passes.values import NOWHERE, Position, Unknown, Value
 
 _AXIS_OFFSETS = (F.AXIS_OFFSET_SET, F.AXIS_OFFSET_RESET, F.AXIS_OFFSET_SUSPEND, F.AXIS_OFFSET_RESTORE)
@@ -58,17 +59,12 @@ class Blocks(Motion):
 
     def _recover(self, line: Line) -> None:
         """After an error the axes of the line are taken to be where it sent them, else anywhere."""
-        rule = line.group("G0")
-        if rule is not None and rule.uses_axes:
+        if any(rule.uses_axes and rule.group != "G1" for rule in line.rules):
             return
-        machine = rule is not None and rule.function is F.MACHINE_COORDINATES
         before = [self.modal.programmed(axis) for axis in range(AXES)]
-        where = {}
-        for axis, value in line.axes().items():
-            if machine and not isinstance(value, Unknown):
-                where[axis] = Position(value * self.modal.scale(axis))
-            else:
-                where[axis] = self.target(axis, value)
+        aimed = self.aim(line, machine=line.find(F.MACHINE_COORDINATES) is not None)
+        moved = set(line.axes()) | ({0, 1} if self.modal.transform.on and line.axes().keys() & {0, 1} else set())
+        where = {axis: aimed[axis] for axis in moved}
         for axis, place in where.items():
             self.modal.position[axis] = place
         compensated.recovered(self.modal, before, where)
@@ -76,7 +72,9 @@ class Blocks(Motion):
     def _execute(self, line: Line) -> None:
         """The steps of table 3-7, in its order (the comment, step 1, is the frontend's)."""
         owner = self._axis_owner(line)
+        before = frame_of(self.modal)
         self._settings(line)
+        run_transform(self, line, before)
         self._once(line)
         if owner is not None:
             self._motion(line, owner)
@@ -113,16 +111,20 @@ class Blocks(Motion):
         """The motion code that takes the axis words of this line, None when none moves (3.3)."""
         motion, once = line.group("G1"), line.group("G0")
         axes = line.axes()
-        takes_once = once is not None and once.uses_axes
+        takers = [rule for rule in line.rules if rule.uses_axes and rule.group != "G1"]
+        if len(takers) > 1:
+            first, second = takers[0], takers[1]
+            raise Refusal(codes.TWO_AXIS_COMMANDS.at(line.where_code(second), first=first.text, second=second.text))
         if once is not None and once.function is F.AXIS_OFFSET_SET and not axes:
             raise Refusal(codes.G92_AXIS_MISSING.at(line.where_code(once)))
         if motion is not None and motion.uses_axes:
-            if takes_once and once is not None:
-                raise Refusal(codes.TWO_AXIS_COMMANDS.at(line.where_code(once), first=motion.text, second=once.text))
+            if takers:
+                taker = takers[0]
+                raise Refusal(codes.TWO_AXIS_COMMANDS.at(line.where_code(taker), first=motion.text, second=taker.text))
             if not axes and motion.function not in CYCLES:
                 raise Refusal(codes.AXIS_WORDS_MISSING.at(line.where_code(motion), code=motion.text))
             return motion
-        if takes_once:
+        if takers:
             return None
         if not axes:
             if once is not None and once.function is F.MACHINE_COORDINATES:
@@ -410,6 +412,8 @@ class Blocks(Motion):
                 # The origin moves so that the current point gets the given number (3.4.23).
                 wanted = s.position[axis].moved(-value * s.scale(axis))
                 s.g92[axis] = wanted.minus(s.work_offsets[s.work, axis]).minus(s.tool_offset[axis])
+            if shifts(self, line, rule):
+                s.g92[0] = s.g92[1] = NOWHERE
             s.g92_stored = list(s.g92)
             self.event(Op.OFFSET, line.span)
         elif rule.function is F.AXIS_OFFSET_RESET:
@@ -426,10 +430,7 @@ class Blocks(Motion):
         """Through the programmed point, if any, to the park position; every axis goes (3.4.8)."""
         axes = line.axes()
         if axes:
-            target = list(self.modal.position)
-            for axis, value in axes.items():
-                target[axis] = self.target(axis, value)
-            self.move(Op.TRAVERSE, target, line.span)
+            self.move(Op.TRAVERSE, self.aim(line), line.span)
         home = list(self.modal.position)
         for axis in range(AXES):
             if self.modal.has_axis(axis):
@@ -476,6 +477,8 @@ class Blocks(Motion):
             else:
                 wanted = s.position[axis].moved(-value * s.scale(axis))
                 s.work_offsets[system, axis] = wanted.minus(s.g92[axis]).minus(s.tool_offset[axis])
+        if key == 20 and shifts(self, line, rule):
+            s.work_offsets[system, 0] = s.work_offsets[system, 1] = NOWHERE
         self.event(Op.OFFSET, line.span, arg=(float(system), 0.0))
 
     # step 21

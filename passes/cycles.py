@@ -11,6 +11,7 @@ from gproof.ir.machine import AXIS_NAMES
 from gproof.ir.rules import CodeRule, Function
 from gproof.ir.trace import Op, Plane
 from gproof.passes.line import Line
+from gproof.passes.transform_codes import check_cycle
 from gproof.passes.values import Position, Unknown
 
 if TYPE_CHECKING:
@@ -39,6 +40,7 @@ def run_cycle(ex: Motion, line: Line, rule: CodeRule) -> None:
     axes = line.axes()
     if not any(axis in axes for axis in (0, 1, 2)):
         raise Refusal(codes.CYCLE_AXIS_MISSING.at(line.span, code=rule.text))
+    check_cycle(ex, line, rule, drill)
     if s.feed_mode == 93:
         raise Refusal(codes.CYCLE_INVERSE_TIME.at(line.span, code=rule.text))
     # R stays from cycle to cycle, the other numbers only within the same one.
@@ -79,11 +81,7 @@ def run_cycle(ex: Motion, line: Line, rule: CodeRule) -> None:
     clear = _preliminary(ex, line, drill, r)
     for _ in range(repeats):
         ex.spend(line.span)
-        target = list(s.position)
-        for axis in (first, second):
-            if axis in axes:
-                target[axis] = ex.target(axis, axes[axis])
-        ex.move(Op.TRAVERSE, target, line.span)
+        ex.move(Op.TRAVERSE, ex.aim(line, {a: axes[a] for a in (first, second) if a in axes}), line.span)
         _along(ex, line, drill, r, Op.TRAVERSE)
         if peck is not None:
             back = clear if rule.function is Function.DRILL_PECK else None

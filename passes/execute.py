@@ -582,9 +582,12 @@ class Executor(Blocks):
         offsets = [s.offset(axis) for axis in range(AXES)]
         ints: object = [
             s.motion, int(s.plane), int(s.absolute), self._frame(), self._state(), self._file, self._call,
-            s.feed_mode, 1, int(self.machine.controller.absolute_arc_centers), self._active_axes(),
+            s.feed_mode, 1, int(self.machine.controller.absolute_arc_centers), self._active_axes(), s.transform.kind,
         ]  # fmt: skip
-        floats: object = [s.unit, s.feed, *(p.value for p in s.position), *(o.value for o in offsets)]
+        floats: object = [
+            s.unit, s.feed, *(p.value for p in s.position), *(o.value for o in offsets), s.scale(0),
+            *s.transform.numbers,
+        ]  # fmt: skip
         form: object = [self.frames.form(p.form) for p in s.position]
         offset_form: object = [self.frames.form(o.form) for o in offsets]
         if compiled:

@@ -14,11 +14,16 @@ from typing import Any
 from gproof.ir.kernel import kernel
 
 # Layout of the integer state
-MOTION, PLANE, ABSOLUTE, FRAME, STATE, FILE, CALL, FEED_MODE, ENABLED, ARC_ABSOLUTE, ACTIVE_AXES = range(11)
-INT_STATE = 11
-# Layout of the float state: unit in mm, feed in mm/min, then positions and offsets
-UNIT, FEED, POSITION, OFFSET = 0, 1, 2, 8
-FLOAT_STATE = 14
+MOTION, PLANE, ABSOLUTE, FRAME, STATE, FILE, CALL, FEED_MODE, ENABLED, ARC_ABSOLUTE, ACTIVE_AXES, TURN_KIND = range(12)
+INT_STATE = 12
+# Layout of the float state: unit in mm, feed in mm/min, positions, offsets, mm in one unit of an X word, transform
+UNIT, FEED, POSITION, OFFSET, X_UNIT, TURN = 0, 1, 2, 8, 14, 15
+TURN_NUMBERS = 11
+FLOAT_STATE = TURN + TURN_NUMBERS
+
+# How program X and Y act on machine X and Y (passes/transform.py): not at all beyond an offset; each on its own
+# axis; each on the other's; both on both.
+TURN_NONE, TURN_SEPARATE, TURN_SWAPPED, TURN_MIXED = range(4)
 
 LARGEST = 1e12
 """As in ``line``: numbers up to here can not overflow in anything that is computed from them."""
@@ -50,6 +55,63 @@ def radius_center(x0: float, y0: float, x1: float, y1: float, radius: float, ccw
     # The center lies left of the chord for a short counter-clockwise arc.
     side = 1.0 if (ccw == 1) == (radius > 0.0) else -1.0
     return x0 + dx / 2.0 - side * height * dy / chord, y0 + dy / 2.0 + side * height * dx / chord, RADIUS_OK
+
+
+@kernel()
+def step_xy(dx: float, dy: float, numbers: Any, at: int) -> tuple[float, float]:
+    """A distance in program X and Y as one of the axes; numbers: a transform's, from ``at`` on."""
+    return numbers[at + 2] * dx + numbers[at + 3] * dy, numbers[at + 4] * dx + numbers[at + 5] * dy
+
+
+@kernel()
+def program_xy(
+    p0: float, p1: float, o0: float, o1: float, kind: int, numbers: Any, at: int
+) -> tuple[float, float]:  # fmt: skip
+    """Program X and Y of a place ``p`` under the offsets ``o``; numbers: a transform's, from ``at`` on."""
+    d0, d1 = p0 - o0 - numbers[at], p1 - o1 - numbers[at + 1]
+    if kind == TURN_SEPARATE:
+        return numbers[at] + numbers[at + 6] * d0, numbers[at + 1] + numbers[at + 9] * d1
+    if kind == TURN_SWAPPED:
+        return numbers[at] + numbers[at + 7] * d1, numbers[at + 1] + numbers[at + 8] * d0
+    return (
+        numbers[at] + (numbers[at + 6] * d0 + numbers[at + 7] * d1),
+        numbers[at + 1] + (numbers[at + 8] * d0 + numbers[at + 9] * d1),
+    )
+
+
+@kernel()
+def place_xy(
+    given: int, v0: float, v1: float, p0: float, p1: float, o0: float, o1: float, kind: int, numbers: Any, at: int
+) -> tuple[float, float]:  # fmt: skip
+    """Where the absolute X (bit 1 of ``given``) and Y (bit 2) words ``v`` send the axes from ``p``, offsets ``o``.
+
+    A coordinate that is not given stays what it is in the program; an axis on which no given word acts stays.
+    """
+    c0, c1 = numbers[at], numbers[at + 1]
+    if kind == TURN_SEPARATE:
+        if given & 1:
+            p0 = o0 + (c0 + numbers[at + 2] * (v0 - c0))
+        if given & 2:
+            p1 = o1 + (c1 + numbers[at + 5] * (v1 - c1))
+        return p0, p1
+    if kind == TURN_SWAPPED:
+        x, y = p0, p1
+        if given & 1:
+            y = o1 + (c1 + numbers[at + 4] * (v0 - c0))
+        if given & 2:
+            x = o0 + (c0 + numbers[at + 3] * (v1 - c1))
+        return x, y
+    if given == 0:
+        return p0, p1
+    w0, w1 = v0, v1
+    if given != 3:
+        w0, w1 = program_xy(p0, p1, o0, o1, kind, numbers, at)
+        if given & 1:
+            w0 = v0
+        else:
+            w1 = v1
+    d0, d1 = step_xy(w0 - c0, w1 - c1, numbers, at)
+    return o0 + (c0 + d0), o1 + (c1 + d1)
 
 
 @kernel(seconds_per_unit=3e-6, compile_seconds=1.5)
@@ -183,6 +245,10 @@ def run_lines(
                     changes = True
             if changes:
                 return word, row
+        turned = ints[TURN_KIND]
+        crossed = form[0] != offset_form[0] or form[1] != offset_form[1]
+        if turned != TURN_NONE and absolute and axes & 3 and crossed:
+            return word, row
         p0 = floats[POSITION]
         p1 = floats[POSITION + 1]
         p2 = floats[POSITION + 2]
@@ -191,7 +257,7 @@ def run_lines(
         p5 = floats[POSITION + 5]
         t0, t1, t2, t3, t4, t5 = p0, p1, p2, p3, p4, p5
         if axes & 1:
-            t0 = v0 * unit + (floats[OFFSET] if absolute else p0)
+            t0 = v0 * floats[X_UNIT] + (floats[OFFSET] if absolute else p0)
         if axes & 2:
             t1 = v1 * unit + (floats[OFFSET + 1] if absolute else p1)
         if axes & 4:
@@ -202,6 +268,16 @@ def run_lines(
             t4 = v4 + (floats[OFFSET + 4] if absolute else p4)
         if axes & 32:
             t5 = v5 + (floats[OFFSET + 5] if absolute else p5)
+        if turned != TURN_NONE and axes & 3:
+            w0 = v0 * floats[X_UNIT] if axes & 1 else 0.0
+            w1 = v1 * unit if axes & 2 else 0.0
+            if absolute:
+                t0, t1 = place_xy(
+                    axes & 3, w0, w1, p0, p1, floats[OFFSET], floats[OFFSET + 1], turned, floats, TURN
+                )  # fmt: skip
+            else:
+                w0, w1 = step_xy(w0, w1, floats, TURN)
+                t0, t1 = p0 + w0, p1 + w1
         if axes & 56:
             # Rounding is no motion: a rotary move beside it keeps its feed in degrees.
             if abs(t0 - p0) < 1e-9:
@@ -218,19 +294,23 @@ def run_lines(
             sense = 1 if motion == 4 else 0
             if ints[ARC_ABSOLUTE] == 1:
                 return word, row
+            # Of other planes, and of factors that make ellipses, the Python path tells what is wrong.
+            if turned != TURN_NONE and (flat != 1 or floats[TURN + 10] == 0.0):
+                return word, row
+            radius = vr * unit if turned == TURN_NONE else vr * unit * floats[TURN + 10]
             c0, c1, c2 = p0, p1, p2
             centered = seen & 448
             if seen & 512:
                 if centered:
                     return word, row
                 if flat == 1:
-                    c0, c1, bad = radius_center(p0, p1, t0, t1, vr * unit, sense)
+                    c0, c1, bad = radius_center(p0, p1, t0, t1, radius, sense)
                 elif flat == 2:
-                    c2, c0, bad = radius_center(p2, p0, t2, t0, vr * unit, sense)
+                    c2, c0, bad = radius_center(p2, p0, t2, t0, radius, sense)
                 else:
-                    c1, c2, bad = radius_center(p1, p2, t1, t2, vr * unit, sense)
+                    c1, c2, bad = radius_center(p1, p2, t1, t2, radius, sense)
                 # Nearly half or full circles get a warning: Python path, as errors do.
-                if bad != 0 or badly_conditioned(p0, p1, p2, t0, t1, t2, flat, vr * unit) == 1:
+                if bad != 0 or badly_conditioned(p0, p1, p2, t0, t1, t2, flat, radius) == 1:
                     return word, row
             elif flat == 1:
                 if centered == 0 or centered & 256:
@@ -239,6 +319,9 @@ def run_lines(
                     c0 = p0 + vi * unit
                 if seen & 128:
                     c1 = p1 + vj * unit
+                if turned != TURN_NONE:
+                    w0, w1 = step_xy(vi * unit if seen & 64 else 0.0, vj * unit if seen & 128 else 0.0, floats, TURN)
+                    c0, c1 = p0 + w0, p1 + w1
             elif flat == 2:
                 if centered == 0 or centered & 128:
                     return word, row

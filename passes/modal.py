@@ -13,6 +13,7 @@ from gproof.ir.rules import LanguageRules, ParameterRange
 from gproof.ir.setup import Interval, Setup
 from gproof.ir.trace import PathMode, Plane, State
 from gproof.passes.compensation import Compensation
+from gproof.passes.transform import NO_TRANSFORM
 from gproof.passes.values import NOWHERE, Position, Unknown, Value, between
 
 INCH = 25.4
@@ -78,6 +79,7 @@ class Modal:
         self.cycle: dict[str, float] = {}
         self.cycle_code = 0
         self.compensation: Compensation | None = None
+        self.transform = NO_TRANSFORM
 
     def _symbol(self, symbol: str) -> Position:
         """The stated exact value of a symbol, or the symbol itself."""
@@ -94,6 +96,8 @@ class Modal:
 
     def program_position(self, axis: int) -> Position:
         """The current point in program coordinates, mm."""
+        if axis < 2 and self.transform.on:
+            return self.in_program(self.position)[axis]
         return self.position[axis].minus(self.offset(axis))
 
     def programmed(self, axis: int) -> Position:
@@ -111,10 +115,25 @@ class Modal:
     @property
     def plain_motion(self) -> bool:
         """True where moves mean what ``run_lines`` makes of them."""
-        return self.compensation is None and not self.xz_mirrored
+        return self.compensation is None and not self.xz_mirrored and not self.transform_in_doubt
+
+    @property
+    def transform_in_doubt(self) -> bool:
+        """True where nobody knows what G68 or G51 make of X and Y, or will not as soon as they move."""
+        now = self.transform
+        return now.on and (bool(now.open) or now.origin != (self.offset(0), self.offset(1)))
+
+    def in_program(self, places: list[Position]) -> list[Position]:
+        """Machine positions of all axes in program coordinates, mm."""
+        found = [place.minus(self.offset(axis)) for axis, place in enumerate(places)]
+        if self.transform.on:
+            found[:2] = self.transform.program((places[0], places[1]), (self.offset(0), self.offset(1)))
+        return found
 
     def scale(self, axis: int) -> float:
-        """mm (or degrees) in one program unit of an axis."""
+        """mm (or degrees) in one program unit of an axis; X numbers may be diameters (2.1.14)."""
+        if axis == 0 and self.machine.controller.diameter_programming:
+            return self.unit * 0.5
         return self.unit if axis < 3 else 1.0
 
     def has_axis(self, axis: int) -> bool:
@@ -138,9 +157,8 @@ class Modal:
 
     def arc_tolerance(self) -> float:
         """mm by which the radii at start and end of an arc may differ, in the units that are active."""
-        if self.unit == INCH:
-            return self.rules.arc_tolerance_inch * INCH
-        return self.rules.arc_tolerance_mm
+        tolerance = self.rules.arc_tolerance_inch * INCH if self.unit == INCH else self.rules.arc_tolerance_mm
+        return tolerance * self.transform.arc_tolerance
 
     # -- numbered variables
 

@@ -16,6 +16,7 @@ from gproof.passes.cycles import AXES_OF_PLANE, CYCLES, run_cycle
 from gproof.passes.emitter import Emitter
 from gproof.passes.line import Line
 from gproof.passes.probing import run_probe
+from gproof.passes.transform_codes import check_arc, settle
 from gproof.passes.values import NOWHERE, Position, Unknown, Value, describe
 
 _OUT_OF_PLANE = {Plane.XY: "K", Plane.XZ: "J", Plane.YZ: "I"}
@@ -25,9 +26,31 @@ _CENTER_WORDS = {Plane.XY: ("I", "J"), Plane.XZ: ("I", "K"), Plane.YZ: ("J", "K"
 class Motion(Emitter):
     """Step 20 of the order of execution."""
 
-    def target(self, axis: int, value: Value) -> Position:
-        """Where an axis word sends its axis, in machine coordinates."""
+    def aim(self, line: Line, words: dict[int, Value] | None = None, *, machine: bool = False) -> list[Position]:
+        """Where axis words (those of the line) send the axes, in machine coordinates; machine: the words are such.
+
+        The words of a line go together: under a rotation each of X and Y moves both axes.
+        """
         s = self.modal
+        words = line.axes() if words is None else words
+        target = [s.programmed(axis) for axis in range(AXES)]
+        for axis, value in words.items():
+            if not machine:
+                target[axis] = self.target(axis, value)
+            elif isinstance(value, Unknown):
+                target[axis] = self._bounded(axis, value, Position(0.0))
+            else:
+                target[axis] = Position(value * s.scale(axis))
+        if not machine and s.transform.on and (0 in words or 1 in words):
+            settle(self, line.span)
+            target[0], target[1] = self._transformed(words.get(0), words.get(1))
+        return target
+
+    def target(self, axis: int, value: Value) -> Position:
+        """Where the word of one axis sends it; of X and Y nobody can say it for one alone while G68 or G51 is on."""
+        s = self.modal
+        if axis < 2 and s.transform.on:
+            return NOWHERE
         if isinstance(value, Unknown):
             return self._bounded(axis, value, None)
         origin = s.offset(axis) if s.absolute else s.programmed(axis)
@@ -42,6 +65,18 @@ class Motion(Emitter):
             origin = s.offset(axis) if s.absolute else s.programmed(axis)
         scale = s.scale(axis)
         return self.unknown_place("value", axis, (value.low * scale, value.high * scale), origin)
+
+    def _transformed(self, x: Value | None, y: Value | None) -> tuple[Position, Position]:
+        """Where X and Y words send their axes under G68 and G51."""
+        s = self.modal
+        words = (
+            x if x is None or isinstance(x, Unknown) else x * s.scale(0),
+            y if y is None or isinstance(y, Unknown) else y * s.scale(1),
+        )
+        at = s.programmed(0), s.programmed(1)
+        if s.absolute:
+            return s.transform.absolute(words, at, (s.offset(0), s.offset(1)))
+        return s.transform.incremental(words, at)
 
     def _motion(self, line: Line, rule: CodeRule) -> None:
         self._note_assumptions(line, rule)
@@ -61,17 +96,13 @@ class Motion(Emitter):
         self._set_motion(rule)
         if rule.function is not F.TRAVERSE:
             self.need_feed(line, rule)
-        target = [self.modal.programmed(axis) for axis in range(AXES)]
         for axis, value in line.axes().items():
             if isinstance(value, Unknown):
                 word = AXIS_NAMES[axis].upper()
-                if not value.bounded:
+                # Of a bounded value the position keeps the bounds, but not through a rotation.
+                if not value.bounded or (axis < 2 and machine is None and self.modal.transform.on):
                     self.findings.add(codes.UNKNOWN_VALUE.at(line.where(word), word=word, cause=value.cause))
-                target[axis] = self._bounded(axis, value, None if machine is None else Position(0.0))
-            elif machine is not None:
-                target[axis] = Position(value * self.modal.scale(axis))
-            else:
-                target[axis] = self.target(axis, value)
+        target = self.aim(line, machine=machine is not None)
         if rule.function in (F.ARC_CW, F.ARC_CCW):
             self._arc(line, rule, target)
         elif rule.function is F.PROBE:
@@ -93,6 +124,8 @@ class Motion(Emitter):
         stated = self.modal.stated
         if "units" not in stated:
             self.assumed["the job starts in millimetres (G21)"] = None
+        if self.machine.controller.diameter_programming:
+            self.assumed["every X number is a diameter, in G10, G53 and G92 and in #5001 and #5071 as well"] = None
         if "distance" not in stated:
             self.assumed["the job starts in absolute distances (G90)"] = None
         if "plane" not in stated and rule.function not in (F.TRAVERSE, F.FEED):
@@ -128,6 +161,7 @@ class Motion(Emitter):
         if radius is not None and center_words != (None, None):
             raise Refusal(codes.UNUSED_WORD.at(line.where("R"), word="R beside a centre"))
         turns = 1 if (rule.function is F.ARC_CCW) != s.xz_mirrored else -1
+        factor = check_arc(self, line)
         start = [s.programmed(first), s.programmed(second)]
         end = [target[first], target[second]]
         for a, b, name in zip(start, end, names, strict=True):
@@ -135,12 +169,14 @@ class Motion(Emitter):
             if difference.form:
                 raise Refusal(codes.ARC_UNKNOWN.at(line.span, cause=f"{name}: {describe(difference.form)}"))
         if radius is not None:
-            entry = compensated.entry_center(self, line, target, radius * s.unit, turns)
-            center = entry or self._radius_center(line, start, end, radius * s.unit, turns > 0)
+            entry = compensated.entry_center(self, line, target, radius * s.unit * factor, turns)
+            center = entry or self._radius_center(line, start, end, radius * s.unit * factor, turns > 0)
         elif self.machine.controller.absolute_arc_centers:
             center = self._absolute_center(line, center_words, (first, second), start)
         else:
             i, j = (0.0 if v is None else v * s.unit for v in center_words)
+            if s.transform.on:
+                i, j = s.transform.step(i, j)
             center = [start[0].value + i, start[1].value + j]
         if all(abs(a.value - b.value) < 1e-6 for a, b in zip(start, end, strict=True)):
             target[first], target[second] = start
@@ -183,10 +219,17 @@ class Motion(Emitter):
         start: list[Position],
     ) -> list[float]:
         center = []
-        for value, axis, at in zip(words, axes, start, strict=True):
-            if value is None:
-                raise Refusal(codes.ARC_UNKNOWN.at(line.span, cause="a centre word left out with absolute centres on"))
-            place = self.modal.offset(axis).moved(value * self.modal.scale(axis))
+        if None in words:
+            raise Refusal(codes.ARC_UNKNOWN.at(line.span, cause="a centre word left out with absolute centres on"))
+        if self.machine.controller.diameter_programming and axes[0] == 0 and words[0]:
+            raise Refusal(codes.ARC_UNKNOWN.at(line.span, cause="an absolute centre I with diameter programming"))
+        s = self.modal
+        i, j = (0.0 if word is None else word * s.scale(axis) for word, axis in zip(words, axes, strict=True))
+        offset = s.offset(axes[0]), s.offset(axes[1])
+        places = offset[0].moved(i), offset[1].moved(j)
+        if s.transform.on:
+            places = s.transform.absolute((i, j), (start[0], start[1]), offset)
+        for place, at in zip(places, start, strict=True):
             if place.form != at.form:
                 raise Refusal(codes.ARC_UNKNOWN.at(line.span, cause=describe(place.minus(at).form)))
             center.append(place.value)

@@ -71,8 +71,9 @@ def _record(ex: Motion, contact: list[Position], hit: Value) -> None:
     s = ex.modal
     s.probed, s.probe_hit = list(contact), hit
     work: list[Value] = []
+    places = s.in_program(contact)
     for axis in range(AXES):
-        place = contact[axis].minus(s.offset(axis))
+        place = places[axis]
         unit = s.scale(axis)
         value = s.plain(place, unit, 5061 + axis)
         if isinstance(value, Unknown):

@@ -46,7 +46,6 @@ _PASSED_OVER = ("GPIO", "CAMERA", "HANDWHEEL", "IO", "TRAFFIC", "LANGUAGE", "SAF
 """Beginnings of section names with nothing about positions: names of inputs, colours, the hand wheel."""
 
 _SWITCHES = {
-    ("INTERPRETER", "diameterprogramming"): "diameterProgramming",
     ("INTERPRETER", "is3dprinter"): "is3DPrinter",
 }
 """Switches that change what words mean and that gproof does not follow."""

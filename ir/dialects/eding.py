@@ -62,6 +62,10 @@ _SUPPORTED = (
     _g(61, F.EXACT_PATH, _PATH, "3.4.16"),
     _g(61.1, F.EXACT_STOP, _PATH, "3.4.16"),
     _g(64, F.CONTINUOUS, _PATH, "3.4.16"),
+    _g(50, F.SCALING_OFF, "", "3.4.13"),
+    _g(51, F.SCALING_ON, "", "3.4.13", axes=True),
+    _g(68, F.ROTATION_ON, _ROTATION, "3.4.18", axes=True),
+    _g(69, F.ROTATION_OFF, _ROTATION, "3.4.18"),
     _g(80, F.MOTION_CANCEL, _MOTION, "3.4.20"),
     _g(81, F.DRILL, _MOTION, "3.4.21.2", axes=True),
     _g(82, F.DRILL_DWELL, _MOTION, "3.4.21.3", axes=True),
@@ -103,8 +107,6 @@ _SUPPORTED = (
 # Codes of tables 3-4 and 3-6 and of the sections on M functions that gproof does not model yet.
 _UNSUPPORTED = (
     *(_g(n, F.UNSUPPORTED, _ONCE, "3.4.9", axes=True) for n in (33, 33.1)),
-    *(_g(n, F.UNSUPPORTED, "", "3.4.13", axes=True) for n in (50, 51)),
-    *(_g(n, F.UNSUPPORTED, _ROTATION, "3.4.18", axes=True) for n in (68, 69)),
     *(_g(n, F.UNSUPPORTED, _MOTION, "3.4.21", axes=True) for n in (74, 84, 87, 88)),
     _g(76, F.UNSUPPORTED, _MOTION, "3.4.19", axes=True),
     *(_g(n, F.UNSUPPORTED, "", "3.4.25") for n in (96, 97)),
@@ -153,6 +155,7 @@ _PARAMETERS = (
     _p(5211, 5216, "g92", "G92 offset", writable=False),
     _p(5220, 5220, "work_number", "active coordinate system", writable=False),
     *(_p(5221 + 20 * k, 5226 + 20 * k, "work", f"coordinate system {k + 1}", writable=False) for k in range(9)),
+    *(_p(5230 + 20 * k, 5230 + 20 * k, "other", "reserved for a rotation", writable=False) for k in range(8)),
     _p(5380, 5380, "simulation", "simulation mode", writable=False),
     _p(5390, 5396, "other", "spindle selection and offsets", writable=False),
     _p(5397, 5397, "rendering", "rendering", writable=False),

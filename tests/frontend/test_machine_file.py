@@ -63,6 +63,7 @@ interpolation_time = 0.005
 fifo_time = 0.5
 auto_tool_change = true
 absolute_arc_centers = true
+diameter_programming = true
 max_step_frequency = 125000
 spindle_ramp_time = 1.5
 
@@ -117,7 +118,7 @@ def test_every_key(tmp_path: Path) -> None:
     ]
     assert machine.controller == Controller(
         dialect="eding", laf_angle=3.0, interpolation_time=0.005, fifo_time=0.5, max_step_frequency=125000.0,
-        auto_tool_change=True, absolute_arc_centers=True, spindle_ramp_time=1.5,
+        auto_tool_change=True, absolute_arc_centers=True, diameter_programming=True, spindle_ramp_time=1.5,
     )  # fmt: skip
     assert machine.board == Board(name="bench", tick_frequency=20_000_000, step_pulse=1e-6, direction_setup=4e-6)
     assert (machine.name, machine.unit) == ("Mill", 1.0)
@@ -285,7 +286,8 @@ def test_a_controller_file_is_refined(tmp_path: Path) -> None:
     assert (a.name, a.kind) == ("a", AxisKind.ROTARY)
     assert [(t.number, t.length, t.diameter) for t in machine.tools] == [(1, 30.0, 12.7), (2, 5.0, None)]
     assert machine.controller.dialect == "eding"
-    assert machine.not_modelled == ("[INTERPRETER] diameterProgramming",)
+    assert machine.controller.diameter_programming
+    assert machine.not_modelled == ()
     assert machine.unknown_keys == (("cnc.ini", "[INTERPRETER] odd"),)
     assert (machine.name, machine.unit) == ("cnc.ini", 25.4)
     assert [Path(name).name for name, _ in files] == ["machine.toml", "cnc.ini"]
