@@ -11,9 +11,12 @@ from gproof.cli.main import UsageError
 from gproof.cli.report import print_findings
 from gproof.cli.session import Running, Session, open_session
 from gproof.ir.finding import Severity
+from gproof.ir.notes import Notes, joined
 from gproof.ir.program import BlockTable, If, Program, Statement, While
 from gproof.ir.text import print_lines
 from gproof.ir.verdict import Verdict
+
+PIECE_BYTES = 1 << 20
 
 
 def run_dump(
@@ -84,7 +87,7 @@ def _stages(session: Session, running: Running, stage: str) -> bool:
 
 
 def loaded(program: Program) -> Program:
-    """The program with the words of all its tables in it."""
+    """The program with the words of all its tables and the notes of all its files in it."""
 
     def body(nodes: tuple[Statement, ...]) -> tuple[Statement, ...]:
         return tuple(one(node) for node in nodes)
@@ -100,4 +103,13 @@ def loaded(program: Program) -> Program:
         return node
 
     subs = {name: dataclasses.replace(sub, body=body(sub.body)) for name, sub in program.subprograms.items()}
-    return dataclasses.replace(program, body=body(program.body), subprograms=subs)
+    files = [dataclasses.replace(file, notes=_notes(program, number)) for number, file in enumerate(program.files)]
+    return dataclasses.replace(program, files=files, body=body(program.body), subprograms=subs)
+
+
+def _notes(program: Program, file: int) -> Notes:
+    parts, begin, line = [], 0, 1
+    while line <= program.files[file].line_count:
+        notes, begin, line = program.load_notes(file, begin, line, PIECE_BYTES)
+        parts.append(notes)
+    return joined(parts)

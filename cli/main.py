@@ -177,6 +177,22 @@ def run(
 
 
 @cli.command()
+@click.argument("files", metavar="FILE...", nargs=-1, required=True, type=click.Path(path_type=Path, allow_dash=True))
+@click.option("--check", "only_check", is_flag=True, help="Write nothing; exit 1 when a file would change.")
+@click.option("--diff", is_flag=True, help="Write nothing; show what would change.")
+@click.option("--stdout", "to_stdout", is_flag=True, help="Print the formatted text; the file stays as it is.")
+@click.option("--dialect", type=click.Choice(_DIALECTS), help="Language; guessed when not given.")
+def fmt(files: tuple[Path, ...], only_check: bool, diff: bool, to_stdout: bool, dialect: str | None) -> int:
+    """Format programs in place; - reads standard input and prints.
+
+    Only the form changes, never the program: every formatted text is read again and compared before it is written.
+    """
+    from gproof.cli.fmt import run_fmt
+
+    return run_fmt(files, only_check=only_check, diff=diff, to_stdout=to_stdout, dialect=dialect)
+
+
+@cli.command()
 @click.argument("code")
 def explain(code: str) -> int:
     """Explain a finding, such as GP301."""

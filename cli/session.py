@@ -71,7 +71,7 @@ def open_session(job: Path, *, machine: Path | None, setup: str | None, dialect:
 
         require_file(machine, "machine file")
         the_machine = _loaded(load_machine(machine, findings), findings, inputs, "machine")
-    dialect, reason = _dialect(job, dialect, the_machine, machine)
+    dialect, reason = dialect_of(job, dialect, the_machine, machine)
     if setup == "zero":
         the_setup = ZERO
     elif setup is not None:
@@ -92,8 +92,13 @@ def open_session(job: Path, *, machine: Path | None, setup: str | None, dialect:
     )  # fmt: skip
 
 
-def _dialect(job: Path, given: str | None, machine: Machine, machine_file: Path | None) -> tuple[str, str]:
-    """The language and how it is known: the option, the machine file, else a guess from name and content."""
+def dialect_of(
+    job: Path, given: str | None, machine: Machine = NO_MACHINE, machine_file: Path | None = None
+) -> tuple[str, str]:
+    """The language and how it is known: the option, the machine file, else a guess from name and content.
+
+    UsageError for a language that this version does not read.
+    """
     from gproof.frontend.guess import guess_dialect
 
     if given is not None:

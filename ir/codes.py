@@ -282,6 +282,12 @@ BAD_VALUE = code(603, "bad-value", _E, "{key}: {what}", "files")
 MISSING_KEY = code(604, "missing-key", _E, "{key} is missing", "files")
 NOT_MODELLED_SETTING = code(605, "not-modelled-setting", _U, "{key} is set, and gproof does not model it", "limits")
 
+# 7xx printing and translation
+FORMAT_DIFFERS = code(
+    701, "format-differs", _E, "the formatted text would be another program: {what}; nothing was written", "printing"
+)
+NOT_PRINTABLE = code(702, "not-printable", _E, "the language has no text for {what}", "printing")
+
 # 8xx boards and certificates
 STREAM_POSITION = code(801, "stream-position", _E, "{what}", "stream")
 STREAM_ORDER = code(802, "stream-order", _E, "{what}", "stream")

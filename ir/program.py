@@ -15,6 +15,7 @@ import numpy as np
 
 from gproof.ir.columns import Column, Columns, Schema
 from gproof.ir.finding import Span
+from gproof.ir.notes import Annotate, Notes
 from gproof.ir.rules import DEVICES, LanguageRules
 
 WORD = Schema(
@@ -264,11 +265,19 @@ class Subprogram:
 
 @dataclass(slots=True, kw_only=True)
 class SourceFile:
-    """A file as read. name: as the user gave it; sha256: of ``data``; data: its bytes (may be a memory map)."""
+    """A file as read. name: as the user gave it; sha256: of ``data``; data: its bytes (may be a memory map).
+
+    line_count: its lines; newline: what ends the first of them; mark: it begins with a UTF-8 mark;
+    notes: what stands in its lines beside the program, when it was loaded (``Program.load_notes``), else None.
+    """
 
     name: str
     sha256: str
     data: bytes = field(default=b"", compare=False, repr=False)
+    line_count: int = 0
+    newline: str = "\n"
+    mark: bool = False
+    notes: Notes | None = None
 
 
 Scan = Callable[[bytes, int, int, int, int], tuple[Columns, int, int]]
@@ -291,6 +300,7 @@ class Program:
     overrides: dict[tuple[str, int], str] = field(default_factory=dict)
     line_count: int = 0
     scan: Scan | None = field(default=None, compare=False, repr=False)
+    annotate: Annotate | None = field(default=None, compare=False, repr=False)
 
     def load(self, table: BlockTable, begin: int, line: int, limit: int) -> tuple[Columns, int, int]:
         """Words of ``table`` from byte ``begin`` (which starts line ``line``), at most about ``limit`` bytes.
@@ -303,8 +313,24 @@ class Program:
             raise ValueError("this program has neither words nor a scanner for its tables")
         return self.scan(self.files[table.file].data, begin, table.end, line, limit)
 
+    def load_notes(self, file: int, begin: int, line: int, limit: int) -> tuple[Notes, int, int]:
+        """Notes of a file from byte ``begin`` (which starts line ``line``), of at most about ``limit`` bytes.
+
+        Returns (notes, byte and line where the next call goes on); begin with byte 0 and line 1, end behind line
+        ``line_count``. They are read when somebody asks, so that a program which is only executed costs nothing.
+        """
+        source = self.files[file]
+        if source.notes is not None:
+            return source.notes, len(source.data), source.line_count + 1
+        if self.annotate is None:
+            raise ValueError("this program has neither notes nor a way to read them")
+        return self.annotate(source.data, begin, line, limit)
+
     def verify(self) -> None:
         """Tables lie within their files and follow the order of lines; calls name subprograms."""
+        for source in self.files:
+            if source.notes is not None:
+                source.notes.verify()
         for sub in self.subprograms.values():
             if sub.name != sub.name.lower():
                 raise ValueError(f"subprogram name {sub.name!r} is not lower case")

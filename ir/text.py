@@ -2,7 +2,8 @@
 
 ``(Name field field ...)`` is a dataclass in field order; ``[...]`` a tuple or list; ``{k v ...}`` a dict;
 numbers print as Python's shortest exact form, rationals as ``n/d``, strings as JSON, enumerations as
-``Enum.MEMBER``; ``none true false``. A column table is ``(columns schema rows (name values ...) ...)``.
+``Enum.MEMBER``; bytes as ``b"..."``; ``none true false``. A column table is
+``(columns schema rows (name values ...) ...)``.
 ``print_ir`` and ``parse_ir`` know the types of ``ir/``, nothing else.
 """
 
@@ -28,12 +29,12 @@ WIDTH = 100
 @functools.cache
 def _registry() -> tuple[dict[str, type], dict[str, type[enum.Enum]], dict[str, Schema]]:
     """Dataclasses, enumerations and schemas of the IR modules, by name."""
-    from gproof.ir import finding, machine, plan, program, rules, setup, stream, trace, verdict
+    from gproof.ir import finding, machine, notes, plan, program, rules, setup, stream, trace, verdict
 
     classes: dict[str, type] = {}
     enums: dict[str, type[enum.Enum]] = {}
     schemas: dict[str, Schema] = {}
-    for module in (finding, machine, plan, program, rules, setup, stream, trace, verdict):
+    for module in (finding, machine, notes, plan, program, rules, setup, stream, trace, verdict):
         for name, value in vars(module).items():
             if isinstance(value, Schema):
                 schemas[value.name] = value
@@ -65,6 +66,8 @@ def _atom(value: Any) -> str | None:
         return f"{value.numerator}/{value.denominator}"
     if isinstance(value, str):
         return json.dumps(value)
+    if isinstance(value, bytes):
+        return "b" + json.dumps(value.decode("utf-8", "surrogateescape"))
     return None
 
 
@@ -156,7 +159,7 @@ def print_ir(value: Any) -> str:
     return "\n".join(_lines(value, "")) + "\n"
 
 
-_TOKEN = re.compile(r'\s+|;[^\n]*|([()\[\]{}])|("(?:[^"\\]|\\.)*")|([^\s()\[\]{};"]+)')
+_TOKEN = re.compile(r'\s+|;[^\n]*|([()\[\]{}])|(b?"(?:[^"\\]|\\.)*")|([^\s()\[\]{};"]+)')
 
 
 def _tokens(text: str) -> Iterator[str]:
@@ -250,6 +253,8 @@ def _as_field(value: Any, hint: Any) -> Any:
 def _read_atom(token: str) -> Any:
     if token[0] == '"':
         return json.loads(token)
+    if token.startswith('b"'):
+        return json.loads(token[1:]).encode("utf-8", "surrogateescape")
     named = {"none": None, "true": True, "false": False}
     if token in named:
         return named[token]

@@ -12,6 +12,7 @@ from collections.abc import Iterable
 from pathlib import Path
 
 from gproof.frontend.eding.build import STRUCTURAL, Structural
+from gproof.frontend.eding.notes import annotate
 from gproof.frontend.eding.prepare import LineError, decode, structure_of
 from gproof.frontend.eding.scan import LineIndex, index, scan
 from gproof.frontend.eding.shapes import Reader
@@ -38,7 +39,7 @@ def load_program(path: Path, findings: Findings, macro: Path | None = None) -> P
     macro: the macro file, instead of ``macro.cnc`` in the folder of ``path``. Mistakes go into ``findings``
     (GP101–GP124), one for each line; a line with a mistake is left out of the program.
     """
-    program = Program(dialect="eding", rules=rules_named("eding"), scan=scan)
+    program = Program(dialect="eding", rules=rules_named("eding"), scan=scan, annotate=annotate)
     loader = _Loader(program, findings)
     before = sum(findings.counts.values())
     try:
@@ -57,6 +58,24 @@ def load_program(path: Path, findings: Findings, macro: Path | None = None) -> P
     is_clean = sum(findings.counts.values()) == before
     if is_clean and not program.body and not loader.subprograms_in_job:
         findings.add(codes.EMPTY_PROGRAM.at(Span(str(path), 0)))
+    return program
+
+
+def load_alone(path: Path, findings: Findings, name: str = "") -> Program | None:
+    """One file as a program, without a macro file, to be printed again; None when it is refused.
+
+    Calls of subprograms that stand in other files are no mistakes here, nor is a file without a program.
+    name: of the file in findings, when it is not ``path``.
+    """
+    program = Program(dialect="eding", rules=rules_named("eding"), scan=scan, annotate=annotate)
+    loader = _Loader(program, findings)
+    try:
+        program.body = loader.load(path, name)
+    except Refusal as refusal:
+        findings.add(refusal.finding)
+        return None
+    program.subprograms = loader.assembler.subprograms
+    program.overrides = overrides_of(program.subprograms, program.rules)
     return program
 
 
@@ -84,14 +103,19 @@ class _Loader:
         self.held = 0
         self.subprograms_in_job = 0
 
-    def load(self, path: Path) -> tuple[Statement, ...]:
+    def load(self, path: Path, name: str = "") -> tuple[Statement, ...]:
         """Read a file; its statements outside subprograms."""
         source = read_source(path)
+        source.name = name or source.name
         number = len(self.program.files)
         self.program.files.append(source)
         limit = self.program.rules.line_length
         begin = len(UTF8_MARK) if source.data[:3] == UTF8_MARK else 0
         found = index(source.data, begin, limit)
+        source.mark = begin > 0
+        source.line_count = found.line_count
+        first_end = source.data.find(b"\n")
+        source.newline = "\r\n" if first_end > 0 and source.data[first_end - 1 : first_end] == b"\r" else "\n"
         self.program.line_count = self.program.line_count or found.line_count
         self.assembler.begin_file(source.name)
         self._lines(number, source, begin, found)

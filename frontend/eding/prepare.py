@@ -23,7 +23,7 @@ _WITH_NAMES = frozenset(
     " preparetandemhome moveslavetomaster movestavetomaster".split()
 )
 
-_PIECE = re.compile(
+PIECE = re.compile(
     r"""(?P<rest>;.*)
       | (?P<comment>\([^()]*\)) | (?P<open>\()
       | (?P<text>"[^"]*"|[“”„][^“”„]*[“”„]) | (?P<quote>["“”„])
@@ -75,14 +75,20 @@ class Line:
     comment: str
 
 
-def decode(raw: bytes) -> str:
-    """Text of a line: UTF-8, else Windows-1252 as the controller writes it, else Latin-1."""
+def encoding_of(raw: bytes) -> str:
+    """Of a line: UTF-8, else Windows-1252 as the controller writes it, else Latin-1."""
     for encoding in ("utf-8", "cp1252"):
         try:
-            return raw.decode(encoding)
+            raw.decode(encoding)
         except UnicodeDecodeError:
             continue
-    return raw.decode("latin-1")
+        return encoding
+    return "latin-1"
+
+
+def decode(raw: bytes) -> str:
+    """Text of a line, by ``encoding_of``."""
+    return raw.decode(encoding_of(raw))
 
 
 def prepare(text: str) -> Line:
@@ -98,7 +104,7 @@ def prepare(text: str) -> Line:
     places: list[int] = []
     comment = ""
     end = len(text)
-    for piece in _PIECE.finditer(text):
+    for piece in PIECE.finditer(text):
         kind, at = piece.lastgroup, piece.start()
         if kind == "blank" and at < keep_from:
             continue

@@ -189,9 +189,9 @@ class LineIndex:
 _ROOM = 4096
 
 
-def index(data: bytes, begin: int, limit: int) -> LineIndex:
-    """Find the lines of data[begin:] that are not plain; limit: characters that a line may have."""
-    end = len(data)
+def index(data: bytes, begin: int, limit: int, end: int | None = None) -> LineIndex:
+    """Find the lines of data[begin:end] that are not plain; limit: characters that a line may have."""
+    end = len(data) if end is None else end
     plain, compiled = _tables()
     run = k.index_lines.pick(end - begin)
     auto = plain if run is k.index_lines.python else compiled

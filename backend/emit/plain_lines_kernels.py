@@ -1,0 +1,209 @@
+"""Plain lines as text: words and notes of a table, merged line by line into one buffer of bytes."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from gproof.ir.kernel import kernel
+
+LINE_NUMBER = 1
+DELETE = 2
+MARK = 3
+COMMENT = 4
+REMARK = 5
+"""Kinds of notes; equal to those of ``ir/notes.py`` NoteKind."""
+
+FLAG_POINT = 1
+FLAG_DELETE = 2
+"""Flags of words; equal to those of ``ir/program.py``."""
+
+EXACT = 1e15
+"""Numbers of up to 15 digits: no two of them round to the same float64, and digits / power of ten gives it."""
+MOST_DECIMALS = 15
+
+
+@kernel(seconds_per_unit=6e-7, compile_seconds=0.5)
+def count_decimals(values: Any, powers: Any, decimals: Any) -> int:
+    """How many decimals the shortest text of each value has; -1 for those of more than 15 digits.
+
+    powers: 10**0 .. 10**15 as floats. Returns how many are -1.
+    """
+    hard = 0
+    for n in range(len(values)):
+        value = abs(values[n])
+        found = -1
+        d = 0
+        while d <= MOST_DECIMALS:
+            scaled = value * powers[d] + 0.5
+            if scaled >= EXACT:
+                break
+            digits = math.floor(scaled)
+            if digits / powers[d] == value:
+                found = d
+                break
+            d += 1
+        decimals[n] = found
+        if found < 0:
+            hard += 1
+    return hard
+
+
+@kernel(seconds_per_unit=4e-7, compile_seconds=2.0)
+def print_lines(
+    first: int,
+    last: int,
+    indent: int,
+    limit: int,
+    returns: int,
+    word_line: Any,
+    word_letter: Any,
+    word_flags: Any,
+    word_value: Any,
+    decimals: Any,
+    powers: Any,
+    hard_begin: Any,
+    hard_text: Any,
+    note_line: Any,
+    note_place: Any,
+    note_kind: Any,
+    note_column: Any,
+    note_begin: Any,
+    note_size: Any,
+    note_text: Any,
+    out: Any,
+    long_line: Any,
+    long_begin: Any,
+    long_end: Any,
+) -> tuple[int, int]:
+    """Print the lines first..last with their words and notes; a line with neither is empty.
+
+    indent: blanks before the first word or comment; returns: 1 for lines that end in CR LF;
+    decimals: of each word's number, or -1 - n where its text is hard_text[hard_begin[n]:hard_begin[n + 1]];
+    powers: 10**0 .. 10**15 as integers; out: room for everything; long_*: get number, begin and end in ``out`` of
+    the lines of more than ``limit`` bytes. Returns (bytes printed, long lines).
+    """
+    size = 0
+    longs = 0
+    w = 0
+    n = 0
+    words = len(word_line)
+    notes = len(note_line)
+    for line in range(first, last + 1):
+        start = size
+        place = 0
+        begun = False  # something stands in the line
+        slash = False  # the last thing is the slash
+        while True:
+            is_note = n < notes and note_line[n] == line
+            is_word = w < words and word_line[w] == line
+            if is_note and is_word and note_place[n] > place:
+                is_note = False
+            if not is_note and not is_word:
+                break
+            kind = int(note_kind[n]) if is_note else 0
+            if kind == DELETE and slash:
+                n += 1
+                continue
+            if is_note and (kind < LINE_NUMBER or kind > REMARK):
+                n += 1
+                continue
+            if not begun:
+                if kind != MARK:
+                    for _ in range(indent):
+                        out[size] = 32
+                        size += 1
+            elif not slash:
+                out[size] = 32
+                size += 1
+                if is_note and not is_word and place > 0:
+                    while size - start < note_column[n]:
+                        out[size] = 32
+                        size += 1
+            if kind == DELETE or (is_word and not begun and word_flags[w] & FLAG_DELETE):
+                out[size] = 47
+                size += 1
+                begun = True
+                slash = True
+                if kind == DELETE:
+                    n += 1
+                continue
+            begun = True
+            slash = False
+            if is_note:
+                if kind == LINE_NUMBER:
+                    out[size] = 78
+                    size += 1
+                elif kind == MARK:
+                    out[size] = 37
+                    size += 1
+                elif kind == COMMENT:
+                    out[size] = 40
+                    size += 1
+                else:
+                    out[size] = 59
+                    size += 1
+                at = int(note_begin[n])
+                for i in range(at, at + int(note_size[n])):
+                    out[size] = note_text[i]
+                    size += 1
+                if kind == COMMENT:
+                    out[size] = 41
+                    size += 1
+                n += 1
+                continue
+            out[size] = word_letter[w]
+            size += 1
+            d = int(decimals[w])
+            if d < 0:
+                for i in range(int(hard_begin[-1 - d]), int(hard_begin[-d])):
+                    out[size] = hard_text[i]
+                    size += 1
+            else:
+                value = word_value[w]
+                if math.copysign(1.0, value) < 0.0:
+                    out[size] = 45
+                    size += 1
+                    value = -value
+                power = int(powers[d])
+                digits = math.floor(value * power + 0.5)
+                whole = digits // power
+                rest = digits - whole * power
+                p = 1
+                k = 0
+                while k < MOST_DECIMALS and whole >= p * 10:
+                    p *= 10
+                    k += 1
+                while p > 0:
+                    digit = whole // p
+                    out[size] = 48 + digit
+                    size += 1
+                    whole -= digit * p
+                    p //= 10
+                if d > 0:
+                    out[size] = 46
+                    size += 1
+                    p = power // 10
+                    while p > 0:
+                        digit = rest // p
+                        out[size] = 48 + digit
+                        size += 1
+                        rest -= digit * p
+                        p //= 10
+                elif word_flags[w] & FLAG_POINT:
+                    out[size] = 46
+                    out[size + 1] = 48
+                    size += 2
+            w += 1
+            place += 1
+        if size - start > limit:
+            long_line[longs] = line
+            long_begin[longs] = start
+            long_end[longs] = size
+            longs += 1
+        if returns:
+            out[size] = 13
+            size += 1
+        out[size] = 10
+        size += 1
+    return size, longs

@@ -1,0 +1,189 @@
+"""``gproof fmt``: programs in one form. What it prints is read again and compared before anything is written."""
+
+from __future__ import annotations
+
+import filecmp
+import os
+import shutil
+import sys
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
+from itertools import zip_longest
+from pathlib import Path
+
+import click
+
+from gproof.backend.emit.eding import emit
+from gproof.cli.files import require_file
+from gproof.cli.main import UsageError
+from gproof.cli.report import print_findings
+from gproof.cli.session import dialect_of
+from gproof.frontend.eding.load import load_alone
+from gproof.ir import codes
+from gproof.ir.finding import Findings, Refusal, Severity, Span
+from gproof.ir.kernel import Kernel
+from gproof.ir.same import difference
+
+STANDARD_INPUT = Path("-")
+SECONDS_A_BYTE = 2e-6
+"""What reading, printing and reading again takes in plain Python for a byte of source."""
+CONTEXT = 3
+"""Lines around a change that ``--diff`` shows."""
+LONGEST_HUNK = 10_000
+
+
+def run_fmt(files: tuple[Path, ...], *, only_check: bool, diff: bool, to_stdout: bool, dialect: str | None) -> int:
+    """Format every file; exit 1 when one has mistakes, or with ``--check`` would change."""
+    _require(files, only_check=only_check, diff=diff, to_stdout=to_stdout, dialect=dialect)
+    to_stdout = to_stdout or (files == (STANDARD_INPUT,) and not (only_check or diff))
+    in_place = not (only_check or diff or to_stdout)
+    worst = 0
+    for path in dict.fromkeys(files):
+        with _source(path, dialect) as source, _scratch(source, in_place) as scratch:
+            name = str(path)
+            done = _format(source, scratch, name)
+            if not done:
+                click.echo(f"{name}: not formatted", err=True)
+                worst = 1
+                continue
+            changed = not filecmp.cmp(source, scratch, shallow=False)
+            if to_stdout:
+                _print_file(scratch)
+                continue
+            if diff and changed:
+                _print_diff(source, scratch, name)
+            if only_check and changed:
+                worst = 1
+            if in_place and changed:
+                shutil.copymode(source, scratch)
+                os.replace(scratch, os.path.realpath(source))
+            state = "unchanged" if not changed else "formatted" if in_place else "would be formatted"
+            click.echo(f"{name}: {state}", err=diff)
+    return worst
+
+
+def _require(files: tuple[Path, ...], *, only_check: bool, diff: bool, to_stdout: bool, dialect: str | None) -> None:
+    """UsageError, before anything is done, for what can not be read or written, and for options at odds."""
+    if to_stdout and (only_check or diff):
+        raise UsageError(f"--stdout prints the text, {'--check' if only_check else '--diff'} does not: choose one")
+    if STANDARD_INPUT in files and len(files) > 1:
+        raise UsageError("- stands for standard input and goes alone")
+    if to_stdout and len(files) > 1:
+        raise UsageError("--stdout prints one file")
+    for path in files:
+        if path == STANDARD_INPUT:
+            continue
+        require_file(path, "file")
+        dialect_of(path, dialect)
+        folder = Path(os.path.realpath(path)).parent
+        if not (only_check or diff or to_stdout) and not os.access(folder, os.W_OK):
+            raise UsageError(f"file {path}: the folder {folder} can not be written")
+
+
+@contextmanager
+def _source(path: Path, dialect: str | None) -> Iterator[Path]:
+    """The file to read: ``path``, or what standard input has, as a file."""
+    if path != STANDARD_INPUT:
+        yield path
+        return
+    with tempfile.TemporaryDirectory(prefix="gproof-") as folder:
+        copy = Path(folder) / "standard-input.cnc"
+        with copy.open("wb") as file:
+            shutil.copyfileobj(sys.stdin.buffer, file)
+        dialect_of(copy, dialect)
+        yield copy
+
+
+@contextmanager
+def _scratch(source: Path, in_place: bool) -> Iterator[Path]:
+    """A new file for the text, gone afterwards unless it was renamed; in the folder of ``source`` when in place."""
+    folder = os.path.dirname(os.path.realpath(source)) if in_place else None
+    handle, name = tempfile.mkstemp(prefix=".gproof-", suffix=".cnc", dir=folder)
+    os.close(handle)
+    try:
+        yield Path(name)
+    finally:
+        Path(name).unlink(missing_ok=True)
+
+
+def _format(source: Path, scratch: Path, name: str) -> bool:
+    """Print the formatted text of ``source`` into ``scratch``; False, with findings shown, when there is none."""
+    findings = Findings()
+    Kernel.forecast(source.stat().st_size * SECONDS_A_BYTE)
+    program = load_alone(source, findings, name)
+    if program is not None and not findings.has(Severity.ERROR):
+        try:
+            with scratch.open("wb") as file:
+                for piece in emit(program):
+                    file.write(piece)
+        except Refusal as refusal:
+            findings.add(refusal.finding)
+        else:
+            if filecmp.cmp(source, scratch, shallow=False):
+                return True
+            again_findings = Findings()
+            again = load_alone(scratch, again_findings, name)
+            if again is None or again_findings.has(Severity.ERROR):
+                what = next((f"{f.message} (line {f.span.line})" for f in again_findings.kept), "it can not be read")
+            else:
+                what = difference(program, again) or ""
+            if not what:
+                return True
+            findings.add(codes.FORMAT_DIFFERS.at(Span(name, 0), what=what))
+    print_findings(findings, err=True)
+    return False
+
+
+def _print_file(path: Path) -> None:
+    sys.stdout.flush()
+    with path.open("rb") as file:
+        while piece := file.read(1 << 20):
+            click.echo(piece, nl=False)
+
+
+def _print_diff(before: Path, after: Path, name: str) -> None:
+    """A unified diff; both files have the same number of lines, so line n is compared with line n."""
+    click.echo(f"--- {name}\n+++ {name} (formatted)")
+    hunk: list[tuple[bytes, bytes]] = []
+    changed, quiet = False, 0
+    number = 0
+    with before.open("rb") as old, after.open("rb") as new:
+        for number, pair in enumerate(zip_longest(old, new, fillvalue=b""), 1):
+            hunk.append(pair)
+            quiet = 0 if pair[0] != pair[1] else quiet + 1
+            changed = changed or quiet == 0
+            if not changed and len(hunk) > CONTEXT:
+                hunk.pop(0)
+            elif changed and (quiet > 2 * CONTEXT or len(hunk) >= LONGEST_HUNK):
+                keep = min(quiet, CONTEXT)
+                first = number - len(hunk) + 1
+                _print_hunk(hunk[: len(hunk) - quiet + keep], first)
+                hunk = hunk[len(hunk) - quiet + keep :][-CONTEXT:]
+                changed = False
+    if changed:
+        first = number - len(hunk) + 1
+        _print_hunk(hunk[: len(hunk) - max(0, quiet - CONTEXT)], first)
+
+
+def _print_hunk(hunk: list[tuple[bytes, bytes]], first: int) -> None:
+    click.echo(f"@@ -{first},{len(hunk)} +{first},{len(hunk)} @@")
+    at = 0
+    while at < len(hunk):
+        if hunk[at][0] == hunk[at][1]:
+            _print_diff_line(b" ", hunk[at][0])
+            at += 1
+            continue
+        stop = at
+        while stop < len(hunk) and hunk[stop][0] != hunk[stop][1]:
+            stop += 1
+        for left, _ in hunk[at:stop]:
+            _print_diff_line(b"-", left)
+        for _, right in hunk[at:stop]:
+            _print_diff_line(b"+", right)
+        at = stop
+
+
+def _print_diff_line(sign: bytes, text: bytes) -> None:
+    end = b"" if text.endswith(b"\n") else b"\n\\ No newline at end of file\n"
+    click.echo(sign + text + end, nl=False)
