@@ -30,7 +30,8 @@ SECONDS_A_BYTE = 2e-6
 """What reading, printing and reading again takes in plain Python for a byte of source."""
 CONTEXT = 3
 """Lines around a change that ``--diff`` shows."""
-LONGEST_HUNK = 10_000
+LONGEST_RUN = 1000
+"""Changed lines that ``--diff`` shows before their new forms."""
 
 
 def run_fmt(files: tuple[Path, ...], *, only_check: bool, diff: bool, to_stdout: bool, dialect: str | None) -> int:
@@ -145,43 +146,47 @@ def _print_file(path: Path) -> None:
 def _print_diff(before: Path, after: Path, name: str) -> None:
     """A unified diff; both files have the same number of lines, so line n is compared with line n."""
     click.echo(f"--- {name}\n+++ {name} (formatted)")
-    hunk: list[tuple[bytes, bytes]] = []
-    changed, quiet = False, 0
-    number = 0
     with before.open("rb") as old, after.open("rb") as new:
-        for number, pair in enumerate(zip_longest(old, new, fillvalue=b""), 1):
-            hunk.append(pair)
-            quiet = 0 if pair[0] != pair[1] else quiet + 1
-            changed = changed or quiet == 0
-            if not changed and len(hunk) > CONTEXT:
-                hunk.pop(0)
-            elif changed and (quiet > 2 * CONTEXT or len(hunk) >= LONGEST_HUNK):
-                keep = min(quiet, CONTEXT)
-                first = number - len(hunk) + 1
-                _print_hunk(hunk[: len(hunk) - quiet + keep], first)
-                hunk = hunk[len(hunk) - quiet + keep :][-CONTEXT:]
-                changed = False
-    if changed:
-        first = number - len(hunk) + 1
-        _print_hunk(hunk[: len(hunk) - max(0, quiet - CONTEXT)], first)
+        pairs = enumerate(zip_longest(old, new, fillvalue=b""), 1)
+        for first, last in _hunks(before, after):
+            count = last - first + 1
+            click.echo(f"@@ -{first},{count} +{first},{count} @@")
+            changed: list[tuple[bytes, bytes]] = []
+            for number, pair in pairs:
+                if number < first:
+                    continue
+                if pair[0] != pair[1]:
+                    changed.append(pair)
+                if pair[0] == pair[1] or number == last or len(changed) == LONGEST_RUN:
+                    _print_changed(changed)
+                    changed = []
+                if pair[0] == pair[1]:
+                    _print_diff_line(b" ", pair[0])
+                if number == last:
+                    break
 
 
-def _print_hunk(hunk: list[tuple[bytes, bytes]], first: int) -> None:
-    click.echo(f"@@ -{first},{len(hunk)} +{first},{len(hunk)} @@")
-    at = 0
-    while at < len(hunk):
-        if hunk[at][0] == hunk[at][1]:
-            _print_diff_line(b" ", hunk[at][0])
-            at += 1
-            continue
-        stop = at
-        while stop < len(hunk) and hunk[stop][0] != hunk[stop][1]:
-            stop += 1
-        for left, _ in hunk[at:stop]:
-            _print_diff_line(b"-", left)
-        for _, right in hunk[at:stop]:
-            _print_diff_line(b"+", right)
-        at = stop
+def _hunks(before: Path, after: Path) -> Iterator[tuple[int, int]]:
+    """First and last line of each place that changes, with the lines around it."""
+    first, last, number = 0, 0, 0
+    with before.open("rb") as old, after.open("rb") as new:
+        for number, (left, right) in enumerate(zip_longest(old, new, fillvalue=b""), 1):
+            if left == right:
+                continue
+            if last and number - CONTEXT > last + 1:
+                yield first, last
+                last = 0
+            first = first if last else max(1, number - CONTEXT)
+            last = number + CONTEXT
+    if last:
+        yield first, min(last, number)
+
+
+def _print_changed(pairs: list[tuple[bytes, bytes]]) -> None:
+    for left, _ in pairs:
+        _print_diff_line(b"-", left)
+    for _, right in pairs:
+        _print_diff_line(b"+", right)
 
 
 def _print_diff_line(sign: bytes, text: bytes) -> None:

@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 import pytest
 from frontend.test_random import random_bytes, random_program
+from frontend.test_tolerance import SAME
 from support import wild
 from support.goldens import ROOT
 
@@ -149,6 +150,23 @@ FORM = [
     ('ErrMsg “say "x"”', 'errmsg “say "x"”'),
     ('dlgmsg "T" name 100 “other” 101', 'dlgmsg "T" "name" 100 "other" 101'),
     ("TCAGuard OFF", "tcaguard off"),
+    ("Home X", "home x"),
+    ("HomeTandem Y", "hometandem y"),
+    ("PrepareTandemHome x", "preparetandemhome x"),
+    ("MoveStaveToMaster A", "moveslavetomaster a"),
+    ("HomeIsEstop ON", "homeisestop on"),
+    ("SP points.txt 1", 'sp "points.txt" 1'),
+    ("LogFile “log.txt” #3", 'logfile "log.txt" #3'),
+    ("SetLafAngle 2.50", "setlafangle 2.5"),
+    ("TanKnife ON -90", "tanknife on -90"),
+    ("tanknife off ; up", "tanknife off ; up"),
+    ("Tanknife B", "tanknife b"),
+    ("Tanknife LO", "tanknife lo"),
+    ("ZHCINIT [#1] [10.] 5", "zhcinit #1 10.0 5"),
+    ("zhcinit [-1] #2 [1+1]", "zhcinit [-1] #2 [1 + 1]"),
+    ("ZhcAddPoint (a)", "zhcaddpoint (a)"),
+    ("ZHCS table.txt", 'zhcs "table.txt"'),
+    ("%MX = 3", "%mx = 3"),
 ]
 
 
@@ -297,7 +315,7 @@ def test_the_trace_is_the_same(
 
 def test_a_parsed_dump_prints_the_same_text(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     for path in JOBS:
-        if path.stat().st_size > 60_000:
+        if path.stat().st_size > 30_000:
             continue
         program = read(tmp_path, path.read_bytes())
         if program is None:
@@ -322,6 +340,11 @@ def test_random_programs(tmp_path: Path, seed: int) -> None:
         formatted(tmp_path, wild.wild_program(rng))
         formatted(tmp_path, wild.mutated(rng, jobs))
         formatted(tmp_path, random_bytes(rng))
+
+
+def test_lines_as_people_write_them(tmp_path: Path) -> None:
+    texts = [formatted(tmp_path, line.encode()) for pair in SAME for line in pair]
+    assert sum(text is not None for text in texts) > 0.9 * len(texts)  # the rest opens or closes a block
 
 
 def test_random_expressions(tmp_path: Path) -> None:

@@ -1,0 +1,208 @@
+"""``gproof fmt`` from the command line: what is written, what is left alone, exit codes."""
+
+from __future__ import annotations
+
+import io
+import os
+import stat
+import subprocess
+import sys
+from pathlib import Path
+from types import SimpleNamespace
+
+import pytest
+
+from gproof.cli import fmt
+from gproof.cli.main import main
+
+UGLY = "g0x1\n#1=[1+2]\nif[#1==3]then\ng1x2.50       ; cut\nendif\nm30\n"
+NICE = "G0 X1\n#1 = [1 + 2]\nif [#1 == 3]\n  G1 X2.5     ; cut\nendif\nM30\n"
+WRONG = "G0 X\n"
+
+
+@pytest.fixture
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "ugly.cnc").write_text(UGLY)
+    (tmp_path / "nice.cnc").write_text(NICE)
+    (tmp_path / "wrong.cnc").write_text(WRONG)
+    return tmp_path
+
+
+@pytest.fixture
+def gproof(folder: Path, capsys: pytest.CaptureFixture[str]) -> object:
+    def run(*words: str) -> tuple[int, str, str]:
+        before = files(folder)
+        capsys.readouterr()
+        code = main(["fmt", *words])
+        captured = capsys.readouterr()
+        assert "Traceback" not in captured.out + captured.err
+        assert "internal error" not in captured.err
+        assert files(folder).keys() == before.keys(), "files were left behind"
+        if code == 3 or {"--check", "--diff", "--stdout", "-"} & set(words):
+            assert files(folder) == before
+        return code, captured.out, captured.err
+
+    return run
+
+
+def files(folder: Path) -> dict[str, bytes]:
+    return {str(p): p.read_bytes() for p in sorted(folder.rglob("*")) if p.is_file()}
+
+
+def test_files_are_formatted_in_place(folder: Path, gproof) -> None:
+    assert gproof("ugly.cnc", "nice.cnc") == (0, "ugly.cnc: formatted\nnice.cnc: unchanged\n", "")
+    assert (folder / "ugly.cnc").read_text() == NICE
+    assert gproof("ugly.cnc") == (0, "ugly.cnc: unchanged\n", "")
+
+
+def test_a_file_with_mistakes_is_left_alone(folder: Path, gproof) -> None:
+    code, out, err = gproof("wrong.cnc", "ugly.cnc")
+    assert (code, out) == (1, "ugly.cnc: formatted\n")
+    assert err.startswith("wrong.cnc:1:4: error GP108 [missing-value] X has no value\n")
+    assert err.endswith("wrong.cnc: not formatted\n")
+    assert (folder / "wrong.cnc").read_text() == WRONG
+
+
+def test_check_writes_nothing(gproof) -> None:
+    assert gproof("--check", "nice.cnc") == (0, "nice.cnc: unchanged\n", "")
+    assert gproof("--check", "nice.cnc", "ugly.cnc")[:2] == (
+        1,
+        "nice.cnc: unchanged\nugly.cnc: would be formatted\n",
+    )
+    assert gproof("--check", "wrong.cnc")[0] == 1
+
+
+def test_diff_is_a_patch(folder: Path, gproof) -> None:
+    code, out, err = gproof("--diff", "ugly.cnc", "nice.cnc")
+    assert (code, err) == (0, "ugly.cnc: would be formatted\nnice.cnc: unchanged\n")
+    assert out.startswith("--- ugly.cnc\n+++ ugly.cnc (formatted)\n@@ -1,6 +1,6 @@\n-g0x1\n")
+    assert gproof("--diff", "--check", "ugly.cnc")[:2] == (1, out)
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_a_patched_file_is_the_formatted_one(folder: Path, gproof, seed: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    import random
+
+    rng = random.Random(seed)
+    monkeypatch.setattr(fmt, "LONGEST_RUN", 3)
+    lines = [rng.choice(["G0 X1", "g0x1", "G1 X2 Y3", ""] if rng.random() < 0.3 else ["G0 X1"]) for _ in range(200)]
+    (folder / "long.cnc").write_text("\n".join(lines) + rng.choice(["", "\n"]))
+    _, patch, _ = gproof("--diff", "long.cnc")
+    (folder / "patched.cnc").write_bytes((folder / "long.cnc").read_bytes())
+    if patch:
+        subprocess.run(["patch", "-s", "patched.cnc"], input=patch.encode(), check=True)
+    gproof("long.cnc")
+    assert (folder / "patched.cnc").read_bytes() == (folder / "long.cnc").read_bytes()
+
+
+def test_stdout_and_standard_input(gproof, monkeypatch: pytest.MonkeyPatch) -> None:
+    assert gproof("--stdout", "ugly.cnc") == (0, NICE, "")
+    for text, expected in ((UGLY, NICE), ("", "")):
+        monkeypatch.setattr(sys, "stdin", SimpleNamespace(buffer=io.BytesIO(text.encode())))
+        assert gproof("-") == (0, expected, "")
+    monkeypatch.setattr(sys, "stdin", SimpleNamespace(buffer=io.BytesIO(WRONG.encode())))
+    code, out, err = gproof("-")
+    assert (code, out) == (1, "")
+    assert err.startswith("-:1:4: error GP108")
+    monkeypatch.setattr(sys, "stdin", SimpleNamespace(buffer=io.BytesIO(UGLY.encode())))
+    assert gproof("--check", "-") == (1, "-: would be formatted\n", "")
+
+
+@pytest.mark.parametrize(
+    ("words", "what"),
+    [
+        ([], "Missing argument"),
+        (["missing.cnc"], "missing.cnc: no such file"),
+        (["ugly.cnc", "missing.cnc"], "missing.cnc: no such file"),
+        (["."], "is a directory"),
+        (["--stdout", "ugly.cnc", "nice.cnc"], "one file"),
+        (["--stdout", "--check", "ugly.cnc"], "--check"),
+        (["--stdout", "--diff", "ugly.cnc"], "--diff"),
+        (["-", "ugly.cnc"], "goes alone"),
+        (["--dialect", "wincnc", "ugly.cnc"], "wincnc"),
+        (["--dialect", "heidenhain", "ugly.cnc"], "heidenhain"),
+        (["--indent", "8", "ugly.cnc"], "--indent"),
+    ],
+    ids=" ".join,
+)
+def test_arguments_that_make_no_sense(words: list[str], what: str, folder: Path, gproof) -> None:
+    code, out, err = gproof(*words)
+    assert (code, out) == (3, "")
+    assert err.count("\n") == 1
+    assert what in err
+
+
+@pytest.mark.skipif(os.geteuid() == 0, reason="root may write everywhere")
+def test_a_folder_that_can_not_be_written(folder: Path, gproof) -> None:
+    folder.chmod(0o500)
+    try:
+        assert gproof("ugly.cnc")[0] == 3
+    finally:
+        folder.chmod(0o700)
+
+
+def test_bytes_that_are_no_text(folder: Path, gproof) -> None:
+    (folder / "picture.cnc").write_bytes(b"\x89PNG\0\0")
+    code, out, err = gproof("picture.cnc")
+    assert (code, out) == (1, "")
+    assert "GP119" in err
+
+
+def test_permissions_and_links_are_kept(folder: Path, gproof) -> None:
+    (folder / "ugly.cnc").chmod(0o640)
+    (folder / "link.cnc").symlink_to("ugly.cnc")
+    assert gproof("link.cnc")[0] == 0
+    assert (folder / "link.cnc").is_symlink()
+    assert (folder / "ugly.cnc").read_text() == NICE
+    assert stat.S_IMODE((folder / "ugly.cnc").stat().st_mode) == 0o640
+
+
+def test_an_unchanged_file_is_not_touched(folder: Path, gproof) -> None:
+    os.utime(folder / "nice.cnc", (1, 1))
+    gproof("nice.cnc")
+    assert (folder / "nice.cnc").stat().st_mtime == 1
+
+
+def test_a_macro_file_and_a_job_that_calls_it(folder: Path, gproof) -> None:
+    (folder / "macro.cnc").write_text("sub Part\ngosub other_file\nendsub\n")
+    (folder / "job.cnc").write_text("GoSub Part\n")
+    assert gproof("macro.cnc", "job.cnc")[0] == 0
+    assert (folder / "macro.cnc").read_text() == "sub part\n  gosub other_file\nendsub\n"
+    assert (folder / "job.cnc").read_text() == "gosub part\n"
+
+
+@pytest.mark.parametrize(
+    ("broken", "what"),
+    [
+        (b"G0 X2\n", "1.0) and ('X', 2.0) (line 1)"),
+        (b"G0 Y\n", "Y has no value (line 1)"),
+        (b"", "line count: 6 and 0"),
+    ],
+)
+def test_a_text_that_differs_is_never_written(
+    folder: Path, gproof, monkeypatch: pytest.MonkeyPatch, broken: bytes, what: str
+) -> None:
+    """A printer with a defect: the comparison finds it, and the file stays."""
+    text = broken + NICE.encode().split(b"\n", 1)[1] if broken else b""
+    monkeypatch.setattr(fmt, "emit", lambda program: [text])
+    code, out, err = gproof("ugly.cnc")
+    assert (code, out) == (1, "")
+    assert "error GP701 [format-differs]" in err
+    assert what in err
+    assert (folder / "ugly.cnc").read_text() == UGLY
+
+
+def test_what_has_no_text_is_refused(folder: Path, gproof) -> None:
+    (folder / "deep.cnc").write_text("if [1]\n" * 110 + "endif\n" * 110)
+    code, out, err = gproof("deep.cnc")
+    assert (code, out) == (1, "")
+    assert "error GP702 [not-printable]" in err
+
+
+def test_a_disk_that_is_full(folder: Path, gproof, monkeypatch: pytest.MonkeyPatch) -> None:
+    def full(*_: object) -> None:
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(fmt, "emit", full)
+    assert gproof("ugly.cnc")[0] == 3
