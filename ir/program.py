@@ -131,6 +131,11 @@ class DeferredBlock(Block):
         keep(self, "_file", file)
         keep(self, "_line", line)
 
+    @property
+    def place(self) -> tuple[str, int]:
+        """File and line, without making the block."""
+        return self._file, self._line
+
     def made(self) -> Block:
         """The block itself."""
         block: Block = self._make(self._raw, self._file, self._line)

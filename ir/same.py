@@ -15,7 +15,7 @@ import numpy as np
 from gproof.ir.columns import Columns, concatenate
 from gproof.ir.finding import Span
 from gproof.ir.notes import Notes, joined
-from gproof.ir.program import WORD, BlockTable, Program
+from gproof.ir.program import WORD, BlockTable, DeferredBlock, Program
 
 PIECE_BYTES = 1 << 18
 _COMPARED = ("line", "letter", "flags")
@@ -51,6 +51,7 @@ class _Pair:
 
     def values(self, left: Any, right: Any) -> str | None:
         """The first difference of two values of the IR."""
+        left, right = (node.made() if isinstance(node, DeferredBlock) else node for node in (left, right))
         if type(left) is not type(right):
             return self._differs(f"{type(left).__name__} and {type(right).__name__}")
         if isinstance(left, Span):

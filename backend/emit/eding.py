@@ -23,6 +23,7 @@ from gproof.ir.program import (
     WORD,
     Block,
     BlockTable,
+    DeferredBlock,
     If,
     Message,
     Number,
@@ -82,6 +83,8 @@ class _Printer:
     def _is_here(self, node: Statement | Subprogram) -> bool:
         if isinstance(node, BlockTable):
             return node.file == self.file
+        if isinstance(node, DeferredBlock):
+            return node.place[0] == self.source.name
         return node.span.file == self.source.name
 
     def _body(self, nodes: list[Statement | Subprogram], depth: int) -> Iterator[bytes]:
@@ -90,6 +93,8 @@ class _Printer:
                 yield from self._node(node, depth, more)
 
     def _node(self, node: Statement | Subprogram, depth: int, message: Message | None) -> Iterator[bytes]:
+        if isinstance(node, DeferredBlock):
+            node = node.made()
         if isinstance(node, BlockTable):
             yield from self._gap(node.first_line, depth)
             yield from self._table(node, depth)
@@ -182,6 +187,8 @@ class _Printer:
 
 
 def _line(node: Statement | Subprogram) -> int:
+    if isinstance(node, DeferredBlock):
+        return node.place[1]
     return node.first_line if isinstance(node, BlockTable) else node.span.line
 
 
