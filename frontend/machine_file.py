@@ -14,12 +14,25 @@ from typing import Any
 from gproof.frontend.toml_table import MILLIMETRES, TomlFile, TomlTable
 from gproof.ir import codes
 from gproof.ir.finding import Findings
-from gproof.ir.machine import AXIS_NAMES, Area, Axis, AxisKind, Board, Controller, Machine, Tool
+from gproof.ir.machine import (
+    AXIS_NAMES,
+    Area,
+    Axis,
+    AxisKind,
+    Board,
+    Controller,
+    Knife,
+    Machine,
+    PitchTable,
+    Slave,
+    Tool,
+)
 
 SCHEMA = "gproof-machine/1"
 DIALECTS = ("eding", "wincnc", "mcuwin")
 HIGHEST_TOOL = 99
 DEEPEST_BASE = 8
+MOST_SLAVES = 5
 
 Files = list[tuple[str, str]]
 """(name, sha256) of the files that were read, in order."""
@@ -69,7 +82,11 @@ def _load_toml(path: Path, findings: Findings, depth: int) -> tuple[Machine | No
         tools=_tools(root, machine, unit),
         controller=_controller(root, machine.controller),
         board=_board(root, machine.board),
+        knife=_knife(root, machine.knife, unit),
+        **_given(kinematics=root.text("kinematics"), z_down_tool_length=root.number("z_down_tool_length", unit=unit)),
     )
+    if machine.kinematics != "trivial" and "kinematics" in root.values:
+        machine = replace(machine, not_modelled=(*machine.not_modelled, f"kinematics = {machine.kinematics}"))
     machine = _areas(root, machine, unit)
     root.finish()
     if file.errors:
@@ -105,8 +122,9 @@ def _axis(table: TomlTable, name: str, before: Axis | None, unit: Fraction) -> A
     kind = AxisKind(stated) if stated else before.kind if before else usual
     length = unit if kind is AxisKind.LINEAR else Fraction(1)
     steps = table.ratio("steps_per_unit")
+    before = before or Axis(name=name, kind=kind)
     axis = replace(
-        before or Axis(name=name, kind=kind),
+        before,
         kind=kind,
         **_given(
             steps_per_unit=None if steps is None else steps / length,
@@ -117,7 +135,11 @@ def _axis(table: TomlTable, name: str, before: Axis | None, unit: Fraction) -> A
             max_velocity=table.positive("max_velocity", unit=length),
             max_acceleration=table.positive("max_acceleration", unit=length),
             backlash=table.positive("backlash", unit=length, zero=True),
-            slaves=table.whole("slaves", 0, 5),
+            slaves=_slaves(table, length),
+            pitch=_pitch(table, length),
+            home_position=table.number("home_position", unit=length),
+            home_velocity=table.number("home_velocity", unit=length),
+            tip_feed=table.boolean("tip_feed"),
         ),
     )
     for low, high, keys in (
@@ -126,8 +148,84 @@ def _axis(table: TomlTable, name: str, before: Axis | None, unit: Fraction) -> A
     ):
         if low is not None and high is not None and low > high:
             table.bad(keys[0] if keys[0] in table.values else keys[1], f"{keys[0]} lies above {keys[1]}")
+    for slave in axis.slaves:
+        low = slave.lower if slave.lower is not None else axis.lower
+        high = slave.upper if slave.upper is not None else axis.upper
+        if low is not None and high is not None and low > high:
+            table.bad("slaves", "the lower limit of a motor lies above the upper one")
     table.finish()
     return axis
+
+
+def _slaves(table: TomlTable, length: Fraction) -> tuple[Slave, ...] | None:
+    """Further motors: their number, when they are all like the axis's own, or a table each."""
+    stated = table.values.get("slaves")
+    if not isinstance(stated, list):
+        number = table.whole("slaves", 0, MOST_SLAVES)
+        return None if number is None else tuple(Slave() for _ in range(number))
+    if len(stated) > MOST_SLAVES:
+        table.take("slaves")
+        table.bad("slaves", f"an axis has at most {MOST_SLAVES} further motors")
+        return None
+    found = []
+    for one in table.tables("slaves"):
+        steps = one.ratio("steps_per_unit")
+        found.append(
+            Slave(
+                joint=one.text("joint") or "",
+                steps_per_unit=None if steps is None else steps / length,
+                lower=one.number("min", unit=length),
+                upper=one.number("max", unit=length),
+                travel_lower=one.number("travel_min", unit=length),
+                travel_upper=one.number("travel_max", unit=length),
+                max_velocity=one.positive("max_velocity", unit=length),
+                max_acceleration=one.positive("max_acceleration", unit=length),
+                backlash=one.positive("backlash", unit=length, zero=True),
+                pitch=_pitch(one, length),
+                home_position=one.number("home_position", unit=length),
+                home_velocity=one.number("home_velocity", unit=length),
+            )
+        )
+        one.finish()
+    return tuple(found)
+
+
+def _pitch(table: TomlTable, length: Fraction) -> PitchTable | None:
+    """``pitch = [[machine, calibrated], ...]``."""
+    pairs = table.grid("pitch")
+    if pairs is None:
+        return None
+    if any(len(pair) != 2 for pair in pairs):
+        table.bad("pitch", "a pitch table has two positions in a row: machine, calibrated")
+        return None
+    found = PitchTable(
+        machine=tuple(float(pair[0] * length) for pair in pairs),
+        calibrated=tuple(float(pair[1] * length) for pair in pairs),
+    )
+    problem = found.problem()
+    if problem is not None:
+        table.bad("pitch", problem)
+        return None
+    return found
+
+
+def _knife(root: TomlTable, before: Knife | None, unit: Fraction) -> Knife | None:
+    """``[knife]``."""
+    table = root.table("knife")
+    if table is None:
+        return before
+    knife = replace(
+        before or Knife(),
+        **_given(
+            axis=table.text("axis", AXIS_NAMES[3:]),
+            angle=table.positive("angle", zero=True),
+            lift=table.positive("lift", unit=unit, zero=True),
+            blend_angle=table.positive("blend_angle", zero=True),
+            blend_distance=table.positive("blend_distance", unit=unit, zero=True),
+        ),
+    )
+    table.finish()
+    return knife
 
 
 def _tools(root: TomlTable, machine: Machine, unit: Fraction) -> tuple[Tool, ...]:
@@ -166,6 +264,11 @@ def _controller(root: TomlTable, before: Controller) -> Controller:
             xz_seen_from=table.text("xz_seen_from", ("+y", "-y")),
             diameter_programming=table.boolean("diameter_programming"),
             spindle_ramp_time=table.positive("spindle_ramp_time", zero=True),
+            macro_file=table.text("macro_file"),
+            homing_mandatory=table.boolean("homing_mandatory"),
+            safety_feed=table.positive("safety_feed", zero=True),
+            home_is_stop=table.boolean("home_is_stop"),
+            turning=table.boolean("turning"),
         ),
     )
     table.finish()

@@ -8,12 +8,13 @@ from __future__ import annotations
 from fractions import Fraction
 from pathlib import Path
 
+from gproof.frontend.height_map_file import read_height_map
 from gproof.frontend.machine_file import HIGHEST_TOOL, Files
 from gproof.frontend.toml_table import MILLIMETRES, TomlFile, TomlTable, small_number
 from gproof.ir.dialects import rules_named
 from gproof.ir.finding import Findings
 from gproof.ir.machine import AXIS_NAMES
-from gproof.ir.setup import Interval, Setup
+from gproof.ir.setup import Cylinder, Interval, Setup
 
 SCHEMA = "gproof-setup/1"
 COORDINATE_SYSTEMS = 9
@@ -36,6 +37,7 @@ def load_setup(path: Path, findings: Findings) -> tuple[Setup | None, Files]:
             lengths[number] = Interval(*length)
         table.finish()
     parameters, ranges = _parameters(root.table("parameters"))
+    height_map, more = read_height_map(root.table("height_map"), unit)
     setup = Setup(
         name=root.text("name") or path.name,
         homed=_homed(root),
@@ -49,9 +51,25 @@ def load_setup(path: Path, findings: Findings) -> tuple[Setup | None, Files]:
         tool=root.whole("tool", 0, HIGHEST_TOOL),
         block_delete=root.boolean("block_delete"),
         optional_stop=root.boolean("optional_stop"),
+        cylinder=_cylinder(root.table("cylinder"), unit),
+        height_map=height_map,
     )
     root.finish()
-    return (None if file.errors else setup), file.files
+    return (None if file.errors else setup), file.files + more
+
+
+def _cylinder(table: TomlTable | None, unit: Fraction) -> Cylinder | None:
+    """``[cylinder]``: Y is mapped onto A."""
+    if table is None:
+        return None
+    cylinder = Cylinder(
+        radius=table.positive("radius", unit=unit),
+        y=table.number("y", unit=unit),
+        z=table.number("z", unit=unit),
+        zero=table.number("zero", unit=unit),
+    )
+    table.finish()
+    return cylinder
 
 
 def _axes(table: TomlTable | None, unit: Fraction) -> dict[str, Interval]:

@@ -235,6 +235,31 @@ class TomlTable:
             return None
         return TomlTable(self.file, (*self.path, key), value)
 
+    def tables(self, key: str) -> list[TomlTable]:
+        """The tables of a list, ``[[key]]``."""
+        value = self.take(key)
+        if value is None:
+            return []
+        if not isinstance(value, list) or not all(isinstance(one, dict) for one in value):
+            self.bad(key, f"{show(value)} is not a list of tables")
+            return []
+        return [TomlTable(self.file, (*self.path, key), one) for one in value]
+
+    def grid(self, key: str) -> list[list[Fraction]] | None:
+        """A list of lists of numbers, exactly."""
+        value = self.take(key)
+        if value is None:
+            return None
+        rows: list[list[Fraction]] = []
+        for row in value if isinstance(value, list) else [None]:
+            exact = [exact_number(one) for one in row] if isinstance(row, list) else [None]
+            numbers = [one for one in exact if one is not None and abs(one) <= LARGEST]
+            if len(numbers) != len(exact):
+                self.bad(key, f"{show(row if isinstance(value, list) else value)} is not a list of numbers")
+                return None
+            rows.append(numbers)
+        return rows
+
     def numbered(self, key: str, low: int, high: int) -> list[tuple[int, TomlTable]]:
         """The tables ``[key.N]`` with N from low to high."""
         outer = self.table(key)

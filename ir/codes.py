@@ -208,6 +208,16 @@ TOOL_CHANGE_AREA_UNKNOWN = code(
 TOOL_CHANGE_AREA_GUARD_OFF = code(
     312, "tool-change-area-guard-off", _N, "the path enters the tool change area with its guard off", "areas"
 )
+MOTOR_LIMIT = code(
+    320,
+    "motor-limit",
+    _U,
+    "{axis} at {reached:.4f} {unit} is inside its {side} limit {limit:.4f}, but {what} may carry its motor past it",
+    "limits",
+)
+MAPPED_AXIS = code(321, "mapped-axis", _U, "Y is mapped onto A, and {what}", "limits")
+HEIGHT_MAP_UNKNOWN = code(322, "height-map-unknown", _U, "height compensation: {what}", "limits")
+KNIFE_UNKNOWN = code(323, "knife-unknown", _U, "tangential knife: {what}", "limits")
 
 # 4xx geometry
 ARC_RADIUS_MISMATCH = code(
@@ -274,6 +284,7 @@ STEP_FREQUENCY = code(
 )
 PLAN_NEEDS_NUMBERS = code(503, "plan-needs-numbers", _U, "steps need exact numbers: {cause}", "motion")
 NO_MOTOR_DATA = code(504, "no-motor-data", _U, "{axis} moves, but the machine file has no {missing} for it", "motion")
+NOT_STEPPED = code(520, "not-stepped", _U, "{what}, and gproof makes no steps for that", "motion")
 
 # 6xx files
 FILE_UNREADABLE = code(601, "file-unreadable", _E, "{what}", "files")

@@ -7,8 +7,11 @@ never zero.
 from __future__ import annotations
 
 import enum
+import itertools
+import math
 from dataclasses import dataclass, field
 from fractions import Fraction
+from typing import NamedTuple
 
 AXIS_NAMES = ("x", "y", "z", "a", "b", "c")
 AXES = len(AXIS_NAMES)
@@ -22,12 +25,75 @@ class AxisKind(enum.Enum):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class PitchTable:
+    """Where the axis really is when its motor is meant to be at a position (Eding manual 2.3).
+
+    machine: positions of the motor, mm or degrees; calibrated: what was measured there. Both rise; between points
+    the map is linear, beyond the first and last point the correction stays what it is there. An axis that is to be
+    at a calibrated position needs its motor at the machine position beside it. docs/kinematics.md has the readings.
+    """
+
+    machine: tuple[float, ...]
+    calibrated: tuple[float, ...]
+
+    def problem(self) -> str | None:
+        """What keeps the table from being a map that can be turned round."""
+        if len(self.machine) != len(self.calibrated) or len(self.machine) < 1:
+            return "a pitch table needs pairs of positions"
+        for name, column in (("machine", self.machine), ("calibrated", self.calibrated)):
+            if not all(math.isfinite(value) for value in column):
+                return f"a {name} position is not finite"
+            if any(not b > a for a, b in itertools.pairwise(column)):
+                return f"{name} positions must rise from line to line"
+        return None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Slave:
+    """A further motor of an axis (gantry, Eding manual 2.1.3, 2.10.3), in the axis's own units.
+
+    joint: the name of the output that it uses; None: as the axis's own motor has it. The axis may only go where,
+    and only as fast as, all its motors may.
+    """
+
+    joint: str = ""
+    steps_per_unit: Fraction | None = None
+    lower: float | None = None
+    upper: float | None = None
+    travel_lower: float | None = None
+    travel_upper: float | None = None
+    max_velocity: float | None = None
+    max_acceleration: float | None = None
+    backlash: float | None = None
+    pitch: PitchTable | None = None
+    home_position: float | None = None
+    home_velocity: float | None = None
+
+
+class Drive(NamedTuple):
+    """One motor of an axis with everything that bounds it; what a slave leaves open is the axis's."""
+
+    name: str
+    steps_per_unit: Fraction | None
+    lower: float | None
+    upper: float | None
+    travel_lower: float | None
+    travel_upper: float | None
+    max_velocity: float | None
+    max_acceleration: float | None
+    backlash: float
+    pitch: PitchTable | None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Axis:
     """One axis.
 
     steps_per_unit: exact, its sign is the motor's direction; lower, upper: soft limits;
     travel_lower, travel_upper: the physical end stops; velocity in unit/s, acceleration in unit/s2;
-    slaves: how many further motors follow this axis.
+    slaves: further motors that follow this axis; pitch: its motor's table; home_position: where the home sensor
+    is; home_velocity: unit/s towards it, its sign is the direction, 0: homed by hand; tip_feed: the feed is that of
+    the tool over the turning material (Eding 4THMILL), which gproof does not plan.
     """
 
     name: str
@@ -40,7 +106,11 @@ class Axis:
     max_velocity: float | None = None
     max_acceleration: float | None = None
     backlash: float = 0.0
-    slaves: int = 0
+    slaves: tuple[Slave, ...] = ()
+    pitch: PitchTable | None = None
+    home_position: float | None = None
+    home_velocity: float | None = None
+    tip_feed: bool = False
 
     @property
     def index(self) -> int:
@@ -51,6 +121,18 @@ class Axis:
     def unit(self) -> str:
         """``mm`` or ``deg``."""
         return "mm" if self.kind is AxisKind.LINEAR else "deg"
+
+    def drives(self) -> tuple[Drive, ...]:
+        """Its motors, the axis's own first, named X, X2, X3."""
+        own = Drive(
+            self.name.upper(), self.steps_per_unit, self.lower, self.upper, self.travel_lower, self.travel_upper,
+            self.max_velocity, self.max_acceleration, self.backlash, self.pitch,
+        )  # fmt: skip
+        found = [own]
+        for number, slave in enumerate(self.slaves, 2):
+            stated = {n: getattr(slave, n) for n in Drive._fields[1:] if getattr(slave, n) is not None}
+            found.append(own._replace(name=f"{own.name}{number}", **stated))
+        return tuple(found)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -73,11 +155,29 @@ class Tool:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class Knife:
+    """Tangential knife (Eding manual 2.1.9): an axis that turns about Z follows the direction of X-Y moves.
+
+    axis: its axis; angle: degrees between two moves up to which it turns without being lifted; lift: mm up before
+    it turns by more; blend_angle, blend_distance: a move that turns by less and is shorter (mm) turns it on the way.
+    """
+
+    axis: str = "c"
+    angle: float = 0.0
+    lift: float = 0.0
+    blend_angle: float = 0.0
+    blend_distance: float = 0.0
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Controller:
     """Settings of the controller that change what a job does.
 
     laf_angle: degrees within which successive segments pass without a stop; None: not stated.
-    interpolation_time, fifo_time: seconds. max_step_frequency: Hz.
+    interpolation_time, fifo_time: seconds. max_step_frequency: Hz. macro_file: name of the file of subprograms that
+    is loaded with each job, beside the machine file; None: the usual one. homing_mandatory: no job before homing;
+    safety_feed: mm/s at most while the safety input is active or the machine not homed; home_is_stop: a home
+    sensor stops the machine once it is homed; turning: a lathe, which starts in the X-Z plane.
     xz_seen_from: ``+y`` or ``-y``: from where the XZ plane is looked at by G2, G3, G41 and G42; None: not stated.
     """
 
@@ -91,6 +191,11 @@ class Controller:
     diameter_programming: bool = False
     xz_seen_from: str | None = None
     spindle_ramp_time: float = 0.0
+    macro_file: str | None = None
+    homing_mandatory: bool | None = None
+    safety_feed: float | None = None
+    home_is_stop: bool | None = None
+    turning: bool = False
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -108,7 +213,10 @@ class Machine:
     """A machine; ``axes`` holds those the machine has, in X Y Z A B C order.
 
     unit: mm in one length unit of the controller's own numbers (25.4 for a machine set up in inches);
-    not_modelled: settings that are on and that gproof can not follow; unknown_keys: (file, key).
+    kinematics: ``trivial``, or the name of another that gproof does not follow; z_down_tool_length: length of the
+    tool that touches the table with Z all the way down, mm;
+    not_modelled: settings that are on and that gproof can not follow; unknown_keys: (file, key);
+    kept: (name, text) of settings that are known and have no bearing on where the axes go.
     """
 
     name: str
@@ -121,6 +229,10 @@ class Machine:
     unit: float = 1.0
     not_modelled: tuple[str, ...] = ()
     unknown_keys: tuple[tuple[str, str], ...] = ()
+    kinematics: str = "trivial"
+    knife: Knife | None = None
+    z_down_tool_length: float | None = None
+    kept: tuple[tuple[str, str], ...] = ()
 
     def axis(self, name: str) -> Axis | None:
         """The axis of that name, or None."""
@@ -135,15 +247,19 @@ class Machine:
         order = [axis.index for axis in self.axes]
         if order != sorted(set(order)):
             raise ValueError("axes must be unique and in X Y Z A B C order")
-        for axis in self.axes:
-            for low, high in ((axis.lower, axis.upper), (axis.travel_lower, axis.travel_upper)):
+        for drive in (drive for axis in self.axes for drive in axis.drives()):
+            where = f"axis {drive.name.lower()}"
+            for low, high in ((drive.lower, drive.upper), (drive.travel_lower, drive.travel_upper)):
                 if low is not None and high is not None and low > high:
-                    raise ValueError(f"axis {axis.name}: lower limit {low} above upper limit {high}")
-            if axis.steps_per_unit == 0:
-                raise ValueError(f"axis {axis.name}: steps_per_unit is zero")
-            for rate in (axis.max_velocity, axis.max_acceleration):
+                    raise ValueError(f"{where}: lower limit {low} above upper limit {high}")
+            if drive.steps_per_unit == 0:
+                raise ValueError(f"{where}: steps_per_unit is zero")
+            for rate in (drive.max_velocity, drive.max_acceleration):
                 if rate is not None and not rate > 0:
-                    raise ValueError(f"axis {axis.name}: velocity and acceleration must be positive")
+                    raise ValueError(f"{where}: velocity and acceleration must be positive")
+            problem = drive.pitch.problem() if drive.pitch is not None else None
+            if problem is not None:
+                raise ValueError(f"{where}: {problem}")
 
 
 NO_MACHINE = Machine(

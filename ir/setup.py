@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field
 
 
@@ -19,6 +20,48 @@ class Interval:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class Cylinder:
+    """Y is mapped onto A: the surface of a cylinder as if it were the X-Y plane (Eding manual 2.2.5.4).
+
+    radius: mm; y, z: machine position of the axis of rotation; zero: machine Y at which A is 0. None: not stated.
+    """
+
+    radius: float | None = None
+    y: float | None = None
+    z: float | None = None
+    zero: float | None = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class HeightMap:
+    """Measured heights of a surface, to which Z is raised or lowered (Eding manual 2.2.5.5).
+
+    x, y: machine position of the first point; size: mm between points; heights: rows by rising Y, each by rising X,
+    mm. What is added to Z is the height, between points bilinear, less that of the first point; outside the
+    measured range nothing. name: of the file it came from; on: compensation is on when the job begins.
+    """
+
+    x: float
+    y: float
+    size: float
+    heights: tuple[tuple[float, ...], ...]
+    name: str = ""
+    on: bool = True
+
+    def problem(self) -> str | None:
+        """What keeps the heights from being a grid."""
+        if len(self.heights) < 2 or len(self.heights[0]) < 2:
+            return "a height map has at least 2 rows of 2 heights"
+        if any(len(row) != len(self.heights[0]) for row in self.heights):
+            return "the rows of a height map are of one length"
+        if not all(math.isfinite(value) for row in self.heights for value in row):
+            return "a height is not a finite number"
+        if not (math.isfinite(self.x) and math.isfinite(self.y) and self.size > 0 and math.isfinite(self.size)):
+            return "the grid's origin or size is not a usable number"
+        return None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Setup:
     """The stated part of the machine's state.
 
@@ -26,7 +69,8 @@ class Setup:
     g92: axis offsets; tool_lengths: by tool number; parameters: numbered variables in the
     controller's numbering; parameter_ranges: those that are only bounded, and what the operator or a measurement will
     put into them; default_*: what everything not listed is (None: unknown).
-    Offsets are mm or degrees; parameters are in the program's own numbers.
+    cylinder: Y is mapped onto A, for the whole job; height_map: measured and loaded. Offsets are mm or degrees;
+    parameters are in the program's own numbers.
     """
 
     name: str = "(none)"
@@ -44,6 +88,8 @@ class Setup:
     default_parameter: float | None = None
     block_delete: bool | None = None
     optional_stop: bool | None = None
+    cylinder: Cylinder | None = None
+    height_map: HeightMap | None = None
 
     def interval(self, symbol: str) -> Interval | None:
         """What is stated of a symbol such as ``start.x``, ``work.1.x``, ``g92.x``, ``tool.3.z``."""

@@ -131,6 +131,7 @@ class State:
     arc_tolerance: mm that start and end radius of an arc may differ; guards_off: names of guards that are off.
     compensation: of the cutter's radius, 0 off, else the tool left (+) or right (-) of the path in the right-handed
     pair of Plane 1 or 2, whose number it is; then ``arg`` of motion rows is the programmed point in that pair.
+    following: what the controller adds to the programmed path, see ``FOLLOWING``.
     """
 
     tool: int = -1
@@ -145,6 +146,7 @@ class State:
     compensation: int = 0
     arc_tolerance: float = 0.0
     guards_off: tuple[str, ...] = ()
+    following: tuple[str, ...] = ()
 
     def __eq__(self, other: object) -> bool:
         """Bit for bit: NaN, which stands for "not stated", equals itself."""
@@ -152,6 +154,15 @@ class State:
 
     def __hash__(self) -> int:
         return hash(repr(self))
+
+
+HEIGHT_MAP = "height_map"
+KNIFE = "knife"
+FOLLOWING = {
+    HEIGHT_MAP: "Z follows the setup's height map; rows have Z without it",
+    KNIFE: "an axis follows the direction of X-Y moves; rows have its positions",
+}
+"""What may stand in ``State.following``."""
 
 
 class Wait(enum.Enum):

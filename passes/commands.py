@@ -15,6 +15,7 @@ from gproof.ir.finding import Refusal
 from gproof.ir.machine import AXIS_NAMES
 from gproof.ir.program import Device, Text
 from gproof.ir.trace import Op, Wait
+from gproof.passes.devices import DEVICES
 from gproof.passes.expressions import describe_parts
 from gproof.passes.values import Position, Unknown
 
@@ -79,5 +80,6 @@ HANDLERS: dict[str, Handler] = {
     "home_is_stop": _note,
     "store_position": _note,
     "log_file": _note,
+    **DEVICES,
 }
 """What each command of ``rules.DEVICES`` does."""

@@ -69,13 +69,15 @@ def row_boxes(
     bad_row: Any,
     bad_axis: Any,
     bad_reach: Any,
+    added: Any,
 ) -> int:
     """Extents by frame and guard, and the rows beyond known limits.
 
     position: (6,) before the first row, updated; known: (frames, 6) 1 where the axis is known in that frame;
     lower, upper: (2, 6) limits with guard on and off, infinite where there are none; low, high:
     (2 * frames, 6) extents at 2 * frame + guard off, updated; low_row, high_row: rows of those extremes;
-    bad_*: the first offending (row, axis, reach). Returns the number of offences, which may exceed their size.
+    bad_*: the first offending (row, axis, reach); added: (n, 2) least and most that is added to Z in each row, or
+    (0, 2). Returns the number of offences, which may exceed their size.
     """
     bad = 0
     for row in range(len(op)):
@@ -99,6 +101,8 @@ def row_boxes(
                         least, most = min(least, cu + a), max(most, cu + b)
                     else:
                         least, most = min(least, cv + c), max(most, cv + d)
+            if axis == 2 and len(added) > 0:
+                least, most = least + added[row, 0], most + added[row, 1]
             if least < low[slot, axis]:
                 low[slot, axis] = least
                 low_row[slot, axis] = row

@@ -2,7 +2,9 @@
 
 An axis whose offset nobody stated gives a condition: the range of that offset for which the whole job fits.
 Limits: Eding CNC manual 2.1.3 (positive and negative limit), 4.2 (MCAGuard); the answer is a closed interval,
-positions on a limit are inside. With the guard off the physical travel decides.
+positions on a limit are inside. With the guard off the physical travel decides. What compensations add to an axis,
+and what mappings make of it, comes from ``reach`` and ``height_map``: inside a limit, but not certain to stay there
+with them, is GP320.
 """
 
 from __future__ import annotations
@@ -10,6 +12,7 @@ from __future__ import annotations
 import math
 
 import numpy as np
+import numpy.typing as npt
 
 from gproof.ir import codes
 from gproof.ir.finding import Findings, Severity, Span
@@ -19,7 +22,11 @@ from gproof.ir.trace import UNKNOWN, Affine, Chunk, Trace
 from gproof.ir.verdict import Condition, PropertyResult, Verdict
 from gproof.passes.check import Check, form_interval, row_span
 from gproof.passes.extent_kernels import row_boxes
+from gproof.passes.height_map import heights_of
+from gproof.passes.reach import Range, reach_of, reaches
 from gproof.passes.values import describe
+
+Floats = npt.NDArray[np.float64]
 
 ROUNDING = 1e-9
 """mm: what the arithmetic of an exact position may add; a position this far beyond is on the limit."""
@@ -60,19 +67,27 @@ class Limits(Check):
         self._high = np.full((2, AXES), -math.inf)
         self._low_span: dict[tuple[int, int], Span] = {}
         self._high_span: dict[tuple[int, int], Span] = {}
-        self._limits = self._limit_arrays()
+        self.reaches = reaches(machine, setup)
+        self._stated = self._limit_arrays(sure=False)
+        self._sure = self._limit_arrays(sure=True)
+        own = reach_of(machine, "y")
+        self._own_y: Range = (None, None) if own is None else own.sure[False]
+        self._told_mapping = False
+        self._heights = heights_of(setup.height_map)
+        self._plain = self._heights is None and all(reach.plain for reach in self.reaches.values())
         self._trace: Trace | None = None
         self._used = [False] * AXES
         self._errors = 0
         self._first: Span | None = None
         self._assumptions: list[str] = []
 
-    def _limit_arrays(self) -> tuple[np.ndarray, np.ndarray]:
+    def _limit_arrays(self, *, sure: bool) -> tuple[Floats, Floats]:
+        """(2, 6) with the guard on and off: what is past for certain, or what is not sure to be inside."""
         lower, upper = np.full((2, AXES), -math.inf), np.full((2, AXES), math.inf)
-        for axis in self.machine.axes:
-            for guard, (low, high) in enumerate(((axis.lower, axis.upper), (axis.travel_lower, axis.travel_upper))):
-                lower[guard, axis.index] = -math.inf if low is None else low - ROUNDING
-                upper[guard, axis.index] = math.inf if high is None else high + ROUNDING
+        for reach in self.reaches.values():
+            for guard, (low, high) in enumerate(reach.sure if sure else reach.stated):
+                lower[guard, reach.axis.index] = -math.inf if low is None else low - ROUNDING
+                upper[guard, reach.axis.index] = math.inf if high is None else high + ROUNDING
         return lower, upper
 
     def _grow(self, frames: int) -> None:
@@ -89,49 +104,139 @@ class Limits(Check):
             self._begin(chunk)
         if not len(rows):
             return
+        if self.setup.cylinder is not None:
+            self._mapping(chunk)
         self._grow(len(trace.frames))
         forms = [[form == () for form in frame] for frame in trace.frames]
         known = np.array(forms, dtype=np.uint8)
         guards = np.array(["machine_area" in s.guards_off for s in trace.states], dtype=np.int64)
+        count = self._walk(chunk, known, guards, self._stated, np.zeros((0, 2)))
+        self._errors += count
+        for n in range(min(count, _KEPT)):
+            self._beyond(trace, chunk, int(self._bad_row[n]), int(self._bad_axis[n]), float(self._bad_reach[n]))
+        hidden = count - _KEPT
+        if hidden > 0:
+            number = codes.SOFT_LIMIT.number
+            self.findings.counts[number] = self.findings.counts.get(number, 0) + hidden
+        if not self._plain:
+            self._compensated(chunk, known, guards)
+
+    def _walk(
+        self, chunk: Chunk, known: npt.NDArray[np.uint8], guards: npt.NDArray[np.int64], limits: tuple[Floats, Floats],
+        added: Floats,
+    ) -> int:  # fmt: skip
+        """Widen the extents by the chunk's rows; how many of them are beyond ``limits``."""
+        trace, rows = chunk.trace, chunk.rows
         low_row = np.full(self._low.shape, -1, dtype=np.int64)
         high_row = np.full(self._low.shape, -1, dtype=np.int64)
-        bad_row, bad_axis = np.zeros(_KEPT, dtype=np.int64), np.zeros(_KEPT, dtype=np.int64)
-        bad_reach = np.zeros(_KEPT)
-        position = np.array(chunk.start, dtype=np.float64)
+        self._bad_row, self._bad_axis = np.zeros(_KEPT, dtype=np.int64), np.zeros(_KEPT, dtype=np.int64)
+        self._bad_reach = np.zeros(_KEPT)
         count = row_boxes.pick(chunk.work)(
             rows["op"], rows["to"], rows["center"], rows["turns"], rows["plane"], rows["frame"], guards,
-            rows["state"], position, known, *self._limits, self._low, self._high, low_row, high_row,
-            bad_row, bad_axis, bad_reach,
+            rows["state"], np.array(chunk.start, dtype=np.float64), known, *limits, self._low, self._high, low_row,
+            high_row, self._bad_row, self._bad_axis, self._bad_reach, added,
         )  # fmt: skip
         for slot, axis in zip(*np.nonzero(low_row >= 0), strict=True):
             self._low_span[int(slot), int(axis)] = row_span(trace, rows, int(low_row[slot, axis]))
         for slot, axis in zip(*np.nonzero(high_row >= 0), strict=True):
             self._high_span[int(slot), int(axis)] = row_span(trace, rows, int(high_row[slot, axis]))
-        self._errors += int(count)
-        for n in range(min(int(count), _KEPT)):
-            self._beyond(trace, chunk, int(bad_row[n]), int(bad_axis[n]), float(bad_reach[n]))
-        hidden = int(count) - _KEPT
-        if hidden > 0:
-            number = codes.SOFT_LIMIT.number
-            self.findings.counts[number] = self.findings.counts.get(number, 0) + hidden
+        return int(count)
+
+    def _compensated(self, chunk: Chunk, known: npt.NDArray[np.uint8], guards: npt.NDArray[np.int64]) -> None:
+        """The same rows with what compensation may add to them."""
+        added = self._heights.spans(chunk, known) if self._heights is not None else np.zeros((0, 2))
+        for n in range(min(self._walk(chunk, known, guards, self._sure, added), _KEPT)):
+            row, index, reach = int(self._bad_row[n]), int(self._bad_axis[n]), float(self._bad_reach[n])
+            axis = self.reaches[AXIS_NAMES[index]]
+            off = "machine_area" in chunk.trace.states[int(chunk.rows["state"][row])].guards_off
+            (low, high), inner = axis.stated[off], axis.sure[off][0]
+            below = inner is not None and reach < inner
+            limit = low if below else high
+            assert limit is not None
+            span = 0.0 if index != 2 or not len(added) else float(added[row, 0 if below else 1])
+            plain = reach - span
+            if (limit - plain if below else plain - limit) > ROUNDING:
+                continue  # told already, as an error
+            if span and self._heights is not None and self._lifted_beyond(chunk, row, limit, below):
+                continue
+            what = " and ".join(w for w in (axis.what, "the height map" if span else "") if w)
+            self.findings.add(
+                codes.MOTOR_LIMIT.at(
+                    row_span(chunk.trace, chunk.rows, row), axis=AXIS_NAMES[index].upper(), reached=plain,
+                    unit=axis.axis.unit, side="lower" if below else "upper", limit=limit, what=what,
+                )
+            )  # fmt: skip
+
+    def _lifted_beyond(self, chunk: Chunk, row: int, limit: float, below: bool) -> bool:
+        """GP301 when the row's end, with the height that is known there, is past the limit for certain."""
+        assert self._heights is not None
+        x, y, z = (float(v) for v in chunk.rows["to"][row][:3])
+        reached = z + self._heights.at(x, y)
+        frame = chunk.trace.frames[int(chunk.rows["frame"][row])]
+        if frame[:3] != ((), (), ()) or (limit - reached if below else reached - limit) <= ROUNDING:
+            return False
+        self._errors += 1
+        self.findings.add(
+            codes.SOFT_LIMIT.at(
+                row_span(chunk.trace, chunk.rows, row), axis="Z", reached=reached, unit="mm",
+                over=abs(reached - limit), side="lower" if below else "upper", limit=limit,
+                hint=f"Z{z:.4f} and the height map",
+            )
+        )  # fmt: skip
+        return True
+
+    def _begin_mapping(self) -> None:
+        """GP321 for what a mapping of Y onto A needs and nobody stated."""
+        cylinder = self.setup.cylinder
+        assert cylinder is not None and self._first is not None
+        missing = [
+            what
+            for what, lacks in (
+                ("nobody stated the cylinder's radius", cylinder.radius is None),
+                ("nobody stated the Y of the axis of rotation", cylinder.y is None),
+                ("the machine has no axis A", "a" not in self.reaches),
+            )
+            if lacks
+        ]
+        if cylinder.y is not None:
+            low, high = self._own_y
+            if (low is not None and cylinder.y < low - ROUNDING) or (high is not None and cylinder.y > high + ROUNDING):
+                self._errors += 1
+                self.findings.add(codes.START_OUTSIDE_LIMITS.at(self._first, axis="Y", value=cylinder.y))
+        for what in missing:
+            self.findings.add(codes.MAPPED_AXIS.at(self._first, what=what))
+
+    def _mapping(self, chunk: Chunk) -> None:
+        """GP321 when the program turns A by itself while Y does."""
+        rows = chunk.rows
+        before, frames = chunk.starts()[:, 3], chunk.start_frames()
+        forms = [frame[3] for frame in chunk.trace.frames]
+        other = np.array([[a != b for b in forms] for a in forms], dtype=bool)
+        turns = (rows["op"] < 10) & ((rows["to"][:, 3] != before) | other[rows["frame"], frames])
+        if turns.any() and not self._told_mapping:
+            self._told_mapping = True
+            where = row_span(chunk.trace, rows, int(np.argmax(turns)))
+            self.findings.add(codes.MAPPED_AXIS.at(where, what="the program turns A itself"))
 
     def _begin(self, chunk: Chunk) -> None:
         self._start = chunk.start
         self._start_forms = chunk.trace.frames[chunk.start_frame]
         self._first = Span(chunk.trace.files[0], 0)
-        for axis in self.machine.axes:
+        if self.setup.cylinder is not None:
+            self._begin_mapping()
+        for reach in self.reaches.values():
+            axis, (low, high) = reach.axis, reach.stated[False]
             at, form = chunk.start[axis.index], self._start_forms[axis.index]
-            below = axis.lower is not None and at < axis.lower - ROUNDING
-            above = axis.upper is not None and at > axis.upper + ROUNDING
+            below = low is not None and at < low - ROUNDING
+            above = high is not None and at > high + ROUNDING
             if form == () and (below or above):
                 self.findings.add(codes.START_OUTSIDE_LIMITS.at(self._first, axis=axis.name.upper(), value=at))
                 self._errors += 1
 
     def _beyond(self, trace: Trace, chunk: Chunk, row: int, index: int, reach: float) -> None:
-        axis = self.machine.axis(AXIS_NAMES[index])
-        assert axis is not None
+        axis = self.reaches[AXIS_NAMES[index]].axis
         off = "machine_area" in trace.states[int(chunk.rows["state"][row])].guards_off
-        low, high = (axis.travel_lower, axis.travel_upper) if off else (axis.lower, axis.upper)
+        low, high = self.reaches[axis.name].stated[off]
         below = low is not None and reach < low
         limit = low if below else high
         assert limit is not None
@@ -174,7 +279,8 @@ class Limits(Check):
     def _judge_axis(self, index: int, offsets: dict[Affine, _Offset]) -> None:
         assert self._trace is not None and self._first is not None
         name = AXIS_NAMES[index]
-        axis = self.machine.axis(name)
+        known = self.reaches.get(name)
+        axis = None if known is None else known.axis
         told: set[bool] = set()
         for slot in range(len(self._low)):
             least, most = float(self._low[slot, index]), float(self._high[slot, index])
@@ -208,7 +314,7 @@ class Limits(Check):
         form, at = self._start_forms[index], float(self._start[index])
         if axis is not None and form not in ((), UNKNOWN):
             # The path begins at the start: what GP306 says of a stated one is a condition on an unknown one.
-            low, high = self._sides(axis, False)
+            low, high = self.reaches[axis.name].stated[False]
             room = -math.inf if low is None else low - at, math.inf if high is None else high - at
             offsets.setdefault(form, _Offset(axis)).within(room, at, at, self._first)
 
@@ -221,8 +327,9 @@ class Limits(Check):
         nobody stated the travel.
         """
         sides: list[float | None] = []
+        (lower, upper), (travel_lower, travel_upper) = self.reaches[axis.name].sure
         for side, reach, soft, travel, sign in (
-            ("lower", least, axis.lower, axis.travel_lower, -1.0), ("upper", most, axis.upper, axis.travel_upper, 1.0)
+            ("lower", least, lower, travel_lower, -1.0), ("upper", most, upper, travel_upper, 1.0)
         ):  # fmt: skip
             if form != ():
                 sides.append(soft if travel is None else travel)
@@ -255,10 +362,9 @@ class Limits(Check):
             )
         )  # fmt: skip
 
-    def _sides(self, axis: Axis | None, off: bool) -> tuple[float | None, float | None]:
-        if axis is None:
-            return None, None
-        return (axis.travel_lower, axis.travel_upper) if off else (axis.lower, axis.upper)
+    def _sides(self, axis: Axis | None, off: bool) -> Range:
+        """What the axis may surely use; with offsets unknown, what they may make it use."""
+        return (None, None) if axis is None else self.reaches[axis.name].sure[off]
 
     def _conditions(self, found: dict[Affine, _Offset]) -> tuple[Condition, ...]:
         """Conditions that the setup does not already meet; findings where it can not or need not."""

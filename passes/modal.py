@@ -11,7 +11,7 @@ from gproof.ir.finding import Refusal, Span
 from gproof.ir.machine import AXES, AXIS_NAMES, Machine
 from gproof.ir.rules import LanguageRules, ParameterRange
 from gproof.ir.setup import Interval, Setup
-from gproof.ir.trace import PathMode, Plane, State
+from gproof.ir.trace import HEIGHT_MAP, PathMode, Plane, State
 from gproof.passes.compensation import Compensation
 from gproof.passes.transform import NO_TRANSFORM
 from gproof.passes.values import NOWHERE, Position, Unknown, Value, between
@@ -30,6 +30,7 @@ class Modal:
 
     feed: mm/min as programmed in G94, 1/min in G93, mm/rev in G95; feed_unit: mm of the unit F was given in.
     motion: Function number of the active motion mode, 0 for none. work: 1..9, 0 while not stated.
+    following: see ``State``; height_map_known: the map in use is the setup's.
     """
 
     def __init__(self, rules: LanguageRules, setup: Setup, machine: Machine) -> None:
@@ -39,7 +40,7 @@ class Modal:
         self.axis_there = tuple(machine.axis(name) is not None for name in AXIS_NAMES)
         self.unit = 1.0
         self.absolute = True
-        self.plane = Plane.XY
+        self.plane = Plane.XZ if machine.controller.turning else Plane.XY
         self.motion = 0
         self.feed = 0.0
         self.feed_unit = 1.0
@@ -74,12 +75,15 @@ class Modal:
         self.probed_work: list[Value] = [Unknown(f"#{5061 + axis}") for axis in range(AXES)]
         self.probe_hit: Value = Unknown("#5067")
         self.rendering = False
-        self.height_map_on = False
         self.position = [self._symbol(f"start.{name}") for name in AXIS_NAMES]
         self.cycle: dict[str, float] = {}
         self.cycle_code = 0
         self.compensation: Compensation | None = None
         self.transform = NO_TRANSFORM
+        self.height_map_known = setup.height_map is not None
+        self.following: tuple[str, ...] = ()
+        if setup.height_map is not None and setup.height_map.on:
+            self.following = (HEIGHT_MAP,)
 
     def _symbol(self, symbol: str) -> Position:
         """The stated exact value of a symbol, or the symbol itself."""
@@ -153,6 +157,7 @@ class Modal:
             path_mode=self.path_mode, path_tolerance=self.path_tolerance, simplify=self.simplify,
             laf_angle=self.laf_angle, work=self.work, overrides=self.overrides, arc_tolerance=self.arc_tolerance(),
             guards_off=self.guards_off, compensation=0 if comp is None else comp.side * comp.plane,
+            following=self.following,
         )  # fmt: skip
 
     def arc_tolerance(self) -> float:
@@ -342,7 +347,7 @@ _SHOWN: dict[str, Callable[[Modal, int, int], Value]] = {
     "home_position": lambda m, n, k: _limit(m, n, k, "home_position"),
     "area_lower": lambda m, n, k: _area(m, n, k, 0),
     "area_upper": lambda m, n, k: _area(m, n, k, 1),
-    "height_map": lambda m, n, k: float(m.height_map_on),
+    "height_map": lambda m, n, k: float(HEIGHT_MAP in m.following),
     "g92": lambda m, n, k: m.plain(m.g92_stored[k], m.machine_unit(k), n),
     "work": lambda m, n, k: m.plain(m.work_offsets[(n - 5221) // 20 + 1, k], m.machine_unit(k), n),
     "work_number": lambda m, n, k: float(m.work) if m.work else Unknown("the active coordinate system"),

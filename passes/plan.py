@@ -23,6 +23,7 @@ from gproof.ir.plan import PLAN_ROW, Plan, PlanSection
 from gproof.ir.trace import Chunk, Frame, Op, PathMode, State, Trace, TraceSection, Wait
 from gproof.passes import plan_kernels as k
 from gproof.passes.check import row_span
+from gproof.passes.pitch import steepest
 from gproof.passes.values import describe
 
 assert (Op.TRAVERSE, Op.ARC, Op.PROBE, Op.DWELL) == (k.TRAVERSE, k.ARC, k.PROBE, k.DWELL)
@@ -57,12 +58,28 @@ def step_rate(machine: Machine) -> float:
 
 
 def allowed_velocity(axis: Axis, machine: Machine) -> float | None:
-    """unit/s: the axis's velocity, or less where its motor could not be stepped that fast."""
+    """unit/s: as fast as all motors of the axis may go, or less where one could not be stepped that fast.
+
+    Where a pitch table is steeper than 1, a motor goes faster than its axis.
+    """
     if axis.max_velocity is None:
         return None
-    if axis.steps_per_unit is None:
-        return axis.max_velocity
-    return min(axis.max_velocity, step_rate(machine) / abs(float(axis.steps_per_unit)))
+    allowed = [axis.max_velocity]
+    for drive in axis.drives():
+        steep = 1.0 if drive.pitch is None else steepest(drive.pitch)
+        if drive.max_velocity is not None:
+            allowed.append(drive.max_velocity / steep)
+        if drive.steps_per_unit is not None:
+            allowed.append(step_rate(machine) / abs(float(drive.steps_per_unit)) / steep)
+    return min(allowed)
+
+
+def allowed_acceleration(axis: Axis) -> float | None:
+    """unit/s2: what all motors of the axis can give it."""
+    if axis.max_acceleration is None:
+        return None
+    steep = {d.name: 1.0 if d.pitch is None else steepest(d.pitch) for d in axis.drives()}
+    return min(d.max_acceleration / steep[d.name] for d in axis.drives() if d.max_acceleration is not None)
 
 
 def _limits(machine: Machine) -> tuple[npt.NDArray[np.float64], list[str]]:
@@ -70,11 +87,11 @@ def _limits(machine: Machine) -> tuple[npt.NDArray[np.float64], list[str]]:
     limits = np.full((2, AXES), _NOT_LIMITED)
     missing = ["axis"] * AXES
     for axis in machine.axes:
-        velocity = allowed_velocity(axis, machine)
+        velocity, acceleration = allowed_velocity(axis, machine), allowed_acceleration(axis)
         if velocity is not None:
             limits[0, axis.index] = 1.0 / velocity
-        if axis.max_acceleration is not None:
-            limits[1, axis.index] = 1.0 / axis.max_acceleration
+        if acceleration is not None:
+            limits[1, axis.index] = 1.0 / acceleration
         absent = [("maximum velocity", velocity), ("maximum acceleration", axis.max_acceleration)]
         missing[axis.index] = " and no ".join(name for name, value in absent if value is None)
     return limits, missing
@@ -299,17 +316,19 @@ def _report_rates(machine: Machine, moved: set[str], where: Span, findings: Find
     """GP502 for axes whose greatest velocity asks for more steps a second than there may be."""
     for axis in machine.axes:
         allowed = allowed_velocity(axis, machine)
-        if axis.name not in moved or axis.steps_per_unit is None or axis.max_velocity is None or allowed is None:
+        if axis.name not in moved or allowed is None:
             continue
-        if allowed < axis.max_velocity:
-            rate = abs(float(axis.steps_per_unit))
-            findings.add(
-                codes.STEP_FREQUENCY.at(
-                    where, axis=axis.name.upper(), velocity=axis.max_velocity, unit=axis.unit,
-                    needed=axis.max_velocity * rate, allowed=step_rate(machine),
-                    hint=f"it is planned with {allowed:g} {axis.unit}/s",
-                )
-            )  # fmt: skip
+        for drive in axis.drives():
+            if drive.steps_per_unit is None or drive.max_velocity is None:
+                continue
+            needed = drive.max_velocity * abs(float(drive.steps_per_unit))
+            if needed > step_rate(machine):
+                findings.add(
+                    codes.STEP_FREQUENCY.at(
+                        where, axis=drive.name, velocity=drive.max_velocity, unit=axis.unit, needed=needed,
+                        allowed=step_rate(machine), hint=f"it is planned with {allowed:g} {axis.unit}/s",
+                    )
+                )  # fmt: skip
 
 
 def _judge(measure: _Measure, chunk: Chunk, findings: Findings) -> bool:

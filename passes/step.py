@@ -20,11 +20,11 @@ import numpy.typing as npt
 from gproof.ir import codes
 from gproof.ir.columns import Columns, concatenate
 from gproof.ir.finding import Findings, Refusal, Span
-from gproof.ir.machine import AXIS_NAMES, Axis, Machine
+from gproof.ir.machine import AXIS_NAMES, Axis, Drive, Machine, PitchTable
 from gproof.ir.plan import Plan, PlanSection
 from gproof.ir.setup import Setup
 from gproof.ir.stream import EVENT, RUN, Motor, StepStream, StreamSection
-from gproof.ir.trace import Op, Plane, Trace, TraceSection
+from gproof.ir.trace import HEIGHT_MAP, Op, Plane, Trace, TraceSection
 from gproof.passes import step_kernels as k
 from gproof.passes.check import row_span
 from gproof.passes.plan import shortest_interval
@@ -47,15 +47,38 @@ _ANY = 1 << 62
 
 
 def step(trace: Trace, plan: Plan, machine: Machine, setup: Setup, findings: Findings) -> StepStream | None:
-    """The planned job as a stream; None after a finding GP502, GP503 or GP504.
+    """The planned job as a stream; None after a finding GP502, GP503, GP504 or GP520.
 
-    setup: not needed while positions of the trace are exact; in the signature for machine states that are not.
+    setup: for what it switches on and only the checks follow (GP520).
     """
     try:
+        _refuse_what_has_no_steps(trace, machine, setup)
         return _Stepper(trace, plan, machine).stream()
     except Refusal as refusal:
         findings.add(refusal.finding)
         return None
+
+
+def _refuse_what_has_no_steps(trace: Trace, machine: Machine, setup: Setup) -> None:
+    """GP520 for what moves motors in ways that only the checks follow."""
+    if setup.cylinder is not None:
+        raise Refusal(codes.NOT_STEPPED.at(Span(trace.files[0], 0), what="Y is mapped onto A"))
+    lifted = np.array([HEIGHT_MAP in state.following for state in trace.states], dtype=bool)
+    turned = [axis for axis in machine.axes if axis.tip_feed]
+    for section in trace.sections:
+        rows = section.rows
+        moving = rows["op"] < Op.DWELL
+        found = moving & lifted[rows["state"]] if len(lifted) else np.zeros(len(rows), dtype=bool)
+        what = "Z follows a height map here"
+        for axis in turned:
+            if not found.any():
+                found = moving & (rows["to"][:, axis.index] != section.start[axis.index])
+                what = f"the feed of {axis.name.upper()} is that of the tool over the material"
+        if found.any():
+            raise Refusal(codes.NOT_STEPPED.at(row_span(trace, rows, int(np.argmax(found))), what=what))
+    for axis in machine.axes:
+        if any(drive.pitch is not None for drive in axis.drives()):
+            raise Refusal(codes.NOT_STEPPED.at(Span(trace.files[0], 0), what=f"{axis.name.upper()} has a pitch table"))
 
 
 def nearest_count(position: float, steps_per_unit: Fraction) -> int:
@@ -94,7 +117,7 @@ class _Stepper:
             rows, moving = section.rows, planned.rows["row"][planned.rows["length"] > 0]
             for index, name in enumerate(AXIS_NAMES):
                 axis = self.machine.axis(name)
-                if axis is not None and axis.steps_per_unit is not None:
+                if axis is not None and all(drive.steps_per_unit is not None for drive in axis.drives()):
                     continue
                 moves = (rows["to"][moving, index] != section.start[index]) | _in_plane(rows, moving, index)
                 if moves.any():
@@ -104,15 +127,14 @@ class _Stepper:
                             missing="axis" if axis is None else "steps per unit",
                         )
                     )  # fmt: skip
-        return [axis for axis in self.machine.axes if axis.steps_per_unit is not None]
+        return [axis for axis in self.machine.axes if all(d.steps_per_unit is not None for d in axis.drives())]
 
     def stream(self) -> StepStream:
         motors = []
         for axis in self.axes:
-            assert axis.steps_per_unit is not None
-            for n in range(1 + axis.slaves):
-                name = axis.name.upper() + (str(n + 1) if n else "")
-                motors.append(Motor(name=name, axis=axis.index, steps_per_unit=axis.steps_per_unit))
+            for drive in axis.drives():
+                assert drive.steps_per_unit is not None
+                motors.append(Motor(name=drive.name, axis=axis.index, steps_per_unit=drive.steps_per_unit))
         sections = [
             _Section(self, section, planned).walk()
             for section, planned in zip(self.trace.sections, self.plan.sections, strict=True)
@@ -174,7 +196,16 @@ class _Section:
     def walk(self) -> StreamSection:
         """All motion and events of the section."""
         stepper, f = self.stepper, self.stepper.frequency
-        motors = [_Steps(self, axis) for axis in stepper.axes]
+        places: list[int] = []
+        motors: list[_Steps] = []
+        for axis in stepper.axes:
+            alike: dict[tuple[Fraction | None, PitchTable | None], int] = {}
+            for drive in axis.drives():
+                # Motors of one axis that step alike are worked out once.
+                place = alike.setdefault((drive.steps_per_unit, drive.pitch), len(motors))
+                if place == len(motors):
+                    motors.append(_Steps(self, axis, drive))
+                places.append(place)
         loops = _Loops.pick(sum(motor.expected for motor in motors))
         for motor in motors:
             motor.loops = loops
@@ -197,14 +228,11 @@ class _Section:
             now, first = end, last
         for motor in motors:
             now = max(now, motor.settle(now))
-        start: list[int] = []
-        runs: list[Columns] = []
-        for motor, axis in zip(motors, stepper.axes, strict=True):
-            start += [motor.start] * (1 + axis.slaves)
-            runs += [motor.columns()] * (1 + axis.slaves)
+        columns = [motor.columns() for motor in motors]
         return StreamSection(
-            number=self.section.number, start=tuple(start), runs=tuple(runs), events=self._events(ticks), duration=now
-        )
+            number=self.section.number, start=tuple(motors[place].start for place in places),
+            runs=tuple(columns[place] for place in places), events=self._events(ticks), duration=now,
+        )  # fmt: skip
 
     def _wait(self, row: int) -> int:
         """Ticks of rest after an event: a dwell's time, a spindle's start or reversal."""
@@ -250,12 +278,13 @@ class _Loops(NamedTuple):
 class _Steps:
     """One motor in one section: its steps, then its runs."""
 
-    def __init__(self, section: _Section, axis: Axis) -> None:
+    def __init__(self, section: _Section, axis: Axis, drive: Drive) -> None:
         self.section = section
         self.stepper = section.stepper
         self.axis = axis
-        assert axis.steps_per_unit is not None
-        exact, index = axis.steps_per_unit, axis.index
+        self.drive = drive
+        assert drive.steps_per_unit is not None
+        exact, index = drive.steps_per_unit, axis.index
         self.rate = float(exact)
         ends = np.array([section.section.start[index], *section.ends[:, index], section.last[index]]) * self.rate
         far = np.flatnonzero(~(np.abs(ends) < _FARTHEST))
@@ -393,7 +422,7 @@ class _Steps:
         where = row_span(s.trace, self.section.rows, int(self.section.moving[at]))
         raise Refusal(
             codes.STEP_FREQUENCY.at(
-                where, axis=self.axis.name.upper(), velocity=needed / abs(self.rate), unit=self.axis.unit,
+                where, axis=self.drive.name, velocity=needed / abs(self.rate), unit=self.axis.unit,
                 needed=needed, allowed=s.frequency / s.near,
             )
         )  # fmt: skip

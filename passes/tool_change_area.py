@@ -15,10 +15,11 @@ from gproof.ir import codes
 from gproof.ir.finding import Findings, Severity, Span
 from gproof.ir.machine import AXIS_NAMES, Machine
 from gproof.ir.setup import Setup
-from gproof.ir.trace import UNKNOWN, Affine, Chunk, Op, Plane
+from gproof.ir.trace import HEIGHT_MAP, UNKNOWN, Affine, Chunk, Op, Plane
 from gproof.ir.verdict import Condition, PropertyResult, Verdict
 from gproof.passes.check import Check, form_interval, row_span
 from gproof.passes.extent_kernels import arc_extreme, row_boxes, rows_near
+from gproof.passes.height_map import heights_of
 from gproof.passes.values import describe
 
 RESOLUTION = 1e-6
@@ -36,12 +37,37 @@ class ToolChangeArea(Check):
     def __init__(self, machine: Machine, setup: Setup, findings: Findings) -> None:
         super().__init__(machine, setup, findings)
         self._area = machine.tool_change_area
+        self._heights = heights_of(setup.height_map)
+        self._box, self._inner = self._boxes()
         self._errors = 0
         self._low: dict[int, np.ndarray] = {}
         self._high: dict[int, np.ndarray] = {}
         self._symbolic: Span | None = None
         self._frames: list[tuple[Affine, ...]] = []
         self._given: dict[Affine, tuple[float, float]] = {}
+
+    def _boxes(self) -> tuple[Box, Box]:
+        """The area for programmed positions: outside the first nothing enters it, inside the second all does.
+
+        With Y mapped onto A the machine's Y stays where the axis of rotation is (Eding manual 2.2.5.4); a height map
+        lifts and lowers Z (2.2.5.5).
+        """
+        everywhere = (-math.inf, math.inf)
+        if self._area is None:
+            return (everywhere,) * 3, (everywhere,) * 3
+        x, y, z = self._area.box
+        outer, inner = z, z
+        if self._heights is not None:
+            low, high = self._heights.least(), self._heights.most()
+            outer, inner = (z[0] - high, z[1] - low), (z[0] - low, z[1] - high)
+        cylinder = self.setup.cylinder
+        if cylinder is not None:
+            if cylinder.y is not None and not y[0] < cylinder.y < y[1]:
+                self._area = None
+            if cylinder.y is None:
+                return (x, everywhere, outer), (x, (math.inf, -math.inf), inner)
+            y = everywhere
+        return (x, y, outer), (x, y, inner)
 
     def given(self, conditions: tuple[Condition, ...]) -> None:
         """Conditions that hold anyway (those of the limits), so that the answer does not contradict them."""
@@ -55,7 +81,7 @@ class ToolChangeArea(Check):
         self._frames = [frame[:3] for frame in chunk.trace.frames]
         self._trace = chunk.trace
         if all(known):
-            self._near(chunk, self._area.box)
+            self._near(chunk, self._box)
         else:
             self._collect(chunk, known)
 
@@ -72,13 +98,17 @@ class ToolChangeArea(Check):
 
     def _row(self, chunk: Chunk, row: int, box: Box) -> None:
         rows = chunk.rows
-        start = chunk.start if row == 0 else tuple(rows["to"][row - 1].tolist())
-        inside = enters(
-            (start[0], start[1], start[2]), _point(rows["to"][row]), box,
-            int(rows["op"][row]) == Op.ARC, _point(rows["center"][row]), int(rows["turns"][row]),
-            int(rows["plane"][row]),
-        )  # fmt: skip
+        state = chunk.trace.states[int(rows["state"][row])]
+        assert self.machine.tool_change_area is not None
+        plain = self.machine.tool_change_area.box[2]
+        lifted = HEIGHT_MAP in state.following
+        inside = self._enters(chunk, row, (box[0], box[1], box[2] if lifted else plain))
         if inside is None:
+            return
+        sure = (self._inner[0], self._inner[1], self._inner[2] if lifted else plain)
+        if sure != box and self._enters(chunk, row, sure) is None:
+            cause = "the height map" if sure[1] == box[1] else "where the axis of rotation of A is"
+            self.findings.add(codes.TOOL_CHANGE_AREA_UNKNOWN.at(row_span(chunk.trace, rows, row), cause=cause))
             return
         span = row_span(chunk.trace, rows, row)
         if "tool_change_area" in chunk.trace.states[int(rows["state"][row])].guards_off:
@@ -87,6 +117,15 @@ class ToolChangeArea(Check):
         self._errors += 1
         where = " ".join(f"{n.upper()}{v:.3f}" for n, v in zip(AXIS_NAMES, inside, strict=False))
         self.findings.add(codes.TOOL_CHANGE_AREA.at(span, where=where))
+
+    def _enters(self, chunk: Chunk, row: int, box: Box) -> Point | None:
+        rows = chunk.rows
+        start = chunk.start if row == 0 else tuple(rows["to"][row - 1].tolist())
+        return enters(
+            (start[0], start[1], start[2]), _point(rows["to"][row]), box,
+            int(rows["op"][row]) == Op.ARC, _point(rows["center"][row]), int(rows["turns"][row]),
+            int(rows["plane"][row]),
+        )  # fmt: skip
 
     def _collect(self, chunk: Chunk, known: list[bool]) -> None:
         """Rows in known frames exactly; extents by frame for the others."""
@@ -100,7 +139,7 @@ class ToolChangeArea(Check):
             rows["op"], rows["to"], rows["center"], rows["turns"], rows["plane"], rows["frame"], guards,
             rows["state"], np.array(chunk.start, dtype=np.float64), np.zeros((frames, 6), dtype=np.uint8),
             np.full((2, 6), -math.inf), np.full((2, 6), math.inf), low, high, index, index.copy(), none,
-            none, np.zeros(0),
+            none, np.zeros(0), np.zeros((0, 2)),
         )  # fmt: skip
         assert self._area is not None
         before, befores = chunk.start_frames(), chunk.starts()
@@ -108,7 +147,7 @@ class ToolChangeArea(Check):
         for row in np.flatnonzero(op < 10).tolist():
             here, was = int(rows["frame"][row]), int(before[row])
             if known[here] and known[was]:
-                self._row(chunk, row, self._area.box)
+                self._row(chunk, row, self._box)
             elif guards[rows["state"][row]] == 0:
                 self._widen(was, befores[row, :3], befores[row, :3])
         for frame in range(frames):
@@ -148,7 +187,9 @@ class ToolChangeArea(Check):
             verdict = Verdict.UNSAFE
         elif self.findings.has(Severity.UNKNOWN, (self.name,)):
             verdict = Verdict.UNKNOWN
-        assumptions = () if self._area is not None else ("the machine file names no tool change area",)
+        assumptions = (
+            () if self.machine.tool_change_area is not None else ("the machine file names no tool change area",)
+        )
         return PropertyResult(name=self.name, verdict=verdict, assumptions=assumptions, conditions=conditions)
 
     def _best_face(self) -> tuple[Condition, ...] | None:
@@ -165,9 +206,8 @@ class ToolChangeArea(Check):
         return None if best is None else best[1]
 
     def _face(self, axis: int, below: bool) -> tuple[Condition, ...] | None:
-        assert self._area is not None
-        face = self._area.box[axis][0 if below else 1]
-        limits = self.machine.axis(AXIS_NAMES[axis])
+        face = self._box[axis][0 if below else 1]
+        limits = self.machine.axis(AXIS_NAMES[axis]) if axis != 1 or self.setup.cylinder is None else None
         bounds: dict[Affine, list[float]] = {}
         for frame, low in self._low.items():
             form, high = self._frames[frame][axis], self._high[frame]

@@ -43,7 +43,7 @@ def validate(
     the runtime has retimed one of them.
     """
     collector = Collector()
-    if not _well_formed(stream, trace, machine, override, collector):
+    if not _well_formed(stream, trace, machine, setup, override, collector):
         collector.leave_open("the stream is malformed")
         return collector.report()
     times = _times(stream, machine, override)
@@ -59,7 +59,9 @@ def validate(
     return collector.report()
 
 
-def _well_formed(stream: StepStream, trace: Trace, machine: Machine, override: float, collector: Collector) -> bool:
+def _well_formed(
+    stream: StepStream, trace: Trace, machine: Machine, setup: Setup, override: float, collector: Collector
+) -> bool:
     span = Span(trace.files[0] if trace.files else "", 0)
     for part in (machine, trace):
         try:
@@ -71,7 +73,7 @@ def _well_formed(stream: StepStream, trace: Trace, machine: Machine, override: f
     if len(stream.sections) != len(trace.sections):
         problems.append(f"the stream has {len(stream.sections)} sections, the trace {len(trace.sections)}")
     if not problems:
-        problems = list(inputs.machine_problems(stream, trace, machine))
+        problems = [*inputs.machine_problems(stream, trace, machine), *inputs.unfollowed(trace, machine, setup)]
     for what in problems[:20]:
         collector.add(STREAM_MALFORMED.at(span, what=what))
     return not problems

@@ -20,11 +20,11 @@ from gproof.ir.codes import (
     STREAM_VELOCITY,
 )
 from gproof.ir.finding import Code
-from gproof.ir.machine import Axis, Machine
+from gproof.ir.machine import Axis, Drive, Machine
 from gproof.ir.stream import Motor, StepStream
 from gproof.ir.trace import Op, Plane, Trace
 from gproof.verify import stream_kernels as kernels
-from gproof.verify.stream_inputs import PAIRS, span_of
+from gproof.verify.stream_inputs import PAIRS, drives_of, span_of
 from gproof.verify.stream_report import Collector
 
 Floats = npt.NDArray[np.float64]
@@ -55,8 +55,10 @@ class _Place:
         self.kind, motor, self.tick, self.row = found
         self.motor: Motor | None = stream.motors[motor] if motor >= 0 else None
         self.axis: Axis | None = None
+        self.drive: Drive | None = None
         if self.motor is not None:
             self.axis = next(axis for axis in machine.axes if axis.index == stream.motors[motor].axis)
+            self.drive = drives_of(stream, machine)[motor]
         self.name = self.motor.name if self.motor is not None else ""
         self.a, self.b = numbers
         self.frequency = stream.tick_frequency
@@ -82,9 +84,9 @@ def _setup(p: _Place) -> str:
 
 
 def _speed(p: _Place) -> str:
-    assert p.axis is not None
+    assert p.axis is not None and p.drive is not None
     h = p.b * p.interpolation
-    limit = p.axis.max_velocity or math.inf
+    limit = p.drive.max_velocity or math.inf
     return (
         f"{p.name} makes {p.a:.0f} steps in {h * 1000:g} ms, {abs(p.a) / p.scale() / h:.3f} {p.axis.unit}/s; "
         f"{limit * h * p.scale() + 2:.1f} steps allowed at {limit:g} {p.axis.unit}/s"
@@ -92,9 +94,9 @@ def _speed(p: _Place) -> str:
 
 
 def _acceleration(p: _Place) -> str:
-    assert p.axis is not None
+    assert p.axis is not None and p.drive is not None
     h = p.b * p.interpolation
-    limit = p.axis.max_acceleration or math.inf
+    limit = p.drive.max_acceleration or math.inf
     allowed = limit * h * (h + 2 * p.interpolation) * p.scale() + 4
     return (
         f"{p.name} makes {p.a:+.0f} steps from one window of {h * 1000:g} ms to the next, "
@@ -108,13 +110,13 @@ def _feed(p: _Place) -> str:
 
 
 def _limit(p: _Place) -> str:
-    assert p.axis is not None
-    return f"{p.name} at {p.at(p.a)}; limits {p.axis.lower} to {p.axis.upper} {p.axis.unit}"
+    assert p.axis is not None and p.drive is not None
+    return f"{p.name} at {p.at(p.a)}; limits {p.drive.lower} to {p.drive.upper} {p.axis.unit}"
 
 
 def _travel(p: _Place) -> str:
-    assert p.axis is not None
-    return f"{p.name} at {p.at(p.a)}; travel {p.axis.travel_lower} to {p.axis.travel_upper} {p.axis.unit}"
+    assert p.axis is not None and p.drive is not None
+    return f"{p.name} at {p.at(p.a)}; travel {p.drive.travel_lower} to {p.drive.travel_upper} {p.axis.unit}"
 
 
 def _place(p: _Place) -> str:

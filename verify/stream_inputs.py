@@ -14,10 +14,10 @@ import numpy.typing as npt
 
 from gproof.ir.codes import STREAM_END, STREAM_EVENT, STREAM_MALFORMED
 from gproof.ir.finding import Span
-from gproof.ir.machine import AXES, AXIS_NAMES, Axis, Machine
+from gproof.ir.machine import AXES, AXIS_NAMES, Drive, Machine
 from gproof.ir.setup import Setup
 from gproof.ir.stream import EVENT, RUN, StepStream, StreamSection
-from gproof.ir.trace import TRACE_ROW, Op, Plane, Trace, TraceSection
+from gproof.ir.trace import HEIGHT_MAP, TRACE_ROW, Op, Plane, Trace, TraceSection
 from gproof.verify import stream_kernels as kernels
 from gproof.verify.stream_report import Collector
 
@@ -129,11 +129,12 @@ def machine_number_problems(machine: Machine, override: float) -> Iterator[str]:
     if not controller.interpolation_time * board.tick_frequency >= 1:
         yield f"interpolation time {controller.interpolation_time!r} is less than a tick"
     for axis in machine.axes:
-        for edge in (axis.lower, axis.upper, axis.travel_lower, axis.travel_upper):
-            if edge is not None and math.isnan(edge):
-                yield f"axis {axis.name}: a limit is not a number"
-        if not 0 <= axis.slaves <= AXES:
-            yield f"axis {axis.name}: {axis.slaves} slaves"
+        for drive in axis.drives():
+            for edge in (drive.lower, drive.upper, drive.travel_lower, drive.travel_upper):
+                if edge is not None and math.isnan(edge):
+                    yield f"axis {drive.name.lower()}: a limit is not a number"
+        if len(axis.slaves) > AXES:
+            yield f"axis {axis.name}: {len(axis.slaves)} slaves"
 
 
 def machine_problems(stream: StepStream, trace: Trace, machine: Machine) -> Iterator[str]:
@@ -145,24 +146,36 @@ def machine_problems(stream: StepStream, trace: Trace, machine: Machine) -> Iter
         )
     if len({motor.name for motor in stream.motors}) != len(stream.motors):
         yield f"two motors of one name: {', '.join(motor.name for motor in stream.motors)}"
-    by_index = {axis.index: axis for axis in machine.axes}
+    drives = {(axis.index, drive.name): drive for axis in machine.axes for drive in axis.drives()}
     for motor in stream.motors:
-        axis = by_index.get(motor.axis)
-        if axis is None:
-            yield f"motor {motor.name} drives axis {motor.axis}, which the machine does not have"
-        elif axis.steps_per_unit != motor.steps_per_unit:
+        drive = drives.get((motor.axis, motor.name))
+        if drive is None:
+            yield f"motor {motor.name} drives axis {motor.axis}: the machine has no such motor"
+        elif drive.steps_per_unit != motor.steps_per_unit:
             yield (
-                f"motor {motor.name} has {motor.steps_per_unit} steps per {axis.unit}, "
-                f"the machine's {axis.name} {axis.steps_per_unit}"
+                f"motor {motor.name} has {motor.steps_per_unit} steps per unit, "
+                f"the machine's {drive.name} {drive.steps_per_unit}"
             )
         elif not motor.steps_per_unit or abs(motor.steps_per_unit) > _FEW or abs(1 / motor.steps_per_unit) > _FEW:
-            yield f"motor {motor.name}: {motor.steps_per_unit} steps per {axis.unit}"
+            yield f"motor {motor.name}: {motor.steps_per_unit} steps per unit"
     for index, name in enumerate(AXIS_NAMES):
         found = sum(motor.axis == index for motor in stream.motors)
-        axis = by_index.get(index)
-        wanted = 1 + axis.slaves if axis is not None else 0
+        wanted = sum(axis == index for axis, _ in drives)
         if found != wanted and (found or any(moves(section, index) for section in trace.sections)):
             yield f"axis {name} has {found} motors in the stream, {wanted} on the machine"
+
+
+def unfollowed(trace: Trace, machine: Machine, setup: Setup) -> Iterator[str]:
+    """What moves motors in ways that this checker does not follow."""
+    if setup.cylinder is not None:
+        yield "Y is mapped onto A, and the motors follow another path than the trace"
+    if any(HEIGHT_MAP in state.following for state in trace.states):
+        yield "Z follows a height map, and its motor another path than the trace"
+    for axis in machine.axes:
+        if axis.tip_feed and any(moves(section, axis.index) for section in trace.sections):
+            yield f"the feed of axis {axis.name} is that of the tool over the material"
+        if any(drive.pitch is not None for drive in axis.drives()):
+            yield f"axis {axis.name} has a pitch table"
 
 
 def moves(section: TraceSection, axis: int) -> bool:
@@ -172,31 +185,31 @@ def moves(section: TraceSection, axis: int) -> bool:
 
 def motor_arrays(stream: StepStream, machine: Machine, grid: int, collector: Collector) -> kernels.Motors:
     """Limits in steps and window bounds; what the machine does not state is left open or assumed."""
-    axes = {axis.index: axis for axis in machine.axes}
+    drives = drives_of(stream, machine)
     count = len(stream.motors)
     low, high = np.full(count, -_LONG, np.int64), np.full(count, _LONG, np.int64)
     travel_low, travel_high = np.ones(count, np.int64), np.zeros(count, np.int64)
     speed, acceleration = np.full((3, count), np.inf), np.full((3, count), np.inf)
     base = grid / stream.tick_frequency
     for m, motor in enumerate(stream.motors):
-        axis = axes[motor.axis]
+        drive, name = drives[m], motor.name.lower()
         scale = float(abs(motor.steps_per_unit))
-        if axis.backlash:
-            collector.assume("stream-position", f"the backlash of {axis.name} is not made good")
-        low[m], high[m] = _limits(axis, axis.lower, axis.upper)
-        if None in (axis.lower, axis.upper):
-            collector.assume("stream-limit", f"axis {axis.name} needs no limit where the machine file states none")
-        if axis.travel_lower is not None and axis.travel_upper is not None:
-            travel_low[m], travel_high[m] = _limits(axis, axis.travel_lower, axis.travel_upper)
+        if drive.backlash:
+            collector.assume("stream-position", f"the backlash of {name} is not made good")
+        low[m], high[m] = _limits(motor.steps_per_unit, drive.lower, drive.upper)
+        if None in (drive.lower, drive.upper):
+            collector.assume("stream-limit", f"axis {name} needs no limit where the machine file states none")
+        if drive.travel_lower is not None and drive.travel_upper is not None:
+            travel_low[m], travel_high[m] = _limits(motor.steps_per_unit, drive.travel_lower, drive.travel_upper)
         for k, width in enumerate(kernels.SPANS):
             h = width * base
-            if axis.max_velocity is not None:
-                speed[k, m] = axis.max_velocity * h * scale + 2 + kernels.ROUNDING
-            if axis.max_acceleration is not None:
-                acceleration[k, m] = axis.max_acceleration * h * (h + 2 * base) * scale + 4 + kernels.ROUNDING
-        for name, value in (("velocity", axis.max_velocity), ("acceleration", axis.max_acceleration)):
+            if drive.max_velocity is not None:
+                speed[k, m] = drive.max_velocity * h * scale + 2 + kernels.ROUNDING
+            if drive.max_acceleration is not None:
+                acceleration[k, m] = drive.max_acceleration * h * (h + 2 * base) * scale + 4 + kernels.ROUNDING
+        for what, value in (("velocity", drive.max_velocity), ("acceleration", drive.max_acceleration)):
             if value is None:
-                collector.leave_open(f"the machine file states no {name} for {axis.name}", f"stream-{name}")
+                collector.leave_open(f"the machine file states no {what} for {name}", f"stream-{what}")
     return kernels.Motors(
         axis=np.array([motor.axis for motor in stream.motors], np.int64),
         spu=np.array([float(motor.steps_per_unit) for motor in stream.motors], np.float64),
@@ -209,10 +222,14 @@ def motor_arrays(stream: StepStream, machine: Machine, grid: int, collector: Col
     )
 
 
-def _limits(axis: Axis, lower: float | None, upper: float | None) -> tuple[int, int]:
+def drives_of(stream: StepStream, machine: Machine) -> list[Drive]:
+    """The machine's motor for each motor of a well-formed stream."""
+    drives = {(axis.index, drive.name): drive for axis in machine.axes for drive in axis.drives()}
+    return [drives[motor.axis, motor.name] for motor in stream.motors]
+
+
+def _limits(spu: Fraction, lower: float | None, upper: float | None) -> tuple[int, int]:
     """Whole steps from limit to limit: a limit's own nearest step still belongs to it, either one at a tie."""
-    spu = axis.steps_per_unit
-    assert spu is not None
     edges = [None if edge is None or math.isinf(edge) else Fraction(edge) * spu for edge in (lower, upper)]
     first, last = edges if spu > 0 else edges[::-1]
     half = Fraction(1, 2) + _TOUCH

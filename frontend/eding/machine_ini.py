@@ -1,158 +1,109 @@
-"""The controller's own machine file, ``cnc.ini``: sections of ``key = value`` lines.
+"""The controller's own machine file, ``cnc.ini``: sections of ``key = value`` lines, and the tables beside it.
 
-Source: Eding CNC manual 4.01, 2.1 (what the settings mean), 2.3 (pitch compensation), 2.1.11 and 2.1.14 (keys
-that are only in the file). Keys that have nothing to do with positions are known and passed over; a key or
-section that is not known at all is a warning (GP602), a setting that is on and that gproof can not follow goes
-into ``Machine.not_modelled``.
+Source: Eding CNC manual 4.01, 2.1 (what the settings mean), 2.3 and 2.4 (tables), 2.1.11 and 2.1.14 (keys that are
+only in the file), 3.5.6 (spindles). docs/machine-files.md lists every key and says which names the manual gives.
+Keys that have nothing to do with positions are kept as they are; one that is not known at all is kept and reported
+once (GP602); a setting that is on and that gproof can not follow goes into ``Machine.not_modelled``.
 """
 
 from __future__ import annotations
 
 import hashlib
 import math
-import re
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from fractions import Fraction
 from pathlib import Path
-from typing import Any
 
+from gproof.frontend.eding.correction_table import load_table
+from gproof.frontend.eding.ini_file import NUMBERED, Ini
 from gproof.frontend.eding.prepare import decode
-from gproof.frontend.toml_table import LARGEST, MILLIMETRES, TINIEST, exact_ratio
+from gproof.frontend.toml_table import MILLIMETRES, TINIEST
 from gproof.ir import codes
-from gproof.ir.finding import Code, Findings, Span
-from gproof.ir.machine import AXIS_NAMES, Area, Axis, AxisKind, Controller, Machine, Tool
+from gproof.ir.finding import Findings, Span
+from gproof.ir.machine import AXIS_NAMES, Area, Axis, AxisKind, Controller, Knife, Machine, PitchTable, Slave, Tool
 
-_LINE = re.compile(
-    r"\s*(?:\[(?P<section>[^\]]*)\]|(?P<key>[^=;#\[\]]+?)\s*=\s*(?P<value>\"[^\"]*\"|[^;#]*))\s*(?:[;#].*)?$"
-)
-_NUMBERED = re.compile(r"(JOINT|SPINDLE|TOOL)_(\d{1,2})$")
+Files = list[tuple[str, str]]
 
-_READ = {
-    "GENERAL": "units maxstepfrequency",
-    "TRAJECTORY": "lafminimumangle interpolationtime fifotime",
-    "TCA": "xnegativelimit xpositivelimit ynegativelimit ypositivelimit znegativelimit zpositivelimit zdowntoollength",
-    "USERINTERFACE": "autotoolchange homingmandatory showinprogspeed",
-    "INTERPRETER": "diameterprogramming absolutecentercoords is3dprinter",
-    "JOINT": "visible portid resolution stepsperappunit positivelimit negativelimit maxvelocity maxacceleration"
-    " homevelocity homevelocityslow homeposition backlash mode pitchcompensationon pitchcompensationfilename",
-    "SPINDLE": "spindlenmax spindlenmin spindlerampuptime spindleuserpmsensor onoffoutputportid"
-    " directionoutputportid pwmoutputportid spindlereadyportid pwmcompensationon pwmcompensationfilename"
-    " xoffset yoffset zoffset",
-    "TOOL": "zoffset xoffset diameter orientation id description",
+_SETTINGS: dict[str, tuple[str, tuple[str, ...]]] = {
+    "units": ("GENERAL", ("units",)),
+    "inch": ("GENERAL", ("inchModeActive",)),
+    "max_step_frequency": ("GENERAL", ("maxStepFrequency",)),
+    "laf_angle": ("TRAJECTORY", ("lafMinimumAngle", "lafAngle")),
+    "interpolation_time": ("TRAJECTORY", ("interpolationTime",)),
+    "fifo_time": ("TRAJECTORY", ("fifoTime",)),
+    "auto_tool_change": ("USERINTERFACE", ("autoToolChange", "noHaltForToolChange")),
+    "turning": ("USERINTERFACE", ("isTurningMachine",)),
+    "homing_mandatory": ("USERINTERFACE", ("homingMandatory", "mandatoryHoming")),
+    "home_is_stop": ("SAFETY", ("homeSensorIsEStop", "homeIsEstopAfterHomingAllAxes")),
+    "safety_feed": ("SAFETY", ("safetyFeed",)),
+    "absolute_arc_centers": ("INTERPRETER", ("absoluteCenterCoords",)),
+    "diameter_programming": ("INTERPRETER", ("diameterProgramming",)),
+    "macro_file": ("INTERPRETER", ("macroFileName",)),
+    "knife_angle": ("TANKNIFE", ("tanKnifeAngle", "tanKnifeAngleForLiftUp")),
+    "knife_lift": ("TANKNIFE", ("tanKnifeZUpDistance", "tanKnifeLiftUpDistance")),
+    "knife_blend_angle": ("TANKNIFE", ("tanKnifeBlendAngle",)),
+    "knife_blend_distance": ("TANKNIFE", ("tanKnifeBlendDistance",)),
+    "z_down_tool_length": ("TCA", ("zDownToolLength",)),
 }
-"""Keys by section that gproof reads, or knows to have no bearing on where the axes go."""
+"""Settings by our name: the section and the names under which a file may have them; any other section will do."""
+
+_SWITCHES = {
+    "is3DPrinter": "is3DPrinter",
+    "g4InMilliseconds": "g4InMilliseconds",
+    "initialString": "initialString",
+    "crossCompensationOn": "crossCompensationOn",
+}
+"""Switches that change what words mean or where axes go, and that gproof does not follow."""
+
+_KEPT = (
+    "xnegativelimit xpositivelimit ynegativelimit ypositivelimit znegativelimit zpositivelimit showinprogspeed"
+    " showinprogspeedanamulfactor homeinputsenselevel endofstrokeinputsenselevel usexhomeinputforallaxes"
+    " useonlyhomexforallaxes estopinputsenselevel1 estopinputsenselevel2 exterrinputsenselevel"
+    " exterrorinputsenselevel safetyinputportid feedoverrideinput feedholdinput speedoverrideinput speedholdinput"
+    " longfilemodecriterion superlongfilemodecriterion g0velocityfactor g0accelelerationfactor lafaccfilter"
+    " mincirclesegmentsize usermacrofilename storeprobepoints storeprobetouchpoints usehomeinput4"
+    " probeusehomeinput4 probetouchpointfilename language connection ethernet password setuppassword invertjogkeys"
+    " showstartupscreen simplezeroing showmaximized showm7 showm8 shutdownonfatal favoriteeditor icondirectory"
+    " opengl openglpensize useopengl watchfilechanged loadautomatically runautomatically filename correctionfactor"
+    " restimateruntime timeestimatefactor stoponpause stopspindleonpause mistisspindledirection isstepper"
+    " issteppermotor smoothstep countsperrev comportname"
+).split()
+"""Keys without any bearing on where the axes go in a job; kept as text."""
+
+_NUMBERED_KEYS = {
+    "JOINT": (
+        "name visible isvisible portid cpuportindex resolution stepsperappunit positivelimit negativelimit maxvelocity"
+        " maxacceleration homevelocity homevelocityslow homeposition backlash mode lowspeedjogpercent"
+        " medspeedjogpercent highspeedjogpercent pitchcompensationon pitchcompensationfilename crosscompensationon"
+        " crosscompensationfilename"
+    ).split(),
+    "SPINDLE": (
+        "spindlenmax spindlenmin spindlerampuptime spindleuserpmsensor onoffoutputportid directionoutputportid"
+        " pwmoutputportid spindlereadyportid pwmcompensationon pwmcompensationfilename xoffset yoffset zoffset"
+        " issteppermotor smoothstep countsperrev stoponpause mistisspindledirection"
+    ).split(),
+    "TOOL": "zoffset xoffset diameter orientation id description".split(),
+}
 
 _PASSED_OVER = ("GPIO", "CAMERA", "HANDWHEEL", "IO", "TRAFFIC", "LANGUAGE", "SAFETY", "PROBING", "THC", "PRINTER")
 """Beginnings of section names with nothing about positions: names of inputs, colours, the hand wheel."""
 
-_SWITCHES = {
-    ("INTERPRETER", "is3dprinter"): "is3DPrinter",
+_MODES = {
+    "ROT": "",
+    "0": "",
+    "4THMILL": "tip_feed",
+    "4TH MILL": "tip_feed",
+    "TANGENTIAL KNIFE": "knife",
+    "TANKNIFE": "knife",
+    "TAN KNIFE": "knife",
 }
-"""Switches that change what words mean and that gproof does not follow."""
+"""Modes of A, B and C (2.1.3) that gproof follows; SLAVE X, Y and Z besides."""
 
 MAX_TOOL = 99
 
 
-@dataclass(frozen=True, slots=True)
-class _Value:
-    text: str
-    line: int
-    key: str
-
-
-class _Ini:
-    """The values of a file by section and lower-case key, with findings at their lines."""
-
-    def __init__(self, name: str, findings: Findings) -> None:
-        self.name = name
-        self.findings = findings
-        self.errors = 0
-        self.unknown: list[tuple[str, str]] = []
-        self.sections: dict[str, dict[str, _Value]] = {}
-
-    def add(self, code: Code, line: int, **values: Any) -> None:
-        if code is not codes.UNKNOWN_KEY:
-            self.errors += 1
-        self.findings.add(code.at(Span(self.name, line), **values))
-
-    def parse(self, text: str) -> None:
-        section: dict[str, _Value] = {}
-        for number, line in enumerate(text.splitlines(), 1):
-            if not line.strip() or line.lstrip()[0] in ";#":
-                continue
-            found = _LINE.match(line)
-            if found is None:
-                self.add(codes.FILE_UNREADABLE, number, what="neither [section] nor key = value")
-            elif found["section"] is not None:
-                section = self.sections.setdefault(found["section"].strip().upper(), {})
-            else:
-                key, value = found["key"].strip(), found["value"].strip().strip('"').strip()
-                before = section.setdefault(key.lower(), _Value(value, number, key))
-                if before.text != value:
-                    what = f"given again with another value than in line {before.line}"
-                    self.add(codes.BAD_VALUE, number, key=key, what=what)
-
-    def text(self, section: str, key: str) -> str | None:
-        value = self.sections.get(section, {}).get(key.lower())
-        return None if value is None else value.text
-
-    def bad(self, section: str, key: str, what: str) -> None:
-        value = self.sections[section][key.lower()]
-        self.add(codes.BAD_VALUE, value.line, key=f"[{section}] {value.key}", what=what)
-
-    def exact(self, section: str, key: str) -> Fraction | None:
-        text = self.text(section, key)
-        if text is None:
-            return None
-        value = exact_ratio(text) if "/" not in text else None
-        if value is None or abs(value) > LARGEST:
-            self.bad(section, key, f"{text!r} is not a number")
-            return None
-        return value
-
-    def number(self, section: str, key: str, unit: Fraction = Fraction(1)) -> float | None:
-        value = self.exact(section, key)
-        return None if value is None else float(value * unit)
-
-    def at_least(self, section: str, key: str, low: float, unit: Fraction = Fraction(1)) -> float | None:
-        """A number not below ``low``."""
-        value = self.number(section, key, unit)
-        if value is not None and value < low:
-            self.bad(section, key, f"{self.text(section, key)} is below {low:g}")
-            return None
-        return value
-
-    def rate(self, section: str, key: str, unit: Fraction = Fraction(1)) -> float | None:
-        value = self.number(section, key, unit)
-        if value is not None and not value > 0:
-            self.bad(section, key, f"{self.text(section, key)} is not greater than 0")
-            return None
-        return value
-
-    def switch(self, section: str, key: str) -> bool:
-        value = self.exact(section, key)
-        return value is not None and value != 0
-
-    def report_unknown(self) -> None:
-        """A warning for each key that gproof has never heard of, one for each such section."""
-        for section, values in self.sections.items():
-            numbered = _NUMBERED.match(section)
-            known = _READ.get(numbered[1] if numbered else section)
-            if known is None:
-                if not section.startswith(_PASSED_OVER) and values:
-                    self._unknown(min(value.line for value in values.values()), f"[{section}]")
-                continue
-            for key, value in values.items():
-                if key not in known.split():
-                    self._unknown(value.line, f"[{section}] {value.key}")
-
-    def _unknown(self, line: int, key: str) -> None:
-        self.unknown.append((Path(self.name).name, key))
-        self.add(codes.UNKNOWN_KEY, line, key=key)
-
-
-def load_ini(path: Path, findings: Findings) -> tuple[Machine | None, list[tuple[str, str]]]:
-    """The machine in a ``cnc.ini``, and (name, sha256) of the file; None, with findings, when it is bad."""
+def load_ini(path: Path, findings: Findings) -> tuple[Machine | None, Files]:
+    """The machine in a ``cnc.ini``, and (name, sha256) of the files read; None, with findings, when one is bad."""
     name = str(path)
     try:
         raw = path.read_bytes()
@@ -163,102 +114,282 @@ def load_ini(path: Path, findings: Findings) -> tuple[Machine | None, list[tuple
     if b"\0" in raw:
         findings.add(codes.FILE_UNREADABLE.at(Span(name, 0), what=f"{name}: not a text file"))
         return None, files
-    ini = _Ini(name, findings)
+    ini = Ini(name, findings)
     ini.parse(decode(raw.removeprefix(b"\xef\xbb\xbf")))
     if not ini.sections and not ini.errors:
         ini.add(codes.MISSING_KEY, 0, key="[GENERAL] and [JOINT_0]")
-    machine = _machine(ini, path.name)
-    ini.report_unknown()
+    reader = _Reader(ini, path, files)
+    machine = reader.machine()
+    _report_unknown(ini)
     if ini.errors:
         return None, files
-    machine = replace(machine, unknown_keys=tuple(ini.unknown))
+    machine = replace(machine, unknown_keys=tuple(ini.unknown), kept=_kept(ini))
     machine.verify()
     return machine, files
 
 
-def _machine(ini: _Ini, name: str) -> Machine:
-    units = (ini.text("GENERAL", "units") or "mm").lower()
-    if units not in MILLIMETRES:
-        ini.bad("GENERAL", "units", f"{units!r} is none of {', '.join(MILLIMETRES)}")
-    unit = MILLIMETRES.get(units, Fraction(1))
-    axes, not_modelled = _axes(ini, unit)
-    for (section, key), shown in _SWITCHES.items():
-        if ini.switch(section, key):
-            not_modelled.append(f"[{section}] {shown}")
-    for section, values in ini.sections.items():
-        for key, value in values.items():
-            trivial = value.text.lower() in ("", "0", "1", "trivial")
-            if (section.startswith("KIN") or key.startswith("kin")) and not trivial:
-                not_modelled.append(f"[{section}] {value.key}")
-    return Machine(
-        name=name,
-        axes=axes,
-        tool_change_area=_tool_change_area(ini, unit),
-        tools=_tools(ini, unit),
-        controller=_controller(ini),
-        unit=float(unit),
-        not_modelled=tuple(not_modelled),
-    )
+class _Reader:
+    """From the values of a file to a Machine."""
 
+    def __init__(self, ini: Ini, path: Path, files: Files) -> None:
+        self.ini = ini
+        self.path = path
+        self.files = files
+        self.not_modelled: list[str] = []
+        self.places = {name: ini.where(section, *keys) for name, (section, keys) in _SETTINGS.items()}
+        units = (self.text("units") or ("inch" if self.switch("inch") else "mm")).lower()
+        if units not in MILLIMETRES:
+            place = self.places["units"]
+            assert place is not None
+            ini.bad(*place, f"{units!r} is none of {', '.join(MILLIMETRES)}")
+        self.unit = MILLIMETRES.get(units, Fraction(1))
+        self.knife: str | None = None
 
-def _axes(ini: _Ini, unit: Fraction) -> tuple[tuple[Axis, ...], list[str]]:
-    """The axes that are mapped to a port or visible, and what of them is not modelled."""
-    axes: dict[str, Axis] = {}
-    slaves: list[str] = []
-    not_modelled: list[str] = []
-    for index, name in enumerate(AXIS_NAMES):
-        section = f"JOINT_{index}"
-        if section not in ini.sections or not _is_used(ini, section):
-            continue
-        if ini.switch(section, "pitchCompensationOn"):
-            not_modelled.append(f"[{section}] pitchCompensationOn")
-        mode = " ".join((ini.text(section, "mode") or "ROT").upper().split())
-        if index >= 3 and mode not in ("ROT", "0"):
-            not_modelled.append(f"[{section}] mode = {mode}")
-            if mode.startswith("SLAVE"):
-                slaves.append(mode.removeprefix("SLAVE").strip().lower())
+    def text(self, name: str) -> str | None:
+        """A setting of ``_SETTINGS`` as text; None when it is not there or empty."""
+        place = self.places[name]
+        return (self.ini.text(*place) or None) if place is not None else None
+
+    def switch(self, name: str) -> bool:
+        """A setting of ``_SETTINGS`` as a switch."""
+        place = self.places[name]
+        return place is not None and self.ini.switch(*place)
+
+    def stated(self, name: str) -> bool | None:
+        """A switch, or None when the file does not have it."""
+        return None if self.places[name] is None else self.switch(name)
+
+    def rate(self, name: str) -> float | None:
+        """A setting that is greater than 0."""
+        place = self.places[name]
+        return None if place is None else self.ini.rate(*place)
+
+    def at_least_0(self, name: str, unit: Fraction = Fraction(1)) -> float | None:
+        """A setting that is not negative."""
+        place = self.places[name]
+        return None if place is None else self.ini.at_least(*place, 0.0, unit)
+
+    def machine(self) -> Machine:
+        ini = self.ini
+        axes = self._axes()
+        for section, values in ini.sections.items():
+            for key, value in values.items():
+                shown = next((shown for shown in _SWITCHES if shown.lower() == key), None)
+                if shown is not None and value.text not in ("", "0"):
+                    self.not_modelled.append(f"[{section}] {shown}")
+        kinematics = self._kinematics()
+        place = self.places["z_down_tool_length"]
+        return Machine(
+            name=self.path.name,
+            axes=axes,
+            tool_change_area=_tool_change_area(ini, self.unit),
+            tools=_tools(ini, self.unit),
+            controller=self._controller(),
+            unit=float(self.unit),
+            not_modelled=tuple(self.not_modelled),
+            kinematics=kinematics,
+            knife=self._knife(),
+            z_down_tool_length=None if place is None else ini.number(*place, self.unit),
+        )
+
+    def _kinematics(self) -> str:
+        """The name of the kinematics when they are not trivial (2.1.7)."""
+        for section, values in self.ini.sections.items():
+            for key, value in values.items():
+                trivial = value.text.lower() in ("", "0", "1", "trivial")
+                if (section.startswith("KIN") or key.startswith("kin")) and not trivial:
+                    self.not_modelled.append(f"[{section}] {value.key}")
+                    return value.text
+        return "trivial"
+
+    # -- axes
+
+    def _axes(self) -> tuple[Axis, ...]:
+        """The axes that are mapped to a port or visible; second motors go to the axes that they follow."""
+        axes: dict[str, Axis] = {}
+        slaves: list[tuple[str, int]] = []
+        for index, name in enumerate(AXIS_NAMES):
+            section = f"JOINT_{index}"
+            if section not in self.ini.sections or not self._is_used(section):
                 continue
-        linear = index < 3 or mode in ("FOAM CUT", "2ND Z")
-        axes[name] = _axis(ini, section, name, AxisKind.LINEAR if linear else AxisKind.ROTARY, unit)
-    for master in slaves:
-        if master in axes:
-            axes[master] = replace(axes[master], slaves=axes[master].slaves + 1)
-    return tuple(axes.values()), not_modelled
+            mode = " ".join((self.ini.text(section, "mode") or "ROT").upper().split()) if index >= 3 else "ROT"
+            if mode.startswith("SLAVE"):
+                slaves.append((mode.removeprefix("SLAVE").strip().lower(), index))
+                continue
+            what = _MODES.get(mode)
+            if what is None or (what == "knife" and name == "a"):
+                self.not_modelled.append(f"[{section}] mode = {mode}")
+            linear = index < 3 or mode in ("FOAM CUT", "2ND Z")
+            axes[name] = self._axis(section, name, AxisKind.LINEAR if linear else AxisKind.ROTARY)
+            if what == "tip_feed":
+                axes[name] = replace(axes[name], tip_feed=True)
+            elif what == "knife":
+                self.knife = name
+        for master, index in slaves:
+            if master not in axes or axes[master].kind is not AxisKind.LINEAR:
+                self.ini.bad(f"JOINT_{index}", "mode", f"there is no axis {master.upper() or '(none)'} to follow")
+                continue
+            slave = self._slave(f"JOINT_{index}", AXIS_NAMES[index], axes[master])
+            axes[master] = replace(axes[master], slaves=(*axes[master].slaves, slave))
+        return tuple(axes.values())
+
+    def _is_used(self, section: str) -> bool:
+        """Mapped to a port, or visible; an axis that is mapped and not visible can be used (2.1.3)."""
+        ini = self.ini
+        visible_key = "visible" if ini.text(section, "visible") is not None else "isVisible"
+        visible = ini.switch(section, visible_key)
+        if ini.text(section, "portID") is not None:
+            value, first = ini.exact(section, "portID"), 1
+        elif ini.text(section, "cpuPortIndex") is not None:
+            value, first = ini.exact(section, "cpuPortIndex"), 0
+        else:
+            return visible or ini.text(section, visible_key) is None
+        return visible or (value is not None and value >= first)
+
+    def _axis(self, section: str, name: str, kind: AxisKind) -> Axis:
+        """An axis with its own motor."""
+        motor = self._slave(section, name, Axis(name=name, kind=kind))
+        return Axis(
+            name=name,
+            kind=kind,
+            steps_per_unit=motor.steps_per_unit,
+            lower=motor.lower,
+            upper=motor.upper,
+            max_velocity=motor.max_velocity,
+            max_acceleration=motor.max_acceleration,
+            backlash=motor.backlash or 0.0,
+            pitch=motor.pitch,
+            home_position=motor.home_position,
+            home_velocity=motor.home_velocity,
+        )
+
+    def _slave(self, section: str, joint: str, axis: Axis) -> Slave:
+        """A motor in the units of its axis; what its own section does not say stays open."""
+        ini = self.ini
+        length = self.unit if axis.kind is AxisKind.LINEAR else Fraction(1)
+        key = "resolution" if ini.text(section, "resolution") is not None else "stepsPerAppUnit"
+        steps = ini.exact(section, key)
+        if steps is not None and abs(steps) < TINIEST:
+            ini.bad(section, key, "no steps per unit")
+            steps = None
+        slave = Slave(
+            joint=joint,
+            steps_per_unit=None if steps is None else steps / length,
+            lower=ini.number(section, "negativeLimit", length),
+            upper=ini.number(section, "positiveLimit", length),
+            max_velocity=ini.rate(section, "maxVelocity", length),
+            max_acceleration=ini.rate(section, "maxAcceleration", length),
+            backlash=ini.at_least(section, "backLash", 0.0, length),
+            pitch=self._pitch(section, axis, length),
+            home_position=ini.number(section, "homePosition", length),
+            home_velocity=ini.number(section, "homeVelocity", length),
+        )
+        lower = slave.lower if slave.lower is not None else axis.lower
+        upper = slave.upper if slave.upper is not None else axis.upper
+        if lower is not None and upper is not None and lower > upper:
+            key = "negativeLimit" if slave.lower is not None else "positiveLimit"
+            ini.bad(section, key, "lies above positiveLimit" if slave.lower is not None else "lies below negativeLimit")
+        return slave
+
+    def _pitch(self, section: str, axis: Axis, length: Fraction) -> PitchTable | None:
+        """The correction table of a motor that has it switched on (2.3); a flat one beside an axis with a table."""
+        flat = None if axis.pitch is None else PitchTable(machine=(0.0,), calibrated=(0.0,))
+        if not self.ini.switch(section, "pitchCompensationOn"):
+            return flat
+        rows = self._table(section, "pitchCompensationFileName")
+        if rows is None:
+            return flat
+        table = PitchTable(
+            machine=tuple(float(a * length) for a, _ in rows), calibrated=tuple(float(b * length) for _, b in rows)
+        )
+        problem = table.problem()
+        if problem is not None:
+            self.ini.bad(section, "pitchCompensationFileName", problem)
+            return flat
+        return table
+
+    def _table(self, section: str, key: str) -> list[tuple[Fraction, Fraction]] | None:
+        """The pairs in the file that ``key`` names, in the folder of the ini; None when there is none that is good.
+
+        The controller writes an example where the file is missing (2.3, 2.4): what it will do is not known.
+        """
+        name = (self.ini.text(section, key) or "").replace("\\", "/").rpartition("/")[2].strip()
+        target = self.path.parent / name
+        if not name or not target.is_file():
+            self.not_modelled.append(f"[{section}] {key} = {name or 'nothing'} (there is no such file)")
+            return None
+        rows, digest = load_table(target, self.ini)
+        self.files.append((str(target), digest))
+        return rows
+
+    # -- the rest
+
+    def _knife(self) -> Knife | None:
+        """The tangential knife when an axis is one (2.1.3, 2.1.9)."""
+        if self.knife is None:
+            return None
+        return Knife(
+            axis=self.knife,
+            angle=self.at_least_0("knife_angle") or 0.0,
+            lift=self.at_least_0("knife_lift", self.unit) or 0.0,
+            blend_angle=self.at_least_0("knife_blend_angle") or 0.0,
+            blend_distance=self.at_least_0("knife_blend_distance", self.unit) or 0.0,
+        )
+
+    def _controller(self) -> Controller:
+        usual = Controller()
+        interpolation, fifo = self.rate("interpolation_time"), self.rate("fifo_time")
+        # Tables for the spindle's voltage are read for their mistakes; they move no axis (2.4).
+        for section in self.ini.sections:
+            if section.startswith("SPINDLE_") and self.ini.switch(section, "pwmCompensationOn"):
+                self._table(section, "pwmCompensationFileName")
+        macro = (self.text("macro_file") or "").replace("\\", "/").rpartition("/")[2]
+        return Controller(
+            dialect="eding",
+            laf_angle=self.at_least_0("laf_angle"),
+            interpolation_time=usual.interpolation_time if interpolation is None else interpolation,
+            fifo_time=usual.fifo_time if fifo is None else fifo,
+            max_step_frequency=self.rate("max_step_frequency"),
+            auto_tool_change=self.switch("auto_tool_change"),
+            absolute_arc_centers=self.switch("absolute_arc_centers"),
+            diameter_programming=self.switch("diameter_programming"),
+            spindle_ramp_time=self.ini.at_least("SPINDLE_0", "spindleRampUpTime", 0.0) or 0.0,
+            macro_file=macro or None,
+            homing_mandatory=self.stated("homing_mandatory"),
+            safety_feed=self.at_least_0("safety_feed"),
+            home_is_stop=self.stated("home_is_stop"),
+            turning=self.switch("turning"),
+        )
 
 
-def _is_used(ini: _Ini, section: str) -> bool:
-    """Mapped to a port, or visible; an axis that is mapped and not visible can be used (2.1.3)."""
-    port = ini.text(section, "portID")
-    visible = ini.switch(section, "visible")
-    if port is None:
-        return visible or ini.text(section, "visible") is None
-    value = ini.exact(section, "portID")
-    return visible or (value is not None and value > 0)
+def _report_unknown(ini: Ini) -> None:
+    """A warning for each key that gproof has never heard of, one for each such section."""
+    names = {key.lower() for _, keys in _SETTINGS.values() for key in keys}
+    names |= {key.lower() for key in _SWITCHES} | set(_KEPT)
+    for section, values in ini.sections.items():
+        numbered = NUMBERED.match(section)
+        known = set(_NUMBERED_KEYS[numbered[1]]) if numbered else names
+        if section.startswith((*_PASSED_OVER, "KIN")):
+            continue
+        strange = [value for key, value in values.items() if key not in known and not key.startswith("kin")]
+        if strange and len(strange) == len(values) and not numbered:
+            ini.report_unknown(min(value.line for value in values.values()), f"[{section}]")
+            continue
+        for value in strange:
+            ini.report_unknown(value.line, f"[{section}] {value.key}")
 
 
-def _axis(ini: _Ini, section: str, name: str, kind: AxisKind, unit: Fraction) -> Axis:
-    length = unit if kind is AxisKind.LINEAR else Fraction(1)
-    key = "resolution" if ini.text(section, "resolution") is not None else "stepsPerAppUnit"
-    steps = ini.exact(section, key)
-    if steps is not None and abs(steps) < TINIEST:
-        ini.bad(section, key, "no steps per unit")
-        steps = None
-    axis = Axis(
-        name=name,
-        kind=kind,
-        steps_per_unit=None if steps is None else steps / length,
-        lower=ini.number(section, "negativeLimit", length),
-        upper=ini.number(section, "positiveLimit", length),
-        max_velocity=ini.rate(section, "maxVelocity", length),
-        max_acceleration=ini.rate(section, "maxAcceleration", length),
-        backlash=ini.at_least(section, "backLash", 0.0, length) or 0.0,
+def _kept(ini: Ini) -> tuple[tuple[str, str], ...]:
+    """Settings without a bearing on positions, as they are written."""
+    return tuple(
+        (f"[{section}] {value.key}", value.text)
+        for section, values in ini.sections.items()
+        for key, value in values.items()
+        if (key in _KEPT and section != "TCA") or (section.startswith(_PASSED_OVER) and not NUMBERED.match(section))
     )
-    if axis.lower is not None and axis.upper is not None and axis.lower > axis.upper:
-        ini.bad(section, "negativeLimit", "lies above positiveLimit")
-    return axis
 
 
-def _tool_change_area(ini: _Ini, unit: Fraction) -> Area | None:
+def _tool_change_area(ini: Ini, unit: Fraction) -> Area | None:
     """The area of [TCA], which is there when a limit is not 0 (2.1.8); an axis with both at 0 is not bounded."""
     sides: list[tuple[float, float]] = []
     for axis in "xyz":
@@ -274,10 +405,10 @@ def _tool_change_area(ini: _Ini, unit: Fraction) -> Area | None:
     return Area(name="tool_change", box=(box[0], box[1], box[2]))
 
 
-def _tools(ini: _Ini, unit: Fraction) -> tuple[Tool, ...]:
+def _tools(ini: Ini, unit: Fraction) -> tuple[Tool, ...]:
     tools: dict[int, Tool] = {}
     for section, values in ini.sections.items():
-        numbered = _NUMBERED.match(section)
+        numbered = NUMBERED.match(section)
         if not numbered or numbered[1] != "TOOL" or not 1 <= int(numbered[2]) <= MAX_TOOL:
             continue
         orientation = ini.exact(section, "orientation")
@@ -296,20 +427,3 @@ def _tools(ini: _Ini, unit: Fraction) -> tuple[Tool, ...]:
             orientation=None if orientation is None else int(orientation),
         )
     return tuple(tools[number] for number in sorted(tools))
-
-
-def _controller(ini: _Ini) -> Controller:
-    usual = Controller()
-    interpolation = ini.rate("TRAJECTORY", "interpolationTime")
-    fifo = ini.rate("TRAJECTORY", "fifoTime")
-    return Controller(
-        dialect="eding",
-        laf_angle=ini.at_least("TRAJECTORY", "lafMinimumAngle", 0.0),
-        interpolation_time=usual.interpolation_time if interpolation is None else interpolation,
-        fifo_time=usual.fifo_time if fifo is None else fifo,
-        max_step_frequency=ini.rate("GENERAL", "maxStepFrequency"),
-        auto_tool_change=ini.switch("USERINTERFACE", "autoToolChange"),
-        absolute_arc_centers=ini.switch("INTERPRETER", "absoluteCenterCoords"),
-        diameter_programming=ini.switch("INTERPRETER", "diameterProgramming"),
-        spindle_ramp_time=ini.at_least("SPINDLE_0", "spindleRampUpTime", 0.0) or 0.0,
-    )

@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 from gproof.frontend.machine_file import load_machine
 from gproof.frontend.toml_table import exact_ratio
 from gproof.ir.finding import Findings
-from gproof.ir.machine import AxisKind, Board, Controller, Machine
+from gproof.ir.machine import AxisKind, Board, Controller, Machine, Slave
 from gproof.ir.text import parse_ir, print_ir
 
 HEAD = 'schema = "gproof-machine/1"\nunits = "mm"\n'
@@ -105,7 +105,7 @@ def test_every_key(tmp_path: Path) -> None:
     x, a = machine.axes
     assert (x.name, x.kind, x.steps_per_unit, x.lower, x.upper) == ("x", AxisKind.LINEAR, Fraction(320), -10.5, 600.0)
     assert (x.travel_lower, x.travel_upper, x.max_velocity, x.max_acceleration) == (-12.0, 602.25, 100.0, 500.0)
-    assert (x.backlash, x.slaves) == (0.02, 1)
+    assert (x.backlash, x.slaves) == (0.02, (Slave(),))
     assert (a.kind, a.steps_per_unit, a.lower) == (AxisKind.ROTARY, Fraction(444444, 10000), None)
     area = machine.tool_change_area
     assert area is not None

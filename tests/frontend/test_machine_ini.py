@@ -11,7 +11,7 @@ import pytest
 
 from gproof.frontend.machine_file import load_machine
 from gproof.ir.finding import Findings
-from gproof.ir.machine import AxisKind, Machine
+from gproof.ir.machine import AxisKind, Knife, Machine, PitchTable, Slave
 from gproof.ir.text import parse_ir, print_ir
 
 WHOLE = """\
@@ -93,7 +93,7 @@ def loaded(folder: Path, text: str) -> tuple[Machine | None, list[tuple[str, int
     path.write_bytes(text.encode("cp1252"))
     findings = Findings()
     machine, files = load_machine(path, findings)
-    assert files == [(str(path), hashlib.sha256(path.read_bytes()).hexdigest())]
+    assert files[0] == (str(path), hashlib.sha256(path.read_bytes()).hexdigest())
     if machine is not None:
         assert parse_ir(print_ir(machine)) == machine
     return machine, [(f.code.label, f.span.line, f.message) for f in findings.kept]
@@ -141,11 +141,18 @@ def test_inches(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("text", "names"),
     [
-        ("[JOINT_0]\nvisible=1\npitchCompensationOn=1\n", ("[JOINT_0] pitchCompensationOn",)),
-        ("[JOINT_0]\nvisible=1\n[JOINT_3]\nportID=4\nmode = SLAVE X\n", ("[JOINT_3] mode = SLAVE X",)),
-        ("[JOINT_5]\nvisible=1\nmode = Tangential Knife\n", ("[JOINT_5] mode = TANGENTIAL KNIFE",)),
-        ("[JOINT_3]\nvisible=1\nmode = 4th MILL\n", ("[JOINT_3] mode = 4TH MILL",)),
-        ("[JOINT_0]\n[INTERPRETER]\ndiameterProgramming=1\nis3DPrinter=1\n", ("[INTERPRETER] is3DPrinter",)),
+        ("[JOINT_0]\nvisible=1\npitchCompensationOn=1\n",
+         ("[JOINT_0] pitchCompensationFileName = nothing (there is no such file)",)),
+        ("[JOINT_0]\nvisible=1\n[SPINDLE_0]\npwmCompensationOn=1\npwmCompensationFileName=\"pwm.txt\"\n",
+         ("[SPINDLE_0] pwmCompensationFileName = pwm.txt (there is no such file)",)),
+        ("[JOINT_3]\nvisible=1\nmode = Foam Cut\n", ("[JOINT_3] mode = FOAM CUT",)),
+        ("[JOINT_3]\nvisible=1\nmode = 2nd  Z\n", ("[JOINT_3] mode = 2ND Z",)),
+        ("[JOINT_3]\nvisible=1\nmode = Tangential Knife\n", ("[JOINT_3] mode = TANGENTIAL KNIFE",)),
+        ("[JOINT_3]\nvisible=1\nmode = 2\n", ("[JOINT_3] mode = 2",)),
+        ("[JOINT_5]\nvisible=1\nmode = Tangential Knife\n", ()),
+        ("[JOINT_3]\nvisible=1\nmode = 4th MILL\n", ()),
+        ("[JOINT_0]\n[INTERPRETER]\ndiameterProgramming=1\nis3DPrinter=1\n",
+         ("[INTERPRETER] is3DPrinter",)),
         ("[JOINT_0]\n[KINEMATICS]\nkinematicsDLLName = delta.dll\n", ("[KINEMATICS] kinematicsDLLName",)),
         ("[JOINT_0]\n[KINEMATICS]\ntype = trivial\n", ()),
     ],
@@ -159,7 +166,145 @@ def test_what_is_on_and_not_modelled(tmp_path: Path, text: str, names: tuple[str
 def test_a_slave_is_a_motor_of_its_master(tmp_path: Path) -> None:
     machine = machine_of(tmp_path, "[JOINT_0]\nvisible=1\n[JOINT_3]\nvisible=0\nportID=4\nmode = slave x\n")
     (x,) = machine.axes
-    assert (x.name, x.slaves) == ("x", 1)
+    assert (x.name, x.slaves) == ("x", (Slave(joint="a"),))
+
+
+GANTRY = """\
+[JOINT_0]
+visible = 1
+resolution = 320
+positiveLimit = 600
+negativeLimit = 0
+maxVelocity = 100
+maxAcceleration = 500
+backLash = 0.02
+homePosition = -2.5
+homeVelocity = -20
+pitchCompensationOn = 1
+pitchCompensationFileName = "C:\\CNC4.01\\x.txt"
+[JOINT_3]
+portID = 4
+mode = SLAVE X
+resolution = -160
+positiveLimit = 598
+negativeLimit = 1
+maxVelocity = 80
+maxAcceleration = 400
+homePosition = -2.0
+homeVelocity = -10
+"""
+
+
+def test_a_slave_has_a_motor_section_of_its_own_and_both_may_have_tables(tmp_path: Path) -> None:
+    (tmp_path / "x.txt").write_text("; as measured\n  0.0 0.0\n\n100 100.02 ; end\n")
+    (tmp_path / "cnc.ini").write_text(GANTRY)
+    findings = Findings()
+    machine, files = load_machine(tmp_path / "cnc.ini", findings)
+    assert findings.kept == [] and machine is not None
+    assert [Path(name).name for name, _ in files] == ["cnc.ini", "x.txt"]
+    assert files[1][1] == hashlib.sha256((tmp_path / "x.txt").read_bytes()).hexdigest()
+    (x,) = machine.axes
+    own, second = x.drives()
+    table = PitchTable(machine=(0.0, 100.0), calibrated=(0.0, 100.02))
+    assert own == ("X", 320, 0.0, 600.0, None, None, 100.0, 500.0, 0.02, table)
+    flat = PitchTable(machine=(0.0,), calibrated=(0.0,))
+    assert second == ("X2", -160, 1.0, 598.0, None, None, 80.0, 400.0, 0.02, flat)
+    assert (x.home_position, x.home_velocity) == (-2.5, -20.0)
+    assert (x.slaves[0].joint, x.slaves[0].home_position, x.slaves[0].home_velocity) == ("a", -2.0, -10.0)
+
+
+@pytest.mark.parametrize(
+    ("table", "line", "what"),
+    [
+        ("0 0\n1 2 3\n", 2, "two numbers in a line"), ("0 0\n1 one\n", 2, "two numbers in a line"),
+        ("; nothing\n", 0, "without numbers"), ("0 0\n1 1\n1 2\n", 12, "machine positions must rise"),
+        ("0 0\n1 1\n2 1\n", 12, "calibrated positions must rise"),
+    ],
+)  # fmt: skip
+def test_mistakes_in_a_pitch_table(tmp_path: Path, table: str, line: int, what: str) -> None:
+    (tmp_path / "x.txt").write_text(table)
+    (tmp_path / "cnc.ini").write_text(GANTRY)
+    findings = Findings()
+    machine, _ = load_machine(tmp_path / "cnc.ini", findings)
+    assert machine is None
+    (finding,) = findings.kept
+    assert (finding.span.line, what in finding.message) == (line, True), finding.message
+
+
+def test_tables_of_a_machine_in_inches_are_inches(tmp_path: Path) -> None:
+    (tmp_path / "x.txt").write_text("0 0\n10 10.001\n")
+    machine = machine_of(tmp_path, "[GENERAL]\nunits = inch\n" + GANTRY)
+    table = machine.axes[0].pitch
+    assert table is not None
+    assert (table.machine, table.calibrated) == ((0.0, 254.0), (0.0, 254.0254))
+
+
+def test_the_other_setup_pages(tmp_path: Path) -> None:
+    text = """\
+[JOINT_0]
+visible = 1
+[JOINT_5]
+visible = 1
+mode = Tangential Knife
+[TANKNIFE]
+tanKnifeAngle = 20
+tanKnifeZUpDistance = 4.5
+tanKnifeBlendAngle = 6
+tanKnifeBlendDistance = 0.5
+[USERINTERFACE]
+homingMandatory = 1
+isTurningMachine = 1
+invertJogKeys = 1
+[SAFETY]
+homeSensorIsEStop = 1
+homeInputSenseLevel = 1
+safetyFeed = 25
+[INTERPRETER]
+macroFileName = "D:\\mill\\mine.cnc"
+[TCA]
+zDownToolLength = 35.5
+[GPIO_NAMES]
+gp_output_101_name = "Vacuum; valve"
+[PROBING]
+storeProbePoints = 1
+"""
+    machine = machine_of(tmp_path, text)
+    controller = machine.controller
+    assert machine.knife == Knife(axis="c", angle=20.0, lift=4.5, blend_angle=6.0, blend_distance=0.5)
+    assert (controller.homing_mandatory, controller.home_is_stop, controller.safety_feed) == (True, True, 25.0)
+    assert (controller.macro_file, controller.turning, machine.z_down_tool_length) == ("mine.cnc", True, 35.5)
+    assert machine.kept == (
+        ("[USERINTERFACE] invertJogKeys", "1"),
+        ("[SAFETY] homeSensorIsEStop", "1"),
+        ("[SAFETY] homeInputSenseLevel", "1"),
+        ("[SAFETY] safetyFeed", "25"),
+        ("[GPIO_NAMES] gp_output_101_name", "Vacuum; valve"),
+        ("[PROBING] storeProbePoints", "1"),
+    )
+    assert machine.not_modelled == machine.unknown_keys == ()
+
+
+def test_names_of_other_releases_and_other_sections(tmp_path: Path) -> None:
+    text = "[JOINT_0]\nisVisible=0\ncpuPortIndex=0\n[JOINT_1]\ncpuPortIndex=-1\nisVisible=0\n"
+    text += "[SAFETY]\nmandatoryHoming=1\n[INTERPRETER]\ninchModeActive=1\nnoHaltForToolChange=1\n"
+    text += "tanKnifeAngleForLiftUp=3\n[TRAJECTORY]\nlafAngle=2\n"
+    machine = machine_of(tmp_path, text)
+    assert [axis.name for axis in machine.axes] == ["x"]
+    assert (machine.unit, machine.controller.laf_angle, machine.controller.auto_tool_change) == (25.4, 2.0, True)
+    assert (machine.controller.homing_mandatory, machine.knife) == (True, None)
+
+
+def test_two_places_that_disagree(tmp_path: Path) -> None:
+    text = "[JOINT_0]\nvisible=1\n[SAFETY]\nmandatoryHoming=1\n[USERINTERFACE]\nhomingMandatory=0\n"
+    machine, findings = loaded(tmp_path, text)
+    assert machine is None
+    assert [(label, line) for label, line, _ in findings] == [("GP603", 4)]
+
+
+def test_a_slave_without_a_master(tmp_path: Path) -> None:
+    machine, findings = loaded(tmp_path, "[JOINT_0]\nvisible=1\n[JOINT_3]\nportID=4\nmode = SLAVE Z\n")
+    assert machine is None
+    assert [(label, line, "no axis Z" in text) for label, line, text in findings] == [("GP603", 5, True)]
 
 
 @pytest.mark.parametrize(

@@ -99,7 +99,10 @@ axes = st.builds(
     m.Axis, name=st.sampled_from(m.AXIS_NAMES), kind=st.sampled_from(m.AxisKind),
     steps_per_unit=st.none() | st.fractions(), lower=optional, upper=optional, travel_lower=optional,
     travel_upper=optional, max_velocity=optional, max_acceleration=optional, backlash=floats,
-    slaves=st.integers(0, 3),
+    slaves=st.lists(
+        st.builds(m.Slave, joint=names, lower=optional, steps_per_unit=st.none() | st.fractions()), max_size=2
+    ).map(tuple),
+    pitch=st.none() | st.builds(m.PitchTable, machine=st.tuples(floats), calibrated=st.tuples(floats)),
 )  # fmt: skip
 pairs = st.tuples(floats, floats)
 areas = st.builds(m.Area, name=names, box=st.tuples(pairs, pairs, pairs))

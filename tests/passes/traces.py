@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from fractions import Fraction
 
 from gproof.ir.columns import Columns
-from gproof.ir.machine import AXIS_NAMES, Axis, AxisKind, Board, Controller, Machine
+from gproof.ir.machine import AXIS_NAMES, Axis, AxisKind, Board, Controller, Machine, Slave
 from gproof.ir.trace import TRACE_ROW, Frame, Op, PathMode, Plane, State, Trace, TraceSection
 
 RAD = math.pi / 180.0
@@ -23,7 +23,7 @@ def machine(
         Axis(
             name=n, kind=AxisKind.LINEAR if n in "xyz" else AxisKind.ROTARY, max_velocity=velocity,
             max_acceleration=acceleration, steps_per_unit=None if steps is None else Fraction(steps),
-            slaves=slaves if n == "x" else 0,
+            slaves=(Slave(),) * slaves if n == "x" else (),
         )
         for n in axes
     )  # fmt: skip

@@ -257,10 +257,10 @@ def time_at(s: float, length: float, speed: float, acceleration: float) -> float
 
 def motors_of(on: Machine) -> tuple[Motor, ...]:
     return tuple(
-        Motor(name=a.name if k == 0 else f"{a.name}{k}", axis=a.index, steps_per_unit=a.steps_per_unit)
+        Motor(name=drive.name, axis=a.index, steps_per_unit=drive.steps_per_unit)
         for a in on.axes
-        if a.steps_per_unit is not None
-        for k in range(1 + a.slaves)
+        for drive in a.drives()
+        if drive.steps_per_unit is not None
     )
 
 

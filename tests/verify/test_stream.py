@@ -11,7 +11,7 @@ from verify.jobs import JOBS, random_job
 from verify.path_oracle import follows, samples
 from verify.reference_stepper import Job, Stepped, machine, step, stream_of
 
-from gproof.ir.machine import Axis, AxisKind, Controller, Machine
+from gproof.ir.machine import Axis, AxisKind, Controller, Machine, Slave
 from gproof.ir.setup import NOTHING, Interval, Setup
 from gproof.ir.stream import StepStream, StreamSection
 from gproof.ir.trace import Edge, Op, State, Trace, TraceSection, Wait
@@ -204,7 +204,7 @@ def test_a_limit_between_two_steps_allows_its_nearest_step() -> None:
 
 
 def test_slave_motors_are_demanded_and_checked() -> None:
-    gantry = dataclasses.replace(machine().axes[0], slaves=1)
+    gantry = dataclasses.replace(machine().axes[0], slaves=(Slave(),))
     on = dataclasses.replace(machine(), axes=(gantry, *machine().axes[1:]))
     job = JOBS["square"]()
     done = step(job, on)

@@ -1,0 +1,118 @@
+"""``[height_map]`` of a setup file: a grid in the file itself, or a table of points beside it.
+
+The controller's own format is not documented (Eding CNC manual 2.2.5.5 names the file only); this one is gproof's: a
+line for each point with its machine X, Y and measured Z, in the setup's unit, in any order; ``;`` or ``#`` begins a
+comment. The points make a full grid with equal steps in X and Y.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import re
+from fractions import Fraction
+
+from gproof.frontend.toml_table import LARGEST, TomlTable, exact_ratio
+from gproof.ir import codes
+from gproof.ir.finding import Span
+from gproof.ir.setup import HeightMap
+
+GRID = Fraction(1, 100)
+"""Of a step: how far a point may be from where the grid has it."""
+
+Point = tuple[Fraction, Fraction, Fraction]
+
+
+def read_height_map(table: TomlTable | None, unit: Fraction) -> tuple[HeightMap | None, list[tuple[str, str]]]:
+    """The map, and (name, sha256) of the file it came from; None, with findings, when it is bad."""
+    if table is None:
+        return None, []
+    on = table.boolean("on")
+    name = table.text("file")
+    files: list[tuple[str, str]] = []
+    found: HeightMap | None = None
+    if name is not None:
+        points, files = _points(table, name)
+        if points:
+            found = _from_points(table, name, points, unit)
+    else:
+        found = _inline(table, unit)
+    table.finish()
+    if found is None:
+        return None, files
+    problem = found.problem()
+    if problem is not None:
+        table.bad("file" if name is not None else "heights", problem)
+        return None, files
+    stated = HeightMap(
+        x=found.x, y=found.y, size=found.size, heights=found.heights, name=name or "", on=True if on is None else on
+    )
+    return stated, files
+
+
+def _inline(table: TomlTable, unit: Fraction) -> HeightMap | None:
+    for key in ("x", "y", "size", "heights"):
+        if key not in table.values:
+            table.missing(key)
+    x, y, size = table.number("x", unit=unit), table.number("y", unit=unit), table.positive("size", unit=unit)
+    heights = table.grid("heights")
+    if x is None or y is None or size is None or heights is None:
+        return None
+    return HeightMap(x=x, y=y, size=size, heights=tuple(tuple(float(h * unit) for h in row) for row in heights))
+
+
+def _points(table: TomlTable, name: str) -> tuple[list[Point], list[tuple[str, str]]]:
+    """The points of a file; a finding at each line that is none."""
+    target = table.file.path.parent / name
+    try:
+        raw = target.read_bytes()
+    except (OSError, ValueError) as error:
+        table.bad("file", f"{name}: {getattr(error, 'strerror', None) or error}")
+        return [], []
+    files = [(str(target), hashlib.sha256(raw).hexdigest())]
+    points: list[Point] = []
+    good = True
+    for number, line in enumerate(raw.decode("latin-1").splitlines(), 1):
+        words = re.split(r"[;#]", line, maxsplit=1)[0].replace(",", " ").split()
+        values = [exact_ratio(word) if "/" not in word else None for word in words]
+        numbers = [value for value in values if value is not None and abs(value) <= LARGEST]
+        if not words:
+            continue
+        if len(words) != 3 or len(numbers) != 3:
+            good = False
+            what = "a point of a height map is X, Y and Z"
+            table.file.add_at(codes.FILE_UNREADABLE, Span(str(target), number), what=what)
+            continue
+        points.append((numbers[0], numbers[1], numbers[2]))
+    if good and not points:
+        good = False
+        table.bad("file", f"{name} has no points")
+    return (points if good else []), files
+
+
+def _from_points(table: TomlTable, name: str, points: list[Point], unit: Fraction) -> HeightMap | None:
+    """The grid that the points make."""
+    x0, y0 = min(x for x, _, _ in points), min(y for _, y, _ in points)
+    # The smallest step other than none, in either direction, is the grid's.
+    sides = sorted({x - x0 for x, _, _ in points} | {y - y0 for _, y, _ in points})
+    widest = sides[-1]
+    size = next((side for side in sides if side * 1000 > widest), Fraction(0))
+    if size <= 0:
+        table.bad("file", f"{name}: the points make no grid")
+        return None
+    cells: dict[tuple[int, int], Fraction] = {}
+    for x, y, z in points:
+        u, v = (x - x0) / size, (y - y0) / size
+        place = round(u), round(v)
+        if abs(u - place[0]) > GRID or abs(v - place[1]) > GRID:
+            table.bad("file", f"{name}: the point X{float(x):g} Y{float(y):g} is beside the grid of {float(size):g}")
+            return None
+        if place in cells:
+            table.bad("file", f"{name}: the point X{float(x):g} Y{float(y):g} is there twice")
+            return None
+        cells[place] = z
+    columns, rows = 1 + max(i for i, _ in cells), 1 + max(j for _, j in cells)
+    if len(cells) != columns * rows:
+        table.bad("file", f"{name}: {columns * rows - len(cells)} points of the grid are missing")
+        return None
+    heights = tuple(tuple(float(cells[i, j] * unit) for i in range(columns)) for j in range(rows))
+    return HeightMap(x=float(x0 * unit), y=float(y0 * unit), size=float(size * unit), heights=heights)
