@@ -18,7 +18,7 @@ from gproof.ir import codes
 from gproof.ir.finding import Findings, Severity, Span
 from gproof.ir.machine import AXES, AXIS_NAMES, Axis, Machine
 from gproof.ir.setup import Setup
-from gproof.ir.trace import UNKNOWN, Affine, Chunk, Trace
+from gproof.ir.trace import UNKNOWN, Affine, Chunk, Op, Trace
 from gproof.ir.verdict import Condition, PropertyResult, Verdict
 from gproof.passes.check import Check, form_interval, row_span
 from gproof.passes.extent_kernels import row_boxes
@@ -73,6 +73,7 @@ class Limits(Check):
         own = reach_of(machine, "y")
         self._own_y: Range = (None, None) if own is None else own.sure[False]
         self._told_mapping = False
+        self._moved = np.zeros(AXES, dtype=bool)
         self._heights = heights_of(setup.height_map)
         self._plain = self._heights is None and all(reach.plain for reach in self.reaches.values())
         self._trace: Trace | None = None
@@ -123,14 +124,14 @@ class Limits(Check):
 
     def _walk(
         self, chunk: Chunk, known: npt.NDArray[np.uint8], guards: npt.NDArray[np.int64], limits: tuple[Floats, Floats],
-        added: Floats,
+        added: Floats, room: int = _KEPT,
     ) -> int:  # fmt: skip
         """Widen the extents by the chunk's rows; how many of them are beyond ``limits``."""
         trace, rows = chunk.trace, chunk.rows
         low_row = np.full(self._low.shape, -1, dtype=np.int64)
         high_row = np.full(self._low.shape, -1, dtype=np.int64)
-        self._bad_row, self._bad_axis = np.zeros(_KEPT, dtype=np.int64), np.zeros(_KEPT, dtype=np.int64)
-        self._bad_reach = np.zeros(_KEPT)
+        self._bad_row, self._bad_axis = np.zeros(room, dtype=np.int64), np.zeros(room, dtype=np.int64)
+        self._bad_reach = np.zeros(room)
         count = row_boxes.pick(chunk.work)(
             rows["op"], rows["to"], rows["center"], rows["turns"], rows["plane"], rows["frame"], guards,
             rows["state"], np.array(chunk.start, dtype=np.float64), known, *limits, self._low, self._high, low_row,
@@ -145,7 +146,12 @@ class Limits(Check):
     def _compensated(self, chunk: Chunk, known: npt.NDArray[np.uint8], guards: npt.NDArray[np.int64]) -> None:
         """The same rows with what compensation may add to them."""
         added = self._heights.spans(chunk, known) if self._heights is not None else np.zeros((0, 2))
-        for n in range(min(self._walk(chunk, known, guards, self._sure, added), _KEPT)):
+        count = self._walk(chunk, known, guards, self._sure, added)
+        if count > _KEPT:
+            self._walk(chunk, known, guards, self._sure, added, count)
+        # An axis that only stands where it stood when the job began is not what the job is to blame for.
+        since = self._first_moves(chunk)[self._bad_axis[:count]]
+        for n in np.flatnonzero(self._bad_row[:count] >= since)[:_KEPT].tolist():
             row, index, reach = int(self._bad_row[n]), int(self._bad_axis[n]), float(self._bad_reach[n])
             axis = self.reaches[AXIS_NAMES[index]]
             off = "machine_area" in chunk.trace.states[int(chunk.rows["state"][row])].guards_off
@@ -166,6 +172,20 @@ class Limits(Check):
                     unit=axis.axis.unit, side="lower" if below else "upper", limit=limit, what=what,
                 )
             )  # fmt: skip
+
+    def _first_moves(self, chunk: Chunk) -> npt.NDArray[np.int64]:
+        """(6,): the chunk's first row at whose end an axis has moved since the job began; its length when none."""
+        rows = chunk.rows
+        moved = rows["to"] != np.array(self._start)
+        moved[:, :3] |= (rows["op"] == Op.ARC)[:, np.newaxis]
+        for index in range(AXES):
+            other = np.array([frame[index] != self._start_forms[index] for frame in chunk.trace.frames], dtype=bool)
+            moved[:, index] |= other[rows["frame"]]
+        if self._heights is not None:
+            moved[:, 2] = True  # Z goes up and down with X and Y
+        moved[:1] |= self._moved
+        self._moved |= moved.any(axis=0)
+        return np.where(moved.any(axis=0), np.argmax(moved, axis=0), len(rows))
 
     def _lifted_beyond(self, chunk: Chunk, row: int, limit: float, below: bool) -> bool:
         """GP301 when the row's end, with the height that is known there, is past the limit for certain."""

@@ -327,6 +327,13 @@ def _of_tool(value: Value, unit: float) -> Value:
     return value if isinstance(value, Unknown) else value / unit
 
 
+def _kinematics(m: Modal) -> Value:
+    """#5150: 1 trivial, 2 Y mapped onto A (Eding manual 3.1.1)."""
+    if m.machine.kinematics != "trivial":
+        return Unknown("#5150")
+    return 1.0 if m.setup.cylinder is None else 2.0
+
+
 _SHOWN: dict[str, Callable[[Modal, int, int], Value]] = {
     "position": lambda m, n, k: m.plain(m.program_position(k), m.scale(k), n),
     "machine_position": lambda m, n, k: m.plain(m.position[k], m.scale(k), n),
@@ -347,6 +354,7 @@ _SHOWN: dict[str, Callable[[Modal, int, int], Value]] = {
     "home_position": lambda m, n, k: _limit(m, n, k, "home_position"),
     "area_lower": lambda m, n, k: _area(m, n, k, 0),
     "area_upper": lambda m, n, k: _area(m, n, k, 1),
+    "kinematics": lambda m, n, k: _kinematics(m),
     "height_map": lambda m, n, k: float(HEIGHT_MAP in m.following),
     "g92": lambda m, n, k: m.plain(m.g92_stored[k], m.machine_unit(k), n),
     "work": lambda m, n, k: m.plain(m.work_offsets[(n - 5221) // 20 + 1, k], m.machine_unit(k), n),

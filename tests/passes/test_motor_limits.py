@@ -88,6 +88,18 @@ def test_backlash_takes_its_amount_from_both_ends() -> None:
         assert judged(Path().traverse(y=to).done(), mill(y))[1] == labels
 
 
+def test_an_axis_that_only_stands_at_its_limit_is_not_blamed() -> None:
+    y, x = axis("y", 0.0, 300.0, backlash=0.05), axis("x", 0.0, 600.0, backlash=0.05)
+    path = Path()
+    for k in range(100):
+        path.traverse(x=10 + k)
+    assert judged(path.done(), mill(x, y))[1] == []
+    path = Path()
+    for k in range(100):
+        path.traverse(x=10 + k)
+    assert judged(path.traverse(y=5).traverse(y=0).done(), mill(x, y))[1] == ["GP320"]
+
+
 def test_an_unknown_offset_is_bounded_by_what_compensation_leaves() -> None:
     x = axis("x", 0.0, 600.0, backlash=0.25, slaves=(Slave(upper=500.0),))
     result, found = judged(Path().frame("work.1.x").traverse(x=0).traverse(x=100).done(), mill(x))
@@ -107,6 +119,7 @@ def test_with_the_guard_off_the_travel_is_narrowed_too() -> None:
 def oracle(trace: Trace, machine: Machine, heights: HeightMap | None) -> tuple[bool, bool]:
     """(some motor may be outside its limits, some axis is certainly outside its own)."""
     may = must = False
+    moved: set[str] = set()
     place = list(trace.sections[0].start)
     rows = trace.sections[0].rows
     for k in range(len(rows)):
@@ -116,6 +129,8 @@ def oracle(trace: Trace, machine: Machine, heights: HeightMap | None) -> tuple[b
             for one in machine.axes:
                 plain = point[one.index]
                 at = plain + (lift if one.name == "z" else 0.0)
+                if plain != trace.sections[0].start[one.index] or (one.name == "z" and heights is not None):
+                    moved.add(one.name)
                 for drive in one.drives():
                     assert drive.lower is not None and drive.upper is not None
                     must |= any(not drive.lower - 1e-9 <= p <= drive.upper + 1e-9 for p in (plain, at))
@@ -125,7 +140,7 @@ def oracle(trace: Trace, machine: Machine, heights: HeightMap | None) -> tuple[b
                         reading += [at - shift[0], at + shift[1]]
                     for motor in reading:
                         for slack in (-drive.backlash, 0.0, drive.backlash):
-                            may |= not drive.lower - 2e-9 <= motor + slack <= drive.upper + 2e-9
+                            may |= one.name in moved and not drive.lower - 2e-9 <= motor + slack <= drive.upper + 2e-9
         place = to
     return may, must
 

@@ -1,5 +1,5 @@
 G21 G17 G90 G94 G40 G49 G54
 G0 Z-5
-zhc on
+zhcinit 20 2 2
 G0 X20 Y20
 M30
