@@ -34,7 +34,7 @@ def run_check(
     """Judge a job, print the report, write the picture; returns the exit code."""
     if picture is not None:
         require_place(picture, "picture", (job, machine, setup))
-    session = open_session(job, machine=machine, setup=setup, dialect=dialect)
+    session = open_session(job, machine=machine, setup=setup, dialect=dialect, call=running.call)
     drawing = None
     if picture is not None:
         from gproof.cli.picture import Drawing

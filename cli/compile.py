@@ -69,7 +69,7 @@ def run_compile(
     require_place(output, "output", (job, machine, setup, key))
     if key is not None and unsigned:
         raise UsageError("--key and --unsigned exclude each other")
-    session = open_session(job, machine=machine, setup=setup, dialect=dialect)
+    session = open_session(job, machine=machine, setup=setup, dialect=dialect, call=running.call)
     judgement = judge(session, running=running)
     if judgement.verdict is not Verdict.SAFE:
         return _refuse(session, judgement, judgement.verdict, "the job is not SAFE")

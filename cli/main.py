@@ -63,6 +63,7 @@ def _job_options(command: Any) -> Any:
                 default=256,
                 help="Outcomes of unknown conditions to follow at most; 256 by default.",
             ),
+            click.option("--call", help="Judge a subprogram of JOB, such as user_1, as its button runs it."),
             click.option("--render", is_flag=True, help="As the controller draws it: probes miss, dialogs say OK."),
         )
     ):
@@ -78,14 +79,14 @@ def _job_options(command: Any) -> Any:
 @click.option("--picture", type=click.Path(path_type=Path), help="Write a picture of the path (SVG).")
 def check(
     job: Path, machine: Path | None, setup: str | None, dialect: str | None, max_blocks: int | None,
-    max_branches: int, render: bool, form: str, strict: bool, picture: Path | None,
+    max_branches: int, call: str | None, render: bool, form: str, strict: bool, picture: Path | None,
 ) -> int:  # fmt: skip
     """Prove or refute that JOB is safe on a machine."""
     from gproof.cli.check import run_check
     from gproof.cli.session import Running
 
     return run_check(
-        job, machine=machine, setup=setup, dialect=dialect, running=Running(max_blocks, max_branches, render),
+        job, machine=machine, setup=setup, dialect=dialect, running=Running(max_blocks, max_branches, render, call),
         form=form, strict=strict, picture=picture,
     )  # fmt: skip
 
@@ -104,6 +105,7 @@ def dump(
     dialect: str | None,
     max_blocks: int | None,
     max_branches: int,
+    call: str | None,
     render: bool,
     stage: str,
     form: str,
@@ -117,7 +119,7 @@ def dump(
         machine=machine,
         setup=setup,
         dialect=dialect,
-        running=Running(max_blocks, max_branches, render),
+        running=Running(max_blocks, max_branches, render, call),
         stage=stage,
         form=form,
     )
@@ -131,14 +133,14 @@ def dump(
 @click.option("--unsigned", is_flag=True, help="Write the certificate without a signature.")
 def compile_(
     job: Path, machine: Path | None, setup: str | None, dialect: str | None, max_blocks: int | None,
-    max_branches: int, render: bool, output: Path, key: Path | None, unsigned: bool,
+    max_branches: int, call: str | None, render: bool, output: Path, key: Path | None, unsigned: bool,
 ) -> int:  # fmt: skip
     """Compile JOB to a certified step stream."""
     from gproof.cli.compile import run_compile
     from gproof.cli.session import Running
 
     return run_compile(
-        job, machine=machine, setup=setup, dialect=dialect, running=Running(max_blocks, max_branches, render),
+        job, machine=machine, setup=setup, dialect=dialect, running=Running(max_blocks, max_branches, render, call),
         output=output, key=key, unsigned=unsigned,
     )  # fmt: skip
 

@@ -8,9 +8,10 @@ from typing import TypedDict, TypeVar
 
 from gproof.cli.files import require_file
 from gproof.cli.main import UsageError
-from gproof.ir.finding import Findings
+from gproof.ir import codes
+from gproof.ir.finding import Findings, Span
 from gproof.ir.machine import NO_MACHINE, Machine
-from gproof.ir.program import Program
+from gproof.ir.program import Call, Program
 from gproof.ir.setup import NOTHING, ZERO, Setup
 
 T = TypeVar("T")
@@ -26,6 +27,7 @@ class Running:
     max_blocks: int | None = None
     max_branches: int = 256
     render: bool = False
+    call: str | None = None
 
 
 class Options(TypedDict):
@@ -60,7 +62,9 @@ class Session:
         return {"budget": budget, "max_branches": running.max_branches, "render": running.render}
 
 
-def open_session(job: Path, *, machine: Path | None, setup: str | None, dialect: str | None) -> Session:
+def open_session(
+    job: Path, *, machine: Path | None, setup: str | None, dialect: str | None, call: str | None = None
+) -> Session:
     """Read everything; UsageError (exit 3) for files that can not be read at all."""
     require_file(job, "job")
     findings = Findings()
@@ -84,12 +88,27 @@ def open_session(job: Path, *, machine: Path | None, setup: str | None, dialect:
 
     Kernel.forecast(job.stat().st_size * PLAIN_SECONDS_A_BYTE)
     program = load_program(job, findings)
+    if program is not None and call is not None:
+        _call_only(program, call, job)
+    elif program is not None and not program.body and program.subprograms:
+        inside = (sub.span for sub in program.subprograms.values() if sub.span.file == str(job))
+        first = min(inside, key=lambda span: span.line, default=Span(str(job), 0))
+        findings.add(codes.ONLY_SUBPROGRAMS.at(first, hint=f"--call {min(program.subprograms)} judges one of them"))
     if program is not None:
         inputs += [(f.name, f.sha256, "source") for f in program.files]
     return Session(
         job=job, dialect=dialect, dialect_reason=reason, program=program, machine=the_machine, setup=the_setup,
         machine_given=machine is not None, findings=findings, inputs=inputs,
     )  # fmt: skip
+
+
+def _call_only(program: Program, name: str, job: Path) -> None:
+    """Make the program one call of a subprogram; UsageError when there is none of that name."""
+    if name.lower() not in program.subprograms:
+        known = ", ".join(sorted(program.subprograms)) or "none"
+        raise UsageError(f"{job}: no subprogram {name!r}; there are: {known}")
+    sub = program.subprograms[name.lower()]
+    program.body = (Call(name=sub.name, span=sub.span),)
 
 
 def dialect_of(

@@ -167,6 +167,7 @@ COMPENSATION_LATHE_UNKNOWN = code(
 COMPENSATION_WITHOUT_TOOL = code(
     258, "compensation-without-tool", _W, "cutter radius compensation without a tool in the spindle: the radius is 0"
 )
+ONLY_SUBPROGRAMS = code(340, "only-subprograms", _W, "the file holds only subprograms: nothing of it was executed")
 OPERATOR_STOP = code(243, "operator-stop", _N, "the job waits here for the operator ({code})")
 
 # 3xx limits and areas

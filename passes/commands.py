@@ -42,6 +42,7 @@ def _home(ex: Emitter, node: Device) -> None:
         if not ex.modal.has_axis(axis):
             raise Refusal(codes.AXIS_NOT_THERE.at(node.span, axis=name.upper()))
         ex.modal.position[axis] = ex.unknown_place("home", axis, (-math.inf, math.inf), Position(0.0))
+    ex.assumed["homing moves do not leave the machine"] = None
     ex.findings.add(codes.HOMING.at(node.span, axes=" ".join(name.upper() for name in names)))
     ex._end_section(Wait.HOME, "homed", None, node.span.line)
 
@@ -80,6 +81,7 @@ HANDLERS: dict[str, Handler] = {
     "home_is_stop": _note,
     "store_position": _note,
     "log_file": _note,
+    "nesting": _note,
     **DEVICES,
 }
 """What each command of ``rules.DEVICES`` does."""

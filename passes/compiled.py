@@ -13,7 +13,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
-from gproof.ir.program import Binary, Block, Expr, Number, Unary, Variable
+from gproof.ir.program import Binary, Block, DeferredBlock, Expr, Number, Unary, Variable
 from gproof.ir.rules import LanguageRules
 from gproof.passes.expressions import BINARY_FUNCTIONS, UNARY_FUNCTIONS
 
@@ -33,17 +33,19 @@ class Slow(Exception):
 @dataclass(frozen=True, slots=True)
 class FastBlock:
     """run: variables -> values of the words, then of the settings; letters of the words; numbers that are set; reads:
-    numbers of the variables; is_motion: only words that ``run_lines`` may take."""
+    numbers of the variables; is_motion: only words that ``run_lines`` may take; node: the block."""
 
     run: Callable[[dict[int, Any]], tuple[float, ...]]
     letters: tuple[str, ...]
     targets: tuple[int, ...]
     reads: tuple[int, ...]
     is_motion: bool
+    node: Block
 
 
 def compile_block(node: Block, rules: LanguageRules) -> FastBlock | None:
     """A function for a block; None when something in it needs the evaluator every time."""
+    node = node.made() if isinstance(node, DeferredBlock) else node
     code = _Code(rules)
     try:
         targets = tuple(code.number(a.target) for a in node.assigns)
@@ -53,7 +55,7 @@ def compile_block(node: Block, rules: LanguageRules) -> FastBlock | None:
     letters = tuple(w.letter for w in node.words)
     is_motion = HOT_LETTERS.issuperset(letters)
     run = code.function(f"({', '.join(values)},)", many=True)
-    return FastBlock(run, letters, targets, tuple(code.reads), is_motion)
+    return FastBlock(run, letters, targets, tuple(code.reads), is_motion, node)
 
 
 Condition = tuple[Callable[[dict[int, Any]], float], list[int]]

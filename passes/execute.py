@@ -27,6 +27,7 @@ from gproof.ir.program import (
     Block,
     BlockTable,
     Call,
+    DeferredBlock,
     Device,
     Expr,
     Guard,
@@ -50,6 +51,8 @@ from gproof.passes.modal import Modal
 from gproof.passes.overrides import Words, replaced
 from gproof.passes.values import Position, Unknown, Value
 
+_ONCE = FastBlock(lambda _: (), (), (), (), False, None)  # type: ignore[arg-type]
+"""A block that was executed once."""
 CHUNK_BYTES = 1 << 20
 PENDING_LINES = 1 << 14
 """Lines of motion that wait at most before they are executed together."""
@@ -142,6 +145,7 @@ class Executor(Blocks):
         self._tests: dict[int, Condition | None] = {}
         self._pending = _Pending()
         self._key: object = None
+        self._loops = 0
         self._stack: list[_Frame] = [_Frame(self.program.body)]
         while True:
             yield from self._path()
@@ -174,6 +178,7 @@ class Executor(Blocks):
         """Take up an outcome that waits."""
         self.modal, self._stack = path.modal, path.stack
         self._pending = _Pending()
+        self._loops = sum(isinstance(frame.node, While) for frame in self._stack)
         self._file, self._call, self._depth, self._moved, self._nesting = path.place
         self._end = None
         self._state_changed()
@@ -224,6 +229,7 @@ class Executor(Blocks):
         elif kind is While:
             assert isinstance(node, While)
             self._enter(node.span)
+            self._loops += 1
             self._stack.append(_Frame(node.body, node, len(node.body)))
         elif kind is Call:
             assert isinstance(node, Call)
@@ -231,9 +237,12 @@ class Executor(Blocks):
             self._called(node.name, node.span)
         else:
             assert not isinstance(node, BlockTable)
-            self.spend(node.span)
-            if kind is not Block or not self._fast_block(node):  # type: ignore[arg-type]
+            is_block = isinstance(node, Block)
+            again = is_block and (self._loops or self._depth)
+            if not again or not self._fast_block(node):  # type: ignore[arg-type]
+                node = node.made() if isinstance(node, DeferredBlock) else node
                 self._run_pending()
+                self.spend(node.span)
                 self._guarded(node)
 
     def _leave(self, frame: _Frame) -> None:
@@ -249,6 +258,7 @@ class Executor(Blocks):
                 frame.at = 0
                 return
         self._stack.pop()
+        self._loops -= isinstance(node, While)
         if node is not None:
             self._nesting -= 1
         if isinstance(frame.caller, _Caller):
@@ -344,8 +354,10 @@ class Executor(Blocks):
     def _fast_condition(self, condition: Expr) -> float | None:
         """The value of a condition that was evaluated before; None when the evaluator must do it."""
         key = id(condition)
+        if not self._loops and not self._depth:
+            return None
         if key not in self._tests:
-            # The first time is the evaluator's: it tells what is to be told once.
+            # As for blocks.
             self._tests[key] = compile_condition(condition, self.program.rules)
             return None
         test = self._tests[key]
@@ -361,9 +373,13 @@ class Executor(Blocks):
         """Evaluate a block that was executed before, and keep its motion for later; False: not possible this time."""
         key = id(node)
         if key not in self._fast:
-            self._fast[key] = None if node.deleted else compile_block(node, self.program.rules)
+            # The first time is the evaluator's: it tells what is to be told once.
+            self._fast[key] = _ONCE
             return False
         fast = self._fast[key]
+        if fast is _ONCE:
+            fast = None if node.deleted else compile_block(node, self.program.rules)
+            self._fast[key] = fast
         if fast is None or not (fast.is_motion or not fast.letters):
             return False
         parameters = self.modal.parameters
@@ -372,11 +388,12 @@ class Executor(Blocks):
         except FALLS_BACK:
             self._settle(fast.reads)
             return False
+        self.spend(fast.node.span)
         words = len(fast.letters)
         if words:
             p = self._pending
             number = len(p.nodes)
-            p.nodes.append(node)
+            p.nodes.append(fast.node)
             p.line.extend([number] * words)
             p.letter.extend(map(ord, fast.letters))
             p.value.extend(values[:words])

@@ -1,0 +1,3 @@
+sub user_1                        ; expect: GP340
+  G53 G0 Z0
+endsub
