@@ -167,7 +167,7 @@ def contour(rng: random.Random, side: int, radius: float, sharp: bool) -> list[S
         w = _unit(corner, after)
         cross = u[0] * w[1] - u[1] * w[0]
         turn = abs(math.atan2(cross, u[0] * w[0] + u[1] * w[1]))
-        if turn < math.radians(2):
+        if turn < math.radians(3.5):
             # Hardly a corner: straight on.
             points[k + 1] = (corner[0] + u[0] * 60, corner[1] + u[1] * 60)
             continue
