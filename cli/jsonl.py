@@ -13,6 +13,7 @@ from gproof.ir.trace import Chunk, Op, Plane
 from gproof.passes.values import describe
 
 _PLANES = {Plane.XY: ("XY", 0, 1), Plane.XZ: ("XZ", 0, 2), Plane.YZ: ("YZ", 1, 2)}
+_PAIRS = {Plane.XY: "xy", Plane.XZ: "zx"}
 _DIRECTIONS = {1: "cw", -1: "ccw", 0: "off"}
 _PATH_MODES = ("exact_path", "exact_stop", "continuous")
 
@@ -43,6 +44,10 @@ def chunk_lines(chunk: Chunk, machine: Machine, job: str) -> Iterator[str]:
             if op is Op.ARC:
                 name, p, q = _PLANES[Plane(row["plane"])]
                 out |= {"plane": name, "center": [row["center"][p], row["center"][q]], "turns": row["turns"]}
+            side = trace.states[row["state"]].compensation
+            if side:
+                out["compensation"] = "left" if side > 0 else "right"
+                out["programmed"] = dict(zip(_PAIRS[Plane(abs(side))], row["arg"], strict=True))
         else:
             out |= _event(op, row["arg"], trace.texts, row["text"])
         yield json.dumps(out, ensure_ascii=False)

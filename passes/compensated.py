@@ -61,9 +61,11 @@ def switch(ex: Motion, line: Line) -> None:
         side, radius = (-side if diameter < 0 else side), abs(diameter) / 2.0
     shift = (0.0, 0.0)
     if s.plane is Plane.XZ and radius != 0.0:
-        side = _seen(ex, where, side)
-        nose = _nose(ex, where, tool, diameter)
-        radius, shift = (None, shift) if nose is None or radius is None else (radius, _scaled(nose, radius))
+        view, nose = _view(ex, where), _nose(ex, where, tool, diameter)
+        if view is None or nose is None or radius is None:
+            radius = None
+        else:
+            side, shift = side * view, (nose[0] * radius, nose[1] * radius)
     s.compensation = Compensation(side=side, radius=radius, plane=s.plane, shift=shift)
     ex._state_changed()
 
@@ -115,14 +117,15 @@ def _given_diameter(ex: Motion, line: Line, rule: CodeRule) -> float | None:
     return value * ex.modal.unit
 
 
-def _seen(ex: Motion, where: Span, side: int) -> int:
-    """The side in the pair (Z, X): left as seen from positive Y, or from negative Y on machines seen from there."""
+def _view(ex: Motion, where: Span) -> int | None:
+    """1 where left in the XZ plane is left as seen from positive Y, -1 from negative Y; None: not known, and told."""
     view = ex.machine.controller.xz_seen_from
     if view is None:
         cause = "the side from which arcs and sides in the XZ plane are seen"
         hint = 'state xz_seen_from = "+y" or "-y" under [controller] in the machine file'
         ex._fail(codes.COMPENSATION_LATHE_UNKNOWN.at(where, cause=cause, hint=hint))
-    return -side if view == "-y" else side
+        return None
+    return -1 if view == "-y" else 1
 
 
 def _nose(ex: Motion, where: Span, tool: int | None, diameter: float | None) -> tuple[int, int] | None:
@@ -142,10 +145,6 @@ def _nose(ex: Motion, where: Span, tool: int | None, diameter: float | None) -> 
     hint = "give it (1 to 9) in the tool table of the machine file"
     ex._fail(codes.COMPENSATION_LATHE_UNKNOWN.at(where, cause=cause, hint=hint))
     return None
-
-
-def _scaled(nose: tuple[int, int], radius: float) -> Point:
-    return nose[0] * radius, nose[1] * radius
 
 
 # -- what is refused while it is on

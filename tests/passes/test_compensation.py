@@ -14,6 +14,7 @@ import numpy as np
 import pytest
 from passes.compensated_jobs import HEAD, MILL, Move, Point, Stretch, contour, moves, run
 
+from gproof.ir.setup import NOTHING
 from gproof.ir.trace import Op
 
 Expected = list[tuple[str, float, float]]
@@ -362,3 +363,82 @@ def test_what_is_allowed_within_a_contour(text: str, tmp_path: Path) -> None:
     assert MILL.tool(1) is not None
     _, told, _ = run(tmp_path, HEAD + ON + text + "G90 G1 X80\nG40\nM2\n")
     assert told == []
+
+
+# -- what nobody stated
+
+
+def test_unknown_offsets_do_not_matter(tmp_path: Path) -> None:
+    """The path rests on differences: with unknown offsets it is the same, plus these."""
+    known, _, _ = run(tmp_path, HEAD + EDGE)
+    trace, told, _ = run(tmp_path, HEAD + EDGE.replace("X1 Y5", "X1 Y5 Z0"), NOTHING)
+    assert told == []
+    assert np.allclose([m.end for m in moves(trace)], [m.end for m in moves(known)])
+    frames = {trace.frames[int(f)][:2] for s in trace.sections for f in s.rows["frame"][s.rows["op"] < Op.DWELL]}
+    assert frames == {((("g92.x", 1), ("work.1.x", 1)), (("g92.y", 1), ("work.1.y", 1)))}
+
+
+def test_a_first_move_from_an_unknown_place_is_unknown_the_contour_behind_is_not(tmp_path: Path) -> None:
+    """5.4: where the first move ends depends on where it comes from; the second ends beside its own end."""
+    trace, told, _ = run(tmp_path, HEAD + "G41 D1\nG1 X0 Y0\nG1 X20\nG1 Y-20\nG40\nM2\n", NOTHING)
+    assert told == ["GP256:3"]
+    rows = trace.sections[0].rows
+    moved = np.flatnonzero(rows["op"] < Op.DWELL)
+    unknown = [trace.frames[int(f)][0] == (("?", 1),) for f in rows["frame"][moved]]
+    assert unknown == [True, False, False, False]
+    assert np.allclose([m.end for m in moves(trace)][1:], [(20, 3), (23, 0), (23, -20)])
+
+
+@pytest.mark.parametrize("code", ["G41 D4", "G42 D9", "G41 D#500", "G41.1 D#500", "G41"])
+def test_an_unknown_radius_makes_the_whole_contour_unknown(code: str, tmp_path: Path) -> None:
+    """Also what stands behind G40, until both axes are given again."""
+    text = f"G0 X0 Y0 Z0\n{code}\nG1 X10\nG3 X20 Y10 R10\nG1 Z-1\nG2 X30 Y20 I10\nG40\nG1 X50\nG1 Y50\nM2\n"
+    trace, told, _ = run(tmp_path, HEAD + text, NOTHING)
+    assert told == ["GP255:3"]
+    rows = trace.sections[0].rows
+    moved = np.flatnonzero(rows["op"] < Op.DWELL)
+    frames = [trace.frames[int(f)] for f in rows["frame"][moved]]
+    assert [f[0] == (("?", 1),) for f in frames] == [False, True, True, True, True, False, False]
+    assert [f[1] == (("?", 1),) for f in frames] == [False, True, True, True, True, True, False]
+    assert not any(f[2] == (("?", 1),) for f in frames)
+
+
+def test_a_diameter_that_the_program_writes_counts(tmp_path: Path) -> None:
+    """3.4.12: #5501 ... are the diameters of the tools; a contour that is under way keeps its radius."""
+    text = "G0 X-20 Y0\n#5501 = 4\nG41 D1\nG1 X0\n#5501 = 10\nG1 X20\nG40\nM2\n"
+    trace, told, _ = run(tmp_path, HEAD + text)
+    assert told == []
+    assert np.allclose(moves(trace)[-1].end, (20, 2))
+
+
+def test_no_tool_in_the_spindle_is_a_warning(tmp_path: Path) -> None:
+    _, told, findings = run(tmp_path, HEAD + "G0 X0 Y0\nG41\nG1 X10\nG40\nM2\n")
+    assert told == []
+    assert "GP258" in [f.code.label for f in findings.kept]
+
+
+def test_a_line_that_is_refused_is_passed_over(tmp_path: Path) -> None:
+    """The next line goes on from its end, in G91 too, and says nothing more."""
+    text = ON + "G1 X80 P5\nG91 G1 X20\nG90\nG1 Y0\nG40\nM2\n"
+    trace, told, _ = run(tmp_path, HEAD + text)
+    assert told == ["GP121:6"]
+    assert np.allclose(moves(trace)[-1].end, (103, 0))
+
+
+def test_inches(tmp_path: Path) -> None:
+    """D of G41.1 is in program units, a diameter of the table in mm."""
+    text = "G20 F20\nG0 X-2 Y0\n{}\nG1 X0\nG1 X1\nG40\nM2\n"
+    for code, radius in (("G41.1 D0.5", 6.35), ("G41 D1", 3.0)):
+        trace, told, _ = run(tmp_path, "G21 G17 G90 G94 G54 G40\n" + text.format(code))
+        assert told == []
+        assert np.allclose(moves(trace)[-1].end, (25.4, radius))
+
+
+def test_a_branch_keeps_its_contour(tmp_path: Path) -> None:
+    """Both outcomes of an unknown condition go on with the compensation they began with."""
+    text = "G0 X-20 Y0 Z0\nG41 D1\nG1 X0\nif [#500 > 1]\nG1 X20\nG40\nelse\nG1 X30\nendif\nG1 Y-50\nG40\nM2\n"
+    trace, told, _ = run(tmp_path, HEAD + text, NOTHING)
+    assert not [code for code in told if not code.startswith("GP232")]
+    ends = {(round(s.rows["to"][-1][0], 6), round(s.rows["to"][-1][1], 6)) for s in trace.sections if len(s.rows)}
+    assert (20.0, -50.0) in ends
+    assert (33.0, -50.0) in ends
