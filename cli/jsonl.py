@@ -66,6 +66,8 @@ def _event(op: Op, arg: list[float], texts: list[str], text: int) -> dict[str, A
             return {"tool": None if math.isnan(first) else int(first)}
         case Op.OUTPUT:
             return {"channel": int(first), "value": second, "synchronised": False}
+        case Op.SETPOINT:
+            return {"name": texts[text], "channel": int(first), "value": _number(second)}
         case Op.STOP:
             return {"optional": bool(first)}
         case Op.OFFSET:

@@ -120,6 +120,21 @@ ARC_UNEQUAL_SCALING = code(
     277, "arc-unequal-scaling", _E, "an arc while X is scaled by {x:g} and Y by {y:g} (G51 X Y)", "arcs"
 )
 SCALING_ZERO = code(278, "scaling-zero", _E, "{code} with a factor of 0 puts every point into one")
+AXIS_CLAMPED = code(279, "axis-clamped", _E, "{axis} would move while it is clamped (M26)")
+HEIGHT_CONTROL = code(
+    280,
+    "height-control",
+    _U,
+    "{code}: torch height control may be on from here, and the height Z is then its own",
+    "limits",
+)
+DRIVES_WERE_OFF = code(
+    281, "drives-were-off", _U, "the drives were off (M81): where the axes stand is not known any more", "limits"
+)
+AXIS_RESIZED = code(
+    282, "axis-resized", _U, "{code} makes an axis move {factor:g} times as far: where it is is not known", "limits"
+)
+OUTPUT_VALUE = code(283, "output-value", _E, "{code}: {what}")
 ERROR_MESSAGE = code(245, "error-message", _W, "the program ends itself here with the error {text!r}")
 OVERRIDE_WITH_CODES = code(
     290, "override-with-codes", _E, "{code} calls the subprogram {name!r}: {other} can not stand on its line"

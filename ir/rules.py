@@ -78,6 +78,17 @@ class Function(enum.IntEnum):
     ROTATION_OFF = 81
     SCALING_ON = 82
     SCALING_OFF = 83
+    HEIGHT_CONTROL = 84
+    HEIGHT_SETPOINT = 85
+    CLAMP_ON = 86
+    CLAMP_OFF = 87
+    DRIVES_ON = 88
+    DRIVES_OFF = 89
+    AXIS_RESOLUTION = 90
+    TEMPERATURE = 91
+    TEMPERATURE_WAIT = 92
+    FAN_ON = 93
+    FAN_OFF = 94
     UNSUPPORTED = 99
 
 

@@ -43,6 +43,7 @@ class Op(enum.IntEnum):
     GUARD = 24
     MESSAGE = 25
     END = 26
+    SETPOINT = 29
 
 
 class Plane(enum.IntEnum):
@@ -99,6 +100,7 @@ ARGUMENTS = {
     Op.COOLANT: "arg[0]: mist (0 or 1); arg[1]: flood",
     Op.TOOL_CHANGE: "arg[0]: tool number (NaN: unknown)",
     Op.OUTPUT: "arg[0]: channel; arg[1]: value",
+    Op.SETPOINT: "text: what is set (SETPOINTS); arg[0]: channel, 0 where there is one; arg[1]: value (NaN: unknown)",
     Op.INPUT_WAIT: "arg[0]: channel; arg[1]: value",
     Op.STOP: "arg[0]: 1 when optional",
     Op.OFFSET: "arg[0]: coordinate system (0: G92)",
@@ -110,6 +112,18 @@ ARGUMENTS = {
     Op.GUARD: "arg[0]: 1 on, 0 off; text: name",
     Op.MESSAGE: "text: the message",
 }
+
+SETPOINTS = {
+    "pwm": "duty of a pulse width output, 0 to 1",
+    "drives": "1 motors powered, 0 not",
+    "height_control": "torch height control: 1 on, 0 off",
+    "height_setpoint": "what torch height control aims at, in the controller's own unit",
+    "extruder_temperature": "degrees Celsius",
+    "bed_temperature": "degrees Celsius",
+    "extruder_maximum": "degrees Celsius at which the controller cuts the heater off",
+    "fan": "0 to 1",
+}
+"""What a SETPOINT row may set, and its unit."""
 
 Affine = tuple[tuple[str, int], ...]
 """A sum of unknowns: ((symbol, coefficient), ...), sorted; () is known. Symbols: see ir/setup.py."""
@@ -252,7 +266,7 @@ def verify_rows(rows: Columns, trace: Trace, where: str = "rows") -> None:
     feed = rows["feed"]
     if (feed < 0).any() or (feed[op == Op.TRAVERSE] != 0).any():
         raise ValueError(f"{where}: negative feed, or a traverse with one")
-    if (rows["text"][op == Op.MESSAGE] >= len(trace.texts)).any():
+    if (rows["text"][(op == Op.MESSAGE) | (op == Op.SETPOINT)] >= len(trace.texts)).any():
         raise ValueError(f"{where}: text index out of range")
 
 

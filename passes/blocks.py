@@ -16,6 +16,7 @@ from gproof.passes.emitter import ProgramEnd
 from gproof.passes.line import LARGEST, Line, check_unused, gather
 from gproof.passes.modal import INCH, NO_OFFSET, TOOL_LENGTH, TOOL_X_OFFSET
 from gproof.passes.motion import Motion
+from gproof.passes.outputs import run_outputs, takes_speed
 from gproof.passes.transform_codes import frame_of, run_transform, shifts
 from gproof.passes.values import NOWHERE, Position, Unknown, Value
 
@@ -95,7 +96,7 @@ class Blocks(Motion):
         self._spindle(line)
         self._coolant(line)
         self._overrides(line)
-        self._outputs(line)
+        run_outputs(self, line)
         self._input(line)
         self._dwell(line)
         self._plane(line)
@@ -174,7 +175,7 @@ class Blocks(Motion):
 
     def _spindle_speed(self, line: Line) -> None:
         value = line.values.get("S")
-        if value is None:
+        if value is None or takes_speed(line):
             return
         if not isinstance(value, Unknown) and value < 0:
             raise Refusal(codes.SPINDLE_SPEED_NEGATIVE.at(line.where("S"), value=value))
@@ -238,17 +239,6 @@ class Blocks(Motion):
         self.modal.overrides = rule.function is F.OVERRIDES_ON
         self._state_changed()
         self.event(Op.OVERRIDE, line.span, arg=(float(self.modal.overrides), 0.0))
-
-    def _outputs(self, line: Line) -> None:
-        """M54 P and M55 P: a general purpose output (3.5.9); M54 E Q (pulse width) is not modelled."""
-        rule = line.find(F.OUTPUT_ON, F.OUTPUT_OFF)
-        if rule is None:
-            return
-        channel = line.whole("P", self.program.rules.integer_tolerance)
-        if channel is None:
-            raise Refusal(codes.UNSUPPORTED_CODE.at(line.where_code(rule), code=f"{rule.text} without P"))
-        value = 1.0 if rule.function is F.OUTPUT_ON else 0.0
-        self.event(Op.OUTPUT, line.span, arg=(float(channel), value))
 
     def _input(self, line: Line) -> None:
         """M56: an input into #5399, at once or when it has come or a time is over (3.5.9)."""

@@ -48,6 +48,7 @@ from gproof.passes.compiled import FALLS_BACK, Condition, FastBlock, compile_blo
 from gproof.passes.emitter import DEFAULT_BRANCHES, DEFAULT_BUDGET, ProgramEnd
 from gproof.passes.expressions import describe_parts
 from gproof.passes.modal import Modal
+from gproof.passes.outputs import CLAMPED
 from gproof.passes.overrides import Words, replaced
 from gproof.passes.values import Position, Unknown, Value
 
@@ -628,7 +629,8 @@ class Executor(Blocks):
         return int(at)
 
     def _active_axes(self) -> int:
-        return sum(1 << axis for axis in range(AXES) if self.modal.has_axis(axis))
+        held = CLAMPED if self.modal.clamped else -1
+        return sum(1 << axis for axis in range(AXES) if self.modal.has_axis(axis) and axis != held)
 
     def _cold(self, table: BlockTable, words: Columns, begin: int, end: int, base: int) -> None:
         """One plain line in Python."""

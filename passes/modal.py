@@ -84,6 +84,9 @@ class Modal:
         self.following: tuple[str, ...] = ()
         if setup.height_map is not None and setup.height_map.on:
             self.following = (HEIGHT_MAP,)
+        self.clamped = False
+        self.drives_were_off = False
+        self.not_programmed: tuple[int, ...] = ()
 
     def _symbol(self, symbol: str) -> Position:
         """The stated exact value of a symbol, or the symbol itself."""
@@ -96,6 +99,8 @@ class Modal:
 
     def offset(self, axis: int) -> Position:
         """Where the program's zero of an axis lies in machine coordinates."""
+        if axis in self.not_programmed:
+            return NOWHERE
         return self.work_offsets[self.work, axis].plus(self.g92[axis]).plus(self.tool_offset[axis])
 
     def program_position(self, axis: int) -> Position:
@@ -119,7 +124,12 @@ class Modal:
     @property
     def plain_motion(self) -> bool:
         """True where moves mean what ``run_lines`` makes of them."""
-        return self.compensation is None and not self.xz_mirrored and not self.transform_in_doubt
+        return (
+            self.compensation is None
+            and not self.xz_mirrored
+            and not self.transform_in_doubt
+            and not self.drives_were_off
+        )
 
     @property
     def transform_in_doubt(self) -> bool:

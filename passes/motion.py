@@ -15,6 +15,7 @@ from gproof.passes import execute_kernels as k
 from gproof.passes.cycles import AXES_OF_PLANE, CYCLES, run_cycle
 from gproof.passes.emitter import Emitter
 from gproof.passes.line import Line
+from gproof.passes.outputs import look_at
 from gproof.passes.probing import run_probe
 from gproof.passes.transform_codes import check_arc, settle
 from gproof.passes.values import NOWHERE, Position, Unknown, Value, describe
@@ -245,6 +246,8 @@ class Motion(Emitter):
         the contour that a compensated row belongs to.
         """
         s = self.modal
+        if s.clamped or s.drives_were_off or s.not_programmed:
+            look_at(self, target, span)
         if any(a.value != b.value for a, b in zip(target[3:], s.position[3:], strict=True)):
             # Rounding is no motion: a rotary move beside it keeps its feed in degrees.
             for axis in range(3):

@@ -21,8 +21,8 @@ from gproof.ir.kernel import kernel
 Floats = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
 
-TRAVERSE, ARC, PROBE, DWELL, SPINDLE, HOME = 1, 3, 4, 10, 11, 17
-"""Ops of ir/trace.py that the loop must know; plan.py asserts that they are those. DWELL to HOME happen at rest."""
+TRAVERSE, ARC, PROBE, DWELL, SPINDLE, HOME, SETPOINT = 1, 3, 4, 10, 11, 17, 29
+"""Ops of ir/trace.py that the loop must know; plan.py asserts it. DWELL to HOME and SETPOINT happen at rest."""
 
 SHORTEST = 1e-9
 """mm or deg: rows that together stay below this take no time."""
@@ -209,7 +209,7 @@ def measure(
                 carry[C_FRAME] = form
                 for i in range(6):
                     place[0, i] = to[k, i]
-            if kind > HOME:
+            if kind > HOME and kind != SETPOINT:
                 continue
             used = finish_row(carry, queue, used)
             carry[C_STOP] = 1.0

@@ -167,7 +167,8 @@ class _Section:
             at = int(planned.rows["row"][np.argmax(planned.rows["duration"])])
             cause = f"the section takes {planned.duration:.3g} s, more than ticks can count"
             raise Refusal(codes.PLAN_NEEDS_NUMBERS.at(row_span(trace, self.rows, at), cause=cause))
-        self.events = np.flatnonzero((self.rows["op"] >= Op.DWELL) & (self.rows["op"] <= Op.HOME))
+        op = self.rows["op"]
+        self.events = np.flatnonzero(((op >= Op.DWELL) & (op <= Op.HOME)) | (op == Op.SETPOINT))
         timed = planned.rows
         moving = timed["length"] > 0
         self.moving: Ints = timed["row"][moving]

@@ -30,6 +30,7 @@ EVENT_OPS = (
     Op.INPUT_WAIT,
     Op.STOP,
     Op.HOME,
+    Op.SETPOINT,
 )
 """Rows that cost time or switch something: motion is at rest there, and each has one event."""
 

@@ -26,8 +26,8 @@ def _g(number: float, function: F, group: str, source: str, axes: bool = False, 
     )
 
 
-def _m(number: int, function: F, group: str, source: str) -> CodeRule:
-    return CodeRule(letter="M", tenths=number * 10, function=function, group=group, source=source)
+def _m(number: int, function: F, group: str, source: str, value: int = 0) -> CodeRule:
+    return CodeRule(letter="M", tenths=number * 10, function=function, group=group, source=source, value=value)
 
 
 _SUPPORTED = (
@@ -100,6 +100,21 @@ _SUPPORTED = (
     _m(54, F.OUTPUT_ON, "M5", "3.5.9"),
     _m(55, F.OUTPUT_OFF, "M5", "3.5.9"),
     _m(56, F.INPUT_READ, "M5", "3.5.9"),
+    _m(20, F.HEIGHT_CONTROL, "", "3.5.11"),
+    _m(21, F.HEIGHT_CONTROL, "", "3.5.11"),
+    _m(23, F.HEIGHT_SETPOINT, "", "3.5"),
+    _m(26, F.CLAMP_ON, "", "3.5.10"),
+    _m(27, F.CLAMP_OFF, "", "3.5.10"),
+    _m(80, F.DRIVES_ON, "", "3.5.8"),
+    _m(81, F.DRIVES_OFF, "", "3.5.8"),
+    _m(100, F.AXIS_RESOLUTION, "", "3.5.12"),
+    _m(104, F.TEMPERATURE, "", "3.5.12", value=0),
+    _m(106, F.FAN_ON, "", "3.5.12"),
+    _m(107, F.FAN_OFF, "", "3.5.12"),
+    _m(109, F.TEMPERATURE_WAIT, "", "3.5.12", value=0),
+    _m(140, F.TEMPERATURE, "", "3.5.12", value=1),
+    _m(143, F.TEMPERATURE, "", "3.5.12", value=2),
+    _m(190, F.TEMPERATURE_WAIT, "", "3.5.12", value=1),
     _m(48, F.OVERRIDES_ON, "M9", "3.5.5"),
     _m(49, F.OVERRIDES_OFF, "M9", "3.5.5"),
 )
@@ -113,10 +128,8 @@ _UNSUPPORTED = (
     *(_m(n, F.UNSUPPORTED, "M5", "3.5.9") for n in (64, 65, 66)),
     *(_m(n, F.UNSUPPORTED, "M9", "3.5.5") for n in (50, 51, 52, 53)),
     *(_m(n, F.UNSUPPORTED, "M10", "3.5.6") for n in (90, 91, 92, 93, 95, 97)),
-    *(_m(n, F.UNSUPPORTED, "", "3.5.11") for n in (20, 21, 22)),
-    *(_m(n, F.UNSUPPORTED, "", "3.5.10") for n in (26, 27)),
-    *(_m(n, F.UNSUPPORTED, "", "3.5.8") for n in (80, 81, 84, 85, 86, 87)),
-    *(_m(n, F.UNSUPPORTED, "", "3.5.12") for n in (100, 104, 106, 107, 109, 140, 143, 190)),
+    *(_m(n, F.UNSUPPORTED, "", "3.5.11") for n in (22,)),
+    *(_m(n, F.UNSUPPORTED, "", "3.5.8") for n in (84, 85, 86, 87)),
 )
 
 

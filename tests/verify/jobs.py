@@ -43,6 +43,7 @@ def events() -> Job:
     """Events of several kinds between, before and after motion."""
     job = Job().event(Op.SPINDLE, 1.0, 8000.0).event(Op.COOLANT, 0.0, 1.0).rapid(x=2, y=1)
     job.event(Op.DWELL, 0.05).line(z=-1, feed=600).event(Op.OUTPUT, 3.0, 1.0).line(x=4, y=2.2).event(Op.DWELL, 0.0)
+    job.event(Op.SETPOINT, 2.0, 0.25).line(x=4.1).line(x=4)
     job.add(Op.PLANE, arg=(1.0, 0.0)).arc((4.0, 1.2), -1, x=5, y=1.2).event(Op.SPINDLE, 0.0, 0.0).rapid(z=0)
     return job.event(Op.STOP, 0.0)
 

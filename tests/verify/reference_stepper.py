@@ -19,7 +19,7 @@ from gproof.ir.trace import TRACE_ROW, Edge, Op, State, Trace, TraceSection, Wai
 
 Steps = list[tuple[int, int]]
 PAIRS = {1: (0, 1, 2), 2: (2, 0, 1), 3: (1, 2, 0)}
-EVENTS = {Op.DWELL, Op.SPINDLE, Op.COOLANT, Op.TOOL_CHANGE, Op.OUTPUT, Op.INPUT_WAIT, Op.STOP, Op.HOME}
+EVENTS = {Op.DWELL, Op.SPINDLE, Op.COOLANT, Op.TOOL_CHANGE, Op.OUTPUT, Op.INPUT_WAIT, Op.STOP, Op.HOME, Op.SETPOINT}
 
 
 def machine(**changes: object) -> Machine:
@@ -102,7 +102,7 @@ class Job:
             rows=self.columns(),
             edges=(Edge(wait=Wait.END, outcome="end", target=-1),),
         )
-        return Trace(files=["job.cnc"], states=list(self.states), sections=[section])
+        return Trace(files=["job.cnc"], states=list(self.states), texts=["pwm"], sections=[section])
 
 
 @dataclass
