@@ -1,6 +1,6 @@
 G21 G17 G90 G94 G40 G49 G54
 G0 X20 Y20
-M109 S200                      ; expect: GP113
+M64 P1                         ; expect: GP113
 F400
 G1 X30
 G0 Z5
