@@ -213,7 +213,7 @@ HARD = {
     "recursion": ("G21\ngosub a\nM30\nsub a\ngosub a\nendsub\n", "UNSAFE", "GP117"),
     "a radius of nearly no chord": ("G21 G90 G94\nG91 G1 X0.1 F100\nX0.2\nX-0.3\nG90\nG3 X0 Y0 R10\nM30\n",
                                     "UNSAFE", "GP404"),
-    "a code that is not modelled": ("G21 G90 G94\nG0 X0 Y0\nM109 S1\nG1 X60 F9\nG3 X80 I10\nM30\n", "UNKNOWN", "GP113"),
+    "a code that is not modelled": ("G21 G90 G94\nG0 X0 Y0\nM64 P1\nG1 X60 F9\nG3 X80 I10\nM30\n", "UNKNOWN", "GP113"),
 }  # fmt: skip
 
 
