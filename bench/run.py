@@ -1,6 +1,6 @@
 """``make bench``: gproof beside LinuxCNC's ``rs274`` on the same programs, in one run on this machine.
 
-    python bench/run.py [--only start|lines|steps] [--lines 2000,100000] [--shapes raster] [--repeat 5] [--json FILE]
+    python bench/run.py [--only start|lines|parse|steps] [--lines 2000,100000] [--shapes raster] [--repeat 5] [--json FILE]
 
 Timings are no tests: the exit code is 0 whatever they are. bench/README.md explains the columns.
 """
@@ -24,7 +24,7 @@ from programs import SHAPES, write_program
 
 HERE = Path(__file__).resolve().parent
 MACHINE = HERE / "machine.toml"
-PARTS = ("start", "lines", "steps")
+PARTS = ("start", "lines", "parse", "steps")
 LINES = (2_000, 100_000, 1_000_000)
 START_LINES = 100
 STEP_LINES = 20_000
@@ -34,6 +34,7 @@ GOAL_START_S = 0.35
 GOAL_RATIO = 0.5
 GOAL_PEAK_MB = 400.0
 GOAL_LINES = 1_000_000
+GOAL_PARSE = {"repeat": 20_000, "different": 3_000}  # lines a second
 
 
 @dataclass(slots=True, kw_only=True)
@@ -115,6 +116,11 @@ class Bench:
         said = run_once(command, self.warm_environment | {"GPROOF_KERNELS": "numba"}, runs)
         figures: dict[str, Any] = {"execute": {"problem": runs.problem}} if runs.problem else json.loads(said)
         return {"shape": shape, "peak_mb": runs.peak_mb, "stages": figures}
+
+    def parse(self) -> dict[str, Any]:
+        runs = Runs()
+        said = run_once([sys.executable, str(HERE / "parse.py")], self.warm_environment, runs)
+        return {"problem": runs.problem} if runs.problem else dict(json.loads(said))
 
 
 def about() -> dict[str, str]:
@@ -202,6 +208,18 @@ def print_stages(rows: list[dict[str, Any]]) -> None:
         print(f"  {row['shape']:<7}" + "".join(cells) + f" {steps if steps else '-':>12} {row['peak_mb']:5.0f}")
 
 
+def print_parse(found: dict[str, Any]) -> None:
+    print("\nReading programs in one process, kernels compiled: lines a second of processor time")
+    if "problem" in found:
+        print(f"  ! {found['problem']}")
+        return
+    print(f"  {'kind':<10} {'lines':>10} {'a second':>10} {'bytes a line':>13}  goal")
+    for kind, row in found.items():
+        rate, goal = row["lines"] / row["seconds"], GOAL_PARSE.get(kind)
+        told = f"at least {goal:,}  {verdict(rate >= goal)}" if goal else ""
+        print(f"  {kind:<10} {row['lines']:>10,} {rate:>10,.0f} {row['bytes_a_line']:>13,.0f}  {told}".rstrip())
+
+
 def arguments() -> argparse.Namespace:
     parser = argparse.ArgumentParser(description="gproof beside rs274 on the same programs.")
     parser.add_argument("--only", action="append", choices=PARTS, help="a part; repeatable (default: all)")
@@ -229,6 +247,9 @@ def main() -> None:
             rows = [bench.compare(shape, lines) for lines in sizes for shape in shapes]
             print_lines(rows)
             answer["lines"] = [row.as_json() for row in rows]
+        if "parse" in parts:
+            answer["parse"] = bench.parse()
+            print_parse(answer["parse"])
         if "steps" in parts:
             stages = [bench.stages(shape) for shape in shapes]
             print_stages(stages)

@@ -117,6 +117,16 @@ class Builder:
         begin, inner = _range(tokens[0])[0], tokens[1]
         return Part(Variable(inner.node, self.span(begin, inner.end)), begin, inner.end)
 
+    def plain_parameter(self, tokens: Tokens) -> Part:
+        begin, end = _range(tokens[0])
+        return Part(Variable(self._literal(tokens[0]), self.span(begin, end)), begin, end)
+
+    def _literal(self, token: Token) -> Number:
+        """The number behind the first character of a token."""
+        begin, end = _range(token)
+        text = token[1:]
+        return Number(float(text), self.span(begin + 1, end), "." in text)
+
     def bracket(self, tokens: Tokens) -> Part:
         begin, end = _range(tokens[0])[0], _range(tokens[-1])[1]
         node = tokens[1].node if len(tokens) == 3 else self._grouped(tokens[1:-1])
@@ -158,21 +168,30 @@ class Builder:
     # ---- items of a block ----
 
     def word(self, tokens: Tokens) -> Word:
+        return self._word(_range(tokens[0])[0], tokens[1].node, tokens[1].end)
+
+    def plain_word(self, tokens: Tokens) -> Word:
         begin, end = _range(tokens[0])
-        letter = str(tokens[0]).upper()
-        value = tokens[1]
+        return self._word(begin, self._literal(tokens[0]), end)
+
+    def _word(self, begin: int, value: Expr, end: int) -> Word:
+        letter = self.line.code[begin].upper()
         if letter == "N":
-            text = self.line.code[end : value.end]
-            raise self.error(codes.BAD_LINE_NUMBER, begin, value.end, text=text)
+            raise self.error(codes.BAD_LINE_NUMBER, begin, end, text=self.line.code[begin + 1 : end])
         if letter not in WORD_LETTERS:
             what = f"{letter!r} begins no word of this controller"
-            raise self.error(codes.SYNTAX, begin, end, what=what)
-        return Word(letter, value.node, self.span(begin, value.end))
+            raise self.error(codes.SYNTAX, begin, begin + 1, what=what)
+        return Word(letter, value, self.span(begin, end))
 
     def setting(self, tokens: Tokens) -> Assign:
         begin, inner, value = _range(tokens[0])[0], tokens[1], tokens[2]
         target = Variable(inner.node, self.span(begin, inner.end))
         return Assign(target, value.node, self.span(begin, value.end))
+
+    def plain_setting(self, tokens: Tokens) -> Assign:
+        target, value = self.plain_parameter(tokens[:1]), tokens[1]
+        assert isinstance(target.node, Variable)
+        return Assign(target.node, value.node, self.span(target.begin, value.end))
 
     def comment(self, tokens: Tokens) -> Comment:
         text = str(tokens[0])[1:-1]

@@ -29,6 +29,7 @@ _LETTERS_AT_END = re.compile(r"[a-z]+$", _FLAGS)
 _LETTERS = re.compile(r"[a-z]+", _FLAGS)
 _OPERATOR_AT_END = re.compile(r"(?:[\[#=<>*/+-]|mod|and|or)$", _FLAGS)
 _OPERATOR_WORDS = ("mod", "and", "or", "xor", "band", "bor", "bxor")
+_OPERATOR_WORD = re.compile(r"mod|b?and|b?x?or", _FLAGS)
 _OPERATOR = re.compile(r"\*\*|[-+*/]|[<>=]+|(?:mod|b?and|b?x?or)(?![a-z])", _FLAGS)
 
 
@@ -192,6 +193,9 @@ def _missing_value(stop: _Stop) -> LineError | None:
     if stop.line.rule != "block" or not stop.rest[:1].isascii():
         return None
     letter = _LETTERS_AT_END.search(stop.before)
+    operator = _OPERATOR_WORD.match(stop.line.code, letter.start()) if letter else None
+    if letter and operator and re.search(r"[0-9.\]]$", stop.before[: letter.start()]):
+        return _bad(stop, letter.start(), operator.end(), f"{operator.group()!r} stands only inside brackets")
     if letter:
         return stop.error(codes.MISSING_VALUE, stop.at - 1, stop.at, letter=letter.group()[-1].upper())
     setting = re.search(r"#[^#=]*=$", stop.before)
