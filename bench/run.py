@@ -1,6 +1,7 @@
 """``make bench``: gproof beside LinuxCNC's ``rs274`` on the same programs, in one run on this machine.
 
-    python bench/run.py [--only start|lines|parse|steps] [--lines 2000,100000] [--shapes raster] [--repeat 5] [--json FILE]
+    python bench/run.py [--only start|lines|parse|steps] [--lines 2000,100000] [--shapes raster] [--repeat 5]
+                        [--json FILE]
 
 Timings are no tests: the exit code is 0 whatever they are. bench/README.md explains the columns.
 """
