@@ -1,10 +1,10 @@
 """Plan to StepStream: when each motor steps, to the tick.
 
-A motor's count is its axis's position times steps per unit, rounded to the nearest whole number (a half to the even
-one). It steps from n to n + 1 when the axis passes (n + 1/2) / steps per unit, and ``step_kernels`` finds
-those times exactly. Sections, and in them the stretches between events, are walked one after the other; steps
-wait in a buffer of bounded size until they are runs. Backlash is not made good; the stream validator names it as an
-assumption. docs/stream.md states the rules that the stream keeps.
+A motor's count is its position times steps per unit, rounded to the nearest whole number (a half to the even
+one); its position is its axis's, through its pitch table where it has one. It steps from n to n + 1 when it passes
+(n + 1/2) / steps per unit, and ``step_kernels`` finds those times exactly. Sections, and in them the stretches
+between events, are walked one after the other; steps wait in a buffer of bounded size until they are runs. Backlash
+is not made good; the stream validator names it as an assumption. docs/stream.md states the rules that the stream keeps.
 """
 
 from __future__ import annotations
@@ -27,6 +27,7 @@ from gproof.ir.stream import EVENT, RUN, Motor, StepStream, StreamSection
 from gproof.ir.trace import HEIGHT_MAP, Op, Plane, Trace, TraceSection
 from gproof.passes import step_kernels as k
 from gproof.passes.check import row_span
+from gproof.passes.pitch import exact_motor_position, motor_positions
 from gproof.passes.plan import shortest_interval
 from gproof.passes.plan_kernels import SPINDLE_UNSEEN, arc_shapes
 from gproof.passes.values import describe
@@ -76,23 +77,22 @@ def _refuse_what_has_no_steps(trace: Trace, machine: Machine, setup: Setup) -> N
                 what = f"the feed of {axis.name.upper()} is that of the tool over the material"
         if found.any():
             raise Refusal(codes.NOT_STEPPED.at(row_span(trace, rows, int(np.argmax(found))), what=what))
-    for axis in machine.axes:
-        if any(drive.pitch is not None for drive in axis.drives()):
-            raise Refusal(codes.NOT_STEPPED.at(Span(trace.files[0], 0), what=f"{axis.name.upper()} has a pitch table"))
 
 
-def nearest_count(position: float, steps_per_unit: Fraction) -> int:
-    """The motor's count at a position: exact, a half rounds to the even neighbour."""
-    return round(Fraction(position) * steps_per_unit)
+def nearest_count(position: float, steps_per_unit: Fraction, pitch: PitchTable | None = None) -> int:
+    """The motor's count at a position of its axis: exact, a half rounds to the even neighbour."""
+    motor = Fraction(position) if pitch is None else exact_motor_position(pitch, position)
+    return round(motor * steps_per_unit)
 
 
-def nearest_counts(positions: Floats, steps_per_unit: Fraction) -> Ints:
+def nearest_counts(positions: Floats, steps_per_unit: Fraction, pitch: PitchTable | None = None) -> Ints:
     """``nearest_count`` of many positions: in float64, exactly again where that is close to a half."""
-    steps = positions * float(steps_per_unit)
+    steps = (positions if pitch is None else motor_positions(pitch, positions)) * float(steps_per_unit)
     counts = np.rint(steps).astype(np.int64)
-    doubtful = np.abs(np.abs(steps - counts) - 0.5) < 1e-9 + 1e-15 * np.abs(steps)
+    rounding = 1e-15 if pitch is None else 1e-14
+    doubtful = np.abs(np.abs(steps - counts) - 0.5) < 1e-9 + rounding * np.abs(steps)
     values, place = np.unique(positions[doubtful], return_inverse=True)
-    exact = np.array([nearest_count(value, steps_per_unit) for value in values.tolist()], dtype=np.int64)
+    exact = np.array([nearest_count(value, steps_per_unit, pitch) for value in values.tolist()], dtype=np.int64)
     counts[doubtful] = exact[place]
     return counts
 
@@ -293,13 +293,17 @@ class _Steps:
             at = min(max(int(far[0]) - 1, 0), len(section.moving) - 1)
             where = row_span(self.stepper.trace, section.rows, int(section.moving[at]) if at >= 0 else 0)
             raise Refusal(codes.PLAN_NEEDS_NUMBERS.at(where, cause="the position is too far away to count steps"))
-        self.start = nearest_count(section.section.start[index], exact)
-        self.end = nearest_count(section.last[index], exact)
+        self.start = nearest_count(section.section.start[index], exact, drive.pitch)
+        self.end = nearest_count(section.last[index], exact, drive.pitch)
+        self.knots = np.zeros((0, 2))
+        if drive.pitch is not None:
+            knots = np.column_stack([drive.pitch.machine, drive.pitch.calibrated]) * self.rate
+            self.knots = np.ascontiguousarray(knots if self.rate > 0 else knots[::-1])
         self.motor = np.zeros((len(section.moving), k.MOTOR_WIDTH))
         self.motor[:, k.M_FROM] = section.starts[:, index] * self.rate
         self.motor[:, k.M_TO] = section.ends[:, index] * self.rate
         self._fill_arcs()
-        self.target = nearest_counts(section.ends[:, index], exact)
+        self.target = nearest_counts(section.ends[:, index], exact, drive.pitch)
         self.target[-1:] = self.end  # with moves behind it that are too short to be planned
         self.expected = self._expected()
         self.state = np.zeros(k.STATE_WIDTH, dtype=np.int64)
@@ -350,7 +354,7 @@ class _Steps:
         while True:
             first, self.count = self.loops.step_times(
                 first, last, self.section.profile, self.motor, self.target, self.rate, float(s.frequency), origin,
-                s.near, s.turn, self.state, self.ticks, self.signs, self.count,
+                s.near, s.turn, self.state, self.ticks, self.signs, self.count, self.knots,
             )  # fmt: skip
             if first == last:
                 break

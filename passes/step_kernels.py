@@ -138,17 +138,44 @@ def crossing(level: float, rate: float, center: float, angle: float, radius: flo
     return x
 
 
+@kernel(seconds_per_unit=1e-6)
+def through(at: float, knots: Floats, source: int) -> float:
+    """A position in steps through a pitch map, from column ``source`` of its knots to the other one.
+
+    knots: (k, 2) the motor's and the axis's position at each point, both rising; beside them the shift stays. Without
+    knots the motor is where its axis is.
+    """
+    last = len(knots) - 1
+    if last < 0:
+        return at
+    target = 1 - source
+    if at <= knots[0, source]:
+        return at + float(knots[0, target] - knots[0, source])
+    if at >= knots[last, source]:
+        return at + float(knots[last, target] - knots[last, source])
+    low, high = 0, last
+    while high - low > 1:
+        middle = (low + high) // 2
+        if knots[middle, source] <= at:
+            low = middle
+        else:
+            high = middle
+    share = (at - knots[low, source]) / (knots[high, source] - knots[low, source])
+    return float(knots[low, target] + share * (knots[high, target] - knots[low, target]))
+
+
 @kernel(seconds_per_unit=4e-6, compile_seconds=1.2)
 def step_times(
     first: int, last: int, profile: Floats, motor: Floats, target: Ints, rate: float, frequency: float, origin: int,
-    near: int, turn: int, state: Ints, ticks: Ints, signs: Signs, count: int,
+    near: int, turn: int, state: Ints, ticks: Ints, signs: Signs, count: int, knots: Floats,
 ) -> tuple[int, int]:  # fmt: skip
     """Steps of rows first..last-1; returns (the row that did not fit any more, the number of steps now).
 
     What fitted of that row is done and kept in ``state``: the next call, with room in ``ticks``, goes on there.
 
     profile: (n, 7) R_*, begin relative to tick ``origin``; motor: (n, 7) M_*; target: (n,) count at the end of
-    each row; rate: steps a unit, signed; frequency: ticks a second; state: S_*, kept from call to call.
+    each row; rate: steps a unit, signed; frequency: ticks a second; state: S_*, kept from call to call; knots: the
+    pitch map, see ``through``. What ``motor`` holds are steps of the axis.
     """
     for k in range(first, last):
         n = int(state[S_COUNT])
@@ -174,7 +201,10 @@ def step_times(
             # Once the motor steps in this direction, what ``put_step`` does to further steps is done here: faster.
             least = -1
             while n != end and count < size:
-                s = (n + 0.5 * sign - q) * each
+                level = n + 0.5 * sign
+                if len(knots) > 0:
+                    level = through(level, knots, 0)
+                s = (level - q) * each
                 t = begin + time_at(s, length, duration, entry, cruise, leave, a, up, down)
                 tick = origin + int(t * frequency + 0.5)
                 n += sign
@@ -221,7 +251,10 @@ def step_times(
                     stop = extreme(half * math.pi, angle, radius, drift)
                     stop = min(max(stop, here), finish) if ahead > 0 else max(min(stop, here), finish)
                     r = radius + drift * (stop - angle)
-                    to = math.floor(center + rate * r * math.cos(stop) + 0.5)
+                    farthest = center + rate * r * math.cos(stop)
+                    if len(knots) > 0:
+                        farthest = through(farthest, knots, 1)
+                    to = math.floor(farthest + 0.5)
                 else:
                     going = False
                 if abs(to - n) > size - count:
@@ -237,6 +270,8 @@ def step_times(
                 least = -1
                 while n != to:
                     level = n + 0.5 * sign
+                    if len(knots) > 0:
+                        level = through(level, knots, 0)
                     r = radius + drift * (here - angle)
                     y = flip * (level - center) / (rate * r) if r > 0.0 else 0.0
                     x = base * math.pi + math.acos(min(max(y, -1.0), 1.0))

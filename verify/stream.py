@@ -113,7 +113,7 @@ def _section(
 ) -> None:
     """Judge one section."""
     rows = inputs.row_arrays(stream, trace, trace.sections[number], collector)
-    good = inputs.start_problems(stream, trace, number, setup, collector)
+    good = inputs.start_problems(stream, trace, machine, number, setup, collector)
     ramp = machine.controller.spindle_ramp_time
     events = inputs.event_arrays(stream, trace, number, spindle, ramp, collector)
     if rows is None or events is None or not good:

@@ -24,6 +24,7 @@ from gproof.ir.machine import Axis, Drive, Machine
 from gproof.ir.stream import Motor, StepStream
 from gproof.ir.trace import Op, Plane, Trace
 from gproof.verify import stream_kernels as kernels
+from gproof.verify.motor_map import knots_of
 from gproof.verify.stream_inputs import PAIRS, drives_of, span_of
 from gproof.verify.stream_report import Collector
 
@@ -181,7 +182,7 @@ def explain(
             )
             continue
         if p.kind == kernels.P_LEFT:
-            code, what = _left(stream, trace, number, rows, p, position)
+            code, what = _left(stream, trace, machine, number, rows, p, position)
         else:
             code, say = TEXTS[p.kind]
             what = say(p)
@@ -193,6 +194,7 @@ def explain(
 def _left(
     stream: StepStream,
     trace: Trace,
+    machine: Machine,
     number: int,
     rows: kernels.Rows,
     p: _Place,
@@ -202,7 +204,10 @@ def _left(
     start = np.array(trace.sections[number].start)
     spu = np.array([float(motor.steps_per_unit) for motor in stream.motors])
     axes = [motor.axis for motor in stream.motors]
-    aim = position.astype(np.float64)
+    knots = [knots_of(drive.pitch, float(r)) for drive, r in zip(drives_of(stream, machine), spu, strict=True)]
+    first = np.cumsum([0, *(len(one) for one in knots)]).astype(np.int64)
+    table = np.concatenate([np.zeros((0, 2)), *knots])
+    aim = np.array([kernels.axis_steps(float(n), m, table, first) for m, n in enumerate(position.tolist())])
 
     def distance(row: int) -> float:
         low, high, best = 0.0, 1.0, math.inf

@@ -19,6 +19,7 @@ from gproof.ir.setup import Setup
 from gproof.ir.stream import EVENT, RUN, StepStream, StreamSection
 from gproof.ir.trace import HEIGHT_MAP, TRACE_ROW, Op, Plane, Trace, TraceSection
 from gproof.verify import stream_kernels as kernels
+from gproof.verify.motor_map import bend, knots_of, motor_at
 from gproof.verify.stream_report import Collector
 
 EVENT_OPS = (
@@ -175,8 +176,6 @@ def unfollowed(trace: Trace, machine: Machine, setup: Setup) -> Iterator[str]:
     for axis in machine.axes:
         if axis.tip_feed and any(moves(section, axis.index) for section in trace.sections):
             yield f"the feed of axis {axis.name} is that of the tool over the material"
-        if any(drive.pitch is not None for drive in axis.drives()):
-            yield f"axis {axis.name} has a pitch table"
 
 
 def moves(section: TraceSection, axis: int) -> bool:
@@ -207,10 +206,14 @@ def motor_arrays(stream: StepStream, machine: Machine, grid: int, collector: Col
             if drive.max_velocity is not None:
                 speed[k, m] = drive.max_velocity * h * scale + 2 + kernels.ROUNDING
             if drive.max_acceleration is not None:
-                acceleration[k, m] = drive.max_acceleration * h * (h + 2 * base) * scale + 4 + kernels.ROUNDING
+                # Where a pitch table bends, the motor's velocity jumps; a jump counts with at most h.
+                jumps = (drive.max_velocity or 0.0) * bend(drive.pitch, 2 * h * (drive.max_velocity or 0.0))
+                steady = drive.max_acceleration * h * (h + 2 * base)
+                acceleration[k, m] = (steady + jumps * h) * scale + 4 + kernels.ROUNDING
         for what, value in (("velocity", drive.max_velocity), ("acceleration", drive.max_acceleration)):
             if value is None:
                 collector.leave_open(f"the machine file states no {what} for {name}", f"stream-{what}")
+    knots = [knots_of(drive.pitch, float(drive.steps_per_unit or 0)) for drive in drives]
     return kernels.Motors(
         axis=np.array([motor.axis for motor in stream.motors], np.int64),
         spu=np.array([float(motor.steps_per_unit) for motor in stream.motors], np.float64),
@@ -220,6 +223,8 @@ def motor_arrays(stream: StepStream, machine: Machine, grid: int, collector: Col
         travel_high=travel_high,
         speed=speed,
         acceleration=acceleration,
+        knots=np.concatenate([np.zeros((0, 2)), *knots]),
+        first_knot=np.cumsum([0, *(len(one) for one in knots)]).astype(np.int64),
     )
 
 
@@ -336,12 +341,14 @@ def _arc_problems(
     return None
 
 
-def start_problems(stream: StepStream, trace: Trace, number: int, setup: Setup, collector: Collector) -> bool:
+def start_problems(
+    stream: StepStream, trace: Trace, machine: Machine, number: int, setup: Setup, collector: Collector
+) -> bool:
     """Add findings unless the section starts at the steps nearest to its traced start, and that where it is stated."""
     section, place = stream.sections[number], trace.sections[number].start
     good = True
-    for motor, steps in zip(stream.motors, section.start, strict=True):
-        exact = Fraction(place[motor.axis]) * motor.steps_per_unit
+    for motor, drive, steps in zip(stream.motors, drives_of(stream, machine), section.start, strict=True):
+        exact = motor_at(drive.pitch, place[motor.axis]) * motor.steps_per_unit
         if abs(steps - exact) > Fraction(kernels.EXACT):
             good = False
             what = (

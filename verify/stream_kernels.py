@@ -1,8 +1,10 @@
 """The stream checker's inner loop: all motors' steps in time order against the traced path.
 
-Everything is in steps: a path point is ``q[m] = position[axis of m] * steps_per_unit[m]``. The path comes as
-straight pieces that are made when they are needed: a line row is one piece, an arc row many chords whose
-distance from the arc, at equal parameter, is at most ``CHORD`` steps of any motor.
+Everything is in steps: a path point is ``q[m] = position[axis of m] * steps_per_unit[m]``, in steps of the axis. A
+motor with a pitch table is compared there too: the step positions one step to either side of it are carried to the
+axis (``axis_steps``), so that the path stays straight. The path comes as straight pieces that are made when they are
+needed: a line row is one piece, an arc row many chords whose distance from the arc, at equal parameter, is at most
+``CHORD`` steps of any motor.
 
 Which path points the machine may be at is kept exactly, not guessed: for each piece of a window the interval
 of the piece's parameter that can be reached without ever being more than the tolerance away from the step
@@ -84,7 +86,7 @@ PLACES = 4
 
 # Columns of ``Window``.
 BEGIN, EXTENT, INVERSE = 0, 1, 2
-FROM, TO, BEFORE, SECONDS, TOLERANCE = 0, 1, 2, 3, 4
+FROM, TO, BEFORE, SECONDS, SLACK = 0, 1, 2, 3, 4
 UNREACHED = 2.0
 
 
@@ -101,7 +103,8 @@ class Rows(NamedTuple):
 
 
 class Motors(NamedTuple):
-    """By motor; speed, acceleration: (3, motors) greatest counts in the windows of ``SPANS``."""
+    """By motor; speed, acceleration: (3, motors) greatest counts in the windows of ``SPANS``; knots: of all pitch
+    tables, motor m has those from first_knot[m] to first_knot[m + 1]."""
 
     axis: Ints
     spu: Floats
@@ -111,6 +114,8 @@ class Motors(NamedTuple):
     travel_high: Ints
     speed: Floats
     acceleration: Floats
+    knots: Floats
+    first_knot: Ints
 
 
 class Runs(NamedTuple):
@@ -145,7 +150,8 @@ class Times(NamedTuple):
 
 class Window(NamedTuple):
     """Pieces of path. line: (pieces, motors, 3) BEGIN, EXTENT, INVERSE; reach: (pieces, 5) FROM, TO: the
-    reachable interval, BEFORE, SECONDS: at full feed before the piece and in it, TOLERANCE; row: of the trace."""
+    reachable interval, BEFORE, SECONDS: at full feed before the piece and in it, SLACK: what rounding and chords add
+    to the tolerance; row: of the trace."""
 
     line: Floats
     reach: Floats
@@ -183,6 +189,35 @@ def note(kind: int, motor: int, tick: int, row: int, a: float, b: float, walk: W
         problems.numbers[k, 0] = a
         problems.numbers[k, 1] = b
         walk.ints[NOTED] = k + 1
+
+
+@kernel(seconds_per_unit=2e-6)
+def axis_steps(at: float, m: int, knots: Floats, first_knot: Ints) -> float:
+    """Where the axis is, in its steps, when motor ``m`` is at ``at``: linear between knots, shifted beside them."""
+    a = first_knot[m]
+    b = first_knot[m + 1]
+    if a == b:
+        return at
+    if at <= knots[a, 0]:
+        return at + np.float64(knots[a, 1] - knots[a, 0])
+    if at >= knots[b - 1, 0]:
+        return at + np.float64(knots[b - 1, 1] - knots[b - 1, 0])
+    b -= 1
+    while b - a > 1:
+        k = (a + b) // 2
+        if knots[k, 0] <= at:
+            a = k
+        else:
+            b = k
+    slope = (knots[b, 1] - knots[a, 1]) / (knots[b, 0] - knots[a, 0])
+    return np.float64(knots[a, 1] + (at - knots[a, 0]) * slope)
+
+
+@kernel(seconds_per_unit=2e-6)
+def surround(m: int, n: Ints, motors: Motors, near: Floats) -> None:
+    """near[m]: where the axis may be while motor ``m`` is at its step, one step to either side."""
+    near[m, 0] = axis_steps(np.float64(n[m]) - PATH_TOLERANCE, m, motors.knots, motors.first_knot)
+    near[m, 1] = axis_steps(np.float64(n[m]) + PATH_TOLERANCE, m, motors.knots, motors.first_knot)
 
 
 @kernel(seconds_per_unit=5e-6)
@@ -359,7 +394,7 @@ def add_piece(axis: Ints, spu: Floats, window: Window, ints: Ints, reals: Floats
     window.reach[t, TO] = -1.0
     window.reach[t, BEFORE] = reals[TIME]
     window.reach[t, SECONDS] = reals[SHARE]
-    window.reach[t, TOLERANCE] = PATH_TOLERANCE + slack
+    window.reach[t, SLACK] = slack
     reals[TIME] += reals[SHARE]
     for a in range(6):
         place[HERE, a] = place[NEXT, a]
@@ -406,7 +441,7 @@ def from_rest(row: int, barrier: int, motors: Motors, window: Window, walk: Walk
     window.reach[0, TO] = 1.0
     window.reach[0, BEFORE] = walk.reals[TIME]
     window.reach[0, SECONDS] = 0.0
-    window.reach[0, TOLERANCE] = PATH_TOLERANCE + ROUNDING
+    window.reach[0, SLACK] = ROUNDING
     for m in range(motors.axis.shape[0]):
         window.line[0, m, BEGIN] = walk.place[HERE, motors.axis[m]] * motors.spu[m]
         window.line[0, m, EXTENT] = 0.0
@@ -416,27 +451,29 @@ def from_rest(row: int, barrier: int, motors: Motors, window: Window, walk: Walk
 
 
 @kernel(seconds_per_unit=1e-5)
-def shrink(n: Ints, j: int, flows: bool, line: Floats, reach: Floats, ints: Ints) -> None:
-    """From piece ``j`` on, keep what is reachable and near position ``n``, and follow the path while it is near.
+def shrink(near: Floats, j: int, flows: bool, line: Floats, reach: Floats, ints: Ints) -> None:
+    """From piece ``j`` on, keep what is reachable and near the motors, and follow the path while it is near.
 
-    flows: the end of the piece before is reachable. Sets HEAD (the tail when nothing is left), FRONT, DONE.
+    near: (motors, 2) from ``surround``; flows: the end of the piece before is reachable. Sets HEAD (the tail when
+    nothing is left), FRONT, DONE.
     """
     first = ints[HEAD] if flows else -1
     front = ints[FRONT]
     while j < ints[TAIL]:
-        tolerance = reach[j, TOLERANCE]
+        slack = reach[j, SLACK]
         low = 0.0
         high = 1.0
-        for m in range(n.shape[0]):
-            off = np.float64(n[m]) - line[j, m, BEGIN]
+        for m in range(near.shape[0]):
+            least = near[m, 0] - slack - line[j, m, BEGIN]
+            most = near[m, 1] + slack - line[j, m, BEGIN]
             inverse = line[j, m, INVERSE]
             if inverse > 0.0:
-                low = max(low, (off - tolerance) * inverse)
-                high = min(high, (off + tolerance) * inverse)
+                low = max(low, least * inverse)
+                high = min(high, most * inverse)
             elif inverse < 0.0:
-                low = max(low, (off + tolerance) * inverse)
-                high = min(high, (off - tolerance) * inverse)
-            elif abs(off) > tolerance:
+                low = max(low, most * inverse)
+                high = min(high, least * inverse)
+            elif least > 0.0 or most < 0.0:
                 high = -1.0
         start = UNREACHED
         if low <= high:
@@ -464,7 +501,7 @@ def shrink(n: Ints, j: int, flows: bool, line: Floats, reach: Floats, ints: Ints
 
 
 @kernel(seconds_per_unit=1e-5)
-def follow(n: Ints, rows: Rows, motors: Motors, window: Window, walk: Walk) -> bool:
+def follow(near: Floats, rows: Rows, motors: Motors, window: Window, walk: Walk) -> bool:
     """While the path's end so far is reachable, make more of it; False when more than WINDOW pieces are near."""
     while walk.ints[DONE] == 1:
         if walk.ints[TAIL] == window.row.shape[0] and not make_room(window, walk):
@@ -472,7 +509,7 @@ def follow(n: Ints, rows: Rows, motors: Motors, window: Window, walk: Walk) -> b
         if walk.ints[PIECES] == 0 and not open_row(rows, motors, walk):
             break
         add_piece(motors.axis, motors.spu, window, walk.ints, walk.reals, walk.place, walk.turns)
-        shrink(n, walk.ints[TAIL] - 1, True, window.line, window.reach, walk.ints)
+        shrink(near, walk.ints[TAIL] - 1, True, window.line, window.reach, walk.ints)
     return True
 
 
@@ -480,7 +517,10 @@ def follow(n: Ints, rows: Rows, motors: Motors, window: Window, walk: Walk) -> b
 def off_place(n: Ints, motors: Motors, walk: Walk) -> int:
     """The first motor that is not at the step nearest to the path point made last, or -1."""
     for m in range(n.shape[0]):
-        if abs(np.float64(n[m]) - walk.place[HERE, motors.axis[m]] * motors.spu[m]) > EXACT:
+        here = walk.place[HERE, motors.axis[m]] * motors.spu[m]
+        least = axis_steps(np.float64(n[m]) - EXACT, m, motors.knots, motors.first_knot)
+        most = axis_steps(np.float64(n[m]) + EXACT, m, motors.knots, motors.first_knot)
+        if here < least or here > most:
             return m
     return -1
 
@@ -588,6 +628,9 @@ def check_section(
     """
     count = start.shape[0]
     n = start.copy()
+    near = np.empty((count, 2))
+    for m in range(count):
+        surround(m, n, motors, near)
     ints = walk.ints
     line = window.line
     reach = window.reach
@@ -618,7 +661,7 @@ def check_section(
     began = 0.0
     edge = times.grid
     from_rest(0, events.row[0] if events.row.shape[0] > 0 else rows.op.shape[0], motors, window, walk)
-    dense = not follow(n, rows, motors, window, walk)
+    dense = not follow(near, rows, motors, window, walk)
     unmoved(0.0, progress, window, walk)
     while True:
         t = NEVER
@@ -653,7 +696,7 @@ def check_section(
                 sampled = steps
                 e += 1
                 from_rest(row + 1, events.row[e] if e < events.row.shape[0] else rows.op.shape[0], motors, window, walk)
-                dense = not follow(n, rows, motors, window, walk)
+                dense = not follow(near, rows, motors, window, walk)
                 unmoved(began, progress, window, walk)
                 continue
         if m < 0:
@@ -689,16 +732,17 @@ def check_section(
         way[m] = direction
         last[m] = t
         n[m] += direction
+        surround(m, n, motors, near)
         steps += 1
 
-        shrink(n, ints[HEAD], False, line, reach, ints)
+        shrink(near, ints[HEAD], False, line, reach, ints)
         if ints[HEAD] == ints[TAIL]:
             note(P_LEFT, m, t, row, np.float64(n[m]), np.float64(direction), walk, problems)
             for k in range(count):
                 start[k] = n[k]
             return steps
         if ints[DONE] == 1:
-            dense = not follow(n, rows, motors, window, walk)
+            dense = not follow(near, rows, motors, window, walk)
         if dense:
             note(P_DENSE, m, t, row, 0.0, 0.0, walk, problems)
             return steps
