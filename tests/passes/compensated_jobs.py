@@ -134,6 +134,13 @@ class Stretch:
     def reversed(self) -> Stretch:
         return Stretch(self.end, self.begin, self.center, -self.sense)
 
+    def away(self, p: Point) -> float:
+        """How far a point is from the whole line or circle that the stretch is a part of."""
+        if self.sense:
+            return abs(math.dist(p, self.center) - math.dist(self.begin, self.center))
+        u, v = _unit(self.begin, self.end)
+        return abs(u * (p[1] - self.begin[1]) - v * (p[0] - self.begin[0]))
+
     def distance(self, p: Point) -> tuple[float, float]:
         """How far a point is, and on which side: > 0 left of the way along the stretch, 0 beyond its ends."""
         if not self.sense:

@@ -442,3 +442,62 @@ def test_a_branch_keeps_its_contour(tmp_path: Path) -> None:
     ends = {(round(s.rows["to"][-1][0], 6), round(s.rows["to"][-1][1], 6)) for s in trace.sections if len(s.rows)}
     assert (20.0, -50.0) in ends
     assert (33.0, -50.0) in ends
+
+
+def rough(rng: random.Random) -> list[Stretch]:
+    """Lines and arcs of any direction and size, nothing smooth about them; whole circles among them."""
+    at = (0.0, 0.0)
+    out = []
+    for _ in range(rng.randint(2, 8)):
+        angle, size = rng.uniform(0, 2 * math.pi), rng.choice((0.001, 0.1, 2.0, 10.0, 50.0)) * rng.uniform(0.5, 2)
+        end = (at[0] + size * math.cos(angle), at[1] + size * math.sin(angle))
+        sense = rng.choice((0, 0, 1, -1))
+        if not sense:
+            out.append(Stretch(at, end))
+        elif rng.random() < 0.2:
+            out.append(Stretch(at, at, end, sense))
+            continue
+        else:
+            bulge = rng.uniform(-3, 3) * size
+            middle = ((at[0] + end[0]) / 2, (at[1] + end[1]) / 2)
+            center = (middle[0] - bulge * math.sin(angle), middle[1] + bulge * math.cos(angle))
+            out.append(Stretch(at, end, center, sense))
+        at = end
+    return out
+
+
+@pytest.mark.parametrize("seed", range(200))
+def test_rough_contours_are_refused_or_followed(seed: int, tmp_path: Path) -> None:
+    """What is not refused touches its own stretch or the corner before it all along; arcs keep their turns."""
+    rng = random.Random(seed)
+    side = rng.choice((1, -1))
+    stretches = rough(rng)
+    text = f"{HEAD}G0 X{rng.uniform(-50, 50):.6f} Y{rng.uniform(-50, 50):.6f}\nG4{1 if side > 0 else 2} D1\nG1 X0 Y0\n"
+    text += "".join(s.text() for s in stretches) + "G40\nM2\n"
+    trace, told, _ = run(tmp_path, text)
+    assert all(code[:5] in ("GP410", "GP411", "GP412") for code in told), text
+    refused = {int(code[6:]) for code in told}
+    at = None
+    for move in moves(trace):
+        assert at is None or move.begin == at
+        at = move.end
+        number = move.line - 5
+        if not 0 <= number < len(stretches) or refused & {move.line, move.line - 1}:
+            continue
+        own = stretches[number]
+        if move.center and math.dist(move.center, own.begin) < 1e-6 and math.dist(move.programmed, own.begin) < 1e-6:
+            assert all(abs(math.dist(point, own.begin) - 3.0) < 1e-6 for point in move.points())
+            continue
+        # A bend of up to 0.01 is passed without an arc: off by half its square, and by 0.001 on arcs.
+        allowed = 3 * 0.5e-4 + (0.001 if own.sense else 0.0) + 1e-6
+        assert all(abs(own.away(point) - 3.0) < allowed for point in move.points()), (text, move)
+        if own.sense:
+            meant = 2 * math.pi if own.begin == own.end else _swept(own)
+            swept = abs(move.sweep()) if move.center else 0.0
+            assert abs(swept - meant) * min(math.dist(move.end, own.center), 3.0) < 0.01 * 3.0 + 1e-6, (text, move)
+
+
+def _swept(arc: Stretch) -> float:
+    a = math.atan2(arc.begin[1] - arc.center[1], arc.begin[0] - arc.center[0])
+    b = math.atan2(arc.end[1] - arc.center[1], arc.end[0] - arc.center[0])
+    return (b - a) * arc.sense % (2 * math.pi)
