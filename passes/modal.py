@@ -104,10 +104,10 @@ class Modal:
         return self.work_offsets[self.work, axis].plus(self.g92[axis]).plus(self.tool_offset[axis])
 
     def program_position(self, axis: int) -> Position:
-        """The current point in program coordinates, mm."""
+        """The point the program is at in program coordinates, mm."""
         if axis < 2 and self.transform.on:
-            return self.in_program(self.position)[axis]
-        return self.position[axis].minus(self.offset(axis))
+            return self.in_program([self.programmed(k) for k in range(AXES)])[axis]
+        return self.programmed(axis).minus(self.offset(axis))
 
     def programmed(self, axis: int) -> Position:
         """The point the program is at, in machine coordinates: that of the contour while it is compensated."""

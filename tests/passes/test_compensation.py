@@ -501,3 +501,11 @@ def _swept(arc: Stretch) -> float:
     a = math.atan2(arc.begin[1] - arc.center[1], arc.begin[0] - arc.center[0])
     b = math.atan2(arc.end[1] - arc.center[1], arc.end[0] - arc.center[0])
     return (b - a) * arc.sense % (2 * math.pi)
+
+
+def test_the_position_parameters_show_the_contour(tmp_path: Path) -> None:
+    """X#5001 Y#5002 is no motion along the contour; behind G40 they show where the tool is."""
+    text = "G0 X-20 Y0\nG41 D1\nG1 X0\nG1 X20\n#1=#5001 #2=#5002\nG40\nG0 X#1 Y#2\nG0 X#5001 Z#5002\nM2\n"
+    trace, told, _ = run(tmp_path, HEAD + text)
+    assert told == []
+    assert np.allclose([m.to[:3] for m in moves(trace)[-2:]], [(20, 0, 0), (20, 0, 0)])
