@@ -60,8 +60,8 @@ def _job_options(command: Any) -> Any:
             click.option(
                 "--max-branches",
                 type=click.IntRange(0),
-                default=256,
-                help="Outcomes of unknown conditions to follow at most; 256 by default.",
+                default=4096,
+                help="Outcomes of unknown conditions to follow at most; 4096 by default.",
             ),
             click.option("--call", help="Judge a subprogram of JOB, such as user_1, as its button runs it."),
             click.option("--render", is_flag=True, help="As the controller draws it: probes miss, dialogs say OK."),

@@ -25,7 +25,7 @@ class Running:
     """How far a program is executed: see the options of the command line."""
 
     max_blocks: int | None = None
-    max_branches: int = 256
+    max_branches: int = 4096
     render: bool = False
     call: str | None = None
 

@@ -21,7 +21,7 @@ from gproof.passes.rows import RowBuffer
 from gproof.passes.values import FrameTable, Position, Unknown, Value
 
 DEFAULT_BUDGET = 100_000_000
-DEFAULT_BRANCHES = 256
+DEFAULT_BRANCHES = 4096
 """Outcomes that are explored, of conditions that rest on what nobody knows before the job runs."""
 
 

@@ -12,7 +12,6 @@ from __future__ import annotations
 import contextlib
 import copy
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -47,7 +46,7 @@ from gproof.passes.commands import run_command
 from gproof.passes.compiled import FALLS_BACK, Condition, FastBlock, compile_block, compile_condition
 from gproof.passes.emitter import DEFAULT_BRANCHES, DEFAULT_BUDGET, ProgramEnd
 from gproof.passes.expressions import describe_parts
-from gproof.passes.modal import Modal
+from gproof.passes.frames import EXACT, Caller, Frame, Group, Path, Pending, merged
 from gproof.passes.outputs import CLAMPED
 from gproof.passes.overrides import Words, replaced
 from gproof.passes.values import Position, Unknown, Value
@@ -63,66 +62,6 @@ MAX_NESTED = 200
 
 _COLD = np.array([chr(letter) not in "XYZABCIJKRFG" for letter in range(256)])
 """Letters that ``run_lines`` hands back."""
-
-
-@dataclass(frozen=True, slots=True)
-class _Caller:
-    """Where a call came from; rest: words of its line that are executed when it is back."""
-
-    call: int
-    file: int
-    rest: tuple[Span, list[Words]] | None
-
-
-@dataclass(slots=True)
-class _Frame:
-    """Statements that are being executed: those of ``body`` from ``at`` on, or the words of a table from ``at`` on.
-
-    node: the block, subprogram or table they belong to, None for the job itself; joins: outcomes come together behind
-    it. For tables: the words of the piece that was loaded, in columns for the kernel, and where the next piece begins.
-    """
-
-    body: tuple[Statement, ...]
-    node: object = None
-    at: int = 0
-    caller: _Caller | None = None
-    joins: bool = False
-    words: Columns | None = None
-    columns: tuple[Any, ...] = ()
-    cold: set[int] = field(default_factory=set)
-    base: int = 0
-    next_byte: int = 0
-    line: int = 0
-
-    def position(self) -> tuple[int, int]:
-        """The place in a table."""
-        return self.base, self.next_byte
-
-    def next_line(self) -> int:
-        """The line of a table that comes next, 0 behind its end."""
-        if self.words is not None and self.at < len(self.words):
-            return int(self.words["line"][self.at])
-        return 0
-
-
-@dataclass(slots=True)
-class _Pending:
-    """Lines of motion that are evaluated and not executed yet: words in columns, ``line`` counts ``nodes``."""
-
-    nodes: list[Block] = field(default_factory=list)
-    line: list[int] = field(default_factory=list)
-    letter: list[int] = field(default_factory=list)
-    value: list[float] = field(default_factory=list)
-
-
-@dataclass(slots=True)
-class _Path:
-    """An outcome that waits to be followed: its frames, its state, its section, its place in the source."""
-
-    stack: list[_Frame]
-    modal: Modal
-    section: int
-    place: tuple[int, int, list[str], bool, int]
 
 
 class Executor(Blocks):
@@ -141,16 +80,20 @@ class Executor(Blocks):
         self.branches = 0
         self._seen: dict[object, tuple[Edge, ...]] = {}
         self._joins: dict[object, int] = {}
-        self._waiting: list[_Path] = []
+        self._waiting: list[Path] = []
         self._fast: dict[int, FastBlock | None] = {}
         self._tests: dict[int, Condition | None] = {}
-        self._pending = _Pending()
+        self._pending = Pending()
         self._key: object = None
         self._loops = 0
-        self._stack: list[_Frame] = [_Frame(self.program.body)]
+        self._stack: list[Frame] = [Frame(self.program.body)]
         while True:
+            self._is_parked = False
             yield from self._path()
             yield from self._ready()
+            if not self._is_parked:
+                self._arrived(self._stack, 1)
+                yield from self._ready()
             if not self._waiting:
                 return
             self._resume(self._waiting.pop())
@@ -175,10 +118,10 @@ class Executor(Blocks):
                 self.event(Op.END, Span(self.trace.files[self._file], self.program.line_count))
             self._close((Edge(wait=Wait.END, outcome="end", target=-1),))
 
-    def _resume(self, path: _Path) -> None:
+    def _resume(self, path: Path) -> None:
         """Take up an outcome that waits."""
         self.modal, self._stack = path.modal, path.stack
-        self._pending = _Pending()
+        self._pending = Pending()
         self._loops = sum(isinstance(frame.node, While) for frame in self._stack)
         self._file, self._call, self._depth, self._moved, self._nesting = path.place
         self._end = None
@@ -223,7 +166,7 @@ class Executor(Blocks):
             assert isinstance(node, BlockTable)
             self._run_pending()
             self._file = node.file
-            self._stack.append(_Frame((), node, next_byte=node.begin, line=node.first_line))
+            self._stack.append(Frame((), node, next_byte=node.begin, line=node.first_line))
         elif kind is If:
             assert isinstance(node, If)
             self._if(node)
@@ -231,7 +174,7 @@ class Executor(Blocks):
             assert isinstance(node, While)
             self._enter(node.span)
             self._loops += 1
-            self._stack.append(_Frame(node.body, node, len(node.body)))
+            self._stack.append(Frame(node.body, node, len(node.body)))
         elif kind is Call:
             assert isinstance(node, Call)
             self.spend(node.span)
@@ -246,7 +189,7 @@ class Executor(Blocks):
                 self.spend(node.span)
                 self._guarded(node)
 
-    def _leave(self, frame: _Frame) -> None:
+    def _leave(self, frame: Frame) -> None:
         """A frame is done: again, for a loop whose condition holds; else back to the one around it."""
         node = frame.node
         if isinstance(node, While):
@@ -262,14 +205,14 @@ class Executor(Blocks):
         self._loops -= isinstance(node, While)
         if node is not None:
             self._nesting -= 1
-        if isinstance(frame.caller, _Caller):
+        if isinstance(frame.caller, Caller):
             self._run_pending()
             self._call, self._file = frame.caller.call, frame.caller.file
             self._depth = self._depth[:-1]
             if frame.caller.rest is not None:
                 super()._line(*frame.caller.rest)
-        if frame.joins:
-            self._join()
+        if frame.group is not None:
+            self._await_others(frame.group)
 
     def _if(self, node: If) -> None:
         self.spend(node.span)
@@ -278,7 +221,7 @@ class Executor(Blocks):
         if holds is None:
             self._split(node, None)
         else:
-            self._stack.append(_Frame(node.then if holds else node.otherwise, node))
+            self._stack.append(Frame(node.then if holds else node.otherwise, node))
 
     def _enter(self, span: Span) -> None:
         """One block or call deeper; Refusal GP113 when that goes on for too long."""
@@ -314,7 +257,7 @@ class Executor(Blocks):
         stack = tuple((id(f.body), f.at, id(f.node), f.position()) for f in self._stack)
         return place, stack, tuple(self._depth), self.modal.key()
 
-    def _split(self, node: If | While, loop: _Frame | None) -> None:
+    def _split(self, node: If | While, loop: Frame | None) -> None:
         """Follow the outcome "true" now and "false" later, each in a section of its own."""
         self.branches += 2
         yes, no = self.rows.new_section(), self.rows.new_section()
@@ -324,31 +267,67 @@ class Executor(Blocks):
         )
         self._seen[self._key] = edges
         self._close(edges)
+        if loop is not None and loop.group is None:
+            loop.group = Group(1)
+        for frame in self._stack:
+            if frame.group is not None:
+                frame.group.open += 1
         other = [copy.copy(frame) for frame in self._stack]
-        if isinstance(node, If):
-            self._stack.append(_Frame(node.then, node, joins=True))
-            other.append(_Frame(node.otherwise, node, joins=True))
+        if loop is None:
+            assert isinstance(node, If)
+            group = Group(2)
+            self._stack.append(Frame(node.then, node, group=group))
+            other.append(Frame(node.otherwise, node, group=group))
             nesting = self._nesting
         else:
-            assert loop is not None
-            loop.at, loop.joins = 0, True
-            other[-1] = _Frame((), joins=True)
+            loop.at = 0
+            other[-1] = Frame((), group=loop.group)
             nesting = self._nesting - 1
         place = self._file, self._call, list(self._depth), self._moved, nesting
-        self._waiting.append(_Path(other, self.modal.copy(), no, place))
+        self._waiting.append(Path(other, self.modal.copy(), no, place))
         self._begin(yes)
 
-    def _join(self) -> None:
-        """Behind an ``if`` whose outcomes are explored: go on once for all that come here in the same state."""
+    def _await_others(self, group: Group) -> None:
+        """Behind a block whose outcomes are explored: wait for the others, unless somebody was here in this state."""
         self._run_pending()
         key = self._state_key("join")
         target = self._joins.get(key)
-        edge = Edge(wait=Wait.BRANCH, outcome="", target=self.rows.new_section() if target is None else target)
-        self._close((edge,))
-        if target is not None:
-            raise ProgramEnd
-        self._joins[key] = edge.target
-        self._begin(edge.target)
+        if target is None:
+            target = self._joins[key] = self.rows.new_section()
+            place = self._file, self._call, list(self._depth), self._moved, self._nesting
+            group.parked.append(Path(self._stack, self.modal, target, place))
+            self._is_parked = True
+        self._close((Edge(wait=Wait.BRANCH, outcome="", target=target),))
+        if self._is_parked:
+            group.open -= 1
+            if not group.open:
+                self._release(group)
+        else:
+            # One outcome less: it goes on as the other one.
+            self._stack = [*self._stack, Frame((), group=group)]
+        raise ProgramEnd
+
+    def _arrived(self, stack: list[Frame], count: int) -> None:
+        """So many outcomes fewer are on their way within the blocks of a stack."""
+        for frame in reversed(stack):
+            group = frame.group
+            if group is not None:
+                group.open -= count
+                if not group.open:
+                    self._release(group)
+
+    def _release(self, group: Group) -> None:
+        """All outcomes of a question have arrived or ended: those that arrived go on."""
+        parked, group.parked = group.parked, []
+        for path, same in merged(parked, exact=self.branches <= EXACT):
+            if path.section < 0:
+                path.section = self.rows.new_section()
+                for one in same:
+                    # From where each arrived, without a move, to where all go on.
+                    self._resume(one)
+                    self._close((Edge(wait=Wait.BRANCH, outcome="", target=path.section),))
+                self._arrived(path.stack, len(same) - 1)
+            self._waiting.append(path)
 
     # -- the fast way through blocks and conditions that come again
 
@@ -417,7 +396,7 @@ class Executor(Blocks):
         pending = self._pending
         if not pending.nodes:
             return
-        self._pending = _Pending()
+        self._pending = Pending()
         nodes, count, at = pending.nodes, len(pending.line), 0
         run = k.run_lines.pick(len(nodes))
         compiled = run is not k.run_lines.python
@@ -459,13 +438,13 @@ class Executor(Blocks):
             chain = " > ".join([*self._depth[-3:], name])
             raise Refusal(codes.RECURSION.at(span, allowed=self.program.rules.call_depth, chain=chain))
         self._enter(span)
-        caller = _Caller(self._call, self._file, rest)
+        caller = Caller(self._call, self._file, rest)
         self._depth = [*self._depth, name]
         text = f"{' > '.join(self._depth)} (from line {span.line})"
         if text not in self.trace.calls:
             self.trace.calls.append(text)
         self._call = self.trace.calls.index(text)
-        self._stack.append(_Frame(sub.body, sub, caller=caller))
+        self._stack.append(Frame(sub.body, sub, caller=caller))
 
     def _line(self, span: Span, words: list[Words]) -> None:
         """One line: by the subprogram that replaces a code of it (4.4, 3.5.3), else as the controller's own."""
@@ -532,7 +511,7 @@ class Executor(Blocks):
 
     # -- straight-line code
 
-    def _table(self, frame: _Frame) -> None:
+    def _table(self, frame: Frame) -> None:
         """Go on with the lines of a table until it ends, rows are ready, or a line has called a subprogram."""
         table = frame.node
         assert isinstance(table, BlockTable)
@@ -545,7 +524,7 @@ class Executor(Blocks):
                 self._load(frame, table)
             self._words(frame, table, run)
 
-    def _load(self, frame: _Frame, table: BlockTable) -> None:
+    def _load(self, frame: Frame, table: BlockTable) -> None:
         """The next piece of the table's words."""
         frame.base = frame.next_byte
         words, frame.next_byte, frame.line = self.program.load(table, frame.next_byte, frame.line, CHUNK_BYTES)
@@ -559,7 +538,7 @@ class Executor(Blocks):
         is_python = k.run_lines.pick(table.last_line - table.first_line + 1) is k.run_lines.python
         frame.columns = tuple(c.tolist() for c in columns) if is_python else columns
 
-    def _words(self, frame: _Frame, table: BlockTable, run: object) -> None:
+    def _words(self, frame: Frame, table: BlockTable, run: object) -> None:
         assert frame.words is not None
         compiled = run is not k.run_lines.python
         line = frame.words["line"]

@@ -287,11 +287,11 @@ class Modal:
                 setattr(other, name, value.copy())
         return other
 
-    def key(self) -> str:
-        """Equal for equal states: all that can change in a run, in a fixed order."""
+    def key(self, *, parameters: bool = True) -> str:
+        """Equal for equal states: all that can change in a run, in a fixed order; with or without the variables."""
         shown = {}
         for name, value in vars(self).items():
-            if name in _CONSTANT:
+            if name in _CONSTANT or (name == "parameters" and not parameters):
                 continue
             shown[name] = sorted(value.items()) if isinstance(value, dict) else value
         return repr(sorted(shown.items()))

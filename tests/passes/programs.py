@@ -16,7 +16,7 @@ HEAD = "G21 G17 G90 G94 G40 G49 G54\n"
 
 def run(
     folder: Path, text: str, *, setup: Setup = ZERO, machine: Machine = NO_MACHINE, macro: str | None = None,
-    max_branches: int = 256, render: bool = False,
+    max_branches: int = 4096, render: bool = False,
 ) -> tuple[Trace, Findings]:  # fmt: skip
     """Execute ``text`` behind the usual first line; macro: the text of macro.cnc beside it."""
     job = folder / "job.cnc"

@@ -199,3 +199,78 @@ def _random_program(rng: object, depth: int) -> str:
                 out += f"M56 P{3 - depth}\nif [#5399 == 1]\n{inner}else\n{other}endif\n"
                 return out
     return out
+
+
+GRID = """#1=0 #2=0 #3=0
+while [#1 < 30]
+  #1 = [#1 + 1]
+  G0 Z5
+  G38.2 Z-5 F50
+  if [#5067 == 1]
+    #2 = [#2 + 1]
+  else
+    #3 = [#3 + 1]
+    msg "missed "#3
+  endif
+endwhile
+G0 Z5
+G0 X#2 Y[#2 + #3]
+M30
+"""
+
+
+def test_counters_of_many_outcomes_become_bounds(tmp_path: Path) -> None:
+    """Thirty points that are touched or missed: not 2 to the 30 ways, and the counts lie between 0 and 30."""
+    trace, findings = run(tmp_path, GRID)
+    assert "GP232" not in labels(findings) and "GP225" not in labels(findings)
+    assert len(trace.sections) < 3000
+    ends = [
+        (trace.frames[int(s.rows["frame"][row])][0], float(s.rows["to"][row][0]))
+        for s in trace.sections
+        for row in range(len(s.rows))
+        if s.edges[0].wait is Wait.END and s.rows["op"][row] == Op.TRAVERSE
+    ]
+    low, high = 30.0, 0.0
+    for form, value in ends:
+        ranges = [trace.symbols[symbol] for symbol, _ in form]
+        low = min(low, value + sum(r.low for r in ranges))
+        high = max(high, value + sum(r.high for r in ranges))
+    assert low <= 0.0 and 30.0 <= high < 30.1
+
+
+def test_few_outcomes_stay_exact(tmp_path: Path) -> None:
+    """Three questions, eight ways: arcs and areas behind them are judged for the numbers themselves."""
+    question = "M56 P1\nif [#5399 == 1]\n#1=[#1*2]\nelse\n#1=[#1*3]\nendif\n"
+    trace, _ = run(tmp_path, "#1=1\n" + question * 3 + "G0 X#1\nM30\n")
+    assert sorted({xs(way)[0] for way in ways(trace)}) == [8.0, 12.0, 18.0, 27.0]
+
+
+def test_ends_inside_outcomes_release_the_others(tmp_path: Path) -> None:
+    """An errmsg, an M30 and a mistake in one outcome do not keep the other waiting."""
+    for ending in ('errmsg "no"', "M30", "G0 X[1/0]\nM30"):
+        inner = f"M56 P2\nif [#5399 == 1]\n{ending}\nendif\nG0 X1\n"
+        text = f"M56 P1\nif [#5399 == 1]\n{inner}else\n{ending}\nendif\nG0 X5\nM30\n"
+        trace, _ = run(tmp_path, text)
+        assert [1.0, 5.0] in [xs(way) for way in ways(trace)]
+
+
+def test_questions_inside_loops_inside_questions(tmp_path: Path) -> None:
+    text = """#1=0
+M56 P1
+if [#5399 == 1]
+  while [#1 < 5]
+    #1=[#1+1]
+    M56 P2
+    if [#5399 == 0]
+      G0 X#1
+    endif
+  endwhile
+endif
+G0 Y9
+M30
+"""
+    trace, findings = run(tmp_path, text)
+    assert "GP232" not in labels(findings)
+    found = {tuple(xs(way)) for way in ways(trace)}
+    assert (0.0,) in found and (1.0, 2.0, 3.0, 4.0, 5.0, 5.0) in found and (2.0, 4.0, 4.0) in found
+    assert all(way[-1][1][1] == 9.0 for way in ways(trace))

@@ -1,0 +1,126 @@
+"""What an execution has still to do, as data: frames of statements, outcomes that wait, groups that come together."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any
+
+from gproof.ir.columns import Columns
+from gproof.ir.finding import Span
+from gproof.ir.program import Block, Statement
+from gproof.passes.modal import Modal
+from gproof.passes.overrides import Words
+from gproof.passes.values import Unknown, Value, bounds
+
+
+@dataclass(slots=True, eq=False)
+class Group:
+    """Outcomes of one question, which come together behind its block.
+
+    open: how many of them are still on their way; parked: those that have arrived, each in another state.
+    """
+
+    open: int
+    parked: list[Path] = field(default_factory=list)
+
+
+@dataclass(frozen=True, slots=True)
+class Caller:
+    """Where a call came from; rest: words of its line that are executed when it is back."""
+
+    call: int
+    file: int
+    rest: tuple[Span, list[Words]] | None
+
+
+@dataclass(slots=True)
+class Frame:
+    """Statements that are being executed: those of ``body`` from ``at`` on, or the words of a table from ``at`` on.
+
+    node: the block, subprogram or table they belong to, None for the job itself; group: outcomes come together behind
+    it. For tables: the words of the piece that was loaded, in columns for the kernel, and where the next piece begins.
+    """
+
+    body: tuple[Statement, ...]
+    node: object = None
+    at: int = 0
+    caller: Caller | None = None
+    group: Group | None = None
+    words: Columns | None = None
+    columns: tuple[Any, ...] = ()
+    cold: set[int] = field(default_factory=set)
+    base: int = 0
+    next_byte: int = 0
+    line: int = 0
+
+    def position(self) -> tuple[int, int]:
+        """The place in a table."""
+        return self.base, self.next_byte
+
+    def next_line(self) -> int:
+        """The line of a table that comes next, 0 behind its end."""
+        if self.words is not None and self.at < len(self.words):
+            return int(self.words["line"][self.at])
+        return 0
+
+
+@dataclass(slots=True)
+class Pending:
+    """Lines of motion that are evaluated and not executed yet: words in columns, ``line`` counts ``nodes``."""
+
+    nodes: list[Block] = field(default_factory=list)
+    line: list[int] = field(default_factory=list)
+    letter: list[int] = field(default_factory=list)
+    value: list[float] = field(default_factory=list)
+
+
+@dataclass(slots=True)
+class Path:
+    """An outcome that waits to be followed: its frames, its state, its section, its place in the source."""
+
+    stack: list[Frame]
+    modal: Modal
+    section: int
+    place: tuple[int, int, list[str], bool, int]
+
+
+EXACT = 32
+"""So many outcomes are kept apart in every number; behind later ones what differs is only bounded."""
+
+
+def merged(paths: list[Path], *, exact: bool) -> list[tuple[Path, list[Path]]]:
+    """Paths that stand at one place, as (path that goes on, paths that it stands for).
+
+    When they are not to be kept apart, those that differ in nothing but numbered variables become one: a variable that
+    differs is unknown between the least and the greatest of its values, so that all that any does, the one may do.
+    """
+    if exact:
+        return [(path, [path]) for path in paths]
+    alike: dict[str, list[Path]] = {}
+    for path in paths:
+        alike.setdefault(path.modal.key(parameters=False), []).append(path)
+    return [(_hull(same), same) for same in alike.values()]
+
+
+def _hull(paths: list[Path]) -> Path:
+    first = paths[0]
+    if len(paths) == 1:
+        return first
+    modal = first.modal.copy()
+    numbers = {number for path in paths for number in path.modal.parameters}
+    for number in sorted(numbers):
+        values = [_value(path.modal, number) for path in paths]
+        if any(value != values[0] for value in values):
+            ends = [bounds(value) for value in values]
+            cause = next((value.cause for value in values if isinstance(value, Unknown)), "earlier inputs")
+            low, high = min(low for low, _ in ends), max(high for _, high in ends)
+            modal.parameters[number] = Unknown(cause, low, high)
+    return Path(first.stack, modal, -1, first.place)
+
+
+def _value(modal: Modal, number: int) -> Value:
+    """A variable's value, also where nobody has set it."""
+    if number in modal.parameters:
+        return modal.parameters[number]
+    stated = modal.setup.parameter(number)
+    return modal.stated_range(number, Unknown(f"#{number}")) if stated is None else stated
