@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import os
+import random
 import stat
 import subprocess
 import sys
@@ -11,6 +12,7 @@ from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
+from support import wild
 
 from gproof.cli import fmt
 from gproof.cli.main import main
@@ -82,8 +84,6 @@ def test_diff_is_a_patch(folder: Path, gproof) -> None:
 
 @pytest.mark.parametrize("seed", range(6))
 def test_a_patched_file_is_the_formatted_one(folder: Path, gproof, seed: int, monkeypatch: pytest.MonkeyPatch) -> None:
-    import random
-
     rng = random.Random(seed)
     monkeypatch.setattr(fmt, "LONGEST_RUN", 3)
     lines = [rng.choice(["G0 X1", "g0x1", "G1 X2 Y3", ""] if rng.random() < 0.3 else ["G0 X1"]) for _ in range(200)]
@@ -198,6 +198,25 @@ def test_what_has_no_text_is_refused(folder: Path, gproof) -> None:
     code, out, err = gproof("deep.cnc")
     assert (code, out) == (1, "")
     assert "error GP702 [not-printable]" in err
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_any_file_is_formatted_or_refused(folder: Path, gproof, seed: int) -> None:
+    rng = random.Random(seed)
+    jobs = wild.corpus_jobs()
+    makers = (wild.wild_program, wild.random_bytes, lambda rng: wild.mutated(rng, jobs))
+    for _ in range(40):
+        data = rng.choice(makers)(rng)
+        (folder / "wild.cnc").write_bytes(data)
+        code, _, err = gproof("--dialect", "eding", "wild.cnc")
+        after = (folder / "wild.cnc").read_bytes()
+        assert "GP701" not in err, data
+        if code == 1:
+            assert after == data
+            assert " error GP" in err
+        else:
+            assert code == 0, data
+            assert gproof("--dialect", "eding", "--check", "wild.cnc")[0] == 0, data
 
 
 def test_a_disk_that_is_full(folder: Path, gproof, monkeypatch: pytest.MonkeyPatch) -> None:
