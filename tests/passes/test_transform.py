@@ -278,7 +278,7 @@ def test_arc_tolerance_is_the_stricter_one(tmp_path: Path) -> None:
 # --- any program, against the definition ----------------------------------------------------------------------
 
 
-def random_lines(rng: random.Random, *, arcs: bool = True, bracketed: bool = False) -> list[str]:
+def random_lines(rng: random.Random, *, arcs: bool = True, cycles: bool = True, bracketed: bool = False) -> list[str]:
     """Lines, arcs, cycles, in G90 and G91, words left out, on a grid and off it."""
     at = complex(rng.randint(-9, 9), rng.randint(-9, 9))
     lines = [f"G0 X{at.real:.4f} Y{at.imag:.4f}"]
@@ -311,7 +311,7 @@ def random_lines(rng: random.Random, *, arcs: bool = True, bracketed: bool = Fal
             absolute = not absolute
             lines.append("G90" if absolute else "G91")
         elif kind == "cycle":
-            if absolute:
+            if absolute and cycles:
                 lines += [f"G81 {words(to)} Z-3 R2", words(to + 1), "G80"]
         elif arcs and kind == "full":
             lines.append(f"G{rng.choice('23')} {words(at, False)} I{to.real:.4f} J{to.imag:.4f}")
