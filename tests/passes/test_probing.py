@@ -124,3 +124,13 @@ def test_any_contact_is_inside_the_told_range(tmp_path: Path) -> None:
                 for axis in range(3):
                     low, high = place(trace, last.number, row, axis)
                     assert low - 1e-6 <= to[axis] <= high + 1e-6
+
+
+def test_summary_shows_all_the_places_a_contact_may_mean(tmp_path: Path) -> None:
+    from support.judging import judged
+
+    job = tmp_path / "job.cnc"
+    job.write_text("G21 G17 G90 G94 G54\nG0 Z5\nF50\nG38.2 Z-20\nG0 X1\nG91 G0 Z3\nM30\n")
+    box = judged(job, None, "zero").summary.box
+    assert ("x", "", 0.0, 1.0) in box
+    assert ("z", "", -20.0, 8.0) in box
