@@ -14,6 +14,7 @@ from gproof.ir.trace import Affine, Chunk, Wait, verify_rows
 from gproof.ir.verdict import DEFAULT_POLICY, Condition, PropertyResult, Verdict, worst
 from gproof.passes.arc_radius import ArcRadius
 from gproof.passes.execute import Executor
+from gproof.passes.knife import follow_knife
 from gproof.passes.limits import Limits
 from gproof.passes.plan import MotionEstimate
 from gproof.passes.tool_change_area import ToolChangeArea
@@ -100,7 +101,7 @@ def _pass(
     estimate = MotionEstimate(machine)
     sections, waits = 0, set[Wait]()
     session.program.verify()
-    for chunk in ex.run():
+    for chunk in follow_knife(ex.run(), machine, findings):
         verify_rows(chunk.rows, chunk.trace, f"section {chunk.section}")
         waits.update(edge.wait for edge in chunk.edges)
         for check in checks:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TypedDict, TypeVar
@@ -62,6 +63,18 @@ class Session:
         return {"budget": budget, "max_branches": running.max_branches, "render": running.render}
 
 
+def _macro_file(machine: Machine, file: Path | None, job: Path) -> tuple[Path | None, Machine]:
+    """The macro file that the machine names, beside its own file or the job; GP605 when it is not there."""
+    name = machine.controller.macro_file
+    if name is None or file is None:
+        return None, machine
+    for folder in (file.parent, job.parent):
+        if (folder / name).is_file() and (folder / name).resolve() != job.resolve():
+            return folder / name, machine
+    missing = f"macroFileName = {name} (there is no such file)"
+    return None, dataclasses.replace(machine, not_modelled=(*machine.not_modelled, missing))
+
+
 def open_session(
     job: Path, *, machine: Path | None, setup: str | None, dialect: str | None, call: str | None = None
 ) -> Session:
@@ -87,7 +100,8 @@ def open_session(
     from gproof.ir.kernel import Kernel
 
     Kernel.forecast(job.stat().st_size * PLAIN_SECONDS_A_BYTE)
-    program = load_program(job, findings)
+    macro, the_machine = _macro_file(the_machine, machine, job)
+    program = load_program(job, findings, macro)
     if program is not None and call is not None:
         _call_only(program, call, job)
     elif program is not None and not program.body and program.subprograms:

@@ -47,6 +47,7 @@ from gproof.passes.compiled import FALLS_BACK, Condition, FastBlock, compile_blo
 from gproof.passes.emitter import DEFAULT_BRANCHES, DEFAULT_BUDGET, ProgramEnd
 from gproof.passes.expressions import describe_parts
 from gproof.passes.frames import EXACT, Caller, Frame, Group, Path, Pending, merged
+from gproof.passes.knife import follow_knife
 from gproof.passes.outputs import CLAMPED
 from gproof.passes.overrides import Words, replaced
 from gproof.passes.values import Position, Unknown, Value
@@ -715,7 +716,7 @@ def collect(ex: Executor) -> Trace:
 
     parts: list[Columns] = []
     first: Chunk | None = None
-    for chunk in ex.run():
+    for chunk in follow_knife(ex.run(), ex.machine, ex.findings):
         first = first or chunk
         parts.append(chunk.rows)
         if chunk.last:
