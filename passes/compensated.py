@@ -7,6 +7,7 @@ in brackets are those of the list of errors in 5.4.
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from gproof.ir import codes
@@ -29,6 +30,10 @@ NOSE = {1: (1, -1), 2: (-1, -1), 3: (-1, 1), 4: (1, 1), 5: (1, 0), 6: (0, -1), 7
 
 The manual (3.1.2.1) states 2 and 9 in words and the others in a picture; these are LinuxCNC's, where 2 and 9 agree.
 """
+
+
+APART = "a motion that is no part of the contour"
+"""Why nobody knows where the contour goes on."""
 
 
 # -- on and off
@@ -285,6 +290,9 @@ def _known(
         return None
     s = ex.modal
     a, b = comp.axes
+    if comp.left is not None and comp.left != (s.position[a], s.position[b]):
+        ex._fail(codes.COMPENSATION_UNKNOWN.at(line.span, cause=APART, hint="G40 before"))
+        return None
     start = comp.programmed or (s.position[a], s.position[b])
     for axis, at in zip(comp.axes, start, strict=True):
         difference = target[axis].minus(at)
@@ -312,6 +320,7 @@ def _anywhere(ex: Motion, line: Line, op: Op, comp: Compensation, target: list[P
         to[a], to[b] = ex.modal.position[a], ex.modal.position[b]
     ex.modal.compensation = comp.at(*goal, placed=False)
     ex.move(op, to, line.span, programmed=(goal[0].value, goal[1].value))
+    _leave(ex.modal)
 
 
 def _follow(
@@ -350,6 +359,14 @@ def _follow(
             programmed=(goal[0].value, goal[1].value) if last else corner,
         )  # fmt: skip
         at = piece.end
+    _leave(s)
+
+
+def _leave(modal: Modal) -> None:
+    """Remember where the axes stand: what moves them before the next line of the contour is found out."""
+    comp = modal.compensation
+    assert comp is not None
+    modal.compensation = replace(comp, left=(modal.position[comp.axes[0]], modal.position[comp.axes[1]]))
 
 
 def _finding(span: Span, fault: Fault, radius: float) -> Finding:

@@ -69,7 +69,8 @@ class Compensation:
     side: of the path in the right-handed pair, the sign of the diameter taken in; radius: mm, not negative, None when
     nobody stated it; shift: from the centre of the tool's nose to the controlled point, in the pair (turning, 3.1.2.1);
     programmed: the point the program is at, along the pair's axes in machine coordinates, None until the first move;
-    placed: the tool touches the contour there.
+    placed: the tool touches the contour there; left: where the axes stood when the contour was left off, None when
+    that does not matter.
     """
 
     side: int
@@ -78,6 +79,7 @@ class Compensation:
     shift: Point = (0.0, 0.0)
     programmed: tuple[Position, Position] | None = None
     placed: bool = False
+    left: tuple[Position, Position] | None = None
 
     @property
     def axes(self) -> tuple[int, int]:
@@ -86,7 +88,7 @@ class Compensation:
 
     def at(self, u: Position, v: Position, *, placed: bool) -> Compensation:
         """The same with the program at another point."""
-        return replace(self, programmed=(u, v), placed=placed)
+        return replace(self, programmed=(u, v), placed=placed, left=None)
 
 
 def entry_line(tool: Point, end: Point, side: int, radius: float) -> Path:

@@ -238,14 +238,16 @@ class Motion(Emitter):
 
     def move(
         self, op: Op, target: list[Position], span: Span, *, center: list[float] | None = None,
-        turns: int = 0, plane: int = 0, length: float | None = None, programmed: tuple[float, float] = (0.0, 0.0),
+        turns: int = 0, plane: int = 0, length: float | None = None, programmed: tuple[float, float] | None = None,
     ) -> None:  # fmt: skip
         """Append a motion row and go there.
 
         length: mm that an inverse time feed counts, where the row is part of a longer move; programmed: the point of
-        the contour that a compensated row belongs to.
+        the contour that a compensated row belongs to; without it Refusal GP256 while compensation is on.
         """
         s = self.modal
+        if s.compensation is not None and programmed is None:
+            raise Refusal(codes.COMPENSATION_UNKNOWN.at(span, cause=compensated.APART, hint="G40 before"))
         if s.clamped or s.drives_were_off or s.not_programmed:
             look_at(self, target, span)
         if any(a.value != b.value for a, b in zip(target[3:], s.position[3:], strict=True)):
@@ -264,7 +266,7 @@ class Motion(Emitter):
             op, file=self._file_of(span), line=span.line, call=self._call, to=[p.value for p in target],
             frame=self._frame(), state=self._state(), feed=feed,
             center=(0.0, 0.0, 0.0) if center is None else center, turns=turns, plane=plane,
-            arg=programmed,
+            arg=programmed or (0.0, 0.0),
         )  # fmt: skip
 
     def _effective_feed(self, length: float, rotary: bool) -> float:

@@ -509,3 +509,11 @@ def test_the_position_parameters_show_the_contour(tmp_path: Path) -> None:
     trace, told, _ = run(tmp_path, HEAD + text)
     assert told == []
     assert np.allclose([m.to[:3] for m in moves(trace)[-2:]], [(20, 0, 0), (20, 0, 0)])
+
+
+@pytest.mark.parametrize("line", ["home x", "G33 X30 K1", "G33 Z-5 K1", "G76 Z-5 P1 I-1 J1 K1"])
+def test_motion_apart_from_the_contour_is_never_taken_for_a_part_of_it(line: str, tmp_path: Path) -> None:
+    """Homing, threading, and whatever comes later: not known, never a row beside the contour that counts as known."""
+    text = f"M3 S100\nG0 X-20 Y0\nG41 D1\nG1 X0\nG1 X20\n{line}\nG91 G1 X20\nG90\nG40\nM2\n"
+    _, told, _ = run(tmp_path, HEAD + text)
+    assert {"GP113", "GP256"} & {code.split(":")[0] for code in told}

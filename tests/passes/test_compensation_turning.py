@@ -5,7 +5,9 @@ Eding CNC manual 4.01: 3.1.2.1, 3.4.11.2.
 
 from __future__ import annotations
 
+import dataclasses
 import math
+import re
 from pathlib import Path
 
 import numpy as np
@@ -65,6 +67,17 @@ def test_the_manuals_example(text: str, tmp_path: Path) -> None:
     assert [m.turns for m in got] == [0, 0, 1, -1, 0, 1, 0, -1]
     assert {m.compensation for m in got[1:]} == {-2}
     assert np.allclose([m.programmed for m in got[3:]], [(0, 0), (0, 10), (-10, 20), (-20, 20), (-30, 30)])
+
+
+@pytest.mark.parametrize("text", [BY_RADIUS, BY_CENTER], ids=["R", "I K"])
+def test_the_manuals_example_with_diameters(text: str, tmp_path: Path) -> None:
+    """The same contour in X words twice as large; I, R and D are what they were."""
+    lathe = dataclasses.replace(FRONT, controller=dataclasses.replace(FRONT.controller, diameter_programming=True))
+    doubled = re.sub(r"X(-?\d+)", lambda word: f"X{2 * int(word[1])}", text)
+    radii, _, _ = run(tmp_path, HEAD + text.format(tool=1), on=FRONT)
+    trace, told, _ = run(tmp_path, HEAD + doubled.format(tool=1), on=lathe)
+    assert told == []
+    assert np.allclose(places(moves(trace, Plane.XZ)), places(moves(radii, Plane.XZ)), atol=1e-9)
 
 
 def test_orientation_2_controls_a_point_one_radius_off_both_ways(tmp_path: Path) -> None:
