@@ -41,6 +41,8 @@ def chunk_lines(chunk: Chunk, machine: Machine, job: str) -> Iterator[str]:
                 out["relative_to"] = unknown
             if op is not Op.TRAVERSE:
                 out["feed"] = _number(row["feed"])
+                if trace.states[row["state"]].synchronised:
+                    out["synchronised"] = True
             if op is Op.ARC:
                 name, p, q = _PLANES[Plane(row["plane"])]
                 out |= {"plane": name, "center": [row["center"][p], row["center"][q]], "turns": row["turns"]}
@@ -78,6 +80,8 @@ def _event(op: Op, arg: list[float], texts: list[str], text: int) -> dict[str, A
             return {"plane": Plane(int(first)).name}
         case Op.OVERRIDE:
             return {"allowed": bool(first)}
+        case Op.HEAD:
+            return {"head": int(first)}
         case Op.PATH_MODE:
             return {"mode": _PATH_MODES[int(first)], "tolerance": second}
         case Op.GUARD:

@@ -25,6 +25,7 @@ from gproof.ir.machine import (
     Machine,
     PitchTable,
     Slave,
+    Spindle,
     Tool,
 )
 
@@ -33,6 +34,8 @@ DIALECTS = ("eding", "wincnc", "mcuwin")
 HIGHEST_TOOL = 99
 DEEPEST_BASE = 8
 MOST_SLAVES = 5
+HIGHEST_HEAD = 5
+THREAD_PEAKS = ("position", "offset")
 
 Files = list[tuple[str, str]]
 """(name, sha256) of the files that were read, in order."""
@@ -80,6 +83,7 @@ def _load_toml(path: Path, findings: Findings, depth: int) -> tuple[Machine | No
         name=root.text("name") or machine.name,
         axes=_axes(root, machine, unit),
         tools=_tools(root, machine, unit),
+        spindles=_spindles(root, machine, unit),
         controller=_controller(root, machine.controller),
         board=_board(root, machine.board),
         knife=_knife(root, machine.knife, unit),
@@ -244,6 +248,33 @@ def _tools(root: TomlTable, machine: Machine, unit: Fraction) -> tuple[Tool, ...
     return tuple(tools[number] for number in sorted(tools))
 
 
+def _spindles(root: TomlTable, machine: Machine, unit: Fraction) -> tuple[Spindle, ...]:
+    """``[spindles.1]``: speeds, and what is added to positions while it is selected."""
+    spindles = {spindle.number: spindle for spindle in machine.spindles}
+    for number, table in root.numbered("spindles", 0, HIGHEST_HEAD):
+        before = spindles.get(number, Spindle(number=number))
+        given = [table.number(axis, unit=unit) for axis in "xyz"]
+        kept = (None, None, None) if before.unsigned and any(v is not None for v in given) else before.offset
+        offset = [old if new is None else new for old, new in zip(kept, given, strict=True)]
+        if number == 0 and any(offset):
+            table.bad("x", "offsets count from spindle 0, which has none")
+        spindles[number] = replace(
+            before,
+            offset=(offset[0], offset[1], offset[2]),
+            unsigned=before.unsigned and kept is before.offset,
+            **_given(
+                min_rpm=table.positive("min_rpm", zero=True),
+                max_rpm=table.positive("max_rpm"),
+                ramp_time=table.positive("ramp_time", zero=True),
+            ),
+        )
+        low, high = spindles[number].min_rpm, spindles[number].max_rpm
+        if low is not None and high is not None and low > high:
+            table.bad("min_rpm" if "min_rpm" in table.values else "max_rpm", "min_rpm lies above max_rpm")
+        table.finish()
+    return tuple(spindles[number] for number in sorted(spindles))
+
+
 def _controller(root: TomlTable, before: Controller) -> Controller:
     table = root.table("controller")
     if table is None:
@@ -269,6 +300,7 @@ def _controller(root: TomlTable, before: Controller) -> Controller:
             safety_feed=table.positive("safety_feed", zero=True),
             home_is_stop=table.boolean("home_is_stop"),
             turning=table.boolean("turning"),
+            thread_peak=table.text("thread_peak", THREAD_PEAKS),
         ),
     )
     table.finish()

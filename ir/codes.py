@@ -106,7 +106,7 @@ TOOL_OFFSET_UNKNOWN = code(
 )
 CYCLE_WITH_COMPENSATION = code(238, "cycle-with-compensation", _E, "{code} while cutter radius compensation is on")
 SPINDLE_UNKNOWN = code(
-    239, "spindle-unknown", _U, "feed per revolution (G95), but the spindle speed is not known", "feeds"
+    239, "spindle-unknown", _U, "{code}: feed per revolution, but the spindle speed is not known", "feeds"
 )
 FEED_IN_OLD_UNITS = code(
     240, "feed-in-old-units", _W, "F{value:g} is taken before {code} on this line, so in {units} a minute"
@@ -184,6 +184,43 @@ COMPENSATION_WITHOUT_TOOL = code(
 )
 ONLY_SUBPROGRAMS = code(340, "only-subprograms", _W, "the file holds only subprograms: nothing of it was executed")
 OPERATOR_STOP = code(243, "operator-stop", _N, "the job waits here for the operator ({code})")
+
+# 26x, 27x: the spindle and what follows its turns
+THREAD_PLANE = code(261, "thread-plane", _E, "{code} needs the ZX plane (G18)")
+THREAD_WORD = code(262, "thread-word", _E, "{code}: {what}")
+THREAD_PEAK_OPEN = code(
+    263,
+    "thread-peak-open",
+    _U,
+    "I{value:g} puts the thread's peak at X{position:g} when I is a diameter, at X{offset:g} when it is an offset "
+    "from the drive line",
+    "limits",
+)
+TAP_DIRECTION = code(264, "tap-direction", _E, "{code} needs the spindle to turn {needed}; it turns {turns}")
+ORIENTED_STOP = code(265, "oriented-stop", _W, "{code} needs a spindle that can stop in a fixed orientation")
+SPINDLE_STATE_UNKNOWN = code(
+    266, "spindle-state-unknown", _U, "{code} needs a turning spindle, and nobody stated whether it turns"
+)
+BACK_BORE_TOP = code(
+    267, "back-bore-top", _E, "{code}: the counter bore ends at {letter} {top:.4f}, outside {depth:.4f} to {r:.4f}"
+)
+SURFACE_SPEED_UNBOUNDED = code(
+    268, "surface-speed-unbounded", _W, "{code} without D: towards the centre the spindle speed has no limit"
+)
+SURFACE_SPEED_LIMIT = code(269, "surface-speed-limit", _E, "D{value:g}: the highest spindle speed must be positive")
+OVERRIDE_FACTOR = code(270, "override-factor", _U, "{code}: {what}", "feeds")
+SPINDLE_RANGE = code(271, "spindle-range", _W, "S{value:g} is outside what the spindle can do, {low} to {high}")
+HEAD_MOVE = code(272, "head-move", _U, "{code} {what}", "limits")
+HEAD_OFFSET_OPEN = code(
+    273,
+    "head-offset-open",
+    _W,
+    "the {axis} offset of {code}, {value:g} mm, is given without its sign: it counts as not stated",
+    "limits",
+)
+HEAD_WHILE_TURNING = code(
+    274, "head-while-turning", _W, "{code} while a spindle turns: whether it goes on is not documented"
+)
 
 # 3xx limits and areas
 SOFT_LIMIT = code(
@@ -300,6 +337,16 @@ STEP_FREQUENCY = code(
 )
 PLAN_NEEDS_NUMBERS = code(503, "plan-needs-numbers", _U, "steps need exact numbers: {cause}", "motion")
 NO_MOTOR_DATA = code(504, "no-motor-data", _U, "{axis} moves, but the machine file has no {missing} for it", "motion")
+SYNCHRONISED_TOO_FAST = code(
+    510,
+    "synchronised-too-fast",
+    _E,
+    "{code}: {pitch:g} mm a revolution at {rpm:g} rpm asks {axis} for {needed:g}/min, {over:g} more than its "
+    "{allowed:g}/min",
+)
+SYNCHRONISED_STREAM = code(
+    511, "synchronised-stream", _U, "{what}, which a step stream, fixed in time, can not do", "motion"
+)
 NOT_STEPPED = code(520, "not-stepped", _U, "{what}, and gproof makes no steps for that", "motion")
 
 # 6xx files

@@ -170,6 +170,23 @@ class Knife:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class Spindle:
+    """A spindle, or another tool head (Eding manual 3.5.2, 3.5.6), by the number of ``Op.HEAD``.
+
+    min_rpm, max_rpm: what it can do; ramp_time: seconds to reach its speed; offset: mm in X, Y, Z that are added to a
+    machine position while it is selected, None where nobody stated it; unsigned: a controller file gives the
+    offset without saying which way it counts.
+    """
+
+    number: int
+    min_rpm: float | None = None
+    max_rpm: float | None = None
+    ramp_time: float | None = None
+    offset: tuple[float | None, float | None, float | None] = (None, None, None)
+    unsigned: bool = False
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Controller:
     """Settings of the controller that change what a job does.
 
@@ -179,6 +196,7 @@ class Controller:
     safety_feed: mm/s at most while the safety input is active or the machine not homed; home_is_stop: a home
     sensor stops the machine once it is homed; turning: a lathe, which starts in the X-Z plane.
     xz_seen_from: ``+y`` or ``-y``: from where the XZ plane is looked at by G2, G3, G41 and G42; None: not stated.
+    thread_peak: what I of a threading cycle is, "position" or "offset"; None: not stated.
     """
 
     dialect: str | None = None
@@ -196,6 +214,7 @@ class Controller:
     safety_feed: float | None = None
     home_is_stop: bool | None = None
     turning: bool = False
+    thread_peak: str | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -224,6 +243,7 @@ class Machine:
     tool_change_area: Area | None = None
     keep_out: tuple[Area, ...] = ()
     tools: tuple[Tool, ...] = ()
+    spindles: tuple[Spindle, ...] = ()
     controller: Controller = field(default_factory=Controller)
     board: Board = field(default_factory=Board)
     unit: float = 1.0
@@ -241,6 +261,10 @@ class Machine:
     def tool(self, number: int) -> Tool | None:
         """The tool table entry, or None."""
         return next((tool for tool in self.tools if tool.number == number), None)
+
+    def spindle(self, number: int) -> Spindle | None:
+        """The spindle or head of that number, or None."""
+        return next((spindle for spindle in self.spindles if spindle.number == number), None)
 
     def verify(self) -> None:
         """Names unique and ordered, limits ordered, rates positive; ValueError otherwise."""

@@ -89,13 +89,31 @@ class Function(enum.IntEnum):
     TEMPERATURE_WAIT = 92
     FAN_ON = 93
     FAN_OFF = 94
+    SYNCHRONISED = 100
+    SYNCHRONISED_RETURN = 101
+    THREADING = 102
+    TAP_RIGHT = 103
+    TAP_LEFT = 104
+    BORE_BACK = 105
+    BORE_MANUAL = 106
+    SURFACE_SPEED = 107
+    SPINDLE_RPM = 108
+    FEED_OVERRIDE = 109
+    SPEED_OVERRIDE = 110
+    FEED_OVERRIDE_INPUT = 111
+    FEED_HOLD_INPUT = 112
+    DIRECTION_OUTPUT_ON = 113
+    DIRECTION_OUTPUT_OFF = 114
+    SPEED_OUTPUT_ON = 115
+    SPEED_OUTPUT_OFF = 116
+    HEAD = 117
     UNSUPPORTED = 99
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class CodeRule:
     """One code. group: modal group, as the manual names it ("" for codes it lists in none);
-    uses_axes: takes the line's axis words; value: argument of the function (coordinate system number);
+    uses_axes: takes the line's axis words; value: argument of the function (coordinate system, head);
     source: section of the manual."""
 
     letter: str

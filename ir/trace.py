@@ -43,6 +43,8 @@ class Op(enum.IntEnum):
     GUARD = 24
     MESSAGE = 25
     END = 26
+    ORIENT = 27
+    HEAD = 28
     SETPOINT = 29
 
 
@@ -108,6 +110,8 @@ ARGUMENTS = {
     Op.UNITS: "arg[0]: mm in one program unit",
     Op.PLANE: "arg[0]: Plane",
     Op.OVERRIDE: "arg[0]: 1 when overrides are allowed",
+    Op.ORIENT: "the spindle, which rests, stands in a fixed orientation",
+    Op.HEAD: "arg[0]: 0 to 2 spindles, 4 probe, 5 camera",
     Op.PATH_MODE: "arg[0]: PathMode; arg[1]: tolerance in mm",
     Op.GUARD: "arg[0]: 1 on, 0 off; text: name",
     Op.MESSAGE: "text: the message",
@@ -141,6 +145,9 @@ class State:
     """The slow part of the machine's state, shared by many rows.
 
     spindle: rpm, signed (+ clockwise, NaN unknown); feed_mode: G-code style 93, 94 or 95;
+    synchronised: the move follows the turns of the spindle, its feed is nominal; feed_override: the factor that the
+    program set, NaN unknown (feeds are those with it); surface_speed: m/min at constant surface speed, else 0
+    (NaN unknown), spindle_limit: rpm it may reach then (NaN: no limit); head: see Op.HEAD;
     path_tolerance: mm (P), simplify: mm (Q), laf_angle: degrees (R, NaN: the machine's setting);
     arc_tolerance: mm that start and end radius of an arc may differ; guards_off: names of guards that are off.
     compensation: of the cutter's radius, 0 off, else the tool left (+) or right (-) of the path in the right-handed
@@ -161,6 +168,11 @@ class State:
     arc_tolerance: float = 0.0
     guards_off: tuple[str, ...] = ()
     following: tuple[str, ...] = ()
+    synchronised: bool = False
+    feed_override: float = 1.0
+    surface_speed: float = 0.0
+    spindle_limit: float = float("nan")
+    head: int = 0
 
     def __eq__(self, other: object) -> bool:
         """Bit for bit: NaN, which stands for "not stated", equals itself."""

@@ -10,13 +10,13 @@ from gproof.ir.machine import AXES, AXIS_NAMES
 from gproof.ir.rules import CodeRule
 from gproof.ir.rules import Function as F
 from gproof.ir.trace import Op, PathMode, Plane, Wait
-from gproof.passes import compensated
+from gproof.passes import compensated, feed_override, heads, spindle
 from gproof.passes.cycles import CYCLES
 from gproof.passes.emitter import ProgramEnd
 from gproof.passes.line import LARGEST, Line, check_unused, gather
 from gproof.passes.modal import INCH, NO_OFFSET, TOOL_LENGTH, TOOL_X_OFFSET
 from gproof.passes.motion import Motion
-from gproof.passes.outputs import run_outputs, takes_speed
+from gproof.passes.outputs import run_outputs
 from gproof.passes.transform_codes import frame_of, run_transform, shifts
 from gproof.passes.values import NOWHERE, Position, Unknown, Value
 
@@ -89,13 +89,14 @@ class Blocks(Motion):
         comp, tool_offset = self.modal.compensation, list(self.modal.tool_offset)
         self._feed_mode(line)
         self._feed(line)
-        self._spindle_speed(line)
+        spindle.speed_word(self, line)
         self._select_tool(line)
         if line.find(F.TOOL_CHANGE):
             self._change_tool(line)
-        self._spindle(line)
+        spindle.direction(self, line)
+        heads.select(self, line)
         self._coolant(line)
-        self._overrides(line)
+        feed_override.overrides(self, line)
         run_outputs(self, line)
         self._input(line)
         self._dwell(line)
@@ -122,7 +123,7 @@ class Blocks(Motion):
             if takers:
                 taker = takers[0]
                 raise Refusal(codes.TWO_AXIS_COMMANDS.at(line.where_code(taker), first=motion.text, second=taker.text))
-            if not axes and motion.function not in CYCLES:
+            if not axes and motion.function not in (*CYCLES, F.THREADING):
                 raise Refusal(codes.AXIS_WORDS_MISSING.at(line.where_code(motion), code=motion.text))
             return motion
         if takers:
@@ -173,17 +174,6 @@ class Blocks(Motion):
         s.feed = value if s.feed_mode == 93 else value * s.unit
         s.feed_unit = s.unit
 
-    def _spindle_speed(self, line: Line) -> None:
-        value = line.values.get("S")
-        if value is None or takes_speed(line):
-            return
-        if not isinstance(value, Unknown) and value < 0:
-            raise Refusal(codes.SPINDLE_SPEED_NEGATIVE.at(line.where("S"), value=value))
-        self.modal.spindle_speed = value
-        self._state_changed()
-        if self.modal.spindle_direction and line.group("M7") is None:
-            self.spindle_row(line)
-
     def _select_tool(self, line: Line) -> None:
         if "T" not in line.values:
             return
@@ -197,6 +187,7 @@ class Blocks(Motion):
 
     def _change_tool(self, line: Line) -> None:
         s = self.modal
+        s.stated.add("spindle")
         if s.spindle_direction:
             s.spindle_direction = 0
             self.spindle_row(line)
@@ -216,13 +207,6 @@ class Blocks(Motion):
             self._note_stop(line, "M6")
             self._end_section(Wait.TOOL_CHANGE, "tool changed", None, line.span.line)
 
-    def _spindle(self, line: Line) -> None:
-        rule = line.group("M7")
-        if rule is None:
-            return
-        self.modal.spindle_direction = {F.SPINDLE_CW: 1, F.SPINDLE_CCW: -1}.get(rule.function, 0)
-        self.spindle_row(line)
-
     def _coolant(self, line: Line) -> None:
         s = self.modal
         for rule in line.rules:
@@ -231,14 +215,6 @@ class Blocks(Motion):
             s.mist = rule.function is F.MIST_ON or (s.mist and rule.function is not F.COOLANT_OFF)
             s.flood = rule.function is F.FLOOD_ON or (s.flood and rule.function is not F.COOLANT_OFF)
             self.event(Op.COOLANT, line.span, arg=(float(s.mist), float(s.flood)))
-
-    def _overrides(self, line: Line) -> None:
-        rule = line.find(F.OVERRIDES_ON, F.OVERRIDES_OFF)
-        if rule is None:
-            return
-        self.modal.overrides = rule.function is F.OVERRIDES_ON
-        self._state_changed()
-        self.event(Op.OVERRIDE, line.span, arg=(float(self.modal.overrides), 0.0))
 
     def _input(self, line: Line) -> None:
         """M56: an input into #5399, at once or when it has come or a time is over (3.5.9)."""
@@ -401,7 +377,7 @@ class Blocks(Motion):
                     continue
                 # The origin moves so that the current point gets the given number (3.4.23).
                 wanted = s.position[axis].moved(-value * s.scale(axis))
-                s.g92[axis] = wanted.minus(s.work_offsets[s.work, axis]).minus(s.tool_offset[axis])
+                s.g92[axis] = wanted.minus(s.work_offsets[s.work, axis]).minus(s.beside_work(axis))
             if shifts(self, line, rule):
                 s.g92[0] = s.g92[1] = NOWHERE
             s.g92_stored = list(s.g92)
@@ -466,7 +442,7 @@ class Blocks(Motion):
                 s.work_offsets[system, axis] = Position(value * s.scale(axis))
             else:
                 wanted = s.position[axis].moved(-value * s.scale(axis))
-                s.work_offsets[system, axis] = wanted.minus(s.g92[axis]).minus(s.tool_offset[axis])
+                s.work_offsets[system, axis] = wanted.minus(s.g92[axis]).minus(s.beside_work(axis))
         if key == 20 and shifts(self, line, rule):
             s.work_offsets[system, 0] = s.work_offsets[system, 1] = NOWHERE
         self.event(Op.OFFSET, line.span, arg=(float(system), 0.0))

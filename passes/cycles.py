@@ -1,8 +1,10 @@
-"""Canned cycles G73, G81 to G83, G85, G86 and G89 as the moves they make. Eding CNC manual 3.4.21."""
+"""Canned cycles G73, G74 and G81 to G89 as the moves they make. Eding CNC manual 3.4.21.
+
+What a cycle does at a hole, between the move down to R and the end, is in ``passes/holes.py``.
+"""
 
 from __future__ import annotations
 
-import itertools
 from typing import TYPE_CHECKING
 
 from gproof.ir import codes
@@ -10,7 +12,9 @@ from gproof.ir.finding import Refusal
 from gproof.ir.machine import AXIS_NAMES
 from gproof.ir.rules import CodeRule, Function
 from gproof.ir.trace import Op, Plane
+from gproof.passes.holes import HOLES, Hole, along
 from gproof.passes.line import Line
+from gproof.passes.spindle import need_turning, note_speed_unknown
 from gproof.passes.transform_codes import check_cycle
 from gproof.passes.values import Position, Unknown
 
@@ -20,14 +24,15 @@ if TYPE_CHECKING:
 AXES_OF_PLANE = {Plane.XY: (0, 1, 2), Plane.XZ: (0, 2, 1), Plane.YZ: (1, 2, 0)}
 """The two axes of a plane and the one a cycle drills along."""
 
-CYCLES = (
-    Function.DRILL, Function.DRILL_DWELL, Function.DRILL_PECK, Function.DRILL_CHIP_BREAK, Function.BORE,
-    Function.BORE_STOP, Function.BORE_DWELL,
-)  # fmt: skip
+CYCLES = tuple(HOLES)
 """Functions that ``run_cycle`` executes."""
 
-_DWELLS = (Function.DRILL_DWELL, Function.BORE_STOP, Function.BORE_DWELL)
-_FED_OUT = (Function.BORE, Function.BORE_DWELL)
+_DWELLS = (Function.DRILL_DWELL, Function.BORE_STOP, Function.BORE_DWELL, Function.BORE_MANUAL)
+_SPINDLE = (
+    Function.BORE_STOP, Function.BORE_MANUAL, Function.BORE_BACK, Function.TAP_RIGHT, Function.TAP_LEFT,
+)  # fmt: skip
+_TAPS = {Function.TAP_RIGHT: 1, Function.TAP_LEFT: -1}
+_LETTERS = ("I", "J", "K")
 MAX_MOVES = 100_000
 """Moves of one line; more are not followed, because a line's rows are held until it is done."""
 
@@ -51,13 +56,14 @@ def run_cycle(ex: Motion, line: Line, rule: CodeRule) -> None:
     r_word = _sticky(line, sticky, "R")
     if r_word is None:
         raise Refusal(codes.CYCLE_R_MISSING.at(line.span, code=rule.text))
-    dwell = _dwell(line, rule, sticky)
-    peck = _peck(line, rule, sticky)
+    words = {"R": r_word, letters: depth_word} | _dwell(line, rule, sticky) | _peck(line, rule, sticky)
+    words |= _back_bore(ex, line, rule, sticky)
     repeats = _repeats(line, rule)
     _check_rotary(ex, line, rule)
-    if rule.function is Function.BORE_STOP and s.spindle_direction == 0:
-        raise Refusal(codes.CYCLE_SPINDLE_STOPPED.at(line.span, code=rule.text))
-    ex.need_feed(line, rule)
+    if rule.function in _SPINDLE:
+        need_turning(ex, line, rule)
+    _check_tap(ex, line, rule)
+    _need_feed(ex, line, rule)
     unit, absolute = s.unit, s.absolute
     if absolute:
         r, depth = s.offset(drill).moved(r_word * unit), s.offset(drill).moved(depth_word * unit)
@@ -68,36 +74,29 @@ def run_cycle(ex: Motion, line: Line, rule: CodeRule) -> None:
         raise Refusal(
             codes.CYCLE_R_BELOW_DEPTH.at(line.where("R"), code=rule.text, r=r_word, letter=letters, depth=depth_word)
         )
-    pecks = 1 if peck is None else (r.value - depth.value) / (peck * unit)
-    if repeats * (3 * pecks + 4) > MAX_MOVES:
+    peck = words.get("Q", 0.0) * unit
+    pecks = (r.value - depth.value) / peck if peck else 1
+    if repeats * (3 * pecks + 8) > MAX_MOVES:
         s.motion = Function.UNSUPPORTED
         what = f"a cycle of more than {MAX_MOVES} moves"
         raise Refusal(codes.UNSUPPORTED_CODE.at(line.span, code=what))
-    s.cycle = {"R": r_word, letters: depth_word} | ({"P": dwell} if dwell is not None else {})
-    if peck is not None:
-        s.cycle["Q"] = peck
+    entry = tuple(words.get(_LETTERS[axis], 0.0) * unit for axis in (first, second))
+    top = depth
+    if rule.function is Function.BORE_BACK:
+        top = _top(ex, line, rule, words, drill, depth, r)
+    s.cycle = words
     s.cycle_code = rule.tenths
     s.motion = rule.function
     clear = _preliminary(ex, line, drill, r)
+    hole = Hole(
+        rule=rule, first=first, second=second, drill=drill, r=r, depth=depth, clear=clear, dwell=words.get("P", 0.0),
+        peck=peck, entry=(entry[0], entry[1]), top=top, pitch=s.feed,
+    )  # fmt: skip
     for _ in range(repeats):
         ex.spend(line.span)
         ex.move(Op.TRAVERSE, ex.aim(line, {a: axes[a] for a in (first, second) if a in axes}), line.span)
-        _along(ex, line, drill, r, Op.TRAVERSE)
-        if peck is not None:
-            back = clear if rule.function is Function.DRILL_PECK else None
-            _pecks(ex, line, drill, r, depth, peck * unit, back)
-        else:
-            _along(ex, line, drill, depth, Op.FEED)
-        if dwell is not None:
-            ex.event(Op.DWELL, line.span, arg=(dwell, 0.0))
-        direction = s.spindle_direction
-        if rule.function is Function.BORE_STOP:
-            s.spindle_direction = 0
-            ex.spindle_row(line)
-        _along(ex, line, drill, clear, Op.FEED if rule.function in _FED_OUT else Op.TRAVERSE)
-        if rule.function is Function.BORE_STOP:
-            s.spindle_direction = direction
-            ex.spindle_row(line)
+        along(ex, line, drill, r, Op.TRAVERSE)
+        HOLES[rule.function](ex, line, hole)
 
 
 def _sticky(line: Line, sticky: dict[str, float], letter: str) -> float | None:
@@ -105,25 +104,75 @@ def _sticky(line: Line, sticky: dict[str, float], letter: str) -> float | None:
     return sticky.get(letter) if given is None else given
 
 
-def _dwell(line: Line, rule: CodeRule, sticky: dict[str, float]) -> float | None:
+def _dwell(line: Line, rule: CodeRule, sticky: dict[str, float]) -> dict[str, float]:
     if rule.function not in _DWELLS:
-        return None
+        return {}
     seconds = _sticky(line, sticky, "P")
     if seconds is None:
         raise Refusal(codes.CYCLE_DWELL_MISSING.at(line.span, code=rule.text))
     if seconds < 0:
         raise Refusal(codes.CYCLE_DWELL_NEGATIVE.at(line.where("P"), code=rule.text, value=seconds))
-    return seconds
+    return {"P": seconds}
 
 
-def _peck(line: Line, rule: CodeRule, sticky: dict[str, float]) -> float | None:
+def _peck(line: Line, rule: CodeRule, sticky: dict[str, float]) -> dict[str, float]:
     if rule.function not in (Function.DRILL_PECK, Function.DRILL_CHIP_BREAK):
-        return None
+        return {}
     peck = _sticky(line, sticky, "Q")
     if peck is None or peck <= 0:
         given = "" if peck is None else f"; Q{peck:g} is given"
         raise Refusal(codes.CYCLE_PECK.at(line.where("Q"), code=rule.text, given=given))
-    return peck
+    return {"Q": peck}
+
+
+def _back_bore(ex: Motion, line: Line, rule: CodeRule, sticky: dict[str, float]) -> dict[str, float]:
+    """I, J and K of G87 (3.4.21.10): by the axis they belong to, whatever the plane."""
+    if rule.function is not Function.BORE_BACK:
+        return {}
+    if ex.modal.transform.on:
+        raise Refusal(codes.TRANSFORM_OPEN.at(line.span, what=f"whether I and J of {rule.text} turn with G68"))
+    if ex.machine.controller.diameter_programming:
+        raise Refusal(codes.UNSUPPORTED_CODE.at(line.span, code=f"{rule.text} with diameter programming"))
+    found = {letter: _sticky(line, sticky, letter) for letter in _LETTERS}
+    missing = [letter for letter, value in found.items() if value is None]
+    if missing:
+        raise Refusal(codes.WORD_MISSING.at(line.span, code=rule.text, needed=" and ".join(missing)))
+    return {letter: value for letter, value in found.items() if value is not None}
+
+
+def _top(
+    ex: Motion, line: Line, rule: CodeRule, words: dict[str, float], drill: int, depth: Position, r: Position
+) -> Position:
+    """Where the counter bore of G87 ends: absolute, or in incremental mode from the depth (3.4.21.10)."""
+    letter, s = _LETTERS[drill], ex.modal
+    length = words[letter] * s.unit
+    top = s.offset(drill).moved(length) if s.absolute else depth.moved(length)
+    if not depth.value <= top.value <= r.value:
+        raise Refusal(
+            codes.BACK_BORE_TOP.at(
+                line.where(letter), code=rule.text, letter=letter, top=top.value, depth=depth.value, r=r.value
+            )
+        )
+    return top
+
+
+def _check_tap(ex: Motion, line: Line, rule: CodeRule) -> None:
+    """A right-hand tap goes in clockwise, a left-hand one counter-clockwise (3.4.21.6, 3.4.21.7)."""
+    needed = _TAPS.get(rule.function)
+    if needed is not None and ex.modal.spindle_direction != needed:
+        names = {1: "clockwise (M3)", -1: "counter-clockwise (M4)"}
+        turns = names[ex.modal.spindle_direction]
+        raise Refusal(codes.TAP_DIRECTION.at(line.where_code(rule), code=rule.text, needed=names[needed], turns=turns))
+
+
+def _need_feed(ex: Motion, line: Line, rule: CodeRule) -> None:
+    """F as in any cutting move; for a tap it is per revolution, whatever the feed mode (3.4.21.6)."""
+    if rule.function not in _TAPS:
+        ex.need_feed(line, rule)
+        return
+    if ex.modal.feed == 0.0:
+        raise Refusal(codes.FEED_MISSING.at(line.span, code=rule.text))
+    note_speed_unknown(ex, line, rule.text)
 
 
 def _repeats(line: Line, rule: CodeRule) -> int:
@@ -158,33 +207,6 @@ def _preliminary(ex: Motion, line: Line, drill: int, r: Position) -> Position:
             )
         )  # fmt: skip
     if above.value < 0:
-        _along(ex, line, drill, r, Op.TRAVERSE)
+        along(ex, line, drill, r, Op.TRAVERSE)
         return r
     return s.position[drill] if s.retract_initial else r
-
-
-def _along(ex: Motion, line: Line, drill: int, to: Position, op: Op) -> None:
-    """One move of the drilling axis alone; none when it is there already."""
-    if ex.modal.position[drill] == to:
-        return
-    target = list(ex.modal.position)
-    target[drill] = to
-    ex.move(op, target, line.span)
-
-
-def _pecks(
-    ex: Motion, line: Line, drill: int, r: Position, depth: Position, peck: float, clear: Position | None
-) -> None:
-    """Feed a peck, out, back down to just above the bottom, until the depth.
-
-    Out is the clear position (G83), or the length of a peck but not beyond R (G73, clear None).
-    """
-    back_off = min(ex.modal.rules.peck_clearance_mm, peck)
-    for k in itertools.count(1):
-        bottom = Position(max(r.value - k * peck, depth.value), depth.form)
-        _along(ex, line, drill, bottom, Op.FEED)
-        if bottom.value <= depth.value:
-            return
-        out = Position(min(bottom.value + peck, r.value), bottom.form) if clear is None else clear
-        _along(ex, line, drill, out, Op.TRAVERSE)
-        _along(ex, line, drill, Position(min(bottom.value + back_off, r.value), bottom.form), Op.TRAVERSE)

@@ -18,6 +18,7 @@ from gproof.passes.line import Line
 from gproof.passes.modal import Modal
 from gproof.passes.ranges import Range
 from gproof.passes.rows import RowBuffer
+from gproof.passes.spindle import commanded_rpm
 from gproof.passes.values import FrameTable, Position, Unknown, Value
 
 DEFAULT_BUDGET = 100_000_000
@@ -159,11 +160,8 @@ class Emitter:
     def spindle_row(self, line: Line) -> None:
         """Append a row that tells the spindle its direction and speed."""
         s = self.modal
-        rpm = math.nan if isinstance(s.spindle_speed, Unknown) else s.spindle_speed
-        if s.spindle_direction == 0:
-            rpm = 0.0
         self._state_changed()
-        self.event(Op.SPINDLE, line.span, arg=(float(s.spindle_direction), rpm))
+        self.event(Op.SPINDLE, line.span, arg=(float(s.spindle_direction), commanded_rpm(s)))
 
     def _read(self, number: float, span: Span) -> Value:
         value = self.modal.read(number, span)

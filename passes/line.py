@@ -40,8 +40,8 @@ class Line:
         return self.spans.get(letter, self.span)
 
     def where_code(self, rule: CodeRule) -> Span:
-        """The word of a code."""
-        return self.code_spans[self.rules.index(rule)]
+        """The word of a code; the line when the code is one that stayed active."""
+        return self.code_spans[self.rules.index(rule)] if rule in self.rules else self.span
 
     def find(self, *functions: Function) -> CodeRule | None:
         """The code on this line with one of these functions."""

@@ -13,6 +13,8 @@ from gproof.ir.rules import LanguageRules, ParameterRange
 from gproof.ir.setup import Interval, Setup
 from gproof.ir.trace import HEIGHT_MAP, PathMode, Plane, State
 from gproof.passes.compensation import Compensation
+from gproof.passes.heads import head_offset
+from gproof.passes.spindle import commanded_rpm
 from gproof.passes.transform import NO_TRANSFORM
 from gproof.passes.values import NOWHERE, Position, Unknown, Value, between
 
@@ -31,6 +33,9 @@ class Modal:
     feed: mm/min as programmed in G94, 1/min in G93, mm/rev in G95; feed_unit: mm of the unit F was given in.
     motion: Function number of the active motion mode, 0 for none. work: 1..9, 0 while not stated.
     following: see ``State``; height_map_known: the map in use is the setup's.
+    spindle_speed: as programmed: rpm, with surface_speed_mode m/min; spindle_limit: rpm, NaN for none; pitch: mm a
+    revolution of the move that is being made, 0 for moves that do not follow the spindle; direction_output: 1 on,
+    -1 off, 0 not known; head: see ``Op.HEAD``; head_offsets: by (head, axis), what a program set or spoiled.
     """
 
     def __init__(self, rules: LanguageRules, setup: Setup, machine: Machine) -> None:
@@ -53,6 +58,16 @@ class Modal:
         zero = setup.default_parameter is not None
         self.spindle_speed: Value = 0.0 if zero else Unknown("the spindle speed at the start")
         self.spindle_direction = 0
+        self.surface_speed_mode = False
+        self.spindle_limit = math.nan
+        self.direction_output = 0
+        self.pitch = 0.0
+        self.feed_override = 1.0
+        self.feed_input = False
+        self.speed_override_known = True
+        selected = setup.parameters.get(5390, 0.0)  # 3.1.1: 0 = M90, 1 = M91, 2 = M92
+        self.head = int(selected) if selected in (1.0, 2.0) else 0
+        self.head_offsets: dict[tuple[int, int], Position] = {}
         self.mist = False
         self.flood = False
         self.overrides = True
@@ -61,7 +76,7 @@ class Modal:
         self.selected_tool: int | None = setup.tool
         self.length_follows_tool = False
         self.offset_tool: int | None = None
-        self.stated: set[str] = set()
+        self.stated: set[str] = {"spindle"} if zero else set()
         self.work = setup.active_work if setup.active_work is not None else 0
         self.parameters: dict[int, Value] = {}
         self.work_offsets = {(n, a): self._symbol(f"work.{n}.{AXIS_NAMES[a]}") for n in range(10) for a in range(AXES)}
@@ -101,7 +116,13 @@ class Modal:
         """Where the program's zero of an axis lies in machine coordinates."""
         if axis in self.not_programmed:
             return NOWHERE
-        return self.work_offsets[self.work, axis].plus(self.g92[axis]).plus(self.tool_offset[axis])
+        return self.work_offsets[self.work, axis].plus(self.g92[axis]).plus(self.beside_work(axis))
+
+    def beside_work(self, axis: int) -> Position:
+        """The offsets of what is in use, whatever the work's are: of the tool and of the head."""
+        if self.head == 0:
+            return self.tool_offset[axis]
+        return self.tool_offset[axis].plus(head_offset(self, self.head, axis))
 
     def program_position(self, axis: int) -> Position:
         """The point the program is at in program coordinates, mm."""
@@ -129,6 +150,7 @@ class Modal:
             and not self.xz_mirrored
             and not self.transform_in_doubt
             and not self.drives_were_off
+            and not self.feed_unknown
         )
 
     @property
@@ -150,23 +172,29 @@ class Modal:
             return self.unit * 0.5
         return self.unit if axis < 3 else 1.0
 
+    @property
+    def feed_unknown(self) -> bool:
+        """True while an override that the program set changes feeds by a factor nobody knows."""
+        return self.feed_input or math.isnan(self.feed_override)
+
     def has_axis(self, axis: int) -> bool:
         """True when the machine has that axis."""
         return self.axis_there[axis]
 
     def row_state(self) -> State:
         """The slow columns of the rows that come now."""
-        spindle = math.nan
-        if self.spindle_direction == 0:
-            spindle = 0.0
-        elif not isinstance(self.spindle_speed, Unknown):
-            spindle = self.spindle_speed * self.spindle_direction
+        surface = 0.0
+        if self.surface_speed_mode:
+            surface = math.nan if isinstance(self.spindle_speed, Unknown) else self.spindle_speed
         comp = self.compensation
         return State(
-            tool=-1 if self.tool is None else self.tool, spindle=spindle, feed_mode=self.feed_mode,
-            path_mode=self.path_mode, path_tolerance=self.path_tolerance, simplify=self.simplify,
-            laf_angle=self.laf_angle, work=self.work, overrides=self.overrides, arc_tolerance=self.arc_tolerance(),
-            guards_off=self.guards_off, compensation=0 if comp is None else comp.side * comp.plane,
+            tool=-1 if self.tool is None else self.tool, spindle=commanded_rpm(self) * self.spindle_direction,
+            feed_mode=self.feed_mode, synchronised=self.pitch != 0.0, surface_speed=surface,
+            feed_override=math.nan if self.feed_unknown else self.feed_override, head=self.head,
+            spindle_limit=self.spindle_limit, path_mode=self.path_mode, path_tolerance=self.path_tolerance,
+            simplify=self.simplify, laf_angle=self.laf_angle, work=self.work, overrides=self.overrides,
+            arc_tolerance=self.arc_tolerance(), guards_off=self.guards_off,
+            compensation=0 if comp is None else comp.side * comp.plane,
             following=self.following,
         )  # fmt: skip
 

@@ -17,6 +17,9 @@ from gproof.passes.emitter import Emitter
 from gproof.passes.line import Line
 from gproof.passes.outputs import look_at
 from gproof.passes.probing import run_probe
+from gproof.passes.spindle import note_speed_unknown, true_rpm
+from gproof.passes.synchronised import SYNCHRONISED, run_synchronised
+from gproof.passes.threading import run_threading
 from gproof.passes.transform_codes import check_arc, settle
 from gproof.passes.values import NOWHERE, Position, Unknown, Value, describe
 
@@ -94,9 +97,16 @@ class Motion(Emitter):
                 raise Refusal(codes.CYCLE_WITH_COMPENSATION.at(line.span, code=rule.text, hint="G40 before"))
             run_cycle(self, line, rule)
             return
-        self._set_motion(rule)
-        if rule.function is not F.TRAVERSE:
-            self.need_feed(line, rule)
+        if rule.function in (F.THREADING, *SYNCHRONISED) and comp is not None:
+            what = f"{rule.text} while cutter radius compensation is on"
+            raise Refusal(codes.UNSUPPORTED_CODE.at(line.where_code(rule), code=what))
+        if rule.function is F.THREADING:
+            run_threading(self, line, rule)
+            return
+        if rule.function not in SYNCHRONISED:
+            self._set_motion(rule)
+            if rule.function is not F.TRAVERSE:
+                self.need_feed(line, rule)
         for axis, value in line.axes().items():
             if isinstance(value, Unknown):
                 word = AXIS_NAMES[axis].upper()
@@ -104,7 +114,9 @@ class Motion(Emitter):
                 if not value.bounded or (axis < 2 and machine is None and self.modal.transform.on):
                     self.findings.add(codes.UNKNOWN_VALUE.at(line.where(word), word=word, cause=value.cause))
         target = self.aim(line, machine=machine is not None)
-        if rule.function in (F.ARC_CW, F.ARC_CCW):
+        if rule.function in SYNCHRONISED:
+            run_synchronised(self, line, rule, target)
+        elif rule.function in (F.ARC_CW, F.ARC_CCW):
             self._arc(line, rule, target)
         elif rule.function is F.PROBE:
             run_probe(self, line, rule, target)
@@ -139,8 +151,11 @@ class Motion(Emitter):
             raise Refusal(codes.INVERSE_TIME_FEED_MISSING.at(line.span))
         if s.feed == 0.0:
             raise Refusal(codes.FEED_MISSING.at(line.span, code=rule.text))
-        if s.feed_mode == 95 and (isinstance(s.spindle_speed, Unknown) or s.spindle_direction == 0):
-            self.findings.add(codes.SPINDLE_UNKNOWN.at(line.span, hint="give S and start the spindle before"))
+        if s.feed_mode == 95 and s.spindle_direction == 0:
+            hint = "give S and start the spindle before"
+            self.findings.add(codes.SPINDLE_UNKNOWN.at(line.span, code="G95", hint=hint))
+        elif s.feed_mode == 95:
+            note_speed_unknown(self, line, "G95")
 
     def _arc(self, line: Line, rule: CodeRule, target: list[Position]) -> None:
         """Radius and centre format, 3.4.3.1 and 3.4.3.2."""
@@ -272,6 +287,10 @@ class Motion(Emitter):
     def _effective_feed(self, length: float, rotary: bool) -> float:
         """mm/min (deg/min for rotary moves) of a feed move of this length; NaN when not known."""
         s = self.modal
+        if s.pitch:
+            return s.pitch * true_rpm(s)
+        if s.feed_unknown:
+            return math.nan
         if s.feed == 0.0:
             # No feed move comes here without F: the corner of a compensated traverse.
             return math.nan
@@ -279,9 +298,7 @@ class Motion(Emitter):
             return s.feed * length
         feed = s.feed / s.feed_unit if rotary else s.feed
         if s.feed_mode == 95:
-            if isinstance(s.spindle_speed, Unknown) or s.spindle_direction == 0 or s.spindle_speed == 0:
-                return math.nan
-            return feed * s.spindle_speed
+            return feed * (true_rpm(s) or math.nan)
         return feed
 
 

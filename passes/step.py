@@ -163,6 +163,7 @@ class _Section:
                 cause = f"{axis.name.upper()} depends on {describe(form)}"
                 where = row_span(trace, self.rows, 0) if len(self.rows) else Span(trace.files[0], 0)
                 raise Refusal(codes.PLAN_NEEDS_NUMBERS.at(where, cause=cause))
+        self._open_loop()
         if planned.duration * stepper.frequency > _FARTHEST:
             at = int(planned.rows["row"][np.argmax(planned.rows["duration"])])
             cause = f"the section takes {planned.duration:.3g} s, more than ticks can count"
@@ -182,6 +183,20 @@ class _Section:
         self.spindle = SPINDLE_UNSEEN
         motion = np.flatnonzero(self.rows["op"] < Op.DWELL)
         self.last = tuple(self.rows["to"][motion[-1]].tolist()) if len(motion) else section.start
+
+    def _open_loop(self) -> None:
+        """Refusal GP511 for what depends on where the spindle is, or on which head turns."""
+        trace, rows = self.stepper.trace, self.rows
+        follows = np.array([state.synchronised for state in trace.states], dtype=np.bool_)
+        synchronised = (rows["op"] < Op.DWELL) & follows[rows["state"]]
+        for found, what in (
+            (synchronised, "this move follows the turns of the spindle"),
+            (rows["op"] == Op.ORIENT, "the spindle stops in an orientation"),
+            ((rows["op"] == Op.HEAD) & (rows["arg"][:, 0] != 0), "another head is selected"),
+        ):
+            if found.any():
+                where = row_span(trace, rows, int(np.argmax(found)))
+                raise Refusal(codes.SYNCHRONISED_STREAM.at(where, what=what))
 
     def _shapes(self) -> Floats:
         """(arcs, 4): start angle, sweep, start radius, end radius."""

@@ -17,6 +17,7 @@ from pathlib import Path
 from gproof.frontend.eding.correction_table import load_table
 from gproof.frontend.eding.ini_file import NUMBERED, Ini
 from gproof.frontend.eding.prepare import decode
+from gproof.frontend.eding.spindles_ini import read_spindles
 from gproof.frontend.toml_table import MILLIMETRES, TINIEST
 from gproof.ir import codes
 from gproof.ir.finding import Findings, Span
@@ -184,6 +185,7 @@ class _Reader:
             axes=axes,
             tool_change_area=_tool_change_area(ini, self.unit),
             tools=_tools(ini, self.unit),
+            spindles=read_spindles(ini, self.unit),
             controller=self._controller(),
             unit=float(self.unit),
             not_modelled=tuple(self.not_modelled),

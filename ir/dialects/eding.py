@@ -12,6 +12,8 @@ from gproof.ir.rules import Function as F
 _MOTION, _PLANE, _DISTANCE, _FEED_MODE, _UNITS = "G1", "G2", "G3", "G5", "G6"
 _CUTTER, _LENGTH, _RETRACT, _COORDINATES, _PATH, _ROTATION = "G7", "G8", "G10", "G12", "G13", "G14"
 _ONCE = "G0"
+_SPINDLE_MODE = "G96, G97"
+"""In no group of table 3-3; one line can only select one of the two."""
 
 
 def _g(number: float, function: F, group: str, source: str, axes: bool = False, value: int = 0) -> CodeRule:
@@ -71,8 +73,15 @@ _SUPPORTED = (
     _g(82, F.DRILL_DWELL, _MOTION, "3.4.21.3", axes=True),
     _g(83, F.DRILL_PECK, _MOTION, "3.4.21.4", axes=True),
     _g(73, F.DRILL_CHIP_BREAK, _MOTION, "3.4.21.5", axes=True),
+    _g(33, F.SYNCHRONISED, _MOTION, "3.4.9", axes=True),
+    _g(33.1, F.SYNCHRONISED_RETURN, _MOTION, "3.4.9", axes=True),
+    _g(76, F.THREADING, _MOTION, "3.4.19", axes=True),
+    _g(84, F.TAP_RIGHT, _MOTION, "3.4.21.6", axes=True),
+    _g(74, F.TAP_LEFT, _MOTION, "3.4.21.7", axes=True),
     _g(85, F.BORE, _MOTION, "3.4.21.8", axes=True),
     _g(86, F.BORE_STOP, _MOTION, "3.4.21.9", axes=True),
+    _g(87, F.BORE_BACK, _MOTION, "3.4.21.10", axes=True),
+    _g(88, F.BORE_MANUAL, _MOTION, "3.4.21.11", axes=True),
     _g(89, F.BORE_DWELL, _MOTION, "3.4.21.12", axes=True),
     _g(90, F.ABSOLUTE, _DISTANCE, "3.4.22"),
     _g(91, F.INCREMENTAL, _DISTANCE, "3.4.22"),
@@ -83,6 +92,8 @@ _SUPPORTED = (
     _g(93, F.FEED_INVERSE_TIME, _FEED_MODE, "3.4.24"),
     _g(94, F.FEED_PER_MINUTE, _FEED_MODE, "3.4.24"),
     _g(95, F.FEED_PER_REVOLUTION, _FEED_MODE, "3.4.24"),
+    _g(96, F.SURFACE_SPEED, _SPINDLE_MODE, "3.4.25"),
+    _g(97, F.SPINDLE_RPM, _SPINDLE_MODE, "3.4.25"),
     _g(98, F.RETRACT_INITIAL, _RETRACT, "3.4.26"),
     _g(99, F.RETRACT_R, _RETRACT, "3.4.26"),
     _m(0, F.STOP, "M4", "3.5.1"),
@@ -117,19 +128,24 @@ _SUPPORTED = (
     _m(190, F.TEMPERATURE_WAIT, "", "3.5.12", value=1),
     _m(48, F.OVERRIDES_ON, "M9", "3.5.5"),
     _m(49, F.OVERRIDES_OFF, "M9", "3.5.5"),
+    _m(50, F.FEED_OVERRIDE, "M9", "3.5.5"),
+    _m(51, F.SPEED_OVERRIDE, "M9", "3.5.5"),
+    _m(52, F.FEED_OVERRIDE_INPUT, "M9", "3.5.5"),
+    _m(53, F.FEED_HOLD_INPUT, "", "3.5.5"),
+    _m(84, F.DIRECTION_OUTPUT_ON, "", "3.5.8"),
+    _m(85, F.DIRECTION_OUTPUT_OFF, "", "3.5.8"),
+    _m(86, F.SPEED_OUTPUT_ON, "", "3.5.8"),
+    _m(87, F.SPEED_OUTPUT_OFF, "", "3.5.8"),
+    *(_m(n, F.HEAD, "M10", "3.5.6", value=head) for n, head in ((90, 0), (91, 1), (92, 2))),
+    _m(93, F.HEAD, "M10", "3.5, table 3-6", value=2),
+    _m(95, F.HEAD, "M10", "2.1.19", value=4),
+    _m(97, F.HEAD, "M10", "2.1.20", value=5),
 )
 
 # Codes of tables 3-4 and 3-6 and of the sections on M functions that gproof does not model yet.
 _UNSUPPORTED = (
-    *(_g(n, F.UNSUPPORTED, _ONCE, "3.4.9", axes=True) for n in (33, 33.1)),
-    *(_g(n, F.UNSUPPORTED, _MOTION, "3.4.21", axes=True) for n in (74, 84, 87, 88)),
-    _g(76, F.UNSUPPORTED, _MOTION, "3.4.19", axes=True),
-    *(_g(n, F.UNSUPPORTED, "", "3.4.25") for n in (96, 97)),
     *(_m(n, F.UNSUPPORTED, "M5", "3.5.9") for n in (64, 65, 66)),
-    *(_m(n, F.UNSUPPORTED, "M9", "3.5.5") for n in (50, 51, 52, 53)),
-    *(_m(n, F.UNSUPPORTED, "M10", "3.5.6") for n in (90, 91, 92, 93, 95, 97)),
-    *(_m(n, F.UNSUPPORTED, "", "3.5.11") for n in (22,)),
-    *(_m(n, F.UNSUPPORTED, "", "3.5.8") for n in (84, 85, 86, 87)),
+    _m(22, F.UNSUPPORTED, "", "3.5.11"),
 )
 
 

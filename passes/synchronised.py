@@ -1,0 +1,92 @@
+"""Moves that follow the turns of the spindle: G33, G33.1, and what threading and tapping are made of.
+
+Eding CNC manual 3.4.9. The nominal feed of such a move is its pitch times the spindle speed.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+from gproof.ir import codes
+from gproof.ir.finding import Refusal
+from gproof.ir.machine import AXES, AXIS_NAMES
+from gproof.ir.rules import CodeRule
+from gproof.ir.rules import Function as F
+from gproof.ir.trace import Op
+from gproof.passes.line import Line
+from gproof.passes.spindle import need_turning, note_speed_unknown, true_rpm
+from gproof.passes.values import Position
+
+if TYPE_CHECKING:
+    from gproof.passes.motion import Motion
+
+SYNCHRONISED = (F.SYNCHRONISED, F.SYNCHRONISED_RETURN)
+"""Functions that ``run_synchronised`` executes."""
+
+
+def run_synchronised(ex: Motion, line: Line, rule: CodeRule, target: list[Position]) -> None:
+    """G33: out; G33.1: out and, with the spindle reversed, back. Refusal with GP121, GP244, GP275, GP266, GP510."""
+    s = ex.modal
+    for axis in line.axes():
+        if axis >= 3:
+            word = AXIS_NAMES[axis].upper()
+            raise Refusal(codes.UNUSED_WORD.at(line.where(word), word=f"{word} beside {rule.text}"))
+    pitch = line.number("K")
+    if pitch is None or not pitch > 0:
+        given = "" if pitch is None else f" greater than 0; K{pitch:g} is given"
+        raise Refusal(codes.WORD_MISSING.at(line.where("K"), code=rule.text, needed=f"K{given}"))
+    if s.transform.on and s.transform.factors != (1.0, 1.0):
+        raise Refusal(codes.TRANSFORM_OPEN.at(line.span, what=f"whether K of {rule.text} is scaled"))
+    need_turning(ex, line, rule)
+    # Whether the code stays active for lines of axis words alone the manual does not say: no group of table 3-3.
+    s.motion, s.cycle, s.cycle_code = F.UNSUPPORTED, {}, 0
+    note_speed_unknown(ex, line, rule.text)
+    start = list(s.position)
+    synchronised_move(ex, line, rule, target, pitch * s.unit)
+    if rule.function is F.SYNCHRONISED:
+        return
+    reverse(ex, line)
+    synchronised_move(ex, line, rule, start, pitch * s.unit)
+    reverse(ex, line)
+
+
+def reverse(ex: Motion, line: Line) -> None:
+    """Turn the spindle the other way."""
+    ex.modal.spindle_direction = -ex.modal.spindle_direction
+    ex.spindle_row(line)
+
+
+def synchronised_move(ex: Motion, line: Line, rule: CodeRule, target: list[Position], pitch: float) -> None:
+    """One move with ``pitch`` mm a revolution along the path; Refusal GP510 where an axis can not follow."""
+    s = ex.modal
+    _check_velocity(ex, line, rule, target, pitch)
+    s.pitch = pitch
+    ex._state_changed()
+    ex.move(Op.FEED, list(target), line.span)
+    s.pitch = 0.0
+    ex._state_changed()
+
+
+def _check_velocity(ex: Motion, line: Line, rule: CodeRule, target: list[Position], pitch: float) -> None:
+    """3.4.9: an error when the move exceeds the machine's velocity; judged where lengths and speed are known."""
+    moved = [b.minus(a) for a, b in zip(ex.modal.position, target, strict=True)]
+    rpm = true_rpm(ex.modal)
+    if any(distance.form for distance in moved) or math.isnan(rpm):
+        return
+    length = math.sqrt(sum(distance.value * distance.value for distance in moved[:3]))
+    if length == 0.0:
+        return
+    for axis in range(AXES):
+        there = ex.machine.axis(AXIS_NAMES[axis])
+        if there is None or there.max_velocity is None:
+            continue
+        needed = abs(moved[axis].value) / length * pitch * rpm
+        allowed = there.max_velocity * 60.0
+        if needed > allowed * (1.0 + 1e-9):
+            raise Refusal(
+                codes.SYNCHRONISED_TOO_FAST.at(
+                    line.span, code=rule.text, axis=AXIS_NAMES[axis].upper(), needed=needed, allowed=allowed,
+                    pitch=pitch, rpm=rpm, over=needed - allowed,
+                )
+            )  # fmt: skip

@@ -1,0 +1,108 @@
+"""G33 and G33.1 against rows worked out by hand from the Eding CNC manual 3.4.9."""
+
+from __future__ import annotations
+
+import dataclasses
+from pathlib import Path
+
+import pytest
+from passes.machining import HEAD, codes_of, run, shown
+
+from gproof.ir.machine import NO_MACHINE
+from gproof.ir.setup import NOTHING
+
+SLOW = dataclasses.replace(
+    NO_MACHINE, axes=tuple(dataclasses.replace(axis, max_velocity=10.0) for axis in NO_MACHINE.axes)
+)
+"""600 mm/min on every axis."""
+
+
+def test_g33_is_one_move_of_pitch_times_speed(tmp_path: Path) -> None:
+    trace, findings = run(tmp_path, HEAD + "S500 M3\nG0 Z5\nG33 Z-10 K1.5\nM30\n")
+    assert shown(trace, after_line=3) == [("sync", 0, 0, -10, 750), ("spindle", 0)]
+    assert codes_of(findings) == []
+
+
+def test_k_is_the_distance_along_the_path(tmp_path: Path) -> None:
+    # 3-4-5: 10 mm of path, 2 mm a revolution of 120 rpm, incremental
+    trace, _ = run(tmp_path, HEAD + "S120 M4\nG91\nG33 X6 Z-8 K2\nM30\n")
+    assert shown(trace, after_line=3) == [("sync", 6, 0, -8, 240), ("spindle", 0)]
+
+
+def test_inches(tmp_path: Path) -> None:
+    trace, _ = run(tmp_path, HEAD + "G20\nS100 M3\nG33 Z-1 K0.05\nM30\n")
+    assert shown(trace, after_line=3) == [("sync", 0, 0, -25.4, 127), ("spindle", 0)]
+
+
+def test_the_feed_mode_has_no_say(tmp_path: Path) -> None:
+    for mode in ("G93", "G95"):
+        trace, findings = run(tmp_path, HEAD + f"{mode}\nS100 M3\nG33 Z-1 K1\nM30\n")
+        assert ("sync", 0, 0, -1, 100) in shown(trace)
+        assert codes_of(findings) == []
+
+
+def test_g33_1_reverses_and_comes_back(tmp_path: Path) -> None:
+    trace, findings = run(tmp_path, HEAD + "S500 M3\nG0 X1 Y2 Z5\nG33.1 Z-10 K1.5\nG1 X2 F100\nM30\n")
+    assert shown(trace, after_line=3) == [
+        ("sync", 1, 2, -10, 750),
+        ("spindle", -500),
+        ("sync", 1, 2, 5, 750),
+        ("spindle", 500),
+        ("feed", 2, 2, 5, 100),
+        ("spindle", 0),
+    ]
+    assert codes_of(findings) == []
+
+
+@pytest.mark.parametrize(
+    ("line", "code"),
+    [
+        ("S500 M3\nG33 K1.5", "GP201"),  # all axis words are omitted
+        ("S500 M3\nG33.1 K1.5", "GP201"),
+        ("S500 M5\nG33 Z-10 K1.5", "GP244"),  # the spindle is not turning
+        ("S0 M3\nG33 Z-10 K1.5", "GP244"),  # 3.5.2: with S0 it will not start turning
+        ("S500 M5\nG33.1 Z-10 K1.5", "GP244"),
+        ("S500 M3\nG33 Z-10", "GP275"),  # 3.4: what is not called optional is required
+        ("S500 M3\nG33 Z-10 K0", "GP275"),
+        ("S500 M3\nG33 Z-10 K-1", "GP275"),
+        ("S500 M3\nG33 Z-10 A5 K1", "GP121"),
+        ("S500 M3\nG33 Z-10 K1 L2", "GP121"),
+        ("S500 M3\nG53 G33 Z-10 K1", "GP210"),
+        ("S500 M3\nG1 G33 Z-10 K1 F5", "GP110"),
+        ("S601 M3\nG33 Z-10 K1", "GP510"),  # beyond the machine's velocity
+        ("S601 M3\nG33.1 Z-10 K1", "GP510"),
+    ],
+)
+def test_errors(tmp_path: Path, line: str, code: str) -> None:
+    _, findings = run(tmp_path, f"{HEAD}{line}\nM30\n", machine=SLOW)
+    assert codes_of(findings)[:1] == [code]
+
+
+def test_velocity_is_judged_axis_by_axis(tmp_path: Path) -> None:
+    # 750 mm/min along 3-4-5: 450 and 600, just what the axes can do
+    _, findings = run(tmp_path, HEAD + "S750 M3\nG33 X3 Z4 K1\nM30\n", machine=SLOW)
+    assert codes_of(findings) == []
+    _, findings = run(tmp_path, HEAD + "S751 M3\nG33 X3 Z4 K1\nM30\n", machine=SLOW)
+    assert codes_of(findings) == ["GP510"]
+    assert "Z for 600.8/min" in findings.kept[0].message
+
+
+def test_without_machine_velocities_nothing_is_judged(tmp_path: Path) -> None:
+    _, findings = run(tmp_path, HEAD + "S99999 M3\nG33 X3 Z4 K10\nM30\n")
+    assert codes_of(findings) == []
+
+
+def test_unknown_spindle_state_is_unknown(tmp_path: Path) -> None:
+    _, findings = run(tmp_path, HEAD + "S500\nG33 Z-10 K1.5\nM30\n", setup=NOTHING)
+    assert codes_of(findings) == ["GP266"]
+
+
+def test_unknown_speed_leaves_the_feed_open(tmp_path: Path) -> None:
+    trace, findings = run(tmp_path, HEAD + "M3\nG33 Z-10 K1.5\nM30\n", setup=NOTHING)
+    assert ("sync", 0, 0, -10, None) in shown(trace)
+    assert codes_of(findings) == ["GP239"]
+
+
+def test_axis_words_alone_behind_g33_are_unknown(tmp_path: Path) -> None:
+    _, findings = run(tmp_path, HEAD + "S500 M3\nG33 Z-10 K1.5\nZ-20\nG0 Z5\nM30\n")
+    assert codes_of(findings) == ["GP113"]
