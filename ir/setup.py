@@ -104,6 +104,8 @@ class Setup:
             found = self.g92.get(rest[0])
         elif kind == "tool":
             found = self.tool_lengths.get(int(rest[0]))
+        elif kind == "head":
+            default = None  # a symbol only where a file gives an offset without its sign, or nothing is stated
         if found is None and default is not None:
             return Interval(default, default)
         return found

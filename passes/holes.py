@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from gproof.ir import codes
+from gproof.ir.machine import AXIS_NAMES
 from gproof.ir.rules import CodeRule
 from gproof.ir.rules import Function as F
 from gproof.ir.trace import Op, Wait
@@ -109,6 +110,8 @@ def _bore_manual(ex: Motion, line: Line, hole: Hole) -> None:
     ex.event(Op.STOP, line.span)
     ex.findings.add(codes.OPERATOR_STOP.at(line.span, code=hole.rule.text))
     ex.modal.position[hole.drill] = NOWHERE
+    axis = AXIS_NAMES[hole.drill].upper()
+    ex.assumed[f"{hole.rule.text}: the operator moves {axis} only, within its limits"] = None
     ex._end_section(Wait.OPERATOR, "retracted by hand", None, line.span.line)
     _turn(ex, line, turns)
 

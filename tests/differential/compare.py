@@ -18,6 +18,7 @@ normal form, the same for both sides; `first_difference` compares two normal for
    `A_BIT`.
 7. Feeds agree to a millionth. Under inverse time feed the feed of an arc follows from its length, which is known
    no better than its ends are: there the bound grows by `LENGTH` over the radius.
+8. A dwell of no time is dropped (rs274 says one at the bottom of a tap).
 """
 
 from __future__ import annotations
@@ -73,8 +74,8 @@ def first_difference(
 
 
 def normal(rows: Sequence[Row]) -> list[Row]:
-    """The normal form of a trace: rules 1 to 6, in the order that makes them independent of each other."""
-    kept = [dict(row) for row in rows if row["op"] in KEPT]
+    """The normal form of a trace: rules 1 to 6 and 8, in the order that makes them independent of each other."""
+    kept = [dict(row) for row in rows if row["op"] in KEPT and not (row["op"] == "dwell" and row["seconds"] == 0)]
     for rule in (_back_to_the_bottom, _without_rests, _states, _tool_changes, _ends, _changes):
         kept = rule(kept)
     return kept

@@ -287,11 +287,13 @@ class _Machine:
         self.plane = "XY"
         self.feed = 0.0  # inches a minute, or inches a revolution
         self.per_revolution = False
+        self.pitch = 0.0  # inches a revolution of a synchronised move, else 0
         self.printed_units = MM_PER_INCH  # what rs274 prints for one inch
         self.direction = "off"
         self.speed = 0.0
         self.mist = False
         self.flood = False
+        self.at = [0.0] * 6  # the last position said, as it was said
 
     def event(self, call: _Printed) -> None:
         """A call that only rs274 prints."""
@@ -300,6 +302,10 @@ class _Machine:
                 self.printed_units = MM_PER_INCH if call.arguments[0] == "CANON_UNITS_MM" else 1.0
             case "SET_FEED_MODE":
                 self.per_revolution = call.arguments[1] != "0"
+            case "START_SPEED_FEED_SYNC":
+                self.pitch = float(call.arguments[0]) / self.printed_units
+            case "STOP_SPEED_FEED_SYNCH":
+                self.pitch = 0.0
             case "START_SPINDLE_CLOCKWISE" | "START_SPINDLE_COUNTERCLOCKWISE":
                 self._spindle(call.line, "cw" if call.name.endswith("_CLOCKWISE") else "ccw", self.speed)
             case "STOP_SPINDLE_TURNING":
@@ -337,6 +343,8 @@ class _Machine:
                 self._row("traverse", line, to=self._position(arguments[:6]))
             case "straight_feed":
                 self._row("feed", line, to=self._position(arguments[:6]), feed=self._rate())
+            case "rigid_tap":
+                self._rigid_tap(line, arguments)
             case "arc_feed":
                 self._arc(line, arguments)
             case "dwell":
@@ -358,8 +366,17 @@ class _Machine:
             case _:
                 raise PeerError(f"line {line}: {name} is outside the language that the two share")
 
+    def _rigid_tap(self, line: int, arguments: list[Any]) -> None:
+        """Out and, with the spindle reversed, back; the turns are restored at the end (LinuxCNC's manual, G33.1)."""
+        before, direction = self.at, self.direction
+        for to, turns in (([*arguments[:3], *before[3:]], {"cw": "ccw", "ccw": "cw"}[direction]), (before, direction)):
+            self._row("feed", line, to=self._position(to), feed=self._rate())
+            self._spindle(line, turns, self.speed)
+
     def _rate(self) -> float:
         turning = self.speed if self.direction != "off" else 0.0
+        if self.pitch:
+            return self.pitch * MM_PER_INCH * turning
         return self.feed * MM_PER_INCH * (turning if self.per_revolution else 1.0)
 
     def _in_machine(self, said: Sequence[float]) -> list[float]:
@@ -372,6 +389,7 @@ class _Machine:
         return [value * MM_PER_INCH for value in reached[:3]] + reached[3:]
 
     def _position(self, said: Sequence[float]) -> dict[str, float]:
+        self.at = list(said)
         return dict(zip(AXES, self._in_machine(said), strict=True))
 
     def _arc(self, line: int, arguments: list[Any]) -> None:
@@ -404,7 +422,7 @@ class _Machine:
 _NO_ROW = frozenset(
     "SET_FEED_REFERENCE ON_RESET START_CHANGE SELECT_TOOL SET_SPINDLE_MODE SET_MOTION_CONTROL_MODE "
     "SET_NAIVECAM_TOLERANCE ENABLE_FEED_OVERRIDE DISABLE_FEED_OVERRIDE ENABLE_SPEED_OVERRIDE "
-    "DISABLE_SPEED_OVERRIDE PALLET_SHUTTLE".split()
+    "DISABLE_SPEED_OVERRIDE PALLET_SHUTTLE ORIENT_SPINDLE WAIT_SPINDLE_ORIENT_COMPLETE".split()
 )
 
 

@@ -67,6 +67,7 @@ def test_an_offset_without_its_sign_is_not_stated(tmp_path: Path) -> None:
     trace, findings = run(tmp_path, HEAD + "M91\nG0 X5 Y5\nM30\n", machine=machine)
     assert codes_of(findings) == ["GP273"]
     assert frames(trace)[-1][:2] == ((("head.1.x", 1),), ())
+    assert ZERO.interval("head.1.x") is None  # no check may take it for 0
 
 
 def test_without_offsets_of_the_setup_zero(tmp_path: Path) -> None:

@@ -31,7 +31,7 @@ def states(trace: Trace) -> list[State]:
 
 
 def test_s_while_it_rests_and_while_it_turns(tmp_path: Path) -> None:
-    # 3.5.2: M3 with S0 does not turn until S is above zero; starting a turning spindle and stopping a resting one are OK
+    # 3.5.2: M3 with S0 does not turn until S is above zero; to start a turning spindle, to stop a resting one is OK
     text = HEAD + "M5\nS0 M3\nS300\nM3\nM4\nS400\nM5\nM5\n"
     assert rows(tmp_path, text) == [
         ("spindle", 0), ("spindle", 0), ("spindle", 300), ("spindle", 300), ("spindle", -300), ("spindle", -400),
