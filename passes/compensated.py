@@ -372,10 +372,10 @@ def _leave(modal: Modal) -> None:
 def _finding(span: Span, fault: Fault, radius: float) -> Finding:
     match fault.trouble:
         case Trouble.CONCAVE_CORNER:
-            hint = f"program an arc larger than {radius:.4f} mm in it"
+            hint = f"program an arc larger than {radius:.4f} mm in it, or take the other side of the contour"
             return codes.CONCAVE_CORNER.at(span, degrees=fault.number, radius=radius, hint=hint)
         case Trouble.GOUGING:
-            hint = "make the first move longer than the radius of the tool"
+            hint = "the first move must lie in the plane and be longer than the tool's radius"
             return codes.CUTTER_GOUGING.at(span, distance=fault.number, radius=radius, hint=hint)
         case Trouble.ARC_TOO_SMALL:
             hint = "a smaller tool, or a larger arc"

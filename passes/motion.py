@@ -178,6 +178,9 @@ class Motion(Emitter):
             raise Refusal(codes.UNUSED_WORD.at(line.where("R"), word="R beside a centre"))
         turns = 1 if (rule.function is F.ARC_CCW) != s.xz_mirrored else -1
         factor = check_arc(self, line)
+        if s.compensation is not None and s.compensation.radius is None:
+            compensated.straight(self, line, Op.FEED, target)
+            return
         start = [s.programmed(first), s.programmed(second)]
         end = [target[first], target[second]]
         for a, b, name in zip(start, end, names, strict=True):

@@ -517,3 +517,29 @@ def test_motion_apart_from_the_contour_is_never_taken_for_a_part_of_it(line: str
     text = f"M3 S100\nG0 X-20 Y0\nG41 D1\nG1 X0\nG1 X20\n{line}\nG91 G1 X20\nG90\nG40\nM2\n"
     _, told, _ = run(tmp_path, HEAD + text)
     assert {"GP113", "GP256"} & {code.split(":")[0] for code in told}
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_a_rotated_contour_has_the_rotated_path(seed: int, tmp_path: Path) -> None:
+    """3.4.18: G68 turns what is programmed, the tool's path with it; also in G91 and with words left out."""
+    rng = random.Random(4000 + seed)
+    side, angle = rng.choice((1, -1)), rng.choice((90.0, 180.0, -90.0, rng.uniform(-180, 180)))
+    stretches = contour(rng, side, 3.0, sharp=seed % 3 == 0)
+    text = program(stretches, side, incremental=seed % 2 == 0).replace("G40\nM2", "X500\nG40\nM2")
+    plain, before, _ = run(tmp_path, text)
+    turned, told, _ = run(tmp_path, text.replace(HEAD, f"{HEAD}G68 X7 Y-4 R{angle:.9f}\n"))
+    # The last line may be refused, but then in both.
+    assert [code[:5] for code in told] == [code[:5] for code in before]
+    first, second = moves(plain), moves(turned)
+    assert [m.turns for m in first] == [m.turns for m in second]
+    cos, sin = math.cos(math.radians(angle)), math.sin(math.radians(angle))
+    wanted = [
+        (7 + (x - 7) * cos - (y + 4) * sin, -4 + (x - 7) * sin + (y + 4) * cos) for x, y in (m.end for m in first)
+    ]
+    assert np.allclose(wanted, [m.end for m in second], atol=1e-6)
+
+
+def test_a_first_arc_with_an_unknown_radius_is_no_error(tmp_path: Path) -> None:
+    """Whether R reaches depends on the radius of the tool."""
+    _, told, _ = run(tmp_path, HEAD + "G0 X0 Y0\nG42 D4\nG3 X20.5 Y0 R10\nG40\nM2\n")
+    assert told == ["GP255:3"]
