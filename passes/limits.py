@@ -261,10 +261,13 @@ class Limits(Check):
         limit = low if below else high
         assert limit is not None
         side = ("travel's lower" if off else "lower") if below else ("travel's upper" if off else "upper")
+        bounds = [(d.name, (d.travel_lower, d.travel_upper) if off else (d.lower, d.upper)) for d in axis.drives()]
+        own, second = bounds[0][1], next((name for name, sides in bounds[1:] if limit in sides), "")
         self.findings.add(
             codes.SOFT_LIMIT.at(
                 row_span(trace, chunk.rows, row), axis=axis.name.upper(), reached=reach, unit=axis.unit,
                 over=abs(reach - limit), side=side, limit=limit,
+                hint=f"the limit of its motor {second}" if second and limit not in own else "",
             )
         )  # fmt: skip
 

@@ -1,5 +1,5 @@
 (LINEAR SCALE 300 MM, A LINE EVERY 25 MM)
-(the job is harmless; the machine has a pitch table on X that gproof does not model)
+(the machine has a pitch table on X: its motor stands up to 0.055 beside the scale, far from the limits)
 G21 G17 G90 G94 G40 G49 G80 G54
 S20000 M3
 F600

@@ -1,0 +1,16 @@
+(STRIPS 20 MM WIDE ALONG Y, PLYWOOD)
+(Y ends at 2100 by its own motor, at 2092 by the one that follows it)
+G21 G17 G90 G94 G40 G49 G80 G54
+S18000 M3
+G0 Z10
+G0 X40 Y5
+F2400
+G1 Z-6
+G1 Y2085
+G0 Z10
+G0 X60 Y1000
+G1 Z-6
+G1 Y5
+G0 Z10
+M5
+M30
