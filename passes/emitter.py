@@ -13,7 +13,9 @@ from gproof.ir.program import (
 from gproof.ir.rules import CodeRule
 from gproof.ir.setup import Interval, Setup
 from gproof.ir.trace import Edge, Op, Trace, Wait
+from gproof.passes.compiled import Condition, FastBlock
 from gproof.passes.expressions import Evaluator
+from gproof.passes.frames import Frame, Path, Pending
 from gproof.passes.line import Line
 from gproof.passes.modal import Modal
 from gproof.passes.ranges import Range
@@ -72,6 +74,18 @@ class Emitter:
         self._nesting = 0
         self._end: tuple[str, int] | None = None
         self._unknowns = 0
+        # What is still to do, and what branches and loops keep of it: passes/branches.py, passes/loops.py.
+        self.branches = 0
+        self._stack: list[Frame] = [Frame(program.body)]
+        self._seen: dict[object, tuple[Edge, ...]] = {}
+        self._joins: dict[object, int] = {}
+        self._waiting: list[Path] = []
+        self._is_parked = False
+        self._key: object = None
+        self._fast: dict[int, FastBlock | None] = {}
+        self._tests: dict[int, Condition | None] = {}
+        self._pending = Pending()
+        self._loops = 0
         self.rows = RowBuffer(self.trace, [p.value for p in self.modal.position], self._frame(), program.line_count)
 
     def spend(self, span: Span) -> None:

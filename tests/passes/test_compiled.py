@@ -15,7 +15,7 @@ from gproof.ir.machine import NO_MACHINE
 from gproof.ir.setup import ZERO
 from gproof.ir.text import print_ir
 from gproof.ir.trace import Op, Trace
-from gproof.passes import execute as module
+from gproof.passes import loops as module
 from gproof.passes.execute import Executor
 
 

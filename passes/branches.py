@@ -1,0 +1,131 @@
+"""Conditions that nobody can decide before the job runs: both outcomes are followed, and come together again.
+
+What is still to do is a stack of frames, not Python's own: a run splits by copying it. Each outcome goes on with
+its own stack and state in a section of its own; behind the block whose condition was asked, outcomes wait for each
+other, and those in the same state go on as one. docs/dialects/eding.md says what counts as not known.
+"""
+
+from __future__ import annotations
+
+import copy
+
+from gproof.ir import codes
+from gproof.ir.finding import Refusal
+from gproof.ir.program import Expr, If, While
+from gproof.ir.trace import Edge, Wait
+from gproof.passes.emitter import ProgramEnd
+from gproof.passes.frames import EXACT, Frame, Group, Path, Pending, merged
+from gproof.passes.loops import Loops
+from gproof.passes.values import Unknown
+
+
+class Branches(Loops):
+    """Splitting and joining of runs."""
+
+    def _holds(self, condition: Expr, place: tuple[str, int]) -> bool | None:
+        """Whether a condition is true; None when the outcomes are to be explored. ProgramEnd where that is done."""
+        known = self._fast_condition(condition)
+        if known is not None:
+            return known != 0
+        self._run_pending()
+        value = self.evaluator.value(condition)
+        if not isinstance(value, Unknown):
+            return value != 0
+        if value.low > 0 or value.high < 0:
+            return True
+        key = self._state_key(place)
+        if key in self._seen:
+            # The same question in the same state: its outcomes are followed already.
+            self._close(self._seen[key])
+            raise ProgramEnd
+        if self.branches + 2 > self.max_branches:
+            hint = "--max-branches follows more outcomes" if self.max_branches else ""
+            raise Refusal(codes.UNKNOWN_CONDITION.at(condition.span, cause=value.cause, hint=hint))
+        self._key = key
+        return None
+
+    def _state_key(self, place: object) -> object:
+        stack = tuple((id(f.body), f.at, id(f.node), f.position()) for f in self._stack)
+        return place, stack, tuple(self._depth), self.modal.key()
+
+    def _split(self, node: If | While, loop: Frame | None) -> None:
+        """Follow the outcome "true" now and "false" later, each in a section of its own."""
+        self.branches += 2
+        yes, no = self.rows.new_section(), self.rows.new_section()
+        edges = tuple(
+            Edge(wait=Wait.BRANCH, outcome=outcome, target=target, line=node.span.line)
+            for outcome, target in (("true", yes), ("false", no))
+        )
+        self._seen[self._key] = edges
+        self._close(edges)
+        if loop is not None and loop.group is None:
+            loop.group = Group(1)
+        for frame in self._stack:
+            if frame.group is not None:
+                frame.group.open += 1
+        other = [copy.copy(frame) for frame in self._stack]
+        if loop is None:
+            assert isinstance(node, If)
+            group = Group(2)
+            self._stack.append(Frame(node.then, node, group=group))
+            other.append(Frame(node.otherwise, node, group=group))
+            nesting = self._nesting
+        else:
+            loop.at = 0
+            other[-1] = Frame((), group=loop.group)
+            nesting = self._nesting - 1
+        place = self._file, self._call, list(self._depth), self._moved, nesting
+        self._waiting.append(Path(other, self.modal.copy(), no, place))
+        self._begin(yes)
+
+    def _await_others(self, group: Group) -> None:
+        """Behind a block whose outcomes are explored: wait for the others, unless somebody was here in this state."""
+        self._run_pending()
+        key = self._state_key("join")
+        target = self._joins.get(key)
+        if target is None:
+            target = self._joins[key] = self.rows.new_section()
+            place = self._file, self._call, list(self._depth), self._moved, self._nesting
+            group.parked.append(Path(self._stack, self.modal, target, place))
+            self._is_parked = True
+        self._close((Edge(wait=Wait.BRANCH, outcome="", target=target),))
+        if self._is_parked:
+            group.open -= 1
+            if not group.open:
+                self._release(group)
+        else:
+            # One outcome less: it goes on as the other one.
+            self._stack = [*self._stack, Frame((), group=group)]
+        raise ProgramEnd
+
+    def _arrived(self, stack: list[Frame], count: int) -> None:
+        """So many outcomes fewer are on their way within the blocks of a stack."""
+        for frame in reversed(stack):
+            group = frame.group
+            if group is not None:
+                group.open -= count
+                if not group.open:
+                    self._release(group)
+
+    def _release(self, group: Group) -> None:
+        """All outcomes of a question have arrived or ended: those that arrived go on."""
+        parked, group.parked = group.parked, []
+        for path, same in merged(parked, exact=self.branches <= EXACT):
+            if path.section < 0:
+                path.section = self.rows.new_section()
+                for one in same:
+                    # From where each arrived, without a move, to where all go on.
+                    self._resume(one)
+                    self._close((Edge(wait=Wait.BRANCH, outcome="", target=path.section),))
+                self._arrived(path.stack, len(same) - 1)
+            self._waiting.append(path)
+
+    def _resume(self, path: Path) -> None:
+        """Take up an outcome that waits."""
+        self.modal, self._stack = path.modal, path.stack
+        self._pending = Pending()
+        self._loops = sum(isinstance(frame.node, While) for frame in self._stack)
+        self._file, self._call, self._depth, self._moved, self._nesting = path.place
+        self._end = None
+        self._state_changed()
+        self._begin(path.section)

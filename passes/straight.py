@@ -1,0 +1,177 @@
+"""Straight-line code: tables of plain lines, in the kernel as far as it takes them, else line by line in Python."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from gproof.ir.columns import Columns
+from gproof.ir.finding import Span
+from gproof.ir.machine import AXES
+from gproof.ir.program import FLAG_DELETE, BlockTable
+from gproof.passes import execute_kernels as k
+from gproof.passes.blocks import Blocks
+from gproof.passes.frames import Frame
+from gproof.passes.outputs import CLAMPED
+from gproof.passes.values import Position
+
+CHUNK_BYTES = 1 << 20
+_UTF8_MARK = b"\xef\xbb\xbf"
+
+_COLD = np.array([chr(letter) not in "XYZABCIJKRFG" for letter in range(256)])
+"""Letters that ``run_lines`` hands back."""
+
+
+class Straight(Blocks):
+    """Executes the lines of a table."""
+
+    def _table(self, frame: Frame) -> None:
+        """Go on with the lines of a table until it ends, rows are ready, or a line has called a subprogram."""
+        table = frame.node
+        assert isinstance(table, BlockTable)
+        run = k.run_lines.pick(table.last_line - table.first_line + 1)
+        while self._stack[-1] is frame and not self.rows.ready:
+            if frame.words is None:
+                if frame.next_byte >= table.end:
+                    self._stack.pop()
+                    return
+                self._load(frame, table)
+            self._words(frame, table, run)
+
+    def _load(self, frame: Frame, table: BlockTable) -> None:
+        """The next piece of the table's words."""
+        frame.base = frame.next_byte
+        words, frame.next_byte, frame.line = self.program.load(table, frame.next_byte, frame.line, CHUNK_BYTES)
+        if (words["flags"] & FLAG_DELETE).any():
+            self.met_deleted = True
+            if self.block_delete:
+                keep = (words["flags"] & FLAG_DELETE) == 0
+                words = Columns(words.schema, {n: a[keep] for n, a in words.arrays.items()})
+        frame.words, frame.at, frame.cold = words, 0, _cold_lines(words)
+        columns = words["line"], words["letter"], words["value"]
+        is_python = k.run_lines.pick(table.last_line - table.first_line + 1) is k.run_lines.python
+        frame.columns = tuple(c.tolist() for c in columns) if is_python else columns
+
+    def _words(self, frame: Frame, table: BlockTable, run: object) -> None:
+        assert frame.words is not None
+        compiled = run is not k.run_lines.python
+        line = frame.words["line"]
+        lines, letters, values = frame.columns
+        count = len(frame.words)
+        while frame.at < count:
+            if not frame.cold or int(line[frame.at]) not in frame.cold:
+                frame.at = self._hot(run, lines, letters, values, count, frame.at, compiled)
+            at = frame.at
+            if at < count and self.rows.count < self.rows.capacity:
+                end, here = at + 1, line[at]
+                while end < count and line[end] == here:
+                    end += 1
+                frame.at = end
+                self._cold(table, frame.words, at, end, frame.base)
+                if self._stack[-1] is not frame:
+                    return
+            elif self.rows.count == self.rows.capacity:
+                self.rows.flush()
+            if self.rows.ready:
+                return
+        frame.words = None
+
+    def _hot(
+        self, run: object, line: object, letter: object, value: object, count: int, at: int, compiled: bool
+    ) -> int:
+        """Run lines in the kernel from word ``at``; returns the first word it left over."""
+        s, a = self.modal, self.rows.arrays
+        if (
+            not s.plain_motion
+            or not self._moved
+            or s.feed_unit != s.unit
+            or not 1 <= s.motion <= 4
+            or s.feed_mode != 94
+        ):
+            # The first motion notes what it assumes; a motion mode must be set: Python path.
+            return at
+        offsets = [s.offset(axis) for axis in range(AXES)]
+        ints: object = [
+            s.motion, int(s.plane), int(s.absolute), self._frame(), self._state(), self._file, self._call,
+            s.feed_mode, 1, int(self.machine.controller.absolute_arc_centers), self._active_axes(), s.transform.kind,
+        ]  # fmt: skip
+        floats: object = [
+            s.unit, s.feed, *(p.value for p in s.position), *(o.value for o in offsets), s.scale(0),
+            *s.transform.numbers,
+        ]  # fmt: skip
+        form: object = [self.frames.form(p.form) for p in s.position]
+        offset_form: object = [self.frames.form(o.form) for o in offsets]
+        if compiled:
+            ints, floats = np.array(ints, dtype=np.int64), np.array(floats, dtype=np.float64)
+            form, offset_form = np.array(form, dtype=np.int64), np.array(offset_form, dtype=np.int64)
+        before = self.rows.count
+        at, self.rows.count = run(  # type: ignore[operator]
+            line, letter, value, count, at, ints, floats, form, offset_form,
+            a["op"], a["file"], a["line"], a["call"], a["to"], a["frame"], a["state"], a["feed"], a["center"],
+            a["turns"], a["plane"], before, self.rows.capacity,
+        )  # fmt: skip
+        self.blocks += self.rows.count - before
+        if int(ints[k.MOTION]) != s.motion:  # type: ignore[index]
+            s.motion, s.cycle, s.cycle_code = int(ints[k.MOTION]), {}, 0  # type: ignore[index]
+        s.feed = float(floats[k.FEED])  # type: ignore[index]
+        for axis in range(AXES):
+            s.position[axis] = Position(
+                float(floats[k.POSITION + axis]),  # type: ignore[index]
+                s.position[axis].form,
+            )
+        return int(at)
+
+    def _active_axes(self) -> int:
+        held = CLAMPED if self.modal.clamped else -1
+        return sum(1 << axis for axis in range(AXES) if self.modal.has_axis(axis) and axis != held)
+
+    def _cold(self, table: BlockTable, words: Columns, begin: int, end: int, base: int) -> None:
+        """One plain line in Python."""
+        name, number = self.trace.files[table.file], int(words["line"][begin])
+        data = self.program.files[table.file].data
+        offsets = words["offset"][begin:end].tolist()
+        first = base + offsets[0]
+        start = data.rfind(b"\n", 0, first) + 1
+        if start == 0 and data[:3] == _UTF8_MARK:
+            start = len(_UTF8_MARK)
+        spans = []
+        for i, offset in enumerate(offsets, 1):
+            column = base + offset - start + 1
+            stop = base + offsets[i] - start + 1 if i < len(offsets) else 0
+            spans.append(Span(name, number, column, _word_end(data, start, column, stop)))
+        before = data[start : start + spans[-1].end_column - 1]
+        if not before.isascii():
+            spans = [_in_characters(span, before) for span in spans]
+        letters = [chr(x) for x in words["letter"][begin:end].tolist()]
+        values: list[float] = words["value"][begin:end].tolist()
+        span = Span(name, number, spans[0].column, spans[-1].end_column)
+        self.spend(span)
+        self._line(span, list(zip(letters, values, spans, strict=True)))
+
+
+def _cold_lines(words: Columns) -> set[int]:
+    """Lines with a word that the kernel certainly leaves to the Python path: not worth a call."""
+    letter, value = words["letter"], words["value"]
+    cold = _COLD[letter]
+    g = np.flatnonzero(letter == ord("G"))
+    cold[g] = ~np.isin(value[g], (0.0, 1.0, 2.0, 3.0))
+    return set(words["line"][cold].tolist())
+
+
+def _word_end(data: bytes, start: int, column: int, stop: int) -> int:
+    """Column behind a word: up to the next one, trailing blanks left out."""
+    if stop == 0:
+        stop = column + 1
+        while start + stop - 1 < len(data) and chr(data[start + stop - 1]) in "0123456789.+- \t":
+            stop += 1
+    while stop > column + 1 and start + stop - 2 < len(data) and data[start + stop - 2] in b" \t":
+        stop -= 1
+    return stop
+
+
+def _in_characters(span: Span, raw: bytes) -> Span:
+    """The span of a word in a line that begins with ``raw``: bytes to characters of its encoding."""
+    try:
+        column, end_column = (len(raw[: at - 1].decode("utf-8")) + 1 for at in (span.column, span.end_column))
+    except UnicodeDecodeError:
+        return span  # no UTF-8: each byte is a character
+    return Span(span.file, span.line, column, end_column)
