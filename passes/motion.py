@@ -139,6 +139,10 @@ class Motion(Emitter):
             self.assumed["the job starts in millimetres (G21)"] = None
         if self.machine.controller.diameter_programming:
             self.assumed["every X number is a diameter, in G10, G53 and G92 and in #5001 and #5071 as well"] = None
+        # The zeroing menu can leave a rotation (2.2.4.3); the zero setup says that there is nothing of that kind.
+        left = [f"{name} ({code})" for name, code in (("rotation", "G68"), ("scaling", "G51")) if name not in stated]
+        if left and self.modal.setup.default_offset is None:
+            self.assumed[f"no {' and no '.join(left)} is in force at the start"] = None
         if "distance" not in stated:
             self.assumed["the job starts in absolute distances (G90)"] = None
         if "plane" not in stated and rule.function not in (F.TRAVERSE, F.FEED):

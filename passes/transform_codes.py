@@ -26,6 +26,7 @@ if TYPE_CHECKING:
 
 _SETS = (F.ROTATION_ON, F.SCALING_ON)
 _CANCELS = (F.ROTATION_OFF, F.SCALING_OFF)
+_STATES = {F.ROTATION_OFF: "rotation", F.SCALING_OFF: "scaling"}
 _TAKERS = (
     F.DWELL, F.EXACT_PATH, F.EXACT_STOP, F.CONTINUOUS, F.OUTPUT_ON, F.OUTPUT_OFF, F.TOOL_OFFSET_DYNAMIC,
 )  # fmt: skip
@@ -35,6 +36,8 @@ _TAKERS = (
 def run_transform(ex: Motion, line: Line, before: tuple[object, ...]) -> None:
     """Execute the codes of this family on a line; before: what ``frame_of`` told in front of its settings."""
     for rule in line.rules:
+        if rule.function in _STATES:
+            ex.modal.stated.add(_STATES[rule.function])
         if rule.function in _CANCELS:
             _cancel(ex, line, rule)
     setter = line.find(*_SETS)

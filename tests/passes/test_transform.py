@@ -23,7 +23,7 @@ from gproof.ir.machine import NO_MACHINE, Controller, Machine
 from gproof.ir.setup import NOTHING, ZERO, Interval, Setup
 from gproof.ir.text import print_ir
 from gproof.ir.trace import Op, Trace, chunks
-from gproof.passes.execute import execute
+from gproof.passes.execute import Executor, execute
 from gproof.passes.limits import Limits
 from gproof.passes.transform import cos_sin
 
@@ -461,3 +461,23 @@ def test_what_nobody_knows_of_diameters(tmp_path: Path) -> None:
     for text, machine, code in cases:
         _, findings = run(tmp_path, HEAD + text + "M30\n", machine=machine)
         assert codes_of(findings) == [code]
+
+
+def test_a_rotation_that_was_there_before_is_an_assumption(tmp_path: Path) -> None:
+    """2.2.4.3: the zeroing menu measures how the work lies and leaves a G68; only G69 takes it away."""
+    said = "no rotation (G68) and no scaling (G51) is in force at the start"
+    cases = (
+        (HEAD + "G0 X1\n", NOTHING, [said]),
+        (HEAD + "G68 R30 X0 Y0\nG51 P2\nG0 X1 Y1\n", NOTHING, [said]),
+        ("G69 G50\n" + HEAD + "G0 X1\n", NOTHING, []),
+        ("G69\n" + HEAD + "G0 X1\n", NOTHING, ["no scaling (G51) is in force at the start"]),
+        (HEAD + "G0 X1\n", ZERO, []),
+    )
+    for text, setup, expected in cases:
+        job = tmp_path / "job.cnc"
+        job.write_text(text + "M30\n")
+        program = load_program(job, Findings())
+        assert program is not None
+        executor = Executor(program, setup, NO_MACHINE, Findings())
+        list(executor.run())
+        assert [text for text in executor.assumed if "start" in text] == expected
