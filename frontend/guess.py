@@ -9,12 +9,20 @@ HEAD = 65536
 """Bytes of the job that are looked at."""
 
 _MARKERS: tuple[tuple[str, str, re.Pattern[bytes]], ...] = (
+    ("eding", "nesting line", re.compile(rb"^[ \t]*%[ \t]*[mdo][ \t]*[xy][ \t]*=", re.M | re.I)),
     ("mcuwin", "program number behind %", re.compile(rb"^[ \t]*%[ \t]*\w", re.M)),
     ("mcuwin", "named variable or procedure", re.compile(rb"^[ \t]*(?:var|procedure|proc)\b", re.M | re.I)),
     ("mcuwin", "$ statement", re.compile(rb"^[ \t]*\$\w", re.M)),
     ("eding", "flow control", re.compile(rb"^[ \t]*(?:end[ \t]*(?:if|while|sub)|gosub|sub)\b", re.M | re.I)),
     ("eding", "numbered parameter", re.compile(rb"#\d|#\[")),
     ("eding", "message statement", re.compile(rb"^[ \t]*(?:msg|errmsg|dlgmsg|tcaguard)\b", re.M | re.I)),
+    (
+        "eding",
+        "command of this controller",
+        re.compile(
+            rb"^[ \t]*(?:(?:warn|log)msg|logfile|mcaguard|tanknife|zhc\w*|home(?:tandem)?[ \t]+[a-z])\b", re.M | re.I
+        ),
+    ),
     ("wincnc", "L code", re.compile(rb"^[ \t]*L\d+\b", re.M | re.I)),
     ("wincnc", "bracketed comment or macro call", re.compile(rb"^[ \t]*\[", re.M)),
     ("wincnc", "M98 with a file name", re.compile(rb"\bM98[ \t]+[A-Za-z_]+\.", re.I)),

@@ -51,6 +51,10 @@ UNUSED_WORD = code(121, "unused-word", _E, "{word} is not used by any code on th
 FLOW_WORD_MISPLACED = code(122, "flow-word-misplaced", _E, "{what}")
 TEXT_AFTER_END = code(123, "text-after-end", _W, "code after {code} is never executed")
 UNDECODABLE_NAME = code(124, "undecodable-name", _E, "{what}")
+NESTING_PRESET = code(
+    125, "nesting-preset", _N, "a value of the nesting dialog: what is judged is one part, at its programmed place"
+)
+UNREACHED_MISTAKE = code(126, "unreached-mistake", _W, "{message} ({label}), {where}, which this job never runs")
 
 # 2xx meaning
 AXIS_WORDS_MISSING = code(201, "axis-words-missing", _E, "{code} without axis words")

@@ -110,6 +110,16 @@ class Function(enum.IntEnum):
     UNSUPPORTED = 99
 
 
+CHECKED_ONLY = frozenset(
+    (
+        Function.MIST_ON, Function.FLOOD_ON, Function.COOLANT_OFF, Function.OVERRIDES_ON, Function.OVERRIDES_OFF,
+        Function.OUTPUT_ON, Function.OUTPUT_OFF, Function.HEIGHT_SETPOINT, Function.TEMPERATURE,
+        Function.TEMPERATURE_WAIT, Function.FAN_ON, Function.FAN_OFF,
+    )
+)  # fmt: skip
+"""Functions of which the words are checked and told in the Trace, and whose device nothing else depends on."""
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class CodeRule:
     """One code. group: modal group, as the manual names it ("" for codes it lists in none);

@@ -72,6 +72,12 @@ def _note(ex: Emitter, node: Device) -> None:
     ex.event(Op.MESSAGE, node.span, text=ex._text(what.strip()))
 
 
+def _nesting(ex: Emitter, node: Device) -> None:
+    """A preset of the nesting dialog (2.2.4.4): the job repeats only when the operator applies it."""
+    _note(ex, node)
+    ex.findings.add(codes.NESTING_PRESET.at(node.span))
+
+
 HANDLERS: dict[str, Handler] = {
     "home": _home,
     "home_tandem": _home,
@@ -81,7 +87,7 @@ HANDLERS: dict[str, Handler] = {
     "home_is_stop": _note,
     "store_position": _note,
     "log_file": _note,
-    "nesting": _note,
+    "nesting": _nesting,
     **DEVICES,
 }
 """What each command of ``rules.DEVICES`` does."""

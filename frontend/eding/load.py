@@ -8,7 +8,7 @@ only for its lines with expressions and flow control.
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 from gproof.frontend.eding.build import STRUCTURAL, Structural
@@ -21,8 +21,8 @@ from gproof.frontend.source import UTF8_MARK, read_source
 from gproof.ir import codes
 from gproof.ir.columns import Columns
 from gproof.ir.dialects import rules_named
-from gproof.ir.finding import Findings, Refusal, Span
-from gproof.ir.program import BlockTable, Program, SourceFile, Statement
+from gproof.ir.finding import Finding, Findings, Refusal, Span
+from gproof.ir.program import BlockTable, Call, If, Program, SourceFile, Statement, While
 from gproof.ir.rules import LanguageRules
 
 MACRO_FILE = "macro.cnc"
@@ -37,7 +37,8 @@ def load_program(path: Path, findings: Findings, macro: Path | None = None) -> P
     """The program in ``path``, with the subprograms of its macro file; None when a file is refused.
 
     macro: the macro file, instead of ``macro.cnc`` in the folder of ``path``. Mistakes go into ``findings``
-    (GP101–GP124), one for each line; a line with a mistake is left out of the program.
+    (GP101–GP124), one for each line; a line with a mistake is left out of the program. Where the job never runs such a
+    line of the macro file, the finding is GP126.
     """
     program = Program(dialect="eding", rules=rules_named("eding"), scan=scan, annotate=annotate)
     loader = _Loader(program, findings)
@@ -52,9 +53,9 @@ def load_program(path: Path, findings: Findings, macro: Path | None = None) -> P
     except Refusal as refusal:
         findings.add(refusal.finding)
         return None
-    loader.assembler.check_calls()
     program.subprograms = loader.assembler.subprograms
     program.overrides = overrides_of(program.subprograms, program.rules)
+    loader.settle()
     is_clean = sum(findings.counts.values()) == before
     if is_clean and not program.body and not loader.subprograms_in_job:
         findings.add(codes.EMPTY_PROGRAM.at(Span(str(path), 0)))
@@ -92,6 +93,37 @@ def overrides_of(names: Iterable[str], rules: LanguageRules) -> dict[tuple[str, 
     return found
 
 
+def reachable(program: Program) -> set[str]:
+    """Names of the subprograms that a job may run: from its statements, and those that replace a code."""
+    found: set[str] = set()
+    names = [*program.overrides.values(), *_called(program.body)]
+    while names:
+        name = names.pop()
+        if name not in found and name in program.subprograms:
+            found.add(name)
+            names += _called(program.subprograms[name].body)
+    return found
+
+
+def _called(body: Iterable[Statement]) -> Iterator[str]:
+    """Names of the calls in statements and in the blocks inside them."""
+    for node in body:
+        if isinstance(node, Call):
+            yield node.name
+        elif isinstance(node, If):
+            yield from _called(node.then)
+            yield from _called(node.otherwise)
+        elif isinstance(node, While):
+            yield from _called(node.body)
+
+
+def _unreached(finding: Finding, inside: str) -> Finding:
+    where = f"in subprogram {inside!r}" if inside else "outside of subprograms"
+    return codes.UNREACHED_MISTAKE.at(
+        finding.span, message=finding.message, label=finding.code.label, where=where, related=finding.related
+    )
+
+
 class _Loader:
     """Loads the files of one program one after another."""
 
@@ -102,6 +134,8 @@ class _Loader:
         self.reader = Reader()
         self.held = 0
         self.subprograms_in_job = 0
+        self.waiting: list[tuple[Finding, str]] = []
+        """Mistakes in lines of the macro file, and the subprogram of each."""
 
     def load(self, path: Path, name: str = "") -> tuple[Statement, ...]:
         """Read a file; its statements outside subprograms."""
@@ -123,6 +157,20 @@ class _Loader:
         if number == 0:
             self.subprograms_in_job = len(self.assembler.subprograms)
         return body
+
+    def settle(self) -> None:
+        """Findings that need every subprogram: missing ones, and mistakes that the job may never meet."""
+        reached = reachable(self.program)
+        job = self.program.files[0].name
+        for call, inside in self.assembler.calls:
+            if call.name not in self.program.subprograms:
+                finding = codes.UNKNOWN_SUBPROGRAM.at(call.span, name=call.name)
+                if call.span.file == job:
+                    self.findings.add(finding)
+                else:
+                    self.waiting.append((finding, inside))
+        for finding, inside in self.waiting:
+            self.findings.add(finding if inside in reached else _unreached(finding, inside))
 
     def _lines(self, file: int, source: SourceFile, begin: int, found: LineIndex) -> None:
         """Tables and statements of a file in order."""
@@ -159,6 +207,10 @@ class _Loader:
                 self.assembler.add(statement)
         except LineError as error:
             span = Span(source.name, number, error.begin + 1, error.end + 1)
-            self.findings.add(error.code.at(span, **error.values))
+            finding = error.code.at(span, **error.values)
+            if len(self.program.files) > 1 and error.structure not in ("sub", "endsub"):
+                self.waiting.append((finding, self.assembler.subprogram))
+            else:
+                self.findings.add(finding)
             if error.structure in STRUCTURAL:
                 self.assembler.add(Structural(error.structure, span))

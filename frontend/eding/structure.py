@@ -43,7 +43,8 @@ class Assembler:
     def __init__(self, findings: Findings) -> None:
         self.findings = findings
         self.subprograms: dict[str, Subprogram] = {}
-        self.calls: list[Call] = []
+        self.calls: list[tuple[Call, str]] = []
+        """Each call and the subprogram it stands in ("" outside)."""
         self._stack: list[_Open] = []
 
     def begin_file(self, file: str) -> None:
@@ -62,7 +63,7 @@ class Assembler:
         """The next statement, or the next line that opens, divides or closes a block."""
         if not isinstance(parsed, Structural):
             if isinstance(parsed, Call):
-                self.calls.append(parsed)
+                self.calls.append((parsed, self.subprogram))
             self._stack[-1].current.append(parsed)
         elif parsed.keyword in _CLOSES:
             self._end(parsed)
@@ -71,11 +72,10 @@ class Assembler:
         else:
             self._open(parsed)
 
-    def check_calls(self) -> None:
-        """A finding for each call of a subprogram that no file defines."""
-        for call in self.calls:
-            if call.name not in self.subprograms:
-                self.findings.add(codes.UNKNOWN_SUBPROGRAM.at(call.span, name=call.name))
+    @property
+    def subprogram(self) -> str:
+        """The name of the subprogram that is open, or ""."""
+        return self._stack[1].name if len(self._stack) > 1 else ""
 
     def _open(self, line: Structural) -> None:
         if line.keyword == "sub":

@@ -90,8 +90,66 @@ def test_a_named_macro_file_and_its_mistakes(tmp_path: Path) -> None:
     findings = Findings()
     program = load_program(tmp_path / "job.cnc", findings, tmp_path / "my.cnc")
     assert program is not None
-    found = [(f.code.label, Path(f.span.file).name, f.span.line) for f in findings.kept]
+    found = sorted((f.code.label, Path(f.span.file).name, f.span.line) for f in findings.kept)
     assert found == [("GP108", "my.cnc", 2), ("GP116", "my.cnc", 4)]
+
+
+MACRO = """\
+x                       ; 1 outside: never runs with the job
+sub a
+  y                     ; 3
+  if [1
+    gosub b
+  endif
+endsub
+sub b
+  while [1]
+    gosub none          ; 10
+  endwhile
+endsub
+sub m100
+  z                     ; 14
+endsub
+sub change_tool
+  f                     ; 17
+endsub
+sub user_1
+  s                     ; 20
+  gosub none            ; 21
+  gosub a
+endsub
+sub 9
+endsub
+"""
+
+
+@pytest.mark.parametrize(
+    ("job", "reached"),
+    [
+        ("m30", {14, 17}),
+        ("gosub b", {10, 14, 17}),
+        ("if [#1]\nelse\nwhile [#1]\ngosub a\nendwhile\nendif", {3, 4, 10, 14, 17}),
+        ("sub own\ngosub a\nendsub", {14, 17}),
+        ("sub own\ngosub a\nendsub\ngosub own", {3, 4, 10, 14, 17}),
+        ("sub m5\ngosub user_1\nendsub", {3, 4, 10, 14, 17, 20, 21}),
+    ],
+)
+def test_mistakes_of_the_macro_file_count_where_the_job_may_run_them(
+    tmp_path: Path, job: str, reached: set[int]
+) -> None:
+    """GP126 elsewhere; a line that begins a subprogram counts always, as nobody knows what is in it."""
+    (tmp_path / "macro.cnc").write_text(MACRO)
+    program, findings = load(tmp_path, job + "\n")
+    assert program is not None
+    found = {f.span.line: f.code.label for f in findings.kept if Path(f.span.file).name == "macro.cnc"}
+    lines = {1: "GP108", 3: "GP108", 4: "GP107", 10: "GP115", 14: "GP108", 17: "GP108", 20: "GP108", 21: "GP115"}
+    expected = {line: code if line in reached else "GP126" for line, code in lines.items()} | {24: "GP124"}
+    assert found == expected
+
+
+def test_the_job_itself_has_no_mistake_that_does_not_count(tmp_path: Path) -> None:
+    _, findings = load(tmp_path, "sub a\nx\ngosub none\nendsub\nm30\n")
+    assert [f.code.label for f in findings.kept] == ["GP108", "GP115"]
 
 
 def test_a_macro_file_that_can_not_be_read_refuses_the_job(tmp_path: Path) -> None:

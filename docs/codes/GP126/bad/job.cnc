@@ -1,0 +1,3 @@
+G21 G17 G90 G94 G40 G49 G54
+gosub corner
+M30

@@ -1,0 +1,140 @@
+"""``docs/dialects/eding-tables.md`` as the code gives it: what gproof does with everything the manual names.
+
+Codes and commands are run: one that ends in an UNKNOWN finding is UNKNOWN. Written anew by ``make goldens``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+
+from docs import eding_manual as manual
+from gproof.frontend.eding.load import load_program
+from gproof.frontend.machine_file import load_machine
+from gproof.frontend.setup_file import load_setup
+from gproof.ir.dialects.eding import EDING
+from gproof.ir.dialects.eding_operators import LEVELS
+from gproof.ir.finding import Findings, Severity
+from gproof.ir.rules import CHECKED_ONLY, CodeRule, ParameterRange
+from gproof.passes.commands import HANDLERS, _nesting, _note
+from gproof.passes.execute import execute
+from gproof.passes.modal import _SHOWN
+
+ROOT = Path(__file__).resolve().parents[2]
+PAGE = ROOT / "docs" / "dialects" / "eding-tables.md"
+EXAMPLES = ROOT / "docs" / "codes"
+
+SUPPORTED, CHECKED, UNKNOWN = "supported", "checked-only", "UNKNOWN"
+
+HEAD = """\
+# Eding CNC: everything the manual names
+
+Generated from the code (`make goldens`) and tested to be complete; the choices behind it are in
+[eding.md](eding.md).
+
+- **supported**: read, checked and executed; what it does is in the Trace, or in what the program computes.
+- **checked-only**: read and checked, and an event of the Trace; what the device then does is not modelled, and no axis
+  depends on it.
+- **UNKNOWN**: read; a program that executes it is UNKNOWN from there on, with a finding that says why.
+"""
+
+
+def run(text: str, folder: Path) -> Findings:
+    """Findings of a program that runs behind ``manual.PREPARED``."""
+    path = folder / "job.cnc"
+    path.write_text(manual.PREPARED + text + "\nM30\n", encoding="utf-8")
+    findings = Findings()
+    machine, _ = load_machine(EXAMPLES / "machine.toml", findings)
+    setup, _ = load_setup(EXAMPLES / "setup.toml", findings)
+    program = load_program(path, findings)
+    assert program is not None and machine is not None and setup is not None
+    execute(program, setup, machine, findings)
+    return findings
+
+
+def is_unknown(example: str, folder: Path) -> bool:
+    findings = run(example, folder)
+    wrong = [f.message for f in findings.kept if f.severity is Severity.ERROR]
+    assert not wrong, (example, wrong)
+    return any(f.severity is Severity.UNKNOWN for f in findings.kept)
+
+
+def rule_of(code: str) -> CodeRule:
+    """The rule of a code as the manual writes it."""
+    return EDING.codes[code[0], round(10 * float(code[1:]))]
+
+
+def code_status(code: str, example: str, folder: Path) -> str:
+    if is_unknown(example, folder):
+        return UNKNOWN
+    return CHECKED if rule_of(code).function in CHECKED_ONLY else SUPPORTED
+
+
+def _codes(codes: Mapping[str, tuple[str, str]], folder: Path) -> Iterator[str]:
+    yield "| code | section | function | modal group | status |"
+    yield "|---|---|---|---|---|"
+    for code, (section, example) in codes.items():
+        rule = rule_of(code)
+        function = rule.function.name.lower().replace("_", " ")
+        yield f"| {code} | {section} | {function} | {rule.group} | {code_status(code, example, folder)} |"
+
+
+def _operators() -> Iterator[str]:
+    yield "Stronger groups first; within a group the operator on the left is performed first (3.2.2.3)."
+    yield ""
+    yield "| binary operators | grouping | status |"
+    yield "|---|---|---|"
+    stated = {"**", "*", "/", "mod", "+", "-", "and", "or", "xor"}
+    for level in reversed(LEVELS):
+        for given, why in ((True, "3.2.2.3"), (False, "a choice: doubt is told (GP230)")):
+            names = [o for o in level.split() if (o in stated) is given]
+            if names:
+                yield f"| {' '.join(f'`{name}`' for name in names)} | {why} | {SUPPORTED} |"
+    yield ""
+    yield "| unary operators (3.2.2.4, 4.2) | status |"
+    yield "|---|---|"
+    yield f"| {' '.join(f'`{name}`' for name in manual.UNARY)} | {SUPPORTED} |"
+
+
+def _commands(folder: Path) -> Iterator[str]:
+    yield "| command | section | status |"
+    yield "|---|---|---|"
+    for form, (section, example) in manual.COMMANDS.items():
+        yield f"| {form} | {section} | {command_status(example, folder)} |"
+
+
+def command_status(example: str, folder: Path) -> str:
+    if is_unknown(example, folder):
+        return UNKNOWN
+    program = load_program(folder / "job.cnc", Findings())
+    assert program is not None
+    names = {node.name for node in program.body if type(node).__name__ == "Device"}  # type: ignore[union-attr]
+    return CHECKED if names and all(HANDLERS[name] in (_note, _nesting) for name in names) else SUPPORTED
+
+
+def parameter_status(entry: ParameterRange) -> str:
+    """Kinds that the executor has no value for are what the setup states, else unknown."""
+    is_kept = entry.kind in ("free", "persistent", "park_1", "park_2")
+    return SUPPORTED if is_kept or entry.kind in _SHOWN else UNKNOWN
+
+
+def _parameters() -> Iterator[str]:
+    yield "| parameters | meaning | section | a program may write them | status |"
+    yield "|---|---|---|---|---|"
+    for entry in EDING.parameters:
+        numbers = f"{entry.first}" if entry.first == entry.last else f"{entry.first}–{entry.last}"
+        writable = "yes" if entry.writable else "no"
+        yield f"| {numbers} | {entry.meaning} | {entry.source} | {writable} | {parameter_status(entry)} |"
+
+
+def page(folder: Path) -> str:
+    """The whole page; folder: for the programs that are run."""
+    parts = (
+        [HEAD.rstrip()],
+        ["", "## G codes", "", *_codes(manual.G_CODES, folder)],
+        ["", "## M codes", "", *_codes(manual.M_CODES, folder)],
+        ["", "## Operators", "", *_operators()],
+        ["", "## Commands", "", *_commands(folder)],
+        ["", "## Parameters", "", *_parameters()],
+    )
+    return "\n".join(line for part in parts for line in part) + "\n"
