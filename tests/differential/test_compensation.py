@@ -14,17 +14,39 @@ from pathlib import Path
 import pytest
 from differential import rs274_peer
 from differential.test_random import BATCH, judge
-from passes.compensated_jobs import contour
+from passes.compensated_jobs import Stretch, contour
 
 HEAD = "G21 G17 G40 G49 G54 G80 G90 G94 G98\n"
 FAR = 50_000.0
+
+
+def turns(rng: random.Random, side: int) -> list[Stretch]:
+    """Lines and arcs of any sweep, each going straight on from the one before or turning away from the tool."""
+    at, heading = (0.0, 0.0), rng.uniform(0, 360)
+    out: list[Stretch] = []
+    for k in range(rng.randint(3, 9)):
+        if k and rng.random() < 0.7:
+            heading -= side * rng.uniform(4, 170)
+        u, v = math.cos(math.radians(heading)), math.sin(math.radians(heading))
+        sense = rng.choice((0, 1, -1)) if k else 0
+        if not sense:
+            length = rng.uniform(3, 60)
+            out.append(Stretch(at, (at[0] + length * u, at[1] + length * v)))
+        else:
+            radius, swept = rng.uniform(1.5, 40), sense * rng.uniform(8, 345)
+            center = (at[0] - sense * v * radius, at[1] + sense * u * radius)
+            heading += swept
+            w, z = math.cos(math.radians(heading)), math.sin(math.radians(heading))
+            out.append(Stretch(at, (center[0] + sense * z * radius, center[1] - sense * w * radius), center, sense))
+        at = out[-1].end
+    return out
 
 
 def job(seed: int) -> str:
     """A contour of lines and arcs, its corners rounded or sharp, in G90 or in G91, with some words left out."""
     rng = random.Random(seed)
     side = rng.choice((1, -1))
-    stretches = contour(rng, side, 1.0, sharp=rng.random() < 0.5)
+    stretches = turns(rng, side) if seed % 2 else contour(rng, side, 1.0, sharp=rng.random() < 0.5)
     first = stretches[0]
     length = math.dist(first.begin, first.end)
     u, v = ((b - a) / length for a, b in zip(first.begin, first.end, strict=True))
@@ -40,7 +62,7 @@ def job(seed: int) -> str:
 
 
 @pytest.mark.usefixtures("peer", "gproof")
-@pytest.mark.parametrize("first", range(0, 100, BATCH))
+@pytest.mark.parametrize("first", range(0, 200, BATCH))
 def test_random_contours(first: int, tmp_path: Path) -> None:
     paths = []
     for seed in range(first, first + BATCH):
