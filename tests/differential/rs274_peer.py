@@ -43,6 +43,7 @@ SYSTEM_PYTHON = "/usr/bin/python3"
 AXES = ("x", "y", "z", "a", "b", "c")
 MM_PER_INCH = 25.4
 TIMEOUT = 120.0  # seconds for one batch; a program takes some twenty milliseconds
+NO_WAY = 1e-9  # mm and degrees: an axis that goes no farther rests
 PRINTED = 6e-5  # half of the last digit that rs274 prints, and a little
 
 # name that rs274 prints -> method that `gcode` calls
@@ -286,6 +287,7 @@ class _Machine:
         self.rotation = 0.0  # degrees
         self.plane = "XY"
         self.feed = 0.0  # inches a minute, or inches a revolution
+        self.feed_number = 0.0  # the number of the program: degrees a minute where only rotary axes move
         self.per_revolution = False
         self.pitch = 0.0  # inches a revolution of a synchronised move, else 0
         self.printed_units = MM_PER_INCH  # what rs274 prints for one inch
@@ -294,6 +296,7 @@ class _Machine:
         self.mist = False
         self.flood = False
         self.at = [0.0] * 6  # the last position said, as it was said
+        self.reached = dict.fromkeys(AXES, 0.0)  # the same in machine coordinates, mm and degrees
 
     def event(self, call: _Printed) -> None:
         """A call that only rs274 prints."""
@@ -342,7 +345,7 @@ class _Machine:
             case "straight_traverse":
                 self._row("traverse", line, to=self._position(arguments[:6]))
             case "straight_feed":
-                self._row("feed", line, to=self._position(arguments[:6]), feed=self._rate())
+                self._straight_feed(line, arguments[:6])
             case "rigid_tap":
                 self._rigid_tap(line, arguments)
             case "arc_feed":
@@ -351,6 +354,7 @@ class _Machine:
                 self._row("dwell", line, seconds=float(arguments[0]))
             case "set_feed_rate":
                 self.feed = float(arguments[0])
+                self.feed_number = self.feed * self.printed_units
             case "set_plane":
                 self.plane = PLANES[int(arguments[0])]
             case "tool_offset":
@@ -373,11 +377,19 @@ class _Machine:
             self._row("feed", line, to=self._position(to), feed=self._rate())
             self._spindle(line, turns, self.speed)
 
-    def _rate(self) -> float:
+    def _straight_feed(self, line: int, said: Sequence[float]) -> None:
+        before = self.reached
+        to = self._position(said)
+        linear = any(abs(to[axis] - before[axis]) > NO_WAY for axis in AXES[:3])
+        rotary = any(abs(to[axis] - before[axis]) > NO_WAY for axis in AXES[3:])
+        self._row("feed", line, to=to, feed=self._rate(linear=linear or not rotary))
+
+    def _rate(self, *, linear: bool = True) -> float:
         turning = self.speed if self.direction != "off" else 0.0
         if self.pitch:
             return self.pitch * MM_PER_INCH * turning
-        return self.feed * MM_PER_INCH * (turning if self.per_revolution else 1.0)
+        feed = self.feed * MM_PER_INCH if linear else self.feed_number
+        return feed * (turning if self.per_revolution else 1.0)
 
     def _in_machine(self, said: Sequence[float]) -> list[float]:
         """Program coordinates to machine coordinates, six values: mm and degrees."""
@@ -390,7 +402,8 @@ class _Machine:
 
     def _position(self, said: Sequence[float]) -> dict[str, float]:
         self.at = list(said)
-        return dict(zip(AXES, self._in_machine(said), strict=True))
+        self.reached = dict(zip(AXES, self._in_machine(said), strict=True))
+        return self.reached
 
     def _arc(self, line: int, arguments: list[Any]) -> None:
         first_end, second_end, first_axis, second_axis, rotation, axis_end, a, b, c = arguments[:9]
