@@ -7,6 +7,8 @@ stays bounded.
 from __future__ import annotations
 
 import dataclasses
+import functools
+import struct
 from collections.abc import Iterator
 from typing import Any
 
@@ -41,6 +43,15 @@ def difference(left: Program, right: Program, *, notes: bool = True) -> str | No
     return _notes(left, right)
 
 
+_BITS = struct.Struct("<d")
+
+
+@functools.cache
+def _field_names(kind: type) -> tuple[str, ...]:
+    """Of a dataclass; none of anything else."""
+    return tuple(field.name for field in dataclasses.fields(kind)) if dataclasses.is_dataclass(kind) else ()
+
+
 class _Pair:
     """Two Programs that are compared."""
 
@@ -51,28 +62,36 @@ class _Pair:
 
     def values(self, left: Any, right: Any) -> str | None:
         """The first difference of two values of the IR."""
-        left, right = (node.made() if isinstance(node, DeferredBlock) else node for node in (left, right))
-        if type(left) is not type(right):
-            return self._differs(f"{type(left).__name__} and {type(right).__name__}")
-        if isinstance(left, Span):
+        if isinstance(left, DeferredBlock):
+            left = left.made()
+        if isinstance(right, DeferredBlock):
+            right = right.made()
+        kind: Any = type(left)
+        names = _field_names(kind)
+        if kind is not type(right):
+            return self._differs(f"{kind.__name__} and {type(right).__name__}")
+        if kind is Span:
             self.line = left.line or self.line
             return None if left.line == right.line else self._differs(f"line {left.line} and line {right.line}")
-        if isinstance(left, BlockTable):
-            return self._tables(left, right)
-        if isinstance(left, dict):
-            return self.values(list(left.items()), list(right.items()))
-        if isinstance(left, list | tuple):
+        if kind is float:
+            return None if _BITS.pack(left) == _BITS.pack(right) else self._differs_in(left, right)
+        if kind is tuple or kind is list:
             if len(left) != len(right):
                 return self._differs(f"{len(left)} and {len(right)} parts")
             return next(filter(None, map(self.values, left, right)), None)
-        if isinstance(left, float):
-            return None if np.float64(left).tobytes() == np.float64(right).tobytes() else self._differs_in(left, right)
-        if dataclasses.is_dataclass(left):
-            self.line = getattr(getattr(left, "span", None), "line", 0) or self.line
-            names = [field.name for field in dataclasses.fields(left)]
-            found = (self.values(getattr(left, name), getattr(right, name)) for name in names)
-            return next(filter(None, found), None)
-        return None if left == right else self._differs_in(left, right)
+        if kind is BlockTable:
+            return self._tables(left, right)
+        if kind is dict:
+            return self.values(list(left.items()), list(right.items()))
+        if not names:
+            return None if left == right else self._differs_in(left, right)
+        if "span" in names:
+            self.line = left.span.line or self.line
+        for name in names:
+            found = self.values(getattr(left, name), getattr(right, name))
+            if found is not None:
+                return found
+        return None
 
     def _differs_in(self, left: Any, right: Any) -> str:
         return self._differs(f"{left!r} and {right!r}")

@@ -168,7 +168,7 @@ class _Printer:
         """One line with a statement or a block, after the lines before it; inner: 1 where those are in a block."""
         line = max(self.next, span.line if span is not None else 0)
         yield from self._gap(line, depth + inner)
-        notes = list(self.notes.take(line, line))
+        notes = self.notes.of_line(line)
         try:
             text = _composed(item, notes, depth * INDENT, message)
         except (Unprintable, UnicodeEncodeError) as error:
@@ -213,6 +213,8 @@ def _with_message(
 
 def _composed(item: Item, notes: list[Note], indent: int, message: Message | None) -> bytes:
     """The text of a line, without its end."""
+    if not notes and isinstance(item, str) and message is None:
+        return (" " * indent + item).encode()
     encoding = next((text.decode() for _, _, kind, _, text in notes if kind == NoteKind.ENCODING), "utf-8")
     numbers = [b"N" + text for _, _, kind, _, text in notes if kind == NoteKind.LINE_NUMBER]
     comments = [note[1:] for note in notes if note[2] in (NoteKind.COMMENT, NoteKind.REMARK)]
@@ -269,18 +271,39 @@ class _NoteReader:
         self.program = program
         self.file = file
         self.held: list[Notes] = []
+        self.rows: list[Note] | None = None
+        self.row = 0
         self.begin = 0
         self.line = 1
 
     def take(self, first: int, last: int) -> Notes:
         """The notes of the lines first..last; those before are dropped."""
+        self._read(last)
+        found = joined([notes.lines(first, last) for notes in self.held])
+        self.held = [notes for notes in self.held if len(notes.table) and int(notes.table["line"][-1]) > last]
+        return found
+
+    def of_line(self, line: int) -> list[Note]:
+        """The notes of one line, and of the next ones when asked for one after the other."""
+        self._read(line)
+        if self.rows is None:
+            self.held = [notes for notes in self.held if len(notes.table) and int(notes.table["line"][-1]) >= line]
+            self.rows = [note for notes in self.held for note in notes.lines(line, self.line)]
+            self.row = 0
+        while self.row < len(self.rows) and self.rows[self.row][0] < line:
+            self.row += 1
+        begin = self.row
+        while self.row < len(self.rows) and self.rows[self.row][0] == line:
+            self.row += 1
+        return self.rows[begin : self.row]
+
+    def _read(self, last: int) -> None:
+        """Have the notes of the lines up to ``last``, or to the end of the file."""
         count = self.program.files[self.file].line_count
         while self.line <= min(last, count):
             notes, self.begin, self.line = self.program.load_notes(self.file, self.begin, self.line, PIECE_BYTES)
             self.held.append(notes)
-        found = joined([notes.lines(first, last) for notes in self.held])
-        self.held = [notes for notes in self.held if len(notes.table) and int(notes.table["line"][-1]) > last]
-        return found
+            self.rows = None
 
 
 class _Written:

@@ -89,6 +89,8 @@ Found = tuple[int, NoteKind, int, bytes]
 
 def line_notes(raw: bytes) -> list[Found]:
     """The notes in a line; none for a line with a mistake."""
+    if raw.isascii() and b"(" not in raw and b";" not in raw and raw.lstrip()[:1] not in (b"/", b"n", b"N"):
+        return []
     encoding = encoding_of(raw)
     text = raw.decode(encoding)
     try:
