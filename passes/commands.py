@@ -17,6 +17,7 @@ from gproof.ir.program import Device, Text
 from gproof.ir.trace import Op, Wait
 from gproof.passes.devices import DEVICES
 from gproof.passes.expressions import describe_parts
+from gproof.passes.outputs import CLAMPED
 from gproof.passes.values import Position, Unknown
 
 if TYPE_CHECKING:
@@ -41,6 +42,8 @@ def _home(ex: Emitter, node: Device) -> None:
         axis = AXIS_NAMES.index(name)
         if not ex.modal.has_axis(axis):
             raise Refusal(codes.AXIS_NOT_THERE.at(node.span, axis=name.upper()))
+        if axis == CLAMPED and ex.modal.clamped:
+            ex._fail(codes.AXIS_CLAMPED.at(node.span, axis=name.upper(), hint="M27 before"))
         ex.modal.position[axis] = ex.unknown_place("home", axis, (-math.inf, math.inf), Position(0.0))
     ex.assumed["homing moves do not leave the machine"] = None
     ex.findings.add(codes.HOMING.at(node.span, axes=" ".join(name.upper() for name in names)))

@@ -149,8 +149,11 @@ def _about(ex: Motion, made: Transform, rule: CodeRule, point: Pair | None, agai
     now = ex.modal.transform
     if now.open:
         return replace(made, open=now.open)
-    if point is not None and (now.rotated or now.scaled) and point != now.center:
-        return replace(made, open=f"{rule.text} about another point than the one in force")
+    if now.rotated or now.scaled:
+        if now.origin != (ex.modal.offset(0), ex.modal.offset(1)):
+            return replace(made, open=f"{rule.text} over another that was given under other offsets")
+        if point is not None and point != now.center:
+            return replace(made, open=f"{rule.text} about another point than the one in force")
     if again:
         ex.assumed[f"{rule.text} replaces the one that is in force"] = None
     made = made if point is None else replace(made, center=point)

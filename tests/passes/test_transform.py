@@ -222,6 +222,9 @@ OPEN = {
     "another point for the scale": "G68 R30 X0 Y0\nG51 P2 I1 J0\nG0 X1 Y1",
     "order of both": "G68 R30 X0 Y0\nG51 X2 Y1\nG0 X1 Y1",
     "another system": "G10 L2 P2 X5\nG68 R30 X0 Y0\nG55\nG0 X1 Y1",
+    "again in another system": "G10 L2 P2 X5\nG68 R30 X0 Y0\nG55\nG68 R40 X0 Y0\nG0 X1 Y1",
+    "the scale in another system": "G10 L2 P2 X5\nG68 R0 X0 Y0\nG55\nG51 P2\nG0 X1 Y1",
+    "the same numbers in another system": "G10 L2 P2 X5\nG51 P2 I0 J0\nG55\nG68 R9 X0 Y0\nG0 X1 Y1",
     "an offset that moves": "G68 R30 X0 Y0\nG10 L2 P1 X5\nG0 X1 Y1",
     "G92": "G68 R30 X0 Y0\nG92 X5\nG0 X1 Y1",
     "G10 L20": "G68 R30 X0 Y0\nG10 L20 P1 Y5\nG0 X1 Y1",
@@ -411,6 +414,44 @@ def test_extents_of_turned_arcs(tmp_path: Path) -> None:
         assert box["x"][0] <= left + 1e-9 and box["x"][1] >= right - 1e-9
         assert box["y"][0] <= low + 1e-9 and box["y"][1] >= high - 1e-9
         assert np.allclose([*box["x"], *box["y"]], [left, right, low, high], atol=1e-4)
+
+
+# --- with cutter radius compensation ----------------------------------------------------------------------------
+
+
+def contour(rng: random.Random) -> list[str]:
+    """A convex polygon walked with the tool outside, words left out where they do not change."""
+    count, radius = rng.randint(3, 7), rng.uniform(20, 40)
+    corners = [cmath.rect(radius, 2 * math.pi * k / count) for k in range(count)]
+    corners = [complex(round(c.real, 3), round(c.imag, 3)) for c in corners]
+    along = (corners[1] - corners[0]) / abs(corners[1] - corners[0])
+    begin = corners[0] - (30 - 8j) * along  # so that the first corner is convex
+    lines = [f"G0 X{begin.real:.3f} Y{begin.imag:.3f}", "G42.1 D6", f"G1 X{corners[0].real} Y{corners[0].imag}"]
+    lines += [f"G1 X{c.real} Y{c.imag}" for c in corners[1:]]
+    return [*lines, "G40", "G0 Z9"]
+
+
+@settings(deadline=None, max_examples=25, suppress_health_check=list(HealthCheck))
+@given(st.integers(0, 10**9), st.floats(-360, 360), st.integers(-9, 9))
+def test_a_compensated_contour_turns_as_a_whole(tmp_path: Path, seed: int, angle: float, x: int) -> None:
+    body = "\n".join(contour(random.Random(seed))) + "\nM30\n"
+    plain, told = run(tmp_path, HEAD + body)
+    turned, told_turned = run(tmp_path, HEAD + f"G68 R{angle:.9f} X{x} Y3\n" + body)
+    assert codes_of(told) == codes_of(told_turned) == []
+    turn = cmath.rect(1, math.radians(round(angle, 9)))
+    want = [mapped(m, turn, complex(x, 3), 0j, 1.0) for m in motions(plain)]
+    got = motions(turned)
+    assert [m["turns"] for m in got] == [m["turns"] for m in want]
+    for key in ("at", "center"):
+        assert np.allclose([m[key] for m in got], [m[key] for m in want], atol=1e-9)
+
+
+def test_compensation_and_scaling_is_open(tmp_path: Path) -> None:
+    """Whether the radius of the tool is scaled, and what a rotation within a contour does, the manual does not say."""
+    contour = "G0 X50 Y0\nG41.1 D6\nG1 X20 Y0\nG1 X20 Y20\n{}G40\nM30\n"
+    for before, within in (("G51 P2 I0 J0\n", ""), ("", "G68 R30 X0 Y0\n"), ("G68 R30 X0 Y0\n", "G69\n")):
+        _, findings = run(tmp_path, HEAD + before + contour.format(within))
+        assert codes_of(findings) == ["GP276"]
 
 
 # --- diameters (2.1.14, 3.4.11.2) -----------------------------------------------------------------------------
