@@ -114,7 +114,9 @@ CHECKED_ONLY = frozenset(
     (
         Function.MIST_ON, Function.FLOOD_ON, Function.COOLANT_OFF, Function.OVERRIDES_ON, Function.OVERRIDES_OFF,
         Function.OUTPUT_ON, Function.OUTPUT_OFF, Function.HEIGHT_SETPOINT, Function.TEMPERATURE,
-        Function.TEMPERATURE_WAIT, Function.FAN_ON, Function.FAN_OFF,
+        Function.TEMPERATURE_WAIT, Function.FAN_ON, Function.FAN_OFF, Function.FEED_HOLD_INPUT,
+        Function.DIRECTION_OUTPUT_ON, Function.DIRECTION_OUTPUT_OFF, Function.SPEED_OUTPUT_ON,
+        Function.SPEED_OUTPUT_OFF,
     )
 )  # fmt: skip
 """Functions of which the words are checked and told in the Trace, and whose device nothing else depends on."""

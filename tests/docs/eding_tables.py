@@ -26,6 +26,24 @@ EXAMPLES = ROOT / "docs" / "codes"
 
 SUPPORTED, CHECKED, UNKNOWN = "supported", "checked-only", "UNKNOWN"
 
+WITH_KNIFE = """
+[axes.c]
+kind = "rotary"
+steps_per_unit = 100
+min = -3600.0
+max = 3600.0
+max_velocity = 180.0
+max_acceleration = 720.0
+
+[knife]
+axis = "c"
+angle = 20.0
+lift = 5.0
+blend_angle = 6.0
+blend_distance = 0.5
+"""
+"""What commands of a tangential knife need of a machine."""
+
 HEAD = """\
 # Eding CNC: everything the manual names
 
@@ -36,6 +54,9 @@ Generated from the code (`make goldens`) and tested to be complete; the choices 
 - **checked-only**: read and checked, and an event of the Trace; what the device then does is not modelled, and no axis
   depends on it.
 - **UNKNOWN**: read; a program that executes it is UNKNOWN from there on, with a finding that says why.
+
+The examples run on the machine of the finding codes' examples (`docs/codes/machine.toml`), with `thread_peak` for
+G76 and a knife on C for its commands. A code may be UNKNOWN on a machine of which the file says less.
 """
 
 
@@ -44,8 +65,16 @@ def run(text: str, folder: Path) -> Findings:
     path = folder / "job.cnc"
     path.write_text(manual.PREPARED + text + "\nM30\n", encoding="utf-8")
     findings = Findings()
-    machine, _ = load_machine(EXAMPLES / "machine.toml", findings)
-    setup, _ = load_setup(EXAMPLES / "setup.toml", findings)
+    has_knife = "knife" in text
+    own = folder / "machine.toml"
+    said = (EXAMPLES / "machine.toml").read_text(encoding="utf-8")
+    said = said.replace('dialect = "eding"\n', 'dialect = "eding"\nthread_peak = "offset"\n')
+    own.write_text(said + (WITH_KNIFE if has_knife else ""), "utf-8")
+    machine, _ = load_machine(own, findings)
+    own = folder / "setup.toml"
+    said = (EXAMPLES / "setup.toml").read_text(encoding="utf-8")
+    own.write_text(said.replace("a = 0.0}", "a = 0.0, c = 0.0}") if has_knife else said, "utf-8")
+    setup, _ = load_setup(own, findings)
     program = load_program(path, findings)
     assert program is not None and machine is not None and setup is not None
     execute(program, setup, machine, findings)
