@@ -57,6 +57,7 @@ def _print(value: object) -> None:
 def _jsonl(session: Session, running: Running) -> bool:
     from gproof.cli.jsonl import chunk_lines, error_line
     from gproof.passes.execute import Executor
+    from gproof.passes.knife import follow_knife
 
     assert session.program is not None
     early = next((f for f in session.findings.kept if f.severity is Severity.ERROR), None)
@@ -68,7 +69,7 @@ def _jsonl(session: Session, running: Running) -> bool:
         session.program, session.setup, session.machine, session.findings, stop_at_error=True,
         block_delete=bool(session.setup.block_delete), **session.options(running),
     )  # fmt: skip
-    for chunk in ex.run():
+    for chunk in follow_knife(ex.run(), session.machine, session.findings):
         for line in chunk_lines(chunk, session.machine, str(session.job)):
             click.echo(line)
     if ex.failed is not None:
