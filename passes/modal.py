@@ -321,7 +321,9 @@ class Modal:
         for name, value in vars(self).items():
             if name in _CONSTANT or (name == "parameters" and not parameters):
                 continue
-            shown[name] = sorted(value.items()) if isinstance(value, dict) else value
+            if isinstance(value, dict):
+                value = sorted(value.items())
+            shown[name] = sorted(value) if isinstance(value, set) else value
         return repr(sorted(shown.items()))
 
     def park_position(self, kind: str, axis: int) -> Position:
