@@ -21,6 +21,8 @@ from gproof.passes.values import NOWHERE, Position, Unknown, Value, between
 if TYPE_CHECKING:
     from gproof.passes.motion import Motion
 
+CONTACT = 5051
+"""The first of the parameters that show the contact in machine coordinates (3.1.1): a setup may bound them."""
 SHORTEST_MM = 0.254
 """3.4.10.1: a programmed point nearer than this is an error."""
 
@@ -47,14 +49,31 @@ def run_probe(ex: Motion, line: Line, rule: CodeRule, target: list[Position]) ->
         _record(ex, list(target), 1.0)
         return
     ex.assumed["a probing move ends at its programmed point at the latest"] = None
-    contact = [_somewhere(ex, axis, start[axis], target[axis]) for axis in range(AXES)]
+    reach = [_reach(ex, axis, start[axis], target[axis]) for axis in range(AXES)]
+    contact = [_somewhere(ex, axis, start[axis], target[axis], reach[axis]) for axis in range(AXES)]
     # In the tool setter of the manual's macro file a program goes on without contact, and asks #5067 for it.
     _record(ex, contact, Unknown("whether the probe touched", 0.0, 1.0))
-    s.position = [_somewhere(ex, axis, start[axis], target[axis]) for axis in range(AXES)]
+    # Drawn back a little: between the contact and the start.
+    back = [(min(0.0, low), max(0.0, high)) for low, high in reach]
+    s.position = [_somewhere(ex, axis, start[axis], target[axis], back[axis]) for axis in range(AXES)]
     ex._end_section(Wait.PROBE, "stopped", None, line.span.line)
 
 
-def _somewhere(ex: Motion, axis: int, start: Position, end: Position) -> Position:
+def _reach(ex: Motion, axis: int, start: Position, end: Position) -> Range:
+    """How far from the start the contact can be: on the segment, and where the setup says that it will be."""
+    way = end.minus(start)
+    if way.form:
+        return ANY
+    low, high = min(0.0, way.value), max(0.0, way.value)
+    stated = ex.setup.parameter_ranges.get(CONTACT + axis)
+    if stated is not None and not start.form:
+        scale = ex.modal.scale(axis)
+        low = min(max(low, stated.low * scale - start.value), high)
+        high = max(min(high, stated.high * scale - start.value), low)
+    return low, high
+
+
+def _somewhere(ex: Motion, axis: int, start: Position, end: Position, reach: Range) -> Position:
     """A place between two: an unknown of its own."""
     way = end.minus(start)
     if not way.form and way.value == 0.0:
@@ -63,7 +82,7 @@ def _somewhere(ex: Motion, axis: int, start: Position, end: Position) -> Positio
         return NOWHERE
     if way.form:
         return ex.unknown_place("probe", axis, ANY, Position(0.0))
-    return ex.unknown_place("probe", axis, (min(0.0, way.value), max(0.0, way.value)), start)
+    return ex.unknown_place("probe", axis, reach, start)
 
 
 def _record(ex: Motion, contact: list[Position], hit: Value) -> None:

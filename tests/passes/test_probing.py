@@ -134,3 +134,18 @@ def test_summary_shows_all_the_places_a_contact_may_mean(tmp_path: Path) -> None
     box = judged(job, None, "zero").summary.box
     assert ("x", "", 0.0, 1.0) in box
     assert ("z", "", -20.0, 8.0) in box
+
+
+def test_the_setup_bounds_contacts(tmp_path: Path) -> None:
+    """A touch plate whose height is about known: contact within it, the axis between it and the start."""
+    import dataclasses
+
+    from gproof.ir.setup import ZERO, Interval
+
+    setup = dataclasses.replace(ZERO, parameter_ranges={5053: Interval(-4.0, -3.0)})
+    trace, _ = run(tmp_path, "G0 Z5\nF50\nG38.2 Z-20\nG53 G0 Z#5053\nG0 X1\nM30\n", setup=setup)
+    first = trace.symbols["probe.1.z"]
+    assert (5 + first.low, 5 + first.high) == pytest.approx((-4.0, -3.0))
+    rest = trace.symbols["probe.2.z"]
+    assert (5 + rest.low, 5 + rest.high) == pytest.approx((-4.0, 5.0))
+    assert place(trace, 1, 0, 2) == pytest.approx((-4.0, -3.0))
