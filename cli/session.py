@@ -64,13 +64,18 @@ class Session:
 
 
 def _macro_file(machine: Machine, file: Path | None, job: Path) -> tuple[Path | None, Machine]:
-    """The macro file that the machine names, beside its own file or the job; GP605 when it is not there."""
+    """The macro file that the machine names, beside its own file or the job; GP605 when it is not there.
+
+    Without the usual one a job is judged as it stands, whether the machine's file names it or not.
+    """
     name = machine.controller.macro_file
     if name is None or file is None:
         return None, machine
     for folder in (file.parent, job.parent):
         if (folder / name).is_file() and (folder / name).resolve() != job.resolve():
             return folder / name, machine
+    if name.lower() == "macro.cnc":
+        return None, machine
     missing = f"macroFileName = {name} (there is no such file)"
     return None, dataclasses.replace(machine, not_modelled=(*machine.not_modelled, missing))
 

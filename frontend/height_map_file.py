@@ -19,6 +19,9 @@ from gproof.ir.setup import HeightMap
 GRID = Fraction(1, 100)
 """Of a step: how far a point may be from where the grid has it."""
 
+CANDIDATES = 200
+"""Distances that are tried as the size of a step."""
+
 Point = tuple[Fraction, Fraction, Fraction]
 
 
@@ -90,29 +93,36 @@ def _points(table: TomlTable, name: str) -> tuple[list[Point], list[tuple[str, s
 
 
 def _from_points(table: TomlTable, name: str, points: list[Point], unit: Fraction) -> HeightMap | None:
-    """The grid that the points make."""
+    """The grid that the points make: the first of their distances that fits all of them."""
     x0, y0 = min(x for x, _, _ in points), min(y for _, y, _ in points)
-    # The smallest step other than none, in either direction, is the grid's.
     sides = sorted({x - x0 for x, _, _ in points} | {y - y0 for _, y, _ in points})
-    widest = sides[-1]
-    size = next((side for side in sides if side * 1000 > widest), Fraction(0))
-    if size <= 0:
-        table.bad("file", f"{name}: the points make no grid")
-        return None
+    problem = "the points make no grid"
+    # No more points than there are stand in a row; what is closer are points beside their places.
+    sizes = [size for size in sides if size > 0 and size * len(points) >= sides[-1]]
+    for size in sizes[:CANDIDATES]:
+        cells, wrong = _cells(points, x0, y0, size)
+        if cells is not None:
+            columns, rows = 1 + max(i for i, _ in cells), 1 + max(j for _, j in cells)
+            heights = tuple(tuple(float(cells[i, j] * unit) for i in range(columns)) for j in range(rows))
+            return HeightMap(x=float(x0 * unit), y=float(y0 * unit), size=float(size * unit), heights=heights)
+        problem = wrong if size == sizes[0] else problem
+    table.bad("file", f"{name}: {problem}")
+    return None
+
+
+def _cells(
+    points: list[Point], x0: Fraction, y0: Fraction, size: Fraction
+) -> tuple[dict[tuple[int, int], Fraction] | None, str]:
+    """Heights by column and row, or what is wrong with this size of steps."""
     cells: dict[tuple[int, int], Fraction] = {}
     for x, y, z in points:
         u, v = (x - x0) / size, (y - y0) / size
         place = round(u), round(v)
+        where = f"the point X{float(x):g} Y{float(y):g}"
         if abs(u - place[0]) > GRID or abs(v - place[1]) > GRID:
-            table.bad("file", f"{name}: the point X{float(x):g} Y{float(y):g} is beside the grid of {float(size):g}")
-            return None
+            return None, f"{where} is beside the grid of {float(size):g}"
         if place in cells:
-            table.bad("file", f"{name}: the point X{float(x):g} Y{float(y):g} is there twice")
-            return None
+            return None, f"{where} is there twice"
         cells[place] = z
-    columns, rows = 1 + max(i for i, _ in cells), 1 + max(j for _, j in cells)
-    if len(cells) != columns * rows:
-        table.bad("file", f"{name}: {columns * rows - len(cells)} points of the grid are missing")
-        return None
-    heights = tuple(tuple(float(cells[i, j] * unit) for i in range(columns)) for j in range(rows))
-    return HeightMap(x=float(x0 * unit), y=float(y0 * unit), size=float(size * unit), heights=heights)
+    missing = (1 + max(i for i, _ in cells)) * (1 + max(j for _, j in cells)) - len(cells)
+    return (None, f"{missing} points of the grid are missing") if missing else (cells, "")

@@ -175,7 +175,7 @@ class Spindle:
 
     min_rpm, max_rpm: what it can do; ramp_time: seconds to reach its speed; offset: mm in X, Y, Z that are added to a
     machine position while it is selected, None where nobody stated it; unsigned: a controller file gives the
-    offset without saying which way it counts.
+    offset without saying which way it counts; pwm: (rpm, percent of its output) pairs of its table (2.4).
     """
 
     number: int
@@ -184,6 +184,7 @@ class Spindle:
     ramp_time: float | None = None
     offset: tuple[float | None, float | None, float | None] = (None, None, None)
     unsigned: bool = False
+    pwm: tuple[tuple[float, float], ...] = ()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -64,8 +64,6 @@ class ToolChangeArea(Check):
         if cylinder is not None:
             if cylinder.y is not None and not y[0] < cylinder.y < y[1]:
                 self._area = None
-            if cylinder.y is None:
-                return (x, everywhere, outer), (x, (math.inf, -math.inf), inner)
             y = everywhere
         return (x, y, outer), (x, y, inner)
 
@@ -106,8 +104,9 @@ class ToolChangeArea(Check):
         if inside is None:
             return
         sure = (self._inner[0], self._inner[1], self._inner[2] if lifted else plain)
-        if sure != box and self._enters(chunk, row, sure) is None:
-            cause = "the height map" if sure[1] == box[1] else "where the axis of rotation of A is"
+        lost = self.setup.cylinder is not None and self.setup.cylinder.y is None
+        if lost or (sure != box and self._enters(chunk, row, sure) is None):
+            cause = "where the axis of rotation of A is" if lost else "the height map"
             self.findings.add(codes.TOOL_CHANGE_AREA_UNKNOWN.at(row_span(chunk.trace, rows, row), cause=cause))
             return
         span = row_span(chunk.trace, rows, row)

@@ -9,6 +9,7 @@ once (GP602); a setting that is on and that gproof can not follow goes into ``Ma
 from __future__ import annotations
 
 import hashlib
+import itertools
 import math
 from dataclasses import replace
 from fractions import Fraction
@@ -21,7 +22,19 @@ from gproof.frontend.eding.spindles_ini import read_spindles
 from gproof.frontend.toml_table import MILLIMETRES, TINIEST
 from gproof.ir import codes
 from gproof.ir.finding import Findings, Span
-from gproof.ir.machine import AXIS_NAMES, Area, Axis, AxisKind, Controller, Knife, Machine, PitchTable, Slave, Tool
+from gproof.ir.machine import (
+    AXIS_NAMES,
+    Area,
+    Axis,
+    AxisKind,
+    Controller,
+    Knife,
+    Machine,
+    PitchTable,
+    Slave,
+    Spindle,
+    Tool,
+)
 
 Files = list[tuple[str, str]]
 
@@ -185,7 +198,7 @@ class _Reader:
             axes=axes,
             tool_change_area=_tool_change_area(ini, self.unit),
             tools=_tools(ini, self.unit),
-            spindles=read_spindles(ini, self.unit),
+            spindles=self._spindles(),
             controller=self._controller(),
             unit=float(self.unit),
             not_modelled=tuple(self.not_modelled),
@@ -326,6 +339,19 @@ class _Reader:
 
     # -- the rest
 
+    def _spindles(self) -> tuple[Spindle, ...]:
+        """The spindles, with the tables of those that have theirs switched on (2.4)."""
+        found = []
+        for spindle in read_spindles(self.ini, self.unit):
+            section = f"SPINDLE_{spindle.number}"
+            if self.ini.switch(section, "pwmCompensationOn"):
+                rows = self._table(section, "pwmCompensationFileName") or []
+                spindle = replace(spindle, pwm=tuple((float(rpm), float(percent)) for rpm, percent in rows))
+                if any(b <= a for (a, _), (b, _) in itertools.pairwise(spindle.pwm)):
+                    self.ini.bad(section, "pwmCompensationFileName", "speeds must rise from line to line")
+            found.append(spindle)
+        return tuple(found)
+
     def _knife(self) -> Knife | None:
         """The tangential knife when an axis is one (2.1.3, 2.1.9)."""
         if self.knife is None:
@@ -341,10 +367,6 @@ class _Reader:
     def _controller(self) -> Controller:
         usual = Controller()
         interpolation, fifo = self.rate("interpolation_time"), self.rate("fifo_time")
-        # Tables for the spindle's voltage are read for their mistakes; they move no axis (2.4).
-        for section in self.ini.sections:
-            if section.startswith("SPINDLE_") and self.ini.switch(section, "pwmCompensationOn"):
-                self._table(section, "pwmCompensationFileName")
         macro = (self.text("macro_file") or "").replace("\\", "/").rpartition("/")[2]
         return Controller(
             dialect="eding",

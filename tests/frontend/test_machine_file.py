@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 from gproof.frontend.machine_file import load_machine
 from gproof.frontend.toml_table import exact_ratio
 from gproof.ir.finding import Findings
-from gproof.ir.machine import AxisKind, Board, Controller, Machine, Slave
+from gproof.ir.machine import AxisKind, Board, Controller, Knife, Machine, PitchTable, Slave
 from gproof.ir.text import parse_ir, print_ir
 
 HEAD = 'schema = "gproof-machine/1"\nunits = "mm"\n'
@@ -347,3 +347,78 @@ def test_random_bytes_never_raise(tmp_path_factory: pytest.TempPathFactory, data
         findings = Findings()
         machine, _ = load_machine(path, findings)
         assert machine is None or findings.counts.keys() <= {602}
+
+
+MOTORS = """\
+[axes.y]
+steps_per_unit = 320
+min = 0
+max = 600
+pitch = [[0, 0], [50, 50.01]]
+home_position = -2.0
+home_velocity = -20
+[[axes.y.slaves]]
+joint = "a"
+steps_per_unit = "-1600/10"
+max = 590
+max_velocity = 80
+[[axes.y.slaves]]
+[axes.a]
+tip_feed = true
+[knife]
+axis = "b"
+angle = 20
+lift = 4
+[controller]
+macro_file = "mine.cnc"
+homing_mandatory = false
+safety_feed = 12.5
+home_is_stop = true
+turning = true
+"""
+
+
+def test_motors_knife_and_the_other_set_up_pages(tmp_path: Path) -> None:
+    machine, findings = loaded_text(tmp_path, HEAD + "z_down_tool_length = 30\n" + MOTORS)
+    assert findings == [] and machine is not None
+    y, a = machine.axes
+    table = PitchTable(machine=(0.0, 50.0), calibrated=(0.0, 50.01))
+    assert (y.pitch, y.home_position, y.home_velocity, a.tip_feed) == (table, -2.0, -20.0, True)
+    assert y.slaves == (
+        Slave(joint="a", steps_per_unit=Fraction(-160), upper=590.0, max_velocity=80.0), Slave()
+    )  # fmt: skip
+    assert [(d.name, d.steps_per_unit, d.upper, d.pitch) for d in y.drives()] == [
+        ("Y", 320, 600.0, table), ("Y2", -160, 590.0, table), ("Y3", 320, 600.0, table)
+    ]  # fmt: skip
+    assert machine.knife == Knife(axis="b", angle=20.0, lift=4.0)
+    controller = machine.controller
+    assert (controller.macro_file, controller.homing_mandatory, controller.turning) == ("mine.cnc", False, True)
+    assert (controller.safety_feed, controller.home_is_stop, machine.z_down_tool_length) == (12.5, True, 30.0)
+
+
+@pytest.mark.parametrize(
+    ("text", "line", "what"),
+    [
+        ("[axes.x]\npitch = [[0, 0], [1]]\n", 4, "two positions in a row"),
+        ("[axes.x]\npitch = [[0, 0], [0, 1]]\n", 4, "must rise"), ("[axes.x]\npitch = 3\n", 4, "list of numbers"),
+        ("[axes.x]\nmin = 5\n[[axes.x.slaves]]\nmax = 4\n", 5, "lower limit of a motor"),
+        ("[axes.x]\n[[axes.x.slaves]]\nmix = 4\n", 5, "mix"),
+        ("[axes.x]\nslaves = [1]\n", 4, "not a list of tables"), ("[knife]\naxis = \"x\"\n", 4, "none of a, b, c"),
+    ],
+)  # fmt: skip
+def test_mistakes_of_motors(tmp_path: Path, text: str, line: int, what: str) -> None:
+    _, findings = loaded_text(tmp_path, HEAD + text)
+    assert any(at == line and what in message for at, message in findings), findings
+
+
+def test_other_kinematics_are_not_modelled(tmp_path: Path) -> None:
+    machine, _ = loaded_text(tmp_path, HEAD + 'kinematics = "delta"\n[axes.x]\n')
+    assert machine is not None
+    assert (machine.kinematics, machine.not_modelled) == ("delta", ("kinematics = delta",))
+
+
+def loaded_text(folder: Path, text: str) -> tuple[Machine | None, list[tuple[int, str]]]:
+    (folder / "m.toml").write_text(text)
+    findings = Findings()
+    machine, _ = load_machine(folder / "m.toml", findings)
+    return machine, [(f.span.line, f.message) for f in findings.kept]

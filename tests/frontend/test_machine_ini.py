@@ -345,3 +345,12 @@ def test_files_that_can_not_be_read(tmp_path: Path) -> None:
     for name in ("binary.ini", "none.ini"):
         assert load_machine(tmp_path / name, findings)[0] is None
     assert [f.code.label for f in findings.kept] == ["GP601", "GP601"]
+
+
+def test_the_voltage_table_of_a_spindle(tmp_path: Path) -> None:
+    text = "[JOINT_0]\nvisible=1\n[SPINDLE_0]\npwmCompensationOn=1\npwmCompensationFileName=pwm.txt\n"
+    (tmp_path / "pwm.txt").write_text("; speed, percent\n0 0\n720 8.0\n24000 100\n")
+    (spindle,) = machine_of(tmp_path, text).spindles
+    assert spindle.pwm == ((0.0, 0.0), (720.0, 8.0), (24000.0, 100.0))
+    (tmp_path / "pwm.txt").write_text("0 0\n0 8.0\n")
+    assert [(label, line) for label, line, _ in loaded(tmp_path, text)[1]] == [("GP603", 5)]

@@ -9,7 +9,7 @@ import pytest
 
 from gproof.frontend.setup_file import load_setup
 from gproof.ir.finding import Findings
-from gproof.ir.setup import Interval, Setup
+from gproof.ir.setup import Cylinder, HeightMap, Interval, Setup
 from gproof.ir.text import parse_ir, print_ir
 
 HEAD = 'schema = "gproof-setup/1"\n'
@@ -121,3 +121,63 @@ def test_mistakes_have_their_line(tmp_path: Path, text: str, code: str, line: in
     assert (finding.code.label, finding.span.line) == (code, line)
     assert message in finding.message
     assert (setup is None) == (code != "GP602")
+
+
+GRID = "[height_map]\nx = 10\ny = 5\nsize = 20\nheights = [[0.0, 0.1, 0.2], [0.05, 0.15, 0.25]]\n"
+
+
+def test_a_cylinder_and_a_grid(tmp_path: Path) -> None:
+    setup = setup_of(tmp_path, HEAD + 'units = "inch"\n[cylinder]\nradius = 2\ny = 1\nzero = -1\n' + GRID)
+    assert setup.cylinder == Cylinder(radius=50.8, y=25.4, z=None, zero=-25.4)
+    assert setup.height_map is not None
+    assert (setup.height_map.x, setup.height_map.y, setup.height_map.size, setup.height_map.on) == (254, 127, 508, True)
+    assert setup.height_map.heights[1][2] == 0.25 * 25.4
+    off = setup_of(tmp_path, HEAD + GRID + "on = false\n").height_map
+    assert off is not None and not off.on
+
+
+def test_a_height_map_from_points_in_any_order(tmp_path: Path) -> None:
+    points = "; board\n10 5 -8.2\n30 5 -8.1 ; second\n30, 25, -8.05\n10.05 25 -8.3\n"
+    (tmp_path / "heights.txt").write_text(points)
+    (tmp_path / "setup.toml").write_text(HEAD + '[height_map]\nfile = "heights.txt"\n')
+    findings = Findings()
+    setup, files = load_setup(tmp_path / "setup.toml", findings)
+    assert findings.kept == [] and setup is not None
+    assert [Path(name).name for name, _ in files] == ["setup.toml", "heights.txt"]
+    assert setup.height_map == HeightMap(
+        x=10.0, y=5.0, size=20.0, heights=((-8.2, -8.1), (-8.3, -8.05)), name="heights.txt"
+    )
+
+
+@pytest.mark.parametrize(
+    ("points", "what"),
+    [
+        ("1 2\n", "X, Y and Z"), ("1 2 three\n", "X, Y and Z"), ("; none\n", "no points"), ("1 1 1\n", "no grid"),
+        ("0 0 1\n10 0 1\n0 10 1\n", "1 points of the grid are missing"),
+        ("0 0 1\n10 0 1\n0 10 1\n14 10 1\n", "beside the grid"), ("0 0 1\n10 0 1\n0 10 1\n10 0 2\n", "there twice"),
+        ("0 0 1\n10 0 1\n20 0 1\n", "at least 2 rows"),
+    ],
+)  # fmt: skip
+def test_mistakes_in_points(tmp_path: Path, points: str, what: str) -> None:
+    (tmp_path / "heights.txt").write_text(points)
+    (tmp_path / "setup.toml").write_text(HEAD + '[height_map]\nfile = "heights.txt"\n')
+    findings = Findings()
+    setup, _ = load_setup(tmp_path / "setup.toml", findings)
+    assert setup is None
+    assert what in findings.kept[0].message
+
+
+@pytest.mark.parametrize(
+    ("text", "line", "what"),
+    [
+        ("[cylinder]\nradius = 0\n", 3, "greater than 0"), ("[cylinder]\nradios = 3\n", 3, "radios"),
+        ("[height_map]\nx = 1\n", 2, "height_map.y is missing"),
+        ("[height_map]\nfile = \"none.txt\"\n", 3, "No such file"),
+        (GRID.replace("0.2]", "]"), 6, "of one length"), (GRID.replace("0.2]", '"a"]'), 6, "list of numbers"),
+    ],
+)  # fmt: skip
+def test_mistakes_in_cylinder_and_height_map(tmp_path: Path, text: str, line: int, what: str) -> None:
+    (tmp_path / "setup.toml").write_text(HEAD + text)
+    findings = Findings()
+    load_setup(tmp_path / "setup.toml", findings)
+    assert any(f.span.line == line and what in f.message for f in findings.kept), [f.message for f in findings.kept]

@@ -16,12 +16,13 @@ import pytest
 from passes.traces import Path
 
 from gproof.ir.finding import Findings
-from gproof.ir.machine import Axis, AxisKind, Machine, PitchTable, Slave
+from gproof.ir.machine import Area, Axis, AxisKind, Machine, PitchTable, Slave
 from gproof.ir.setup import NOTHING, Cylinder, HeightMap, Interval, Setup
 from gproof.ir.trace import HEIGHT_MAP, Plane, Trace, chunks
 from gproof.ir.verdict import PropertyResult, Verdict
 from gproof.passes.limits import Limits
 from gproof.passes.pitch import axis_position, exact_motor_position, motor_position, steepest
+from gproof.passes.tool_change_area import ToolChangeArea
 
 TABLE = PitchTable(machine=(0.0, 50.0, 200.0, 300.0), calibrated=(0.0, 50.01, 200.03, 299.98))
 
@@ -319,3 +320,40 @@ def test_an_interval_of_an_offset_is_held_against_what_compensation_leaves() -> 
     setup = dataclasses.replace(NOTHING, work={(1, "x"): Interval(0.0, 10.0)})
     result, labels = judged(Path(x=5).frame("work.1.x").traverse(x=0).done(), mill(x), setup)
     assert (result.verdict, labels) == (Verdict.UNKNOWN, ["GP304"])
+
+
+def areas(trace: Trace, machine: Machine, setup: Setup) -> tuple[Verdict, list[str]]:
+    findings = Findings()
+    check = ToolChangeArea(machine, setup, findings)
+    for chunk in chunks(trace):
+        check.feed(chunk)
+    return check.finish().verdict, [f.code.label for f in findings.kept]
+
+
+def magazine(*z: float) -> Machine:
+    area = Area(name="tool_change", box=((50.0, 60.0), (0.0, 40.0), (z[0], z[1])))
+    return dataclasses.replace(mill(), tool_change_area=area)
+
+
+def test_the_tool_change_area_with_a_height_map() -> None:
+    heights = HeightMap(x=0.0, y=0.0, size=100.0, heights=((0.0, 0.4), (0.0, 0.4)))
+    setup = dataclasses.replace(NOTHING, height_map=heights)
+    on = {"following": (HEIGHT_MAP,)}
+    machine = magazine(-100.0, -10.0)
+    # Above -10 the area ends. The map lifts by up to 0.4: -10.2 may be lifted out of it, -9.9 is never lowered into it.
+    for z, labels in ((-9.9, []), (-10.2, ["GP311"]), (-10.5, ["GP310"])):
+        path = Path(x=10, y=10, z=z).state(**on).traverse(x=90)
+        assert areas(path.done(), machine, setup)[1] == labels
+    assert areas(Path(x=10, y=10, z=-10.2).traverse(x=90).done(), machine, setup)[1] == ["GP310"]
+    under = magazine(-10.0, 0.0)
+    for z, labels in ((-10.5, []), (-10.2, ["GP311"]), (-9.9, ["GP310"])):
+        path = Path(x=10, y=10, z=z).state(**on).traverse(x=90)
+        assert areas(path.done(), under, setup)[1] == labels
+
+
+def test_the_tool_change_area_while_y_turns_a() -> None:
+    machine = magazine(-100.0, -10.0)
+    through = Path(x=55, y=100, z=-20).traverse(y=-100).done()
+    assert areas(through, machine, cylinder(radius=20.0, y=150.0)) == (Verdict.SAFE, [])
+    assert areas(through, machine, cylinder(radius=20.0, y=20.0)) == (Verdict.UNSAFE, ["GP310"])
+    assert areas(through, machine, cylinder(radius=20.0)) == (Verdict.UNKNOWN, ["GP311"])
