@@ -27,10 +27,13 @@ if TYPE_CHECKING:
 _SETS = (F.ROTATION_ON, F.SCALING_ON)
 _CANCELS = (F.ROTATION_OFF, F.SCALING_OFF)
 _STATES = {F.ROTATION_OFF: "rotation", F.SCALING_OFF: "scaling"}
-_TAKERS = (
-    F.DWELL, F.EXACT_PATH, F.EXACT_STOP, F.CONTINUOUS, F.OUTPUT_ON, F.OUTPUT_OFF, F.TOOL_OFFSET_DYNAMIC,
-)  # fmt: skip
-"""Functions that take P, R, I or J too: whose a word is would be a guess."""
+_BESIDE = frozenset((
+    F.ROTATION_ON, F.ROTATION_OFF, F.SCALING_ON, F.SCALING_OFF, F.PLANE_XY, F.PLANE_XZ, F.PLANE_YZ, F.UNITS_INCH,
+    F.UNITS_MM, F.COMPENSATION_OFF, F.TOOL_OFFSET_OFF, F.SELECT_COORDINATES, F.ABSOLUTE, F.INCREMENTAL, F.MOTION_CANCEL,
+    F.FEED_INVERSE_TIME, F.FEED_PER_MINUTE, F.FEED_PER_REVOLUTION, F.RETRACT_INITIAL, F.RETRACT_R, F.SPINDLE_CW,
+    F.SPINDLE_CCW, F.SPINDLE_OFF, F.MIST_ON, F.FLOOD_ON, F.COOLANT_OFF, F.STOP, F.OPTIONAL_STOP, F.END, F.END_RESET,
+))  # fmt: skip
+"""Functions without words of their own; of any other code on the line P, R, I or J could be meant for it."""
 
 
 def run_transform(ex: Motion, line: Line, before: tuple[object, ...]) -> None:
@@ -75,9 +78,9 @@ def _doubts(ex: Motion, line: Line, rule: CodeRule, before: tuple[object, ...]) 
         return f"{rule.text} beside a change of units or coordinate system"
     if s.compensation is not None:
         return f"{rule.text} while cutter radius compensation is on"
-    other = line.find(*_TAKERS)
+    other = next((code for code in line.rules if code.function not in _BESIDE), None)
     if other is not None:
-        return f"{rule.text} beside {other.text}, which takes words of the same letters"
+        return f"{rule.text} beside {other.text}: whose each word is"
     return ""
 
 

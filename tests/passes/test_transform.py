@@ -203,6 +203,9 @@ REFUSED = {
     "G68 R30 X1": "GP276",
     "G68 R30 X0 Y0 G4 P1": "GP276",
     "G68 R30 X0 Y0 G64 R2": "GP109",
+    "G51 P2 I0 J0 M54": "GP276",
+    "G51 P2 I0 J0 M26": "GP276",
+    "G51 P2 I0 J0 M56": "GP276",
     "G51 P2 X1 Y1 I0 J0": "GP276",
     "G68 R#200 X0 Y0": "GP276",
 }  # fmt: skip
@@ -396,6 +399,21 @@ def test_every_way_of_execution_gives_the_same_bits(tmp_path: Path, seed: int, a
         traces.append(print_ir(trace))
     assert traces[0] == traces[1]
     assert traces[0] == traces[2]
+
+
+@settings(deadline=None, max_examples=15, suppress_health_check=list(HealthCheck))
+@given(st.integers(0, 10**9), st.booleans())
+def test_diameters_are_the_same_bits_in_every_way(tmp_path: Path, seed: int, inch: bool) -> None:
+    traces = []
+    for mode, bracketed in (("python", False), ("numba", False), ("python", True)):
+        lines = random_lines(random.Random(seed), arcs=False, bracketed=bracketed)
+        with pytest.MonkeyPatch.context() as patch:
+            patch.setenv("GPROOF_KERNELS", mode)
+            text = HEAD + ("G20\nF20\n" if inch else "") + "\n".join(lines) + "\nM30\n"
+            trace, told = run(tmp_path, text, FIXTURE, LATHE)
+        assert codes_of(told) == []
+        traces.append(print_ir(trace))
+    assert traces[0] == traces[1] == traces[2]
 
 
 def test_extents_of_turned_arcs(tmp_path: Path) -> None:
