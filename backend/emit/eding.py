@@ -49,24 +49,28 @@ Note = tuple[int, int, int, int, bytes]
 _MESSAGE = re.compile(rb"[ \t]*m[ \t]*s[ \t]*g[ \t]*,", re.IGNORECASE)
 
 
-def emit(program: Program, file: int = 0) -> Iterator[bytes]:
-    """The text of one file of ``program``, piece by piece, each of whole lines.
+JOB = 0
+"""The file that is printed: of a macro file a Program holds the subprograms only."""
 
+
+def emit(program: Program) -> Iterator[bytes]:
+    """The text of the job's file, piece by piece, each of whole lines; a macro file is loaded as a job to be printed.
+
+    The job must have been read without mistakes: a line with one is not in the Program.
     Refusal (GP702) where the Program holds what Eding has no text for.
     """
-    yield from _Printer(program, file).run()
+    yield from _Printer(program).run()
 
 
 class _Printer:
     """Prints the lines of a file from the top; ``next`` is the first that is not printed yet."""
 
-    def __init__(self, program: Program, file: int) -> None:
+    def __init__(self, program: Program) -> None:
         self.program = program
-        self.file = file
-        self.source = program.files[file]
+        self.source = program.files[JOB]
         self.newline = self.source.newline.encode()
         self.limit = program.rules.line_length
-        self.notes = _NoteReader(program, file)
+        self.notes = _NoteReader(program)
         self.written = _Written(self.source.data)
         self.next = 1
 
@@ -82,7 +86,7 @@ class _Printer:
 
     def _is_here(self, node: Statement | Subprogram) -> bool:
         if isinstance(node, BlockTable):
-            return node.file == self.file
+            return node.file == JOB
         if isinstance(node, DeferredBlock):
             return node.place[0] == self.source.name
         return node.span.file == self.source.name
@@ -175,7 +179,9 @@ class _Printer:
             place = span if span is not None else Span(self.source.name, line)
             raise self._refusal(place, str(error)) from None
         self.next = line + 1
-        yield (self._as_written(line, len(text)) if len(text) > self.limit else text) + self.newline
+        if len(text) > self.limit or _reads_otherwise(text, notes):
+            text = self._as_written(line, len(text))
+        yield text + self.newline
 
     def _as_written(self, line: int, length: int) -> bytes:
         """A line that would be too long for the controller stays as it is."""
@@ -243,6 +249,17 @@ def _composed(item: Item, notes: list[Note], indent: int, message: Message | Non
     return line
 
 
+def _reads_otherwise(text: bytes, notes: list[Note]) -> bool:
+    """Whether a line that was not UTF-8 would be taken for it now, its curly quotes being gone."""
+    if not any(kind == NoteKind.ENCODING for _, _, kind, _, _ in notes) or text.isascii():
+        return False
+    try:
+        text.decode("utf-8")
+    except UnicodeDecodeError:
+        return False
+    return True
+
+
 def _delimited(kind: int, text: bytes) -> bytes:
     return b"(" + text + b")" if kind == NoteKind.COMMENT else b";" + text
 
@@ -265,11 +282,10 @@ def _items(block: Block, has_message: bool) -> list[str]:
 
 
 class _NoteReader:
-    """The notes of a file, line after line."""
+    """The notes of the job, line after line."""
 
-    def __init__(self, program: Program, file: int) -> None:
+    def __init__(self, program: Program) -> None:
         self.program = program
-        self.file = file
         self.held: list[Notes] = []
         self.rows: list[Note] | None = None
         self.row = 0
@@ -299,9 +315,9 @@ class _NoteReader:
 
     def _read(self, last: int) -> None:
         """Have the notes of the lines up to ``last``, or to the end of the file."""
-        count = self.program.files[self.file].line_count
+        count = self.program.files[JOB].line_count
         while self.line <= min(last, count):
-            notes, self.begin, self.line = self.program.load_notes(self.file, self.begin, self.line, PIECE_BYTES)
+            notes, self.begin, self.line = self.program.load_notes(JOB, self.begin, self.line, PIECE_BYTES)
             self.held.append(notes)
             self.rows = None
 

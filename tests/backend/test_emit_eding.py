@@ -245,6 +245,13 @@ def test_bytes_of_texts_are_kept(tmp_path: Path, line: str, encoding: str) -> No
     assert kept.findall(text) == kept.findall(raw + "ß".encode())
 
 
+def test_a_line_that_would_get_another_encoding_stays(tmp_path: Path) -> None:
+    """Without its quotes of Windows-1252 the text would be UTF-8."""
+    line = b"Msg \x93\xc3\xa4\x94"
+    assert formatted(tmp_path, line + b"\n") == line + b"\n"
+    assert formatted(tmp_path, b"Msg \x93\xe4\x94\n") == b'msg "\xe4"\n'
+
+
 @pytest.mark.parametrize("line", ["X.1" * 85, "#1=[1" + "+1" * 120 + "]", "if [1" + "+1" * 120 + "]\nendif"])
 def test_a_line_that_would_be_too_long_stays(tmp_path: Path, line: str) -> None:
     data = f"g0 x1\n{line}\ng0x2".encode()
@@ -313,6 +320,22 @@ def test_the_trace_is_the_same(
         exit_code = main(["dump", "job.cnc", "--stage", "trace", "--setup", "zero", *machine])
         traces.append((exit_code, capsys.readouterr().out))
     assert traces[0] == traces[1]
+
+
+def test_the_trace_of_shared_programs_is_the_same(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    for path in SHARED[::4]:
+        traces = []
+        shutil.copy(path, "job.cnc")
+        for words in ([], ["fmt", "--dialect", "eding", "job.cnc"]):
+            if words:
+                main(words)
+            capsys.readouterr()
+            exit_code = main(["dump", "job.cnc", "--dialect", "eding", "--stage", "trace", "--setup", "zero"])
+            traces.append((exit_code, capsys.readouterr().out))
+        assert traces[0] == traces[1], path
 
 
 def test_a_parsed_dump_prints_the_same_text(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
