@@ -86,7 +86,8 @@ class Blocks(Motion):
 
     def _settings(self, line: Line) -> None:
         """Steps 2 to 18."""
-        comp, tool_offset = self.modal.compensation, list(self.modal.tool_offset)
+        comp = self.modal.compensation
+        offsets = [] if comp is None else [self.modal.beside_work(axis) for axis in range(AXES)]
         self._feed_mode(line)
         self._feed(line)
         spindle.speed_word(self, line)
@@ -104,7 +105,7 @@ class Blocks(Motion):
         self._units(line)
         compensated.switch(self, line)
         self._length_offset(line)
-        compensated.keep_tool_offset(comp, tool_offset, self.modal, line)
+        compensated.keep_tool_and_head(comp, offsets, self.modal, line)
         self._coordinate_system(line)
         self._path_mode(line)
         self._distance_and_retract(line)

@@ -35,6 +35,8 @@ The manual (3.1.2.1) states 2 and 9 in words and the others in a picture; these 
 APART = "a motion that is no part of the contour"
 """Why nobody knows where the contour goes on."""
 
+VIEW_HINT = 'state xz_seen_from = "+y" or "-y" under [controller] in the machine file'
+
 
 # -- on and off
 
@@ -127,8 +129,7 @@ def _view(ex: Motion, where: Span) -> int | None:
     view = ex.machine.controller.xz_seen_from
     if view is None:
         cause = "the side from which arcs and sides in the XZ plane are seen"
-        hint = 'state xz_seen_from = "+y" or "-y" under [controller] in the machine file'
-        ex._fail(codes.COMPENSATION_LATHE_UNKNOWN.at(where, cause=cause, hint=hint))
+        ex._fail(codes.COMPENSATION_LATHE_UNKNOWN.at(where, cause=cause, hint=VIEW_HINT))
         return None
     return -1 if view == "-y" else 1
 
@@ -174,13 +175,14 @@ def keep_offsets(modal: Modal, line: Line, rule: CodeRule) -> None:
         raise Refusal(codes.OFFSETS_WITH_COMPENSATION.at(line.where_code(rule), code=rule.text))
 
 
-def keep_tool_offset(comp: Compensation | None, before: list[Position], modal: Modal, line: Line) -> None:
-    """Refusal GP246 where a tool offset changed along a compensated axis [1]; ``comp``, ``before``: at the line."""
+def keep_tool_and_head(comp: Compensation | None, before: list[Position], modal: Modal, line: Line) -> None:
+    """Refusal GP246 where the offset of tool or head changed along a compensated axis [1]; the others: at the line."""
     if comp is None or modal.compensation is None:
         return
-    changed = [AXIS_NAMES[a].upper() for a in comp.axes if before[a] != modal.tool_offset[a]]
+    changed = [AXIS_NAMES[a].upper() for a in comp.axes if before[a] != modal.beside_work(a)]
     if changed:
-        raise Refusal(codes.OFFSETS_WITH_COMPENSATION.at(line.span, code=f"a tool offset in {' and '.join(changed)}"))
+        what = f"an offset of tool or head in {' and '.join(changed)}"
+        raise Refusal(codes.OFFSETS_WITH_COMPENSATION.at(line.span, code=what))
 
 
 def no_parking(modal: Modal, line: Line, rule: CodeRule) -> None:

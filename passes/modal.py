@@ -143,11 +143,18 @@ class Modal:
         return self.plane is Plane.XZ and self.machine.controller.xz_seen_from == "-y"
 
     @property
+    def xz_view_open(self) -> bool:
+        """True on a lathe where nobody stated from which side its arcs are seen (manual 3.4.3 against 3.4.11.2)."""
+        controller = self.machine.controller
+        return self.plane is Plane.XZ and controller.turning and controller.xz_seen_from is None
+
+    @property
     def plain_motion(self) -> bool:
         """True where moves mean what ``run_lines`` makes of them."""
         return (
             self.compensation is None
             and not self.xz_mirrored
+            and not self.xz_view_open
             and not self.transform_in_doubt
             and not self.drives_were_off
             and not self.feed_unknown

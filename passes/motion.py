@@ -180,6 +180,9 @@ class Motion(Emitter):
             raise Refusal(codes.UNUSED_WORD.at(line.where(wrong), word=f"{wrong} (out of the arc's plane)"))
         if radius is not None and center_words != (None, None):
             raise Refusal(codes.UNUSED_WORD.at(line.where("R"), word="R beside a centre"))
+        if s.xz_view_open:
+            cause = "the side from which arcs in the XZ plane are seen"
+            raise Refusal(codes.ARC_UNKNOWN.at(line.span, cause=cause, hint=compensated.VIEW_HINT))
         turns = 1 if (rule.function is F.ARC_CCW) != s.xz_mirrored else -1
         factor = check_arc(self, line)
         if s.compensation is not None and s.compensation.radius is None:

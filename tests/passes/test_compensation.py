@@ -5,6 +5,7 @@ Eding CNC manual 4.01: 3.4.11, chapter 5.
 
 from __future__ import annotations
 
+import dataclasses
 import itertools
 import math
 import random
@@ -14,6 +15,7 @@ import numpy as np
 import pytest
 from passes.compensated_jobs import HEAD, MILL, Move, Point, Stretch, contour, moves, run
 
+from gproof.ir.machine import Spindle
 from gproof.ir.setup import NOTHING
 from gproof.ir.trace import Op
 
@@ -543,3 +545,10 @@ def test_a_first_arc_with_an_unknown_radius_is_no_error(tmp_path: Path) -> None:
     """Whether R reaches depends on the radius of the tool."""
     _, told, _ = run(tmp_path, HEAD + "G0 X0 Y0\nG42 D4\nG3 X20.5 Y0 R10\nG40\nM2\n")
     assert told == ["GP255:3"]
+
+
+def test_another_head_can_not_follow_the_contour(tmp_path: Path) -> None:
+    """3.5.6: its offset is added to every position, and (5.4: 1) none may change."""
+    on = dataclasses.replace(MILL, spindles=(Spindle(number=1, offset=(40.0, 0.0, 0.0)),))
+    _, told, _ = run(tmp_path, HEAD + ON + "M91\nG40\nM2\n", on=on)
+    assert told == ["GP246:6"]

@@ -144,3 +144,14 @@ def test_a_tool_offset_in_x_can_not_change_within_a_contour(tmp_path: Path) -> N
     """5.4 (1): Z is a compensated axis here, so a tool length moves the origin."""
     _, told, _ = run(tmp_path, HEAD + BY_RADIUS.format(tool=1).replace("G40\n", "G43.1 K3\nG40\n"), on=FRONT)
     assert told == ["GP246:11"]
+
+
+@pytest.mark.parametrize(("turning", "view", "code"), [
+    (True, None, ["GP405:4"]), (True, "+y", []), (True, "-y", []), (False, None, []),
+])  # fmt: skip
+def test_arcs_of_a_lathe_need_the_view(turning: bool, view: str | None, code: list[str], tmp_path: Path) -> None:
+    """3.4.3 and 3.4.11.2 contradict each other; on a mill only the first counts."""
+    on = machine(view=view)
+    on = dataclasses.replace(on, controller=dataclasses.replace(on.controller, turning=turning))
+    _, told, _ = run(tmp_path, HEAD + "G0 X0 Z10\nG1 Z10\nG3 X-10 Z0 K-10\nG1 X0\nM30\n", on=on)
+    assert told == code
