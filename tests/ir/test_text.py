@@ -17,6 +17,7 @@ from gproof.ir import program as p
 from gproof.ir.columns import Columns, Schema
 from gproof.ir.dialects import rules_named
 from gproof.ir.finding import Span
+from gproof.ir.notes import NOTE, Notes
 from gproof.ir.rules import BINARY, UNARY
 from gproof.ir.setup import Interval, Setup
 from gproof.ir.text import parse_ir, print_ir
@@ -202,3 +203,9 @@ def test_a_field_too_many_is_refused() -> None:
 
 def test_rationals_are_exact() -> None:
     assert parse_ir("1600/3") == Fraction(1600, 3)
+
+
+def test_bytes_come_back_whatever_they_are() -> None:
+    for data in (b"", b'b"x"', b"\xe4\xc3\xa4\\ \"'\t\x81", bytes(range(256))):
+        assert parse_ir(print_ir(data)) == data
+        assert parse_ir(print_ir(Notes(Columns(NOTE), data))) == Notes(Columns(NOTE), data)
