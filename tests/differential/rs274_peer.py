@@ -266,7 +266,7 @@ def _merge(
             said = exact[k] if k < len(exact) else "nothing"
             raise PeerError(f"{program}:{call.line}: rs274 prints {call.name}, gcode says {said}")
         machine.check_printed(program, call, exact[k][2])
-        machine.take(name, exact[k][1], exact[k][2])
+        machine.take(name, call.line, exact[k][2])
         k += 1
     if k != len(exact):
         raise PeerError(f"{program}: gcode says {exact[k]} and rs274 prints nothing of it")
