@@ -70,14 +70,14 @@ class _Motion:
     def __init__(self, section: StreamSection, motors: tuple[Motor, ...], machine: Machine, frequency: int):
         self.section = section
         self.frequency = frequency
-        axes = {axis.index: axis for axis in machine.axes}
+        drives = {axis.index: axis.drives() for axis in machine.axes}
+        places = [sum(m.axis == other.axis for other in motors[:k]) for k, m in enumerate(motors)]
+        most = [
+            drives[m.axis][place].max_acceleration if place < len(drives.get(m.axis, ())) else None
+            for m, place in zip(motors, places, strict=True)
+        ]
         self.allowed = np.array(
-            [
-                (axes[m.axis].max_acceleration or math.inf) * abs(float(m.steps_per_unit))
-                if m.axis in axes
-                else math.inf
-                for m in motors
-            ]
+            [(a or math.inf) * abs(float(m.steps_per_unit)) for a, m in zip(most, motors, strict=True)]
         )
         least = float(min(self.allowed, default=math.inf))
         window = math.sqrt(40.0 / least) if 0 < least < math.inf else 0.0

@@ -18,7 +18,7 @@ from gproof.ir import codes
 from gproof.ir.finding import Findings, Severity, Span
 from gproof.ir.machine import AXES, AXIS_NAMES, Axis, Machine
 from gproof.ir.setup import Setup
-from gproof.ir.trace import UNKNOWN, Affine, Chunk, Op, Trace
+from gproof.ir.trace import HEIGHT_MAP, KNIFE, UNKNOWN, Affine, Chunk, Op, Trace
 from gproof.ir.verdict import Condition, PropertyResult, Verdict
 from gproof.passes.check import Check, form_interval, row_span
 from gproof.passes.extent_kernels import row_boxes
@@ -30,6 +30,11 @@ Floats = npt.NDArray[np.float64]
 
 ROUNDING = 1e-9
 """mm: what the arithmetic of an exact position may add; a position this far beyond is on the limit."""
+FOLLOWED = {
+    HEIGHT_MAP: "the height map is that of what lies on the table",
+    KNIFE: "the knife points along +X where its axis is at 0, and turns the shorter way",
+}
+"""What an answer about positions stands on while the controller adds to the path."""
 _KEPT = 64
 
 
@@ -73,6 +78,7 @@ class Limits(Check):
         own = reach_of(machine, "y")
         self._own_y: Range = (None, None) if own is None else own.sure[False]
         self._told_mapping = False
+        self._followed: set[str] = set()
         self._moved = np.zeros(AXES, dtype=bool)
         self._heights = heights_of(setup.height_map)
         self._plain = self._heights is None and all(reach.plain for reach in self.reaches.values())
@@ -107,6 +113,9 @@ class Limits(Check):
             return
         if self.setup.cylinder is not None:
             self._mapping(chunk)
+        for name in {name for state in trace.states for name in state.following} - self._followed:
+            self._followed.add(name)
+            self._assumptions.append(FOLLOWED[name])
         self._grow(len(trace.frames))
         forms = [[form == () for form in frame] for frame in trace.frames]
         known = np.array(forms, dtype=np.uint8)
@@ -207,6 +216,7 @@ class Limits(Check):
 
     def _begin_mapping(self) -> None:
         """GP321 for what a mapping of Y onto A needs and nobody stated."""
+        self._assumptions.append("Y is mapped onto A for the whole job; times are those of the flat drawing")
         cylinder = self.setup.cylinder
         assert cylinder is not None and self._first is not None
         missing = [
