@@ -187,6 +187,9 @@ COMPENSATION_WITHOUT_TOOL = code(
     258, "compensation-without-tool", _W, "cutter radius compensation without a tool in the spindle: the radius is 0"
 )
 ONLY_SUBPROGRAMS = code(340, "only-subprograms", _W, "the file holds only subprograms: nothing of it was executed")
+DOUBTFUL_ARITHMETIC = code(
+    299, "doubtful-arithmetic", _U, "{operator} has no value for some of what {cause} can be: the program may stop here"
+)
 OPERATOR_STOP = code(243, "operator-stop", _N, "the job waits here for the operator ({code})")
 
 # 26x, 27x: the spindle and what follows its turns

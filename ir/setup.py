@@ -5,6 +5,9 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, field
 
+_STATED = ("start", "work", "g92", "tool", "head")
+"""Kinds of symbols that a setup can state."""
+
 
 @dataclass(frozen=True, slots=True)
 class Interval:
@@ -92,10 +95,14 @@ class Setup:
     height_map: HeightMap | None = None
 
     def interval(self, symbol: str) -> Interval | None:
-        """What is stated of a symbol such as ``start.x``, ``work.1.x``, ``g92.x``, ``tool.3.z``."""
+        """What is stated of a symbol such as ``start.x``, ``work.1.x``, ``g92.x``, ``tool.3.z``.
+
+        None for what arises in the run (``probe.1.x``, ``home.2.z``, ``?``): no setup states that, the usual
+        assumption of no offsets included.
+        """
         kind, *rest = symbol.split(".")
         found: Interval | None = None
-        default = self.default_offset
+        default = self.default_offset if kind in _STATED else None
         if kind == "start":
             found, default = self.start.get(rest[0]), self.default_start
         elif kind == "work":
@@ -111,8 +118,9 @@ class Setup:
         return found
 
     def parameter(self, number: int) -> float | None:
-        """The stated value of a numbered parameter."""
-        return self.parameters.get(number, self.default_parameter)
+        """The stated value of a numbered parameter; None where only bounds are stated."""
+        default = None if number in self.parameter_ranges else self.default_parameter
+        return self.parameters.get(number, default)
 
 
 ZERO = Setup(

@@ -179,6 +179,8 @@ class Blocks(Motion):
         if "T" not in line.values:
             return
         highest = self.program.rules.highest_tool
+        if isinstance(line.values["T"], Unknown):
+            self.modal.selected_tool = None
         tool = line.whole("T", self.program.rules.integer_tolerance)
         if tool is None or not 0 <= tool <= highest:
             raise Refusal(codes.TOOL_NUMBER.at(line.where("T"), value=tool, highest=highest))
@@ -232,13 +234,13 @@ class Blocks(Motion):
         if timeout is not None and timeout < 0:
             raise Refusal(codes.INPUT_CHANNEL.at(line.where("Q"), what=f"a timeout of {timeout:g} s"))
         channel = float(digital if digital is not None else analog or 0)
+        if channel < 0:
+            raise Refusal(codes.INPUT_CHANNEL.at(line.where_code(rule), what=f"there is no input {channel:g}"))
         wanted = math.nan if not wait else float(wait == 1)
         self.event(Op.INPUT_WAIT, line.span, arg=(channel, wanted))
         read = Unknown(f"input {channel:g}", 0.0, 1.0) if digital is not None else Unknown(f"analog input {channel:g}")
-        if wait and timeout is None:
-            self.modal.parameters[5399] = wanted
-        else:
-            self.modal.parameters[5399] = self.modal.stated_range(5399, read)
+        # Without Q a wait may be endless or not: both answers are possible, as with it.
+        self.modal.parameters[5399] = self.modal.stated_range(5399, read)
         self._end_section(Wait.INPUT, "read" if not wait else "come or timed out", None, line.span.line)
 
     def _dwell(self, line: Line) -> None:
@@ -307,14 +309,25 @@ class Blocks(Motion):
             s.tool_offset[2] = NOWHERE
             self._fail(codes.TOOL_OFFSET_UNKNOWN.at(line.span, hint="name the tool with T and M6, or in the setup"))
         else:
-            s.tool_offset[2] = s.length_of(tool)
+            s.tool_offset[2] = self._table_length(s.length_of(tool), s.parameters.get(TOOL_LENGTH + tool))
             x = s.tool_x_offset(tool)
             s.tool_offset[0] = NOWHERE if isinstance(x, Unknown) else Position(x)
         self.event(Op.TOOL_OFFSET, line.span, arg=(math.nan if tool is None else float(tool), 0.0))
 
+    def _table_length(self, length: Position, written: Value | None) -> Position:
+        """A length that is only bounded, as one that was measured, is an unknown of its own."""
+        if not isinstance(written, Unknown) or not written.bounded:
+            return length
+        unit = self.machine.unit
+        return self.unknown_place("value", 2, (written.low * unit, written.high * unit), Position(0.0))
+
     def _table_written(self, number: int, span: Span) -> None:
         """GP298 when the program writes the length or X offset that is in use: whether it acts at once is open."""
         s = self.modal
+        if s.offset_in_use(number):
+            what, hint = f"#{number}", "G10 L2, G92 or selecting the coordinate system again says when it acts"
+            self.findings.add(codes.OFFSET_IN_USE.at(span, what=what, hint=hint))
+            return
         if not s.offset_tool:
             return
         for base, axis in ((TOOL_LENGTH, 2), (TOOL_X_OFFSET, 0)):
@@ -329,6 +342,7 @@ class Blocks(Motion):
             return
         compensated.keep_offsets(self.modal, line, rule)
         self.modal.work = rule.value
+        self.modal.use_written_work()
         self._state_changed()
         self.event(Op.OFFSET, line.span, arg=(float(rule.value), 0.0))
 
@@ -437,6 +451,7 @@ class Blocks(Motion):
             for axis in line.axes():
                 s.work_offsets[0, axis] = NOWHERE
         for axis, value in line.axes().items():
+            s.written_work.pop((system, axis), None)
             if isinstance(value, Unknown):
                 s.work_offsets[system, axis] = NOWHERE
             elif key == 2:

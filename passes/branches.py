@@ -45,7 +45,8 @@ class Branches(Loops):
         return None
 
     def _state_key(self, place: object) -> object:
-        stack = tuple((id(f.body), f.at, id(f.node), f.position()) for f in self._stack)
+        # What is left of a calling line belongs to it: its words are values of that moment.
+        stack = tuple((id(f.body), f.at, id(f.node), f.position(), repr(f.caller)) for f in self._stack)
         return place, stack, tuple(self._depth), self.modal.key()
 
     def _split(self, node: If | While, loop: Frame | None) -> None:

@@ -48,3 +48,15 @@ def form_interval(form: Affine, setup: Setup, trace: Trace) -> Interval | None:
         ends = (known.low * coefficient, known.high * coefficient)
         low, high = low + min(ends), high + max(ends)
     return Interval(low, high)
+
+
+_STATED = ("start", "work", "g92", "tool", "head")
+
+
+def split_form(form: Affine) -> tuple[Affine, Affine]:
+    """(unknowns that arise in the run, those that a setup can state): only the second can be a condition of a verdict.
+
+    Nobody can promise before the job runs where a probe will touch.
+    """
+    arising = tuple(term for term in form if term[0].split(".")[0] not in _STATED)
+    return arising, tuple(term for term in form if term not in arising)

@@ -28,7 +28,6 @@ from gproof.ir.program import (
     Message,
     Program,
     Statement,
-    Text,
     Unsupported,
     While,
 )
@@ -36,6 +35,7 @@ from gproof.ir.setup import Setup
 from gproof.ir.trace import Chunk, Edge, Op, Trace, TraceSection, Wait
 from gproof.passes.branches import Branches
 from gproof.passes.commands import run_command
+from gproof.passes.dialogs import run_dialog
 from gproof.passes.emitter import DEFAULT_BRANCHES, DEFAULT_BUDGET, ProgramEnd
 from gproof.passes.expressions import describe_parts
 from gproof.passes.frames import Caller, Frame
@@ -249,7 +249,7 @@ class Executor(Branches):
         text = describe_parts(node.parts, self.evaluator)
         self.event(Op.MESSAGE, node.span, text=self._text(text))
         if node.kind == "dialog":
-            self._dialog(node)
+            run_dialog(self, node)
         if node.kind == "warning":
             # The manual's tool setter waits behind each of its warnings until RUN is pressed (2.13).
             self._end_section(Wait.OPERATOR, "warning read", None, node.span.line)
@@ -257,21 +257,6 @@ class Executor(Branches):
             self.findings.add(codes.ERROR_MESSAGE.at(node.span, text=text))
             self._end_section(Wait.OPERATOR, "error message", -1, node.span.line)
             raise ProgramEnd
-
-    def _dialog(self, node: Message) -> None:
-        """What the operator typed is not known: the dialog's variables and its answer #5398 (4.2.4)."""
-        if self.modal.rendering:
-            self.modal.parameters[5398] = 1.0
-            return
-        self.modal.parameters[5398] = self.modal.stated_range(5398, Unknown("the answer of a dialog", -1.0, 1.0))
-        for part in node.parts[1:]:
-            if not isinstance(part, Text):
-                number = self.evaluator.value(part)
-                if isinstance(number, Unknown):
-                    raise Refusal(codes.UNKNOWN_CONDITION.at(node.span, cause=number.cause))
-                answer = Unknown(f"the operator's answer in #{number:g}")
-                self.modal.write(number, self.modal.stated_range(round(number), answer), node.span)
-        self._end_section(Wait.OPERATOR, "dialog answered", None, node.span.line)
 
     def _block(self, node: Block) -> None:
         if node.deleted:

@@ -94,7 +94,9 @@ class Evaluator:
         if isinstance(expr, Variable):
             number = self.value(expr.number)
             if isinstance(number, Unknown):
-                return number
+                # Whichever variable that is: its value has nothing to do with the bounds of its number.
+                self._doubt(expr.span, f"# of {number.cause}", number.cause)
+                return Unknown(number.cause)
             return self.read(number, expr.span)
         if isinstance(expr, Unary):
             return self._unary(expr)
@@ -105,6 +107,8 @@ class Evaluator:
     def _unary(self, expr: Unary) -> Value:
         x = self.value(expr.operand)
         if isinstance(x, Unknown):
+            if ranges.unary_may_fail(expr.operator, bounds(x)):
+                self._doubt(expr.span, expr.operator, x.cause)
             return between(x.cause, ranges.unary(expr.operator, bounds(x)))
         try:
             return self._finite(UNARY_FUNCTIONS[expr.operator](x), expr.span)
@@ -129,6 +133,8 @@ class Evaluator:
             ))  # fmt: skip
         if isinstance(x, Unknown) or isinstance(y, Unknown):
             cause = x.cause if isinstance(x, Unknown) else y.cause if isinstance(y, Unknown) else ""
+            if ranges.binary_may_fail(expr.operator, bounds(x), bounds(y)):
+                self._doubt(expr.span, expr.operator, cause)
             return between(cause, ranges.binary(expr.operator, bounds(x), bounds(y)))
         if expr.operator in ("==", "<>") and not (x == math.floor(x) and y == math.floor(y)):
             self._tell(codes.INEXACT_COMPARISON.number, expr.span, lambda: codes.INEXACT_COMPARISON.at(
@@ -157,6 +163,12 @@ class Evaluator:
                 raise _fail(expr.span, f"shift by {b}")
             return float(a << b if expr.operator == "<<" else a >> b)
         return float({"band": a & b, "bor": a | b, "bxor": a ^ b}[expr.operator])
+
+    def _doubt(self, span: Span, operator: str, cause: str) -> None:
+        """The controller may stop here: for some of the possible values there is no result."""
+        self._tell(codes.DOUBTFUL_ARITHMETIC.number, span, lambda: codes.DOUBTFUL_ARITHMETIC.at(
+            span, operator=operator, cause=cause, hint="state its bounds, or ask for them before"
+        ))  # fmt: skip
 
     def _finite(self, x: float, span: Span) -> float:
         if not math.isfinite(x):

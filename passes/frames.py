@@ -10,7 +10,7 @@ from gproof.ir.finding import Span
 from gproof.ir.program import Block, Statement
 from gproof.passes.modal import Modal
 from gproof.passes.overrides import Words
-from gproof.passes.values import Unknown, Value, bounds
+from gproof.passes.values import Unknown, bounds
 
 
 @dataclass(slots=True, eq=False)
@@ -84,6 +84,7 @@ class Path:
     place: tuple[int, int, list[str], bool, int]
 
 
+NO_PLACE = Span("", 0)
 EXACT = 32
 """So many outcomes are kept apart in every number; behind later ones what differs is only bounded."""
 
@@ -109,18 +110,10 @@ def _hull(paths: list[Path]) -> Path:
     modal = first.modal.copy()
     numbers = {number for path in paths for number in path.modal.parameters}
     for number in sorted(numbers):
-        values = [_value(path.modal, number) for path in paths]
+        values = [path.modal.read(float(number), NO_PLACE) for path in paths]
         if any(value != values[0] for value in values):
             ends = [bounds(value) for value in values]
             cause = next((value.cause for value in values if isinstance(value, Unknown)), "earlier inputs")
             low, high = min(low for low, _ in ends), max(high for _, high in ends)
             modal.parameters[number] = Unknown(cause, low, high)
     return Path(first.stack, modal, -1, first.place)
-
-
-def _value(modal: Modal, number: int) -> Value:
-    """A variable's value, also where nobody has set it."""
-    if number in modal.parameters:
-        return modal.parameters[number]
-    stated = modal.setup.parameter(number)
-    return modal.stated_range(number, Unknown(f"#{number}")) if stated is None else stated

@@ -20,7 +20,7 @@ from gproof.ir.machine import AXES, AXIS_NAMES, Axis, Machine
 from gproof.ir.setup import Setup
 from gproof.ir.trace import HEIGHT_MAP, KNIFE, UNKNOWN, Affine, Chunk, Op, Trace
 from gproof.ir.verdict import Condition, PropertyResult, Verdict
-from gproof.passes.check import Check, form_interval, row_span
+from gproof.passes.check import Check, form_interval, row_span, split_form
 from gproof.passes.extent_kernels import row_boxes
 from gproof.passes.height_map import heights_of
 from gproof.passes.reach import Range, reach_of, reaches
@@ -402,6 +402,7 @@ class Limits(Check):
     def _conditions(self, found: dict[Affine, _Offset]) -> tuple[Condition, ...]:
         """Conditions that the setup does not already meet; findings where it can not or need not."""
         out = []
+        rooms: dict[Affine, tuple[float, float]] = {}
         assert self._first is not None and self._trace is not None
         for form, offset in sorted(found.items()):
             if offset.low > offset.high + 2 * ROUNDING:
@@ -427,9 +428,25 @@ class Limits(Check):
                 continue
             if low > high or (low == -math.inf and high == math.inf):
                 continue
-            if len(form) == 1 and form[0][0].startswith("start."):
-                self._assumptions.append(f"{describe(form)} lies within {low:.4f} and {high:.4f} (machine coordinates)")
-            out.append(Condition(terms=form, low=low, high=high))
+            arising, rest = split_form(form)
+            if arising:
+                span = form_interval(arising, self.setup, self._trace)
+                if span is None or not rest or low - span.low > high - span.high:
+                    self.findings.add(codes.POSITION_UNKNOWN.at(self._first, axis=offset.axis.name.upper(),
+                                                                cause=describe(form)))  # fmt: skip
+                    continue
+                low, high = low - span.low, high - span.high
+            if len(rest) == 1 and rest[0][0].startswith("start."):
+                said = f"{describe(rest)} lies within {low:.4f} and {high:.4f} (machine coordinates)"
+                self._assumptions.append(said)
+            before = rooms.get(rest, (-math.inf, math.inf))
+            rooms[rest] = max(before[0], low), min(before[1], high)
+        for form, (low, high) in sorted(rooms.items()):
+            if low > high:
+                cause = f"no {describe(form)} suits the whole job"
+                self.findings.add(codes.POSITION_UNKNOWN.at(self._first, axis=describe(form), cause=cause))
+            else:
+                out.append(Condition(terms=form, low=low, high=high))
         return tuple(out)
 
     def box(self) -> list[tuple[str, str, float, float]]:

@@ -14,9 +14,10 @@ from gproof.ir.setup import Interval, Setup
 from gproof.ir.trace import HEIGHT_MAP, PathMode, Plane, State
 from gproof.passes.compensation import Compensation
 from gproof.passes.heads import head_offset
+from gproof.passes.ranges import widened
 from gproof.passes.spindle import commanded_rpm
 from gproof.passes.transform import NO_TRANSFORM
-from gproof.passes.values import NOWHERE, Position, Unknown, Value, between
+from gproof.passes.values import NOWHERE, Position, Unknown, Value, between, bounds
 
 INCH = 25.4
 ZERO = Position(0.0)
@@ -80,6 +81,7 @@ class Modal:
         self.work = setup.active_work if setup.active_work is not None else 0
         self.parameters: dict[int, Value] = {}
         self.work_offsets = {(n, a): self._symbol(f"work.{n}.{AXIS_NAMES[a]}") for n in range(10) for a in range(AXES)}
+        self.written_work: dict[tuple[int, int], Position] = {}
         self.g92 = [self._symbol(f"g92.{name}") for name in AXIS_NAMES]
         self.g92_stored = list(self.g92)
         self.tool_offset = list(NO_OFFSET)
@@ -231,12 +233,29 @@ class Modal:
             return self.parameters[whole]
         show = _SHOWN.get(entry.kind)
         if show is not None:
-            return show(self, whole, whole - entry.first)
-        if entry.kind in ("free", "persistent", "park_1", "park_2"):
+            value: Value | None = show(self, whole, whole - entry.first)
+        elif entry.kind in ("free", "persistent", "park_1", "park_2"):
             value = self.setup.parameter(whole)
         else:
             value = self.setup.parameters.get(whole)
-        return self.stated_range(whole, Unknown(f"#{whole}")) if value is None else value
+        if value is None:
+            value = self.stated_range(whole, Unknown(f"#{whole}"))
+        return self._either_unit(whole, entry, value)
+
+    def _either_unit(self, number: int, entry: ParameterRange, value: Value, written: bool = False) -> Value:
+        """The value in the controller's own unit or in the program's, where these differ: no section says which.
+
+        written: what a program writes; the result is in the controller's unit.
+        """
+        if self.unit == self.machine.unit or not _has_length(entry, number):
+            return value
+        factor = self.machine.unit / self.unit
+        if written or entry.kind in _PROGRAM_UNIT:
+            factor = 1.0 / factor
+        low, high = bounds(value)
+        ends = low, high, low * factor, high * factor
+        cause = value.cause if isinstance(value, Unknown) else f"#{number}, in mm or in inches,"
+        return between(cause, (min(ends), max(ends)))
 
     def machine_unit(self, axis: int) -> float:
         """mm (or degrees) in one of the controller's own units of an axis."""
@@ -247,20 +266,59 @@ class Modal:
         if not at.form:
             return at.value / unit
         low = high = at.value
+        largest = abs(at.value)
         for symbol, coefficient in at.form:
             known = self.ranges.get(symbol) or self.setup.interval(symbol)
             if known is None:
                 return Unknown(f"#{number}")
             ends = (known.low * coefficient, known.high * coefficient)
             low, high = low + min(ends), high + max(ends)
-        return Unknown(f"#{number}", low / unit, high / unit)
+            largest = max(largest, *map(abs, ends), abs(low), abs(high))
+        # Another order of the same sums rounds differently.
+        slack = 16 * math.ulp(largest)
+        return Unknown(f"#{number}", *widened((low - slack) / unit, (high + slack) / unit))
 
     def write(self, number: float, value: Value, span: Span) -> None:
         """Set a numbered variable; Refusal GP227 for one that shows the machine's state."""
         whole, entry = self.range_of(number, span)
         if not entry.writable:
             raise Refusal(codes.READ_ONLY_PARAMETER.at(span, number=whole, meaning=entry.meaning))
-        self.parameters[whole] = value
+        value = self._either_unit(whole, entry, value, written=True)
+        axis = whole - entry.first
+        if entry.kind not in ("work", "g92"):
+            self.parameters[whole] = value
+            return
+        place = NOWHERE if isinstance(value, Unknown) else Position(value * self.machine_unit(axis))
+        if entry.kind == "g92":
+            self.g92_stored[axis] = place
+            return
+        system = (entry.first - 5221) // 20 + 1
+        self.written_work[system, axis] = place
+        if self.work == 0:
+            self.work_offsets[0, axis] = NOWHERE
+        elif self.work != system:
+            self.work_offsets[system, axis] = place
+
+    def offset_in_use(self, number: int) -> bool:
+        """True when a written number belongs to an offset that is on; the axis then counts as standing anywhere.
+
+        A new zero of a coordinate system acts when a system is selected, a G92 offset with G92.3: whether it acts at
+        once besides, no section says.
+        """
+        whole, entry = self.range_of(number, Span("", 0))
+        axis = whole - entry.first
+        if entry.kind == "g92":
+            self.g92[axis] = NOWHERE
+            return True
+        if entry.kind == "work" and self.work == (entry.first - 5221) // 20 + 1:
+            self.work_offsets[self.work, axis] = NOWHERE
+            return True
+        return False
+
+    def use_written_work(self) -> None:
+        """A coordinate system is selected: zeros that were written are in force."""
+        self.work_offsets.update(self.written_work)
+        self.written_work = {}
 
     def stated_range(self, number: int, otherwise: Unknown) -> Value:
         """What the setup says that a variable will hold when the machine has asked or measured it."""
@@ -278,6 +336,11 @@ class Modal:
             return NOWHERE if isinstance(written, Unknown) else Position(written * self.machine.unit)
         if tool in self.setup.tool_lengths:
             return self._symbol(f"tool.{tool}.z")
+        stated = self.setup.parameters.get(TOOL_LENGTH + tool)
+        if stated is not None:
+            return Position(stated * self.machine.unit)
+        if TOOL_LENGTH + tool in self.setup.parameter_ranges:
+            return NOWHERE
         entry = self.machine.tool(tool)
         if entry is not None and entry.length is not None:
             return Position(entry.length)
@@ -337,6 +400,22 @@ class Modal:
         """The G28 or G30 point of an axis in machine coordinates; parameters are in the machine's unit."""
         value = self.read(float(_PARK_DEFAULTS[kind] + axis), Span("", 0))
         return NOWHERE if isinstance(value, Unknown) else Position(value * self.machine_unit(axis))
+
+
+_PROGRAM_UNIT = ("machine_position", "probe_machine")
+"""Kinds whose values are made in the program's unit, and of which only the machine's would be another reading."""
+_BY_AXIS = (
+    "machine_position", "probe_machine", "park_1", "park_2", "g92", "work", "lower_limit", "upper_limit",
+    "home_position", "area_lower", "area_upper",
+)  # fmt: skip
+_BY_TOOL = (
+    "tool_radius", "tool_z", "tool_x", "offset_z", "offset_x", "tool_length", "tool_diameter", "tool_x_offset",
+)  # fmt: skip
+
+
+def _has_length(entry: ParameterRange, number: int) -> bool:
+    """True when a variable holds a length in a unit that no section names."""
+    return entry.kind in _BY_TOOL or (entry.kind in _BY_AXIS and number - entry.first < 3)
 
 
 def _area(modal: Modal, number: int, axis: int, side: int) -> Value:

@@ -12,6 +12,8 @@ from collections.abc import Callable
 Range = tuple[float, float]
 
 ANY: Range = (-math.inf, math.inf)
+_LARGEST_EXPONENT = 700.0
+_LARGE = 1e300
 _LOGIC = ("and", "or", "xor", ">", ">=", "<", "<=", "==", "<>")
 
 
@@ -20,6 +22,47 @@ def widened(low: float, high: float) -> Range:
     if math.isnan(low) or math.isnan(high):
         return ANY
     return math.nextafter(low, -math.inf), math.nextafter(high, math.inf)
+
+
+def unary_may_fail(operator: str, x: Range) -> bool:
+    """Whether ``operator x`` has no value for some number of the range."""
+    low, high = x
+    match operator:
+        case "acos" | "asin":
+            return low < -1.0 or high > 1.0
+        case "sqrt":
+            return low < 0.0
+        case "ln":
+            return low <= 0.0
+        case "exp":
+            return high > _LARGEST_EXPONENT
+    return False
+
+
+def binary_may_fail(operator: str, x: Range, y: Range) -> bool:
+    """Whether ``x operator y`` has no value for some numbers of the ranges, sums and products beyond 1e308 left out."""
+    match operator:
+        case "/" | "mod":
+            return y[0] <= 0.0 <= y[1]
+        case "**":
+            return not (x[0] > 0.0 and x[1] < _LARGE and y[0] > -_LARGE and y[1] < _LARGE and _power_fits(x, y))
+        case "band" | "bor" | "bxor" | "<<" | ">>":
+            return True  # a range holds numbers that are not whole
+    return False
+
+
+def _power_fits(x: Range, y: Range) -> bool:
+    return max(abs(math.log(b) * e) for b in x for e in y) < _LARGEST_EXPONENT
+
+
+def _quotient(a: float, b: float) -> float:
+    """a / b for ends of ranges; what no numbers of the ranges can decide is no number."""
+    if math.isinf(b):
+        return math.nan if math.isinf(a) else 0.0
+    try:
+        return a / b
+    except OverflowError:
+        return math.nan
 
 
 def _corners(x: Range, y: Range, operate: Callable[[float, float], float]) -> Range:
@@ -76,7 +119,8 @@ def binary(operator: str, x: Range, y: Range) -> Range:
     if operator == "*":
         return _corners(x, y, lambda a, b: a * b)
     if operator == "/" and not y[0] <= 0.0 <= y[1]:
-        return _corners(x, (1.0 / y[1], 1.0 / y[0]), lambda a, b: a * b)
+        values = [_quotient(a, b) for a in x for b in y]
+        return ANY if any(math.isnan(v) for v in values) else widened(min(values), max(values))
     if operator == "mod" and y[0] == y[1] and y[0] > 0:
         return 0.0, y[0]
     if operator == "atan":
@@ -102,7 +146,7 @@ def unary(operator: str, x: Range) -> Range:
         case "sqrt" if low >= 0:
             return widened(math.sqrt(low), math.sqrt(high))
         case "fix" | "fup" | "int" | "round" if math.isfinite(low) and math.isfinite(high):
-            return math.floor(low), math.ceil(high)
+            return float(math.floor(low)), float(math.ceil(high))
         case "atan":
             return -90.0, 90.0
     return ANY

@@ -17,7 +17,7 @@ from gproof.ir.machine import AXIS_NAMES, Machine
 from gproof.ir.setup import Setup
 from gproof.ir.trace import HEIGHT_MAP, UNKNOWN, Affine, Chunk, Op, Plane
 from gproof.ir.verdict import Condition, PropertyResult, Verdict
-from gproof.passes.check import Check, form_interval, row_span
+from gproof.passes.check import Check, form_interval, row_span, split_form
 from gproof.passes.extent_kernels import arc_extreme, row_boxes, rows_near
 from gproof.passes.height_map import heights_of
 from gproof.passes.values import describe
@@ -216,7 +216,7 @@ class ToolChangeArea(Check):
                 if (high[axis] > face) if below else (low[axis] < face):
                     return None
                 continue
-            bound = bounds.setdefault(form, list(self._given.get(form, (-math.inf, math.inf))))
+            bound = bounds.setdefault(form, [-math.inf, math.inf])
             if limits is not None and limits.lower is not None:
                 bound[0] = max(bound[0], limits.lower - float(low[axis]))
             if limits is not None and limits.upper is not None:
@@ -226,15 +226,23 @@ class ToolChangeArea(Check):
             else:
                 bound[0] = max(bound[0], face - float(low[axis]))
         out = []
+        rooms: dict[Affine, list[float]] = {}
         for form, (low_bound, high_bound) in sorted(bounds.items()):
             stated = form_interval(form, self.setup, self._trace)
             if stated is not None:
                 if not (low_bound <= stated.low and stated.high <= high_bound):
                     return None
                 continue
-            if low_bound > high_bound:
+            arising, rest = split_form(form)
+            span = form_interval(arising, self.setup, self._trace)
+            if span is None or not rest:
                 return None
-            out.append(Condition(terms=form, low=low_bound, high=high_bound))
+            room = rooms.setdefault(rest, list(self._given.get(rest, (-math.inf, math.inf))))
+            room[0], room[1] = max(room[0], low_bound - span.low), min(room[1], high_bound - span.high)
+        for form, (least, most) in sorted(rooms.items()):
+            if least > most:
+                return None
+            out.append(Condition(terms=form, low=least, high=most))
         return tuple(out)
 
 

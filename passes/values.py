@@ -32,6 +32,12 @@ def bounds(value: Value) -> Range:
     return (value.low, value.high) if isinstance(value, Unknown) else (value, value)
 
 
+def hull(one: Value, other: Value) -> Range:
+    """The least range that holds both."""
+    (a, b), (c, d) = bounds(one), bounds(other)
+    return min(a, c), max(b, d)
+
+
 def between(cause: str, ends: Range) -> Value:
     """A value somewhere in a range: a number when only one is possible."""
     return ends[0] if ends[0] == ends[1] else Unknown(cause, *ends)
