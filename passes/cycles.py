@@ -17,6 +17,7 @@ from gproof.passes.line import Line
 from gproof.passes.spindle import need_turning, note_speed_unknown
 from gproof.passes.transform_codes import check_cycle
 from gproof.passes.values import Position, Unknown
+from gproof.passes.word_owner import owned
 
 if TYPE_CHECKING:
     from gproof.passes.motion import Motion
@@ -48,6 +49,7 @@ def run_cycle(ex: Motion, line: Line, rule: CodeRule) -> None:
     check_cycle(ex, line, rule, drill)
     if s.feed_mode == 93:
         raise Refusal(codes.CYCLE_INVERSE_TIME.at(line.span, code=rule.text))
+    owned(line, rule, _letters(rule))
     # R stays from cycle to cycle, the other numbers only within the same one.
     sticky = {k: v for k, v in s.cycle.items() if k == "R" or s.cycle_code == rule.tenths}
     depth_word = _sticky(line, sticky, letters)
@@ -97,6 +99,15 @@ def run_cycle(ex: Motion, line: Line, rule: CodeRule) -> None:
         ex.move(Op.TRAVERSE, ex.aim(line, {a: axes[a] for a in (first, second) if a in axes}), line.span)
         along(ex, line, drill, r, Op.TRAVERSE)
         HOLES[rule.function](ex, line, hole)
+
+
+def _letters(rule: CodeRule) -> str:
+    """The argument words of a cycle."""
+    if rule.function is Function.BORE_BACK:
+        return "RLIJK"
+    if rule.function in _DWELLS:
+        return "RLP"
+    return "RLQ" if rule.function in (Function.DRILL_PECK, Function.DRILL_CHIP_BREAK) else "RL"
 
 
 def _sticky(line: Line, sticky: dict[str, float], letter: str) -> float | None:

@@ -16,6 +16,7 @@ from gproof.ir.rules import CodeRule
 from gproof.ir.rules import Function as F
 from gproof.ir.trace import Op
 from gproof.passes.line import Line
+from gproof.passes.word_owner import owned
 
 if TYPE_CHECKING:
     from gproof.passes.emitter import Emitter
@@ -45,6 +46,7 @@ def overrides(ex: Emitter, line: Line) -> None:
 
 def _set(ex: Emitter, line: Line, rule: CodeRule) -> None:
     s = ex.modal
+    owned(line, rule, "P")
     value = line.number("P")
     if value is None:
         raise Refusal(codes.WORD_MISSING.at(line.where_code(rule), code=rule.text, needed="P"))
@@ -64,6 +66,7 @@ def _set(ex: Emitter, line: Line, rule: CodeRule) -> None:
 
 def _switch(line: Line, rule: CodeRule) -> bool:
     """P1, the same without P, or P0."""
+    owned(line, rule, "P")
     value = line.number("P")
     if value not in (None, 0.0, 1.0):
         raise Refusal(codes.UNSUPPORTED_CODE.at(line.where("P"), code=f"{rule.text} P{value:g}"))

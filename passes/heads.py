@@ -15,6 +15,7 @@ from gproof.ir.rules import Function as F
 from gproof.ir.trace import Op
 from gproof.passes.line import Line
 from gproof.passes.values import NOWHERE, Position
+from gproof.passes.word_owner import owned
 
 if TYPE_CHECKING:
     from gproof.passes.emitter import Emitter
@@ -44,6 +45,7 @@ def select(ex: Emitter, line: Line) -> None:
     rule = line.find(F.HEAD)
     if rule is None:
         return
+    owned(line, rule, "PQ")
     s = ex.modal
     move, calibrate = line.number("P"), line.number("Q")
     before = [head_offset(s, s.head, axis) for axis in range(3)]

@@ -485,6 +485,7 @@ _SHOWN: dict[str, Callable[[Modal, int, int], Value]] = {
     "g92": lambda m, n, k: m.plain(m.g92_stored[k], m.machine_unit(k), n),
     "work": lambda m, n, k: m.plain(m.work_offsets[(n - 5221) // 20 + 1, k], m.machine_unit(k), n),
     "work_number": lambda m, n, k: float(m.work) if m.work else Unknown("the active coordinate system"),
+    "head": lambda m, n, k: float(m.head) if m.head < 3 else Unknown(f"#{n}"),
     "simulation": lambda m, n, k: 0.0,
     "rendering": lambda m, n, k: float(m.rendering),
     "tool_length": lambda m, n, k: m.plain(m.length_of(k + 1), m.machine.unit, n),

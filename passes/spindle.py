@@ -16,6 +16,7 @@ from gproof.ir.rules import Function as F
 from gproof.passes.line import Line
 from gproof.passes.outputs import takes_speed
 from gproof.passes.values import Unknown
+from gproof.passes.word_owner import owned
 
 if TYPE_CHECKING:
     from gproof.passes.emitter import Emitter
@@ -109,6 +110,7 @@ def _mode(ex: Emitter, line: Line, rule: CodeRule) -> None:
         return
     if "S" not in line.values:
         raise Refusal(codes.WORD_MISSING.at(line.where_code(rule), code=rule.text, needed="S"))
+    owned(line, rule, "D")
     limit = line.number("D")
     if limit is not None and not limit > 0:
         raise Refusal(codes.SURFACE_SPEED_LIMIT.at(line.where("D"), value=limit))

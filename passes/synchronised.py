@@ -17,6 +17,7 @@ from gproof.ir.trace import Op
 from gproof.passes.line import Line
 from gproof.passes.spindle import need_turning, note_speed_unknown, true_rpm
 from gproof.passes.values import Position
+from gproof.passes.word_owner import owned
 
 if TYPE_CHECKING:
     from gproof.passes.motion import Motion
@@ -32,6 +33,7 @@ def run_synchronised(ex: Motion, line: Line, rule: CodeRule, target: list[Positi
         if axis >= 3:
             word = AXIS_NAMES[axis].upper()
             raise Refusal(codes.UNUSED_WORD.at(line.where(word), word=f"{word} beside {rule.text}"))
+    owned(line, rule, "K")
     pitch = line.number("K")
     if pitch is None or not pitch > 0:
         given = "" if pitch is None else f" greater than 0; K{pitch:g} is given"

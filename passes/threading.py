@@ -22,6 +22,7 @@ from gproof.passes.line import Line
 from gproof.passes.spindle import need_turning, note_speed_unknown
 from gproof.passes.synchronised import synchronised_move
 from gproof.passes.values import Position
+from gproof.passes.word_owner import owned
 
 if TYPE_CHECKING:
     from gproof.passes.motion import Motion
@@ -69,6 +70,7 @@ def run_threading(ex: Motion, line: Line, rule: CodeRule) -> None:
     missing = [letter for letter in "PZIJK" if letter not in line.values]
     if missing:
         raise Refusal(codes.WORD_MISSING.at(line.where_code(rule), code=rule.text, needed=" ".join(missing)))
+    owned(line, rule, "PIJRKQHEL")
     words = {letter: line.number(letter) for letter in "PZIJRKQHEL"}
     first, degression, springs = _check_words(line, rule, words)
     need_turning(ex, line, rule)

@@ -120,3 +120,9 @@ def test_nothing_stated_at_all(tmp_path: Path) -> None:
     trace, findings = run(tmp_path, HEAD + "M91\nG0 X5\nM90\nG0 X5\nM30\n", setup=NOTHING)
     assert codes_of(findings) == []
     assert ("head.1.x", 1) in frames(trace)[-4][0] or ("head.1.x", 1) in frames(trace)[-3][0]
+
+
+def test_the_selected_head_is_a_parameter(tmp_path: Path) -> None:
+    """3.1.1: #5390 is 0 for M90, 1 for M91, 2 for M92."""
+    trace, _ = run(tmp_path, HEAD + "G0 X[#5390]\nM91\nG53 G0 X[#5390]\nM92\nG53 G0 X[#5390]\nM30\n", machine=HEADS)
+    assert [row[1] for row in shown(trace) if row[0] == "go"] == [0, 1, 2]
