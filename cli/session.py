@@ -68,12 +68,15 @@ def _macro_file(machine: Machine, file: Path | None, job: Path) -> tuple[Path | 
 
     Without the usual one a job is judged as it stands, whether the machine's file names it or not.
     """
+    from gproof.frontend.toml_table import is_file
+
     name = machine.controller.macro_file
     if name is None or file is None:
         return None, machine
     for folder in (file.parent, job.parent):
-        if (folder / name).is_file() and (folder / name).resolve() != job.resolve():
-            return folder / name, machine
+        found = folder / name
+        if is_file(found) and found.resolve() != job.resolve():
+            return found, machine
     if name.lower() == "macro.cnc":
         return None, machine
     missing = f"macroFileName = {name} (there is no such file)"

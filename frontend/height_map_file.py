@@ -11,7 +11,7 @@ import hashlib
 import re
 from fractions import Fraction
 
-from gproof.frontend.toml_table import LARGEST, TomlTable, exact_ratio
+from gproof.frontend.toml_table import LARGEST, TomlTable, exact_ratio, is_file, show
 from gproof.ir import codes
 from gproof.ir.finding import Span
 from gproof.ir.setup import HeightMap
@@ -66,10 +66,13 @@ def _inline(table: TomlTable, unit: Fraction) -> HeightMap | None:
 def _points(table: TomlTable, name: str) -> tuple[list[Point], list[tuple[str, str]]]:
     """The points of a file; a finding at each line that is none."""
     target = table.file.path.parent / name
+    if not is_file(target):
+        table.bad("file", f"{show(name)}: no such file")
+        return [], []
     try:
         raw = target.read_bytes()
-    except (OSError, ValueError) as error:
-        table.bad("file", f"{name}: {getattr(error, 'strerror', None) or error}")
+    except OSError as error:
+        table.bad("file", f"{show(name)}: {error.strerror or error}")
         return [], []
     files = [(str(target), hashlib.sha256(raw).hexdigest())]
     points: list[Point] = []

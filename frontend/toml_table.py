@@ -312,6 +312,14 @@ def exact_ratio(text: str) -> Fraction | None:
     return Fraction(found[1]) / divisor if divisor else None
 
 
+def is_file(path: Path) -> bool:
+    """True for a regular file; False for what can not even be a name."""
+    try:
+        return path.is_file()
+    except (OSError, ValueError):
+        return False
+
+
 def small_number(name: str, low: int, high: int) -> int | None:
     """The whole number that a key spells, when it lies in range."""
     if name.isascii() and name.isdigit() and len(name) <= 9 and low <= int(name) <= high:

@@ -115,6 +115,9 @@ class Limits(Check):
             self._mapping(chunk)
         for name in {name for state in trace.states for name in state.following} - self._followed:
             self._followed.add(name)
+            if name == HEIGHT_MAP and self.setup.cylinder is not None:
+                what = "with Y mapped onto A it counts degrees of A, which a map of X and Y does not"
+                self.findings.add(codes.HEIGHT_MAP_UNKNOWN.at(row_span(trace, rows, 0), what=what))
             self._assumptions.append(FOLLOWED[name])
         self._grow(len(trace.frames))
         forms = [[form == () for form in frame] for frame in trace.frames]

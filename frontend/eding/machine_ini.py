@@ -19,7 +19,7 @@ from gproof.frontend.eding.correction_table import load_table
 from gproof.frontend.eding.ini_file import NUMBERED, Ini
 from gproof.frontend.eding.prepare import decode
 from gproof.frontend.eding.spindles_ini import read_spindles
-from gproof.frontend.toml_table import MILLIMETRES, TINIEST
+from gproof.frontend.toml_table import MILLIMETRES, TINIEST, is_file
 from gproof.ir import codes
 from gproof.ir.finding import Findings, Span
 from gproof.ir.machine import (
@@ -330,8 +330,8 @@ class _Reader:
         """
         name = (self.ini.text(section, key) or "").replace("\\", "/").rpartition("/")[2].strip()
         target = self.path.parent / name
-        if not name or not target.is_file():
-            self.not_modelled.append(f"[{section}] {key} = {name or 'nothing'} (there is no such file)")
+        if not name or not is_file(target):
+            self.not_modelled.append(f"[{section}] {key} = {name[:60] or 'nothing'} (there is no such file)")
             return None
         rows, digest = load_table(target, self.ini)
         self.files.append((str(target), digest))

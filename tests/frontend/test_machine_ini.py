@@ -145,6 +145,8 @@ def test_inches(tmp_path: Path) -> None:
          ("[JOINT_0] pitchCompensationFileName = nothing (there is no such file)",)),
         ("[JOINT_0]\nvisible=1\n[SPINDLE_0]\npwmCompensationOn=1\npwmCompensationFileName=\"pwm.txt\"\n",
          ("[SPINDLE_0] pwmCompensationFileName = pwm.txt (there is no such file)",)),
+        ("[JOINT_0]\nvisible=1\npitchCompensationOn=1\npitchCompensationFileName=" + "n" * 300 + "\n",
+         ("[JOINT_0] pitchCompensationFileName = " + "n" * 60 + " (there is no such file)",)),
         ("[JOINT_3]\nvisible=1\nmode = Foam Cut\n", ("[JOINT_3] mode = FOAM CUT",)),
         ("[JOINT_3]\nvisible=1\nmode = 2nd  Z\n", ("[JOINT_3] mode = 2ND Z",)),
         ("[JOINT_3]\nvisible=1\nmode = Tangential Knife\n", ("[JOINT_3] mode = TANGENTIAL KNIFE",)),

@@ -172,7 +172,9 @@ def test_mistakes_in_points(tmp_path: Path, points: str, what: str) -> None:
     [
         ("[cylinder]\nradius = 0\n", 3, "greater than 0"), ("[cylinder]\nradios = 3\n", 3, "radios"),
         ("[height_map]\nx = 1\n", 2, "height_map.y is missing"),
-        ("[height_map]\nfile = \"none.txt\"\n", 3, "No such file"),
+        ("[height_map]\nfile = \"none.txt\"\n", 3, "no such file"),
+        ("[height_map]\nfile = \"" + "n" * 400 + "\"\n", 3, "no such file"),
+        ("[height_map]\nfile = \"a\\u0000b\"\n", 3, "no such file"),
         (GRID.replace("0.2]", "]"), 6, "of one length"), (GRID.replace("0.2]", '"a"]'), 6, "list of numbers"),
     ],
 )  # fmt: skip

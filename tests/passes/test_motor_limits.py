@@ -12,6 +12,7 @@ import math
 import random
 from fractions import Fraction
 
+import numpy as np
 import pytest
 from passes.traces import Path
 
@@ -20,6 +21,9 @@ from gproof.ir.machine import Area, Axis, AxisKind, Machine, PitchTable, Slave
 from gproof.ir.setup import NOTHING, Cylinder, HeightMap, Interval, Setup
 from gproof.ir.trace import HEIGHT_MAP, Plane, Trace, chunks
 from gproof.ir.verdict import PropertyResult, Verdict
+from gproof.passes.extent_kernels import row_boxes
+from gproof.passes.height_kernels import height_spans
+from gproof.passes.height_map import Heights
 from gproof.passes.limits import Limits
 from gproof.passes.pitch import axis_position, exact_motor_position, motor_position, steepest
 from gproof.passes.tool_change_area import ToolChangeArea
@@ -315,6 +319,14 @@ def test_what_a_mapping_needs() -> None:
     assert "GP321" in judged(Path().traverse(y=5.0).done(), without, cylinder(radius=20.0, y=100.0))[1]
 
 
+def test_a_height_map_on_a_cylinder_is_not_known() -> None:
+    heights = HeightMap(x=0.0, y=0.0, size=10.0, heights=((0.0, 0.0), (0.0, 0.5)))
+    setup = dataclasses.replace(cylinder(radius=20.0, y=100.0, zero=0.0), height_map=heights)
+    path = Path().state(following=(HEIGHT_MAP,)).traverse(x=5)
+    assert judged(path.done(), mill(), setup)[1] == ["GP322"]
+    assert judged(Path().traverse(x=5).done(), mill(), setup)[1] == []
+
+
 def test_an_interval_of_an_offset_is_held_against_what_compensation_leaves() -> None:
     x = axis("x", 0.0, 600.0, backlash=0.25)
     setup = dataclasses.replace(NOTHING, work={(1, "x"): Interval(0.0, 10.0)})
@@ -357,3 +369,44 @@ def test_the_tool_change_area_while_y_turns_a() -> None:
     assert areas(through, machine, cylinder(radius=20.0, y=150.0)) == (Verdict.SAFE, [])
     assert areas(through, machine, cylinder(radius=20.0, y=20.0)) == (Verdict.UNSAFE, ["GP310"])
     assert areas(through, machine, cylinder(radius=20.0)) == (Verdict.UNKNOWN, ["GP311"])
+
+
+def test_both_speeds_bound_heights_and_extents_alike() -> None:
+    rng = random.Random(11)
+    grid = tuple(tuple(rng.uniform(-0.3, 0.3) for _ in range(6)) for _ in range(5))
+    heights = Heights(HeightMap(x=-3.0, y=2.0, size=13.0, heights=grid))
+    path = Path(x=20, y=20, z=0).state(following=(HEIGHT_MAP,))
+    for k in range(300):
+        x, y = rng.uniform(-20, 100), rng.uniform(-20, 80)
+        if k % 50 == 20:
+            path.frame("work.1.x")
+        if k % 50 == 25:
+            path.frame()
+        if rng.random() < 0.4:
+            center = ((path.place[0] + x) / 2, (path.place[1] + y) / 2)
+            path.arc(600, rng.choice([1, -1, 2]), center, Plane.XY, x=x, y=y)
+        else:
+            path.traverse(x=x, y=y, z=rng.uniform(-21, 11))
+    (chunk,) = chunks(path.done())
+    rows, trace = chunk.rows, chunk.trace
+    known = np.array([[form == () for form in frame] for frame in trace.frames], dtype=np.uint8)
+    states = np.zeros(len(trace.states), dtype=np.int64)
+    lower, upper = np.full((2, 6), -15.0), np.full((2, 6), 70.0)
+    results = []
+    for spans_of, boxes_of in ((height_spans, row_boxes), (height_spans.compiled(), row_boxes.compiled())):
+        spans = np.zeros((len(rows), 2))
+        on = np.array([0, 1], dtype=np.uint8)
+        columns = (rows["op"], rows["to"], rows["center"], rows["turns"], rows["plane"], rows["frame"])
+        start = np.array(chunk.start)
+        spans_of(*columns, rows["state"], start, chunk.start_frame, on, known, heights.grid, heights.heights, spans)
+        low, high = np.full((2 * len(trace.frames), 6), math.inf), np.full((2 * len(trace.frames), 6), -math.inf)
+        where = np.full(low.shape, -1, dtype=np.int64)
+        bad = np.zeros(64, dtype=np.int64), np.zeros(64, dtype=np.int64), np.zeros(64)
+        count = boxes_of(
+            *columns, states, rows["state"], np.array(chunk.start), known, lower, upper, low, high, where,
+            where.copy(), *bad, spans,
+        )  # fmt: skip
+        results.append((spans, low, high, count, *bad))
+    assert results[0][3] > 0 and (results[0][0] != 0).any()
+    for slow, fast in zip(*results, strict=True):
+        assert np.array_equal(slow, fast)
