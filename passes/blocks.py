@@ -73,7 +73,7 @@ class Blocks(Motion):
     def _execute(self, line: Line) -> None:
         """The steps of table 3-7, in its order (the comment, step 1, is the frontend's)."""
         owner = self._axis_owner(line)
-        before = frame_of(self.modal)
+        before = frame_of(self.modal, line)
         self._settings(line)
         run_transform(self, line, before)
         self._once(line)

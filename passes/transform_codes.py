@@ -62,8 +62,10 @@ def _set(ex: Motion, line: Line, rule: CodeRule, before: tuple[object, ...]) -> 
         ex._fail(codes.TRANSFORM_OPEN.at(line.span, what=why))
 
 
-def frame_of(modal: Modal) -> tuple[object, ...]:
-    """What the point of a transform is given in: offsets and unit."""
+def frame_of(modal: Modal, line: Line) -> tuple[object, ...]:
+    """What the point of a transform is given in, offsets and unit; () on lines that give none."""
+    if line.find(*_SETS) is None:
+        return ()
     return modal.offset(0), modal.offset(1), modal.unit
 
 
@@ -74,7 +76,7 @@ def _doubts(ex: Motion, line: Line, rule: CodeRule, before: tuple[object, ...]) 
         return f"{rule.text} on a machine with diameter programming"
     if rule.function is F.ROTATION_ON and not s.absolute:
         return f"{rule.text} in incremental distances (G91): its X and Y could be either"
-    if before != frame_of(s):
+    if before != frame_of(s, line):
         return f"{rule.text} beside a change of units or coordinate system"
     if s.compensation is not None:
         return f"{rule.text} while cutter radius compensation is on"
