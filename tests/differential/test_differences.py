@@ -51,3 +51,9 @@ def test_gproof_refuses(program: Path) -> None:
 def test_tables_list_every_program() -> None:
     assert sorted(CODES) == sorted(path.stem for path in DIFFERENCES)
     assert all(path.with_suffix(".jsonl").exists() for path in BY_HAND)
+
+
+def test_page_of_the_dialect_lists_every_program() -> None:
+    page = (HERE.parents[1] / "docs" / "dialects" / "eding.md").read_text().split("\n## Beside LinuxCNC\n")[1]
+    rows = [row.split("|")[-2] for row in page.splitlines() if row.startswith("| ")][1:]
+    assert sorted(re.findall(r"`([a-z0-9-]+)`", "".join(rows))) == sorted(CODES)
