@@ -60,6 +60,9 @@ def select(ex: Emitter, line: Line) -> None:
         s.spindle_direction = 0
         s.stated.discard("spindle")
     changed = s.head != rule.value
+    if changed and s.compensation is not None:
+        what = f"{rule.text} while cutter radius compensation is on"
+        ex._fail(codes.UNSUPPORTED_CODE.at(line.where_code(rule), code=what))
     if "head" not in s.stated and 5390 not in s.setup.parameters:
         ex.assumed["the job starts with the first spindle (M90)"] = None
     s.stated.add("head")

@@ -126,3 +126,9 @@ def test_the_selected_head_is_a_parameter(tmp_path: Path) -> None:
     """3.1.1: #5390 is 0 for M90, 1 for M91, 2 for M92."""
     trace, _ = run(tmp_path, HEAD + "G0 X[#5390]\nM91\nG53 G0 X[#5390]\nM92\nG53 G0 X[#5390]\nM30\n", machine=HEADS)
     assert [row[1] for row in shown(trace) if row[0] == "go"] == [0, 1, 2]
+
+
+def test_a_change_while_the_cutter_is_compensated(tmp_path: Path) -> None:
+    text = HEAD + "G0 X0 Y0\nG41.1 D4\nG1 X20 Y20 F100\nX40\nM91\nX60\nG40\nM30\n"
+    _, findings = run(tmp_path, text, machine=HEADS)
+    assert codes_of(findings)[0] == "GP113"
