@@ -340,7 +340,8 @@ def _follow(
     across = 3 - a - b
     rise = target[across].minus(s.position[across]).value
     length = geometry.path_length(tool, pieces, rise)
-    s.compensation = comp.at(*goal, placed=True)
+    # A move across the plane alone brings no tool onto the contour.
+    s.compensation = comp.at(*goal, placed=comp.placed or pieces[-1].end != tool)
     at = tool
     for k, piece in enumerate(pieces):
         last = k == len(pieces) - 1

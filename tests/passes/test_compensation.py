@@ -208,7 +208,7 @@ def test_a_full_circle_within_a_contour(tmp_path: Path) -> None:
         assert math.dist(circle.begin, circle.end) < 1e-9
 
 
-@pytest.mark.parametrize("tilt", [-0.009, -0.004, -1e-9, 0.0, 1e-9, 0.004, 0.009])
+@pytest.mark.parametrize("tilt", [-1e-11, 1e-11, -0.009, -0.004, -1e-9, 0.0, 1e-9, 0.004, 0.009])
 @pytest.mark.parametrize("side", [1, -1])
 def test_a_circle_after_a_bend_within_the_tolerance_is_one_circle(tilt: float, side: int, tmp_path: Path) -> None:
     """A tool slightly ahead of or behind the start of the circle goes around once, never twice and never nearly not."""
@@ -219,6 +219,9 @@ def test_a_circle_after_a_bend_within_the_tolerance_is_one_circle(tilt: float, s
     arcs = [m for m in moves(trace) if m.line == 6]
     assert abs(sum(m.sweep() for m in arcs if m.turns > 0) - 2 * math.pi) < 0.02
     assert all(abs(m.sweep()) < 0.02 for m in arcs[:-1])
+    if abs(tilt) < 1e-10:
+        assert arcs[-1].begin == arcs[-1].end
+        assert arcs[-1].turns == 1
 
 
 def test_heights_and_rotary_axes_go_along(tmp_path: Path) -> None:
@@ -231,6 +234,10 @@ def test_heights_and_rotary_axes_go_along(tmp_path: Path) -> None:
         ("feed", 4, 0), ("cw", 4, 0), ("feed", 3, 10), ("cw", 3, 10), ("feed", 2, 20), ("cw", 1, 20), ("feed", 0, 20),
     ]  # fmt: skip
     assert got[-1].begin == got[-1].end
+    # The centre of an arc is as high as its start (docs/trace.md).
+    rows = trace.sections[0].rows
+    arcs = np.flatnonzero(rows["op"] == Op.ARC)
+    assert rows["center"][arcs][:, 2].tolist() == rows["to"][arcs - 1][:, 2].tolist()
 
 
 def test_inverse_time_counts_the_whole_move(tmp_path: Path) -> None:
@@ -276,6 +283,16 @@ def test_an_arc_to_begin_with(tmp_path: Path) -> None:
     assert math.isclose(math.dist(entry.center, (13, 0)), 13)
     assert math.isclose(math.dist(entry.center, (0, 10)), 10)
     assert math.isclose(math.dist(entry.end, (0, 10)), 3)
+    # The long way: the other centre with these distances, not (0, 0).
+    trace, told, _ = run(tmp_path, HEAD + text.replace("R10", "R-10"))
+    assert told == []
+    long = moves(trace)[-1]
+    assert long.center is not None
+    assert entry.center == pytest.approx((0, 0), abs=1e-9)
+    assert math.dist(long.center, (0, 0)) > 1
+    assert math.isclose(math.dist(long.center, (13, 0)), 13)
+    assert math.isclose(math.dist(long.center, (0, 10)), 10)
+    assert abs(long.sweep()) > math.pi
 
 
 def test_a_traverse_goes_around_corners_too(tmp_path: Path) -> None:
@@ -328,6 +345,7 @@ ERRORS = {
     "no diameter": ("G41.1\n", "GP108:2"),
     "16 arc equal to the tool": (ON + "G3 X63 Y23 R3\n", "GP412:6"),
     "16 arc smaller": (ON + "G3 X62 Y22 J2\n", "GP412:6"),
+    "16 arc smaller at its start only": (ON + "G3 X63.001 Y22.9995 J2.9995\n", "GP412:6"),
     "16 first arc smaller": ("G0 X0 Y0\nG41 D1\nG3 X3.5 R2\n", "GP412:4"),
     "17 two codes": ("G41 G42 D1\n", "GP110:2"),
     "first arc off": ("G0 X0 Y0\nG41 D1\nG3 X20 Y0 I10\n", "GP413:4"),
@@ -552,3 +570,49 @@ def test_another_head_can_not_follow_the_contour(tmp_path: Path) -> None:
     on = dataclasses.replace(MILL, spindles=(Spindle(number=1, offset=(40.0, 0.0, 0.0)),))
     _, told, _ = run(tmp_path, HEAD + ON + "M91\nG40\nM2\n", on=on)
     assert told == ["GP246:6"]
+
+
+@pytest.mark.parametrize(("bend", "codes"), [(-0.008, []), (0.008, ["GP410:7"])])
+def test_a_bend_into_an_arc_hardly_larger_than_the_tool(bend: float, codes: list[str], tmp_path: Path) -> None:
+    """Within 0.01, but the arc of the tool's centre (radius 0.005) would be missed by 0.02: a corner after all."""
+    start = (-10 * math.cos(bend), 10 * math.sin(bend))
+    text = f"G0 X{3 * start[0]:.9f} Y{3 * start[1] - 3:.9f}\nG41 D1\nG1 X{start[0]:.9f} Y{start[1]:.9f}\nG1 X0 Y0\n"
+    text += "G4 P1\nG3 X3.005 Y3.005 J3.005\nG40\nM2\n"
+    trace, told, _ = run(tmp_path, HEAD + text)
+    assert told == codes
+    inner = [m for m in moves(trace) if m.line == 7][-1]
+    assert inner.center is not None
+    assert math.isclose(math.dist(inner.begin, inner.center), 0.005, abs_tol=1e-6)
+
+
+def test_an_arc_that_the_tool_has_passed_already_is_no_circle(tmp_path: Path) -> None:
+    """A bend of 0.009 towards the tool puts it 0.027 ahead; the arc is 0.017 long: a step back, never a turn around."""
+    turn, swept = 0.009, 0.001
+    center = (-20 * math.sin(turn), 20 * math.cos(turn))
+    end = (center[0] + 20 * math.sin(turn + swept), center[1] - 20 * math.cos(turn + swept))
+    text = f"G0 X-50 Y-3\nG41 D1\nG1 X-20 Y0\nG1 X0\nG3 X{end[0]:.9f} Y{end[1]:.9f} "
+    text += f"I{center[0]:.9f} J{center[1]:.9f}\nG40\nM2\n"
+    trace, told, _ = run(tmp_path, HEAD + text)
+    assert told == []
+    (last,) = [m for m in moves(trace) if m.line == 6]
+    assert max(math.dist(p, last.begin) for p in last.points()) < 0.02
+    assert math.isclose(math.dist(last.end, end), 3.0, abs_tol=1e-6)
+
+
+def test_a_traverse_under_inverse_time_has_a_corner_of_unknown_feed(tmp_path: Path) -> None:
+    """G0 has no F of its own: what an F before says is no time of this line."""
+    text = "G0 X-20 Y0\nG41 D1\nG93\nG1 X0 F2\nG1 X20 F2\nG0 Y-20\nG40\nM2\n"
+    trace, _, _ = run(tmp_path, HEAD + text)
+    (corner,) = [m for m in moves(trace) if m.line == 7 and m.op is Op.ARC]
+    assert math.isnan(corner.feed)
+
+
+def test_a_plunge_does_not_bring_a_lost_tool_onto_the_contour(tmp_path: Path) -> None:
+    """Behind a refused line, and behind an unknown first move: the next line in the plane decides, without an error."""
+    _, told, _ = run(tmp_path, HEAD + ON + "G1 X80 P5\nG1 Z-1\nG1 Y0\nG1 X0\nG40\nM2\n")
+    assert told == ["GP121:6"]
+    trace, told, _ = run(tmp_path, HEAD + "G41 D1\nG1 X0 Y0\nG1 Z-1\nG1 X20\nG1 Y-20\nG40\nM2\n", NOTHING)
+    assert told == ["GP256:3"]
+    rows = trace.sections[0].rows
+    unknown = [trace.frames[int(f)][0] == (("?", 1),) for f in rows["frame"][rows["op"] < Op.DWELL]]
+    assert unknown == [True, True, False, False, False]

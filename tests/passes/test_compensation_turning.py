@@ -155,3 +155,13 @@ def test_arcs_of_a_lathe_need_the_view(turning: bool, view: str | None, code: li
     on = dataclasses.replace(on, controller=dataclasses.replace(on.controller, turning=turning))
     _, told, _ = run(tmp_path, HEAD + "G0 X0 Z10\nG1 Z10\nG3 X-10 Z0 K-10\nG1 X0\nM30\n", on=on)
     assert told == code
+
+
+def test_a_whole_circle_in_the_lathes_plane_is_whole(tmp_path: Path) -> None:
+    """With a shifted controlled point too, begin and end are the same numbers."""
+    text = "M6 T2\nG0 X-20.1 Z-30.7\nG41\nG1 X0.3 Z0.7\nG1 X10.3\nG3 X10.3 Z0.7 K7.3\nG40\nM30\n"
+    trace, told, _ = run(tmp_path, HEAD + text, on=FRONT)
+    assert told == []
+    circle = moves(trace, Plane.XZ)[-1]
+    assert (circle.op, circle.begin) == (Op.ARC, circle.end)
+    assert abs(circle.turns) == 1
