@@ -4,9 +4,12 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 
+import numpy as np
+import numpy.typing as npt
+
 from gproof.ir.columns import Columns
 from gproof.ir.finding import Findings, Span
-from gproof.ir.machine import Machine
+from gproof.ir.machine import AXES, Machine
 from gproof.ir.setup import Interval, Setup
 from gproof.ir.trace import UNKNOWN, Affine, Chunk, Trace
 from gproof.ir.verdict import PropertyResult
@@ -21,6 +24,16 @@ class Check(ABC):
         self.machine = machine
         self.setup = setup
         self.findings = findings
+
+        self._known = np.zeros((0, AXES), dtype=np.uint8)
+
+    def known(self, trace: Trace) -> npt.NDArray[np.uint8]:
+        """(frames, 6): 1 where an axis rests on nothing unknown. Frames are added while a job streams by."""
+        have = len(self._known)
+        if have < len(trace.frames):
+            new = [[form == () for form in frame] for frame in trace.frames[have:]]
+            self._known = np.concatenate([self._known, np.array(new, dtype=np.uint8).reshape(-1, AXES)])
+        return self._known
 
     @abstractmethod
     def feed(self, chunk: Chunk) -> None:

@@ -120,8 +120,7 @@ class Limits(Check):
                 self.findings.add(codes.HEIGHT_MAP_UNKNOWN.at(row_span(trace, rows, 0), what=what))
             self._assumptions.append(FOLLOWED[name])
         self._grow(len(trace.frames))
-        forms = [[form == () for form in frame] for frame in trace.frames]
-        known = np.array(forms, dtype=np.uint8)
+        known = self.known(trace)
         guards = np.array(["machine_area" in s.guards_off for s in trace.states], dtype=np.int64)
         count = self._walk(chunk, known, guards, self._stated, np.zeros((0, 2)))
         self._errors += count
@@ -190,9 +189,11 @@ class Limits(Check):
         rows = chunk.rows
         moved = rows["to"] != np.array(self._start)
         moved[:, :3] |= (rows["op"] == Op.ARC)[:, np.newaxis]
+        used, which = np.unique(rows["frame"], return_inverse=True)
+        frames = [chunk.trace.frames[frame] for frame in used.tolist()]
         for index in range(AXES):
-            other = np.array([frame[index] != self._start_forms[index] for frame in chunk.trace.frames], dtype=bool)
-            moved[:, index] |= other[rows["frame"]]
+            other = np.array([frame[index] != self._start_forms[index] for frame in frames], dtype=bool)
+            moved[:, index] |= other[which.reshape(-1)]
         if self._heights is not None:
             moved[:, 2] = True  # Z goes up and down with X and Y
         moved[:1] |= self._moved
@@ -243,9 +244,10 @@ class Limits(Check):
         """GP321 when the program turns A by itself while Y does."""
         rows = chunk.rows
         before, frames = chunk.starts()[:, 3], chunk.start_frames()
-        forms = [frame[3] for frame in chunk.trace.frames]
-        other = np.array([[a != b for b in forms] for a in forms], dtype=bool)
-        turns = (rows["op"] < 10) & ((rows["to"][:, 3] != before) | other[rows["frame"], frames])
+        forms = chunk.trace.frames
+        pairs, which = np.unique(np.stack([rows["frame"], frames]), axis=1, return_inverse=True)
+        other = np.array([forms[a][3] != forms[b][3] for a, b in pairs.T.tolist()], dtype=bool)
+        turns = (rows["op"] < 10) & ((rows["to"][:, 3] != before) | other[which.reshape(-1)])
         if turns.any() and not self._told_mapping:
             self._told_mapping = True
             where = row_span(chunk.trace, rows, int(np.argmax(turns)))

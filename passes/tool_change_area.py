@@ -10,6 +10,7 @@ from __future__ import annotations
 import math
 
 import numpy as np
+import numpy.typing as npt
 
 from gproof.ir import codes
 from gproof.ir.finding import Findings, Severity, Span
@@ -75,10 +76,10 @@ class ToolChangeArea(Check):
         """GP310 for each line of the job that enters the area, GP312 with the guard off."""
         if self._area is None or not len(chunk.rows):
             return
-        known = [all(form == () for form in frame[:3]) for frame in chunk.trace.frames]
-        self._frames = [frame[:3] for frame in chunk.trace.frames]
+        known: npt.NDArray[np.bool_] = np.asarray(self.known(chunk.trace)[:, :3].all(axis=1))
+        self._frames += [frame[:3] for frame in chunk.trace.frames[len(self._frames) :]]
         self._trace = chunk.trace
-        if all(known):
+        if known.all():
             self._near(chunk, self._box)
         else:
             self._collect(chunk, known)
@@ -126,7 +127,7 @@ class ToolChangeArea(Check):
             int(rows["plane"][row]),
         )  # fmt: skip
 
-    def _collect(self, chunk: Chunk, known: list[bool]) -> None:
+    def _collect(self, chunk: Chunk, known: npt.NDArray[np.bool_]) -> None:
         """Rows in known frames exactly; extents by frame for the others."""
         rows, trace = chunk.rows, chunk.trace
         frames = len(trace.frames)
@@ -149,11 +150,11 @@ class ToolChangeArea(Check):
                 self._row(chunk, row, self._box)
             elif guards[rows["state"][row]] == 0:
                 self._widen(was, befores[row, :3], befores[row, :3])
-        for frame in range(frames):
+        for frame in np.unique(rows["frame"]).tolist():
             if not known[frame] and high[2 * frame, 0] >= low[2 * frame, 0]:
                 self._widen(frame, low[2 * frame, :3], high[2 * frame, :3])
         # A known frame that meets an unknown one needs its own extent beside the same face.
-        mixed = (op < 10) & ~np.array(known)[before] & np.array(known)[rows["frame"]]
+        mixed = (op < 10) & ~known[before] & known[rows["frame"]]
         for row in np.flatnonzero(mixed).tolist():
             self._widen(int(rows["frame"][row]), rows["to"][row, :3], rows["to"][row, :3])
         if self._symbolic is None and self._low:
