@@ -17,10 +17,13 @@ from gproof.ir.rules import UNARY
 DOCS = Path(__file__).resolve().parents[2] / "docs"
 
 
+def examples(page: str) -> list[str]:
+    return re.findall(r"```toml\n(.*?)```", (DOCS / page).read_text(encoding="utf-8"), re.DOTALL)
+
+
 def example(page: str) -> str:
-    found = re.search(r"```toml\n(.*?)```", (DOCS / page).read_text(encoding="utf-8"), re.DOTALL)
-    assert found is not None
-    return found[1]
+    """The first one, which is a whole file."""
+    return examples(page)[0]
 
 
 @pytest.mark.parametrize(("page", "load"), [("machine-files.md", load_machine), ("setup-files.md", load_setup)])
@@ -38,7 +41,7 @@ def test_every_key_of_the_code_is_on_its_page() -> None:
         code = (DOCS.parent / "frontend" / source).read_text(encoding="utf-8")
         readers = r"\.(?:text|number|positive|ratio|interval|whole|boolean|table|numbered|take)\(\"(\w+)\""
         keys = set(re.findall(readers, code))
-        assert keys - set(re.findall(r"\w+", example(page))) == set()
+        assert keys - set(re.findall(r"\w+", "\n".join(examples(page)))) == set()
 
 
 def test_functions_are_those_of_the_rules() -> None:
