@@ -74,6 +74,7 @@ class Emitter:
         self._nesting = 0
         self._end: tuple[str, int] | None = None
         self._unknowns = 0
+        self._start_system(setup)
         # What is still to do, and what branches and loops keep of it: passes/branches.py, passes/loops.py.
         self.branches = 0
         self._stack: list[Frame] = [Frame(program.body)]
@@ -87,6 +88,18 @@ class Emitter:
         self._pending = Pending()
         self._loops = 0
         self.rows = RowBuffer(self.trace, [p.value for p in self.modal.position], self._frame(), program.line_count)
+
+    def _start_system(self, setup: Setup) -> None:
+        """The coordinate system at the start, where the setup states its variable (3.1.3): GP235."""
+        for entry in self.program.rules.parameters:
+            value = setup.parameters.get(entry.first) if entry.kind == "work_number" else None
+            if value is None:
+                continue
+            whole = round(value)
+            if abs(value - whole) > self.program.rules.integer_tolerance or not 1 <= whole <= 9:
+                self.findings.add(codes.STARTUP_COORDINATE_SYSTEM.at(Span(setup.name, 0), value=value))
+            elif setup.active_work is None:
+                self.modal.work = whole
 
     def spend(self, span: Span) -> None:
         """Count one executed block; Refusal GP233 when the budget is used up."""
