@@ -98,6 +98,8 @@ class _Follower:
                     self._tell(chunk, row, f"the program turns {self.knife.axis.upper()} itself")
                 self.at = self.said = to
             follows = rows["op"][row] in (Op.FEED, Op.ARC) and bool(on[rows["state"][row]])
+            if follows and trace.states[int(rows["state"][row])].compensation:
+                self._tell(chunk, row, "with cutter radius compensation, for which it is not made")
             if follows and not (knows[rows["frame"][row]] and knows[frames[row]]):
                 self._tell(chunk, row, f"where {self.knife.axis.upper()} is when it begins to follow is not known")
             elif follows:

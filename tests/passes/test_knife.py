@@ -101,6 +101,7 @@ def test_it_is_followed_from_section_to_section() -> None:
     ("path", "reason"),
     [
         (Path().state(**ON).feed(600, x=5, c=10), "turns C itself"),
+        (Path().state(following=(KNIFE,), compensation=1).feed(600, x=5), "cutter radius compensation"),
         (Path().frame("start.c").state(**ON).feed(600, x=5), "where C is"),
         (Path().state(**ON).feed(600, x=5).frame("work.1.x").feed(600, x=9), "offsets that nobody stated"),
     ],
