@@ -105,9 +105,10 @@ def _parameters(table: TomlTable | None) -> tuple[dict[int, float], dict[int, In
         if small_number(name, 1, highest) is None:
             table.bad(name, f"{name!r} is not a parameter number from 1 to {highest}")
             continue
+        is_list = isinstance(table.values[name], list)
         ends = table.interval(name)
-        if ends is not None and ends[0] == ends[1]:
-            found[int(name)] = ends[0]
-        elif ends is not None:
+        if ends is not None and is_list:
             ranges[int(name)] = Interval(*ends)
+        elif ends is not None:
+            found[int(name)] = ends[0]
     return found, ranges

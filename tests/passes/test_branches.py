@@ -274,3 +274,12 @@ M30
     found = {tuple(xs(way)) for way in ways(trace)}
     assert (0.0,) in found and (1.0, 2.0, 3.0, 4.0, 5.0, 5.0) in found and (2.0, 4.0, 4.0) in found
     assert all(way[-1][1][1] == 9.0 for way in ways(trace))
+
+
+def test_an_answer_that_the_setup_fixes_is_followed_alone(tmp_path: Path) -> None:
+    """A list of two equal ends: the operator will type ten, and say OK."""
+    ranges = {100: Interval(10.0, 10.0), 5398: Interval(1.0, 1.0)}
+    setup = dataclasses.replace(ZERO, parameter_ranges=ranges)
+    text = 'dlgmsg "size" "width" 100\nif [#5398 == 1]\nG0 X#100\nelse\nG0 X-1\nendif\nM30\n'
+    trace, _ = run(tmp_path, text, setup=setup)
+    assert [xs(way) for way in ways(trace)] == [[10.0]]
