@@ -45,7 +45,9 @@ def run_dialog(ex: Branches, node: Message) -> None:
             raise Refusal(codes.UNKNOWN_CONDITION.at(node.span, cause=number.cause))
         answer = s.stated_range(round(number), Unknown(f"the operator's answer in #{number:g}"))
         typed.append((number, answer))
-        kept.append((number, between(f"#{number:g}", hull(s.read(number, node.span), answer))))
+        kept.append(
+            (number, between(f"what #{number:g} holds behind a dialog", hull(s.read(number, node.span), answer)))
+        )
     alike = all(bounds(old) == bounds(new) for (_, old), (_, new) in zip(kept, typed, strict=True))
     if not alike and pressed[0] <= 0 < pressed[1]:
         key = ex._state_key(("dialog", id(node)))
@@ -55,7 +57,7 @@ def run_dialog(ex: Branches, node: Message) -> None:
         if ex.branches + 2 <= ex.max_branches:
             _fork(ex, node, key, [(ANSWER, OK), *typed], [(ANSWER, CANCEL), *kept])
             return
-    _set(ex, node, [(ANSWER, between(_CAUSE, pressed)), *(typed if pressed[0] > 0 else kept)])
+    _set(ex, node, [(ANSWER, between(_CAUSE, pressed)), *(typed if alike or pressed[0] > 0 else kept)])
     ex._end_section(Wait.OPERATOR, "dialog answered", None, node.span.line)
 
 

@@ -276,7 +276,7 @@ class Modal:
             largest = max(largest, *map(abs, ends), abs(low), abs(high))
         # Another order of the same sums rounds differently.
         slack = 16 * math.ulp(largest)
-        return Unknown(f"#{number}", *widened((low - slack) / unit, (high + slack) / unit))
+        return Unknown(f"what #{number} shows", *widened((low - slack) / unit, (high + slack) / unit))
 
     def write(self, number: float, value: Value, span: Span) -> None:
         """Set a numbered variable; Refusal GP227 for one that shows the machine's state."""

@@ -1,0 +1,50 @@
+; Cover plate 200 x 120: spot, drill, pocket; three tools from the rack
+G21 G17 G90 G94 G40 G49 G54
+G64 P0.02
+T2 M6
+S14000 M3
+M8
+G0 X12 Y12
+G0 Z5
+F180
+G98 G81 X12 Y12 Z-1.2 R2
+X188
+Y108
+X12
+G80
+G0 Z20
+T4 M6
+S9000 M3
+M8
+F150
+G0 X12 Y12
+G83 X12 Y12 Z-9 R2 Q3
+X188
+Y108
+X12
+G80
+G0 Z20
+T6 M6
+S11000 M3
+#10 = 0
+#11 = 1.5                 ; depth of a pass
+while [#10 < 6]
+  #10 = [#10 + #11]
+  G0 X40 Y40
+  G0 Z2
+  G1 Z[0 - #10] F200
+  G1 X160 F1200
+  Y80
+  X40
+  Y40
+  G1 X46 Y46
+  X154
+  Y74
+  X46
+  Y46
+  G0 Z5
+endwhile
+M9
+G0 Z20
+T0 M6
+M30
