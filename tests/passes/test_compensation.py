@@ -616,3 +616,14 @@ def test_a_plunge_does_not_bring_a_lost_tool_onto_the_contour(tmp_path: Path) ->
     rows = trace.sections[0].rows
     unknown = [trace.frames[int(f)][0] == (("?", 1),) for f in rows["frame"][rows["op"] < Op.DWELL]]
     assert unknown == [True, True, False, False, False]
+
+
+@pytest.mark.parametrize(("back", "codes"), [(-0.1, []), (0.0, []), (0.1, []), (1.0, ["GP410:6"])])
+def test_a_way_back_beside_the_way_there(back: float, codes: list[str], tmp_path: Path) -> None:
+    """Around the end of a line; also by a little more than half a circle, within the 0.01 of a bend that is none."""
+    text = f"G0 X-20 Y-10\nG41 D1\nG1 X0 Y0\nG1 X50\nG1 X0 Y{back}\nG40\nM2\n"
+    trace, told, _ = run(tmp_path, HEAD + text)
+    assert told == codes
+    around = [m for m in moves(trace) if m.line == 6 and m.op is Op.ARC]
+    assert len(around) == (0 if codes else 1)
+    assert all(math.isclose(abs(m.sweep()), math.pi + math.atan2(back, 50), abs_tol=1e-9) for m in around)
