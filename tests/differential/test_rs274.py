@@ -12,6 +12,7 @@ from pathlib import Path
 import pytest
 from differential import gproof_side
 from differential.compare import first_difference, normal
+from differential.rs274_peer import run_peer, situation_of
 from differential.traces import HERE, PROGRAMS, gproof_rows, peer_run, report
 
 TABLE_ROW = re.compile(r"^\| \[?`([a-z0-9-]+)\.ngc`", re.MULTILINE)
@@ -33,6 +34,18 @@ def test_gproof_agrees_with_peer(program: Path) -> None:
     assert difference is None, report(program, difference)
 
 
+@pytest.mark.usefixtures("peer")
+@pytest.mark.parametrize(("units", "factor"), [("G20", 25.4), ("G21", 1.0)])
+def test_peer_has_full_precision(units: str, factor: float, tmp_path: Path) -> None:
+    """`rs274` prints four decimals, a hair of 2.5e-3 mm in inches; the rows come from the module `gcode`."""
+    program = tmp_path / "third.ngc"
+    program.write_text(f"{units} G17 G40 G49 G54 G80 G90 G94 G98\nG0 X[1/3]\nG2 X[2/3] I[1/6] F10\nM2\n")
+    line, arc = (row for row in run_peer(program, situation_of(None)).rows if "to" in row)
+    assert line["to"]["x"] == pytest.approx(factor / 3, abs=1e-9)
+    assert arc["to"]["x"] == pytest.approx(factor * 2 / 3, abs=1e-9)
+    assert arc["center"][0] == pytest.approx(factor / 2, abs=1e-9)
+
+
 @pytest.mark.usefixtures("gproof")
 @pytest.mark.parametrize("name", ["long-program", "block-delete-on"])
 def test_command_and_function_say_the_same(name: str) -> None:
@@ -52,7 +65,7 @@ def test_machine_file_names_the_language(tmp_path: Path) -> None:
 def test_table_lists_every_program() -> None:
     table = TABLE_ROW.findall((HERE / "programs" / "README.md").read_text())
     assert sorted(table) == sorted(path.stem for path in PROGRAMS)
-    assert len(table) == len(set(table)) >= 60
+    assert len(table) == len(set(table)) >= 250
 
 
 def test_every_setup_and_expectation_has_its_program() -> None:
