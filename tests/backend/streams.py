@@ -122,7 +122,8 @@ def machine(axes: str = "xy", *, velocity: float = 120.0, acceleration: float = 
 
 
 def motors_of(of: Machine) -> tuple[Motor, ...]:
-    return tuple(Motor(name=a.name, axis=a.index, steps_per_unit=a.steps_per_unit or Fraction(1)) for a in of.axes)
+    scales = [(a.name.upper(), a.index, a.steps_per_unit or Fraction(1)) for a in of.axes]
+    return tuple(Motor(name=name, axis=index, steps_per_unit=scale) for name, index, scale in scales)
 
 
 def planned(points: list[tuple[float, ...]], of: Machine, *, feed: float = 60.0) -> StreamSection:

@@ -133,13 +133,18 @@ def test_arguments_that_make_no_sense(words: list[str], what: str, folder: Path,
     assert what in err
 
 
-@pytest.mark.skipif(os.geteuid() == 0, reason="root may write everywhere")
-def test_a_folder_that_can_not_be_written(folder: Path, gproof) -> None:
-    folder.chmod(0o500)
-    try:
-        assert gproof("ugly.cnc")[0] == 3
-    finally:
-        folder.chmod(0o700)
+def test_a_folder_that_can_not_be_written(folder: Path, gproof, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Root may write everywhere, so the system's refusal is played."""
+    before = (folder / "ugly.cnc").read_bytes()
+
+    def refuse(*_: object, **__: object) -> None:
+        raise PermissionError(13, "Permission denied", str(folder))
+
+    monkeypatch.setattr("gproof.cli.fmt.tempfile.mkstemp", refuse)
+    code, out, err = gproof("ugly.cnc")
+    assert (code, out) == (3, "")
+    assert "Permission denied" in err and "Traceback" not in err
+    assert (folder / "ugly.cnc").read_bytes() == before
 
 
 def test_bytes_that_are_no_text(folder: Path, gproof) -> None:
