@@ -95,6 +95,28 @@ def _homed(root: TomlTable) -> tuple[str, ...]:
     return tuple(axis for axis in AXIS_NAMES if axis in value)
 
 
+_ELSEWHERE = {
+    "position": "[start] and the offsets",
+    "machine_position": "[start]",
+    "g92": "[g92]",
+    "work": "[work.1] to [work.9]",
+    "tool": "tool",
+    "lower_limit": "the machine file",
+    "upper_limit": "the machine file",
+    "home_position": "the machine file",
+    "area_lower": "the machine file",
+    "area_upper": "the machine file",
+}
+"""Kinds of parameters that show what is stated in another place."""
+
+
+def _stated_elsewhere(number: int) -> str:
+    for entry in rules_named("eding").parameters:
+        if entry.first <= number <= entry.last:
+            return _ELSEWHERE.get(entry.kind, "")
+    return ""
+
+
 def _parameters(table: TomlTable | None) -> tuple[dict[int, float], dict[int, Interval]]:
     """Numbered parameters in the program's own numbers: exact ones, and those of which only bounds are stated."""
     highest = rules_named("eding").highest_parameter
@@ -104,6 +126,10 @@ def _parameters(table: TomlTable | None) -> tuple[dict[int, float], dict[int, In
         assert table is not None
         if small_number(name, 1, highest) is None:
             table.bad(name, f"{name!r} is not a parameter number from 1 to {highest}")
+            continue
+        place = _stated_elsewhere(int(name))
+        if place:
+            table.bad(name, f"#{name} follows from {place}, not from [parameters]")
             continue
         is_list = isinstance(table.values[name], list)
         ends = table.interval(name)
