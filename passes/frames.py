@@ -97,7 +97,7 @@ def merged(paths: list[Path], *, exact: bool) -> list[tuple[Path, list[Path]]]:
     """
     if exact:
         return [(path, [path]) for path in paths]
-    alike: dict[str, list[Path]] = {}
+    alike: dict[object, list[Path]] = {}
     for path in paths:
         alike.setdefault(path.modal.key(parameters=False), []).append(path)
     return [(_hull(same), same) for same in alike.values()]

@@ -385,16 +385,13 @@ class Modal:
                 setattr(other, name, value.copy())
         return other
 
-    def key(self, *, parameters: bool = True) -> str:
+    def key(self, *, parameters: bool = True) -> object:
         """Equal for equal states: all that can change in a run, in a fixed order; with or without the variables."""
-        shown = {}
-        for name, value in vars(self).items():
-            if name in _CONSTANT or (name == "parameters" and not parameters):
-                continue
-            if isinstance(value, dict):
-                value = sorted(value.items())
-            shown[name] = sorted(value) if isinstance(value, set) else value
-        return repr(sorted(shown.items()))
+        return tuple(
+            _fixed(value)
+            for name, value in sorted(vars(self).items())
+            if name not in _CONSTANT and (parameters or name != "parameters")
+        )
 
     def park_position(self, kind: str, axis: int) -> Position:
         """The G28 or G30 point of an axis in machine coordinates; parameters are in the machine's unit."""
@@ -416,6 +413,15 @@ _BY_TOOL = (
 def _has_length(entry: ParameterRange, number: int) -> bool:
     """True when a variable holds a length in a unit that no section names."""
     return entry.kind in _BY_TOOL or (entry.kind in _BY_AXIS and number - entry.first < 3)
+
+
+def _fixed(value: object) -> object:
+    """A container as something that can be a key."""
+    if isinstance(value, dict):
+        return frozenset(value.items())
+    if isinstance(value, set):
+        return frozenset(value)
+    return tuple(value) if isinstance(value, list) else value
 
 
 def _area(modal: Modal, number: int, axis: int, side: int) -> Value:

@@ -75,7 +75,7 @@ class RowBuffer:
             self.start_frame = int(rows["frame"][-1])
         self.begin += self.count
         self.count = 0
-        self.capacity = CAPACITY if self.begin else FIRST_CAPACITY
+        self.capacity = CAPACITY if self.begin and not last else FIRST_CAPACITY
         self.arrays = TRACE_ROW.empty(self.capacity)
 
     def new_section(self) -> int:
