@@ -333,4 +333,5 @@ def _length(
     length = math.sqrt(sum(d * d for d in linear))
     if length > 0:
         return length, False
-    return math.sqrt(sum((b - a) * (b - a) for a, b in zip(start[3:], end[3:], strict=True))), True
+    turn = math.sqrt(sum((b - a) * (b - a) for a, b in zip(start[3:], end[3:], strict=True)))
+    return turn, turn > 0.0

@@ -14,7 +14,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import HealthCheck, given, settings
+from hypothesis import HealthCheck, example, given, settings
 from hypothesis import strategies as st
 
 from gproof.frontend.eding.load import load_program
@@ -402,6 +402,7 @@ def test_every_way_of_execution_gives_the_same_bits(tmp_path: Path, seed: int, a
 
 
 @settings(deadline=None, max_examples=15, suppress_health_check=list(HealthCheck))
+@example(10111954, True)  # an inch feed to where the axes are: no rotary move, so its feed is a length
 @given(st.integers(0, 10**9), st.booleans())
 def test_diameters_are_the_same_bits_in_every_way(tmp_path: Path, seed: int, inch: bool) -> None:
     traces = []
