@@ -13,6 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 from gproof.ir import codes
+from gproof.ir.columns import Columns
 from gproof.ir.finding import Findings, Severity, Span
 from gproof.ir.machine import AXIS_NAMES, Machine
 from gproof.ir.setup import Setup
@@ -25,6 +26,9 @@ from gproof.passes.values import describe
 
 RESOLUTION = 1e-6
 """mm: an arc piece this small that can not be told from the box is inside."""
+
+_IN_PLANE = {Plane.XY: (0, 1), Plane.XZ: (2, 0), Plane.YZ: (1, 2)}
+"""The right-handed pair of each plane."""
 
 Point = tuple[float, float, float]
 Box = tuple[tuple[float, float], tuple[float, float], tuple[float, float]]
@@ -153,10 +157,10 @@ class ToolChangeArea(Check):
         for frame in np.unique(rows["frame"]).tolist():
             if not known[frame] and high[2 * frame, 0] >= low[2 * frame, 0]:
                 self._widen(frame, low[2 * frame, :3], high[2 * frame, :3])
-        # A known frame that meets an unknown one needs its own extent beside the same face.
-        mixed = (op < 10) & ~known[before] & known[rows["frame"]]
+        # A known frame that meets an unknown one needs its own extent beside the same face, arcs their bulge as well.
+        mixed = (op < 10) & (guards[rows["state"]] == 0) & ~known[before] & known[rows["frame"]]
         for row in np.flatnonzero(mixed).tolist():
-            self._widen(int(rows["frame"][row]), rows["to"][row, :3], rows["to"][row, :3])
+            self._widen(int(rows["frame"][row]), *_row_box(rows, row, befores[row]))
         if self._symbolic is None and self._low:
             self._symbolic = row_span(trace, rows, 0)
 
@@ -247,6 +251,21 @@ class ToolChangeArea(Check):
         return tuple(out)
 
 
+def _row_box(rows: Columns, row: int, start: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """((3,), (3,)): what one row reaches of X, Y and Z, its start left out."""
+    end, center = _point(rows["to"][row]), _point(rows["center"][row])
+    low, high = list(end), list(end)
+    if int(rows["op"][row]) == Op.ARC:
+        u, v = _IN_PLANE[Plane(int(rows["plane"][row]))]
+        found = arc_extreme(
+            float(start[u]) - center[u], float(start[v]) - center[v], end[u] - center[u], end[v] - center[v],
+            int(rows["turns"][row]),
+        )  # fmt: skip
+        low[u], high[u] = center[u] + found[0], center[u] + found[1]
+        low[v], high[v] = center[v] + found[2], center[v] + found[3]
+    return np.array(low), np.array(high)
+
+
 def _point(values: np.ndarray) -> Point:
     x, y, z = values[:3].tolist()
     return x, y, z
@@ -258,7 +277,7 @@ def enters(
     """A point of the path that lies inside the open box, or None when there is none."""
     if not arc:
         return _line_enters(start, end, box)
-    u, v = {Plane.XY: (0, 1), Plane.XZ: (2, 0), Plane.YZ: (1, 2)}[Plane(plane)]
+    u, v = _IN_PLANE[Plane(plane)]
     w = 3 - u - v
     r0 = math.hypot(start[u] - center[u], start[v] - center[v])
     r1 = math.hypot(end[u] - center[u], end[v] - center[v])

@@ -369,3 +369,17 @@ def test_no_offset_for_both_settings_of_block_delete_is_unknown(tmp_path: Path) 
     judgement = judge_texts(tmp_path, program, machine_text(*BOX), None)
     assert judgement.verdict is Verdict.UNKNOWN
     assert "block delete" in judgement.findings.kept[-1].message
+
+
+@pytest.mark.parametrize("plane", ["G17", "G18", "G19"])
+def test_the_bulge_of_a_helix_that_begins_at_an_unknown_height(plane: str, tmp_path: Path) -> None:
+    # Half a turn of radius 10 whose ends lie beside the area; its third axis comes from where nobody knows.
+    u, v, w = {"G17": "xyz", "G18": "zxy", "G19": "yzx"}[plane]
+    program = f"G21 G90 G40 G49\n{plane} F100\nG2 {u}-10 {v}-20 {w}5 R10.5\nM30\n"
+    area = f"[areas.tool_change]\n{v} = [-50, 0]\n{u} = [-5, 0]\n"
+    machine = machine_text(np.full(3, -100.0), np.full(3, 100.0), area)
+    zero = "[work.1]\nx = 0.0\ny = 0.0\nz = 0.0\n[g92]\nx = 0.0\ny = 0.0\nz = 0.0\n"
+    head = 'schema = "gproof-setup/1"\nactive_work = 1\n'
+    for start, expected in ((f"{w} = 0.0", Verdict.UNSAFE), ("", Verdict.UNKNOWN)):
+        setup = f"{head}[start]\n{u} = -10.0\n{v} = 0.0\n{start}\n{zero}"
+        assert answer(judge_texts(tmp_path, program, machine, setup), "areas").verdict is expected
