@@ -138,6 +138,9 @@ DRIVES_WERE_OFF = code(
 AXIS_RESIZED = code(
     282, "axis-resized", _U, "{code} makes an axis move {factor:g} times as far: where it is is not known", "limits"
 )
+SYNCHRONISED_PITCH = code(
+    284, "synchronised-pitch", _U, "{code} under G51: whether its pitch K is scaled with the way is not documented"
+)
 OUTPUT_VALUE = code(283, "output-value", _E, "{code}: {what}")
 ERROR_MESSAGE = code(245, "error-message", _W, "the program ends itself here with the error {text!r}")
 OVERRIDE_WITH_CODES = code(

@@ -140,14 +140,16 @@ def _back_bore(ex: Motion, line: Line, rule: CodeRule, sticky: dict[str, float])
     """I, J and K of G87 (3.4.21.10): by the axis they belong to, whatever the plane."""
     if rule.function is not Function.BORE_BACK:
         return {}
-    if ex.modal.transform.on:
-        raise Refusal(codes.TRANSFORM_OPEN.at(line.span, what=f"whether I and J of {rule.text} turn with G68"))
-    if ex.machine.controller.diameter_programming:
-        raise Refusal(codes.UNSUPPORTED_CODE.at(line.span, code=f"{rule.text} with diameter programming"))
     found = {letter: _sticky(line, sticky, letter) for letter in _LETTERS}
     missing = [letter for letter, value in found.items() if value is None]
     if missing:
         raise Refusal(codes.WORD_MISSING.at(line.span, code=rule.text, needed=" and ".join(missing)))
+    # Where the tool goes in beside the hole: of a distance of 0 every reading is the same.
+    if ex.modal.transform.on and (found["I"] or found["J"]):
+        raise Refusal(codes.TRANSFORM_OPEN.at(line.span, what=f"whether I and J of {rule.text} turn with G68 or G51"))
+    if ex.machine.controller.diameter_programming and found["I"]:
+        what = f"I of {rule.text} with diameter programming (it counts along X: a diameter or a radius)"
+        raise Refusal(codes.UNSUPPORTED_CODE.at(line.where("I"), code=what))
     return {letter: value for letter, value in found.items() if value is not None}
 
 

@@ -92,14 +92,15 @@ class Motion(Emitter):
             raise Refusal(codes.G53_WITH_COMPENSATION.at(line.where_code(machine), hint="G40 before"))
         if rule.function is F.PROBE:
             compensated.no_probing(self.modal, line, rule)
+        if comp is not None and rule.function in (*CYCLES, F.THREADING):
+            # 3.4.19 calls G76 a canned cycle too.
+            raise Refusal(codes.CYCLE_WITH_COMPENSATION.at(line.span, code=rule.text, hint="G40 before"))
         if rule.function in CYCLES:
-            if comp is not None:
-                raise Refusal(codes.CYCLE_WITH_COMPENSATION.at(line.span, code=rule.text, hint="G40 before"))
             run_cycle(self, line, rule)
             return
-        if rule.function in (F.THREADING, *SYNCHRONISED) and comp is not None:
-            what = f"{rule.text} while cutter radius compensation is on"
-            raise Refusal(codes.UNSUPPORTED_CODE.at(line.where_code(rule), code=what))
+        if rule.function in SYNCHRONISED and comp is not None:
+            what = f"whether {rule.text} follows the contour and still the spindle, of which no section speaks"
+            raise Refusal(codes.COMPENSATION_UNKNOWN.at(line.where_code(rule), cause=what, hint="G40 before"))
         if rule.function is F.THREADING:
             run_threading(self, line, rule)
             return

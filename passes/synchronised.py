@@ -27,7 +27,10 @@ SYNCHRONISED = (F.SYNCHRONISED, F.SYNCHRONISED_RETURN)
 
 
 def run_synchronised(ex: Motion, line: Line, rule: CodeRule, target: list[Position]) -> None:
-    """G33: out; G33.1: out and, with the spindle reversed, back. Refusal with GP121, GP244, GP275, GP266, GP510."""
+    """G33: out; G33.1: out and, with the spindle reversed, back. Refusal with GP121, GP244, GP275, GP266, GP510.
+
+    G68 turns the way like that of any other move; what G51 makes of the pitch is open (GP284).
+    """
     s = ex.modal
     for axis in line.axes():
         if axis >= 3:
@@ -38,18 +41,21 @@ def run_synchronised(ex: Motion, line: Line, rule: CodeRule, target: list[Positi
     if pitch is None or not pitch > 0:
         given = "" if pitch is None else f" greater than 0; K{pitch:g} is given"
         raise Refusal(codes.WORD_MISSING.at(line.where("K"), code=rule.text, needed=f"K{given}"))
-    if s.transform.on and s.transform.factors != (1.0, 1.0):
-        raise Refusal(codes.TRANSFORM_OPEN.at(line.span, what=f"whether K of {rule.text} is scaled"))
     need_turning(ex, line, rule)
+    pitch *= s.unit
+    if any(abs(factor) != 1.0 for factor in s.transform.factors) and target[:2] != s.position[:2]:
+        # 3.4.13 scales X and Y, and 3.4.9 calls K a distance: the way is known, how fast it is gone is not.
+        pitch = math.nan
+        ex._fail(codes.SYNCHRONISED_PITCH.at(line.where("K"), code=rule.text))
     # Whether the code stays active for lines of axis words alone the manual does not say: no group of table 3-3.
     s.motion, s.cycle, s.cycle_code = F.UNSUPPORTED, {}, 0
     note_speed_unknown(ex, line, rule.text)
     start = list(s.position)
-    synchronised_move(ex, line, rule, target, pitch * s.unit)
+    synchronised_move(ex, line, rule, target, pitch)
     if rule.function is F.SYNCHRONISED:
         return
     reverse(ex, line)
-    synchronised_move(ex, line, rule, start, pitch * s.unit)
+    synchronised_move(ex, line, rule, start, pitch)
     reverse(ex, line)
 
 

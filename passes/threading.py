@@ -66,7 +66,8 @@ def run_threading(ex: Motion, line: Line, rule: CodeRule) -> None:
             word = AXIS_NAMES[axis].upper()
             raise Refusal(codes.THREAD_WORD.at(line.where(word), code=rule.text, what=f"it takes no {word} word"))
     if s.transform.on:
-        raise Refusal(codes.TRANSFORM_OPEN.at(line.span, what=f"what G68 or G51 make of {rule.text}"))
+        what = f"{rule.text} while G68 or G51 turns or scales X, in which it counts its depth"
+        raise Refusal(codes.TRANSFORM_OPEN.at(line.span, what=what))
     missing = [letter for letter in "PZIJK" if letter not in line.values]
     if missing:
         raise Refusal(codes.WORD_MISSING.at(line.where_code(rule), code=rule.text, needed=" ".join(missing)))

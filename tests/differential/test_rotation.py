@@ -28,6 +28,7 @@ BODIES = {
     "machine-coordinates": "G0 X1 Y1\n@\nX9 Y9\nG53 G0 X20 Y30\nX5 Y6\n",
     "inch": "@\nG20\nG0 X1 Y1\nG1 X2 F20\nG3 X1 Y2 I-1 J0\nG21\nG0 X7\n",
     "off-and-on": "G0 X1 Y1\n@\nX9 Y2\n-\nX9 Y2\nX4\n@\nX9 Y2\n",
+    "synchronised": "S500 M3\n@\nG0 X1 Y1\nG33 X5 Y4 Z-1 K2\nG33.1 X3 Z-4 K0.5\nG0 X0 Y0 Z5\nM5\n",
     "rotary": "@\nG0 X1 Y1 A0\nG1 X5 Y5 A45\nG1 A90\n",
 }
 TURNS = ((30.0, 0j), (90.0, 0j), (-117.25, 0j), (180.0, 12 - 7j), (45.0, 10 + 5j), (-33.3, -20 + 4.5j))

@@ -536,7 +536,7 @@ def test_motion_apart_from_the_contour_is_never_taken_for_a_part_of_it(line: str
     """Homing, threading, and whatever comes later: not known, never a row beside the contour that counts as known."""
     text = f"M3 S100\nG0 X-20 Y0\nG41 D1\nG1 X0\nG1 X20\n{line}\nG91 G1 X20\nG90\nG40\nM2\n"
     _, told, _ = run(tmp_path, HEAD + text)
-    assert {"GP113", "GP256"} & {code.split(":")[0] for code in told}
+    assert {"GP238", "GP256"} & {code.split(":")[0] for code in told}
 
 
 @pytest.mark.parametrize("seed", range(20))

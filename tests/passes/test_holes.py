@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 from passes.machining import HEAD, Row, codes_of, run, shown
 
-from gproof.ir.machine import NO_MACHINE
+from gproof.ir.machine import NO_MACHINE, Controller
 from gproof.ir.setup import NOTHING
 from gproof.ir.trace import Wait
 
@@ -279,6 +279,36 @@ def test_every_error_of_every_cycle(tmp_path: Path, name: str) -> None:
         assert mistake(tmp_path, name, "G87 X1 Y1 Z-2 R2 I1 K-1") == ["GP275"]
         assert mistake(tmp_path, name, "G87 X1 Y1 Z-2 R2 I1 J1 K-3") == ["GP267"]
         assert mistake(tmp_path, name, "G87 X1 Y1 Z-2 R2 I1 J1 K3") == ["GP267"]
+
+
+DIAMETERS = dataclasses.replace(NO_MACHINE, controller=Controller(diameter_programming=True))
+
+
+@pytest.mark.parametrize(("plane", "axis"), [("G17", "Z"), ("G18", "Y")])
+def test_back_boring_with_diameters(tmp_path: Path, plane: str, axis: str) -> None:
+    """Beside the hole along X: a diameter or a radius; not beside it, or along the other axis: as ever (3.4.21.10)."""
+    other, top = ("Y", "J0 K-2") if plane == "G17" else ("Z", "J-2 K0")
+    head = f"{HEAD}{plane} S600 M3 F100\nG0 X2 {other}2 {axis}3\n"
+    line = f"G87 X8 {other}5 {axis}-4 R2"
+    _, findings = run(tmp_path, f"{head}{line} I1 {top}\nG80 M5\n", machine=DIAMETERS)
+    assert "GP113" in codes_of(findings)
+    here, findings = run(tmp_path, f"{head}{line} I0 {top}\nG80 M5\n", machine=DIAMETERS)
+    assert codes_of(findings) == ["GP265"]
+    radii = line.replace("X8", "X4")
+    there, _ = run(tmp_path, f"{head.replace('X2', 'X1')}{radii} I0 {top}\nG80 M5\n")
+    assert shown(here, after_line=3) == shown(there, after_line=3)
+
+
+def test_back_boring_on_the_hole_s_axis_under_a_rotation(tmp_path: Path) -> None:
+    turned = f"{HEAD}S600 M3 F100\nG68 R90 X0 Y0\n{AT}G87 X4 Y5 Z-4 R2 I0 J0 K-2\nG80 M5\n"
+    trace, findings = run(tmp_path, turned)
+    assert codes_of(findings) == ["GP265"]
+    assert [row for row in shown(trace, after_line=4) if row[0] == "feed"] == [
+        ("feed", -5, 4, -2, 100),
+        ("feed", -5, 4, -4, 100),
+    ]
+    _, findings = run(tmp_path, turned.replace("I0", "I1"))
+    assert codes_of(findings) == ["GP276"]
 
 
 @pytest.mark.parametrize("name", ["G74", "G84", "G86", "G87", "G88"])

@@ -78,6 +78,41 @@ def test_errors(tmp_path: Path, line: str, code: str) -> None:
     assert codes_of(findings)[:1] == [code]
 
 
+def test_a_rotation_turns_the_way_and_keeps_the_pitch(tmp_path: Path) -> None:
+    """6 and 8 about the zero by a quarter turn: -8 and 6; 2 mm a revolution of 120 rpm along 10 mm, out and back."""
+    text = HEAD + "S120 M3\nG68 R90 X0 Y0\nG33.1 X6 Y8 K2\nG69\nM30\n"
+    trace, findings = run(tmp_path, text)
+    rows = shown(trace, after_line=3)
+    assert rows == [
+        ("sync", -8, 6, 0, 240),
+        ("spindle", -120),
+        ("sync", 0, 0, 0, 240),
+        ("spindle", 120),
+        ("spindle", 0),
+    ]
+    assert codes_of(findings) == []
+
+
+@pytest.mark.parametrize("point", ["P-1", "X-1 Y1"])
+def test_a_mirror_keeps_the_pitch(tmp_path: Path, point: str) -> None:
+    trace, findings = run(tmp_path, HEAD + f"S120 M3\nG51 {point} I0 J0\nG33 X6 Z-8 K2\nM30\n")
+    assert shown(trace, after_line=3) == [("sync", -6, 0, -8, 240), ("spindle", 0)]
+    assert codes_of(findings) == []
+
+
+@pytest.mark.parametrize("code", ["G33", "G33.1"])
+def test_under_a_scale_the_way_is_known_and_the_pitch_is_not(tmp_path: Path, code: str) -> None:
+    trace, findings = run(tmp_path, HEAD + f"S120 M3\nG51 P2 I0 J0\n{code} X6 Z-8 K2\nG1 X1 F100\nM30\n")
+    rows = [row for row in shown(trace, after_line=3) if row[0] != "spindle"]
+    back = [("sync", 0, 0, 0, None)] if code == "G33.1" else []
+    assert rows == [("sync", 12, 0, -8, None), *back, ("feed", 2, 0, 0 if back else -8, 100)]
+    assert codes_of(findings) == ["GP284"]
+    # Z is not scaled, and neither is what lies along it
+    trace, findings = run(tmp_path, HEAD + f"S120 M3\nG51 P2 I0 J0\n{code} Z-8 K2\nM30\n")
+    assert shown(trace, after_line=3)[0] == ("sync", 0, 0, -8, 240)
+    assert codes_of(findings) == []
+
+
 def test_velocity_is_judged_axis_by_axis(tmp_path: Path) -> None:
     # 750 mm/min along 3-4-5: 450 and 600, just what the axes can do
     _, findings = run(tmp_path, HEAD + "S750 M3\nG33 X3 Z4 K1\nM30\n", machine=SLOW)

@@ -181,6 +181,13 @@ def test_an_axis_that_can_not_follow(tmp_path: Path) -> None:
     assert codes_of(findings) == ["GP510"]
 
 
+@pytest.mark.parametrize("turn", ["G68 R90 X0 Y0", "G68 R180 X0 Y0", "G51 P2 I0 J0", "G51 X-1 Y1 I0 J0"])
+def test_its_depth_under_a_rotation_or_a_scale_is_open(tmp_path: Path, turn: str) -> None:
+    text = START.replace("G18", "G17") + f"{turn}\nG18 G76 {WORDS}\nM30\n"
+    _, findings = run(tmp_path, text, machine=OFFSET)
+    assert codes_of(findings) == ["GP276"]
+
+
 def test_unknown_start_and_words(tmp_path: Path) -> None:
     text = LATHE + f"S500 M3\nG76 {WORDS}\nM30\n"
     _, findings = run(tmp_path, text, machine=OFFSET, setup=NOTHING)
