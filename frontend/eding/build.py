@@ -8,6 +8,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -73,6 +74,31 @@ class Part(NamedTuple):
     operator: str = ""
 
 
+def grouped(values: Sequence[Part], operators: Sequence[str], span: Callable[[int, int], Span]) -> Expr:
+    """Values with operators between them: the tighter level first, within a level the left one first.
+
+    span: the place of what is between two indices of the values.
+    """
+    done: list[Part] = [values[0]]
+    waiting: list[str] = []
+    for operator, value in zip(operators, values[1:], strict=True):
+        while waiting and LEVEL[waiting[-1]] >= LEVEL[operator]:
+            _combine(done, waiting.pop(), span)
+        waiting.append(operator)
+        done.append(value)
+    while waiting:
+        _combine(done, waiting.pop(), span)
+    return done[0].node
+
+
+def _combine(done: list[Part], operator: str, span: Callable[[int, int], Span]) -> None:
+    """The last two values become one."""
+    right, left = done.pop(), done.pop()
+    doubtful = is_doubtful(operator, left.operator) or is_doubtful(operator, right.operator)
+    node = Binary(operator, left.node, right.node, span(left.begin, right.end), doubtful)
+    done.append(Part(node, left.begin, right.end, operator))
+
+
 ATAN_TAKES_TWO = "'atan' takes two values: atan[y]/[x]"
 
 DIALOG_VALUES = 12  # 4.2
@@ -129,29 +155,8 @@ class Builder:
 
     def bracket(self, tokens: Tokens) -> Part:
         begin, end = _range(tokens[0])[0], _range(tokens[-1])[1]
-        node = tokens[1].node if len(tokens) == 3 else self._grouped(tokens[1:-1])
-        return Part(node, begin, end)
-
-    def _grouped(self, tokens: Tokens) -> Expr:
-        """Values with operators between them: the tighter level first, within a level the left one first."""
-        values: list[Part] = [tokens[0]]
-        waiting: list[str] = []
-        for token, value in zip(tokens[1::2], tokens[2::2], strict=True):
-            operator = token.lower()
-            while waiting and LEVEL[waiting[-1]] >= LEVEL[operator]:
-                self._combine(values, waiting.pop())
-            waiting.append(operator)
-            values.append(value)
-        while waiting:
-            self._combine(values, waiting.pop())
-        return values[0].node
-
-    def _combine(self, values: list[Part], operator: str) -> None:
-        right, left = values.pop(), values.pop()
-        doubtful = is_doubtful(operator, left.operator) or is_doubtful(operator, right.operator)
-        span = self.span(left.begin, right.end)
-        node = Binary(operator, left.node, right.node, span, doubtful)
-        values.append(Part(node, left.begin, right.end, operator))
+        values, operators = tokens[1:-1:2], [token.lower() for token in tokens[2:-1:2]]
+        return Part(grouped(values, operators, self.span), begin, end)
 
     def function(self, tokens: Tokens) -> Part:
         begin, inner = _range(tokens[0])[0], tokens[1]

@@ -1,9 +1,10 @@
 """Lines whose shape was met before, without the grammar.
 
 Two lines have one shape when they differ only in literal numbers and in the contents of comments, the *holes* of the
-line: ``G1 X[#1 + 2.5] (a)`` and ``G1 X[#7 + 10] (b)``. The grammar reads a shape when it comes for the first and second
-time. Then a ``Shape`` makes the nodes of further lines out of their holes: equal to what the grammar gives, places
-included. The grammar (``parse.parse_line``) stays the reference; what a shape can not be sure of goes there:
+line: ``G1 X[#1 + 2.5] (a)`` and ``G1 X[#7 + 10] (b)``. When a shape comes for the first and second time, its line is
+read directly (``direct.read_line``) where that can be, else by the grammar. Then a ``Shape`` makes the nodes of further
+lines out of their holes: equal to what the grammar gives, places included. The grammar (``parse.parse_line``) stays the
+reference; what a shape can not be sure of goes there:
 
 - mistakes, and lines with control characters or a message in a comment;
 - lines with numbers that are no ``Number`` of their own (with blanks inside, in names, in texts): these are only kept
@@ -21,6 +22,7 @@ from itertools import accumulate
 from typing import Any, TypeVar
 
 from gproof.frontend.eding.build import Parsed
+from gproof.frontend.eding.direct import read_line
 from gproof.frontend.eding.parse import parse_line
 from gproof.frontend.eding.prepare import LineError, decode, prepare
 from gproof.ir.finding import Span
@@ -30,7 +32,7 @@ KEPT = 20_000
 """Shapes and lines that a reader remembers; when there are more it starts again."""
 
 HELD_BLOCKS = 5_000
-"""Blocks of a program that are made at once; later ones of a known shape are made when they run."""
+"""Blocks of a program that are made at once; later ones are made when they run."""
 
 _HOLE = re.compile(r"((?<=\()[^()]+(?=\))|(?<=;)(?!\)).+|[0-9]+\.?[0-9]*|\.[0-9]+)")
 """A hole: what is in parentheses, what is behind a semicolon (but not one that ends a comment), a number.
@@ -111,16 +113,24 @@ class Reader:
         if isinstance(shape, Shape):
             if not shape.accepts(holes):
                 return parse_line(raw, file, number)
-            if shape.is_block:
-                self.held -= 1
-                if self.held < 0:
-                    return (DeferredBlock(shape.block, raw, file, number),)
+            if shape.is_block and self._is_full():
+                return (DeferredBlock(shape.block, raw, file, number),)
             return shape.statements(holes, file, number)
         if shape is LETTERS:
             return self._by_letters(text, raw, file, number)
         if shape is None:
             _remember(self._shapes, key, ONCE)
-        return parse_line(raw, file, number)
+        found = read_line(text, file, number)
+        if found is None:
+            return parse_line(raw, file, number)
+        if isinstance(found[0], Block) and self._is_full():
+            return (DeferredBlock(_directly, raw, file, number),)
+        return found
+
+    def _is_full(self) -> bool:
+        """Whether the program holds no further block, which this asks for."""
+        self.held -= 1
+        return self.held < 0
 
     def _by_letters(self, text: str, raw: bytes, file: str, number: int) -> Sequence[Parsed]:
         shape = self._lines.get(text)
@@ -129,6 +139,15 @@ class Reader:
         found = parse_line(raw, file, number)
         _remember(self._lines, text, ONCE if shape is None else _Maker((), ()).shape(found, ()))
         return found
+
+
+@functools.lru_cache(maxsize=1)
+def _directly(raw: bytes, file: str, line: int) -> Block:
+    """The block of a line that is read directly; remembers the last, as its user asks for one field at a time."""
+    found = read_line(decode(raw), file, line)
+    assert found is not None
+    assert isinstance(found[0], Block)
+    return found[0]
 
 
 _T = TypeVar("_T", bound=Shape | str)
@@ -152,7 +171,8 @@ def _shape(text: str, pieces: Sequence[str]) -> Shape | str:
         for n in comments:
             holes[n] = f"\t{chr(_MARKS + n)}\t"  # tabs: whether a comment is taken with the blanks around it
         marked = "".join(part for pair in zip(code, [*holes, ""], strict=True) for part in pair)
-        return _Maker(holes, code).shape(parse_line(marked.encode(), "", 1), comments)
+        found = read_line(marked, "", 1) or parse_line(marked.encode(), "", 1)
+        return _Maker(holes, code).shape(found, comments)
     except _NoShapeError:
         return LETTERS
     except LineError:

@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from gproof.frontend.eding.parse import parse_line
-from gproof.ir.program import Assign, Binary, Block, Expr, Number, Unary, Variable
+from gproof.ir.program import Assign, Binary, Block, Expr, Number, Unary, Variable, Word
 
 FUNCTIONS = "abs acos asin cos exp fix fup int ln round sin sqrt tan not".split()
 # Weakest first, each from left to right: manual 3.2.2.3, then the choice for the operators that only 4.2 lists.
@@ -204,3 +204,14 @@ def test_numbers(text: str, number: float) -> None:
     found = value(text)
     assert isinstance(found, Number)
     assert repr(found.value) == repr(number)
+
+
+@pytest.mark.parametrize("before", ["", "n10", "/", "/ N5 ", "(c)", "g1", "#1=2"])
+@pytest.mark.parametrize("blank", ["", " "])
+def test_a_function_behind_a_letter_is_its_value(before: str, blank: str) -> None:
+    """Whatever the two spell together: ``i fix[2.5]`` begins like an ``if``."""
+    for letter in "abcdefghijklmpqrstxyz":
+        for function in FUNCTIONS:
+            found = block(f"{before}{letter}{blank}{function}{blank}[2.5]")
+            expected = Word(letter.upper(), Unary(function, Number(2.5, NOWHERE), NOWHERE), NOWHERE)
+            assert without_places(found.words[-1]) == expected
