@@ -15,15 +15,15 @@ arithmetic, other kernels may be called when they stand in the same file.
 from __future__ import annotations
 
 import atexit
-import contextlib
 import functools
-import hashlib
 import os
 import sys
 import types
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any, Generic, ParamSpec, TypeVar
+
+from gproof.ir.kernel_cache import FileCache, code_digest, write_whole
 
 P = ParamSpec("P")
 R = TypeVar("R")
@@ -35,7 +35,6 @@ _NOTED_SECONDS = 0.02
 noted: a loss smaller than this is not worth a file."""
 
 
-@functools.cache
 def cache_root() -> Path:
     """The folder for compiled kernels: next to nothing else of the user's, created on demand."""
     named = os.environ.get("GPROOF_CACHE_DIR")
@@ -43,22 +42,6 @@ def cache_root() -> Path:
         return Path(named)
     base = os.environ.get("XDG_CACHE_HOME") or os.path.join(os.path.expanduser("~"), ".cache")
     return Path(base) / "gproof"
-
-
-@functools.cache
-def _cache_folder(source_file: str) -> Path:
-    """One folder for each content of a kernel file, so that a changed callee never meets a stale caller."""
-    digest = hashlib.blake2b(Path(source_file).read_bytes(), digest_size=8)
-    digest.update(sys.version.encode())
-    return cache_root() / "kernels" / f"{Path(source_file).stem}-{digest.hexdigest()}"
-
-
-def _writable(folder: Path) -> bool:
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-    except OSError:
-        return False
-    return os.access(folder, os.W_OK)
 
 
 class Kernel(Generic[P, R]):
@@ -77,6 +60,7 @@ class Kernel(Generic[P, R]):
         self._compiled: Callable[P, R] | None = None
         self._spent = 0.0
         self._lost_before: float | None = None
+        self._digest = ""
         functools.update_wrapper(self, function)
 
     @classmethod
@@ -91,8 +75,14 @@ class Kernel(Generic[P, R]):
         """The plain Python run; callers with much work use ``pick``."""
         return self.python(*args, **kwargs)
 
+    def _folder(self) -> Path:
+        """Where its compiled copies lie: another folder for other code, other constants, or other callees."""
+        if not self._digest:
+            self._digest = code_digest(self.python, _behind)
+        return cache_root() / "kernels" / f"{self.python.__name__}-{self._digest}"
+
     def _marker(self) -> Path:
-        return _cache_folder(self.python.__code__.co_filename) / f"{self.python.__name__}.ready"
+        return self._folder() / "ready"
 
     def is_cached(self) -> bool:
         """True when a compiled copy for this source is on disk."""
@@ -129,16 +119,14 @@ class Kernel(Generic[P, R]):
     def _noted(self) -> float:
         """What earlier processes lost in plain Python while there was no compiled copy."""
         try:
-            return float(self._marker().with_suffix(".lost").read_text(encoding="ascii"))
+            return float((self._folder() / "lost").read_text(encoding="ascii"))
         except (OSError, ValueError):
             return 0.0
 
     def _note(self) -> None:
         lost = self._lost()
-        note = self._marker().with_suffix(".lost")
-        if self._compiled is None and lost > _NOTED_SECONDS and _writable(note.parent):
-            with contextlib.suppress(OSError):
-                note.write_text(f"{(self._lost_before or 0.0) + lost:.3f}", encoding="ascii")
+        if self._compiled is None and lost > _NOTED_SECONDS:
+            write_whole(self._folder() / "lost", f"{(self._lost_before or 0.0) + lost:.3f}".encode("ascii"))
 
     def compiled(self) -> Callable[P, R]:
         """The numba version, compiled on its first call or loaded from the cache."""
@@ -151,36 +139,35 @@ class Kernel(Generic[P, R]):
 
         def first(*args: P.args, **kwargs: P.kwargs) -> R:
             result: R = dispatcher(*args, **kwargs)
-            if _writable(marker.parent):
-                marker.touch()
+            write_whole(marker, b"")
             self._compiled = dispatcher
             return result
 
         return dispatcher if marker.exists() else first
 
-    def _dispatcher(self, done: dict[str, Any]) -> Any:
+    def _dispatcher(self, done: dict[Kernel[Any, Any], Any]) -> Any:
         import numba
 
+        if self in done:
+            return done[self]
         function = self.python
-        name = function.__name__
-        if name in done:
-            return done[name]
-        folder = _cache_folder(function.__code__.co_filename)
-        cacheable = _writable(folder)
-        if cacheable:
-            config: Any = numba.config
-            config.CACHE_DIR = str(folder)
         scope = dict(function.__globals__)
         for used in function.__code__.co_names:
             value = scope.get(used)
             if isinstance(value, Kernel):
                 scope[used] = value._dispatcher(done)
         # The copy sees compiled callees; the original keeps the plain ones.
-        copy = types.FunctionType(function.__code__, scope, name, function.__defaults__)
+        copy = types.FunctionType(function.__code__, scope, function.__name__, function.__defaults__)
         copy.__module__ = function.__module__
         copy.__qualname__ = function.__qualname__
-        done[name] = numba.njit(cache=cacheable, error_model="numpy", nogil=True)(copy)
-        return done[name]
+        dispatcher: Any = numba.njit(error_model="numpy", nogil=True)(copy)
+        dispatcher._cache = FileCache(self._folder())
+        done[self] = dispatcher
+        return dispatcher
+
+
+def _behind(value: object) -> Any:
+    return value.python if isinstance(value, Kernel) else None
 
 
 def kernel(*, seconds_per_unit: float = 2e-6, compile_seconds: float = 3.0) -> Callable[[Callable[P, R]], Kernel[P, R]]:

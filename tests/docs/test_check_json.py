@@ -26,7 +26,10 @@ def refuse(text: str) -> None:
 
 def report(words: list[str], capsys: pytest.CaptureFixture[str]) -> tuple[int, dict[str, Any]]:
     code = main(["check", *words, "--format", "json", "--max-blocks", "25000"])
-    return code, json.loads(capsys.readouterr().out, parse_constant=refuse)
+    printed = capsys.readouterr()
+    assert code in {0, 1, 2}, f"exit {code}: {printed.err}"
+    assert printed.err == ""
+    return code, json.loads(printed.out, parse_constant=refuse)
 
 
 @pytest.mark.parametrize("folder", JOBS, ids=lambda folder: folder.name)

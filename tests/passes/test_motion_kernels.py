@@ -13,7 +13,6 @@ from hypothesis import strategies as st
 from passes.reference_motion import paths
 from passes.traces import Path, machine
 
-from gproof.ir import kernel as kernel_module
 from gproof.ir.finding import Findings
 from gproof.ir.kernel import Kernel
 from gproof.ir.setup import NOTHING
@@ -32,11 +31,7 @@ def fresh_cache(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
     """Compiled kernels of these tests go to a folder of their own."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("GPROOF_CACHE_DIR", str(tmp_path_factory.mktemp("kernels")))
-        kernel_module.cache_root.cache_clear()
-        kernel_module._cache_folder.cache_clear()
         yield
-    kernel_module.cache_root.cache_clear()
-    kernel_module._cache_folder.cache_clear()
 
 
 def everything(trace: Trace) -> str:

@@ -1,0 +1,142 @@
+"""The compile cache: any number of processes at once, files that are damaged or swapped, code that changes."""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import subprocess
+import sys
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+KERNELS = """
+from gproof.ir.kernel import kernel
+from inner_kernels import FACTOR, shifted
+
+@kernel()
+def total(values):
+    result = 0.0
+    for n in range(len(values)):
+        result += shifted(values[n]) * FACTOR
+    return result
+"""
+INNER = """
+from gproof.ir.kernel import kernel
+
+FACTOR = {factor}
+
+@kernel()
+def shifted(value):
+    return value + {shift}
+"""
+TOTAL = """
+import os, sys, time
+import numpy as np
+import numba
+from total_kernels import total
+values = np.array([1, 2, 4]).astype(sys.argv[1])
+run = total.compiled()
+open(f"ready-{os.getpid()}", "w").close()
+while not os.path.exists("go"):
+    time.sleep(0.001)
+print(run(values))
+"""
+KINDS = ["float64", "float32", "int64", "uint64", "int32", "int8"]
+
+Start = Callable[[str], "subprocess.Popen[str]"]
+
+
+def write(folder: Path, *, factor: float = 1.0, shift: float = 0.0) -> None:
+    (folder / "total_kernels.py").write_text(KERNELS, encoding="utf-8")
+    (folder / "inner_kernels.py").write_text(INNER.format(factor=factor, shift=shift), encoding="utf-8")
+
+
+@pytest.fixture
+def start(tmp_path: Path) -> Start:
+    """A function: a process that adds 1, 2 and 4 in a type, once the file `go` is there."""
+    write(tmp_path)
+    environment = os.environ | {"GPROOF_CACHE_DIR": str(tmp_path / "cache"), "PYTHONPATH": str(tmp_path)}
+    environment["PYTHONDONTWRITEBYTECODE"] = "1"
+
+    def run(kind: str) -> subprocess.Popen[str]:
+        return subprocess.Popen(
+            [sys.executable, "-c", TOTAL, kind], cwd=tmp_path, env=environment, text=True, stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+        )  # fmt: skip
+
+    return run
+
+
+def answer(process: subprocess.Popen[str]) -> float:
+    out, err = process.communicate(timeout=120)
+    assert process.returncode == 0, err
+    return float(out)
+
+
+def compiled(folder: Path) -> list[Path]:
+    return sorted((folder / "cache").glob("kernels/total-*/*.nbc"))
+
+
+def test_processes_that_compile_at_the_same_time(start: Start, tmp_path: Path) -> None:
+    """Every signature keeps its own copy, none is lost, and the copies are whole: later processes load them."""
+    together = [start(kind) for kind in KINDS]
+    while len(list(tmp_path.glob("ready-*"))) < len(KINDS) and all(p.poll() is None for p in together):
+        time.sleep(0.01)
+    (tmp_path / "go").touch()
+    assert [answer(process) for process in together] == [7.0] * len(KINDS)
+    files = compiled(tmp_path)
+    assert len(files) == len(KINDS)
+    written = [path.stat().st_mtime_ns for path in files]
+    assert [answer(start(kind)) for kind in KINDS[:3]] == [7.0] * 3
+    assert [path.stat().st_mtime_ns for path in files] == written
+
+
+def test_what_does_not_fit_is_compiled_again(start: Start, tmp_path: Path) -> None:
+    kinds = KINDS[:5]
+    (tmp_path / "go").touch()
+    assert [answer(process) for process in [start(kind) for kind in kinds]] == [7.0] * len(kinds)
+    files = compiled(tmp_path)
+    whole = [path.read_bytes() for path in files]
+    files[0].write_bytes(whole[1])
+    files[1].write_bytes(whole[0])
+    files[2].write_bytes(whole[2][: len(whole[2]) // 2])
+    middle = len(whole[3]) // 2
+    files[3].write_bytes(whole[3][:middle] + bytes([whole[3][middle] ^ 16]) + whole[3][middle + 1 :])
+    files[4].unlink()
+    files[4].mkdir()
+    assert [answer(process) for process in [start(kind) for kind in kinds]] == [7.0] * len(kinds)
+    assert all(path.read_bytes()[:32] == hashlib.sha256(path.read_bytes()[32:]).digest() for path in files[:4])
+    assert compiled(tmp_path) == files, "no draft was left behind"
+
+
+def test_a_cache_that_can_not_be_written(start: Start, tmp_path: Path) -> None:
+    (tmp_path / "go").touch()
+    (tmp_path / "cache").write_text("in the way", encoding="utf-8")
+    assert answer(start("float64")) == 7.0
+
+
+def test_constants_and_callees_from_another_file(start: Start, tmp_path: Path) -> None:
+    """They are frozen into compiled code, so another value is another copy."""
+    (tmp_path / "go").touch()
+    assert answer(start("float64")) == 7.0
+    write(tmp_path, factor=10.0)
+    assert answer(start("float64")) == 70.0
+    write(tmp_path, factor=10.0, shift=1.0)
+    assert answer(start("float64")) == 100.0
+    write(tmp_path)
+    assert answer(start("float64")) == 7.0
+    assert len(compiled(tmp_path)) == 3
+
+
+def test_a_source_that_changes_while_its_old_code_runs(start: Start, tmp_path: Path) -> None:
+    old = start("float64")
+    while not list(tmp_path.glob("ready-*")):
+        assert old.poll() is None
+        time.sleep(0.01)
+    write(tmp_path, factor=10.0)
+    (tmp_path / "go").touch()
+    assert answer(old) == 7.0
+    assert answer(start("float64")) == 70.0
