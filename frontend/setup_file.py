@@ -5,16 +5,18 @@ docs/setup-files.md lists every key; all are optional, and what is not stated is
 
 from __future__ import annotations
 
+import math
+from collections.abc import Iterable
 from fractions import Fraction
 from pathlib import Path
 
 from gproof.frontend.height_map_file import read_height_map
-from gproof.frontend.machine_file import HIGHEST_TOOL, Files
+from gproof.frontend.machine_file import HIGHEST_HEAD, HIGHEST_TOOL, Files
 from gproof.frontend.toml_table import MILLIMETRES, TomlFile, TomlTable, small_number
 from gproof.ir.dialects import rules_named
 from gproof.ir.finding import Findings
 from gproof.ir.machine import AXIS_NAMES
-from gproof.ir.setup import Cylinder, Interval, Setup
+from gproof.ir.setup import Cylinder, InForce, Interval, Setup
 
 SCHEMA = "gproof-setup/1"
 COORDINATE_SYSTEMS = 9
@@ -37,6 +39,9 @@ def load_setup(path: Path, findings: Findings) -> tuple[Setup | None, Files]:
             lengths[number] = Interval(*length)
         table.finish()
     parameters, ranges = _parameters(root.table("parameters"))
+    heads: dict[tuple[int, str], Interval] = {}
+    for number, table in root.numbered("heads", 1, HIGHEST_HEAD):
+        heads |= {(number, axis): value for axis, value in _axes(table, unit, "xyz").items()}
     height_map, more = read_height_map(root.table("height_map"), unit)
     setup = Setup(
         name=root.text("name") or path.name,
@@ -53,6 +58,8 @@ def load_setup(path: Path, findings: Findings) -> tuple[Setup | None, Files]:
         optional_stop=root.boolean("optional_stop"),
         cylinder=_cylinder(root.table("cylinder"), unit),
         height_map=height_map,
+        heads=heads,
+        transform=_transform(root.table("transform"), unit),
     )
     root.finish()
     return (None if file.errors else setup), file.files + more
@@ -72,12 +79,38 @@ def _cylinder(table: TomlTable | None, unit: Fraction) -> Cylinder | None:
     return cylinder
 
 
-def _axes(table: TomlTable | None, unit: Fraction) -> dict[str, Interval]:
+def _transform(table: TomlTable | None, unit: Fraction) -> InForce | None:
+    """``[transform]``: what G68 and G51 have left in force, about one point (3.4.13, 3.4.18)."""
+    if table is None:
+        return None
+    angle, both = table.number("angle"), table.number("factor")
+    fx, fy = table.number("factor_x"), table.number("factor_y")
+    if both is not None and not (fx is None and fy is None):
+        table.bad("factor", "given beside factor_x or factor_y")
+    fx, fy = (both, both) if both is not None else (fx, fy)
+    if (fx is None) != (fy is None):
+        table.missing("factor_x" if fx is None else "factor_y")
+    for name in ("factor", "factor_x", "factor_y"):
+        if table.values.get(name) == 0:
+            table.bad(name, "a factor of 0 puts every point into one")
+    turns = angle is not None and math.fmod(angle, 360.0) != 0.0
+    if turns and fx != fy and math.fmod(angle or 0.0, 180.0) != 0.0:
+        table.bad("factor_x", "different factors under a rotation: no section says which of the two comes first")
+    x, y = table.number("x", unit=unit), table.number("y", unit=unit)
+    if turns or (fx, fy) not in ((None, None), (1.0, 1.0)):
+        for axis in "xy":
+            if axis not in table.values:
+                table.missing(axis)
+    table.finish()
+    return InForce(angle=angle, factor_x=fx, factor_y=fy, x=x or 0.0, y=y or 0.0)
+
+
+def _axes(table: TomlTable | None, unit: Fraction, names: Iterable[str] = AXIS_NAMES) -> dict[str, Interval]:
     """Values by axis name; X Y Z are lengths, A B C degrees."""
     if table is None:
         return {}
     found = {}
-    for axis in AXIS_NAMES:
+    for axis in names:
         ends = table.interval(axis, unit=unit if axis in "xyz" else Fraction(1))
         if ends is not None:
             found[axis] = Interval(*ends)
@@ -101,19 +134,48 @@ _ELSEWHERE = {
     "g92": "[g92]",
     "work": "[work.1] to [work.9]",
     "tool": "tool",
+    "tool_radius": "tool and the tool table",
+    "tool_z": "tool and the tool table",
+    "tool_x": "tool and the tool table",
+    "new_tool": "tool",
+    "offset_z": "the tool table and G43",
+    "offset_x": "the tool table and G43",
     "lower_limit": "the machine file",
     "upper_limit": "the machine file",
     "home_position": "the machine file",
     "area_lower": "the machine file",
     "area_upper": "the machine file",
+    "kinematics": "[cylinder] and the machine file",
+    "height_map": "[height_map]",
+    "simulation": "the way it is run",
+    "rendering": "--render",
 }
 """Kinds of parameters that show what is stated in another place."""
 
 
-def _stated_elsewhere(number: int) -> str:
-    for entry in rules_named("eding").parameters:
-        if entry.first <= number <= entry.last:
-            return _ELSEWHERE.get(entry.kind, "")
+_CHANGING = ("probe_machine", "probe_input", "hand_wheel")
+"""Kinds that change while the job runs: only bounds can be stated."""
+_PROBE_JOINTS = 5081
+"""From here "probe_machine" repeats the contact (3.1.1): its bounds are those of #5051 to #5056."""
+
+
+def _mistake(number: int, is_list: bool, low: float) -> str:
+    """What is wrong with a stated parameter, "" for nothing."""
+    kind = next((e.kind for e in rules_named("eding").parameters if e.first <= number <= e.last), "")
+    if kind in _ELSEWHERE:
+        return f"#{number} follows from {_ELSEWHERE[kind]}, not from [parameters]"
+    if kind == "probe_machine" and number >= _PROBE_JOINTS:
+        return f"#{number} follows from #{number - _PROBE_JOINTS + 5051}"
+    if kind in _CHANGING and not is_list:
+        return f"#{number} changes while the job runs: state a list of its lower and upper end"
+    if kind in ("head", "work_number") and is_list:
+        return f"#{number} is one number"
+    if kind == "head" and low not in (0.0, 1.0, 2.0):
+        return f"#{number} is 0 (M90), 1 (M91) or 2 (M92)"
+    if kind == "rotation" and (is_list or low != 0.0):
+        return (
+            f"#{number} other than 0 turns a coordinate system, which gproof does not model; [transform] states a G68"
+        )
     return ""
 
 
@@ -127,13 +189,12 @@ def _parameters(table: TomlTable | None) -> tuple[dict[int, float], dict[int, In
         if small_number(name, 1, highest) is None:
             table.bad(name, f"{name!r} is not a parameter number from 1 to {highest}")
             continue
-        place = _stated_elsewhere(int(name))
-        if place:
-            table.bad(name, f"#{name} follows from {place}, not from [parameters]")
-            continue
         is_list = isinstance(table.values[name], list)
         ends = table.interval(name)
-        if ends is not None and is_list:
+        wrong = "" if ends is None else _mistake(int(name), is_list, ends[0])
+        if wrong:
+            table.bad(name, wrong)
+        elif ends is not None and is_list:
             ranges[int(name)] = Interval(*ends)
         elif ends is not None:
             found[int(name)] = ends[0]

@@ -126,7 +126,7 @@ CHECKED_ONLY = frozenset(
 class CodeRule:
     """One code. group: modal group, as the manual names it ("" for codes it lists in none);
     uses_axes: takes the line's axis words; value: argument of the function (coordinate system, head);
-    source: section of the manual."""
+    source: section of the manual; open: of a code that is not modelled, what the manual leaves open."""
 
     letter: str
     tenths: int
@@ -135,6 +135,7 @@ class CodeRule:
     source: str
     uses_axes: bool = False
     value: int = 0
+    open: str = ""
 
     @property
     def text(self) -> str:

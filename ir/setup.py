@@ -65,6 +65,21 @@ class HeightMap:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class InForce:
+    """A rotation or a scaling of X and Y that is in force when the job begins (Eding manual 3.4.13, 3.4.18).
+
+    angle: degrees, counter-clockwise, 0 for none (the zeroing menu leaves one, 2.2.4.3); factor_x, factor_y: 1 for no
+    scaling; None: not stated; x, y: the point that both are about, mm in coordinates of the active system.
+    """
+
+    angle: float | None = None
+    factor_x: float | None = None
+    factor_y: float | None = None
+    x: float = 0.0
+    y: float = 0.0
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Setup:
     """The stated part of the machine's state.
 
@@ -73,7 +88,8 @@ class Setup:
     controller's numbering; parameter_ranges: those that are only bounded, and what the operator or a measurement will
     put into them; default_*: what everything not listed is (None: unknown).
     cylinder: Y is mapped onto A, for the whole job; height_map: measured and loaded. Offsets are mm or degrees;
-    parameters are in the program's own numbers.
+    parameters are in the program's own numbers. heads: what is added to positions while a head (``Op.HEAD``) is
+    selected, by (number, axis); transform: of X and Y, None where nothing is stated.
     """
 
     name: str = "(none)"
@@ -93,6 +109,8 @@ class Setup:
     optional_stop: bool | None = None
     cylinder: Cylinder | None = None
     height_map: HeightMap | None = None
+    heads: dict[tuple[int, str], Interval] = field(default_factory=dict)
+    transform: InForce | None = None
 
     def interval(self, symbol: str) -> Interval | None:
         """What is stated of a symbol such as ``start.x``, ``work.1.x``, ``g92.x``, ``tool.3.z``.
@@ -112,7 +130,8 @@ class Setup:
         elif kind == "tool":
             found = self.tool_lengths.get(int(rest[0]))
         elif kind == "head":
-            default = None  # a symbol only where a file gives an offset without its sign, or nothing is stated
+            # A symbol only where nothing exact is stated, or without its sign: no default holds for it.
+            found, default = self.heads.get((int(rest[0]), rest[1])), None
         if found is None and default is not None:
             return Interval(default, default)
         return found

@@ -46,7 +46,8 @@ class Blocks(Motion):
 
         Where such a code takes the axis words, nobody knows where the axes are after it.
         """
-        self._fail(codes.UNSUPPORTED_CODE.at(line.where_code(unsupported), code=unsupported.text))
+        what = f"{unsupported.text} ({unsupported.open})" if unsupported.open else unsupported.text
+        self._fail(codes.UNSUPPORTED_CODE.at(line.where_code(unsupported), code=what))
         line.used.update(line.values)
         if not unsupported.uses_axes:
             self._execute(line)

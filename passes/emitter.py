@@ -21,6 +21,7 @@ from gproof.passes.modal import Modal
 from gproof.passes.ranges import Range
 from gproof.passes.rows import RowBuffer
 from gproof.passes.spindle import commanded_rpm
+from gproof.passes.transform_codes import at_start
 from gproof.passes.values import FrameTable, Position, Unknown, Value
 
 DEFAULT_BUDGET = 100_000_000
@@ -49,6 +50,7 @@ class Emitter:
         self.stop_at_error = stop_at_error
         self.max_branches = max_branches
         self.modal = Modal(program.rules, setup, machine)
+        self.modal.transform = at_start(self.modal)
         self.modal.rendering = render
         self.trace = Trace(files=[f.name for f in program.files] or ["(program)"])
         self.frames = FrameTable(self.trace.frames)

@@ -31,6 +31,11 @@ def head_offset(s: Modal, head: int, axis: int) -> Position:
     changed = s.head_offsets.get((head, axis))
     if changed is not None:
         return changed
+    measured = s.setup.heads.get((head, AXIS_NAMES[axis]))
+    if measured is not None and measured.exact:
+        return Position(measured.low)
+    if measured is not None:
+        return Position(0.0, ((f"head.{head}.{AXIS_NAMES[axis]}", 1),))
     there = s.machine.spindle(head)
     stated = None if there is None else there.offset[axis]
     if stated is not None and there is not None and (stated == 0.0 or not there.unsigned):
@@ -80,14 +85,15 @@ def select(ex: Emitter, line: Line) -> None:
 
 
 def _note_unsigned(ex: Emitter, line: Line, rule: CodeRule) -> None:
-    there = ex.machine.spindle(rule.value)
+    n = rule.value
+    there = ex.machine.spindle(n)
     if there is None or not there.unsigned:
         return
     for axis, value in enumerate(there.offset):
-        if value:
+        if value and (n, AXIS_NAMES[axis]) not in ex.setup.heads:
             ex.findings.add(
                 codes.HEAD_OFFSET_OPEN.at(
                     line.where_code(rule), axis=AXIS_NAMES[axis].upper(), code=rule.text, value=value,
-                    hint=f"state [spindles.{rule.value}] in the machine file (TOML) as what is added to positions",
+                    hint=f"state what is added to positions: [spindles.{n}] of the machine or [heads.{n}] of the setup",
                 )
             )  # fmt: skip

@@ -89,8 +89,9 @@ class Modal:
             self.tool_offset[2] = self._symbol("tool.0.z")
         self.ranges: dict[str, Interval] = {}
         self.probed = [NOWHERE] * AXES
-        self.probed_work: list[Value] = [Unknown(f"#{5061 + axis}") for axis in range(AXES)]
-        self.probe_hit: Value = Unknown("#5067")
+        # Before the first probing move: what an earlier job has left, where the setup states it.
+        self.probed_work: list[Value] = [self._left(5061 + axis) for axis in range(AXES)]
+        self.probe_hit: Value = self._left(5067)
         self.rendering = False
         self.position = [self._symbol(f"start.{name}") for name in AXIS_NAMES]
         self.cycle: dict[str, float] = {}
@@ -111,6 +112,11 @@ class Modal:
         if known is not None and known.exact:
             return Position(known.low)
         return Position(0.0, ((symbol, 1),))
+
+    def _left(self, number: int) -> Value:
+        """What the setup states of a variable, exactly or by bounds."""
+        stated = self.setup.parameters.get(number)
+        return self.stated_range(number, Unknown(f"#{number}")) if stated is None else stated
 
     # -- offsets and positions
 
@@ -232,9 +238,14 @@ class Modal:
         if whole in self.parameters:
             return self.parameters[whole]
         show = _SHOWN.get(entry.kind)
-        if show is not None:
-            value: Value | None = show(self, whole, whole - entry.first)
-        elif entry.kind in ("free", "persistent", "park_1", "park_2"):
+        value: Value | None = self.setup.parameters.get(whole) if entry.kind in _STATED_FIRST else None
+        if value is not None:
+            pass
+        elif entry.kind in _STATED_FIRST and whole in self.setup.parameter_ranges:
+            value = self.stated_range(whole, Unknown(f"#{whole}"))
+        elif show is not None:
+            value = show(self, whole, whole - entry.first)
+        elif entry.kind in ("free", "persistent", "park_1", "park_2", "rotation"):
             value = self.setup.parameter(whole)
         else:
             value = self.setup.parameters.get(whole)
@@ -353,7 +364,7 @@ class Modal:
     def tool_x_offset(self, tool: int) -> Value:
         """mm; what the table does not tell is 0, as on a mill."""
         value = self._tool_number(TOOL_X_OFFSET, tool, "x_offset", self.machine.unit)
-        stated = TOOL_X_OFFSET + tool in self.parameters
+        stated = TOOL_X_OFFSET + tool in {**self.parameters, **self.setup.parameter_ranges}
         return 0.0 if isinstance(value, Unknown) and not stated else value
 
     def tool_orientation(self, tool: int) -> Value:
@@ -371,6 +382,9 @@ class Modal:
         stated = self.setup.parameters.get(base + tool)
         if stated is not None:
             return stated * unit
+        if base + tool in self.setup.parameter_ranges:
+            ends = self.setup.parameter_ranges[base + tool]
+            return between(f"the {name.replace('_', ' ')} of tool {tool}", (ends.low * unit, ends.high * unit))
         entry = self.machine.tool(tool)
         value = None if entry is None else getattr(entry, name)
         return Unknown(f"the {name.replace('_', ' ')} of tool {tool}") if value is None else float(value)
@@ -399,6 +413,8 @@ class Modal:
         return NOWHERE if isinstance(value, Unknown) else Position(value * self.machine_unit(axis))
 
 
+_STATED_FIRST = ("head_offset", "head_speed", "probe_input", "hand_wheel")
+"""Kinds of which the setup's own statement counts before what follows from other places."""
 _PROGRAM_UNIT = ("machine_position", "probe_machine")
 """Kinds whose values are made in the program's unit, and of which only the machine's would be another reading."""
 _BY_AXIS = (
@@ -407,6 +423,7 @@ _BY_AXIS = (
 )  # fmt: skip
 _BY_TOOL = (
     "tool_radius", "tool_z", "tool_x", "offset_z", "offset_x", "tool_length", "tool_diameter", "tool_x_offset",
+    "head_offset",
 )  # fmt: skip
 
 
@@ -459,6 +476,23 @@ def _of_tool(value: Value, unit: float) -> Value:
     return value if isinstance(value, Unknown) else value / unit
 
 
+def _head_offset(m: Modal, number: int, axis: int) -> Value:
+    """#5391 to #5393: of which alternate head, with which sign, or 0 for the first one, the table does not say."""
+    readings = [bounds(m.plain(head_offset(m, head, axis), m.machine.unit, number)) for head in (1, 2)]
+    reach = max(abs(end) for ends in readings for end in ends)
+    return (
+        between(f"#{number}, of M91 or M92 and without a sign,", (-reach, reach))
+        if reach < math.inf
+        else Unknown(f"#{number}")
+    )
+
+
+def _head_speed(m: Modal, number: int, head: int) -> Value:
+    """#5394 to #5396: the table names three numbers for "M90-M91"; they are taken for M90, M91, M92."""
+    there = m.machine.spindle(head)
+    return Unknown(f"#{number}") if there is None or there.max_rpm is None else there.max_rpm
+
+
 def _kinematics(m: Modal) -> Value:
     """#5150: 1 trivial, 2 Y mapped onto A (Eding manual 3.1.1)."""
     if m.machine.kinematics != "trivial":
@@ -491,6 +525,8 @@ _SHOWN: dict[str, Callable[[Modal, int, int], Value]] = {
     "g92": lambda m, n, k: m.plain(m.g92_stored[k], m.machine_unit(k), n),
     "work": lambda m, n, k: m.plain(m.work_offsets[(n - 5221) // 20 + 1, k], m.machine_unit(k), n),
     "work_number": lambda m, n, k: float(m.work) if m.work else Unknown("the active coordinate system"),
+    "head_offset": _head_offset,
+    "head_speed": _head_speed,
     "head": lambda m, n, k: float(m.head) if m.head < 3 else Unknown(f"#{n}"),
     "simulation": lambda m, n, k: 0.0,
     "rendering": lambda m, n, k: float(m.rendering),

@@ -31,7 +31,7 @@ class Transform:
 
     rotated, scaled: whether each is on; angle: degrees, counter-clockwise; factors: of X and Y; center: mm in
     program coordinates; origin: offsets of X and Y under which the center was given; open: why nobody knows what
-    the axes do now, "" when it is known.
+    the axes do now, "" when it is known; doubt: why nobody will as soon as X or Y move.
     """
 
     rotated: bool = False
@@ -41,6 +41,7 @@ class Transform:
     center: Pair = (0.0, 0.0)
     origin: tuple[Position, Position] = (Position(0.0), Position(0.0))
     open: str = ""
+    doubt: str = ""
 
     kind: int = field(init=False, repr=False, compare=False)
     on: bool = field(init=False, repr=False, compare=False)

@@ -18,7 +18,7 @@ from gproof.ir.rules import Function as F
 from gproof.ir.trace import Plane
 from gproof.passes.line import Line
 from gproof.passes.transform import NO_TRANSFORM, Pair, Transform
-from gproof.passes.values import Unknown
+from gproof.passes.values import NOWHERE, Unknown
 
 if TYPE_CHECKING:
     from gproof.passes.modal import Modal
@@ -60,6 +60,26 @@ def _set(ex: Motion, line: Line, rule: CodeRule, before: tuple[object, ...]) -> 
     ex._state_changed()
     if why:
         ex._fail(codes.TRANSFORM_OPEN.at(line.span, what=why))
+
+
+def at_start(modal: Modal) -> Transform:
+    """What the setup states to be in force when the job begins."""
+    stated = modal.setup.transform
+    if stated is None:
+        return NO_TRANSFORM
+    modal.stated |= {"rotation"} if stated.angle is not None else set()
+    modal.stated |= {"scaling"} if stated.factor_x is not None else set()
+    angle = math.fmod(stated.angle or 0.0, 360.0)
+    factors = (stated.factor_x or 1.0, stated.factor_y or 1.0)
+    if angle == 0.0 and factors == (1.0, 1.0):
+        return NO_TRANSFORM
+    origin, doubt = (modal.offset(0), modal.offset(1)), ""
+    if modal.machine.controller.diameter_programming:
+        origin, doubt = (NOWHERE, NOWHERE), "what the setup's rotation or scaling makes of diameters"
+    return Transform(
+        rotated=angle != 0.0, scaled=factors != (1.0, 1.0), angle=angle, factors=factors,
+        center=(stated.x, stated.y), origin=origin, doubt=doubt,
+    )  # fmt: skip
 
 
 def frame_of(modal: Modal, line: Line) -> tuple[object, ...]:
@@ -186,7 +206,7 @@ def settle(ex: Motion, span: Span) -> None:
     """Before X or Y move under a transform: GP276 when the offsets are others than those of its point."""
     s = ex.modal
     if s.transform.on and not s.transform.open and s.transform.origin != (s.offset(0), s.offset(1)):
-        why = "where the point of G68 or G51 is after the offsets have changed"
+        why = s.transform.doubt or "where the point of G68 or G51 is after the offsets have changed"
         s.transform = replace(s.transform, open=why)
         ex._fail(codes.TRANSFORM_OPEN.at(span, what=why))
 

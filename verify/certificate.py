@@ -216,6 +216,7 @@ def _check_setup(made_for: Setup, now: Setup, findings: list[Finding], where: Sp
     symbols = [f"start.{axis}" for axis in {*made_for.start, *now.start}]
     symbols += [f"work.{number}.{axis}" for number, axis in {*made_for.work, *now.work}]
     symbols += [f"g92.{axis}" for axis in {*made_for.g92, *now.g92}]
+    symbols += [f"head.{number}.{axis}" for number, axis in {*made_for.heads, *now.heads}]
     symbols += [f"tool.{number}.z" for number in {*made_for.tool_lengths, *now.tool_lengths}]
     differing: list[tuple[str, object, object]] = []
     for symbol in sorted(symbols):
@@ -226,7 +227,7 @@ def _check_setup(made_for: Setup, now: Setup, findings: list[Finding], where: Sp
             )
     plain = [(f"#{n}", made_for.parameter(n), now.parameter(n)) for n in {*made_for.parameters, *now.parameters}]
     for name in ("active_work", "tool", "default_start", "default_offset", "default_parameter", "block_delete",
-                 "optional_stop"):  # fmt: skip
+                 "optional_stop", "transform"):  # fmt: skip
         plain.append((name, getattr(made_for, name), getattr(now, name)))
     differing += [(name, was, is_) for name, was, is_ in plain if was is not None and was != is_]
     for name, wanted, found in differing:

@@ -28,8 +28,10 @@ def _g(number: float, function: F, group: str, source: str, axes: bool = False, 
     )
 
 
-def _m(number: int, function: F, group: str, source: str, value: int = 0) -> CodeRule:
-    return CodeRule(letter="M", tenths=number * 10, function=function, group=group, source=source, value=value)
+def _m(number: int, function: F, group: str, source: str, value: int = 0, reason: str = "") -> CodeRule:
+    return CodeRule(
+        letter="M", tenths=number * 10, function=function, group=group, source=source, value=value, open=reason
+    )
 
 
 _SUPPORTED = (
@@ -142,10 +144,17 @@ _SUPPORTED = (
     _m(97, F.HEAD, "M10", "2.1.20", value=5),
 )
 
-# Codes of tables 3-4 and 3-6 and of the sections on M functions that gproof does not model yet.
+# Codes that the manual names and does not describe.
+_NAMED_ONLY = "table 3-3 lists it among inputs and outputs, and no section says what it does"
 _UNSUPPORTED = (
-    *(_m(n, F.UNSUPPORTED, "M5", "3.5.9") for n in (64, 65, 66)),
-    _m(22, F.UNSUPPORTED, "", "3.5.11"),
+    *(_m(n, F.UNSUPPORTED, "M5", "table 3-3", reason=_NAMED_ONLY) for n in (64, 65, 66)),
+    _m(
+        22,
+        F.UNSUPPORTED,
+        "",
+        "table 3-6",
+        reason="the text beside it in table 3-6 is that of M23, and 3.5.11 has only M20 and M21",
+    ),
 )
 
 
@@ -184,10 +193,11 @@ _PARAMETERS = (
     _p(5211, 5216, "g92", "G92 offset"),
     _p(5220, 5220, "work_number", "active coordinate system", writable=False),
     *(_p(5221 + 20 * k, 5226 + 20 * k, "work", f"coordinate system {k + 1}") for k in range(9)),
-    *(_p(5230 + 20 * k, 5230 + 20 * k, "other", "reserved for a rotation", writable=False) for k in range(8)),
+    *(_p(5230 + 20 * k, 5230 + 20 * k, "rotation", "reserved for a rotation", writable=False) for k in range(8)),
     _p(5380, 5380, "simulation", "simulation mode", writable=False),
     _p(5390, 5390, "head", "spindle selection", writable=False),
-    _p(5391, 5396, "other", "spindle offsets and speeds", writable=False),
+    _p(5391, 5393, "head_offset", "offset of the alternate spindle", writable=False),
+    _p(5394, 5396, "head_speed", "highest speed of each spindle", writable=False),
     _p(5397, 5397, "rendering", "rendering", writable=False),
     _p(5398, 5399, "free", "answers of dialogs and inputs"),
     _p(5401, 5499, "tool_length", "tool length"),

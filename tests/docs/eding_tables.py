@@ -82,10 +82,15 @@ def run(text: str, folder: Path) -> Findings:
 
 
 def is_unknown(example: str, folder: Path) -> bool:
+    return bool(unknowns(example, folder))
+
+
+def unknowns(example: str, folder: Path) -> list[str]:
+    """What keeps a program from being judged, as ``GP280 height-control``."""
     findings = run(example, folder)
     wrong = [f.message for f in findings.kept if f.severity is Severity.ERROR]
     assert not wrong, (example, wrong)
-    return any(f.severity is Severity.UNKNOWN for f in findings.kept)
+    return list(dict.fromkeys(f"{f.code.label} {f.code.name}" for f in findings.kept if f.severity is Severity.UNKNOWN))
 
 
 def rule_of(code: str) -> CodeRule:
@@ -94,8 +99,13 @@ def rule_of(code: str) -> CodeRule:
 
 
 def code_status(code: str, example: str, folder: Path) -> str:
-    if is_unknown(example, folder):
-        return UNKNOWN
+    why = unknowns(example, folder)
+    if why:
+        return (
+            f"{UNKNOWN} ({', '.join(why)}): {rule_of(code).open}"
+            if rule_of(code).open
+            else f"{UNKNOWN} ({', '.join(why)})"
+        )
     return CHECKED if rule_of(code).function in CHECKED_ONLY else SUPPORTED
 
 
@@ -133,8 +143,8 @@ def _commands(folder: Path) -> Iterator[str]:
 
 
 def command_status(example: str, folder: Path) -> str:
-    if is_unknown(example, folder):
-        return UNKNOWN
+    if why := unknowns(example, folder):
+        return f"{UNKNOWN} ({', '.join(why)})"
     program = load_program(folder / "job.cnc", Findings())
     assert program is not None
     names = {node.name for node in program.body if type(node).__name__ == "Device"}  # type: ignore[union-attr]
@@ -144,7 +154,7 @@ def command_status(example: str, folder: Path) -> str:
 def parameter_status(entry: ParameterRange) -> str:
     """Kinds that the executor has no value for are what the setup states, else unknown."""
     is_kept = entry.kind in ("free", "persistent", "park_1", "park_2")
-    return SUPPORTED if is_kept or entry.kind in _SHOWN else UNKNOWN
+    return SUPPORTED if is_kept or entry.kind in _SHOWN else f"{UNKNOWN} unless the setup states it to be 0"
 
 
 def _parameters() -> Iterator[str]:

@@ -9,7 +9,7 @@ import pytest
 
 from gproof.frontend.setup_file import load_setup
 from gproof.ir.finding import Findings
-from gproof.ir.setup import Cylinder, HeightMap, Interval, Setup
+from gproof.ir.setup import Cylinder, HeightMap, InForce, Interval, Setup
 from gproof.ir.text import parse_ir, print_ir
 
 HEAD = 'schema = "gproof-setup/1"\n'
@@ -111,6 +111,40 @@ def test_inches(tmp_path: Path) -> None:
         (HEAD + "[parameters]\n5221 = 1\n", "GP603", 3, "#5221 follows from [work.1] to [work.9]"),
         (HEAD + "[parameters]\n5001 = [1, 2]\n", "GP603", 3, "#5001 follows from [start]"),
         (HEAD + "[parameters]\n5211 = 0\n", "GP603", 3, "#5211 follows from [g92]"),
+        *(
+            (HEAD + f"[parameters]\n{number} = 1\n", "GP603", 3, f"#{number} {said}")
+            for number, said in (
+                (5008, "follows from tool"),
+                (5010, "follows from tool and the tool table"),
+                (5011, "follows from tool"),
+                (5013, "follows from the tool table and G43"),
+                (5051, "changes while the job runs"),
+                (5068, "changes while the job runs"),
+                (5069, "changes while the job runs"),
+                (5081, "follows from #5051"),
+                (5101, "follows from the machine file"),
+                (5150, "follows from [cylinder]"),
+                (5151, "follows from [height_map]"),
+                (5230, "other than 0 turns"),
+                (5380, "follows from the way"),
+                (5397, "follows from --render"),
+            )
+        ),
+        (HEAD + "[parameters]\n5390 = 3\n", "GP603", 3, "#5390 is 0 (M90), 1 (M91) or 2 (M92)"),
+        (HEAD + "[parameters]\n5390 = [0, 1]\n", "GP603", 3, "#5390 is one number"),
+        (HEAD + "[parameters]\n5230 = [0, 0]\n", "GP603", 3, "#5230 other than 0"),
+        (HEAD + "[heads.0]\nx = 1\n", "GP603", 2, "'0' is not a number from 1 to 5"),
+        (HEAD + "[heads.1]\na = 1\n", "GP602", 3, "heads.1.a"),
+        (HEAD + "[heads.1]\nx = [2, 1]\n", "GP603", 3, "above the upper end"),
+        (HEAD + "[transform]\nangle = 30\ny = 0\n", "GP604", 2, "transform.x is missing"),
+        (HEAD + "[transform]\nfactor = 2\nx = 0\n", "GP604", 2, "transform.y is missing"),
+        (HEAD + "[transform]\nfactor_x = 2\nx = 0\ny = 0\n", "GP604", 2, "transform.factor_y is missing"),
+        (HEAD + "[transform]\nfactor = 0\nx = 0\ny = 0\n", "GP603", 3, "puts every point into one"),
+        (HEAD + "[transform]\nfactor_x = 1\nfactor_y = 0\nx = 0\ny = 0\n", "GP603", 4, "puts every point into one"),
+        (HEAD + "[transform]\nfactor = 1\nfactor_x = 1\nfactor_y = 1\n", "GP603", 3, "given beside"),
+        (HEAD + "[transform]\nangle = 30\nfactor_x = 1\nfactor_y = 2\nx = 0\ny = 0\n", "GP603", 4, "which of the two"),
+        (HEAD + "[transform]\nangle = [1, 2]\nx = 0\ny = 0\n", "GP603", 3, "is not a number"),
+        (HEAD + "[transform]\nr = 2\n", "GP602", 3, "transform.r"),
         (HEAD + "[tools.1]\ndiameter = 1\n", "GP602", 3, "tools.1.diameter"),
         (HEAD + "offsets = 1\n", "GP602", 2, "offsets"),
     ],
@@ -186,3 +220,38 @@ def test_mistakes_in_cylinder_and_height_map(tmp_path: Path, text: str, line: in
     findings = Findings()
     load_setup(tmp_path / "setup.toml", findings)
     assert any(f.span.line == line and what in f.message for f in findings.kept), [f.message for f in findings.kept]
+
+
+def test_heads_and_what_is_in_force(tmp_path: Path) -> None:
+    text = 'units = "inch"\n[heads.1]\nx = 2\ny = [-1, 1]\n[heads.4]\nz = -3\n'
+    setup = setup_of(tmp_path, HEAD + text + "[transform]\nangle = -390\nfactor = 0.5\nx = 1\ny = -2\n")
+    assert setup.heads == {
+        (1, "x"): Interval(50.8, 50.8), (1, "y"): Interval(-25.4, 25.4), (4, "z"): Interval(-76.2, -76.2),
+    }  # fmt: skip
+    assert setup.transform == InForce(angle=-390.0, factor_x=0.5, factor_y=0.5, x=25.4, y=-50.8)
+    assert setup.interval("head.1.y") == Interval(-25.4, 25.4)
+    assert setup.interval("head.2.x") is None
+
+
+@pytest.mark.parametrize(
+    ("text", "expected"),
+    [
+        ("[transform]\n", InForce()),
+        ("[transform]\nangle = 0\n", InForce(angle=0.0)),
+        ("[transform]\nangle = 720\nfactor = 1\n", InForce(angle=720.0, factor_x=1.0, factor_y=1.0)),
+        (
+            "[transform]\nangle = 180\nfactor_x = 1\nfactor_y = -2\nx = 0\ny = 1\n",
+            InForce(angle=180.0, factor_x=1.0, factor_y=-2.0, y=1.0),
+        ),
+    ],
+)
+def test_forms_of_what_is_in_force(tmp_path: Path, text: str, expected: InForce) -> None:
+    assert setup_of(tmp_path, HEAD + text).transform == expected
+
+
+def test_parameters_that_the_setup_may_state(tmp_path: Path) -> None:
+    text = "5051 = [1, 2]\n5061 = 3\n5067 = 1\n5068 = [0, 0]\n5069 = [0, 9]\n5220 = 2\n5230 = 0\n5390 = 2\n"
+    text += "5391 = 4\n5394 = 9\n"
+    setup = setup_of(tmp_path, HEAD + "[parameters]\n" + text)
+    assert setup.parameters == {5061: 3.0, 5067: 1.0, 5220: 2.0, 5230: 0.0, 5390: 2.0, 5391: 4.0, 5394: 9.0}
+    assert sorted(setup.parameter_ranges) == [5051, 5068, 5069]

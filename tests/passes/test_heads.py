@@ -9,7 +9,7 @@ import pytest
 from passes.machining import HEAD, codes_of, run, shown
 
 from gproof.ir.machine import NO_MACHINE, Spindle
-from gproof.ir.setup import NOTHING, ZERO
+from gproof.ir.setup import NOTHING, ZERO, Interval
 from gproof.ir.trace import Frame, Trace
 
 HEADS = dataclasses.replace(
@@ -132,3 +132,51 @@ def test_a_change_while_the_cutter_is_compensated(tmp_path: Path) -> None:
     text = HEAD + "G0 X0 Y0\nG41.1 D4\nG1 X20 Y20 F100\nX40\nM91\nX60\nG40\nM30\n"
     _, findings = run(tmp_path, text, machine=HEADS)
     assert codes_of(findings)[0] == "GP113"
+
+
+def test_the_setup_s_offset_counts_before_the_machine_s(tmp_path: Path) -> None:
+    """Measured today: [heads.1]; also where the machine's offset lacks its sign."""
+    for unsigned in (False, True):
+        spindle = Spindle(number=1, offset=(12.0, 7.0, 0.0), unsigned=unsigned)
+        machine = dataclasses.replace(NO_MACHINE, spindles=(spindle,))
+        measured = {(1, "x"): Interval(-12.5, -12.5), (1, "y"): Interval(7.0, 7.25)}
+        setup = dataclasses.replace(ZERO, heads=measured)
+        trace, findings = run(tmp_path, HEAD + "M91\nG0 X5 Y5\nM30\n", machine=machine, setup=setup)
+        assert codes_of(findings) == []
+        assert [row[1] for row in shown(trace) if row[0] == "go"] == [-7.5]
+        assert frames(trace)[-1][:2] == ((), (("head.1.y", 1),))
+
+
+@pytest.mark.parametrize(
+    ("spindles", "expected"),
+    [
+        ((), 0.0),
+        ((Spindle(number=1, offset=(0.0, 0.0, 0.0)),), 0.0),
+        ((Spindle(number=1, offset=(3.0, 0.0, 0.0)),), (-3.0, 3.0)),
+        ((Spindle(number=1, offset=(3.0, 0.0, 0.0)), Spindle(number=2, offset=(-8.0, 0.0, 0.0))), (-8.0, 8.0)),
+    ],
+)
+def test_the_offset_parameter_has_no_sign(
+    tmp_path: Path, spindles: tuple[Spindle, ...], expected: float | tuple[float, float]
+) -> None:
+    """3.1.1: #5391 is the offset of "the" alternate spindle: of which of two, added or taken off, nothing says."""
+    machine = dataclasses.replace(NO_MACHINE, spindles=spindles)
+    trace, _ = run(tmp_path, HEAD + "G0 X#5391\nM30\n", machine=machine)
+    if isinstance(expected, float):
+        assert [row[1] for row in shown(trace) if row[0] == "go"] == [expected]
+    else:
+        assert [(s.low, s.high) for s in trace.symbols.values()] == [expected]
+    stated = dataclasses.replace(ZERO, parameters={5391: 2.5})
+    trace, _ = run(tmp_path, HEAD + "G0 X#5391\nM30\n", machine=machine, setup=stated)
+    assert [row[1] for row in shown(trace) if row[0] == "go"] == [2.5]
+
+
+def test_the_speeds_of_the_spindles(tmp_path: Path) -> None:
+    """3.1.1: #5394 to #5396, the highest speeds in the order of the heads."""
+    spindles = tuple(Spindle(number=n, max_rpm=100.0 * (n + 1)) for n in range(2))
+    machine = dataclasses.replace(NO_MACHINE, spindles=spindles)
+    trace, findings = run(tmp_path, HEAD + "G0 X#5394 Y#5395\nM30\n", machine=machine)
+    assert ("go", 100, 200, 0) in shown(trace)
+    assert codes_of(findings) == []
+    _, findings = run(tmp_path, HEAD + "G0 X#5396\nM30\n", machine=machine)
+    assert "GP229" not in codes_of(findings) and codes_of(findings) != []

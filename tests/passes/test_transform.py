@@ -20,7 +20,7 @@ from hypothesis import strategies as st
 from gproof.frontend.eding.load import load_program
 from gproof.ir.finding import Findings, Severity
 from gproof.ir.machine import NO_MACHINE, Controller, Machine
-from gproof.ir.setup import NOTHING, ZERO, Interval, Setup
+from gproof.ir.setup import NOTHING, ZERO, InForce, Interval, Setup
 from gproof.ir.text import print_ir
 from gproof.ir.trace import Op, Trace, chunks
 from gproof.passes.execute import Executor, execute
@@ -541,3 +541,62 @@ def test_a_rotation_that_was_there_before_is_an_assumption(tmp_path: Path) -> No
         executor = Executor(program, setup, NO_MACHINE, Findings())
         list(executor.run())
         assert [text for text in executor.assumed if "start" in text] == expected
+
+
+# --- in force when the job begins (setup) ---------------------------------------------------------------------
+
+IN_FORCE = [
+    (InForce(angle=30.0, x=5.0, y=-2.0), "G68 R30 X5 Y-2"),
+    (InForce(angle=-90.0, factor_x=1.0, factor_y=1.0, x=5.0), "G68 R-90 X5 Y0"),
+    (InForce(angle=0.0, factor_x=2.0, factor_y=2.0, y=3.0), "G51 P2 I0 J3"),
+    (InForce(factor_x=-1.0, factor_y=3.0, x=4.0, y=3.0), "G51 X-1 Y3 I4 J3"),
+    (InForce(angle=400.0, factor_x=0.5, factor_y=0.5, x=1.0, y=1.0), "G68 R40 X1 Y1\nG51 P0.5 I1 J1"),
+]
+BODY = "G0 X10 Y3 Z5\nG1 X20\nG91 Y4\nG90\nG0 Z7\nG1 X#5001 Y[#5002 + 1]\nG69 G50\nX1 Y1\nX3\n"
+
+
+@pytest.mark.parametrize(("stated", "line"), IN_FORCE)
+@pytest.mark.parametrize("setup", [ZERO, FIXTURE])
+def test_what_the_setup_states_is_as_if_the_job_began_with_it(
+    stated: InForce, line: str, setup: Setup, tmp_path: Path
+) -> None:
+    there, findings = run(tmp_path, f"{line}\nF500\n{BODY}", setup)
+    assert codes_of(findings) == []
+    here, findings = run(tmp_path, f"F500\n{BODY}", dataclasses.replace(setup, transform=stated))
+    assert codes_of(findings) == []
+    wanted, found = motions(there), motions(here)
+    assert len(wanted) == len(found) == 7
+    for one, other in zip(wanted, found, strict=True):
+        assert (one["at"], one["rest"], one["feed"]) == (other["at"], other["rest"], other["feed"])
+
+
+def test_what_is_stated_is_no_assumption(tmp_path: Path) -> None:
+    def assumed(stated: InForce | None) -> str:
+        job = tmp_path / "job.cnc"
+        job.write_text("G0 X1 Y1\n")
+        findings = Findings()
+        program = load_program(job, findings)
+        assert program is not None
+        run = Executor(program, dataclasses.replace(NOTHING, transform=stated), NO_MACHINE, findings)
+        list(run.run())
+        return " ".join(run.assumed)
+
+    assert "no rotation (G68) and no scaling (G51)" in assumed(None)
+    assert "no scaling (G51)" in assumed(InForce(angle=0.0)) and "G68" not in assumed(InForce(angle=0.0))
+    assert "G51" not in assumed(InForce(angle=0.0, factor_x=1.0, factor_y=1.0))
+
+
+def test_other_offsets_than_at_the_start_leave_its_point_open(tmp_path: Path) -> None:
+    setup = dataclasses.replace(FIXTURE, transform=IN_FORCE[0][0])
+    trace, findings = run(tmp_path, "G0 X1 Y1\nG55\nG0 X2 Y2\nG69\nG0 X3 Y3\n", setup)
+    assert codes_of(findings) == ["GP276"]
+    assert unknown(trace) == ["", "XY", ""]
+
+
+def test_stated_over_diameters_is_open_until_it_is_switched_off(tmp_path: Path) -> None:
+    setup = dataclasses.replace(ZERO, transform=IN_FORCE[0][0])
+    trace, findings = run(tmp_path, "G0 Z1\nG0 X1 Y1\nG69\nG0 X3 Y3\n", setup, LATHE)
+    assert codes_of(findings) == ["GP276"]
+    assert unknown(trace) == ["", "XY", ""]
+    _, findings = run(tmp_path, "G69\nG0 X3 Y3\n", setup, LATHE)
+    assert codes_of(findings) == []

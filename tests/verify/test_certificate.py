@@ -18,7 +18,7 @@ from verify.jobs import JOBS
 from verify.reference_stepper import machine, step, stream_of
 
 from gproof.ir.machine import Machine
-from gproof.ir.setup import NOTHING, ZERO, Interval, Setup
+from gproof.ir.setup import NOTHING, ZERO, InForce, Interval, Setup
 from gproof.ir.text import print_ir
 from gproof.ir.verdict import DEFAULT_POLICY, Condition, PropertyResult, Verdict
 from gproof.verify import package as packages
@@ -249,7 +249,10 @@ def test_conditions_are_held_against_the_setup(tmp_path: Path) -> None:
 
 
 def test_a_stream_runs_only_with_the_setup_it_was_made_for(tmp_path: Path) -> None:
-    made_for = dataclasses.replace(ZERO, work={(1, "x"): Interval(5.0, 6.0)}, parameters={100: 2.0})
+    made_for = dataclasses.replace(
+        ZERO, work={(1, "x"): Interval(5.0, 6.0)}, parameters={100: 2.0}, heads={(1, "x"): Interval(50.0, 50.5)},
+        transform=InForce(angle=1.25, x=10.0, y=5.0),
+    )  # fmt: skip
     package = read_package(write(tmp_path / "job.gpx", setup=made_for))
     assert check_package(package, setup=made_for).valid
     assert check_package(package, setup=dataclasses.replace(made_for, work={(1, "x"): Interval(5.5, 5.5)})).valid
@@ -262,6 +265,10 @@ def test_a_stream_runs_only_with_the_setup_it_was_made_for(tmp_path: Path) -> No
         {"parameters": {100: 3.0}},
         {"parameters": {}},
         {"active_work": 2},
+        {"heads": {(1, "x"): Interval(51.0, 51.0)}},
+        {"heads": {}},
+        {"transform": InForce(angle=1.25, x=10.0, y=6.0)},
+        {"transform": None},
         {"default_offset": None},
         {"optional_stop": True},
     ):
