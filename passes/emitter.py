@@ -20,7 +20,7 @@ from gproof.passes.line import Line
 from gproof.passes.modal import Modal
 from gproof.passes.ranges import Range
 from gproof.passes.rows import RowBuffer
-from gproof.passes.spindle import commanded_rpm
+from gproof.passes.spindle import commanded_rpm, own_ramp, told
 from gproof.passes.transform_codes import at_start
 from gproof.passes.values import FrameTable, Position, Unknown, Value
 
@@ -187,10 +187,14 @@ class Emitter:
         return index
 
     def spindle_row(self, line: Line) -> None:
-        """Append a row that tells the spindle its direction and speed."""
+        """Append a row that tells the spindle its direction and speed, and where that takes time, a dwell (2.1.11)."""
         s = self.modal
         self._state_changed()
         self.event(Op.SPINDLE, line.span, arg=(float(s.spindle_direction), commanded_rpm(s)))
+        wait = own_ramp(s)
+        s.spun = told(s)
+        if wait > 0.0:
+            self.event(Op.DWELL, line.span, arg=(wait, 0.0))
 
     def _read(self, number: float, span: Span) -> Value:
         value = self.modal.read(number, span)

@@ -62,6 +62,7 @@ def select(ex: Emitter, line: Line) -> None:
         ex._fail(codes.HEAD_MOVE.at(line.where("Q"), code=rule.text, what=what))
     if s.head != rule.value and s.spindle_direction:
         ex.findings.add(codes.HEAD_WHILE_TURNING.at(line.where_code(rule), code=rule.text))
+        s.spun = s.spindle_direction, -1
         s.spindle_direction = 0
         s.stated.discard("spindle")
     changed = s.head != rule.value

@@ -36,7 +36,8 @@ class Modal:
     following: see ``State``; height_map_known: the map in use is the setup's.
     spindle_speed: as programmed: rpm, with surface_speed_mode m/min; spindle_limit: rpm, NaN for none; pitch: mm a
     revolution of the move that is being made, 0 for moves that do not follow the spindle; direction_output: 1 on,
-    -1 off, 0 not known; head: see ``Op.HEAD``; head_offsets: by (head, axis), what a program set or spoiled.
+    -1 off, 0 not known; spun: direction that the last row gave a spindle, and the head that turns, -1 for none;
+    head: see ``Op.HEAD``; head_offsets: by (head, axis), what a program set or spoiled.
     """
 
     def __init__(self, rules: LanguageRules, setup: Setup, machine: Machine) -> None:
@@ -59,6 +60,7 @@ class Modal:
         zero = setup.default_parameter is not None
         self.spindle_speed: Value = 0.0 if zero else Unknown("the spindle speed at the start")
         self.spindle_direction = 0
+        self.spun = (0, -1)
         self.surface_speed_mode = False
         self.spindle_limit = math.nan
         self.direction_output = 0
@@ -66,8 +68,7 @@ class Modal:
         self.feed_override = 1.0
         self.feed_input = False
         self.speed_override_known = True
-        selected = setup.parameters.get(5390, 0.0)  # 3.1.1: 0 = M90, 1 = M91, 2 = M92
-        self.head = int(selected) if selected in (1.0, 2.0) else 0
+        self.head = self.head_at_start()
         self.head_offsets: dict[tuple[int, int], Position] = {}
         self.mist = False
         self.flood = False
@@ -117,6 +118,11 @@ class Modal:
         """What the setup states of a variable, exactly or by bounds."""
         stated = self.setup.parameters.get(number)
         return self.stated_range(number, Unknown(f"#{number}")) if stated is None else stated
+
+    def head_at_start(self) -> int:
+        """The head that the setup states: #5390 is 0 for M90, 1 for M91, 2 for M92 (3.1.1)."""
+        selected = self.setup.parameters.get(5390, 0.0)
+        return int(selected) if selected in (1.0, 2.0) else 0
 
     # -- offsets and positions
 

@@ -50,6 +50,27 @@ def _beyond(s: Modal, rpm: float) -> bool:
     return (low is not None and rpm < low) or (high is not None and rpm > high)
 
 
+def own_ramp(s: Modal) -> float:
+    """Seconds for a start or a reversal beyond those that every SPINDLE row of that kind lasts (docs/plan.md).
+
+    2.1.11: the software waits the ramp-up time of the spindle between switching on and going on; each head has its own
+    (3.5.2). A change of speed is no switching on. Call it before ``Modal.spun`` is told what turns now.
+    """
+    direction, head = s.spun
+    now = s.spindle_direction
+    if commanded_rpm(s) == 0.0 or (now, s.head) == (direction, head):
+        return 0.0
+    there = s.machine.spindle(s.head)
+    common = s.machine.controller.spindle_ramp_time
+    own = common if there is None or there.ramp_time is None else there.ramp_time
+    return max(0.0, own - common if now != direction else own)
+
+
+def told(s: Modal) -> tuple[int, int]:
+    """``Modal.spun`` of a row that is written now."""
+    return s.spindle_direction, s.head if commanded_rpm(s) != 0.0 else -1
+
+
 def need_turning(ex: Emitter, line: Line, rule: CodeRule) -> None:
     """Refusal GP244 for a spindle that rests; GP266 where nobody stated whether it turns."""
     s = ex.modal

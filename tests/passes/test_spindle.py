@@ -9,9 +9,10 @@ from pathlib import Path
 import pytest
 from passes.machining import HEAD, LATHE, Row, codes_of, run, shown
 
-from gproof.ir.machine import NO_MACHINE, Machine, Spindle
+from gproof.ir.machine import NO_MACHINE, Controller, Machine, Spindle
 from gproof.ir.setup import NOTHING
 from gproof.ir.trace import Op, State, Trace
+from gproof.passes.plan import plan
 
 
 def rows(folder: Path, text: str) -> list[Row]:
@@ -149,3 +150,52 @@ def test_a_feed_that_follows_such_a_speed_is_not_known(tmp_path: Path) -> None:
         trace, findings = run(tmp_path, f"{HEAD}S500 M3\n{line}\nM5\n", machine=machine)
         assert [row[4] for row in shown(trace) if row[0] in ("feed", "sync")] == [None]
         assert codes_of(findings) == ["GP271", "GP239"]
+
+
+RAMPS = dataclasses.replace(
+    NO_MACHINE, controller=Controller(spindle_ramp_time=1.0),
+    spindles=(Spindle(number=0, ramp_time=1.5), Spindle(number=1, ramp_time=4.0), Spindle(number=2, ramp_time=0.5)),
+)  # fmt: skip
+"""The plan waits 1 s at each row that starts or reverses (docs/plan.md); what a head needs beyond it is a dwell."""
+
+
+@pytest.mark.parametrize(
+    ("text", "expected"),
+    [
+        ("S500 M3\n", [("spindle", 500), ("dwell", 0.5)]),
+        ("S500 M3\nM3\nS900\n", [("spindle", 500), ("dwell", 0.5), ("spindle", 500), ("spindle", 900)]),
+        ("S500 M3\nM5\nM3\n", [("spindle", 500), ("dwell", 0.5), ("spindle", 0), ("spindle", 500), ("dwell", 0.5)]),
+        ("S500 M3\nM4\n", [("spindle", 500), ("dwell", 0.5), ("spindle", -500), ("dwell", 0.5)]),
+        # the plan waits at M3, and no second time
+        ("S0 M3\nS500\n", [("spindle", 0), ("spindle", 500), ("dwell", 1.5)]),
+        ("S500 M84\nM86\n", [("spindle", 500), ("dwell", 0.5)]),
+        ("M91\nS500 M3\n", [("HEAD",), ("spindle", 500), ("dwell", 3)]),
+        ("M92\nS500 M3\n", [("HEAD",), ("spindle", 500)]),
+        # 3.4.9: reversed for the way back and again behind it
+        (
+            "S600 M3\nG33.1 Z-1 K1\n",
+            [
+                ("spindle", 600), ("dwell", 0.5), ("sync", 0, 0, -1, 600), ("spindle", -600), ("dwell", 0.5),
+                ("sync", 0, 0, 0, 600), ("spindle", 600), ("dwell", 0.5),
+            ],
+        ),
+    ],
+)  # fmt: skip
+def test_the_wait_for_the_spindle(tmp_path: Path, text: str, expected: list[Row]) -> None:
+    """2.1.11: the software waits between switching on the spindle and going on; the wait of each head is its own."""
+    trace, findings = run(tmp_path, HEAD + text, machine=RAMPS)
+    assert codes_of(findings) == []
+    found = [row if row[0] != "head" else ("HEAD",) for row in shown(trace, after_line=1)]
+    assert found == expected
+    # without times of their own the heads wait as the machine does
+    plain = dataclasses.replace(RAMPS, spindles=())
+    dwells = [row for row in shown(run(tmp_path, HEAD + text, machine=plain)[0]) if row[0] == "dwell"]
+    assert dwells == ([("dwell", 1)] if text.startswith("S0") else [])
+
+
+@pytest.mark.parametrize(("text", "seconds"), [("S500 M3\n", 1.5), ("M91\nS500 M3\n", 4), ("S0 M3\nS500\nM5\n", 2.5)])
+def test_the_plan_waits_as_long(tmp_path: Path, text: str, seconds: float) -> None:
+    trace, findings = run(tmp_path, HEAD + text + "M2\n", machine=RAMPS)
+    made = plan(trace, RAMPS, findings)
+    assert made is not None
+    assert sum(section.rows["duration"].sum() for section in made.sections) == pytest.approx(seconds)
