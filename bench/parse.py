@@ -2,7 +2,8 @@
 
 ``python bench/parse.py`` prints one JSON object: for ``plain`` (literal words), ``repeat`` (expressions in a few shapes
 that come again) and ``different`` (no two lines of one shape) the lines, the processor seconds of loading them, and the
-memory that a line more costs, in bytes: what the peak grows by when the program has twice as many.
+memory that a line more costs, in bytes: what the peak grows by when the program has twice as many. ``grammar``: the
+lines of ``different`` through the grammar alone, which is the reference for all of them; nothing of them is kept.
 """
 
 from __future__ import annotations
@@ -18,7 +19,7 @@ import time
 from collections.abc import Callable
 from pathlib import Path
 
-LINES = {"plain": 1_000_000, "repeat": 200_000, "different": 10_000}
+LINES = {"plain": 1_000_000, "repeat": 200_000, "different": 10_000, "grammar": 10_000}
 OPERATORS = ("+", "-", "*", "/", "mod", "and", "or")
 FUNCTIONS = ("sin", "cos", "abs", "sqrt", "round", "int")
 
@@ -60,7 +61,7 @@ def different(seen: set[str]) -> Callable[[random.Random], str]:
 
 def write(kind: str, lines: int, path: Path) -> None:
     rng = random.Random(1)
-    make = {"plain": plain, "repeat": repeat, "different": different(set())}[kind]
+    make = {"plain": plain, "repeat": repeat}.get(kind) or different(set())
     with path.open("w", encoding="ascii") as file:
         file.writelines(f"{make(rng)}\n" for _ in range(lines))
 
@@ -82,9 +83,22 @@ def measure(path: Path) -> dict[str, float]:
     return {"seconds": seconds, "peak": float(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * scale)}
 
 
+def measure_grammar(path: Path) -> dict[str, float]:
+    """As ``measure``, of the grammar alone."""
+    from gproof.frontend.eding.parse import parse_line
+
+    lines = path.read_bytes().splitlines()
+    parse_line(lines[0], "", 1)
+    began = time.process_time()
+    for number, line in enumerate(lines, 1):
+        parse_line(line, "", number)
+    return {"seconds": time.process_time() - began, "peak": 0.0}
+
+
 def main() -> None:
     if sys.argv[1:]:
-        print(json.dumps(measure(Path(sys.argv[1]))))
+        kind, path = sys.argv[1], Path(sys.argv[2])
+        print(json.dumps(measure_grammar(path) if kind == "grammar" else measure(path)))
         return
     out = {}
     with tempfile.TemporaryDirectory() as folder:
@@ -93,7 +107,7 @@ def main() -> None:
             for count in (lines, 2 * lines):
                 path = Path(folder) / f"{kind}-{count}.cnc"
                 write(kind, count, path)
-                said = subprocess.run([sys.executable, __file__, str(path)], capture_output=True, check=True)
+                said = subprocess.run([sys.executable, __file__, kind, str(path)], capture_output=True, check=True)
                 found.append(json.loads(said.stdout))
             grown = max(0.0, (found[1]["peak"] - found[0]["peak"]) / lines)
             out[kind] = {"lines": lines, "seconds": found[0]["seconds"], "bytes_a_line": grown}

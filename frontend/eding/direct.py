@@ -181,15 +181,19 @@ class _Reading:
     def bracket(self, at: int) -> tuple[Expr, int]:
         """What stands in brackets, from behind the opening one; the end is behind the closing one."""
         text = self.text
-        values = [self.value(at)]
+        value = self.value(at)
+        behind = _BEHIND.match(text, value.end)
+        if behind is None:
+            raise _LeftError
+        if behind[1] == "]":
+            return value.node, behind.end()
+        values = [value]
         operators: list[str] = []
-        while True:
-            behind = _BEHIND.match(text, values[-1].end)
+        while behind[1] != "]":
+            operators.append(behind[1].lower())
+            value = self.value(behind.end())
+            values.append(value)
+            behind = _BEHIND.match(text, value.end)
             if behind is None:
                 raise _LeftError
-            if behind[1] == "]":
-                break
-            operators.append(behind[1].lower())
-            values.append(self.value(behind.end()))
-        node = grouped(values, operators, self.span) if operators else values[0].node
-        return node, behind.end()
+        return grouped(values, operators, self.span), behind.end()

@@ -1,4 +1,4 @@
-"""Lines of a shape that was met before: exactly what the grammar gives, and without it."""
+"""A reader gives exactly what the grammar gives, for lines and shapes that were met before too."""
 
 from __future__ import annotations
 
@@ -86,8 +86,9 @@ def test_a_reader_gives_what_the_grammar_gives(seed: int) -> None:
         expected = outcome(parse_line, line, number)
         for reader in readers:
             assert outcome(reader.read, line, number) == expected, (seed, line)
-    known = [shape for shape in readers[0]._shapes.values() if isinstance(shape, shapes.Shape)]
-    assert len(known) > 5
+    assert not readers[0]._shapes
+    assert len(readers[1]._shapes) > 5
+    assert len(readers[1]._lines) > 2
 
 
 @pytest.mark.parametrize("seed", range(6))
@@ -123,14 +124,45 @@ SHAPED = [
 
 
 @pytest.mark.parametrize("form", SHAPED)
-def test_the_grammar_reads_a_shape_twice_at_most(monkeypatch: pytest.MonkeyPatch, form: str) -> None:
+def test_expressions_go_without_the_grammar(monkeypatch: pytest.MonkeyPatch, form: str) -> None:
     lines = [form.format(*(NUMBERS[(k + n) % 4] for n in range(3))) for k in range(20)]
     expected = [parse_line(line.encode(), "job.cnc", 4) for line in lines]
-    reader = Reader()
-    for line in lines[:2]:
-        reader.read(line.encode(), "job.cnc", 1)
     monkeypatch.setattr(shapes, "parse_line", None)
-    assert [reader.read(line.encode(), "job.cnc", 4) for line in lines] == [tuple(found) for found in expected]
+    for held in (100, 0):
+        reader = Reader(held)
+        assert [list(reader.read(line.encode(), "job.cnc", 4)) for line in lines] == expected
+
+
+@pytest.mark.parametrize("form", SHAPED[:3] + SHAPED[5:])
+def test_blocks_of_a_known_shape_are_read_when_they_run(monkeypatch: pytest.MonkeyPatch, form: str) -> None:
+    lines = [form.format(*(NUMBERS[(k + n) % 4] for n in range(3))) for k in range(20)]
+    expected = [parse_line(line.encode(), "job.cnc", 4) for line in lines]
+    reader = Reader(held=0)
+    reader.read(lines[0].encode(), "job.cnc", 1)
+    with monkeypatch.context() as only_here:
+        only_here.setattr(shapes, "parse_line", None)
+        only_here.setattr(shapes, "read_line", None)
+        found = [reader.read(line.encode(), "job.cnc", 4) for line in lines]
+    assert {type(node) for (node,) in found} == {DeferredBlock}
+    assert [list(nodes) for nodes in found] == expected
+
+
+@pytest.mark.parametrize("number", ["123456", "1.5", ".5", "1.", "1 2 3 4 5 6"])
+def test_a_known_shape_with_a_wrong_line_number_is_a_mistake(number: str) -> None:
+    for before in ("N", "/n ", " N  "):
+        reader = Reader(held=0)
+        reader.read(f"{before}12345x#1".encode(), "job.cnc", 1)
+        line = f"{before}{number}x#1"
+        expected = outcome(parse_line, line, 2)
+        assert isinstance(expected, tuple)
+        assert outcome(reader.read, line, 2) == expected
+
+
+def test_a_comment_full_of_brackets_changes_no_shape() -> None:
+    reader = Reader(held=0)
+    for comment in ("a", "[#" * 100, "a"):
+        line = f"x[#1+2] ({comment})"
+        assert outcome(reader.read, line, 2) == outcome(parse_line, line, 2)
 
 
 @pytest.mark.parametrize(
@@ -146,12 +178,16 @@ def test_other_lines_are_kept_letter_by_letter(monkeypatch: pytest.MonkeyPatch, 
 
 
 def test_a_reader_that_is_full_starts_again(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(shapes, "KEPT", 3)
-    reader = Reader()
+    monkeypatch.setattr(shapes, "KEPT_SHAPES", 3)
+    monkeypatch.setattr(shapes, "KEPT_LINES", 3)
+    reader = Reader(held=5)
     for number in range(1, 60):
-        line = f"x#{number} " + "y#1 " * (number % 7) + "(c)" * (number % 2)
+        line = (
+            f"x#{number} " + "y#1 " * (number % 7) + "(c)" * (number % 2) if number % 3 else f"gosub part{number % 5}"
+        )
         assert list(reader.read(line.encode(), "job.cnc", number)) == parse_line(line.encode(), "job.cnc", number)
         assert len(reader._shapes) <= 3
+        assert len(reader._lines) <= 3
 
 
 def test_a_deferred_block_is_its_block() -> None:
