@@ -20,8 +20,13 @@ from gproof.passes.plan import MotionEstimate
 from gproof.passes.tool_change_area import ToolChangeArea
 from gproof.passes.values import describe
 
-NOT_JUDGED = ("feeds", "gouges", "compensation")
+NOT_JUDGED = ("feeds", "gouges")
 """Properties that no check of this version decides; named so in reports and certificates."""
+
+_LEAVES_THE_PATH_OPEN = (
+    codes.NOT_MODELLED_SETTING, codes.MAPPED_AXIS, codes.HEIGHT_MAP_UNKNOWN, codes.KNIFE_UNKNOWN,
+)  # fmt: skip
+"""Unknowns that the limits report, and that leave open for every property where the tool goes."""
 
 Observer = Callable[[Chunk], None]
 
@@ -114,6 +119,8 @@ def _pass(
     fits = limits.finish()
     area.given(fits.conditions)
     results = [fits, *(check.finish() for check in checks[1:])]
+    if ex.refused or any(code.number in findings.counts for code in _LEAVES_THE_PATH_OPEN):
+        results = [_not_proved(r) for r in results]
     language = PropertyResult(name="language", verdict=_language(findings))
     summary = Summary(
         lines=session.program.line_count, blocks=ex.blocks, sections=max(1, sections),
@@ -146,12 +153,15 @@ def _language(findings: Findings) -> Verdict:
 
 def _after_language(results: list[PropertyResult], language: Verdict) -> list[PropertyResult]:
     """What was judged on a trace that the language leaves open is not proved."""
-    out = [dataclasses.replace(results[0], verdict=language)]
-    for r in results[1:]:
-        if language is not Verdict.SAFE and r.verdict is Verdict.SAFE:
-            r = dataclasses.replace(r, verdict=Verdict.UNKNOWN, conditions=())
-        out.append(r)
-    return out
+    rest = results[1:] if language is Verdict.SAFE else [_not_proved(r) for r in results[1:]]
+    return [dataclasses.replace(results[0], verdict=language), *rest]
+
+
+def _not_proved(result: PropertyResult) -> PropertyResult:
+    """A property on a trace that is not the whole path: what was found stays, SAFE does not."""
+    if result.verdict is not Verdict.SAFE:
+        return result
+    return dataclasses.replace(result, verdict=Verdict.UNKNOWN, conditions=())
 
 
 def _both(session: Session, findings: Findings, a: PropertyResult, b: PropertyResult) -> PropertyResult:

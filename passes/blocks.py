@@ -39,7 +39,7 @@ class Blocks(Motion):
         except Refusal as refusal:
             if line is not None and moves == self._moves:
                 self._recover(line)
-            self._fail(refusal.finding)
+            self._refuse(refusal.finding)
 
     def _beside(self, line: Line, unsupported: CodeRule) -> None:
         """GP113 for a code that is not modelled; what else the line says counts.

@@ -63,6 +63,7 @@ class Emitter:
         self.blocks = 0
         self.assumed: dict[str, None] = {}
         self.failed: Finding | None = None
+        self.refused = False
         self._file = 0
         self._call = 0
         self._depth: list[str] = []
@@ -120,6 +121,11 @@ class Emitter:
             if self.stop_at_error:
                 self._end_section(Wait.UNKNOWN, "error", -1, finding.span.line)
                 raise ProgramEnd
+
+    def _refuse(self, finding: Finding) -> None:
+        """The line or statement of a Refusal did nothing, or half: what follows is not the job's path any more."""
+        self.refused = self.refused or finding.severity in (Severity.ERROR, Severity.UNKNOWN)
+        self._fail(finding)
 
     def _note_stop(self, line: Line, text: str) -> None:
         self.findings.add(codes.OPERATOR_STOP.at(line.span, code=text))

@@ -52,7 +52,7 @@ class Executor(Branches):
 
     block_delete: lines with a leading slash are skipped. ``met_deleted`` tells afterwards whether there were
     any; ``assumed`` lists what the run took for granted; ``blocks`` counts executed lines; ``branches`` counts
-    outcomes that were followed.
+    outcomes that were followed; ``refused``: the trace lacks what a line of the job would do.
     """
 
     def run(self) -> Iterator[Chunk]:
@@ -81,7 +81,7 @@ class Executor(Branches):
         except Refusal as refusal:
             with contextlib.suppress(ProgramEnd):
                 self._run_pending()
-                self._fail(refusal.finding)
+                self._refuse(refusal.finding)
                 self._end_section(Wait.UNKNOWN, refusal.finding.message, -1, refusal.finding.span.line)
         if not self._ended:
             if self.failed is None:
@@ -215,7 +215,7 @@ class Executor(Branches):
         try:
             found = replaced(self.program, self._depth, words, span)
         except Refusal as refusal:
-            self._fail(refusal.finding)
+            self._refuse(refusal.finding)
             return
         if found is None:
             super()._line(span, words)
@@ -243,7 +243,7 @@ class Executor(Branches):
             elif isinstance(node, Unsupported):
                 raise Refusal(codes.UNSUPPORTED_CODE.at(node.span, code=node.what))
         except Refusal as refusal:
-            self._fail(refusal.finding)
+            self._refuse(refusal.finding)
 
     def _message(self, node: Message) -> None:
         text = describe_parts(node.parts, self.evaluator)
