@@ -105,6 +105,8 @@ class Blocks(Motion):
         self._plane(line)
         self._units(line)
         compensated.switch(self, line)
+        if line.group("G7") is not None:
+            self.modal.stated.add("side")
         self._length_offset(line)
         compensated.keep_tool_and_head(comp, offsets, self.modal, line)
         self._coordinate_system(line)
@@ -282,6 +284,7 @@ class Blocks(Motion):
         if rule is None:
             return
         s = self.modal
+        s.stated.add("length")
         s.length_follows_tool, s.offset_tool = False, None
         if rule.function is F.TOOL_OFFSET_OFF:
             s.tool_offset = list(NO_OFFSET)
@@ -370,6 +373,7 @@ class Blocks(Motion):
             self.modal.stated.add("distance")
         rule = line.group("G10")
         if rule is not None:
+            self.modal.stated.add("retract")
             self.modal.retract_initial = rule.function is F.RETRACT_INITIAL
 
     # step 19
@@ -379,8 +383,11 @@ class Blocks(Motion):
         if rule is None:
             return
         s = self.modal
+        if rule.uses_axes and line.axes():
+            self._note_assumptions(line, rule)
         if rule.function in _AXIS_OFFSETS:
             compensated.keep_offsets(s, line, rule)
+            self._note_stored(rule)
         if rule.function in (F.PARK_1, F.PARK_2):
             compensated.no_parking(s, line, rule)
             self._park(line, "park_1" if rule.function is F.PARK_1 else "park_2")
@@ -407,6 +414,14 @@ class Blocks(Motion):
         elif rule.function is F.AXIS_OFFSET_RESTORE:
             s.g92 = list(s.g92_stored)
             self.event(Op.OFFSET, line.span)
+
+    def _note_stored(self, rule: CodeRule) -> None:
+        """G92.3 brings back what #5211 to #5216 hold, which G92.2 leaves when it ends the offset itself (3.4.23)."""
+        s = self.modal
+        if rule.function is F.AXIS_OFFSET_RESTORE and "stored" not in s.stated and s.setup.default_offset is None:
+            self.assumed["#5211 to #5216 hold the G92 offset that is in force at the start"] = None
+        if rule.function in (F.AXIS_OFFSET_SET, F.AXIS_OFFSET_RESET):
+            s.stated.add("stored")
 
     def _park(self, line: Line, kind: str) -> None:
         """Through the programmed point, if any, to the park position; every axis goes (3.4.8)."""

@@ -25,6 +25,13 @@ from gproof.passes.values import NOWHERE, Position, Unknown, Value, describe
 
 _OUT_OF_PLANE = {Plane.XY: "K", Plane.XZ: "J", Plane.YZ: "I"}
 _CENTER_WORDS = {Plane.XY: ("I", "J"), Plane.XZ: ("I", "K"), Plane.YZ: ("J", "K")}
+_LEFT = {
+    "rotation": "rotation (G68)",
+    "scaling": "scaling (G51)",
+    "side": "cutter compensation (G41)",
+    "length": "X offset of a tool (G43)",
+}
+"""What the job before may have left on, by the name under which ``Modal.stated`` holds that this job says it."""
 
 
 class Motion(Emitter):
@@ -140,14 +147,32 @@ class Motion(Emitter):
             self.assumed["the job starts in millimetres (G21)"] = None
         if self.machine.controller.diameter_programming:
             self.assumed["every X number is a diameter, in G10, G53 and G92 and in #5001 and #5071 as well"] = None
-        # The zeroing menu can leave a rotation (2.2.4.3); the zero setup says that there is nothing of that kind.
-        left = [f"{name} ({code})" for name, code in (("rotation", "G68"), ("scaling", "G51")) if name not in stated]
+        # The zeroing menu can leave a rotation (2.2.4.3), the job before whatever it did not end: M2 ends nothing, M30
+        # compensation (3.5.1). The zero setup says that there is nothing of that kind.
+        left = [name for key, name in _LEFT.items() if key not in stated and (key != "length" or self._x_offsets)]
         if left and self.modal.setup.default_offset is None:
-            self.assumed[f"no {' and no '.join(left)} is in force at the start"] = None
+            *more, last = (f"no {name}" for name in left)
+            before = ", ".join(more) + " and " if more else ""
+            self.assumed[f"{before}{last} is in force at the start"] = None
         if "distance" not in stated:
             self.assumed["the job starts in absolute distances (G90)"] = None
-        if "plane" not in stated and rule.function not in (F.TRAVERSE, F.FEED):
+        if "plane" not in stated and rule.group == "G1" and rule.function not in (F.TRAVERSE, F.FEED):
             self.assumed["the job starts in the XY plane (G17)"] = None
+        if "retract" not in stated and rule.function in CYCLES:
+            self.assumed["the job starts with cycles that return to where they began (G98)"] = None
+        if "head" not in stated and self._heads_apart and self.modal.setup.default_offset is None:
+            self.assumed["the job starts with the first spindle (M90)"] = None
+
+    @property
+    def _x_offsets(self) -> bool:
+        """True on machines whose tools have offsets in X (3.4.12: for turning)."""
+        return self.machine.controller.turning or any(tool.x_offset for tool in self.machine.tools)
+
+    @property
+    def _heads_apart(self) -> bool:
+        """True where it matters for positions which spindle is selected, and the setup does not say it (3.5.2)."""
+        others = (spindle for spindle in self.machine.spindles if spindle.number)
+        return 5390 not in self.modal.setup.parameters and any(offset for s in others for offset in s.offset)
 
     def need_feed(self, line: Line, rule: CodeRule) -> None:
         """Refusal GP204 or GP205 when a feed move has no feed rate."""
