@@ -47,15 +47,24 @@ def lower(session: Session, running: Running, stage: str) -> Lowered:
     lowered = Lowered(trace=trace)
     if stage == "trace" or session.findings.has(Severity.ERROR):
         return lowered
+    from gproof.passes.lift import follow
+
+    followed = follow(trace, session.setup, session.machine, session.findings)
+    if followed is None:
+        return lowered
+    followed.trace.verify()
     from gproof.passes.plan import plan
 
-    lowered.plan = plan(trace, session.machine, session.findings)
-    if lowered.plan is None or stage == "plan":
+    planned = plan(followed.trace, session.machine, session.findings, followed.joined)
+    if planned is None:
         return lowered
-    lowered.plan.verify()
+    planned.verify()
+    lowered.plan = followed.of_job(planned)
+    if stage == "plan":
+        return lowered
     from gproof.passes.step import step
 
-    lowered.stream = step(trace, lowered.plan, session.machine, session.setup, session.findings)
+    lowered.stream = step(followed.trace, planned, session.machine, session.setup, session.findings, followed.origin)
     if lowered.stream is not None:
         lowered.stream.verify()
     return lowered

@@ -358,6 +358,9 @@ SYNCHRONISED_STREAM = code(
     511, "synchronised-stream", _U, "{what}, which a step stream, fixed in time, can not do", "motion"
 )
 NOT_STEPPED = code(520, "not-stepped", _U, "{what}, and gproof makes no steps for that", "motion")
+HEIGHT_JUMP = code(
+    521, "height-jump", _U, "Z would have to jump by {jump:.4f} mm where the height map ends or is switched", "motion"
+)
 
 # 6xx files
 FILE_UNREADABLE = code(601, "file-unreadable", _E, "{what}", "files")

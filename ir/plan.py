@@ -23,7 +23,8 @@ PLAN_ROW = Schema(
     Column("exit", "f8"),
     Column("acceleration", "f8"),
 )
-"""row: index in the trace section; begin, duration: seconds from the section's start; length: path length
+"""row: index in the trace section, in several lines where a row is followed in parts; begin, duration: seconds from
+the section's start; length: path length
 (0 for a dwell); entry, cruise, exit: path velocities; acceleration: path acceleration of both ramps."""
 
 TOLERANCE = 1e-6
@@ -58,7 +59,7 @@ class Plan:
             for name in ("duration", "length", "entry", "cruise", "exit"):
                 if not (np.isfinite(r[name]).all() and (r[name] >= 0).all()):
                     raise ValueError(f"{where}: {name} negative or not finite")
-            if (np.diff(r["row"]) <= 0).any():
+            if (np.diff(r["row"]) < 0).any():
                 raise ValueError(f"{where}: rows out of order")
             if r["entry"][0] != 0 or r["exit"][-1] != 0 or (r["entry"][1:] != r["exit"][:-1]).any():
                 raise ValueError(f"{where}: velocity is not continuous from rest to rest")

@@ -9,7 +9,7 @@ they hold; they come from the Eding CNC manual 4.01: 2.1.2, 2.1.3 (velocity, acc
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from fractions import Fraction
 
 import numpy as np
@@ -34,6 +34,8 @@ STEP_RATE_SHARE = 0.95
 
 STRAIGHT = 1e-9
 """rad: a change of direction that is none."""
+
+NOTHING_JOINED = np.zeros(0, dtype=np.uint8)
 
 _NOT_LIMITED = 1e-9
 """1 / velocity and 1 / acceleration of an axis of which nobody stated them."""
@@ -151,7 +153,7 @@ class _Measure:
         self.counts = np.zeros(k.N_COUNT, dtype=np.int64)
         self.notes = np.zeros((k.N_COUNT, k.KEPT), dtype=np.int64)
 
-    def feed(self, chunk: Chunk) -> None:
+    def feed(self, chunk: Chunk, joined: npt.NDArray[np.uint8] = NOTHING_JOINED) -> None:
         rows = chunk.rows
         self.tables.update(chunk.trace)
         if chunk.begin == 0:
@@ -170,7 +172,7 @@ class _Measure:
             rows["op"], rows["to"], rows["frame"], rows["state"], rows["feed"], rows["center"], rows["turns"],
             rows["plane"], rows["arg"], chunk.begin, self.tables.forms, self.tables.chords, self.limits,
             _interpolation_time(self.machine), self.machine.controller.spindle_ramp_time, chunk.last,
-            self.place, self.carry, self.moved, self.queue, self.used, self.counts, self.notes,
+            self.place, self.carry, self.moved, self.queue, self.used, self.counts, self.notes, joined,
         )  # fmt: skip
 
     def noted(self, kind: int) -> Iterator[int]:
@@ -264,8 +266,13 @@ class MotionEstimate:
         return float(self._totals[k.T_FEED_ANGLE] + self._totals[k.T_TRAVERSE_ANGLE])
 
 
-def plan(trace: Trace, machine: Machine, findings: Findings) -> Plan | None:
-    """The Trace with time; None after findings GP503 (positions or feeds unknown) or GP504 (no data of an axis)."""
+def plan(
+    trace: Trace, machine: Machine, findings: Findings, joined: Sequence[npt.NDArray[np.uint8]] = ()
+) -> Plan | None:
+    """The Trace with time; None after findings GP503 (positions or feeds unknown) or GP504 (no data of an axis).
+
+    joined: by section, 1 for rows that are one move with the row before them (``lift.Followed``): no stop between.
+    """
     measure = _Measure(machine)
     expected = sum(len(section.rows) for section in trace.sections)
     sections = []
@@ -279,7 +286,7 @@ def plan(trace: Trace, machine: Machine, findings: Findings) -> Plan | None:
         measure.used = 0
         measure.moved[:] = 0
         measure.carry[:] = 0.0
-        measure.feed(chunk)
+        measure.feed(chunk, joined[section.number] if joined else NOTHING_JOINED)
         sound = _judge(measure, chunk, findings) and _is_open_loop(section, trace, findings) and sound
         slow |= {AXIS_NAMES[i] for i in range(AXES) if measure.moved[i]}
         if not sound:

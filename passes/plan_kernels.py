@@ -190,7 +190,7 @@ def note(kind: int, row: int, counts: Ints, notes: Ints) -> None:
 def measure(
     op: Any, to: Floats, frame: Any, state: Any, feed: Floats, center: Floats, turns: Any, plane: Any, arg: Floats,
     begin: int, forms: Ints, chords: Floats, limits: Floats, period: float, ramp: float, closing: bool,
-    place: Floats, carry: Floats, moved: Ints, queue: Floats, used: int, counts: Ints, notes: Ints,
+    place: Floats, carry: Floats, moved: Ints, queue: Floats, used: int, counts: Ints, notes: Ints, joined: Any,
 ) -> int:  # fmt: skip
     """Rows of a section into the queue; returns the queue's new length.
 
@@ -198,8 +198,9 @@ def measure(
     unknowns, -1 where a difference can not be known; chords: for each state the square of the largest change of
     direction that passes without a stop, -1 for none; limits: (2, 6) 1 / velocity and 1 / acceleration;
     period: the interpolation time; ramp: seconds after a spindle start or reversal; closing: the section ends with
-    the rows. place: (3, 6) position, direction at the end of the pending row, scratch; carry: see C_*; moved: (6,) set
-    to 1 for axes that move; counts, notes: see N_*. All four are kept from call to call.
+    the rows; joined: 1 for rows that go on with the one before, whatever the turn, or empty. place: (3, 6) position,
+    direction at the end of the pending row, scratch; carry: see C_*; moved: (6,) set to 1 for axes that move; counts,
+    notes: see N_*. All four are kept from call to call.
     """
     for k in range(len(op)):
         kind = int(op[k])
@@ -356,7 +357,7 @@ def measure(
                         worst = max(worst, d * float(limits[1, i]))
                         if (i >= 3) == (rotary > 0.0):
                             chord += d * d
-                if chord <= float(chords[int(state[k])]):
+                if (len(joined) > 0 and joined[k] == 1) or chord <= float(chords[int(state[k])]):
                     entry = min(speed, float(carry[C_SPEED]))
                     if worst > 0.0:
                         both = float(carry[C_LENGTH]) + length

@@ -10,7 +10,7 @@ is not made good; the stream validator names it as an assumption. docs/stream.md
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from fractions import Fraction
 from typing import NamedTuple
 
@@ -47,17 +47,25 @@ _FARTHEST = 1e15
 _ANY = 1 << 62
 
 
-def step(trace: Trace, plan: Plan, machine: Machine, setup: Setup, findings: Findings) -> StepStream | None:
+def step(
+    trace: Trace, plan: Plan, machine: Machine, setup: Setup, findings: Findings, origin: Sequence[Ints] = ()
+) -> StepStream | None:
     """The planned job as a stream; None after a finding GP502, GP503, GP504 or GP520.
 
-    setup: for what it switches on and only the checks follow (GP520).
+    setup: for what it switches on and only the checks follow (GP520); origin: by section, the row that an event of a
+    row names (``lift.Followed``); not given: the row itself.
     """
     try:
         _refuse_what_has_no_steps(trace, machine, setup)
-        return _Stepper(trace, plan, machine).stream()
+        stream = _Stepper(trace, plan, machine).stream()
     except Refusal as refusal:
         findings.add(refusal.finding)
         return None
+    for section in stream.sections if origin else ():
+        events = {c.name: section.events[c.name] for c in EVENT.columns}
+        events["row"] = origin[section.number][events["row"]]
+        section.events = Columns(EVENT, events)
+    return stream
 
 
 def _refuse_what_has_no_steps(trace: Trace, machine: Machine, setup: Setup) -> None:

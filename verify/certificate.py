@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, Any
 from gproof.ir import codes
 from gproof.ir.finding import Finding, Severity, Span
 from gproof.ir.machine import Machine
-from gproof.ir.setup import Interval, Setup
+from gproof.ir.setup import Cylinder, HeightMap, Interval, Setup
 from gproof.ir.stream import StepStream
 from gproof.ir.text import print_ir
 from gproof.ir.trace import Trace
@@ -230,9 +230,21 @@ def _check_setup(made_for: Setup, now: Setup, findings: list[Finding], where: Sp
                  "optional_stop", "transform"):  # fmt: skip
         plain.append((name, getattr(made_for, name), getattr(now, name)))
     differing += [(name, was, is_) for name, was, is_ in plain if was is not None and was != is_]
+    # What is added to the path counts also where nothing was: motors went as the Trace says then.
+    for name in ("cylinder", "height_map"):
+        was, is_ = getattr(made_for, name), getattr(now, name)
+        if was != is_:
+            differing.append((name, _named(was), "another one" if was and is_ else _named(is_)))
     for name, wanted, found in differing:
         said = "not stated" if found is None else found
         findings.append(codes.CERTIFICATE_OFFSETS.at(where, what=f"made for {name} {wanted}; it is {said} now"))
+
+
+def _named(compensation: Cylinder | HeightMap | None) -> str:
+    """A word for a mapping or a map in a message."""
+    if isinstance(compensation, HeightMap):
+        return f"of {compensation.name or 'the setup file'}, {'on' if compensation.on else 'off'}"
+    return "none" if compensation is None else repr(compensation)
 
 
 def _sum(terms: list[list[Any]], setup: Setup) -> Interval | None:

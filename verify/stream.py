@@ -21,6 +21,7 @@ from gproof.ir.stream import StepStream
 from gproof.ir.trace import Trace, Wait
 from gproof.verify import stream_inputs as inputs
 from gproof.verify import stream_kernels as kernels
+from gproof.verify.lifted_path import Lifting, Unfollowed
 from gproof.verify.stream_explain import explain
 from gproof.verify.stream_report import Collector, StreamReport
 
@@ -51,10 +52,11 @@ def validate(
     if machine.controller.max_step_frequency is None:
         collector.assume("stream-step-rate", "the machine file states no greatest step frequency")
     window = _window(len(stream.motors))
+    lifting = Lifting(trace, setup, stream.motors)
     spindle = inputs.spindle_before(trace)
     for number in range(len(trace.sections)):
         if sections is None or number in sections:
-            _section(stream, trace, machine, setup, number, spindle[number], times, motors, window, collector)
+            _section(stream, trace, machine, setup, number, spindle[number], lifting, times, motors, window, collector)
             _edges(stream, trace, number, times, collector)
     return collector.report()
 
@@ -106,6 +108,7 @@ def _section(
     setup: Setup,
     number: int,
     spindle: int | None,
+    lifting: Lifting,
     times: kernels.Times,
     motors: kernels.Motors,
     window: kernels.Window,
@@ -113,12 +116,20 @@ def _section(
 ) -> None:
     """Judge one section."""
     rows = inputs.row_arrays(stream, trace, trace.sections[number], collector)
-    good = inputs.start_problems(stream, trace, machine, number, setup, collector)
+    good = inputs.start_problems(stream, trace, machine, number, setup, lifting.rise(number), collector)
     ramp = machine.controller.spindle_ramp_time
     events = inputs.event_arrays(stream, trace, number, spindle, ramp, collector)
     if rows is None or events is None or not good:
         collector.leave_open(f"section {number} could not be followed")
         return
+    try:
+        path = lifting.section(number, rows)
+    except Unfollowed as reason:
+        what = f"section {number}, row {reason.row}: {reason.why}"
+        collector.add(STREAM_MALFORMED.at(inputs.span_of(trace, number, reason.row), what=what))
+        collector.leave_open(f"section {number} could not be followed")
+        return
+    rows, events = path.rows, events._replace(row=path.first[events.row])
     section = stream.sections[number]
     count = len(stream.motors)
     names = ("interval", "count", "add", "direction")
@@ -127,7 +138,7 @@ def _section(
         runs = [np.zeros(0, np.int64)] * 4
     first = np.cumsum([0, *(len(r) for r in section.runs)]).astype(np.int64)
     place = np.zeros((kernels.PLACES, 6))
-    place[kernels.HERE] = trace.sections[number].start
+    place[kernels.HERE] = path.start
     walk = kernels.Walk(
         ints=np.zeros(kernels.INTS, np.int64),
         reals=np.zeros(kernels.REALS),
@@ -155,7 +166,7 @@ def _section(
             problems,
         )
     )
-    explain(stream, trace, machine, number, rows, problems, position, collector)
+    explain(stream, trace, machine, number, path, problems, position, collector)
 
 
 def _edges(stream: StepStream, trace: Trace, number: int, times: kernels.Times, collector: Collector) -> None:

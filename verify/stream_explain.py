@@ -24,6 +24,7 @@ from gproof.ir.machine import Axis, Drive, Machine
 from gproof.ir.stream import Motor, StepStream
 from gproof.ir.trace import Op, Plane, Trace
 from gproof.verify import stream_kernels as kernels
+from gproof.verify.lifted_path import Lifted
 from gproof.verify.motor_map import knots_of
 from gproof.verify.stream_inputs import PAIRS, drives_of, span_of
 from gproof.verify.stream_report import Collector
@@ -161,7 +162,7 @@ def explain(
     trace: Trace,
     machine: Machine,
     number: int,
-    rows: kernels.Rows,
+    path: Lifted,
     problems: kernels.Problems,
     position: npt.NDArray[np.int64],
     collector: Collector,
@@ -171,6 +172,9 @@ def explain(
     kept = np.minimum(problems.counts, kernels.KEPT)
     for k in range(int(kept.sum())):
         p = _Place(stream, machine, problems.found[k].tolist(), problems.numbers[k].tolist(), duration)
+        at, p.row = p.row, _row(path, p.row)
+        if p.kind == kernels.P_EARLY:
+            p.a = _row(path, int(p.a))
         times = 1
         if k + 1 == int(kept.sum()) or not (problems.found[k + 1 :, 0] == p.kind).any():
             times += int(problems.counts[p.kind] - kept[p.kind])
@@ -182,7 +186,7 @@ def explain(
             )
             continue
         if p.kind == kernels.P_LEFT:
-            code, what = _left(stream, trace, machine, number, rows, p, position)
+            code, what = _left(stream, trace, machine, number, path, at, p, position)
         else:
             code, say = TEXTS[p.kind]
             what = say(p)
@@ -191,17 +195,23 @@ def explain(
         collector.leave_open(f"section {number} was not followed to its end")
 
 
+def _row(path: Lifted, at: int) -> int:
+    """The trace's row for one of the rows that were walked."""
+    return int(path.origin[min(at, len(path.origin) - 1)]) if at >= 0 and len(path.origin) else at
+
+
 def _left(
     stream: StepStream,
     trace: Trace,
     machine: Machine,
     number: int,
-    rows: kernels.Rows,
+    path: Lifted,
+    at: int,
     p: _Place,
     position: npt.NDArray[np.int64],
 ) -> tuple[Code, str]:
-    """Why no path point explains a step: another row's position (order), or nobody's."""
-    start = np.array(trace.sections[number].start)
+    """Why no path point explains a step: another row's position (order), or nobody's. at: its row of ``path``."""
+    rows, start = path.rows, path.start
     spu = np.array([float(motor.steps_per_unit) for motor in stream.motors])
     axes = [motor.axis for motor in stream.motors]
     knots = [knots_of(drive.pitch, float(r)) for drive, r in zip(drives_of(stream, machine), spu, strict=True)]
@@ -219,16 +229,18 @@ def _left(
             low, high = float(shares[max(0, k - 1)]), float(shares[min(SAMPLES - 1, k + 1)])
         return best
 
-    here = distance(p.row)
-    for row in range(p.row + 1, min(p.row + NEARBY, len(rows.op))):
-        if rows.op[row] <= kernels.LAST_MOTION_OP and distance(row) <= kernels.PATH_TOLERANCE and here > 1.5:
+    here = distance(at)
+    for other in range(at + 1, min(at + NEARBY, len(rows.op))):
+        if rows.op[other] <= kernels.LAST_MOTION_OP and distance(other) <= kernels.PATH_TOLERANCE and here > 1.5:
+            row = _row(path, other)
             line = span_of(trace, number, row).line
             return (
                 STREAM_ORDER,
                 f"{p.name} at {p.at(p.a)} belongs to row {row} (line {line}); what lies before is missing",
             )
-    for row in range(p.row - 1, max(-1, p.row - NEARBY), -1):
-        if rows.op[row] <= kernels.LAST_MOTION_OP and distance(row) <= kernels.PATH_TOLERANCE and here > 1.5:
+    for other in range(at - 1, max(-1, at - NEARBY), -1):
+        if rows.op[other] <= kernels.LAST_MOTION_OP and distance(other) <= kernels.PATH_TOLERANCE and here > 1.5:
+            row = _row(path, other)
             line = span_of(trace, number, row).line
             return STREAM_ORDER, f"{p.name} at {p.at(p.a)} goes back to row {row} (line {line})"
     return STREAM_POSITION, (

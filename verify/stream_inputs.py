@@ -41,6 +41,9 @@ assert kernels.ARC_OP == Op.ARC and kernels.LAST_MOTION_OP == Op.PROBE == max(MO
 PAIRS = {Plane.XY: (0, 1), Plane.XZ: (2, 0), Plane.YZ: (1, 2)}
 """The axes of an arc, in the order of a right-handed frame."""
 
+Z = 2
+"""The axis that a height map raises."""
+
 GUARD = "machine_area"
 """The guard that stands for the soft limits in ``State.guards_off``."""
 
@@ -171,8 +174,11 @@ def unfollowed(trace: Trace, machine: Machine, setup: Setup) -> Iterator[str]:
     """What moves motors in ways that this checker does not follow."""
     if setup.cylinder is not None:
         yield "Y is mapped onto A, and the motors follow another path than the trace"
-    if any(HEIGHT_MAP in state.following for state in trace.states):
-        yield "Z follows a height map, and its motor another path than the trace"
+    if setup.height_map is None and any(HEIGHT_MAP in state.following for state in trace.states):
+        yield "Z follows a height map, and the setup has none"
+    problem = setup.height_map.problem() if setup.height_map is not None else None
+    if problem is not None:
+        yield f"the height map: {problem}"
     for axis in machine.axes:
         if axis.tip_feed and any(moves(section, axis.index) for section in trace.sections):
             yield f"the feed of axis {axis.name} is that of the tool over the material"
@@ -320,6 +326,7 @@ def row_arrays(stream: StepStream, trace: Trace, section: TraceSection, collecto
         plane=np.ascontiguousarray(rows["plane"], dtype=np.uint8),
         feed=np.ascontiguousarray(rows["feed"], dtype=np.float64),
         guard=guard,
+        slack=np.zeros(n),
     )
 
 
@@ -342,18 +349,22 @@ def _arc_problems(
 
 
 def start_problems(
-    stream: StepStream, trace: Trace, machine: Machine, number: int, setup: Setup, collector: Collector
+    stream: StepStream, trace: Trace, machine: Machine, number: int, setup: Setup, raised: float, collector: Collector
 ) -> bool:
-    """Add findings unless the section starts at the steps nearest to its traced start, and that where it is stated."""
+    """Add findings unless the section starts at the steps nearest to its traced start, and that where it is stated.
+
+    raised: what a height map adds to Z there.
+    """
     section, place = stream.sections[number], trace.sections[number].start
     good = True
     for motor, drive, steps in zip(stream.motors, drives_of(stream, machine), section.start, strict=True):
-        exact = motor_at(drive.pitch, place[motor.axis]) * motor.steps_per_unit
+        at = place[motor.axis] + (raised if motor.axis == Z else 0.0)
+        exact = motor_at(drive.pitch, at) * motor.steps_per_unit
         if abs(steps - exact) > Fraction(kernels.EXACT):
             good = False
             what = (
                 f"section {number}: {motor.name} starts at step {steps}, the trace at "
-                f"{place[motor.axis]:.6f}, which is step {float(exact):.3f}"
+                f"{at:.6f}, which is step {float(exact):.3f}"
             )
             collector.add(STREAM_END.at(span_of(trace, number, 0), what=what))
     if number == 0:

@@ -78,7 +78,8 @@ INTS = 11
 # What ``Walk.reals`` holds: of an arc radii, angles, centre, the last piece's direction; seconds at full feed of a
 # piece of the row, and of all pieces made so far.
 R0, R1, ANGLE, SWEEP, CENTER_0, CENTER_1, COS, SIN, SHARE, TIME = 0, 1, 2, 3, 4, 5, 6, 7, 8, 9
-REALS = 10
+MORE = 10  # what the open row adds to the tolerance
+REALS = 11
 
 # What ``Walk.place`` holds: the path made so far, the end of the next piece, begin and end of the row.
 HERE, NEXT, ORIGIN, GOAL = 0, 1, 2, 3
@@ -91,7 +92,8 @@ UNREACHED = 2.0
 
 
 class Rows(NamedTuple):
-    """Columns of a trace section; guard: 1 where the soft limits are off (one more row than the others)."""
+    """Columns of a trace section; guard: 1 where the soft limits are off (one more row than the others); slack: steps
+    that a row adds to the tolerance."""
 
     op: Bytes
     to: Floats
@@ -100,6 +102,7 @@ class Rows(NamedTuple):
     plane: Bytes
     feed: Floats
     guard: Bytes
+    slack: Floats
 
 
 class Motors(NamedTuple):
@@ -326,6 +329,7 @@ def open_row(rows: Rows, motors: Motors, walk: Walk) -> bool:
             place[GOAL, a] = rows.to[r, a]
         if arc:
             length = open_arc(r, rows, motors, walk)
+        walk.reals[MORE] = rows.slack[r]
         walk.reals[SHARE] = 0.0
         if rows.feed[r] > 0.0:
             walk.reals[SHARE] = length * 60.0 / rows.feed[r] / np.float64(ints[PIECES])
@@ -375,7 +379,7 @@ def add_piece(axis: Ints, spu: Floats, window: Window, ints: Ints, reals: Floats
     for a in range(6):
         place[NEXT, a] = place[GOAL, a]
     arc = ints[FIRST] >= 0
-    slack = ROUNDING
+    slack = ROUNDING + reals[MORE]
     if arc:
         arc_piece(axis, spu, ints, reals, place, turns)
         slack += CHORD

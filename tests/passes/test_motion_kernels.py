@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import random
 from collections.abc import Callable, Iterator
 from typing import Any
 
@@ -11,6 +12,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from passes.reference_motion import paths
+from passes.test_lift import a_map, a_path, followed, lowered, using
 from passes.traces import Path, machine
 
 from gproof.ir.finding import Findings
@@ -71,6 +73,19 @@ def test_python_and_numba_say_the_same_of_a_long_job() -> None:
             path.arc(9000, -1, (path.place[0], path.place[1] - 8.0003), x=path.place[0] + 8.0, y=path.place[1] - 8.0)
     trace = path.done()
     assert in_mode("python", lambda: everything(trace)) == in_mode("numba", lambda: everything(trace))
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_python_and_numba_follow_a_height_map_alike(seed: int) -> None:
+    rng = random.Random(3000 + seed)
+    area = a_map(rng, steep=0.02)
+    trace = a_path(rng, area)
+
+    def way() -> str:
+        path = followed(trace, using(area), machine())
+        return f"{print_ir(path.trace)} {path.origin} {print_ir(lowered(trace, using(area), machine()))}"
+
+    assert in_mode("python", way) == in_mode("numba", way)
 
 
 def ways(kernel: Kernel[..., Any]) -> list[Callable[..., Any]]:

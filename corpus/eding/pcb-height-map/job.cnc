@@ -4,6 +4,7 @@ G21 G17 G90 G94 G40 G49 G80 G54
 S24000 M3
 G0 Z2
 F300
+G0 X0 Y0 (first measured point: the height there is 0)
 (tracks)
 G0 X5 Y5
 G1 Z-0.08
