@@ -18,7 +18,7 @@ from verify.jobs import JOBS
 from verify.reference_stepper import machine, step, stream_of
 
 from gproof.ir.machine import Machine
-from gproof.ir.setup import NOTHING, ZERO, InForce, Interval, Setup
+from gproof.ir.setup import NOTHING, ZERO, Cylinder, HeightMap, InForce, Interval, Setup
 from gproof.ir.text import print_ir
 from gproof.ir.verdict import DEFAULT_POLICY, Condition, PropertyResult, Verdict
 from gproof.verify import package as packages
@@ -277,6 +277,21 @@ def test_a_stream_runs_only_with_the_setup_it_was_made_for(tmp_path: Path) -> No
         assert not check.valid
     open_ = read_package(write(tmp_path / "open.gpx", setup=NOTHING))
     assert check_package(open_, setup=made_for).valid, "what its setup left open, the stream does not depend on"
+
+
+def test_a_height_map_or_a_mapping_is_the_one_that_the_stream_was_made_for(tmp_path: Path) -> None:
+    level = HeightMap(x=0.0, y=0.0, size=10.0, heights=((1.0, 1.0), (1.0, 1.0)))
+    other = dataclasses.replace(level, heights=((1.0, 1.0), (1.0, 1.1)))
+    with_map, without = dataclasses.replace(ZERO, height_map=level), ZERO
+    package = read_package(write(tmp_path / "map.gpx", setup=with_map))
+    assert package.setup.height_map == level
+    assert check_package(package, setup=with_map).valid
+    for now in (other, dataclasses.replace(level, on=False), None):
+        assert "GP825" in codes(check_package(package, setup=dataclasses.replace(ZERO, height_map=now)))
+    package = read_package(write(tmp_path / "none.gpx", setup=without))
+    assert check_package(package, setup=without).valid
+    assert "GP825" in codes(check_package(package, setup=with_map))
+    assert "GP825" in codes(check_package(package, setup=dataclasses.replace(ZERO, cylinder=Cylinder(radius=5.0))))
 
 
 # --- damage -------------------------------------------------------------------------------------------------
