@@ -187,5 +187,7 @@ def _both(session: Session, findings: Findings, a: PropertyResult, b: PropertyRe
 
 
 def _machine_findings(session: Session) -> None:
-    for key in session.machine.not_modelled:
-        session.findings.add(codes.NOT_MODELLED_SETTING.at(Span(session.machine.name, 0), key=key))
+    for setting in session.machine.not_modelled:
+        if not setting.axis:
+            span = Span(setting.file or session.machine.name, setting.line)
+            session.findings.add(codes.NOT_MODELLED_SETTING.at(span, key=setting.text))

@@ -11,7 +11,7 @@ from gproof.cli.files import require_file
 from gproof.cli.main import UsageError
 from gproof.ir import codes
 from gproof.ir.finding import Findings, Span
-from gproof.ir.machine import NO_MACHINE, Machine
+from gproof.ir.machine import NO_MACHINE, Machine, Unmodelled
 from gproof.ir.program import Call, Program
 from gproof.ir.setup import NOTHING, ZERO, Setup
 
@@ -79,7 +79,7 @@ def _macro_file(machine: Machine, file: Path | None, job: Path) -> tuple[Path | 
             return found, machine
     if name.lower() == "macro.cnc":
         return None, machine
-    missing = f"macroFileName = {name} (there is no such file)"
+    missing = Unmodelled(f"macroFileName = {name}", "there is no such file")
     return None, dataclasses.replace(machine, not_modelled=(*machine.not_modelled, missing))
 
 

@@ -27,6 +27,7 @@ from gproof.ir.machine import (
     Slave,
     Spindle,
     Tool,
+    Unmodelled,
 )
 
 SCHEMA = "gproof-machine/1"
@@ -90,7 +91,9 @@ def _load_toml(path: Path, findings: Findings, depth: int) -> tuple[Machine | No
         **_given(kinematics=root.text("kinematics"), z_down_tool_length=root.number("z_down_tool_length", unit=unit)),
     )
     if machine.kinematics != "trivial" and "kinematics" in root.values:
-        machine = replace(machine, not_modelled=(*machine.not_modelled, f"kinematics = {machine.kinematics}"))
+        machine = replace(
+            machine, not_modelled=(*machine.not_modelled, Unmodelled(f"kinematics = {machine.kinematics}"))
+        )
     machine = _areas(root, machine, unit)
     root.finish()
     if file.errors:
@@ -294,6 +297,7 @@ def _controller(root: TomlTable, before: Controller) -> Controller:
             absolute_arc_centers=table.boolean("absolute_arc_centers"),
             xz_seen_from=table.text("xz_seen_from", ("+y", "-y")),
             diameter_programming=table.boolean("diameter_programming"),
+            extruder=table.boolean("extruder"),
             spindle_ramp_time=table.positive("spindle_ramp_time", zero=True),
             macro_file=table.text("macro_file"),
             homing_mandatory=table.boolean("homing_mandatory"),
@@ -345,7 +349,7 @@ def _areas(root: TomlTable, machine: Machine, unit: Fraction) -> Machine:
             change = area
         else:
             keep_out[name] = area
-            not_modelled.append(".".join(table.path))
+            not_modelled.append(Unmodelled(".".join(table.path)))
     return replace(
         machine,
         tool_change_area=change,

@@ -195,7 +195,8 @@ class Controller:
     interpolation_time, fifo_time: seconds. max_step_frequency: Hz. macro_file: name of the file of subprograms that
     is loaded with each job, beside the machine file; None: the usual one. homing_mandatory: no job before homing;
     safety_feed: mm/s at most while the safety input is active or the machine not homed; home_is_stop: a home
-    sensor stops the machine once it is homed; turning: a lathe, which starts in the X-Z plane.
+    sensor stops the machine once it is homed; turning: a lathe, which starts in the X-Z plane; extruder: words E move
+    what else is axis A (2.11).
     xz_seen_from: ``+y`` or ``-y``: from where the XZ plane is looked at by G2, G3, G41 and G42; None: not stated.
     thread_peak: what I of a threading cycle is, "position" or "offset"; None: not stated.
     """
@@ -208,6 +209,7 @@ class Controller:
     auto_tool_change: bool = False
     absolute_arc_centers: bool = False
     diameter_programming: bool = False
+    extruder: bool = False
     xz_seen_from: str | None = None
     spindle_ramp_time: float = 0.0
     macro_file: str | None = None
@@ -226,6 +228,26 @@ class Board:
     tick_frequency: int = 16_000_000
     step_pulse: float = 2e-6
     direction_setup: float = 5e-6
+
+
+@dataclass(frozen=True, slots=True)
+class Unmodelled:
+    """A setting that is on and that gproof can not follow.
+
+    what: as the file has it; why: what is not known of it, "" where the setting says all; axis: the only one whose
+    place rests on it, so that a job that does not move it may be judged, "" for all; file, line: where it stands.
+    """
+
+    what: str
+    why: str = ""
+    axis: str = ""
+    file: str = ""
+    line: int = 0
+
+    @property
+    def text(self) -> str:
+        """As findings name it."""
+        return f"{self.what} ({self.why})" if self.why else self.what
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -248,7 +270,7 @@ class Machine:
     controller: Controller = field(default_factory=Controller)
     board: Board = field(default_factory=Board)
     unit: float = 1.0
-    not_modelled: tuple[str, ...] = ()
+    not_modelled: tuple[Unmodelled, ...] = ()
     unknown_keys: tuple[tuple[str, str], ...] = ()
     kinematics: str = "trivial"
     knife: Knife | None = None

@@ -82,6 +82,9 @@ class Blocks(Motion):
             self._motion(line, owner)
         elif (rule := line.group("G1")) is not None and rule.function is F.MOTION_CANCEL:
             self._set_motion(rule)
+        if "E" in line.values and "E" not in line.used and self.machine.controller.extruder:
+            line.used.add("E")
+            self._fail(codes.UNSUPPORTED_CODE.at(line.where("E"), code="E, the extruder of a 3D printer (2.11)"))
         check_unused(line)
         self._stop(line)
 

@@ -293,6 +293,7 @@ class Limits(Check):
         offsets: dict[Affine, _Offset] = {}
         for index in range(AXES):
             if self._moves(index):
+                self._note_settings(AXIS_NAMES[index])
                 self._judge_axis(index, offsets)
         results = self._conditions(offsets)
         verdict = Verdict.SAFE
@@ -301,6 +302,13 @@ class Limits(Check):
         elif self.findings.has(Severity.UNKNOWN, (self.name,)):
             verdict = Verdict.UNKNOWN
         return PropertyResult(name=self.name, verdict=verdict, assumptions=tuple(self._assumptions), conditions=results)
+
+    def _note_settings(self, name: str) -> None:
+        """GP605 for settings that make the place of this axis unknown once it moves."""
+        for setting in self.machine.not_modelled:
+            if setting.axis == name:
+                span = Span(setting.file or self.machine.name, setting.line)
+                self.findings.add(codes.NOT_MODELLED_SETTING.at(span, key=setting.text))
 
     def _moves(self, index: int) -> bool:
         """True when any row brings the axis somewhere else than it stood at the start."""

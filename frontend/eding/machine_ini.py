@@ -34,6 +34,7 @@ from gproof.ir.machine import (
     Slave,
     Spindle,
     Tool,
+    Unmodelled,
 )
 
 Files = list[tuple[str, str]]
@@ -52,6 +53,7 @@ _SETTINGS: dict[str, tuple[str, tuple[str, ...]]] = {
     "safety_feed": ("SAFETY", ("safetyFeed",)),
     "absolute_arc_centers": ("INTERPRETER", ("absoluteCenterCoords",)),
     "diameter_programming": ("INTERPRETER", ("diameterProgramming",)),
+    "extruder": ("INTERPRETER", ("is3DPrinter",)),
     "macro_file": ("INTERPRETER", ("macroFileName",)),
     "knife_angle": ("TANKNIFE", ("tanKnifeAngle", "tanKnifeAngleForLiftUp")),
     "knife_lift": ("TANKNIFE", ("tanKnifeZUpDistance", "tanKnifeLiftUpDistance")),
@@ -113,6 +115,25 @@ _MODES = {
 }
 """Modes of A, B and C (2.1.3) that gproof follows; SLAVE X, Y and Z besides."""
 
+_OTHER_MODES = {
+    "FOAM CUT": ("A is the other side of the wire, and how it goes with them is not documented", "a"),
+    "2ND Z": ("A is a second Z, and what tool lengths do to it is not documented", "a"),
+    "TANGENTIAL KNIFE": ("only B and C can turn a knife", "a"),
+    "TANKNIFE": ("only B and C can turn a knife", "a"),
+    "TAN KNIFE": ("only B and C can turn a knife", "a"),
+}
+"""Modes of A (2.1.3) that gproof does not follow: why, and the axis whose place rests on it."""
+_NO_MODE = "none of the modes of 2.1.3"
+
+_WHY = {"is3DPrinter": ("A is the extruder, which words E move", "a")}
+"""Of ``_SWITCHES``: why gproof does not follow it, and the axis whose place rests on it."""
+
+_KINEMATICS = {
+    "2": "Y is mapped onto A: [cylinder] of a setup file states it",
+    "3": "virtual C, of which the manual has only the name",
+}
+"""Kinematics by their number (3.1.1, #5150)."""
+
 MAX_TOOL = 99
 
 
@@ -149,7 +170,7 @@ class _Reader:
         self.ini = ini
         self.path = path
         self.files = files
-        self.not_modelled: list[str] = []
+        self.not_modelled: list[Unmodelled] = []
         self.places = {name: ini.where(section, *keys) for name, (section, keys) in _SETTINGS.items()}
         units = (self.text("units") or ("inch" if self.switch("inch") else "mm")).lower()
         if units not in MILLIMETRES:
@@ -190,7 +211,8 @@ class _Reader:
             for key, value in values.items():
                 shown = next((shown for shown in _SWITCHES if shown.lower() == key), None)
                 if shown is not None and value.text not in ("", "0"):
-                    self.not_modelled.append(f"[{section}] {shown}")
+                    why, axis = _WHY.get(shown, ("", ""))
+                    self._open(section, key, shown, why, axis)
         kinematics = self._kinematics()
         place = self.places["z_down_tool_length"]
         return Machine(
@@ -207,13 +229,21 @@ class _Reader:
             z_down_tool_length=None if place is None else ini.number(*place, self.unit),
         )
 
+    def _open(self, section: str, key: str, what: str, why: str = "", axis: str = "") -> None:
+        """A setting that is on and that gproof does not follow."""
+        value = self.ini.sections.get(section, {}).get(key.lower())
+        self.not_modelled.append(
+            Unmodelled(f"[{section}] {what}", why, axis, self.path.name, 0 if value is None else value.line)
+        )
+
     def _kinematics(self) -> str:
         """The name of the kinematics when they are not trivial (2.1.7)."""
         for section, values in self.ini.sections.items():
             for key, value in values.items():
                 trivial = value.text.lower() in ("", "0", "1", "trivial")
                 if (section.startswith("KIN") or key.startswith("kin")) and not trivial:
-                    self.not_modelled.append(f"[{section}] {value.key}")
+                    why = _KINEMATICS.get(value.text, "no section of the manual describes it")
+                    self._open(section, key, f"{value.key} = {value.text}", why)
                     return value.text
         return "trivial"
 
@@ -233,7 +263,7 @@ class _Reader:
                 continue
             what = _MODES.get(mode)
             if what is None or (what == "knife" and name == "a"):
-                self.not_modelled.append(f"[{section}] mode = {mode}")
+                self._open(section, "mode", f"mode = {mode}", *_OTHER_MODES.get(mode, (_NO_MODE, "")))
             linear = index < 3 or mode in ("FOAM CUT", "2ND Z")
             axes[name] = self._axis(section, name, AxisKind.LINEAR if linear else AxisKind.ROTARY)
             if what == "tip_feed":
@@ -331,7 +361,7 @@ class _Reader:
         name = (self.ini.text(section, key) or "").replace("\\", "/").rpartition("/")[2].strip()
         target = self.path.parent / name
         if not name or not is_file(target):
-            self.not_modelled.append(f"[{section}] {key} = {name[:60] or 'nothing'} (there is no such file)")
+            self._open(section, key, f"{key} = {name[:60] or 'nothing'}", "there is no such file")
             return None
         rows, digest = load_table(target, self.ini)
         self.files.append((str(target), digest))
@@ -377,6 +407,7 @@ class _Reader:
             auto_tool_change=self.switch("auto_tool_change"),
             absolute_arc_centers=self.switch("absolute_arc_centers"),
             diameter_programming=self.switch("diameter_programming"),
+            extruder=self.switch("extruder"),
             spindle_ramp_time=self.ini.at_least("SPINDLE_0", "spindleRampUpTime", 0.0) or 0.0,
             macro_file=macro or None,
             homing_mandatory=self.stated("homing_mandatory"),

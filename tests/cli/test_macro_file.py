@@ -28,7 +28,7 @@ def test_a_macro_file_that_is_not_there(tmp_path: Path) -> None:
     (tmp_path / "cnc.ini").write_text(INI)
     (tmp_path / "job.cnc").write_text("G0 X1\nM30\n")
     session = open_session(tmp_path / "job.cnc", machine=tmp_path / "cnc.ini", setup=None, dialect=None)
-    assert session.machine.not_modelled == ("macroFileName = mine.cnc (there is no such file)",)
+    assert [s.text for s in session.machine.not_modelled] == ["macroFileName = mine.cnc (there is no such file)"]
     (tmp_path / "mine.cnc").write_text(JOB + SUB)
     alone = open_session(tmp_path / "mine.cnc", machine=tmp_path / "cnc.ini", setup=None, dialect=None)
     assert alone.program is not None and list(alone.program.subprograms) == ["park"]

@@ -116,7 +116,7 @@ machines = st.builds(
     keep_out=st.lists(areas, max_size=1).map(tuple), tools=st.lists(tools, max_size=2).map(tuple),
     controller=st.builds(m.Controller, dialect=st.none() | names, laf_angle=optional), unit=floats,
     board=st.builds(m.Board, name=names, tick_frequency=st.integers(1, 10**9)),
-    not_modelled=st.lists(names, max_size=2).map(tuple),
+    not_modelled=st.lists(st.builds(m.Unmodelled, names, names, names, names, st.integers()), max_size=2).map(tuple),
     unknown_keys=st.lists(st.tuples(names, names), max_size=2).map(tuple),
 )  # fmt: skip
 intervals = st.builds(Interval, floats, floats)
