@@ -398,11 +398,8 @@ class Blocks(Motion):
             self._set_coordinates(line, rule)
         elif rule.function is F.AXIS_OFFSET_SET:
             for axis, value in line.axes().items():
-                if isinstance(value, Unknown):
-                    s.g92[axis] = NOWHERE
-                    continue
                 # The origin moves so that the current point gets the given number (3.4.23).
-                wanted = s.position[axis].moved(-value * s.scale(axis))
+                wanted = self._back(axis, value)
                 s.g92[axis] = wanted.minus(s.work_offsets[s.work, axis]).minus(s.beside_work(axis))
             if shifts(self, line, rule):
                 s.g92[0] = s.g92[1] = NOWHERE
@@ -450,6 +447,13 @@ class Blocks(Motion):
             )  # fmt: skip
         self.move(Op.TRAVERSE, home, line.span)
 
+    def _back(self, axis: int, value: Value) -> Position:
+        """The place that lies so far before the present one that this gets the number ``value``."""
+        at = self.modal.position[axis]
+        if isinstance(value, Unknown):
+            return self._bounded(axis, Unknown(value.cause, -value.high, -value.low), at)
+        return at.moved(-value * self.modal.scale(axis))
+
     def _set_coordinates(self, line: Line, rule: CodeRule) -> None:
         """G10 L2: the origin is given; G10 L20: the current point gets the given numbers (3.4.5)."""
         s = self.modal
@@ -471,13 +475,13 @@ class Blocks(Motion):
                 s.work_offsets[0, axis] = NOWHERE
         for axis, value in line.axes().items():
             s.written_work.pop((system, axis), None)
-            if isinstance(value, Unknown):
-                s.work_offsets[system, axis] = NOWHERE
-            elif key == 2:
-                s.work_offsets[system, axis] = Position(value * s.scale(axis))
-            else:
-                wanted = s.position[axis].moved(-value * s.scale(axis))
+            if key == 20:
+                wanted = self._back(axis, value)
                 s.work_offsets[system, axis] = wanted.minus(s.g92[axis]).minus(s.beside_work(axis))
+            elif isinstance(value, Unknown):
+                s.work_offsets[system, axis] = self._bounded(axis, value, Position(0.0))
+            else:
+                s.work_offsets[system, axis] = Position(value * s.scale(axis))
         if key == 20 and shifts(self, line, rule):
             s.work_offsets[system, 0] = s.work_offsets[system, 1] = NOWHERE
         self.event(Op.OFFSET, line.span, arg=(float(system), 0.0))

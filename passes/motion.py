@@ -25,12 +25,11 @@ from gproof.passes.values import NOWHERE, Position, Unknown, Value, describe
 
 _OUT_OF_PLANE = {Plane.XY: "K", Plane.XZ: "J", Plane.YZ: "I"}
 _CENTER_WORDS = {Plane.XY: ("I", "J"), Plane.XZ: ("I", "K"), Plane.YZ: ("J", "K")}
-_LEFT = {
-    "rotation": "rotation (G68)",
-    "scaling": "scaling (G51)",
-    "side": "cutter compensation (G41)",
-    "length": "X offset of a tool (G43)",
-}
+X_OFFSET = "X offset of a tool (G43)"
+_LEFT = (
+    {"rotation": "rotation (G68)", "scaling": "scaling (G51)"},
+    {"side": "cutter compensation (G41)", "length": X_OFFSET},
+)
 """What the job before may have left on, by the name under which ``Modal.stated`` holds that this job says it."""
 
 
@@ -149,11 +148,12 @@ class Motion(Emitter):
             self.assumed["every X number is a diameter, in G10, G53 and G92 and in #5001 and #5071 as well"] = None
         # The zeroing menu can leave a rotation (2.2.4.3), the job before whatever it did not end: M2 ends nothing, M30
         # compensation (3.5.1). The zero setup says that there is nothing of that kind.
-        left = [name for key, name in _LEFT.items() if key not in stated and (key != "length" or self._x_offsets)]
-        if left and self.modal.setup.default_offset is None:
-            *more, last = (f"no {name}" for name in left)
-            before = ", ".join(more) + " and " if more else ""
-            self.assumed[f"{before}{last} is in force at the start"] = None
+        if self.modal.setup.default_offset is None:
+            for names in _LEFT:
+                wanted = (text for key, text in names.items() if key not in stated)
+                left = [text for text in wanted if text != X_OFFSET or self._x_offsets]
+                if left:
+                    self.assumed[f"no {' and no '.join(left)} is in force at the start"] = None
         if "distance" not in stated:
             self.assumed["the job starts in absolute distances (G90)"] = None
         if "plane" not in stated and rule.group == "G1" and rule.function not in (F.TRAVERSE, F.FEED):
@@ -171,8 +171,10 @@ class Motion(Emitter):
     @property
     def _heads_apart(self) -> bool:
         """True where it matters for positions which spindle is selected, and the setup does not say it (3.5.2)."""
-        others = (spindle for spindle in self.machine.spindles if spindle.number)
-        return 5390 not in self.modal.setup.parameters and any(offset for s in others for offset in s.offset)
+        setup = self.modal.setup
+        others = [spindle for spindle in self.machine.spindles if spindle.number]
+        apart = bool(setup.heads) or any(offset != 0.0 for spindle in others for offset in spindle.offset)
+        return apart and 5390 not in setup.parameters
 
     def need_feed(self, line: Line, rule: CodeRule) -> None:
         """Refusal GP204 or GP205 when a feed move has no feed rate."""

@@ -24,9 +24,9 @@ CASES = {
     "G40": (FULL.replace(" G40", "") + "G0 X1\n", NO_MACHINE, ["no cutter compensation (G41)"]),
     "G40 and G69": (
         FULL.replace(" G40", "").replace("G69 ", "") + "G0 X1\n", NO_MACHINE,
-        ["no rotation (G68) and no cutter compensation (G41)"],
+        ["no rotation (G68)", "no cutter compensation (G41)"],
     ),
-    "three": ("G21 G90 G49\nG0 X1\n", NO_MACHINE, ["no rotation (G68), no scaling (G51) and no cutter"]),
+    "three": ("G21 G90 G49\nG0 X1\n", NO_MACHINE, ["no rotation (G68) and no scaling", "no cutter"]),
     "G49 where tools have offsets in X": (
         FULL.replace(" G49", "") + "G0 X1\n", LATHE_TOOL, ["no X offset of a tool (G43)"],
     ),
