@@ -136,19 +136,18 @@ class _Reading:
 
     def value(self, at: int) -> Part:
         """A real value (3.2.2)."""
-        text = self.text
-        found = _VALUE.match(text, at)
+        found = _VALUE.match(self.text, at)
         if found is None:
             raise _LeftError
-        kind, end = found.lastgroup, found.end()
+        kind, end, file, line = found.lastgroup, found.end(), self.file, self.line
+        if kind == "parameter":
+            number, begin = found["parameter"], found.start("hash")
+            node = Number(float(number), Span(file, line, end - len(number) + 1, end + 1), "." in number)
+            return Part(Variable(node, Span(file, line, begin + 1, end + 1)), begin, end)
         if kind == "number":
             number = found["number"]
             begin = end - len(number)
-            return Part(Number(float(number), self.span(begin, end), "." in number), begin, end)
-        if kind == "parameter":
-            number, begin = found["parameter"], found.start("hash")
-            node = Number(float(number), self.span(end - len(number), end), "." in number)
-            return Part(Variable(node, self.span(begin, end)), begin, end)
+            return Part(Number(float(number), Span(file, line, begin + 1, end + 1), "." in number), begin, end)
         if kind == "open":
             inside, after = self.bracket(end)
             return Part(inside, end - 1, after)
@@ -162,9 +161,9 @@ class _Reading:
         if kind == "hash":
             return Part(Variable(inner.node, self.span(end - 1, inner.end)), end - 1, inner.end)
         begin = found.start("sign")
-        if text[inner.begin] in "+-":
+        if self.text[inner.begin] in "+-":
             raise _LeftError
-        operator = "neg" if text[begin] == "-" else "pos"
+        operator = "neg" if self.text[begin] == "-" else "pos"
         return Part(Unary(operator, inner.node, self.span(begin, inner.end)), begin, inner.end, SIGN)
 
     def function(self, name: str, begin: int, at: int) -> Part:
@@ -180,20 +179,20 @@ class _Reading:
 
     def bracket(self, at: int) -> tuple[Expr, int]:
         """What stands in brackets, from behind the opening one; the end is behind the closing one."""
-        text = self.text
+        first, operator, at = self.operand(at)
+        if operator == "]":
+            return first.node, at
+        values, operators = [first], [operator]
+        while operators[-1] != "]":
+            value, operator, at = self.operand(at)
+            values.append(value)
+            operators.append(operator)
+        return grouped(values, operators[:-1], self.span), at
+
+    def operand(self, at: int) -> tuple[Part, str, int]:
+        """A value and what stands behind it: an operator or the closing bracket."""
         value = self.value(at)
-        behind = _BEHIND.match(text, value.end)
+        behind = _BEHIND.match(self.text, value.end)
         if behind is None:
             raise _LeftError
-        if behind[1] == "]":
-            return value.node, behind.end()
-        values = [value]
-        operators: list[str] = []
-        while behind[1] != "]":
-            operators.append(behind[1].lower())
-            value = self.value(behind.end())
-            values.append(value)
-            behind = _BEHIND.match(text, value.end)
-            if behind is None:
-                raise _LeftError
-        return grouped(values, operators, self.span), behind.end()
+        return value, behind[1].lower(), behind.end()

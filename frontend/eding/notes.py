@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from gproof.frontend.eding import notes_kernels as k
+from gproof.frontend.eding import scan_kernels as k
 from gproof.frontend.eding.prepare import FUNCTIONS, PIECE, LineError, encoding_of, prepare
 from gproof.frontend.eding.scan import index
 from gproof.frontend.source import UTF8_MARK

@@ -4,10 +4,11 @@ A plain line has only literal words: an optional block delete slash, an optional
 letter and a number, comments that are no messages and do not nest, a comment behind a semicolon, blanks
 anywhere (Eding manual 3.2). Everything else (expressions, flow control, messages, every mistake) is left
 to the grammar. ``index_lines`` finds the lines that are not plain; ``scan_words`` reads the words of a
-range that holds plain lines only, so it checks nothing.
+range that holds plain lines only, so it checks nothing, and ``scan_notes`` what stands in it beside the words:
+comments, line numbers, slashes, marks.
 
-Both take ``bytes`` (or a memory map) and Python lists in plain Python, and uint8 / uint16 / float64 arrays
-when compiled; ``eding/scan.py`` chooses.
+All take ``bytes`` (or a memory map) and Python lists in plain Python, and uint8 / uint16 / float64 arrays
+when compiled; ``eding/scan.py`` and ``eding/notes.py`` choose.
 """
 
 from __future__ import annotations
@@ -27,6 +28,13 @@ HAS_WORDS = 1
 NOT_PLAIN = 2
 HAS_RETURN = 4
 """Bits of a verdict: what a line is when it ends in a state."""
+
+LINE_NUMBER = 1
+DELETE = 2
+MARK = 3
+COMMENT = 4
+REMARK = 5
+"""Kinds of notes; equal to those of ``ir/notes.py`` NoteKind."""
 
 MANTISSA_LIMIT = 9007199254740992
 DECIMALS_LIMIT = 22
@@ -178,3 +186,97 @@ def scan_words(
     if end > begin and data[end - 1] != 10:
         line += 1
     return count, i, line
+
+
+@kernel(seconds_per_unit=1.6e-7, compile_seconds=0.6)
+def scan_notes(
+    data: Any,
+    begin: int,
+    end: int,
+    line: int,
+    count: int,
+    used: int,
+    at_line: Any,
+    at_place: Any,
+    at_kind: Any,
+    at_column: Any,
+    at_begin: Any,
+    at_size: Any,
+    text: Any,
+) -> tuple[int, int]:
+    """Read the notes of the plain lines data[begin:end]; ``begin`` starts line number ``line``.
+
+    at_*: columns of NOTE, of which ``count`` rows are in use; text: bytes of the notes, of which ``used`` are.
+    Returns (rows in use, bytes in use).
+    """
+    place = 0
+    start = begin
+    i = begin
+    while i < end:
+        c = int(data[i])
+        at = i
+        i += 1
+        if c >= 65:
+            if c & 0xDF != 78:
+                place += 1
+                continue
+            kind = LINE_NUMBER
+            first = used
+            while i < end:
+                c = int(data[i])
+                if 48 <= c <= 57:
+                    text[used] = c
+                    used += 1
+                elif c not in (32, 9):
+                    break
+                i += 1
+        elif c == 10:
+            line += 1
+            place = 0
+            start = i
+            continue
+        elif c == 40:
+            kind = COMMENT
+            first = used
+            while i < end and data[i] != 41:
+                text[used] = data[i]
+                used += 1
+                i += 1
+            i += 1
+        elif c == 59:
+            kind = REMARK
+            first = used
+            while i < end and data[i] != 10:
+                text[used] = data[i]
+                used += 1
+                i += 1
+            while used > first and text[used - 1] in (32, 9, 13):
+                used -= 1
+        elif c == 47:
+            kind = DELETE
+            first = used
+        elif c == 37:
+            kind = MARK
+            first = used
+        else:
+            continue
+        column = 0
+        if place > 0:
+            behind = at
+            while behind > start and data[behind - 1] in (32, 9):
+                behind -= 1
+            before = 0
+            for t in range(start, at):
+                if t == behind:
+                    before = column
+                column += 8 - column % 8 if data[t] == 9 else 1
+            if behind == at or column - before < 2:
+                column = 0
+        at_line[count] = line
+        at_place[count] = place
+        at_kind[count] = kind
+        at_column[count] = column
+        at_begin[count] = first
+        at_size[count] = used - first
+        count += 1
+    return count, used

@@ -470,9 +470,9 @@ def test_every_command_has_a_text() -> None:
 
 def test_kinds_of_notes_are_those_of_the_kernels() -> None:
     from gproof.backend.emit import plain_lines_kernels
-    from gproof.frontend.eding import notes_kernels
+    from gproof.frontend.eding import scan_kernels
 
-    for module in (plain_lines_kernels, notes_kernels):
+    for module in (plain_lines_kernels, scan_kernels):
         for kind in list(NoteKind)[:5]:
             assert getattr(module, kind.name) == kind
 
