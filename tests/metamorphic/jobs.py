@@ -38,9 +38,11 @@ class Job:
     area: dict[str, Span] | None = None
     block_delete: bool | None = False
     active: int | None = 1
+    controller: dict[str, str] = field(default_factory=dict)
+    unit: str = "mm"
 
     def machine_text(self) -> str:
-        out = ['schema = "gproof-machine/1"', 'units = "mm"']
+        out = ['schema = "gproof-machine/1"', f'units = "{self.unit}"']
         for name, (low, high) in self.limits.items():
             out += [f"[axes.{name}]", f"min = {low!r}", f"max = {high!r}"]
         if self.area is not None:
@@ -48,10 +50,11 @@ class Job:
         for tool, length in self.tools.items():
             if tool not in self.lengths:
                 out += [f"[tools.{tool}]", f"length = {length!r}"]
+        out += ["[controller]", *(f"{key} = {value}" for key, value in self.controller.items())]
         return "\n".join(out) + "\n"
 
     def setup_text(self) -> str:
-        out = ['schema = "gproof-setup/1"', 'homed = ["x", "y", "z", "a"]', "tool = 1"]
+        out = ['schema = "gproof-setup/1"', f'units = "{self.unit}"', 'homed = ["x", "y", "z", "a"]', "tool = 1"]
         if self.active is not None:
             out.append(f"active_work = {self.active}")
         if self.block_delete is not None:
@@ -107,6 +110,7 @@ class Run:
         for (name, form), (low, high) in out.items():
             start = self.job.start[name]
             if form == "" and isinstance(start, float):
+                start *= 25.4 if self.job.unit == "inch" and name != "a" else 1.0
                 out[name, form] = min(low, start), max(high, start)
         return out
 

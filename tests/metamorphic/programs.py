@@ -240,7 +240,7 @@ class Can:
     units: bool = False
     deleted: bool = False
     no_cycle_along: str = ""
-    absolute_first: bool = True
+    counters: bool = True
 
 
 @dataclass
@@ -315,7 +315,7 @@ class Maker:
         return made
 
     def axis_words(self, axes: str) -> tuple[Word, ...]:
-        counted = [c for c in self.counters if self.rng.random() < 0.5]
+        counted = [c for c in self.counters if self.can.counters and self.rng.random() < 0.5]
         return tuple(
             Word(letter, self.length(), counter=self.rng.choice(counted) if counted and letter in "XYZ" else 0)
             for letter in axes

@@ -253,13 +253,17 @@ def _inch(word: Word, *, dynamic: bool) -> Word:
 class Walk:
     """A path whose place is followed, so that each line can be written in either distance mode.
 
-    at: program coordinates of X Y Z; every number is a multiple of 1/16.
+    at: program coordinates of X Y Z; every number is a multiple of 1/16. centers: those of arcs are left out of the
+    lines, and kept by line as increments and as places.
     """
 
     rng: random.Random
     at: list[float] = field(default_factory=lambda: [0.0] * 3)
     lines: list[tuple[str, str]] = field(default_factory=list)
     plane: int = 17
+    centers: bool = False
+    relative: dict[int, str] = field(default_factory=dict)
+    absolute: dict[int, str] = field(default_factory=dict)
 
     def write(self, absolute: str, incremental: str) -> None:
         self.lines.append((absolute, incremental))
@@ -297,7 +301,13 @@ class Walk:
             a, b = self.both(end)
             code = self.rng.choice(("G2", "G3"))
             center = f"{'IJK'[u]}{number(r)}" if self.rng.random() < 0.5 else f"{'IJK'[v]}{number(r)}"
-            if self.rng.random() < 0.4:
+            if self.centers:
+                middle = (r, 0.0) if self.rng.random() < 0.5 else (0.0, r)
+                self.relative[len(self.lines)] = f"{'IJK'[u]}{number(middle[0])} {'IJK'[v]}{number(middle[1])}"
+                places = (self.at[u] + middle[0], self.at[v] + middle[1])
+                self.absolute[len(self.lines)] = f"{'IJK'[u]}{number(places[0])} {'IJK'[v]}{number(places[1])}"
+                center = ""
+            elif self.rng.random() < 0.4:
                 center = f"R{number(self.rng.choice((1, -1)) * 2 * r)}"
             self.write(f"{code} {a} {center}", f"{code} {b} {center}")
             self.go(end)
