@@ -197,7 +197,7 @@ def _problem(row: Compared) -> str:
 
 def print_stages(rows: list[dict[str, Any]]) -> None:
     print(f"\nStages in one process, kernels compiled, {STEP_LINES:,} lines: thousands a second")
-    names = ("execute", "plan", "step", "validate")
+    names = ("execute", "plan", "step", "validate", "follow", "Lifting")
     print(f"  {'shape':<7}" + "".join(f" {name:>18}" for name in names) + f" {'steps':>12} {'MB':>5}")
     for row in rows:
         cells = []

@@ -7,6 +7,7 @@ counts, so that compiling or loading kernels is not in it; what a stage takes on
 from __future__ import annotations
 
 import contextlib
+import dataclasses
 import importlib
 import json
 import os
@@ -56,7 +57,41 @@ def stages(job: Path, machine_file: Path) -> dict[str, Any]:
     report = _stage("gproof.verify.stream", "validate", out, lambda f: f(stream, trace, machine, ZERO))
     if report is not None:
         out["validate"] |= {"count": stream.steps(), "unit": "steps"}
+    raised, setup = over_a_height_map(trace)
+    path = _stage("gproof.passes.lift", "follow", out, lambda f: f(raised, setup, machine, findings))
+    if path is not None:
+        made = sum(len(section.rows) for section in path.trace.sections)
+        out["follow"] |= {"count": rows, "unit": "rows", "lines": made}
+    chords = _stage("gproof.verify.lifted_path", "Lifting", out, lambda f: checked(f, raised, setup, stream))
+    if chords is not None:
+        out["Lifting"] |= {"count": rows, "unit": "rows", "lines": chords}
     return out
+
+
+def over_a_height_map(trace: Any) -> tuple[Any, Any]:
+    """The job with compensation on over a grid of 5 mm that covers it, with waves of 0.1 mm; and the setup."""
+    import numpy as np
+
+    from gproof.ir.setup import HeightMap, Setup
+    from gproof.ir.trace import HEIGHT_MAP
+
+    points = np.vstack([section.rows["to"][:, :2] for section in trace.sections] + [[[0.0, 0.0]]])
+    low = points.min(axis=0) - 50.0
+    nx, ny = (np.ceil((points.max(axis=0) + 50.0 - low) / 5.0).astype(int) + 1).tolist()
+    heights = 0.1 * np.sin(np.arange(nx) / 3.0)[np.newaxis, :] * np.cos(np.arange(ny) / 4.0)[:, np.newaxis]
+    area = HeightMap(x=low[0], y=low[1], size=5.0, heights=tuple(tuple(row) for row in heights.tolist()))
+    states = [dataclasses.replace(state, following=(HEIGHT_MAP,)) for state in trace.states]
+    return dataclasses.replace(trace, states=states), Setup(height_map=area)
+
+
+def checked(lifting: Any, trace: Any, setup: Any, stream: Any) -> int:
+    """How many chords the stream checker makes of a job over a height map."""
+    from gproof.verify.stream_inputs import row_arrays
+    from gproof.verify.stream_report import Collector
+
+    made = lifting(trace, setup, stream.motors)
+    arrays = [row_arrays(stream, trace, section, Collector()) for section in trace.sections]
+    return sum(len(made.section(number, rows).origin) for number, rows in enumerate(arrays) if rows is not None)
 
 
 def _stage(module: str, name: str, out: dict[str, Any], call: Callable[[Any], Any]) -> Any:

@@ -28,7 +28,7 @@ from gproof.passes.plan_kernels import arc_shapes
 
 assert (Op.ARC, Op.DWELL) == (k.ARC, k.DWELL)
 
-MOST_ROWS = 1 << 26
+MOST_ROWS = 1 << 25
 """Straight rows of one section, at most: a map so fine is refused."""
 
 Floats = npt.NDArray[np.float64]
@@ -164,9 +164,9 @@ class _Lift:
         size = 2 * len(rows) + 64
         out_to, out_row, out_chord = np.empty((size, 6)), np.empty(size, np.int64), np.empty(size, np.uint8)
         shapes = self._shapes(section)
+        lift_rows = k.lift_rows.pick(self._vertices(section, shapes, on))
         while True:
-            before = int(kept[k.K_USED])
-            k.lift_rows.pick(len(rows) + before)(
+            lift_rows(
                 rows["op"], rows["to"], rows["center"], rows["plane"], on, shapes, self.grid, self.heights,
                 self.scale, place, kept, jump, out_to, out_row, out_chord,
             )  # fmt: skip
@@ -185,6 +185,14 @@ class _Lift:
                 np.concatenate([column[:used], np.empty((size - used, *column.shape[1:]), column.dtype)])
                 for column in (out_to, out_row, out_chord)
             )
+
+    def _vertices(self, section: TraceSection, shapes: Floats, on: Bytes) -> float:
+        """About how many vertices there will be, for the choice of kernels."""
+        rows = section.rows
+        at = on[rows["op"] == Op.ARC] == 1
+        rough = 2.0 * np.sqrt(shapes[at, k.RADIUS] * self.scale.max() / (8.0 * k.ROUND))
+        ways = np.abs(np.diff(rows["to"][:, :2], axis=0)).sum() / float(self.grid[k.G_SIZE])
+        return len(rows) + float(ways) + float((np.abs(shapes[at, k.SWEEP]) * rough).sum())
 
     def _shapes(self, section: TraceSection) -> Floats:
         """(arcs, 4): start angle, sweep, start radius, end radius."""

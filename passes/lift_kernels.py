@@ -152,7 +152,7 @@ def keep_vertex(share: float, z: float, bend: float, widest: float, line: Floats
     return ended
 
 
-@kernel(seconds_per_unit=6e-6, compile_seconds=4.0)
+@kernel(seconds_per_unit=2.5e-5, compile_seconds=8.0)
 def lift_rows(
     op: Any, to: Floats, center: Floats, plane: Any, on: Bytes, shapes: Floats, grid: Floats, heights: Floats,
     scale: Floats, place: Floats, kept: Ints, jump: Floats, out_to: Floats, out_row: Ints, out_chord: Bytes,

@@ -31,7 +31,10 @@ Bools = npt.NDArray[np.bool_]
 ALLOWANCE = 0.05
 """Steps that a stream's own path may be off the raised one, at equal share of a row."""
 
-SLACK = ALLOWANCE + kernels.CHORD
+CHORD = 0.03
+"""Steps that a chord of a raised row may be off it in any axis, at equal share."""
+
+SLACK = ALLOWANCE + CHORD
 """Steps that the tolerance is wider on chords of a raised row."""
 
 JUMP = 1e-6
@@ -43,7 +46,7 @@ EDGE = 1e-9
 WIDEST = math.pi / 8.0
 """rad: a chord of an arc, at most; also of a stream's own chords."""
 
-MOST = 1 << 26
+MOST = 1 << 25
 """Chords of a section that the checker is ready to hold."""
 
 HALVINGS = 60
@@ -455,7 +458,7 @@ def _chord_counts(
     _, second = curves.most()
     bend = np.maximum(second[k, 0] * scale[0], second[k, 1] * scale[1])
     bend = np.maximum(bend, _z_second(curves, surface, k, ij, inside) * scale[2])
-    count = np.sqrt(bend * wide * wide / (8.0 * kernels.CHORD))
+    count = np.sqrt(bend * wide * wide / (8.0 * CHORD))
     turn = np.where(curves.arc[k], np.abs(curves.sweep[k]) * wide / WIDEST, 0.0)
     found: Ints = np.maximum(1, np.ceil(np.minimum(np.maximum(count, turn), float(MOST)))).astype(np.int64)
     return found

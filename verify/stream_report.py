@@ -27,7 +27,7 @@ PROPERTIES: tuple[tuple[str, Code, str], ...] = (
     (
         "stream-position",
         STREAM_POSITION,
-        "every motor within 1 step of one path point after each step (1.02 on arcs, 1.07 over a height map), path "
+        "every motor within 1 step of one path point after each step (1.02 on arcs, 1.11 over a height map), path "
         "points never going back",
     ),
     ("stream-order", STREAM_ORDER, "no motor turns round more often between two rests than the path does"),

@@ -19,7 +19,7 @@ from gproof.ir.verdict import Verdict
 from gproof.verify.stream import validate
 
 CORPUS = Path(__file__).resolve().parents[2] / "corpus" / "eding"
-SAMPLE = ("drilled-plate", "operator-stops", "guilloche-engraving")
+SAMPLE = ("drilled-plate", "operator-stops", "guilloche-engraving", "pcb-height-map")
 
 
 def compiled(name: str) -> Job | None:

@@ -32,6 +32,12 @@ ON = (HEIGHT_MAP,)
 ALLOWED = 0.05
 """Steps between what is followed and the row with the map's height (docs/stream.md)."""
 
+
+def seeds(usual: int, soak: int) -> list[object]:
+    """So many seeds always, and more in a soak."""
+    return [*range(usual), *(pytest.param(n, marks=pytest.mark.soak) for n in range(usual, soak))]
+
+
 WEDGE = HeightMap(x=0.0, y=0.0, size=10.0, heights=((5.0, 5.1, 5.1), (5.0, 5.1, 5.1), (5.0, 5.1, 5.1)))
 """Rises by 0.1 mm from X0 to X10, then level to X20; alike for all Y."""
 
@@ -380,7 +386,7 @@ MACHINES = (
 )
 
 
-@pytest.mark.parametrize("seed", range(60))
+@pytest.mark.parametrize("seed", seeds(30, 400))
 def test_what_is_followed_stays_close_to_z_and_height(seed: int) -> None:
     rng = random.Random(seed)
     area, on = a_map(rng, steep=rng.choice([0.001, 0.01, 0.2])), MACHINES[seed % 3]
@@ -389,7 +395,7 @@ def test_what_is_followed_stays_close_to_z_and_height(seed: int) -> None:
     assert most_off(path, trace, using(area), on) <= ALLOWED + 1e-6, print_ir(trace)
 
 
-@pytest.mark.parametrize("seed", range(40))
+@pytest.mark.parametrize("seed", seeds(24, 240))
 def test_every_motor_is_within_its_bound_at_all_times_and_the_checker_agrees(seed: int) -> None:
     rng = random.Random(1000 + seed)
     area, on = a_map(rng, steep=rng.choice([0.001, 0.01, 0.2])), MACHINES[seed % 3]
@@ -411,7 +417,7 @@ def test_every_motor_is_within_its_bound_at_all_times_and_the_checker_agrees(see
             n += direction
 
 
-@pytest.mark.parametrize("seed", range(24))
+@pytest.mark.parametrize("seed", seeds(12, 90))
 def test_a_stream_of_another_map_is_refused(seed: int) -> None:
     """The height of one point that the path comes near is another one, by 3 steps or more where the path is."""
     rng = random.Random(2000 + seed)
