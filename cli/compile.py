@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import click
 
 from gproof.cli.check import print_summary
-from gproof.cli.files import require_place
+from gproof.cli.files import require_file, require_place
 from gproof.cli.judge import NOT_JUDGED, Judgement, judge
 from gproof.cli.main import UsageError
 from gproof.cli.report import print_findings
@@ -78,6 +78,8 @@ def run_compile(
     require_place(output, "output", (job, machine, setup, key))
     if key is not None and unsigned:
         raise UsageError("--key and --unsigned exclude each other")
+    if key is not None:
+        require_file(key, "key")
     session = open_session(job, machine=machine, setup=setup, dialect=dialect, call=running.call)
     judgement = judge(session, running=running)
     if judgement.verdict is not Verdict.SAFE:
@@ -140,8 +142,6 @@ def _write(
     key, signer = None, "nobody (--unsigned)"
     if not unsigned:
         place = key_path or default_key_path()
-        if key_path is not None and not key_path.is_file():
-            raise UsageError(f"key {key_path}: no such file")
         try:
             key = c.load_or_create_key(place)
         except ValueError as error:

@@ -68,6 +68,8 @@ def _require(files: tuple[Path, ...], *, only_check: bool, diff: bool, to_stdout
     """UsageError, before anything is done, for what can not be read or written, and for options at odds."""
     if to_stdout and (only_check or diff):
         raise UsageError(f"--stdout prints the text, {'--check' if only_check else '--diff'} does not: choose one")
+    if STANDARD_INPUT in files and sys.stdin is None:
+        raise UsageError("standard input is closed")
     if STANDARD_INPUT in files and len(files) > 1:
         raise UsageError("- stands for standard input and goes alone")
     if to_stdout and len(files) > 1:

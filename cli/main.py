@@ -5,7 +5,9 @@ Exit codes: 0 SAFE (or done), 1 UNSAFE, 2 UNKNOWN, 3 the command itself could no
 
 from __future__ import annotations
 
+import contextlib
 import io
+import math
 import os
 import sys
 from pathlib import Path
@@ -14,6 +16,7 @@ from typing import Any
 import click
 
 COULD_NOT_RUN = 3
+_STDERR = 2
 _DIALECTS = ["wincnc", "eding", "mcuwin"]
 
 
@@ -25,6 +28,17 @@ class UsageError(click.ClickException):
     def show(self, file: Any = None) -> None:
         """Print the line."""
         click.echo(f"gproof: error: {self.message}", err=True)
+
+
+class _Finite(click.FloatRange):
+    """A range of numbers, NaN and infinity not among them."""
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> float:
+        """The number; a usage error for what is none."""
+        number = float(super().convert(value, param, ctx))
+        if not math.isfinite(number):
+            self.fail(f"{value!r} is not a finite number.", param, ctx)
+        return number
 
 
 def _version(context: click.Context, _: click.Parameter, wanted: bool) -> None:
@@ -161,9 +175,9 @@ def verify(package: Path, machine: Path | None, trust: tuple[Path, ...]) -> int:
 @click.option("--board", type=click.Choice(["virtual"]), required=True, help="Where to run it.")
 @click.option("--record", type=click.Path(path_type=Path), help="Write the execution record (JSON) here.")
 @click.option("--real-time", is_flag=True, help="As slow as the real machine.")
-@click.option("--hold-at", type=click.FloatRange(0), help="Feed hold at this second of the first section.")
-@click.option("--estop-at", type=click.FloatRange(0), help="Emergency stop at this second.")
-@click.option("--override", type=click.FloatRange(0.1, 1.0), help="Feed override; 1 is 100 %.")
+@click.option("--hold-at", type=_Finite(0), help="Feed hold at this second of the first section.")
+@click.option("--estop-at", type=_Finite(0), help="Emergency stop at this second.")
+@click.option("--override", type=_Finite(0.1, 1.0), help="Feed override; 1 is 100 %.")
 @click.option("--ask", is_flag=True, help="Ask at operator stops; a virtual board goes on by itself otherwise.")
 def run(
     package: Path, board: str, record: Path | None, real_time: bool, hold_at: float | None, estop_at: float | None,
@@ -207,10 +221,17 @@ def main(arguments: list[str] | None = None) -> int:
     """Run the command line; returns the exit code, never raises for anything a user can cause."""
     # numpy's linear algebra is not used; its threads would only spin on the other cores.
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
-    for stream in (sys.stdout, sys.stderr):
-        if isinstance(stream, io.TextIOWrapper):
-            # File names may hold bytes that are no text, and messages what the terminal can not show.
-            stream.reconfigure(errors="backslashreplace")
+    if not _standard_streams():
+        return COULD_NOT_RUN
+    try:
+        return _run(arguments)
+    except OSError:
+        # Standard error can not be written: there is nowhere to say so, and a verdict's code would lie.
+        _discard(sys.stderr)
+        return COULD_NOT_RUN
+
+
+def _run(arguments: list[str] | None) -> int:
     try:
         result = cli.main(args=arguments, prog_name="gproof", standalone_mode=False)
     except click.UsageError as error:
@@ -230,6 +251,7 @@ def main(arguments: list[str] | None = None) -> int:
         # click's answer to a reader that went away (``| head``); its exit code is that of a verdict.
         return COULD_NOT_RUN
     except OSError as error:
+        _discard(sys.stdout)
         click.echo(f"gproof: error: {error.strerror or error}: {error.filename or ''}".rstrip(": "), err=True)
         return COULD_NOT_RUN
     except MemoryError:
@@ -243,6 +265,36 @@ def main(arguments: list[str] | None = None) -> int:
         click.echo(f"gproof: internal error: {what}; please report it (GPROOF_TRACEBACK=1 shows more)", err=True)
         return COULD_NOT_RUN
     return result if isinstance(result, int) else 0
+
+
+def _standard_streams() -> bool:
+    """Make the streams fit for use; False, with a line on standard error, when nothing can be printed."""
+    handle = os.open(os.devnull, os.O_RDWR)
+    while handle <= _STDERR:  # The number of a closed stream must not become that of a job or a package.
+        handle = os.open(os.devnull, os.O_RDWR)
+    os.close(handle)
+    if sys.stderr is None:
+        sys.stderr = os.fdopen(_STDERR, "w", encoding="utf-8", closefd=False)
+    if sys.stdout is None:
+        click.echo("gproof: error: standard output is closed", err=True)
+        return False
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, io.TextIOWrapper):
+            # File names may hold bytes that are no text, and messages what the terminal can not show.
+            stream.reconfigure(errors="backslashreplace")
+    return True
+
+
+def _discard(stream: Any) -> None:
+    """What a stream still holds and could not write is given up, or the interpreter tries again when it ends."""
+    if isinstance(stream, io.TextIOWrapper):
+        with contextlib.suppress(OSError, ValueError):
+            stream.flush()
+            return
+        with contextlib.suppress(OSError, ValueError):
+            handle = os.open(os.devnull, os.O_WRONLY)
+            os.dup2(handle, stream.fileno())
+            os.close(handle)
 
 
 if __name__ == "__main__":

@@ -21,6 +21,8 @@ def run_verify(path: Path, *, machine: Path | None, trust: tuple[Path, ...]) -> 
     require_file(path, "package")
     findings = Findings()
     given = load_given_machine(machine, findings)
+    for key in trust:
+        require_file(key, "trusted key")
     try:
         trusted = [load_public_key(key) for key in trust] if trust else None
     except (ValueError, OSError) as error:

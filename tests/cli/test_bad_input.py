@@ -410,6 +410,12 @@ def test_a_setup_file_that_can_not_be_read(folder: Path, gproof: Run) -> None:
         (["run", "job.cnc", "--board", "virtual", "--override", "0"], "--override"),
         (["run", "job.cnc", "--board", "virtual", "--hold-at", "-1"], "--hold-at"),
         (["run", "job.cnc", "--board", "virtual", "--hold-at", "soon"], "soon"),
+        (["run", "job.cnc", "--board", "virtual", "--hold-at", "nan"], "'nan' is not a finite number"),
+        (["run", "job.cnc", "--board", "virtual", "--estop-at", "inf"], "'inf' is not a finite number"),
+        (["run", "job.cnc", "--board", "virtual", "--override", "nan"], "'nan' is not a finite number"),
+        (["verify", "job.cnc", "--trust", "."], "trusted key .: is a directory"),
+        (["compile", "job.cnc", "-o", "x.gpx", "--key", "."], "key .: is a directory"),
+        (["compile", "job.cnc", "-o", "x.gpx", "--key", "nothere.pem"], "key nothere.pem: no such file"),
         (["explain"], "CODE"),
         (["explain", "GP999"], "GP999"),
         (["explain", "GP1"], "GP1"),
@@ -556,6 +562,67 @@ def test_a_reader_that_goes_away(folder: Path) -> None:
         process.stdout.close()
         assert process.stderr.read() == b""
         assert process.wait(60) == 3
+
+
+STREAMS = {
+    "check": "check job.cnc --machine machine.toml --setup zero",
+    "a missing job": "check nothere.cnc",
+    "dump": "dump job.cnc --stage trace",
+    "compile": "compile job.cnc --machine machine.toml --setup zero --unsigned -o new.gpx",
+    "run": "run made.gpx --board virtual",
+    "standard input": "fmt -",
+    "explain": "explain GP301",
+}
+
+
+@pytest.mark.parametrize("name", STREAMS)
+def test_streams_that_are_closed_or_full(name: str, folder: Path, gproof: Run) -> None:
+    """No output is told with exit 3, never with the exit code of a verdict; a lost message changes nothing else."""
+    assert gproof("compile", "job.cnc", *WITH_MACHINE, "--unsigned", "-o", "made.gpx").exit == 0
+
+    def run(redirection: str) -> Done:
+        command = f'"{sys.executable}" -m gproof.cli.main {STREAMS[name]} <job.cnc {redirection}'
+        done = subprocess.run(["bash", "-c", command], cwd=folder, capture_output=True, text=True, check=False)
+        return Done(done.returncode, re.sub(r"run in .+ s", "run in no time", done.stdout), done.stderr)
+
+    good = run("")
+    fails = good.exit == 3
+    full, closed = run(">/dev/full"), run(">&-")
+    assert full == (good if fails else Done(3, "", "gproof: error: No space left on device\n"))
+    assert closed == Done(3, "", "gproof: error: standard output is closed\n")
+    assert run("2>/dev/full") == (Done(3, good.out, "") if good.err else good)
+    assert run("2>&-") == Done(good.exit, good.out, "")
+    assert run("<&- >&- 2>&-") == Done(3, "", "")
+    missing = Done(3, "", "gproof: error: standard input is closed\n")
+    assert run("<&-") == (missing if name == "standard input" else good)
+
+
+@pytest.mark.parametrize(
+    ("words", "where"),
+    [
+        (["check", "job.cnc"], "gproof.cli.check.judge"),
+        (["dump", "job.cnc", "--stage", "trace"], "gproof.passes.execute.execute"),
+        (["compile", "job.cnc", *WITH_MACHINE, "--unsigned", "-o", "new.gpx"], "gproof.passes.step.step"),
+        (["compile", "job.cnc", *WITH_MACHINE, "--unsigned", "-o", "new.gpx"], "os.replace"),
+        (["check", "job.cnc", "--picture", "new.svg"], "os.replace"),
+        (["verify", "made.gpx"], "gproof.verify.certificate.check_package"),
+        (["run", "made.gpx", "--board", "virtual", "--record", "new.json"], "os.replace"),
+        (["fmt", "job.cnc"], "filecmp.cmp"),
+        (["fmt", "job.cnc"], "os.replace"),
+    ],
+    ids=lambda value: " ".join(value) if isinstance(value, list) else value,
+)
+def test_an_interrupt(words: list[str], where: str, folder: Path, gproof: Run, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Ctrl-C at any moment: exit 3, one line, and no file that is new or changed (the fixture compares)."""
+    assert gproof("compile", "job.cnc", *WITH_MACHINE, "--unsigned", "-o", "made.gpx").exit == 0
+    (folder / "job.cnc").write_text("g21   g90\ng0 x1\nm30\n")
+
+    def interrupted(*_: object, **__: object) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(where, interrupted)
+    done = gproof(*words)
+    assert (done.exit, done.out, done.err.strip()) == (3, "", "gproof: interrupted")
 
 
 def test_an_internal_error_is_no_verdict(folder: Path, capsys: pytest.CaptureFixture[str], monkeypatch) -> None:
