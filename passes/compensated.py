@@ -18,6 +18,7 @@ from gproof.ir.rules import Function as F
 from gproof.ir.trace import UNKNOWN, Op, Plane
 from gproof.passes import compensation as geometry
 from gproof.passes.compensation import Compensation, Fault, Path, Piece, Point, Trouble
+from gproof.passes.compensation_kernels import distance
 from gproof.passes.line import Line
 from gproof.passes.values import Position, Unknown, describe
 
@@ -211,6 +212,17 @@ def recovered(modal: Modal, before: list[Position], where: dict[int, Position]) 
 # -- moves
 
 
+def is_plain(modal: Modal) -> bool:
+    """True in the middle of a contour, where the tool touches it and all is known: the moves of ``offset_rows``."""
+    comp = modal.compensation
+    if comp is None or comp.programmed is None or not comp.radius or not comp.placed or comp.plane is not modal.plane:
+        return False
+    there = tuple(modal.position[axis] for axis in comp.axes)
+    if comp.left is not None and comp.left != there:
+        return False
+    return all(p.form == q.form for p, q in zip(there, comp.programmed, strict=True))
+
+
 def straight(ex: Motion, line: Line, op: Op, target: list[Position]) -> None:
     """A straight move to the programmed target, compensated. A corner before it is rounded at its height."""
     comp = ex.modal.compensation
@@ -262,7 +274,7 @@ def circular(ex: Motion, line: Line, target: list[Position], center: list[float]
     about = center[u], center[v]
     radius = comp.radius or 0.0
     tolerance = ex.modal.arc_tolerance()
-    off = abs(math.dist(start, about) - math.dist(end, about))
+    off = abs(distance(*start, *about) - distance(*end, *about))
     entry = comp.programmed is None and radius > 0.0
     if not entry and off > tolerance:
         raise Refusal(

@@ -15,18 +15,12 @@ import math
 from dataclasses import dataclass, replace
 
 from gproof.ir.trace import Plane
+from gproof.passes import compensation_kernels as k
+from gproof.passes.compensation_kernels import HAIR, TWO_PI
 from gproof.passes.values import Position
 
 PAIR = {Plane.XY: (0, 1), Plane.XZ: (2, 0)}
 """The axes of a plane's right-handed pair."""
-
-CORNER = 0.01
-"""Radians: up to here a corner counts as none, convex or concave. That of RS274/NGC; the manual gives no number."""
-
-HAIR = 1e-9
-"""mm below which two points are one."""
-
-TWO_PI = 2.0 * math.pi
 
 Point = tuple[float, float]
 
@@ -109,18 +103,15 @@ def entry_line(tool: Point, end: Point, side: int, radius: float) -> Path:
 
 def line(tool: Point, start: Point, end: Point, side: int, radius: float, placed: bool) -> Path:
     """A straight move along the contour, around the corner before it if that is convex."""
-    length = math.hypot(end[0] - start[0], end[1] - start[1])
-    if length == 0.0:
+    begins, u, v, angle = k.line_start(*tool, *start, *end, side)
+    if begins == k.REST:
         return [Piece(tool)], None
-    normal = (-side * (end[1] - start[1]) / length, side * (end[0] - start[0]) / length)
+    normal = u, v
     stop = Piece(_moved(end, normal, radius))
-    if not placed:
+    if not placed or begins == k.SMOOTH:
         return [stop], None
-    angle = corner_angle(tool, start, normal, side)
-    if is_concave(angle):
+    if begins == k.CONCAVE:
         return [stop], Fault(Trouble.CONCAVE_CORNER, _degrees(angle))
-    if angle <= CORNER:
-        return [stop], None
     return [_around(start, normal, side, radius), stop], None
 
 
@@ -179,9 +170,10 @@ def arc(
     """
     inward = side * sense > 0
     outward = -1.0 if inward else 1.0
-    first, last = _radial(start, center, outward), _radial(end, center, outward)
+    begins, nu, nv, angle = k.arc_start(*tool, *start, *center, outward, side, radius, tolerance)
+    first, last = (nu, nv), _radial(end, center, outward)
     begin, stop = _moved(start, first, radius), _moved(end, last, radius)
-    small = min(math.dist(start, center), math.dist(end, center))
+    small = min(k.distance(*start, *center), k.distance(*end, *center))
     if inward and small <= radius + HAIR:
         return [Piece(stop)], Fault(Trouble.ARC_TOO_SMALL, small)
     sweep = _sweep(start, end, center, sense)
@@ -189,48 +181,25 @@ def arc(
         stop = begin
     if not placed:
         return [Piece(begin), _arc_piece(begin, stop, center, sense, sweep)], None
-    angle = corner_angle(tool, start, first, side)
-    if is_concave(angle):
-        return [Piece(begin), _arc_piece(begin, stop, center, sense, sweep)], Fault(
-            Trouble.CONCAVE_CORNER, _degrees(angle)
-        )
-    off = abs(math.dist(tool, center) - math.dist(begin, center))
-    if abs(angle) <= CORNER and off <= tolerance / 2.0:
-        ahead = _angle(begin, tool, center) * sense
+    if begins == k.CONCAVE:
+        pieces = [Piece(begin), _arc_piece(begin, stop, center, sense, sweep)]
+        return pieces, Fault(Trouble.CONCAVE_CORNER, _degrees(angle))
+    if begins == k.SMOOTH:
+        ahead = k.between(*begin, *tool, *center) * sense
         return [_arc_piece(tool, stop, center, sense, sweep - ahead)], None
-    if angle < 0.0:
-        return [Piece(begin), _arc_piece(begin, stop, center, sense, sweep)], Fault(
-            Trouble.CONCAVE_CORNER, _degrees(angle)
-        )
     return [_around(start, first, side, radius), _arc_piece(begin, stop, center, sense, sweep)], None
-
-
-def corner_angle(tool: Point, corner: Point, normal: Point, side: int) -> float:
-    """By how much the contour turns away from the tool at a corner, radians from -pi/2 to 3 pi/2.
-
-    tool: touches the end of the move before; normal: unit vector to the tool at the start of the next. Above pi the
-    corner is concave by more than a quarter turn.
-    """
-    u, v = tool[0] - corner[0], tool[1] - corner[1]
-    angle = side * math.atan2(normal[0] * v - normal[1] * u, normal[0] * u + normal[1] * v)
-    return angle + TWO_PI if angle < -math.pi / 2.0 else angle
-
-
-def is_concave(angle: float) -> bool:
-    """True for a corner into which a circle does not fit."""
-    return angle < -CORNER or angle > math.pi + CORNER
 
 
 def path_length(tool: Point, pieces: list[Piece], rise: float) -> float:
     """mm along pieces, the last of which also goes ``rise`` across the plane."""
     length, at = 0.0, tool
-    for k, piece in enumerate(pieces):
+    for n, piece in enumerate(pieces):
         flat = math.dist(at, piece.end)
         if piece.center is not None:
             sense = 1 if piece.turns > 0 else -1
             sweep = _sweep(at, piece.end, piece.center, sense) + (abs(piece.turns) - 1) * TWO_PI
             flat = sweep * (math.dist(at, piece.center) + math.dist(piece.end, piece.center)) / 2.0
-        length += math.hypot(flat, rise if k == len(pieces) - 1 else 0.0)
+        length += math.hypot(flat, rise if n == len(pieces) - 1 else 0.0)
         at = piece.end
     return length
 
@@ -240,9 +209,7 @@ def _moved(point: Point, direction: Point, distance: float) -> Point:
 
 
 def _radial(point: Point, center: Point, sign: float) -> Point:
-    u, v = point[0] - center[0], point[1] - center[1]
-    distance = math.hypot(u, v)
-    return (sign, 0.0) if distance == 0.0 else (sign * u / distance, sign * v / distance)
+    return k.radial(*point, *center, sign)
 
 
 def _around(corner: Point, normal: Point, side: int, radius: float) -> Piece:
@@ -250,27 +217,14 @@ def _around(corner: Point, normal: Point, side: int, radius: float) -> Piece:
     return Piece(_moved(corner, normal, radius), corner, -side, corner=True)
 
 
-def _angle(one: Point, other: Point, center: Point) -> float:
-    """From one point to the other about a centre, radians, within half a turn either way."""
-    a, b = one[0] - center[0], one[1] - center[1]
-    c, d = other[0] - center[0], other[1] - center[1]
-    return math.atan2(a * d - b * c, a * c + b * d)
-
-
 def _sweep(start: Point, end: Point, center: Point, sense: int) -> float:
-    """The angle of an arc as rows of a trace mean it: above 0, a full turn when the ends are one."""
-    angle = _angle(start, end, center) * sense
-    return angle + TWO_PI if angle <= 0.0 else angle
+    return k.swept(*start, *end, *center, sense)
 
 
 def _arc_piece(start: Point, stop: Point, center: Point, sense: int, sweep: float) -> Piece:
     """The arc of about ``sweep`` radians; a line where it is so short that its ends changed their order."""
-    if sweep > math.pi and math.dist(start, stop) < HAIR:
-        stop = start
-    turns = 1 + round((sweep - _sweep(start, stop, center, sense)) / TWO_PI)
-    if turns < 1:
-        return Piece(stop)
-    return Piece(stop, center, sense * turns)
+    u, v, turns = k.arc_turns(*start, *stop, *center, sense, sweep)
+    return Piece((u, v), center, turns) if turns else Piece(stop)
 
 
 def _degrees(angle: float) -> float:

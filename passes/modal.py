@@ -165,9 +165,13 @@ class Modal:
     @property
     def plain_motion(self) -> bool:
         """True where moves mean what ``run_lines`` makes of them."""
+        return self.compensation is None and self.plain_contour
+
+    @property
+    def plain_contour(self) -> bool:
+        """True where ``run_lines`` makes of lines what the program asks for, whether or not it is compensated."""
         return (
-            self.compensation is None
-            and not self.xz_mirrored
+            not self.xz_mirrored
             and not self.xz_view_open
             and not self.transform_in_doubt
             and not self.drives_were_off

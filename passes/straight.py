@@ -2,12 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import Any
+
 import numpy as np
 
 from gproof.ir.columns import Columns
 from gproof.ir.finding import Span
 from gproof.ir.machine import AXES
 from gproof.ir.program import FLAG_DELETE, BlockTable
+from gproof.ir.trace import TRACE_ROW
+from gproof.passes import compensated
+from gproof.passes import compensation_kernels as c
 from gproof.passes import execute_kernels as k
 from gproof.passes.blocks import Blocks
 from gproof.passes.frames import Frame
@@ -15,6 +22,10 @@ from gproof.passes.outputs import CLAMPED
 from gproof.passes.values import Position
 
 CHUNK_BYTES = 1 << 20
+_State = tuple[Any, Any, Any, Any]
+_FIRST_BATCH, _BATCH = 64, 1 << 13
+"""Programmed rows that are made at once while the path is compensated: few first, as the tool may not follow them."""
+
 _UTF8_MARK = b"\xef\xbb\xbf"
 
 _COLD = np.array([chr(letter) not in "XYZABCIJKRFG" for letter in range(256)])
@@ -79,46 +90,100 @@ class Straight(Blocks):
         self, run: object, line: object, letter: object, value: object, count: int, at: int, compiled: bool
     ) -> int:
         """Run lines in the kernel from word ``at``; returns the first word it left over."""
-        s, a = self.modal, self.rows.arrays
-        if (
-            not s.plain_motion
-            or not self._moved
-            or s.feed_unit != s.unit
-            or not 1 <= s.motion <= 4
-            or s.feed_mode != 94
-        ):
+        s = self.modal
+        if not self._moved or s.feed_unit != s.unit or not 1 <= s.motion <= 4 or s.feed_mode != 94:
             # The first motion notes what it assumes; a motion mode must be set: Python path.
             return at
+        if s.compensation is not None:
+            return self._along_contour(run, line, letter, value, count, at, compiled)
+        if not s.plain_motion:
+            return at
+        state = self._packed([p.value for p in s.position], compiled)
+        before = self.rows.count
+        at, self.rows.count = _run(
+            run, (line, letter, value, count, at), state, self.rows.arrays, before, self.rows.capacity
+        )
+        self.blocks += self.rows.count - before
+        self._unpack(state)
+        return at
+
+    def _along_contour(
+        self, run: object, line: object, letter: object, value: object, count: int, at: int, compiled: bool
+    ) -> int:
+        """``_hot`` while the path is compensated: rows as programmed, and from them those of the tool."""
+        s, rows = self.modal, self.rows
+        comp = s.compensation
+        if comp is None or not s.plain_contour or not compensated.is_plain(s):
+            return at
+        a, b = comp.axes
+        goal = comp.programmed
+        assert goal is not None and comp.radius is not None
+        begin = [p.value for p in s.position]
+        begin[a], begin[b] = goal[0].value, goal[1].value
+        state = self._packed(begin, compiled)
+        ints: Any = [a, b, comp.side, int(comp.plane), self._frame(), self._state(), self._file, self._call]
+        floats: Any = [
+            *(p.value for p in s.position), goal[0].value, goal[1].value, *comp.shift, comp.radius, s.arc_tolerance(),
+        ]  # fmt: skip
+        batch, going = _FIRST_BATCH, True
+        while going:
+            there = TRACE_ROW.empty(batch)
+            before = _copied(state)
+            stop, made = _run(run, (line, letter, value, count, at), state, there, 0, batch)
+            out = rows.arrays
+            offset = c.offset_rows.pick(made)
+            if offset is not c.offset_rows.python:
+                ints, floats = np.array(ints, dtype=np.int64), np.array(floats, dtype=np.float64)
+            done, rows.count = offset(
+                made, there["op"], there["to"], there["center"], there["turns"], there["feed"], there["line"], ints,
+                floats, out["op"], out["file"], out["line"], out["call"], out["to"], out["frame"], out["state"],
+                out["feed"], out["center"], out["turns"], out["plane"], out["arg"], rows.count, rows.capacity,
+            )  # fmt: skip
+            done, rows.count = int(done), int(rows.count)
+            if done < made:
+                # As far as the tool follows: the lines of these rows once more, from the same state.
+                state = before
+                if done:
+                    stop, _ = _run(run, (line, letter, value, count, at), state, there, 0, done)
+                else:
+                    stop = at
+            self.blocks += done
+            at, going = stop, done == batch
+            batch = min(4 * batch, _BATCH)
+        self._unpack(state)
+        for axis in range(AXES):
+            s.position[axis] = Position(float(floats[c.PLACE + axis]), s.position[axis].form)
+        u, v = (Position(float(floats[c.GOAL + n]), goal[n].form) for n in (0, 1))
+        s.compensation = replace(comp.at(u, v, placed=True), left=(s.position[a], s.position[b]))
+        return at
+
+    def _packed(self, position: list[float], compiled: bool) -> _State:
+        """The state of ``run_lines``: integers, floats, frames of the axes and of their offsets."""
+        s = self.modal
         offsets = [s.offset(axis) for axis in range(AXES)]
         ints: object = [
             s.motion, int(s.plane), int(s.absolute), self._frame(), self._state(), self._file, self._call,
             s.feed_mode, 1, int(self.machine.controller.absolute_arc_centers), self._active_axes(), s.transform.kind,
         ]  # fmt: skip
         floats: object = [
-            s.unit, s.feed, *(p.value for p in s.position), *(o.value for o in offsets), s.scale(0),
-            *s.transform.numbers,
+            s.unit, s.feed, *position, *(o.value for o in offsets), s.scale(0), *s.transform.numbers,
         ]  # fmt: skip
         form: object = [self.frames.form(p.form) for p in s.position]
         offset_form: object = [self.frames.form(o.form) for o in offsets]
         if compiled:
             ints, floats = np.array(ints, dtype=np.int64), np.array(floats, dtype=np.float64)
             form, offset_form = np.array(form, dtype=np.int64), np.array(offset_form, dtype=np.int64)
-        before = self.rows.count
-        at, self.rows.count = run(  # type: ignore[operator]
-            line, letter, value, count, at, ints, floats, form, offset_form,
-            a["op"], a["file"], a["line"], a["call"], a["to"], a["frame"], a["state"], a["feed"], a["center"],
-            a["turns"], a["plane"], before, self.rows.capacity,
-        )  # fmt: skip
-        self.blocks += self.rows.count - before
-        if int(ints[k.MOTION]) != s.motion:  # type: ignore[index]
-            s.motion, s.cycle, s.cycle_code = int(ints[k.MOTION]), {}, 0  # type: ignore[index]
-        s.feed = float(floats[k.FEED])  # type: ignore[index]
+        return ints, floats, form, offset_form
+
+    def _unpack(self, state: _State) -> None:
+        """Take over what ``run_lines`` has made of the state."""
+        ints, floats, *_ = state
+        s = self.modal
+        if int(ints[k.MOTION]) != s.motion:
+            s.motion, s.cycle, s.cycle_code = int(ints[k.MOTION]), {}, 0
+        s.feed = float(floats[k.FEED])
         for axis in range(AXES):
-            s.position[axis] = Position(
-                float(floats[k.POSITION + axis]),  # type: ignore[index]
-                s.position[axis].form,
-            )
-        return int(at)
+            s.position[axis] = Position(float(floats[k.POSITION + axis]), s.position[axis].form)
 
     def _active_axes(self) -> int:
         held = CLAMPED if self.modal.clamped else -1
@@ -146,6 +211,22 @@ class Straight(Blocks):
         span = Span(name, number, spans[0].column, spans[-1].end_column)
         self.spend(span)
         self._line(span, list(zip(letters, values, spans, strict=True)))
+
+
+def _run(
+    run: Any, words: tuple[Any, ...], state: _State, rows: Mapping[str, Any], first: int, capacity: int
+) -> tuple[int, int]:  # fmt: skip
+    """``run_lines`` into ``rows``; (next word, next row)."""
+    at, row = run(
+        *words, *state, rows["op"], rows["file"], rows["line"], rows["call"], rows["to"], rows["frame"], rows["state"],
+        rows["feed"], rows["center"], rows["turns"], rows["plane"], first, capacity,
+    )  # fmt: skip
+    return int(at), int(row)
+
+
+def _copied(state: _State) -> _State:
+    ints, floats, form, offset_form = state
+    return ints.copy(), floats.copy(), form, offset_form
 
 
 def _cold_lines(words: Columns) -> set[int]:
