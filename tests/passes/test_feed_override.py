@@ -6,7 +6,7 @@ import math
 from pathlib import Path
 
 import pytest
-from passes.machining import HEAD, codes_of, run, shown
+from passes.programs import HEAD, codes_of, run_whole, shown
 
 from gproof.ir.trace import Op
 
@@ -14,7 +14,7 @@ from gproof.ir.trace import Op
 def feeds(folder: Path, before: str) -> tuple[list[float | str | None], list[str]]:
     """Feeds of a straight job behind some lines, in both speeds of execution; codes."""
     lines = "".join(f"X{k}\n" for k in range(2, 8))
-    trace, findings = run(folder, f"{HEAD}S500 M3\nG1 X1 F100\n{before}\nG1 Y1 F100\n{lines}G0 Z1\nM5\n")
+    trace, findings = run_whole(folder, f"{HEAD}S500 M3\nG1 X1 F100\n{before}\nG1 Y1 F100\n{lines}G0 Z1\nM5\n")
     found = [row[4] for row in shown(trace) if row[0] == "feed"]
     assert [row[1] for row in shown(trace) if row[0] == "feed"] == [1, 1, 2, 3, 4, 5, 6, 7]
     return found, codes_of(findings)
@@ -41,14 +41,14 @@ def test_the_input_switched_off_again(tmp_path: Path) -> None:
 
 
 def test_speed_override(tmp_path: Path) -> None:
-    trace, findings = run(tmp_path, HEAD + "S500 M3\nM51 P120\nG95 G1 X5 F1\nM51 P-1\nG1 X6\nM5\n")
+    trace, findings = run_whole(tmp_path, HEAD + "S500 M3\nM51 P120\nG95 G1 X5 F1\nM51 P-1\nG1 X6\nM5\n")
     assert codes_of(findings) == ["GP270", "GP239"]
     assert [row[4] for row in shown(trace) if row[0] == "feed"] == [None, 500]
     assert ("spindle", None) in shown(trace)
 
 
 def test_rows_carry_the_override(tmp_path: Path) -> None:
-    trace, _ = run(tmp_path, HEAD + "G1 X1 F100\nM50 P80\nX2\nM30\n")
+    trace, _ = run_whole(tmp_path, HEAD + "G1 X1 F100\nM50 P80\nX2\nM30\n")
     rows = trace.sections[0].rows
     moved = [trace.states[k].feed_override for op, k in zip(rows["op"], rows["state"], strict=True) if op == Op.FEED]
     assert moved[0] == 1.0 and math.isnan(moved[1])
@@ -67,5 +67,5 @@ def test_rows_carry_the_override(tmp_path: Path) -> None:
     ],
 )
 def test_errors(tmp_path: Path, line: str, code: str) -> None:
-    _, findings = run(tmp_path, f"{HEAD}{line}\nM30\n")
+    _, findings = run_whole(tmp_path, f"{HEAD}{line}\nM30\n")
     assert codes_of(findings) == [code]

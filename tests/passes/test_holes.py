@@ -6,7 +6,7 @@ import dataclasses
 from pathlib import Path
 
 import pytest
-from passes.machining import HEAD, Row, codes_of, run, shown
+from passes.programs import HEAD, Row, codes_of, run_whole, shown
 
 from gproof.ir.machine import NO_MACHINE, Controller
 from gproof.ir.setup import NOTHING
@@ -16,7 +16,7 @@ AT = "G0 X1 Y2 Z3\n"
 
 
 def rows(folder: Path, text: str, after: int) -> list[Row]:
-    trace, findings = run(folder, text)
+    trace, findings = run_whole(folder, text)
     assert set(codes_of(findings)) <= {"GP265"}
     return shown(trace, after_line=after)
 
@@ -218,7 +218,7 @@ def test_feed_of_a_tap_is_per_revolution_in_every_mode(tmp_path: Path, mode: str
 def test_manual_retraction(tmp_path: Path) -> None:
     """G88: the section ends, and where the operator leaves Z is not known until a line names it."""
     text = HEAD + "S600 M3 F100\n" + AT + "G88 X4 Y5 Z1 R2 P0.5\nG80\nG0 Z10\nX0\nM5\n"
-    trace, findings = run(tmp_path, text)
+    trace, findings = run_whole(tmp_path, text)
     assert codes_of(findings) == []
     assert [[edge.wait for edge in section.edges] for section in trace.sections] == [[Wait.OPERATOR], [Wait.END]]
     before, after = trace.sections
@@ -235,7 +235,7 @@ def test_manual_retraction(tmp_path: Path) -> None:
 
 
 def test_a_second_hole_behind_a_manual_retraction_is_unknown(tmp_path: Path) -> None:
-    _, findings = run(tmp_path, HEAD + "S600 M3 F100\n" + AT + "G88 X4 Y5 Z1 R2 P0.5\nX14\nG80 M5\n")
+    _, findings = run_whole(tmp_path, HEAD + "S600 M3 F100\n" + AT + "G88 X4 Y5 Z1 R2 P0.5\nX14\nG80 M5\n")
     assert codes_of(findings) == ["GP304"]
 
 
@@ -247,7 +247,7 @@ MORE = {
 
 def mistake(folder: Path, name: str, line: str, before: str = "") -> list[str]:
     way = "M4" if name == "G74" else "M3"
-    _, findings = run(folder, f"{HEAD}S500 {way} F1\nG0 Z5\n{before}{line}\nG80 M5\n")
+    _, findings = run_whole(folder, f"{HEAD}S500 {way} F1\nG0 Z5\n{before}{line}\nG80 M5\n")
     return [code for code in codes_of(findings) if code != "GP265"]
 
 
@@ -290,24 +290,24 @@ def test_back_boring_with_diameters(tmp_path: Path, plane: str, axis: str) -> No
     other, top = ("Y", "J0 K-2") if plane == "G17" else ("Z", "J-2 K0")
     head = f"{HEAD}{plane} S600 M3 F100\nG0 X2 {other}2 {axis}3\n"
     line = f"G87 X8 {other}5 {axis}-4 R2"
-    _, findings = run(tmp_path, f"{head}{line} I1 {top}\nG80 M5\n", machine=DIAMETERS)
+    _, findings = run_whole(tmp_path, f"{head}{line} I1 {top}\nG80 M5\n", machine=DIAMETERS)
     assert "GP113" in codes_of(findings)
-    here, findings = run(tmp_path, f"{head}{line} I0 {top}\nG80 M5\n", machine=DIAMETERS)
+    here, findings = run_whole(tmp_path, f"{head}{line} I0 {top}\nG80 M5\n", machine=DIAMETERS)
     assert codes_of(findings) == ["GP265"]
     radii = line.replace("X8", "X4")
-    there, _ = run(tmp_path, f"{head.replace('X2', 'X1')}{radii} I0 {top}\nG80 M5\n")
+    there, _ = run_whole(tmp_path, f"{head.replace('X2', 'X1')}{radii} I0 {top}\nG80 M5\n")
     assert shown(here, after_line=3) == shown(there, after_line=3)
 
 
 def test_back_boring_on_the_hole_s_axis_under_a_rotation(tmp_path: Path) -> None:
     turned = f"{HEAD}S600 M3 F100\nG68 R90 X0 Y0\n{AT}G87 X4 Y5 Z-4 R2 I0 J0 K-2\nG80 M5\n"
-    trace, findings = run(tmp_path, turned)
+    trace, findings = run_whole(tmp_path, turned)
     assert codes_of(findings) == ["GP265"]
     assert [row for row in shown(trace, after_line=4) if row[0] == "feed"] == [
         ("feed", -5, 4, -2, 100),
         ("feed", -5, 4, -4, 100),
     ]
-    _, findings = run(tmp_path, turned.replace("I0", "I1"))
+    _, findings = run_whole(tmp_path, turned.replace("I0", "I1"))
     assert codes_of(findings) == ["GP276"]
 
 
@@ -315,7 +315,7 @@ def test_back_boring_on_the_hole_s_axis_under_a_rotation(tmp_path: Path) -> None
 def test_the_spindle_must_turn(tmp_path: Path, name: str) -> None:
     line = f"{name} X1 Y1 Z-2 R2 {MORE.get(name, '')}"
     assert mistake(tmp_path, name, line, before="M5\n") == ["GP244"]
-    _, findings = run(tmp_path, f"{HEAD}S500 F1\nG0 Z5\n{line}\nG80\n", setup=NOTHING)
+    _, findings = run_whole(tmp_path, f"{HEAD}S500 F1\nG0 Z5\n{line}\nG80\n", setup=NOTHING)
     assert codes_of(findings) == ["GP266"]
 
 
@@ -327,10 +327,10 @@ def test_a_tap_against_its_hand(tmp_path: Path) -> None:
 def test_a_tap_that_the_axis_can_not_follow(tmp_path: Path) -> None:
     axes = tuple(dataclasses.replace(axis, max_velocity=10.0) for axis in NO_MACHINE.axes)
     text = HEAD + "S601 M3\nG0 Z5\nG84 X1 Y1 Z-2 R2 F1\nG80 M5\n"
-    _, findings = run(tmp_path, text, machine=dataclasses.replace(NO_MACHINE, axes=axes))
+    _, findings = run_whole(tmp_path, text, machine=dataclasses.replace(NO_MACHINE, axes=axes))
     assert codes_of(findings) == ["GP510"]
 
 
 def test_taps_without_a_feed(tmp_path: Path) -> None:
-    _, findings = run(tmp_path, HEAD + "S500 M3\nG0 Z5\nG84 X1 Y1 Z-2 R2\nG80 M5\n")
+    _, findings = run_whole(tmp_path, HEAD + "S500 M3\nG0 Z5\nG84 X1 Y1 Z-2 R2\nG80 M5\n")
     assert codes_of(findings) == ["GP204"]

@@ -6,7 +6,7 @@ import dataclasses
 from pathlib import Path
 
 import pytest
-from passes.machining import HEAD, run
+from passes.programs import HEAD, run_whole
 
 from gproof.frontend.machine_file import load_machine
 from gproof.ir.finding import Findings
@@ -29,7 +29,7 @@ def bench_mill() -> Machine:
 def lowered(folder: Path, text: str) -> list[str]:
     """Codes of the way to a stream; [] when there is one."""
     machine = bench_mill()
-    trace, told = run(folder, text, machine=machine)
+    trace, told = run_whole(folder, text, machine=machine)
     assert [f.code.label for f in told.kept if f.code.severity.name in ("ERROR", "UNKNOWN")] == []
     findings = Findings()
     planned = plan(trace, machine, findings)
@@ -62,7 +62,7 @@ def test_the_others_are_not(tmp_path: Path, line: str) -> None:
 
 def test_a_feed_that_is_not_known_is_planned_by_nobody(tmp_path: Path) -> None:
     machine = bench_mill()
-    trace, _ = run(tmp_path, f"{HEAD}S300 M3\nM50 P80\nG1 X5 F100\nM30\n", machine=machine)
+    trace, _ = run_whole(tmp_path, f"{HEAD}S300 M3\nM50 P80\nG1 X5 F100\nM30\n", machine=machine)
     findings = Findings()
     assert plan(trace, machine, findings) is None
     assert [f.code.label for f in findings.kept] == ["GP503"]

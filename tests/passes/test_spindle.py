@@ -7,7 +7,7 @@ import math
 from pathlib import Path
 
 import pytest
-from passes.machining import HEAD, LATHE, Row, codes_of, run, shown
+from passes.programs import HEAD, LATHE, Row, codes_of, run_whole, shown
 
 from gproof.ir.machine import NO_MACHINE, Controller, Machine, Spindle
 from gproof.ir.setup import NOTHING
@@ -16,7 +16,7 @@ from gproof.passes.plan import plan
 
 
 def rows(folder: Path, text: str) -> list[Row]:
-    trace, findings = run(folder, text)
+    trace, findings = run_whole(folder, text)
     assert codes_of(findings) == []
     return shown(trace, after_line=1)
 
@@ -63,16 +63,16 @@ def test_outputs_are_what_m3_to_m5_do(tmp_path: Path, codes: str, expected: list
 
 
 def test_which_way_is_unknown_before_anything_said_so(tmp_path: Path) -> None:
-    _, findings = run(tmp_path, HEAD + "S500\nM86\nG4 P1\n", setup=NOTHING)
+    _, findings = run_whole(tmp_path, HEAD + "S500\nM86\nG4 P1\n", setup=NOTHING)
     assert codes_of(findings) == ["GP113"]
-    trace, findings = run(tmp_path, HEAD + "S500\nM84\nM86\nM5\n", setup=NOTHING)
+    trace, findings = run_whole(tmp_path, HEAD + "S500\nM84\nM86\nM5\n", setup=NOTHING)
     assert codes_of(findings) == []
     assert ("spindle", 500) in shown(trace)
 
 
 def test_negative_speed(tmp_path: Path) -> None:
     for line in ("S-1", "G96 S-1 D100", "G97 S-1"):
-        _, findings = run(tmp_path, f"{HEAD}{line}\nM30\n")
+        _, findings = run_whole(tmp_path, f"{HEAD}{line}\nM30\n")
         assert codes_of(findings) == ["GP213"]
 
 
@@ -80,7 +80,7 @@ def test_negative_speed(tmp_path: Path) -> None:
 
 
 def test_constant_surface_speed_leaves_the_revolutions_open(tmp_path: Path) -> None:
-    trace, findings = run(tmp_path, LATHE + "G96 S150 D1000 M3\nG0 X100\nG1 X50 F200\nG97 S400\nG1 X40\nM5\n")
+    trace, findings = run_whole(tmp_path, LATHE + "G96 S150 D1000 M3\nG0 X100\nG1 X50 F200\nG97 S400\nG1 X40\nM5\n")
     assert codes_of(findings) == []
     assert shown(trace, after_line=1) == [
         ("spindle", None), ("go", 100, 0, 0), ("feed", 50, 0, 0, 200), ("spindle", 400), ("feed", 40, 0, 0, 200),
@@ -93,18 +93,18 @@ def test_constant_surface_speed_leaves_the_revolutions_open(tmp_path: Path) -> N
 
 
 def test_feet_a_minute_in_inch_mode(tmp_path: Path) -> None:
-    trace, _ = run(tmp_path, LATHE + "G20\nG96 S500 D1000 M3\nG0 X1\nS100\nG0 X2\nM5\n")
+    trace, _ = run_whole(tmp_path, LATHE + "G20\nG96 S500 D1000 M3\nG0 X1\nS100\nG0 X2\nM5\n")
     assert [state.surface_speed for state in states(trace)] == [152.4, 30.48]
 
 
 def test_feed_per_revolution_under_g96_is_not_known(tmp_path: Path) -> None:
-    trace, findings = run(tmp_path, LATHE + "G96 S150 D1000 M3\nG95\nG1 X50 F0.2\nM5\n")
+    trace, findings = run_whole(tmp_path, LATHE + "G96 S150 D1000 M3\nG95\nG1 X50 F0.2\nM5\n")
     assert ("feed", 50, 0, 0, None) in shown(trace)
     assert codes_of(findings) == ["GP239"]
 
 
 def test_a_synchronised_move_under_g96_is_not_known(tmp_path: Path) -> None:
-    trace, findings = run(tmp_path, LATHE + "G96 S150 D1000 M3\nG33 Z-10 K1\nM5\n")
+    trace, findings = run_whole(tmp_path, LATHE + "G96 S150 D1000 M3\nG33 Z-10 K1\nM5\n")
     assert ("sync", 0, 0, -10, None) in shown(trace)
     assert codes_of(findings) == ["GP239"]
 
@@ -121,12 +121,12 @@ def test_a_synchronised_move_under_g96_is_not_known(tmp_path: Path) -> None:
     ],
 )
 def test_words_of_g96(tmp_path: Path, line: str, code: str) -> None:
-    _, findings = run(tmp_path, f"{LATHE}{line}\nM30\n")
+    _, findings = run_whole(tmp_path, f"{LATHE}{line}\nM30\n")
     assert codes_of(findings) == [code]
 
 
 def test_g97_without_s_leaves_the_speed_open(tmp_path: Path) -> None:
-    trace, findings = run(tmp_path, LATHE + "G96 S150 D1000 M3\nG97\nG95 G1 X5 F1\nM5\n")
+    trace, findings = run_whole(tmp_path, LATHE + "G96 S150 D1000 M3\nG97\nG95 G1 X5 F1\nM5\n")
     assert ("feed", 5, 0, 0, None) in shown(trace)
     assert codes_of(findings) == ["GP239"]
     assert rows(tmp_path, LATHE + "G97\nS200 M3\nG97\nM5\n")[-2:] == [("spindle", 200), ("spindle", 0)]
@@ -140,14 +140,14 @@ RANGE = dataclasses.replace(NO_MACHINE, spindles=(Spindle(number=0, min_rpm=1000
 
 @pytest.mark.parametrize(("speed", "code"), [(999, ["GP271"]), (1000, []), (24000, []), (24001, ["GP271"]), (0, [])])
 def test_speeds_that_the_spindle_can_not_do(tmp_path: Path, speed: int, code: list[str]) -> None:
-    _, findings = run(tmp_path, f"{HEAD}S{speed} M3\nM5\n", machine=RANGE)
+    _, findings = run_whole(tmp_path, f"{HEAD}S{speed} M3\nM5\n", machine=RANGE)
     assert codes_of(findings) == code
 
 
 def test_a_feed_that_follows_such_a_speed_is_not_known(tmp_path: Path) -> None:
     for line in ("G95 G1 X5 F1", "G33 X5 K1"):
         machine: Machine = RANGE
-        trace, findings = run(tmp_path, f"{HEAD}S500 M3\n{line}\nM5\n", machine=machine)
+        trace, findings = run_whole(tmp_path, f"{HEAD}S500 M3\n{line}\nM5\n", machine=machine)
         assert [row[4] for row in shown(trace) if row[0] in ("feed", "sync")] == [None]
         assert codes_of(findings) == ["GP271", "GP239"]
 
@@ -183,19 +183,19 @@ RAMPS = dataclasses.replace(
 )  # fmt: skip
 def test_the_wait_for_the_spindle(tmp_path: Path, text: str, expected: list[Row]) -> None:
     """2.1.11: the software waits between switching on the spindle and going on; the wait of each head is its own."""
-    trace, findings = run(tmp_path, HEAD + text, machine=RAMPS)
+    trace, findings = run_whole(tmp_path, HEAD + text, machine=RAMPS)
     assert codes_of(findings) == []
     found = [row if row[0] != "head" else ("HEAD",) for row in shown(trace, after_line=1)]
     assert found == expected
     # without times of their own the heads wait as the machine does
     plain = dataclasses.replace(RAMPS, spindles=())
-    dwells = [row for row in shown(run(tmp_path, HEAD + text, machine=plain)[0]) if row[0] == "dwell"]
+    dwells = [row for row in shown(run_whole(tmp_path, HEAD + text, machine=plain)[0]) if row[0] == "dwell"]
     assert dwells == ([("dwell", 1)] if text.startswith("S0") else [])
 
 
 @pytest.mark.parametrize(("text", "seconds"), [("S500 M3\n", 1.5), ("M91\nS500 M3\n", 4), ("S0 M3\nS500\nM5\n", 2.5)])
 def test_the_plan_waits_as_long(tmp_path: Path, text: str, seconds: float) -> None:
-    trace, findings = run(tmp_path, HEAD + text + "M2\n", machine=RAMPS)
+    trace, findings = run_whole(tmp_path, HEAD + text + "M2\n", machine=RAMPS)
     made = plan(trace, RAMPS, findings)
     assert made is not None
     assert sum(section.rows["duration"].sum() for section in made.sections) == pytest.approx(seconds)
