@@ -263,7 +263,8 @@ class _Walk:
         sections = list(self.job.stream.sections)
         sections[section.number] = section
         stream = replace(self.job.stream, sections=sections)
-        report = validate(stream, self.job.trace, self.job.machine, self.job.setup, sections=(section.number,))
+        job = self.job
+        report = validate(stream, job.trace, job.machine, job.setup, stretched=True, sections=(section.number,))
         return report.verdict is Verdict.SAFE
 
     def _pace(self, is_: Capabilities, section: StreamSection) -> Pace:

@@ -22,6 +22,7 @@ from gproof.ir.machine import AXES, AXIS_NAMES, Axis, Machine
 from gproof.ir.plan import PLAN_ROW, Plan, PlanSection
 from gproof.ir.trace import Chunk, Frame, Op, PathMode, State, Trace, TraceSection, Wait
 from gproof.passes import plan_kernels as k
+from gproof.passes.backlash import left_for_axis
 from gproof.passes.check import row_span
 from gproof.passes.pitch import steepest
 from gproof.passes.values import describe
@@ -59,37 +60,44 @@ def step_rate(machine: Machine) -> float:
     return board.tick_frequency / max(shortest_interval(machine), seconds * board.tick_frequency / STEP_RATE_SHARE)
 
 
-def allowed_velocity(axis: Axis, machine: Machine) -> float | None:
+def allowed_velocity(axis: Axis, machine: Machine, *, stepped: bool = False) -> float | None:
     """unit/s: as fast as all motors of the axis may go, or less where one could not be stepped that fast.
 
-    Where a pitch table is steeper than 1, a motor goes faster than its axis.
+    Where a pitch table is steeper than 1, a motor goes faster than its axis; stepped: leave what backlash needs.
     """
     if axis.max_velocity is None:
         return None
     allowed = [axis.max_velocity]
     for drive in axis.drives():
-        steep = 1.0 if drive.pitch is None else steepest(drive.pitch)
+        share = left_for_axis(drive, _interpolation_time(machine))[0] if stepped else 1.0
+        share /= 1.0 if drive.pitch is None else steepest(drive.pitch)
         if drive.max_velocity is not None:
-            allowed.append(drive.max_velocity / steep)
+            allowed.append(drive.max_velocity * share)
         if drive.steps_per_unit is not None:
-            allowed.append(step_rate(machine) / abs(float(drive.steps_per_unit)) / steep)
+            allowed.append(step_rate(machine) / abs(float(drive.steps_per_unit)) * share)
     return min(allowed)
 
 
-def allowed_acceleration(axis: Axis) -> float | None:
-    """unit/s2: what all motors of the axis can give it."""
+def allowed_acceleration(axis: Axis, machine: Machine, *, stepped: bool = False) -> float | None:
+    """unit/s2: what all motors of the axis can give it; stepped: without what backlash needs."""
     if axis.max_acceleration is None:
         return None
-    steep = {d.name: 1.0 if d.pitch is None else steepest(d.pitch) for d in axis.drives()}
-    return min(d.max_acceleration / steep[d.name] for d in axis.drives() if d.max_acceleration is not None)
+    allowed: list[float] = []
+    for drive in axis.drives():
+        share = left_for_axis(drive, _interpolation_time(machine))[1] if stepped else 1.0
+        share /= 1.0 if drive.pitch is None else steepest(drive.pitch)
+        if drive.max_acceleration is not None:
+            allowed.append(drive.max_acceleration * share)
+    return min(allowed)
 
 
-def _limits(machine: Machine) -> tuple[npt.NDArray[np.float64], list[str]]:
+def _limits(machine: Machine, *, stepped: bool) -> tuple[npt.NDArray[np.float64], list[str]]:
     """(2, 6) 1 / velocity and 1 / acceleration, and for each axis what the machine file does not say."""
     limits = np.full((2, AXES), _NOT_LIMITED)
     missing = ["axis"] * AXES
     for axis in machine.axes:
-        velocity, acceleration = allowed_velocity(axis, machine), allowed_acceleration(axis)
+        velocity = allowed_velocity(axis, machine, stepped=stepped)
+        acceleration = allowed_acceleration(axis, machine, stepped=stepped)
         if velocity is not None:
             limits[0, axis.index] = 1.0 / velocity
         if acceleration is not None:
@@ -139,11 +147,14 @@ class _Tables:
 
 
 class _Measure:
-    """``measure`` with what it keeps from call to call. ``queue[:used]`` waits for ``settle``."""
+    """``measure`` with what it keeps from call to call. ``queue[:used]`` waits for ``settle``.
 
-    def __init__(self, machine: Machine) -> None:
+    stepped: for a stream, whose motors take up their backlash.
+    """
+
+    def __init__(self, machine: Machine, *, stepped: bool) -> None:
         self.machine = machine
-        self.limits, self.missing = _limits(machine)
+        self.limits, self.missing = _limits(machine, stepped=stepped)
         self.tables = _Tables(machine)
         self.place = np.zeros((3, AXES))
         self.carry = np.zeros(k.CARRY_WIDTH)
@@ -208,7 +219,7 @@ class MotionEstimate:
     """
 
     def __init__(self, machine: Machine, findings: Findings | None = None) -> None:
-        self._measure = _Measure(machine)
+        self._measure = _Measure(machine, stepped=False)
         self._findings = findings
         self._totals = np.zeros(k.TOTALS_WIDTH)
         self._nothing = np.empty((0, k.OUT_WIDTH))
@@ -273,7 +284,7 @@ def plan(
 
     joined: by section, 1 for rows that are one move with the row before them (``lift.Followed``): no stop between.
     """
-    measure = _Measure(machine)
+    measure = _Measure(machine, stepped=True)
     expected = sum(len(section.rows) for section in trace.sections)
     sections = []
     sound = True

@@ -3,33 +3,34 @@
 A motor's count is its position times steps per unit, rounded to the nearest whole number (a half to the even
 one); its position is its axis's, through its pitch table where it has one. It steps from n to n + 1 when it passes
 (n + 1/2) / steps per unit, and ``step_kernels`` finds those times exactly. Sections, and in them the stretches
-between events, are walked one after the other; steps wait in a buffer of bounded size until they are runs. Backlash
-is not made good; the stream validator names it as an assumption. docs/stream.md states the rules that the stream keeps.
+between events, are walked one after the other; steps wait in a buffer of bounded size until they are runs, and
+backlash is taken up there (``run_encoder``). docs/stream.md states the rules that the stream keeps.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from fractions import Fraction
-from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
 from gproof.ir import codes
-from gproof.ir.columns import Columns, concatenate
+from gproof.ir.columns import Columns
 from gproof.ir.finding import Findings, Refusal, Span
 from gproof.ir.machine import AXIS_NAMES, Axis, Drive, Machine, PitchTable
 from gproof.ir.plan import Plan, PlanSection
 from gproof.ir.setup import Setup
-from gproof.ir.stream import EVENT, RUN, Motor, StepStream, StreamSection
+from gproof.ir.stream import EVENT, Motor, StepStream, StreamSection
 from gproof.ir.trace import HEIGHT_MAP, Op, Plane, Trace, TraceSection
 from gproof.passes import step_kernels as k
+from gproof.passes.backlash import backlash_steps
 from gproof.passes.check import row_span
 from gproof.passes.pitch import exact_motor_position, motor_positions
 from gproof.passes.plan import shortest_interval
 from gproof.passes.plan_kernels import SPINDLE_UNSEEN, arc_shapes
+from gproof.passes.run_encoder import ANY, BUFFER, PLAIN, BacklashEncoder, Encoder, Loops, Spacing
 from gproof.passes.values import describe
 
 Floats = npt.NDArray[np.float64]
@@ -38,13 +39,8 @@ Ints = npt.NDArray[np.int64]
 TOLERANCE = 25e-6
 """Seconds that compression may move a step, at most; also at most 9/20 of the intervals beside it."""
 
-BUFFER = 1 << 19
-"""Steps of a motor that wait to become runs."""
-
 _FARTHEST = 1e15
 """Steps or ticks: beyond this a float64 does not tell halves apart."""
-
-_ANY = 1 << 62
 
 
 def step(
@@ -114,9 +110,9 @@ class _Stepper:
         self.machine = machine
         board = machine.board
         self.frequency = board.tick_frequency
-        self.near = shortest_interval(machine)
-        self.turn = max(self.near, math.ceil(Fraction(board.direction_setup) * board.tick_frequency))
-        self.tolerance = int(TOLERANCE * board.tick_frequency)
+        near = shortest_interval(machine)
+        turn = max(near, math.ceil(Fraction(board.direction_setup) * board.tick_frequency))
+        self.spacing = Spacing(near, turn, int(TOLERANCE * board.tick_frequency))
         self.axes = self._axes()
 
     def _axes(self) -> list[Axis]:
@@ -155,6 +151,11 @@ def _in_plane(rows: Columns, at: Ints, axis: int) -> npt.NDArray[np.bool_]:
     plane = rows["plane"][at]
     normal = {0: Plane.YZ, 1: Plane.XZ, 2: Plane.XY}.get(axis, Plane.NONE)
     return np.asarray((plane != 0) & (plane != normal) & (axis < 3))
+
+
+def _as_stepped(drive: Drive) -> Drive:
+    """The drive without what does not matter to when it steps."""
+    return drive._replace(name="", lower=None, upper=None, travel_lower=None, travel_upper=None)
 
 
 class _Section:
@@ -223,16 +224,16 @@ class _Section:
         places: list[int] = []
         motors: list[_Steps] = []
         for axis in stepper.axes:
-            alike: dict[tuple[Fraction | None, PitchTable | None], int] = {}
+            alike: dict[Drive, int] = {}
             for drive in axis.drives():
                 # Motors of one axis that step alike are worked out once.
-                place = alike.setdefault((drive.steps_per_unit, drive.pitch), len(motors))
+                place = alike.setdefault(_as_stepped(drive), len(motors))
                 if place == len(motors):
                     motors.append(_Steps(self, axis, drive))
                 places.append(place)
-        loops = _Loops.pick(sum(motor.expected for motor in motors))
+        loops = Loops.pick(sum(motor.expected for motor in motors))
         for motor in motors:
-            motor.loops = loops
+            motor.loops = motor.encoder.loops = loops
         pieces = [*np.searchsorted(self.moving, self.events).tolist(), len(self.moving)]
         ticks = np.zeros(len(self.events), dtype=np.int64)
         now = first = 0
@@ -243,7 +244,7 @@ class _Section:
                 close = self.profile[last - 1, k.R_BEGIN] + self.profile[last - 1, k.R_DURATION] - base
                 self.profile[first:last, k.R_BEGIN] -= base
                 end = now + math.ceil(close * f)
-                floor = now + 1 if number else stepper.turn
+                floor = now + 1 if number else stepper.spacing.turn
                 # An event follows the last step, never at the same tick.
                 end = max([end, *(motor.run(first, last, now, floor, end) + 1 for motor in motors)])
             if number < len(self.events):
@@ -287,18 +288,6 @@ class _Section:
         return Columns(EVENT, arrays)
 
 
-class _Loops(NamedTuple):
-    """The kernels of one section, at the speed that suits its number of steps."""
-
-    step_times: Callable[..., tuple[int, int]]
-    bounds: Callable[..., None]
-    compress: Callable[..., tuple[int, int]]
-
-    @classmethod
-    def pick(cls, steps: float) -> _Loops:
-        return cls(k.step_times.pick(steps), k.bounds.pick(steps), k.compress.pick(steps))
-
-
 class _Steps:
     """One motor in one section: its steps, then its runs."""
 
@@ -329,15 +318,13 @@ class _Steps:
         self.target = nearest_counts(section.ends[:, index], exact, drive.pitch)
         self.target[-1:] = self.end  # with moves behind it that are too short to be planned
         self.expected = self._expected()
-        self.state = np.zeros(k.STATE_WIDTH, dtype=np.int64)
-        self.state[k.S_COUNT] = self.start
-        self.encoder = np.zeros(k.ENCODER_WIDTH, dtype=np.int64)
-        self.count = 0
-        self.tables: list[Columns] = []
-        self.ticks: Ints = np.empty(0, dtype=np.int64)
-        self.signs: npt.NDArray[np.int8] = np.empty(0, dtype=np.int8)
-        self.loops = _Loops(k.step_times, k.bounds, k.compress)
-        self._allocate(min(BUFFER, int(self.expected) + 64))
+        self.loops = PLAIN
+        size = min(BUFFER, int(self.expected) + 64)
+        spacing = self.stepper.spacing
+        self.encoder = Encoder(spacing, size)
+        if backlash_steps(drive):
+            self.encoder = BacklashEncoder(spacing, size, drive, self.start, self.stepper.frequency)
+        self.encoder.steps.state[k.S_COUNT] = self.start
 
     def _fill_arcs(self) -> None:
         section, index = self.section, self.axis.index
@@ -362,83 +349,38 @@ class _Steps:
         turns = np.abs(self.motor[:, k.M_SWEEP]) / math.pi + 1.0
         return float(lines + (2.0 * turns * self.motor[:, k.M_RADIUS] * abs(self.rate)).sum())
 
-    def _allocate(self, size: int) -> None:
-        ticks, signs = np.empty(size, dtype=np.int64), np.empty(size, dtype=np.int8)
-        ticks[: self.count] = self.ticks[: self.count]
-        signs[: self.count] = self.signs[: self.count]
-        self.ticks, self.signs = ticks, signs
-        self.low, self.high = np.empty(size, dtype=np.int64), np.empty(size, dtype=np.int64)
-        self.runs = np.empty((min(size, 1 << 16), 4), dtype=np.int64)
-
     def run(self, first: int, last: int, origin: int, floor: int, end: int) -> int:
         """Motion rows first..last-1, which begin at tick ``origin`` at rest; returns the tick of the last step."""
-        s = self.stepper
-        self.state[k.S_FLOOR] = floor
+        near, turn, _ = self.stepper.spacing
+        self.encoder.begin(floor)
         while True:
-            first, self.count = self.loops.step_times(
-                first, last, self.section.profile, self.motor, self.target, self.rate, float(s.frequency), origin,
-                s.near, s.turn, self.state, self.ticks, self.signs, self.count, self.knots,
+            steps = self.encoder.steps
+            first, steps.count = self.loops.step_times(
+                first, last, self.section.profile, self.motor, self.target, self.rate, float(self.stepper.frequency),
+                origin, near, turn, steps.state, steps.ticks, steps.signs, steps.count, self.knots,
             )  # fmt: skip
             if first == last:
                 break
-            waiting = self.count
-            self._encode(floor, _ANY, final=False)
-            if self.count == waiting:
-                self._allocate(2 * len(self.ticks))
+            self.encoder.make_room(floor)
+        self.encoder.flush(floor, end)
         self._refuse_if_late(first - 1)
-        self._encode(floor, end, final=True)
-        return int(self.state[k.S_TICK])
-
-    def _encode(self, floor: int, ceiling: int, *, final: bool) -> None:
-        """Steps of the buffer into runs: all of them, or those that no further step can matter to."""
-        s, done, filled = self.stepper, 0, 0
-        if not self.count:
-            return
-        self.loops.bounds(
-            self.ticks, self.signs, self.count, int(self.state[k.S_OLD_TICK]), s.tolerance, s.near, s.turn, floor,
-            ceiling, self.low, self.high,
-        )  # fmt: skip
-        while done < self.count:
-            covered, filled = self.loops.compress(
-                self.ticks[done:], self.signs[done:], self.low[done:], self.high[done:], self.count - done, final,
-                s.near, s.turn, self.encoder, self.runs, 0,
-            )  # fmt: skip
-            self._keep(filled)
-            done += covered
-            if filled < len(self.runs):
-                break
-        if done:
-            self.state[k.S_OLD_TICK] = self.ticks[done - 1]
-            self.state[k.S_OLD_SIGN] = self.signs[done - 1]
-        rest = self.count - done
-        self.ticks[:rest] = self.ticks[done : self.count].copy()
-        self.signs[:rest] = self.signs[done : self.count].copy()
-        self.count = rest
-        if final:
-            # What comes next keeps its distance from the last step as it was encoded.
-            self.state[k.S_TICK] = self.state[k.S_OLD_TICK] = self.encoder[k.E_TICK]
-
-    def _keep(self, filled: int) -> None:
-        if filled:
-            part = self.runs[:filled]
-            arrays = {c.name: part[:, at].astype(c.dtype) for at, c in enumerate(RUN.columns)}
-            self.tables.append(Columns(RUN, arrays))
+        return self.encoder.last
 
     def settle(self, now: int) -> int:
         """At the section's end: a last step where moves too short to be planned ended past a half step."""
-        while int(self.state[k.S_COUNT]) != self.end:
-            sign = 1 if self.end > self.state[k.S_COUNT] else -1
-            self.count = k.put_step(
-                now, sign, self.stepper.near, self.stepper.turn, self.state, self.ticks, self.signs, self.count
-            )
-            self.state[k.S_COUNT] += sign
-            self._encode(0, _ANY, final=True)
-        return int(self.state[k.S_TICK])
+        near, turn, _ = self.stepper.spacing
+        while (at := int(self.encoder.steps.state[k.S_COUNT])) != self.end:
+            sign, steps = (1 if self.end > at else -1), self.encoder.steps
+            steps.count = k.put_step(now, sign, near, turn, steps.state, steps.ticks, steps.signs, steps.count)
+            steps.state[k.S_COUNT] += sign
+            self.encoder.flush(0, ANY)
+        self.encoder.rest(now)
+        return self.encoder.last
 
     def _refuse_if_late(self, row: int) -> None:
         """GP502 when steps had to give way by more than what rounding and starts from rest explain."""
         s = self.stepper
-        if not self.state[k.S_NESTED] and self.state[k.S_LATE] <= 4 * s.turn + s.tolerance:
+        if not self.encoder.late:
             return
         profile = self.section.profile
         distance = np.abs(self.motor[:, k.M_TO] - self.motor[:, k.M_FROM]) + np.abs(
@@ -451,10 +393,10 @@ class _Steps:
         raise Refusal(
             codes.STEP_FREQUENCY.at(
                 where, axis=self.drive.name, velocity=needed / abs(self.rate), unit=self.axis.unit,
-                needed=needed, allowed=s.frequency / s.near,
+                needed=needed, allowed=s.frequency / s.spacing.near,
             )
         )  # fmt: skip
 
     def columns(self) -> Columns:
         """The motor's runs."""
-        return concatenate(RUN, self.tables)
+        return self.encoder.columns()

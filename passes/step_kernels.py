@@ -1,8 +1,9 @@
 """Step times of one motor from its planned rows, and their compression into runs. Used by ``step``.
 
 ``step_times`` inverts position over time exactly: on lines in closed form, on arcs by monotone pieces between the
-extremes of the axis. ``bounds`` says how far each step may move, ``compress`` covers the steps with runs
-(interval, count, add). docs/stream.md states the rules that are kept here.
+extremes of the axis. ``take_up`` adds the steps that a motor makes to take up its backlash. ``bounds`` says how far
+each step may move, ``compress`` covers the steps with runs (interval, count, add). docs/stream.md states the rules
+that are kept here.
 
 All loops work on one motor; times are ticks (int64) of one section.
 """
@@ -37,6 +38,14 @@ MOTOR_WIDTH = 7
 # that were left out inside others; pieces that are done of an arc that did not fit into the buffer.
 S_COUNT, S_TICK, S_SIGN, S_OLD_TICK, S_OLD_SIGN, S_FLOOR, S_OMITTED, S_LATE, S_NESTED, S_PIECES = range(10)
 STATE_WIDTH = 10
+
+# Backlash on its way: what is added to the motor's position, in steps, its velocity (steps a tick), where it goes;
+# up to which tick that is worked out, and where the axis was then; counts of axis and motor; the axis's last step.
+B_ADDED, B_VELOCITY, B_GOAL, B_TICK, B_AXIS, B_COUNT, B_MOTOR, B_LAST = range(8)
+BACKLASH_WIDTH = 8
+
+REACHED = 1e-6
+"""Steps: backlash is taken up when no more than this is left."""
 
 # The encoder while the section is walked: last step as encoded, its direction.
 E_TICK, E_SIGN = 0, 1
@@ -307,6 +316,169 @@ def step_times(
             state[S_COUNT] = end
             state[S_PIECES] = 0
     return last, count
+
+
+@kernel(seconds_per_unit=1e-6)
+def take_up_phase(left: float, velocity: float, fastest: float, a: float) -> tuple[float, float]:
+    """Acceleration and its time on the quickest way to rest ``left`` steps ahead: steps a tick squared, ticks."""
+    ahead = 1.0 if left > 0.0 or (left == 0.0 and velocity < 0.0) else -1.0
+    speed = velocity * ahead
+    distance = abs(left)
+    braking = speed * speed / (2.0 * a)
+    if speed < 0.0:
+        return ahead * a, -speed / a
+    if braking >= distance * (1.0 - 1e-9):
+        return -ahead * a, speed / a
+    if speed < fastest * (1.0 - 1e-12):
+        peak = min(fastest, math.sqrt(0.5 * speed * speed + a * distance))
+        return ahead * a, (peak - speed) / a
+    return 0.0, (distance - braking) / speed
+
+
+@kernel(seconds_per_unit=3e-6)
+def add_steps(begin: float, from_: float, velocity: float, a: float, duration: float, backlash: Floats, near: int,
+              turn: int, state: Ints, ticks: Ints, signs: Signs, count: int) -> int:  # fmt: skip
+    """Steps of a motor that moves from ``from_`` with a velocity and an acceleration; the new number of steps.
+
+    A step comes when the position passes a half: in each of the two parts in which it goes one way.
+    """
+    middle = duration
+    if a != 0.0 and 0.0 < -velocity / a < duration:
+        middle = -velocity / a
+    done = 0.0
+    for part in range(2):
+        until = middle if part == 0 else duration
+        if until <= done:
+            break
+        here = from_ + done * (velocity + 0.5 * a * done)
+        there = from_ + until * (velocity + 0.5 * a * until)
+        speed = velocity + a * done
+        sign = 1 if there > here else -1
+        while True:
+            level = backlash[B_MOTOR] + 0.5 * sign
+            if (there - level) * sign <= 0.0:
+                break
+            root = sign * math.sqrt(max(0.0, speed * speed + 2.0 * a * (level - here)))
+            at = done
+            if (level - here) * sign > 0.0 and speed + root != 0.0:
+                at = min(until, done + 2.0 * (level - here) / (speed + root))
+            count = put_step(int(begin + at + 0.5), sign, near, turn, state, ticks, signs, count)
+            backlash[B_MOTOR] += sign
+        done = until
+    return count
+
+
+@kernel(seconds_per_unit=5e-6)
+def move_on(
+    until: float, axis: float, fastest: float, a: float, backlash: Floats, near: int, turn: int, state: Ints,
+    ticks: Ints, signs: Signs, count: int,
+) -> int:  # fmt: skip
+    """Carry the motor to tick ``until``, its axis evenly to ``axis``, while backlash is taken up."""
+    while backlash[B_TICK] < until:
+        left = backlash[B_GOAL] - backlash[B_ADDED]
+        speed = backlash[B_VELOCITY]
+        if abs(left) <= REACHED and speed * speed <= 8.0 * a * REACHED:
+            backlash[B_ADDED] = backlash[B_GOAL]
+            backlash[B_VELOCITY] = 0.0
+            # Rounding may have left the motor's last step out.
+            while abs(axis + backlash[B_GOAL] - backlash[B_MOTOR]) > 0.5 + REACHED:
+                sign = 1 if axis + backlash[B_GOAL] > backlash[B_MOTOR] else -1
+                count = put_step(int(backlash[B_TICK] + 0.5), sign, near, turn, state, ticks, signs, count)
+                backlash[B_MOTOR] += sign
+            backlash[B_TICK] = until
+            backlash[B_AXIS] = axis
+            break
+        force, time = take_up_phase(left, speed, fastest, a)
+        begin = float(backlash[B_TICK])
+        rate = (axis - backlash[B_AXIS]) / (until - begin)
+        cut = time >= until - begin
+        if cut:
+            time = until - begin
+        count = add_steps(
+            begin, backlash[B_AXIS] + backlash[B_ADDED], rate + speed, force, time, backlash, near, turn, state, ticks,
+            signs, count,
+        )  # fmt: skip
+        backlash[B_ADDED] += time * (speed + 0.5 * force * time)
+        backlash[B_VELOCITY] = speed + force * time
+        backlash[B_AXIS] = axis if cut else backlash[B_AXIS] + rate * time
+        backlash[B_TICK] = until if cut else begin + time
+    return count
+
+
+@kernel(seconds_per_unit=2e-6, compile_seconds=0.8)
+def take_up(
+    ticks_in: Ints, signs_in: Signs, first: int, last: int, amount: int, up: int, fastest: float, a: float,
+    near: int, turn: int, backlash: Floats, state: Ints, ticks: Ints, signs: Signs, count: int,
+) -> tuple[int, int]:  # fmt: skip
+    """Steps of a motor with backlash from those of its axis; returns (axis steps done, the number of steps now).
+
+    ticks_in, signs_in: the axis's, of which first..last-1 are taken as far as there is room; amount: steps of
+    backlash; up: the direction in which none is to be taken up; fastest, a: how that is done, in steps a tick and a
+    tick squared; backlash: B_*, state: S_* of the motor, both kept from call to call. Where the axis turns round, the
+    motor's additional steps begin so early that they are done in time if the axis stood still for long enough, else
+    as soon as the axis has made its last step.
+    """
+    whole = 2.0 * math.sqrt(amount / a)
+    if amount * a > fastest * fastest:
+        whole = fastest / a + amount / fastest
+    for k in range(first, last):
+        if len(ticks) - count < 4 * amount + 16:
+            return k, count
+        tick = int(ticks_in[k])
+        sign = int(signs_in[k])
+        n = float(backlash[B_COUNT])
+        before = float(backlash[B_LAST])
+        half = 0.5 * (before + tick)
+        goal = 0.0 if sign == up else float(sign * amount)
+        at = tick - 1.0
+        if goal != backlash[B_GOAL]:
+            at = max(before + turn, float(state[S_FLOOR]), tick - whole)
+        for part in range(2):
+            # By the middle of its cell to the half step that it passes at ``tick``.
+            to = half if part == 0 else float(tick)
+            axis = n if part == 0 else n + 0.5 * sign
+            if goal != backlash[B_GOAL] and at < to:
+                share = (at - backlash[B_TICK]) / (to - backlash[B_TICK]) if to > backlash[B_TICK] else 0.0
+                if share > 0.0:
+                    between = backlash[B_AXIS] + share * (axis - backlash[B_AXIS])
+                    count = move_on(at, between, fastest, a, backlash, near, turn, state, ticks, signs, count)
+                backlash[B_GOAL] = goal
+            if backlash[B_ADDED] == backlash[B_GOAL] and backlash[B_VELOCITY] == 0.0:
+                backlash[B_TICK] = max(float(backlash[B_TICK]), to)
+                backlash[B_AXIS] = axis
+            else:
+                count = move_on(to, axis, fastest, a, backlash, near, turn, state, ticks, signs, count)
+        backlash[B_GOAL] = goal
+        backlash[B_COUNT] = n + sign
+        backlash[B_LAST] = float(tick)
+        idle = backlash[B_ADDED] == backlash[B_GOAL] and backlash[B_VELOCITY] == 0.0
+        if idle and backlash[B_MOTOR] != n + sign + backlash[B_GOAL]:
+            count = put_step(tick, sign, near, turn, state, ticks, signs, count)
+            backlash[B_MOTOR] += sign
+    return last, count
+
+
+@kernel(seconds_per_unit=1e-4)
+def take_up_rest(
+    begin: int, fastest: float, a: float, near: int, turn: int, backlash: Floats, state: Ints, ticks: Ints,
+    signs: Signs, count: int,
+) -> int:  # fmt: skip
+    """What is left to take up while the axis rests, from tick ``begin`` on; the number of steps now."""
+    backlash[B_TICK] = max(float(backlash[B_TICK]), float(begin))
+    if backlash[B_ADDED] != backlash[B_GOAL] or backlash[B_VELOCITY] != 0.0:
+        # From the half step that it passed last, the axis has gone on towards the middle of its cell.
+        rest = float(backlash[B_COUNT])
+        count = move_on(
+            float(backlash[B_TICK]) + 8.0 * turn, rest, fastest, a, backlash, near, turn, state, ticks, signs, count
+        )
+        far = float(backlash[B_TICK])
+        while backlash[B_ADDED] != backlash[B_GOAL] or backlash[B_VELOCITY] != 0.0:
+            far = 2.0 * far + 1e6
+            count = move_on(far, rest, fastest, a, backlash, near, turn, state, ticks, signs, count)
+        backlash[B_LAST] = float(state[S_TICK])
+        backlash[B_TICK] = float(state[S_TICK])
+    backlash[B_AXIS] = backlash[B_COUNT]
+    return count
 
 
 @kernel(seconds_per_unit=1.2e-6, compile_seconds=0.3)

@@ -36,19 +36,21 @@ def validate(
     setup: Setup,
     *,
     override: float = 1.0,
+    stretched: bool = False,
     sections: Collection[int] | None = None,
 ) -> StreamReport:
     """Judge a stream; never raises for a bad one.
 
-    override: the highest feed override the stream may contain; sections: only those (None: all), as when
-    the runtime has retimed one of them.
+    override: the highest feed override the stream may contain; stretched: the time in which backlash is taken up is
+    not bounded, as in a section whose time the runtime has stretched; sections: only those (None: all), as when it
+    has retimed one of them.
     """
     collector = Collector()
     if not _well_formed(stream, trace, machine, setup, override, collector):
         collector.leave_open("the stream is malformed")
         return collector.report()
     times = _times(stream, machine, override)
-    motors = inputs.motor_arrays(stream, machine, times.grid, collector)
+    motors = inputs.motor_arrays(stream, machine, times.grid, collector, stretched=stretched)
     if machine.controller.max_step_frequency is None:
         collector.assume("stream-step-rate", "the machine file states no greatest step frequency")
     window = _window(len(stream.motors))
@@ -143,7 +145,7 @@ def _section(
         ints=np.zeros(kernels.INTS, np.int64),
         reals=np.zeros(kernels.REALS),
         place=place,
-        turns=np.zeros((4, count), np.int64),
+        turns=np.zeros((6, count), np.int64),
     )
     room = kernels.PROBLEMS * kernels.KEPT
     problems = kernels.Problems(

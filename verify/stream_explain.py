@@ -44,6 +44,7 @@ FATAL = (
     kernels.P_OFF_PLACE,
     kernels.P_UNFINISHED,
     kernels.P_END,
+    kernels.P_SLACK,
 )
 """Problems after which the rest of the section is not walked."""
 
@@ -148,6 +149,10 @@ TEXTS: dict[int, tuple[Code, Callable[[_Place], str]]] = {
     ),
     kernels.P_UNFINISHED: (STREAM_END, lambda p: "the steps end before the path does"),
     kernels.P_END: (STREAM_END, _place),
+    kernels.P_SLACK: (
+        STREAM_POSITION,
+        lambda p: f"{p.name} has not taken up its backlash: the motor is at {p.at(p.a)}, its axis at {p.at(p.b)}",
+    ),
     kernels.P_LIMIT: (STREAM_LIMIT, _limit),
     kernels.P_TRAVEL: (STREAM_LIMIT, _travel),
     kernels.P_AFTER_END: (

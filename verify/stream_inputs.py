@@ -55,6 +55,8 @@ Floats = npt.NDArray[np.float64]
 _FEW = 1 << 52
 _LONG = 1 << 60
 _TOUCH = Fraction(1, 10**6)
+_PATIENCE = 0.002
+"""Seconds, beside twice the time that backlash needs: for starts and turns."""
 
 
 def span_of(trace: Trace, section: int, row: int) -> Span:
@@ -189,20 +191,28 @@ def moves(section: TraceSection, axis: int) -> bool:
     return bool((section.rows["to"][:, axis] != section.start[axis]).any())
 
 
-def motor_arrays(stream: StepStream, machine: Machine, grid: int, collector: Collector) -> kernels.Motors:
+def motor_arrays(
+    stream: StepStream, machine: Machine, grid: int, collector: Collector, *, stretched: bool
+) -> kernels.Motors:
     """Limits in steps and window bounds; what the machine does not state is left open or assumed."""
     drives = drives_of(stream, machine)
     count = len(stream.motors)
     low, high = np.full(count, -_LONG, np.int64), np.full(count, _LONG, np.int64)
     travel_low, travel_high = np.ones(count, np.int64), np.zeros(count, np.int64)
     speed, acceleration = np.full((3, count), np.inf), np.full((3, count), np.inf)
+    slack, patience = np.zeros(count, np.int64), np.zeros(count, np.int64)
     base = grid / stream.tick_frequency
     for m, motor in enumerate(stream.motors):
         drive, name = drives[m], motor.name.lower()
         scale = float(abs(motor.steps_per_unit))
-        if drive.backlash:
-            collector.assume("stream-position", f"the backlash of {name} is not made good")
         low[m], high[m] = _limits(motor.steps_per_unit, drive.lower, drive.upper)
+        slack[m], patience[m] = _backlash(drive, stream.tick_frequency)
+        if slack[m]:
+            what = f"{name} stands at the start as when it came from below, with a backlash of {drive.backlash:g}"
+            collector.assume("stream-position", what)
+            # Rounded up, the backlash may ask for a step more than the limit of the axis leaves for it.
+            more = int(abs(slack[m]) > abs(Fraction(drive.backlash) * motor.steps_per_unit))
+            low[m], high[m] = (low[m] - more, high[m]) if slack[m] > 0 else (low[m], high[m] + more)
         if None in (drive.lower, drive.upper):
             collector.assume("stream-limit", f"axis {name} needs no limit where the machine file states none")
         if drive.travel_lower is not None and drive.travel_upper is not None:
@@ -231,7 +241,22 @@ def motor_arrays(stream: StepStream, machine: Machine, grid: int, collector: Col
         acceleration=acceleration,
         knots=np.concatenate([np.zeros((0, 2)), *knots]),
         first_knot=np.cumsum([0, *(len(one) for one in knots)]).astype(np.int64),
+        slack=slack,
+        patience=np.full(count, _LONG, np.int64) if stretched else patience,
     )
+
+
+def _backlash(drive: Drive, tick_frequency: int) -> tuple[int, int]:
+    """Steps from flank to flank, signed, and ticks in which they are to be made: twice what half of the motor's
+    acceleration needs, and then some for an axis that turns round meanwhile."""
+    exact = Fraction(drive.backlash) * (drive.steps_per_unit or 0)
+    velocity, acceleration = drive.max_velocity, drive.max_acceleration
+    if not round(exact) or not velocity or not acceleration:
+        return 0, 0
+    half = acceleration / 2
+    fastest = min(math.sqrt(half * drive.backlash), velocity / 2)
+    seconds = 2 * (fastest / half + drive.backlash / fastest) + _PATIENCE
+    return round(exact), ticks_up(Fraction(seconds), tick_frequency)
 
 
 def drives_of(stream: StepStream, machine: Machine) -> list[Drive]:

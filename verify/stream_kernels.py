@@ -2,9 +2,10 @@
 
 Everything is in steps: a path point is ``q[m] = position[axis of m] * steps_per_unit[m]``, in steps of the axis. A
 motor with a pitch table is compared there too: the step positions one step to either side of it are carried to the
-axis (``axis_steps``), so that the path stays straight. The path comes as straight pieces that are made when they are
-needed: a line row is one piece, an arc row many chords whose distance from the arc, at equal parameter, is at most
-``CHORD`` steps of any motor.
+axis (``axis_steps``), so that the path stays straight. Where a motor has backlash, what is compared is the axis
+behind it (``Backlash``): it stays while the motor is between the two flanks of its backlash, and goes with it at
+either. The path comes as straight pieces that are made when they are needed: a line row is one piece, an arc row many
+chords whose distance from the arc, at equal parameter, is at most ``CHORD`` steps of any motor.
 
 Which path points the machine may be at is kept exactly, not guessed: for each piece of a window the interval
 of the piece's parameter that can be reached without ever being more than the tolerance away from the step
@@ -63,8 +64,8 @@ LAST_MOTION_OP = 4
 # Problems, as they are reported.
 P_LEFT, P_DENSE, P_EXTRA, P_RATE, P_PULSE, P_SETUP, P_SPEED, P_ACCELERATION, P_FEED = 1, 2, 3, 4, 5, 6, 7, 8, 9
 P_EARLY, P_OFF_PLACE, P_WAIT_CUT, P_UNFINISHED, P_END = 10, 11, 12, 13, 14
-P_LIMIT, P_TRAVEL, P_LIMIT_UNKNOWN, P_AFTER_END = 15, 16, 17, 18
-PROBLEMS = 19
+P_LIMIT, P_TRAVEL, P_LIMIT_UNKNOWN, P_AFTER_END, P_SLACK = 15, 16, 17, 18, 19
+PROBLEMS = 20
 
 KEPT = 8
 """Places kept of each problem; all are counted."""
@@ -107,7 +108,9 @@ class Rows(NamedTuple):
 
 class Motors(NamedTuple):
     """By motor; speed, acceleration: (3, motors) greatest counts in the windows of ``SPANS``; knots: of all pitch
-    tables, motor m has those from first_knot[m] to first_knot[m + 1]."""
+    tables, motor m has those from first_knot[m] to first_knot[m + 1]; slack: steps from the flank at which the axis
+    comes from below to the other one, signed as they are counted; patience: ticks for which the axis may lag behind
+    the path after the motor turned round."""
 
     axis: Ints
     spu: Floats
@@ -119,6 +122,8 @@ class Motors(NamedTuple):
     acceleration: Floats
     knots: Floats
     first_knot: Ints
+    slack: Ints
+    patience: Ints
 
 
 class Runs(NamedTuple):
@@ -162,13 +167,20 @@ class Window(NamedTuple):
 
 
 class Walk(NamedTuple):
-    """What changes along the way. place: (PLACES, 6) positions; turns: (4, motors) last direction and number of
-    reversals since the last rest, of the path and of the steps."""
+    """What changes along the way. place: (PLACES, 6) positions; turns: (6, motors) last direction and number of
+    reversals since the last rest, of the path and of the axis; the same of a motor with backlash, the number first."""
 
     ints: Ints
     reals: Floats
     place: Floats
     turns: Ints
+
+
+class Backlash(NamedTuple):
+    """By motor. at: the step of the axis behind the backlash; until: the tick up to which it may lag, or -1."""
+
+    at: Ints
+    until: Ints
 
 
 class Problems(NamedTuple):
@@ -217,10 +229,45 @@ def axis_steps(at: float, m: int, knots: Floats, first_knot: Ints) -> float:
 
 
 @kernel(seconds_per_unit=2e-6)
-def surround(m: int, n: Ints, motors: Motors, near: Floats) -> None:
-    """near[m]: where the axis may be while motor ``m`` is at its step, one step to either side."""
-    near[m, 0] = axis_steps(np.float64(n[m]) - PATH_TOLERANCE, m, motors.knots, motors.first_knot)
-    near[m, 1] = axis_steps(np.float64(n[m]) + PATH_TOLERANCE, m, motors.knots, motors.first_knot)
+def surround(m: int, n: Ints, backlash: Backlash, motors: Motors, near: Floats) -> None:
+    """near[m]: where the path may be while motor ``m`` is at its step: one step to either side of the axis.
+
+    While the axis may lag, the path may be wherever the motor could hold an axis that did not.
+    """
+    low = backlash.at[m]
+    high = low
+    if backlash.until[m] >= 0:
+        low = min(n[m], n[m] + motors.slack[m])
+        high = max(n[m], n[m] + motors.slack[m])
+    near[m, 0] = axis_steps(np.float64(low) - PATH_TOLERANCE, m, motors.knots, motors.first_knot)
+    near[m, 1] = axis_steps(np.float64(high) + PATH_TOLERANCE, m, motors.knots, motors.first_knot)
+
+
+@kernel(seconds_per_unit=5e-6)
+def catch_up(t: int, n: Ints, backlash: Backlash, motors: Motors, window: Window, walk: Walk, near: Floats) -> int:
+    """End the lag of axes that had until before tick ``t``; the motor whose axis is not near the path then, or -1."""
+    for m in range(n.shape[0]):
+        if 0 <= backlash.until[m] < t:
+            backlash.until[m] = -1
+            surround(m, n, backlash, motors, near)
+            shrink(near, walk.ints[HEAD], False, window.line, window.reach, walk.ints)
+            if walk.ints[HEAD] == walk.ints[TAIL]:
+                return m
+    return -1
+
+
+@kernel(seconds_per_unit=5e-6)
+def drag(m: int, t: int, direction: int, before: int, n: Ints, backlash: Backlash, motors: Motors) -> bool:
+    """The axis behind motor ``m``, which made a step at ``t``; before: its last direction. True when the axis moved."""
+    slack = motors.slack[m]
+    upwards = 1 if slack > 0 else -1
+    last = before if before != 0 else upwards
+    if slack != 0 and direction != last:
+        backlash.until[m] = t + motors.patience[m]
+    here = min(max(backlash.at[m], min(n[m], n[m] + slack)), max(n[m], n[m] + slack))
+    moved = here != backlash.at[m]
+    backlash.at[m] = here
+    return bool(moved)
 
 
 @kernel(seconds_per_unit=5e-6)
@@ -450,7 +497,7 @@ def from_rest(row: int, barrier: int, motors: Motors, window: Window, walk: Walk
         window.line[0, m, BEGIN] = walk.place[HERE, motors.axis[m]] * motors.spu[m]
         window.line[0, m, EXTENT] = 0.0
         window.line[0, m, INVERSE] = 0.0
-        for k in range(4):
+        for k in range(6):
             walk.turns[k, m] = 0
 
 
@@ -593,6 +640,9 @@ def rest_problems(
 ) -> None:
     """At rest at a known path point: steps back and forth that the path does not ask for; feed since the last rest."""
     for m in range(n.shape[0]):
+        if walk.turns[4, m] > walk.turns[1, m] + 1:
+            # One more than the path: the last one, with which a motor goes back to the flank of a section's end.
+            note(P_EXTRA, m, tick, row, np.float64(walk.turns[4, m]), np.float64(walk.turns[1, m]), walk, problems)
         if walk.turns[3, m] > walk.turns[1, m]:
             note(P_EXTRA, m, tick, row, np.float64(walk.turns[3, m]), np.float64(walk.turns[1, m]), walk, problems)
     seconds = walk.reals[TIME] - began
@@ -633,8 +683,10 @@ def check_section(
     count = start.shape[0]
     n = start.copy()
     near = np.empty((count, 2))
+    backlash = Backlash(start.copy(), np.full(count, -1, np.int64))
+    lagging = False
     for m in range(count):
-        surround(m, n, motors, near)
+        surround(m, n, backlash, motors, near)
     ints = walk.ints
     line = window.line
     reach = window.reach
@@ -677,17 +729,23 @@ def check_section(
         if e < events.row.shape[0] and events.tick[e] <= t:
             tick = events.tick[e]
             row = events.row[e]
-            ready = ints[DONE] == 1 and off_place(n, motors, walk) < 0
+            ready = ints[DONE] == 1 and off_place(backlash.at, motors, walk) < 0
             if tick < t or ready:
+                if lagging:
+                    lagging = False
+                    k = catch_up(NEVER, n, backlash, motors, window, walk, near)
+                    if k >= 0:
+                        note(P_SLACK, k, tick, row, np.float64(n[k]), np.float64(backlash.at[k]), walk, problems)
+                        return steps
                 if tick < still:
                     note(P_WAIT_CUT, -1, tick, row, np.float64(still - tick), 0.0, walk, problems)
                 if ints[DONE] != 1:
                     note(P_EARLY, -1, tick, row, np.float64(window.row[ints[FRONT]]), 0.0, walk, problems)
                     return steps
                 if not ready:
-                    k = off_place(n, motors, walk)
+                    k = off_place(backlash.at, motors, walk)
                     aim = walk.place[HERE, motors.axis[k]] * motors.spu[k]
-                    note(P_OFF_PLACE, k, tick, row, np.float64(n[k]), aim, walk, problems)
+                    note(P_OFF_PLACE, k, tick, row, np.float64(backlash.at[k]), aim, walk, problems)
                     return steps
                 rest_problems(n, tick, row, begin, began, times, walk, problems)
                 if steps != sampled or quiet < SETTLED:
@@ -730,20 +788,36 @@ def check_section(
             note(P_WAIT_CUT, m, t, row, np.float64(still - t), 0.0, walk, problems)
         if t > times.duration:
             note(P_AFTER_END, m, t, row, np.float64(t - times.duration), 0.0, walk, problems)
-        if walk.turns[2, m] == -direction:
-            walk.turns[3, m] += 1
-        walk.turns[2, m] = direction
+        if lagging:
+            k = catch_up(t, n, backlash, motors, window, walk, near)
+            if k >= 0:
+                note(P_SLACK, k, t, row, np.float64(n[k]), np.float64(backlash.at[k]), walk, problems)
+                return steps
+            lagging = backlash.until.max() >= 0
+        n[m] += direction
+        moved = True
+        if motors.slack[m] == 0:
+            backlash.at[m] = n[m]
+        else:
+            if walk.turns[5, m] == -direction:
+                walk.turns[4, m] += 1
+            walk.turns[5, m] = direction
+            moved = drag(m, t, direction, way[m], n, backlash, motors)
+            lagging = lagging or backlash.until[m] >= 0
+        if moved:
+            if walk.turns[2, m] == -direction:
+                walk.turns[3, m] += 1
+            walk.turns[2, m] = direction
         way[m] = direction
         last[m] = t
-        n[m] += direction
-        surround(m, n, motors, near)
+        surround(m, n, backlash, motors, near)
         steps += 1
 
         shrink(near, ints[HEAD], False, line, reach, ints)
         if ints[HEAD] == ints[TAIL]:
             note(P_LEFT, m, t, row, np.float64(n[m]), np.float64(direction), walk, problems)
             for k in range(count):
-                start[k] = n[k]
+                start[k] = backlash.at[k]
             return steps
         if ints[DONE] == 1:
             dense = not follow(near, rows, motors, window, walk)
@@ -777,17 +851,23 @@ def check_section(
             else:
                 due[m] = NEVER
 
+    row = max(0, ints[ROW] - 1)
+    k = catch_up(NEVER, n, backlash, motors, window, walk, near)
+    if k >= 0:
+        note(P_SLACK, k, times.duration, row, np.float64(n[k]), np.float64(backlash.at[k]), walk, problems)
+        return steps
     for m in range(count):
         start[m] = n[m]
-    row = max(0, ints[ROW] - 1)
     if ints[DONE] != 1:
         note(P_UNFINISHED, -1, times.duration, window.row[ints[FRONT]], 0.0, 0.0, walk, problems)
         return steps
-    m = off_place(n, motors, walk)
-    if m >= 0:
-        aim = walk.place[HERE, motors.axis[m]] * motors.spu[m]
-        note(P_END, m, times.duration, row, np.float64(n[m]), aim, walk, problems)
-        return steps
+    # Not the axis alone, but the motor too is where the next section starts.
+    for ended in (backlash.at, n):
+        m = off_place(ended, motors, walk)
+        if m >= 0:
+            aim = walk.place[HERE, motors.axis[m]] * motors.spu[m]
+            note(P_END, m, times.duration, row, np.float64(ended[m]), aim, walk, problems)
+            return steps
     rest_problems(n, times.duration, row, begin, began, times, walk, problems)
     settle(n, times.duration, at, positions, progress, motors, times, window, walk, problems)
     if times.duration < still:

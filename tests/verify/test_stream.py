@@ -346,11 +346,22 @@ def test_a_circle_in_an_axis_without_a_motor_is_refused() -> None:
     assert {f.code.label for f in report.findings} == {"GP810"}
 
 
-def test_backlash_is_an_assumption() -> None:
-    on = dataclasses.replace(machine(), axes=tuple(dataclasses.replace(a, backlash=0.01) for a in machine().axes))
+def test_a_stream_that_leaves_backlash_out_is_refused() -> None:
+    """A square and back: with 4 steps of backlash X and Y are not where they should be after their first turn."""
+    on = dataclasses.replace(machine(), axes=tuple(dataclasses.replace(a, backlash=0.05) for a in machine().axes))
     report = check(step(JOBS["square"](), on), JOBS["square"](), on)
+    assert {f.code.label for f in report.findings} <= {"GP801", "GP802", "GP807", "GP808"}
+    assert report.verdict is Verdict.UNSAFE
+
+
+def test_where_an_axis_with_backlash_came_from_is_an_assumption() -> None:
+    """Up only: the motor goes where its axis goes."""
+    on = dataclasses.replace(machine(), axes=tuple(dataclasses.replace(a, backlash=0.05) for a in machine().axes))
+    job = Job()
+    job.line(x=3.0, y=2.0, feed=600)
+    report = check(step(job, on), job, on)
     assert_safe(report)
-    assert any("backlash" in a for a in report.result().assumptions)
+    assert "x stands at the start as when it came from below, with a backlash of 0.05" in report.result().assumptions
 
 
 def test_a_path_too_dense_to_follow_is_refused_not_believed() -> None:
