@@ -199,9 +199,10 @@ class BacklashEncoder(Encoder):
     def make_room(self, floor: int) -> None:
         """Some steps into runs, or a larger buffer."""
         # The last step may still be left out with the one that undoes it.
-        self._take_up(max(0, self._axis.count - 1), floor)
-        if self._axis.count == len(self._axis.ticks):
+        if self._axis.count <= 1:
             self._axis.grow(2 * len(self._axis.ticks))
+        else:
+            self._take_up(self._axis.count - 1, floor)
 
     def flush(self, floor: int, ceiling: int) -> None:
         """All steps into runs, backlash taken up: the axis rests."""
