@@ -23,6 +23,7 @@ from gproof.ir.setup import HeightMap, Setup
 from gproof.ir.stream import Motor
 from gproof.ir.trace import HEIGHT_MAP, Trace
 from gproof.verify import stream_kernels as kernels
+from gproof.verify.stream_inputs import FARTHEST
 
 Floats = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
@@ -285,6 +286,9 @@ def lifted(
     to = rows.to[origin].copy()
     to[place] = pieces.end
     to[:, 2] += end_rise
+    if (np.abs(to[:, 2]) * scale[2] > FARTHEST).any():
+        worst = int(np.argmax(np.abs(to[:, 2]) * scale[2] > FARTHEST))
+        raise Unfollowed(int(origin[worst]), f"Z is raised to more than {FARTHEST} steps")
     raised = start.copy()
     raised[2] += start_rise
     op, feed = rows.op[origin].copy(), rows.feed[origin].copy()

@@ -69,6 +69,9 @@ def commands(folder: Path) -> list[list[str]]:
         name.write_text("\n".join(["G21 G90 F900", "G92 X10 Y10 Z10", *moves, arc, "G83 Z9 R11 Q0.5", "M30", ""]))
         for stage in ("plan", "stream"):
             out.append(["dump", str(name), "--machine", str(machine), "--setup", "zero", "--stage", stage])
+    board = ROOT / "corpus" / "eding" / "pcb-height-map"
+    around = ["--machine", str(board / "cnc.ini"), "--setup", str(board / "setup.toml")]
+    out.append(["dump", str(board / "job.cnc"), *around, "--stage", "plan"])
     return out
 
 

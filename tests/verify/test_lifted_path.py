@@ -10,18 +10,23 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
+from passes.reference_motion import expand
 from passes.test_lift import MACHINES, ON, WEDGE, Raised, a_map, a_path, lowered, seeds, using
 from passes.traces import Path, machine
+from verify.path_oracle import FINE, follows
+from verify.reference_stepper import Stepped
+from verify.test_stream import damaged
 
 from gproof.ir.machine import AXIS_NAMES, Machine
 from gproof.ir.setup import HeightMap, Setup
 from gproof.ir.stream import Motor, StepStream
 from gproof.ir.trace import Edge, Op, Plane, Trace, Wait
+from gproof.ir.verdict import Verdict
 from gproof.verify import lifted_path as module
 from gproof.verify.lifted_path import Lifted, Lifting, Unfollowed
 from gproof.verify.stream import validate
 from gproof.verify.stream_inputs import row_arrays
-from gproof.verify.stream_report import Collector
+from gproof.verify.stream_report import Collector, StreamReport
 
 
 def motors(on: Machine) -> tuple[Motor, ...]:
@@ -159,3 +164,100 @@ def test_a_map_that_is_no_grid_or_lies_far_away_is_refused() -> None:
 
 def test_axes_are_named_as_everywhere() -> None:
     assert AXIS_NAMES[2] == "z" and module.PAIRS[int(Plane.XZ)] == (2, 0)
+
+
+# --- brute force --------------------------------------------------------------------------------------------
+
+
+def small_job(rng: random.Random) -> tuple[HeightMap, Trace]:
+    """A few rows of less than a millimetre over cells of 0.2 mm that rise by up to ten steps."""
+    heights = tuple(tuple(rng.uniform(-0.03, 0.03) for _ in range(6)) for _ in range(6))
+    area = HeightMap(x=-0.1, y=-0.1, size=0.2, heights=heights)
+    path = Path(x=0.4, y=0.4).state(following=ON)
+    for _ in range(4):
+        kind = rng.random()
+        if kind < 0.6:
+            path.feed(600, x=rng.uniform(-0.1, 0.9), y=rng.uniform(-0.1, 0.9))
+        elif kind < 0.75:
+            path.feed(600, z=rng.uniform(-0.1, 0.1))
+        else:
+            x, y = path.place[:2]
+            radius = min(x + 0.1, 0.9 - x, y + 0.1, 0.9 - y) / 2
+            if radius > 0.02:
+                path.arc(600, rng.choice([1, -1]), (x + radius, y), z=path.place[2] + rng.uniform(-0.05, 0.05))
+    return area, path.done()
+
+
+def samples(area: HeightMap, trace: Trace, on: Machine) -> np.ndarray:
+    """(n, motors) the raised path in steps, neighbours at most ``FINE`` apart."""
+    h = np.array(area.heights)
+    rows, place = trace.sections[0].rows, np.array(trace.sections[0].start)
+    parts = [place[np.newaxis, :]]
+    for k in range(len(rows)):
+        to = rows["to"][k]
+        length = float(np.abs(to - place).sum())
+        turning = rows["op"][k] == Op.ARC
+        radius = math.dist(place[:2], rows["center"][k][:2])
+        count = math.ceil((length + (2 * math.pi * radius if turning else 0.0)) * 1.5 * 320 / FINE) + 1
+        share = np.linspace(0.0, 1.0, count)[1:, np.newaxis]
+        points = place + (to - place) * share
+        if turning:  # full circles only
+            first = math.atan2(place[1] - rows["center"][k][1], place[0] - rows["center"][k][0])
+            way = first + 2 * math.pi * int(rows["turns"][k]) * share[:, 0]
+            points[:, 0] = rows["center"][k][0] + radius * np.cos(way)
+            points[:, 1] = rows["center"][k][1] + radius * np.sin(way)
+        parts.append(points)
+        place = to
+    path = np.concatenate(parts)
+    u, v = (path[:, 0] - area.x) / area.size, (path[:, 1] - area.y) / area.size
+    i, j = np.clip(u.astype(int), 0, h.shape[1] - 2), np.clip(v.astype(int), 0, h.shape[0] - 2)
+    s, t = u - i, v - j
+    path[:, 2] += (1 - t) * ((1 - s) * h[j, i] + s * h[j, i + 1]) + t * ((1 - s) * h[j + 1, i] + s * h[j + 1, i + 1])
+    path[:, 2] -= h[0, 0]
+    found: np.ndarray = path[:, [m.axis for m in motors(on)]] * np.array([float(m.steps_per_unit) for m in motors(on)])
+    return found
+
+
+@pytest.mark.parametrize("seed", seeds(12, 200))
+def test_position_check_agrees_with_brute_force(seed: int) -> None:
+    """Random damage, and random other maps: accepted only if 1.11 steps explain it, always if 1.02 do."""
+    rng = random.Random(6000 + seed)
+    on = machine()
+    area, trace = small_job(rng)
+    path = samples(area, trace, on)
+    for kind in range(6):
+        used = area
+        if kind >= 4:
+            heights = [list(row) for row in area.heights]
+            heights[rng.randint(1, 5)][rng.randint(1, 5)] += rng.uniform(-4, 4) / 320
+            used = dataclasses.replace(area, heights=tuple(tuple(row) for row in heights))
+        stream = lowered(trace, using(used), on)
+        section = stream.sections[0]
+        clean = Stepped(list(section.start), [expand(stream, 0, m) for m in range(4)], [], section.duration)
+        done = clean if kind >= 4 else damaged(clean, rng)
+        given = dataclasses.replace(stream, sections=[done.section()])
+        report = validate(given, trace, on, using(area))
+        off = next(p for p in report.properties if p.name == "stream-position").verdict is not Verdict.SAFE
+        if off:
+            assert not follows(path, done, 1.02) or done.start != clean.start or wrong_end(report)
+        else:
+            assert follows(path, done, 1.11)
+
+
+def wrong_end(report: StreamReport) -> bool:
+    """Steps that follow the path but do not end, or begin, at the nearest ones."""
+    return {"GP808"} == {f.code.label for f in report.findings} - {"GP803", "GP804", "GP805", "GP806"}
+
+
+def test_both_speeds_of_the_kernel_say_the_same(monkeypatch: pytest.MonkeyPatch) -> None:
+    rng = random.Random(7000)
+    for _ in range(3):
+        area, trace = small_job(rng)
+        stream = lowered(trace, using(area), machine())
+        other = dataclasses.replace(area, heights=(*area.heights[:5], tuple(h + 0.05 for h in area.heights[5])))
+        for used in (area, other):
+            reports = []
+            for mode in ("python", "numba"):
+                monkeypatch.setenv("GPROOF_KERNELS", mode)
+                reports.append(validate(stream, trace, machine(), using(used)))
+            assert reports[0] == reports[1]
