@@ -11,7 +11,7 @@ from gproof.ir.rules import CodeRule
 from gproof.ir.rules import Function as F
 from gproof.ir.trace import Op, PathMode, Plane, Wait
 from gproof.passes import compensated, feed_override, heads, spindle
-from gproof.passes.cycles import CYCLES
+from gproof.passes.cycles import AXES_OF_PLANE, CYCLES
 from gproof.passes.emitter import ProgramEnd
 from gproof.passes.line import LARGEST, Line, check_unused, gather
 from gproof.passes.modal import INCH, NO_OFFSET, TOOL_LENGTH, TOOL_X_OFFSET
@@ -67,9 +67,21 @@ class Blocks(Motion):
         aimed = self.aim(line, machine=line.find(F.MACHINE_COORDINATES) is not None)
         moved = set(line.axes()) | ({0, 1} if self.modal.transform.on and line.axes().keys() & {0, 1} else set())
         where = {axis: aimed[axis] for axis in moved}
+        where |= dict.fromkeys(self._returns(line, moved), NOWHERE)
         for axis, place in where.items():
+            self.modal.jumped = self.modal.jumped or place != self.modal.position[axis]
             self.modal.position[axis] = place
         compensated.recovered(self.modal, before, where)
+
+    def _returns(self, line: Line, moved: set[int]) -> set[int]:
+        """Axes that a refused line would not have left where its words send them."""
+        rule = line.group("G1") or self._motion_rules.get(self.modal.motion)
+        if rule is None:
+            return set()
+        if rule.function in CYCLES:
+            repeated = "L" in line.values and not self.modal.absolute
+            return (moved if repeated else set()) | {AXES_OF_PLANE[self.modal.plane][2]}
+        return moved if rule.function in (F.THREADING, F.SYNCHRONISED_RETURN) else set()
 
     def _execute(self, line: Line) -> None:
         """The steps of table 3-7, in its order (the comment, step 1, is the frontend's)."""

@@ -33,7 +33,8 @@ class Modal:
 
     feed: mm/min as programmed in G94, 1/min in G93, mm/rev in G95; feed_unit: mm of the unit F was given in.
     motion: Function number of the active motion mode, 0 for none. work: 1..9, 0 while not stated.
-    following: see ``State``; height_map_known: the map in use is the setup's.
+    following: see ``State``; height_map_known: the map in use is the setup's. jumped: a refused line has moved the
+    position, and no row.
     spindle_speed: as programmed: rpm, with surface_speed_mode m/min; spindle_limit: rpm, NaN for none; pitch: mm a
     revolution of the move that is being made, 0 for moves that do not follow the spindle; direction_output: 1 on,
     -1 off, 0 not known; spun: direction that the last row gave a spindle, and the head that turns, -1 for none;
@@ -105,6 +106,7 @@ class Modal:
             self.following = (HEIGHT_MAP,)
         self.clamped = False
         self.drives_were_off = False
+        self.jumped = False
         self.not_programmed: tuple[int, ...] = ()
 
     def _symbol(self, symbol: str) -> Position:
@@ -175,6 +177,7 @@ class Modal:
             and not self.xz_view_open
             and not self.transform_in_doubt
             and not self.drives_were_off
+            and not self.jumped
             and not self.feed_unknown
         )
 

@@ -9,7 +9,7 @@ from gproof.ir.finding import Refusal, Span
 from gproof.ir.machine import AXES, AXIS_NAMES
 from gproof.ir.rules import CodeRule
 from gproof.ir.rules import Function as F
-from gproof.ir.trace import Op, Plane
+from gproof.ir.trace import Op, Plane, Wait
 from gproof.passes import compensated
 from gproof.passes import execute_kernels as k
 from gproof.passes.cycles import AXES_OF_PLANE, CYCLES, run_cycle
@@ -157,7 +157,8 @@ class Motion(Emitter):
         if "distance" not in stated:
             self.assumed["the job starts in absolute distances (G90)"] = None
         if "plane" not in stated and rule.group == "G1" and rule.function not in (F.TRAVERSE, F.FEED):
-            self.assumed["the job starts in the XY plane (G17)"] = None
+            plane = "XZ plane (G18)" if self.modal.plane is Plane.XZ else "XY plane (G17)"
+            self.assumed[f"the job starts in the {plane}"] = None
         if "retract" not in stated and rule.function in CYCLES:
             self.assumed["the job starts with cycles that return to where they began (G98)"] = None
         if "head" not in stated and self._heads_apart and self.modal.setup.default_offset is None:
@@ -301,6 +302,10 @@ class Motion(Emitter):
         s = self.modal
         if s.compensation is not None and programmed is None:
             raise Refusal(codes.COMPENSATION_UNKNOWN.at(span, cause=compensated.APART, hint="G40 before"))
+        if s.jumped:
+            # No row says how the axes came from the last one to here.
+            s.jumped = False
+            self._end_section(Wait.UNKNOWN, "line refused", None, span.line)
         if s.clamped or s.drives_were_off or s.not_programmed:
             look_at(self, target, span)
         if any(a.value != b.value for a, b in zip(target[3:], s.position[3:], strict=True)):

@@ -17,6 +17,7 @@ from gproof.passes.execute import Executor
 FULL = f"G69 G50 G98\n{HEAD}F100\n"
 """All of it stated."""
 LATHE_TOOL = dataclasses.replace(NO_MACHINE, tools=(Tool(number=1, length=10.0, x_offset=4.0),))
+LATHE = dataclasses.replace(NO_MACHINE, controller=Controller(turning=True, xz_seen_from="+y"))
 HEADS = dataclasses.replace(NO_MACHINE, spindles=(Spindle(number=0), Spindle(number=1, offset=(80.0, 0.0, 0.0))))
 
 CASES = {
@@ -36,6 +37,8 @@ CASES = {
         dataclasses.replace(NO_MACHINE, controller=Controller(turning=True)), ["no X offset of a tool (G43)"],
     ),
     "G43.1": (FULL.replace("G49", "G43.1 I1") + "G0 X1\n", LATHE_TOOL, []),
+    "G17": (FULL.replace(" G17", "") + "G0 X1\nG2 X3 R1\n", NO_MACHINE, ["the job starts in the XY plane (G17)"]),
+    "G18 on a lathe": (FULL.replace(" G17", "") + "G0 X1\nG2 X3 R1\n", LATHE, ["the job starts in the XZ plane (G18)"]),
     "G98": (FULL.replace(" G98", "") + "G0 X1\nG81 X1 R2 Z1\n", NO_MACHINE, ["return to where they began"]),
     "G98 without a cycle": (FULL.replace(" G98", "") + "G0 X1\n", NO_MACHINE, []),
     "G99 behind the first cycle": (
