@@ -1,10 +1,10 @@
 """Execution: Program + Setup -> Trace, streamed in chunks.
 
 One run is a chain of classes, each of which knows one thing: ``emitter`` (state and rows), ``motion`` (moves),
-``blocks`` (a line in the order of the manual), ``straight`` (tables of plain lines), ``loops`` (lines that come
-again), ``branches`` (conditions that nobody can decide), and here statements, calls and messages. Errors are
-findings: the line that has one does nothing more, and execution goes on behind it so that one run shows all of
-them; ``stop_at_error`` ends there instead, as the controller would.
+``origins`` (where numbers count from), ``blocks`` (a line in the order of the manual), ``straight`` (tables of plain
+lines), ``loops`` (lines that come again), ``branches`` (conditions that nobody can decide), and here statements, calls
+and messages. Errors are findings: the line that has one does nothing more, and execution goes on behind it so that one
+run shows all of them; ``stop_at_error`` ends there instead, as the controller would.
 """
 
 from __future__ import annotations
