@@ -1,6 +1,7 @@
 """Where numbers count from: tool length offsets, coordinate systems, G92, G10, and the park positions.
 
-Eding CNC manual 3.4.5 (G10), 3.4.8 (G28, G30), 3.4.12 (G43), 3.4.15 (G54 to G59.3), 3.4.23 (G92), in the order of table 3-7.
+Eding CNC manual 3.4.5 (G10), 3.4.8 (G28, G30), 3.4.12 (G43), 3.4.15 (G54 to G59.3) and 3.4.23 (G92), in the order of
+table 3-7.
 """
 
 from __future__ import annotations
