@@ -28,7 +28,7 @@ KEPT_SHAPES = 20_000
 KEPT_LINES = 5_000
 """What a reader remembers; when there are more it starts again. A shape takes about a tenth of a kilobyte."""
 
-HELD_BLOCKS = 5_000
+HELD_BLOCKS = 2_000
 """Blocks of a program that are made at once; later ones are made when they run."""
 
 _HOLE = re.compile(r"((?<=\()[^()]+(?=\))|(?<=;)(?!\)).+|[0-9]+\.?[0-9]*|\.[0-9]+)")
