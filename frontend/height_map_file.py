@@ -8,10 +8,10 @@ comment. The points make a full grid with equal steps in X and Y.
 from __future__ import annotations
 
 import hashlib
-import re
 from fractions import Fraction
 
-from gproof.frontend.toml_table import LARGEST, TomlTable, exact_ratio, is_file, show
+from gproof.frontend.number_rows import number_rows
+from gproof.frontend.toml_table import TomlTable, is_file, show
 from gproof.ir import codes
 from gproof.ir.finding import Span
 from gproof.ir.setup import HeightMap
@@ -77,18 +77,13 @@ def _points(table: TomlTable, name: str) -> tuple[list[Point], list[tuple[str, s
     files = [(str(target), hashlib.sha256(raw).hexdigest())]
     points: list[Point] = []
     good = True
-    for number, line in enumerate(raw.decode("latin-1").splitlines(), 1):
-        words = re.split(r"[;#]", line, maxsplit=1)[0].replace(",", " ").split()
-        values = [exact_ratio(word) if "/" not in word else None for word in words]
-        numbers = [value for value in values if value is not None and abs(value) <= LARGEST]
-        if not words:
-            continue
-        if len(words) != 3 or len(numbers) != 3:
+    for number, row in number_rows(raw.decode("latin-1").replace(",", " "), 3):
+        if row is None:
             good = False
             what = "a point of a height map is X, Y and Z"
             table.file.add_at(codes.FILE_UNREADABLE, Span(str(target), number), what=what)
-            continue
-        points.append((numbers[0], numbers[1], numbers[2]))
+        else:
+            points.append((row[0], row[1], row[2]))
     if good and not points:
         good = False
         table.bad("file", f"{name} has no points")

@@ -6,13 +6,12 @@ Source: Eding CNC manual 2.3 (machine position, calibrated position) and 2.4 (sp
 from __future__ import annotations
 
 import hashlib
-import re
 from fractions import Fraction
 from pathlib import Path
 
 from gproof.frontend.eding.ini_file import Ini
 from gproof.frontend.eding.prepare import decode
-from gproof.frontend.toml_table import LARGEST, exact_ratio
+from gproof.frontend.number_rows import number_rows
 from gproof.ir import codes
 from gproof.ir.finding import Findings, Span
 
@@ -29,18 +28,12 @@ def load_table(path: Path, ini: Ini) -> tuple[Pairs | None, str]:
     digest = hashlib.sha256(raw).hexdigest()
     pairs: Pairs = []
     good = True
-    for number, line in enumerate(decode(raw.removeprefix(b"\xef\xbb\xbf")).splitlines(), 1):
-        words = re.split(r"[;#]", line, maxsplit=1)[0].split()
-        if not words:
-            continue
-        values = [exact_ratio(word) if "/" not in word else None for word in words]
-        if len(values) != 2 or any(value is None or abs(value) > LARGEST for value in values):
+    for number, row in number_rows(decode(raw.removeprefix(b"\xef\xbb\xbf")), 2):
+        if row is None:
             good = False
             _refuse(path, number, "a correction table has two numbers in a line", ini)
-            continue
-        first, second = values
-        assert first is not None and second is not None
-        pairs.append((first, second))
+        else:
+            pairs.append((row[0], row[1]))
     if good and not pairs:
         good = False
         _refuse(path, 0, "a correction table without numbers", ini)
