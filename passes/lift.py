@@ -65,11 +65,21 @@ def follow(trace: Trace, setup: Setup, machine: Machine, findings: Findings) -> 
     on_at_start = height_map is not None and height_map.on
     if height_map is None or setup.cylinder is not None or not (lifts.any() or on_at_start):
         return Followed(trace=trace)
+    if not _known(trace):
+        return Followed(trace=trace)  # plan and step say what is missing
     try:
         return _Lift(trace, height_map, machine).followed()
     except Refusal as refusal:
         findings.add(refusal.finding)
         return None
+
+
+def _known(trace: Trace) -> bool:
+    """True when X, Y and Z are known wherever the job is."""
+    used = {section.start_frame for section in trace.sections}
+    for section in trace.sections:
+        used.update(np.unique(section.rows["frame"]).tolist())
+    return all(trace.frames[frame][:3] == ((), (), ()) for frame in used)
 
 
 def _lifting(states: list[State]) -> Bytes:

@@ -298,6 +298,14 @@ def test_the_checker_refuses_jumps_too() -> None:
     assert found(stream, inside, using(WEDGE, on=False), machine()) & {"GP808", "GP810"}
 
 
+@pytest.mark.parametrize("unknown", ["work.1.x", "work.1.y", "work.1.z", "?"])
+def test_positions_that_nobody_stated_are_said_to_be_missing(unknown: str) -> None:
+    trace = Path(x=5).state(following=ON).frame(unknown).feed(600, x=30, y=1, z=1).done()
+    path, findings = followed(trace, using(WEDGE), machine()), Findings()
+    assert plan(path.trace, machine(), findings, path.joined) is None
+    assert [f.code.label for f in findings.kept] == ["GP503"]
+
+
 def test_a_map_on_a_cylinder_is_not_followed() -> None:
     trace = Path().state(following=ON).feed(600, x=5).done()
     setup = dataclasses.replace(using(WEDGE), cylinder=Cylinder(radius=10.0, y=0.0))
@@ -487,6 +495,24 @@ def test_a_pitch_table_of_z_works_behind_the_map() -> None:
     # The motor for Z3 and 0.162 of height is at 3.162 of the table's second half: 3.162 * 5 / 5.03.
     at = stream.sections[0].start[2] + sum(d for t, d in expand(stream, 0, 2) if t <= stream.sections[0].duration)
     assert at == round((3 + 0.2 * 0.2 * 0.9) * 5 / 5.03 * 320)
+
+
+@pytest.mark.parametrize("seed", seeds(16, 120))
+def test_backlash_and_pitch_tables_come_behind_the_map(seed: int) -> None:
+    rng = random.Random(8000 + seed)
+    table = PitchTable(machine=(-5.0, 0.0, 5.0), calibrated=(-5.02, 0.0, 5.03))
+    base = MACHINES[seed % 3]
+    axes = tuple(
+        dataclasses.replace(a, backlash=rng.choice([0.0, 0.02, 0.1]), pitch=table if rng.random() < 0.5 else None)
+        if a.name in "xyz"
+        else a
+        for a in base.axes
+    )
+    on = dataclasses.replace(base, axes=axes)
+    area = a_map(rng, steep=rng.choice([0.001, 0.01, 0.2]))
+    trace = a_path(rng, area)
+    report = validate(lowered(trace, using(area), on), trace, on, using(area))
+    assert report.verdict is Verdict.SAFE, ([f.message for f in report.findings], print_ir(trace))
 
 
 def test_limits_hold_for_the_raised_z() -> None:
