@@ -81,7 +81,28 @@ def modal() -> Iterator[str]:
             yield " ".join(words)
 
 
-SHAPES: dict[str, Callable[[], Iterator[str]]] = {"raster": raster, "arcs": contours, "modal": modal}
+def beside() -> Iterator[str]:
+    """A contour with cutter radius compensation: turns around a disk, every other of its sixteen sides an arc."""
+    cx, cy, radius = 2500000, 2500000, 400000
+    ring = (_RING[0], *_RING[:0:-1])
+    yield f"G0 X{mm(cx + 300000)} Y{mm(cy + 600000)}"
+    yield "G41.1 D4"
+    yield f"G1 X{mm(cx + radius)} Y{mm(cy + 300000)}"
+    n, x, y = 0, 0, 0
+    while True:
+        for k, (a, b) in enumerate(ring):
+            to_x, to_y = cx + radius * a // 10000, cy + radius * b // 10000
+            if k % 2 == 0:
+                yield f"G1 X{mm(to_x)} Y{mm(to_y)} Z{mm(_wave(n, 9001, 40000))}"
+            else:
+                yield f"G2 X{mm(to_x)} Y{mm(to_y)} I{mm(cx - x)} J{mm(cy - y)}"
+            x, y = to_x, to_y
+            n += 1
+
+
+SHAPES: dict[str, Callable[[], Iterator[str]]] = {
+    "raster": raster, "arcs": contours, "modal": modal, "beside": beside,
+}  # fmt: skip
 
 
 def write_program(shape: str, lines: int, path: Path) -> None:

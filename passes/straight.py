@@ -23,7 +23,7 @@ from gproof.passes.values import Position
 
 CHUNK_BYTES = 1 << 20
 _State = tuple[Any, Any, Any, Any]
-_FIRST_BATCH, _BATCH = 64, 1 << 13
+_FIRST_BATCH, _BATCH = 4, 1 << 13
 """Programmed rows that are made at once while the path is compensated: few first, as the tool may not follow them."""
 
 _UTF8_MARK = b"\xef\xbb\xbf"
@@ -149,7 +149,7 @@ class Straight(Blocks):
                     stop = at
             self.blocks += done
             at, going = stop, done == batch
-            batch = min(4 * batch, _BATCH)
+            batch = min(8 * batch, _BATCH)
         self._unpack(state)
         for axis in range(AXES):
             s.position[axis] = Position(float(floats[c.PLACE + axis]), s.position[axis].form)
