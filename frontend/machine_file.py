@@ -155,6 +155,13 @@ def _axis(table: TomlTable, name: str, before: Axis | None, unit: Fraction) -> A
     ):
         if low is not None and high is not None and low > high:
             table.bad(keys[0] if keys[0] in table.values else keys[1], f"{keys[0]} lies above {keys[1]}")
+    for drive in axis.drives():
+        for side, soft, end in (("min", drive.lower, drive.travel_lower), ("max", drive.upper, drive.travel_upper)):
+            if soft is not None and end is not None and (soft < end if side == "min" else soft > end):
+                # An end stop within the soft limits: inside them the axis would still run into it.
+                own = f"travel_{side}" if f"travel_{side}" in table.values else side
+                key = own if drive.name == axis.name.upper() and own in table.values else "slaves"
+                table.bad(key, f"{side} of {drive.name} lies beyond travel_{side}")
     for slave in axis.slaves:
         low = slave.lower if slave.lower is not None else axis.lower
         high = slave.upper if slave.upper is not None else axis.upper
