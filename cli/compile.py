@@ -55,7 +55,7 @@ def lower(session: Session, running: Running, stage: str) -> Lowered:
     followed.trace.verify()
     from gproof.passes.plan import plan
 
-    planned = plan(followed.trace, session.machine, session.findings, followed.joined)
+    planned = plan(followed.trace, followed.machine, session.findings, followed.joined)
     if planned is None:
         return lowered
     planned.verify()
@@ -64,8 +64,9 @@ def lower(session: Session, running: Running, stage: str) -> Lowered:
         return lowered
     from gproof.passes.step import step
 
-    lowered.stream = step(followed.trace, planned, session.machine, session.setup, session.findings, followed.origin)
-    if lowered.stream is not None:
+    stream = step(followed.trace, planned, followed.machine, session.findings, followed.origin)
+    if stream is not None:
+        lowered.stream = followed.on_machine(stream, session.machine)
         lowered.stream.verify()
     return lowered
 

@@ -280,7 +280,10 @@ class Executor(Branches):
 
 
 def _first_line(node: Statement) -> int:
-    return node.first_line if isinstance(node, BlockTable) else node.span.line
+    if isinstance(node, BlockTable):
+        return node.first_line
+    # A block that is made on demand knows its line without being made.
+    return node.place[1] if isinstance(node, DeferredBlock) else node.span.line
 
 
 def execute(

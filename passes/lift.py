@@ -17,13 +17,15 @@ import numpy.typing as npt
 
 from gproof.ir import codes
 from gproof.ir.columns import Columns
-from gproof.ir.finding import Findings, Refusal
+from gproof.ir.finding import Findings, Refusal, Span
 from gproof.ir.machine import Machine
 from gproof.ir.plan import Plan
 from gproof.ir.setup import HeightMap, Setup
+from gproof.ir.stream import StepStream
 from gproof.ir.trace import HEIGHT_MAP, TRACE_ROW, Op, Plane, State, Trace, TraceSection
 from gproof.passes import lift_kernels as k
 from gproof.passes.check import row_span
+from gproof.passes.cylinder import on_surface, with_machines_motors
 from gproof.passes.plan_kernels import arc_shapes
 
 assert (Op.ARC, Op.DWELL) == (k.ARC, k.DWELL)
@@ -38,13 +40,19 @@ Bytes = npt.NDArray[np.uint8]
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Followed:
-    """trace: what motors follow, never with a height map; by section, origin: the row of the job's Trace that each of
-    its rows is part of; joined: 1 where a row goes on with the one before it. Without a height map the trace is the
-    job's own and origin and joined are empty."""
+    """trace: what motors follow, never with a height map; machine: with the motors of Y and A exchanged where Y is
+    mapped onto A; by section, origin: the row of the job's Trace that each of its rows is part of; joined: 1 where a
+    row goes on with the one before it. Without a height map origin and joined are empty, and without either the trace
+    and the machine are the job's own."""
 
     trace: Trace
+    machine: Machine
     origin: tuple[Ints, ...] = ()
     joined: tuple[Bytes, ...] = ()
+
+    def on_machine(self, stream: StepStream, machine: Machine) -> StepStream:
+        """A stream of this trace with the motors of the job's machine."""
+        return stream if self.machine is machine else with_machines_motors(stream, machine)
 
     def of_job(self, plan: Plan) -> Plan:
         """A plan of this trace with the rows of the job's Trace: those that were cut occur once for each part."""
@@ -63,11 +71,17 @@ def follow(trace: Trace, setup: Setup, machine: Machine, findings: Findings) -> 
     lifts = _lifting(trace.states)
     height_map = setup.height_map
     on_at_start = height_map is not None and height_map.on
-    if height_map is None or setup.cylinder is not None or not (lifts.any() or on_at_start):
-        return Followed(trace=trace)
-    if not _known(trace):
-        return Followed(trace=trace)  # plan and step say what is missing
     try:
+        if setup.cylinder is not None:
+            if lifts.any() or on_at_start:
+                where = Span(trace.files[0], 0)
+                raise Refusal(codes.NOT_STEPPED.at(where, what="a height map is followed on a cylinder"))
+            trace, machine = on_surface(trace, machine, setup)
+            return Followed(trace=trace, machine=machine)
+        if height_map is None or not (lifts.any() or on_at_start):
+            return Followed(trace=trace, machine=machine)
+        if not _known(trace):
+            return Followed(trace=trace, machine=machine)  # plan and step say what is missing
         return _Lift(trace, height_map, machine).followed()
     except Refusal as refusal:
         findings.add(refusal.finding)
@@ -96,6 +110,7 @@ class _Lift:
 
     def __init__(self, trace: Trace, height_map: HeightMap, machine: Machine) -> None:
         self.trace = trace
+        self.machine = machine
         self.lifts = _lifting(trace.states)
         absolute = np.array(height_map.heights, dtype=np.float64)
         self.heights: Floats = np.ascontiguousarray(absolute - absolute[0, 0])
@@ -140,7 +155,9 @@ class _Lift:
         done = [self._section(section) for section in self.trace.sections]
         states = [_without(state) for state in self.trace.states]
         made = dataclasses.replace(self.trace, states=states, sections=[section for section, _, _ in done])
-        return Followed(trace=made, origin=tuple(o for _, o, _ in done), joined=tuple(j for _, _, j in done))
+        return Followed(
+            trace=made, machine=self.machine, origin=tuple(o for _, o, _ in done), joined=tuple(j for _, _, j in done)
+        )
 
     def _section(self, section: TraceSection) -> tuple[TraceSection, Ints, Bytes]:
         rows, start = section.rows, np.array(section.start, dtype=np.float64)

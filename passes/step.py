@@ -21,7 +21,6 @@ from gproof.ir.columns import Columns
 from gproof.ir.finding import Findings, Refusal, Span
 from gproof.ir.machine import AXIS_NAMES, Axis, Drive, Machine, PitchTable
 from gproof.ir.plan import Plan, PlanSection
-from gproof.ir.setup import Setup
 from gproof.ir.stream import EVENT, Motor, StepStream, StreamSection
 from gproof.ir.trace import HEIGHT_MAP, Op, Plane, Trace, TraceSection
 from gproof.passes import step_kernels as k
@@ -44,15 +43,15 @@ _FARTHEST = 1e15
 
 
 def step(
-    trace: Trace, plan: Plan, machine: Machine, setup: Setup, findings: Findings, origin: Sequence[Ints] = ()
+    trace: Trace, plan: Plan, machine: Machine, findings: Findings, origin: Sequence[Ints] = ()
 ) -> StepStream | None:
     """The planned job as a stream; None after a finding GP502, GP503, GP504 or GP520.
 
-    setup: for what it switches on and only the checks follow (GP520); origin: by section, the row that an event of a
-    row names (``lift.Followed``); not given: the row itself.
+    trace, machine: what the motors follow (``lift.follow``); origin: by section, the row that an event of a row names;
+    not given: the row itself.
     """
     try:
-        _refuse_what_has_no_steps(trace, machine, setup)
+        _refuse_what_has_no_steps(trace, machine)
         stream = _Stepper(trace, plan, machine).stream()
     except Refusal as refusal:
         findings.add(refusal.finding)
@@ -64,10 +63,8 @@ def step(
     return stream
 
 
-def _refuse_what_has_no_steps(trace: Trace, machine: Machine, setup: Setup) -> None:
+def _refuse_what_has_no_steps(trace: Trace, machine: Machine) -> None:
     """GP520 for what moves motors in ways that only the checks follow."""
-    if setup.cylinder is not None:
-        raise Refusal(codes.NOT_STEPPED.at(Span(trace.files[0], 0), what="Y is mapped onto A"))
     lifted = np.array([HEIGHT_MAP in state.following for state in trace.states], dtype=bool)
     turned = [axis for axis in machine.axes if axis.tip_feed]
     for section in trace.sections:

@@ -65,6 +65,9 @@ class Straight(Blocks):
     def _words(self, frame: Frame, table: BlockTable, run: object) -> None:
         assert frame.words is not None
         compiled = run is not k.run_lines.python
+        if compiled and isinstance(frame.columns[0], list):
+            # Picked plain when the table was opened, compiled now that it is entered again.
+            frame.columns = tuple(frame.words[name] for name in ("line", "letter", "value"))
         line = frame.words["line"]
         lines, letters, values = frame.columns
         count = len(frame.words)

@@ -21,6 +21,7 @@ from gproof.ir.stream import StepStream
 from gproof.ir.trace import Trace, Wait
 from gproof.verify import stream_inputs as inputs
 from gproof.verify import stream_kernels as kernels
+from gproof.verify import surface
 from gproof.verify.lifted_path import Lifting, Unfollowed
 from gproof.verify.stream_explain import explain
 from gproof.verify.stream_report import Collector, StreamReport
@@ -49,6 +50,7 @@ def validate(
     if not _well_formed(stream, trace, machine, setup, override, collector):
         collector.leave_open("the stream is malformed")
         return collector.report()
+    stream, trace, machine, setup = surface.view(stream, trace, machine, setup)
     times = _times(stream, machine, override)
     motors = inputs.motor_arrays(stream, machine, times.grid, collector, stretched=stretched)
     if machine.controller.max_step_frequency is None:
@@ -78,6 +80,10 @@ def _well_formed(
         problems.append(f"the stream has {len(stream.sections)} sections, the trace {len(trace.sections)}")
     if not problems:
         problems = [*inputs.machine_problems(stream, trace, machine), *inputs.unfollowed(trace, machine, setup)]
+        problems += surface.problems(trace, machine, setup)
+    if not problems and setup.cylinder is not None:
+        seen = surface.view(stream, trace, machine, setup)
+        problems = list(inputs.machine_problems(seen.stream, seen.trace, seen.machine))
     for what in problems[:20]:
         collector.add(STREAM_MALFORMED.at(span, what=what))
     return not problems

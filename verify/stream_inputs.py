@@ -174,8 +174,6 @@ def machine_problems(stream: StepStream, trace: Trace, machine: Machine) -> Iter
 
 def unfollowed(trace: Trace, machine: Machine, setup: Setup) -> Iterator[str]:
     """What moves motors in ways that this checker does not follow."""
-    if setup.cylinder is not None:
-        yield "Y is mapped onto A, and the motors follow another path than the trace"
     if setup.height_map is None and any(HEIGHT_MAP in state.following for state in trace.states):
         yield "Z follows a height map, and the setup has none"
     problem = setup.height_map.problem() if setup.height_map is not None else None

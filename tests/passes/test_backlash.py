@@ -47,7 +47,7 @@ def lowered(trace: Trace, on: Machine) -> tuple[Plan, StepStream]:
     findings = Findings()
     planned = plan(trace, on, findings)
     assert planned is not None, [f.message for f in findings.kept]
-    stream = step(trace, planned, on, NOTHING, findings)
+    stream = step(trace, planned, on, findings)
     assert stream is not None, [f.message for f in findings.kept]
     stream.verify()
     return planned, stream

@@ -28,7 +28,7 @@ def test_slow_circles_and_lines_are_no_excess_of_feed(steps: Fraction, feed: flo
         findings = Findings()
         planned = plan(trace, the_machine, findings)
         assert planned is not None, findings.kept
-        stream = step(trace, planned, the_machine, NOTHING, findings)
+        stream = step(trace, planned, the_machine, findings)
         assert stream is not None, findings.kept
         report = validate(stream, trace, the_machine, NOTHING)
         wrong = [f for f in report.findings if f.code.number not in (801, 808, 810)]

@@ -63,7 +63,7 @@ def lowered(trace: Trace, setup: Setup, on: Machine) -> StepStream:
     planned = plan(path.trace, on, findings, path.joined)
     assert planned is not None, [f.message for f in findings.kept]
     planned.verify()
-    stream = step(path.trace, planned, on, setup, findings, path.origin)
+    stream = step(path.trace, planned, on, findings, path.origin)
     assert stream is not None, [f.message for f in findings.kept]
     stream.verify()
     return stream
@@ -308,12 +308,9 @@ def test_positions_that_nobody_stated_are_said_to_be_missing(unknown: str) -> No
 
 def test_a_map_on_a_cylinder_is_not_followed() -> None:
     trace = Path().state(following=ON).feed(600, x=5).done()
-    setup = dataclasses.replace(using(WEDGE), cylinder=Cylinder(radius=10.0, y=0.0))
-    path = followed(trace, setup, machine())
+    setup = dataclasses.replace(using(WEDGE), cylinder=Cylinder(radius=10.0, y=0.0, zero=0.0))
     findings = Findings()
-    planned = plan(path.trace, machine(), findings)
-    assert planned is not None
-    assert step(path.trace, planned, machine(), setup, findings) is None
+    assert follow(trace, setup, machine(), findings) is None
     assert [f.code.label for f in findings.kept] == ["GP520"]
 
 

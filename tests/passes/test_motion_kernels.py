@@ -17,7 +17,6 @@ from passes.traces import Path, machine
 
 from gproof.ir.finding import Findings
 from gproof.ir.kernel import Kernel
-from gproof.ir.setup import NOTHING
 from gproof.ir.text import print_ir
 from gproof.ir.trace import Op, Trace, chunks
 from gproof.passes import plan_kernels, step_kernels
@@ -41,7 +40,7 @@ def everything(trace: Trace) -> str:
     findings, m = Findings(), machine(laf_angle=10.0, spindle_ramp_time=0.3)
     made = plan(trace, m, findings)
     assert made is not None
-    stream = step(trace, made, m, NOTHING, findings)
+    stream = step(trace, made, m, findings)
     assert stream is not None
     estimate = MotionEstimate(m)
     for chunk in chunks(trace):

@@ -11,7 +11,6 @@ from passes.programs import HEAD, run_whole
 from gproof.frontend.machine_file import load_machine
 from gproof.ir.finding import Findings
 from gproof.ir.machine import Machine, Spindle
-from gproof.ir.setup import ZERO
 from gproof.passes.plan import plan
 from gproof.passes.step import step
 
@@ -34,7 +33,7 @@ def lowered(folder: Path, text: str) -> list[str]:
     findings = Findings()
     planned = plan(trace, machine, findings)
     assert planned is not None  # times are nominal, and there
-    stream = step(trace, planned, machine, ZERO, findings)
+    stream = step(trace, planned, machine, findings)
     assert (stream is None) == bool(findings.kept)
     return [f.code.label for f in findings.kept]
 

@@ -21,7 +21,7 @@ def test_circle_from_minus_zero(turns: int) -> None:
     findings = Findings()
     planned = plan(trace, machine(), findings)
     assert planned is not None, findings.kept
-    stream = step(trace, planned, machine(), NOTHING, findings)
+    stream = step(trace, planned, machine(), findings)
     assert stream is not None, findings.kept
     report = validate(stream, trace, machine(), NOTHING)
     assert report.verdict is Verdict.SAFE, [f.message for f in report.findings]

@@ -44,7 +44,7 @@ def lowered(trace: Trace, on: Machine | None = None) -> tuple[Plan, StepStream]:
     on = on or machine()
     made = plan(trace, on, findings)
     assert made is not None, findings.kept
-    stream = step(trace, made, on, NOTHING, findings)
+    stream = step(trace, made, on, findings)
     assert stream is not None, findings.kept
     stream.verify()
     return made, stream
@@ -195,7 +195,7 @@ def told(trace: Trace, on: Machine, given_plan: Plan | None = None) -> list[str]
     findings = Findings()
     made = given_plan or plan(trace, on, findings)
     assert made is not None
-    assert step(trace, made, on, NOTHING, findings) is None
+    assert step(trace, made, on, findings) is None
     return [f"{f.span.line} {f.code.label} {f.message}" for f in findings.kept]
 
 
