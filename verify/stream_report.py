@@ -27,8 +27,8 @@ PROPERTIES: tuple[tuple[str, Code, str], ...] = (
     (
         "stream-position",
         STREAM_POSITION,
-        "every motor within 1 step of one path point after each step (1.02 on arcs, 1.11 over a height map), path "
-        "points never going back",
+        "every motor within 1 step of one path point after each step (1.02 on arcs, 1.11 over a height map; its "
+        "backlash more for a short time after a turn), path points never going back",
     ),
     ("stream-order", STREAM_ORDER, "no motor turns round more often between two rests than the path does"),
     ("stream-end", STREAM_END, "each section starts and ends at the steps nearest to the traced positions"),
