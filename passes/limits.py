@@ -435,7 +435,8 @@ class Limits(Check):
                         )
                     )  # fmt: skip
                 else:
-                    safe, said = f"{low:.4f} to {high:.4f}", f"{stated.low:g} to {stated.high:g}"
+                    safe = f"{low:.4f} to {high:.4f}"
+                    said = f"{round(stated.low, 6) + 0.0:g} to {round(stated.high, 6) + 0.0:g}"
                     cause = f"its value: safe for {safe}, stated {said}"
                     self.findings.add(codes.POSITION_UNKNOWN.at(self._first, axis=describe(form), cause=cause))
                 continue
