@@ -19,7 +19,9 @@ from gproof.ir.verdict import Verdict
 from gproof.verify.stream import validate
 
 CORPUS = Path(__file__).resolve().parents[2] / "corpus" / "eding"
-SAMPLE = ("drilled-plate", "operator-stops", "guilloche-engraving", "pcb-height-map", "slots-with-g92", "engraved-cylinder")
+SAMPLE = (
+    "drilled-plate", "operator-stops", "guilloche-engraving", "pcb-height-map", "slots-with-g92", "engraved-cylinder",
+)  # fmt: skip
 
 
 def compiled(name: str) -> Job | None:
