@@ -185,32 +185,36 @@ class While:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Call:
-    """Runs a subprogram by its (lower-case) name."""
+    """Runs a subprogram by its (lower-case) name. deleted: its line began with a slash."""
 
     name: str
     span: Span
+    deleted: bool = False
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Message:
     """Text for the operator. kind: ``msg``, ``warning``, ``error`` (stops the program), ``log``, ``dialog``.
 
-    in_comment: written as a comment of its line, where its text stands among the notes too.
+    in_comment: written as a comment of its line, where its text stands among the notes too. deleted: the line
+    began with a slash.
     """
 
     kind: str
     parts: tuple[Expr, ...]
     span: Span
     in_comment: bool = False
+    deleted: bool = False
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Guard:
-    """Switches a guard: name ``tool_change_area`` or ``machine_area``."""
+    """Switches a guard: name ``tool_change_area`` or ``machine_area``. deleted: its line began with a slash."""
 
     name: str
     on: bool
     span: Span
+    deleted: bool = False
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -218,24 +222,27 @@ class Device:
     """A command to the controller that is no block of words: homing, height maps, a knife ...
 
     name: a key of ``rules.DEVICES``, which tells what it means and how many arguments it has; names of axes, files
-    and switches are ``Text`` arguments (axes in lower case).
+    and switches are ``Text`` arguments (axes in lower case). deleted: its line began with a slash.
     """
 
     name: str
     arguments: tuple[Expr, ...]
     span: Span
+    deleted: bool = False
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Unsupported:
     """A statement that the manual has and gproof does not model; what follows is unknown.
 
-    text: the statement as written, without comments; "" when there is more of it than a line.
+    text: the statement as written, without comments; "" when there is more of it than a line. deleted: the line
+    began with a slash.
     """
 
     what: str
     span: Span
     text: str = ""
+    deleted: bool = False
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

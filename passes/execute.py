@@ -122,6 +122,11 @@ class Executor(Branches):
         node = frame.body[frame.at]
         frame.at += 1
         kind = type(node)
+        if kind in _PASSED_OVER and node.deleted:  # type: ignore[union-attr]
+            # A block looks after its slash itself.
+            self.met_deleted = self.met_deleted or not _is_harmless(node)
+            if self.block_delete:
+                return
         if kind is BlockTable:
             assert isinstance(node, BlockTable)
             self._run_pending()
@@ -277,6 +282,16 @@ class Executor(Branches):
         if isinstance(number, Unknown):
             raise Refusal(codes.UNKNOWN_CONDITION.at(node.target.span, cause=number.cause))
         return number, self.evaluator.value(node.value), node.target.span
+
+
+_PASSED_OVER = frozenset((Call, Message, Guard, Device, Unsupported))
+
+
+def _is_harmless(node: Statement) -> bool:
+    """Whether it makes no difference to the machine if a block delete switch passes over the statement."""
+    if isinstance(node, Device):
+        return node.name == "log_file"
+    return isinstance(node, Message) and node.kind in ("msg", "log")
 
 
 def _first_line(node: Statement) -> int:

@@ -126,7 +126,7 @@ class _Printer:
                 text = statement_text(node)
             except Unprintable as error:
                 raise self._refusal(node.span, str(error)) from None
-            yield from self._line(node.span, text, depth)
+            yield from self._line(node.span, text, depth, deleted=node.deleted)
 
     def _inside(self, node: If | While) -> str:
         try:
@@ -167,14 +167,15 @@ class _Printer:
         return b"".join([*parts, text[at:]])
 
     def _line(
-        self, span: Span | None, item: Item, depth: int, *, inner: int = 0, message: Message | None = None
-    ) -> Iterator[bytes]:
+        self, span: Span | None, item: Item, depth: int, *, inner: int = 0, message: Message | None = None,
+        deleted: bool = False,
+    ) -> Iterator[bytes]:  # fmt: skip
         """One line with a statement or a block, after the lines before it; inner: 1 where those are in a block."""
         line = max(self.next, span.line if span is not None else 0)
         yield from self._gap(line, depth + inner)
         notes = self.notes.of_line(line)
         try:
-            text = _composed(item, notes, depth * INDENT, message)
+            text = _composed(item, notes, depth * INDENT, message, deleted)
         except (Unprintable, UnicodeEncodeError) as error:
             place = span if span is not None else Span(self.source.name, line)
             raise self._refusal(place, str(error)) from None
@@ -217,9 +218,9 @@ def _with_message(
             yield node, None
 
 
-def _composed(item: Item, notes: list[Note], indent: int, message: Message | None) -> bytes:
-    """The text of a line, without its end."""
-    if not notes and isinstance(item, str) and message is None:
+def _composed(item: Item, notes: list[Note], indent: int, message: Message | None, deleted: bool) -> bytes:
+    """The text of a line, without its end. deleted: it begins with a slash, whatever its notes say."""
+    if not notes and not deleted and isinstance(item, str) and message is None:
         return (" " * indent + item).encode()
     encoding = next((text.decode() for _, _, kind, _, text in notes if kind == NoteKind.ENCODING), "utf-8")
     numbers = [b"N" + text for _, _, kind, _, text in notes if kind == NoteKind.LINE_NUMBER]
@@ -227,7 +228,7 @@ def _composed(item: Item, notes: list[Note], indent: int, message: Message | Non
     if message is not None and not _has_message(comments):
         shown = "".join(part.value for part in message.parts if isinstance(part, Text))
         comments.insert(0, (0, NoteKind.COMMENT, 0, f"MSG, {shown}".encode(encoding)))
-    deleted = any(kind == NoteKind.DELETE for _, _, kind, _, _ in notes)
+    deleted = deleted or any(kind == NoteKind.DELETE for _, _, kind, _, _ in notes)
     if isinstance(item, Block):
         deleted = deleted or item.deleted
         items = _items(item, _has_message(comments))

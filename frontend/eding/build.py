@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from gproof.frontend.eding.prepare import Line, LineError
@@ -235,13 +235,12 @@ class Builder:
     def flow(self, tokens: Tokens) -> list[Parsed]:
         deleted = tokens[0]
         statement = next(item for item in tokens[1:] if not isinstance(item, Comment))
-        if not deleted or _is_harmless(statement):
+        if not deleted:
             return [statement]
         if isinstance(statement, Structural):
             what = f"a block delete slash before {statement.keyword!r}"
             raise self.error(codes.FLOW_WORD_MISPLACED, 0, 1, what=what)
-        what = f"block delete before {self.line.keyword!r}"
-        return [Unsupported(what=what, span=statement.span, text=self._written())]
+        return [replace(statement, deleted=True)]
 
     def if_(self, tokens: Tokens) -> Structural:
         return Structural("if", _range_span(self, tokens), condition=tokens[1].node)
@@ -396,13 +395,6 @@ _TANDEM = {
 }
 BENT_KNIFE_DEGREES = 90  # 2.1.9
 _NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
-
-
-def _is_harmless(statement: Parsed) -> bool:
-    """Whether it makes no difference to the machine if a block delete switch passes over the statement."""
-    if isinstance(statement, Device):
-        return statement.name == "log_file"
-    return isinstance(statement, Message) and statement.kind in ("msg", "log")
 
 
 def _range(token: Token) -> tuple[int, int]:

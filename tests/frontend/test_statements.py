@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from pathlib import Path
 
 import pytest
@@ -116,13 +117,24 @@ def test_guards(line: str, name: str, on: bool) -> None:
 @pytest.mark.parametrize(
     "line",
     [
-        "zhc on", 'zhcload "map.txt"', "ZHCSAVE x", "/gosub part", "/tcaguard off", '/errmsg "no"', "/home x",
+        "zhc on", 'zhcload "map.txt"', "ZHCSAVE x", "/zhc on",
     ],
 )  # fmt: skip
 def test_statements_that_are_not_understood(line: str) -> None:
     (statement,) = parse(line)
     assert isinstance(statement, Unsupported)
     assert statement.what
+
+
+@pytest.mark.parametrize(
+    "line", ["/gosub part", "/ tcaguard off", '/N10 errmsg "no"', "/home x", "/zhc on", '/msg "a"']
+)
+def test_a_slash_belongs_to_its_statement(line: str) -> None:
+    (statement,) = parse(line)
+    (plain,) = parse(line.replace("/", " "))
+    assert isinstance(statement, Call | Guard | Message | Device | Unsupported)
+    assert not plain.deleted  # type: ignore[union-attr]
+    assert statement == dataclasses.replace(plain, deleted=True)  # type: ignore[type-var]
 
 
 @pytest.mark.parametrize(
