@@ -252,7 +252,7 @@ def _composed(item: Item, notes: list[Note], indent: int, message: Message | Non
 
 def _reads_otherwise(text: bytes, notes: list[Note]) -> bool:
     """Whether a line that was not UTF-8 would be taken for it now, its curly quotes being gone."""
-    if not any(kind == NoteKind.ENCODING for _, _, kind, _, _ in notes) or text.isascii():
+    if not any(kind == NoteKind.ENCODING for _, _, kind, _, _ in notes):
         return False
     try:
         text.decode("utf-8")

@@ -418,6 +418,15 @@ def test_soak(tmp_path: Path, seed: int) -> None:
         formatted(tmp_path, wild.mutated(rng, jobs))
 
 
+@pytest.mark.parametrize("line", ["errmsg “b” [2+1]", "msg “b”", "dlgmsg “a” “b” 100", "msg “ü” #1", "/msg  “b”  (ü)"])
+@pytest.mark.parametrize("around", ["", "if [1]\n{}\nendif\n", "G1 X1 (ü)\n{}\n"])
+def test_curly_quotes_of_windows_1252(line: str, around: str, tmp_path: Path) -> None:
+    """Without the quotes nothing may be left that says how the line is encoded: it then stays as it is."""
+    text = around.format(line) if around else line
+    assert formatted(tmp_path, text.encode("cp1252")) is not None
+    assert formatted(tmp_path, text.encode("utf-8")) is not None
+
+
 # -- what can not be printed, and what would differ
 
 
