@@ -29,7 +29,7 @@ from gproof.backend.emit.eding import emit
 from gproof.frontend.eding.load import load_alone
 from gproof.ir.finding import Findings
 
-FAST, SOAK = 10, 2_500
+FAST, SOAK = 10, 400
 SEEDS = [pytest.param(n * FAST, FAST, id=f"{n}") for n in range(4)]
 MORE = [pytest.param(10_000 + n * 100, 100, id=f"soak-{n}", marks=pytest.mark.soak) for n in range(SOAK // 100)]
 seeds = pytest.mark.parametrize(("first", "count"), [*SEEDS, *MORE])

@@ -14,7 +14,7 @@ from gproof.ir.verdict import Verdict
 
 FAST = 25
 SEEDS = [pytest.param(n * FAST, FAST, id=f"{n}") for n in range(4)]
-MORE = [pytest.param(30_000 + n * 100, 100, id=f"soak-{n}", marks=pytest.mark.soak) for n in range(30)]
+MORE = [pytest.param(30_000 + n * 100, 100, id=f"soak-{n}", marks=pytest.mark.soak) for n in range(10)]
 seeds = pytest.mark.parametrize(("first", "count"), [*SEEDS, *MORE])
 SIZES = (0.002, 0.002, 5.0, 60.0, -0.002)
 JUDGED = ("limits", "areas")
