@@ -28,6 +28,7 @@ from metamorphic.programs import (
 from gproof.backend.emit.eding import emit
 from gproof.frontend.eding.load import load_alone
 from gproof.ir.finding import Findings
+from gproof.ir.verdict import worst
 
 FAST, SOAK = 10, 400
 SEEDS = [pytest.param(n * FAST, FAST, id=f"{n}") for n in range(4)]
@@ -158,7 +159,7 @@ def test_lines_behind_a_slash(first: int, count: int, tmp_path: Path) -> None:
         for a, b in ((on, without), (off, plain)):
             assert a.verdict is b.verdict, where
             assert not same_moves(a, b), where
-        assert either.verdict is max(on.verdict, off.verdict, key=lambda v: v.value == "UNSAFE"), where
+        assert either.verdict is worst((on.verdict, off.verdict)), where
 
 
 @seeds
