@@ -13,6 +13,8 @@ from dataclasses import dataclass, field
 from fractions import Fraction
 from typing import NamedTuple
 
+from gproof.ir.controls import NO_CONTROLS, Controls
+
 AXIS_NAMES = ("x", "y", "z", "a", "b", "c")
 AXES = len(AXIS_NAMES)
 
@@ -94,6 +96,10 @@ class Axis:
     slaves: further motors that follow this axis; pitch: its motor's table; home_position: where the home sensor
     is; home_velocity: unit/s towards it, its sign is the direction, 0: homed by hand; tip_feed: the feed is that of
     the tool over the turning material (Eding 4THMILL), which gproof does not plan.
+    letter: the word that moves it, "" for that of its name: a second vertical axis W has the column of A;
+    vertical: it carries a head up and down, None where nothing says so; boundary_lower, boundary_upper: like limits,
+    in work positions without local coordinates (WinCNC lobound=, hibound=); feed_velocity: unit/s of feed moves
+    before a program gives another; home_place: machine position after homing, None: not stated.
     """
 
     name: str
@@ -111,6 +117,17 @@ class Axis:
     home_position: float | None = None
     home_velocity: float | None = None
     tip_feed: bool = False
+    letter: str = ""
+    vertical: bool | None = None
+    boundary_lower: float | None = None
+    boundary_upper: float | None = None
+    feed_velocity: float | None = None
+    home_place: float | None = None
+
+    @property
+    def word(self) -> str:
+        """The letter of its words in programs, upper case."""
+        return self.letter or self.name.upper()
 
     @property
     def index(self) -> int:
@@ -199,6 +216,7 @@ class Controller:
     what else is axis A (2.11).
     xz_seen_from: ``+y`` or ``-y``: from where the XZ plane is looked at by G2, G3, G41 and G42; None: not stated.
     thread_peak: what I of a threading cycle is, "position" or "offset"; None: not stated.
+    controls: what controllers of one command a line have beside all that.
     """
 
     dialect: str | None = None
@@ -218,6 +236,7 @@ class Controller:
     home_is_stop: bool | None = None
     turning: bool = False
     thread_peak: str | None = None
+    controls: Controls = NO_CONTROLS
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -33,6 +33,8 @@ FLAG_POINT = 1
 """The number had a decimal point."""
 FLAG_DELETE = 2
 """The line began with a block delete slash."""
+FLAG_BARE = 4
+"""The letter stands without a number, which counts as 0."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -61,6 +63,32 @@ class Variable:
 
 
 @dataclass(frozen=True, slots=True)
+class Named:
+    """A variable of the controller with a name, in upper case, or the argument of the call with that letter.
+
+    What a name means stands in ``LanguageRules.variables``; a single letter is an argument of the subprogram.
+    """
+
+    name: str
+    span: Span
+
+
+@dataclass(frozen=True, slots=True)
+class Input:
+    """The state of a channel of the machine: 1 on, 0 off.
+
+    kind: ``input``, ``output`` (what the program or the setup made of it), ``virtual``, or ``answer``: what the
+    operator says to the question that ``number`` counts. simulated: what a simulation takes it to be, where the
+    program says so; it has no bearing on what the machine does.
+    """
+
+    kind: str
+    number: Expr
+    span: Span
+    simulated: float | None = None
+
+
+@dataclass(frozen=True, slots=True)
 class Unary:
     """operator: ``neg``, ``abs``, ``acos`` ... , see ir/rules.py UNARY."""
 
@@ -83,7 +111,7 @@ class Binary:
     doubtful: bool = False
 
 
-Expr = Number | Text | Variable | Unary | Binary
+Expr = Number | Text | Variable | Named | Input | Unary | Binary
 
 
 @dataclass(frozen=True, slots=True)
@@ -106,13 +134,19 @@ class Assign:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Block:
-    """One line of words and assignments with expressions in them. deleted: it began with a slash."""
+    """One line of words and assignments with expressions in them.
+
+    deleted: it began with a slash. own: its codes are the controller's own, whatever a subprogram replaces.
+    texts: what its words have of text, by letter: names, file names.
+    """
 
     words: tuple[Word, ...]
     assigns: tuple[Assign, ...]
     span: Span
     comment: str = ""
     deleted: bool = False
+    own: bool = False
+    texts: tuple[tuple[str, Text], ...] = ()
 
 
 class DeferredBlock(Block):
@@ -163,6 +197,7 @@ class If:
 
     span: the line that opens it; else_span: the line that divides it, None without one (an empty ``otherwise`` may
     have one); end_span: the line that closes it. The latter two are None where nobody wrote them.
+    head: the line that asks, where the language has one: the statement behind it is what runs or is passed over.
     """
 
     condition: Expr
@@ -171,6 +206,21 @@ class If:
     span: Span
     else_span: Span | None = None
     end_span: Span | None = None
+    head: Statement | None = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Array:
+    """Repeats what follows it over a grid of rows and columns (WinCNC L10).
+
+    words: as written (R rows, C columns, X and Y distances, E: no way back at the end); body: everything up to the
+    next array or the end of the file.
+    """
+
+    words: tuple[Word, ...]
+    body: tuple[Statement, ...]
+    span: Span
+    comment: str = ""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -185,11 +235,18 @@ class While:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Call:
-    """Runs a subprogram by its (lower-case) name. deleted: its line began with a slash."""
+    """Runs a subprogram by its (lower-case) name.
+
+    deleted: its line began with a slash. arguments: what its words are named by inside (``Named``). text: the name
+    as written; counted: its lines count as lines of the job.
+    """
 
     name: str
     span: Span
     deleted: bool = False
+    arguments: tuple[Word, ...] = ()
+    text: str = ""
+    counted: bool = True
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -262,17 +319,21 @@ class BlockTable:
     words: Columns | None = None
 
 
-Statement = Block | If | While | Call | Message | Guard | Device | Unsupported | BlockTable
+Statement = Block | If | While | Array | Call | Message | Guard | Device | Unsupported | BlockTable
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Subprogram:
-    """A named list of statements; name in lower case; end_span: the line that closes it."""
+    """A named list of statements; name in lower case; end_span: the line that closes it.
+
+    is_file: it is a whole file, which local coordinates do not outlive (``LanguageRules.local_in_files``).
+    """
 
     name: str
     body: tuple[Statement, ...]
     span: Span
     end_span: Span | None = None
+    is_file: bool = False
 
 
 @dataclass(slots=True, kw_only=True)
@@ -365,7 +426,7 @@ class Program:
             elif isinstance(node, If):
                 self._verify_body(node.then)
                 self._verify_body(node.otherwise)
-            elif isinstance(node, While):
+            elif isinstance(node, While | Array):
                 self._verify_body(node.body)
 
 

@@ -20,6 +20,7 @@ from gproof.ir.columns import Columns
 from gproof.ir.finding import Refusal, Span
 from gproof.ir.notes import NoteKind, Notes, joined
 from gproof.ir.program import (
+    Array,
     WORD,
     Block,
     BlockTable,
@@ -121,6 +122,8 @@ class _Printer:
             yield from self._line(node.span, node, depth, message=message)
         elif isinstance(node, Message) and node.in_comment:
             yield from self._line(node.span, "", depth, message=node)
+        elif isinstance(node, Array):
+            raise self._refusal(node.span, "an array")
         else:
             try:
                 text = statement_text(node)
