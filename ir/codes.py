@@ -55,6 +55,26 @@ NESTING_PRESET = code(
     125, "nesting-preset", _N, "a value of the nesting dialog: what is judged is one part, at its programmed place"
 )
 UNREACHED_MISTAKE = code(126, "unreached-mistake", _W, "{message} ({label}), {where}, which this job never runs")
+MULTIPLE_COMMANDS = code(
+    127, "multiple-commands", _E, "{first} and {second} are two commands: a line of this controller has one"
+)
+PARAMETER_RANGE = code(128, "parameter-range", _E, "{code}: {word} is out of range; {allowed}")
+ILLEGAL_VALUE = code(129, "illegal-value", _E, "{word}: {what}")
+FILE_NOT_FOUND = code(130, "file-not-found", _E, "there is no file {name!r}{where}")
+ARRAY_IN_SUBPROGRAM = code(131, "array-in-subprogram", _E, "{code} cuts an array, which a subprogram must not do")
+ARRAY_PARAMETERS = code(132, "array-parameters", _E, "{code}: {what}")
+MACRO_TOO_LONG = code(
+    133,
+    "macro-too-long",
+    _E,
+    "the line has {length} characters when {name} is replaced; the controller takes {allowed}",
+)
+TEXT_BEHIND_COMMENT = code(
+    134,
+    "text-behind-comment",
+    _U,
+    "{text!r} behind a closed comment: whether the controller reads it is not documented",
+)
 
 # 2xx meaning
 AXIS_WORDS_MISSING = code(201, "axis-words-missing", _E, "{code} without axis words")
@@ -143,6 +163,13 @@ SYNCHRONISED_PITCH = code(
 )
 OUTPUT_VALUE = code(283, "output-value", _E, "{code}: {what}")
 ERROR_MESSAGE = code(245, "error-message", _W, "the program ends itself here with the error {text!r}")
+NOT_ENABLED = code(285, "not-enabled", _E, "{code} needs {device}, and the machine file has no {key}")
+STORED_POSITION_MISSING = code(286, "stored-position-missing", _E, "{word}: no position is stored under this number")
+STORED_POSITION_COMMAND = code(287, "stored-position-command", _E, "{code}: {what}")
+ABORTED_BY_PROGRAM = code(288, "aborted-by-program", _W, "the program aborts itself here ({code})")
+NEXT_LINE_OPEN = code(
+    289, "next-line-open", _U, "{code} decides about the next line, and {what}: which line is meant is not documented"
+)
 OVERRIDE_WITH_CODES = code(
     290, "override-with-codes", _E, "{code} calls the subprogram {name!r}: {other} can not stand on its line"
 )
@@ -281,6 +308,34 @@ MOTOR_LIMIT = code(
 MAPPED_AXIS = code(321, "mapped-axis", _U, "Y is mapped onto A, and {what}", "limits")
 HEIGHT_MAP_UNKNOWN = code(322, "height-map-unknown", _U, "height compensation: {what}", "limits")
 KNIFE_UNKNOWN = code(323, "knife-unknown", _U, "tangential knife: {what}", "limits")
+BOUNDARY_EXCEEDED = code(
+    330,
+    "boundary-exceeded",
+    _E,
+    "{axis} would reach {reached:.4f} {unit} in its workspace, {over:.4f} past its {side} boundary {limit:.4f}",
+    "limits",
+)
+FORCED_LIMIT_EXCEEDED = code(
+    331,
+    "forced-limit-exceeded",
+    _E,
+    "{axis} would reach {reached:.4f} {unit}, {over:.4f} past the forced {side} limit {limit:.4f}",
+    "limits",
+)
+BOUNDARY_GUARD_OFF = code(
+    332,
+    "boundary-guard-off",
+    _W,
+    "{axis} goes to {reached:.4f} {unit} in its workspace, past its {side} boundary {limit:.4f}, with the guard off",
+    "limits",
+)
+LIMIT_ADJUSTED = code(
+    333,
+    "limit-adjusted",
+    _W,
+    "the controller lets {axis} go to its {side} {kind} {limit:.4f} only, not to the {wanted:.4f} of the program",
+    "limits",
+)
 
 # 4xx geometry
 ARC_RADIUS_MISMATCH = code(
@@ -333,6 +388,14 @@ ENTRY_ARC = code(
     _E,
     "compensation can not begin with this arc: the tool is at {distance:.4f} mm, and the arc asks for {needed:.4f} mm",
 )
+ARC_TOO_SMALL = code(
+    414, "arc-too-small", _E, "the arc is too small: its {measure} is {value:.6f} {unit}, below {least:.6f}", "arcs"
+)
+ARC_SCALED = code(415, "arc-scaled", _E, "an arc while {axes} is scaled ({code})", "arcs")
+HELIX_NOT_SUPPORTED = code(
+    416, "helix-not-supported", _E, "{axes} would move during an arc, which this machine does not do", "arcs"
+)
+ARC_MAPPED = code(417, "arc-mapped", _E, "an arc while the words of the axes are re-mapped ({code})", "arcs")
 
 # 5xx motion and time
 FEED_OVER_MAXIMUM = code(
@@ -368,6 +431,20 @@ UNKNOWN_KEY = code(602, "unknown-key", _W, "key {key!r} is not known and was ign
 BAD_VALUE = code(603, "bad-value", _E, "{key}: {what}", "files")
 MISSING_KEY = code(604, "missing-key", _E, "{key} is missing", "files")
 NOT_MODELLED_SETTING = code(605, "not-modelled-setting", _U, "{key} is set, and gproof does not model it", "limits")
+ACCELERATION_BOUNDS = code(
+    606,
+    "acceleration-bounds",
+    _E,
+    "{axis}: acceleration times resolution is {steps:.0f}; the controller takes at most {allowed:.0f}",
+    "files",
+)
+MACRO_FILE_MISSING = code(
+    607,
+    "macro-file-missing",
+    _U,
+    "{name} is not beside {machine}: which commands it would replace is not known",
+    "files",
+)
 
 # 7xx printing and translation
 FORMAT_DIFFERS = code(
