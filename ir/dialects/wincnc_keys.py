@@ -404,7 +404,8 @@ OTHER_KEYS = (
     ),
     _aside(
         "xhc", "wireless pendant", "screen",
-        _P("T", "kind; 1", 1, 1), _P("D", "milliseconds of the display", 0), _P("S", "milliseconds of the wheel", 0), default="D500 S200",
+        _P("T", "kind; 1", 1, 1), _P("D", "milliseconds of the display", 0),
+        _P("S", "milliseconds of the wheel", 0), default="D500 S200",
     ),
 )  # fmt: skip
 
