@@ -95,3 +95,12 @@ def misplaced(found: list[Found], program: Path) -> list[str]:
         return missing
     surplus = sorted(judged - marks.expected - marks.allowed, key=str)
     return missing + [f"line {line} should not give {code}" for line, code in surplus if line not in marked_lines]
+
+
+def readme_tables(dialect: str) -> dict[str, str]:
+    """What corpus/README.md says under a dialect's heading of safe, unsafe and unknown jobs, by verdict."""
+    text = (ROOT / "corpus" / "README.md").read_text(encoding="utf-8")
+    part = re.split(r"^## ", text.split(f"\n## {dialect}\n")[1], flags=re.M)[0]
+    pieces = re.split(r"^\*\*(Safe|Not safe|Not known)\*\*", part, flags=re.M)
+    verdicts = {"Safe": "SAFE", "Not safe": "UNSAFE", "Not known": "UNKNOWN"}
+    return {verdicts[name]: body for name, body in zip(pieces[1::2], pieces[2::2], strict=True)}

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import importlib.util
-import re
 import subprocess
 import sys
 import tomllib
 from pathlib import Path
 
 import pytest
-from corpus.expectations import JUDGED, ROOT, findings, markers, misplaced, report_of
+from corpus.expectations import JUDGED, ROOT, findings, markers, misplaced, readme_tables, report_of
 
 CORPUS = ROOT / "corpus"
 JOBS = sorted(path.parent for path in CORPUS.glob("*/*/job.cnc"))
@@ -74,15 +73,12 @@ def test_generated_job_is_what_its_script_writes(script: Path) -> None:
 
 
 def test_readme_lists_every_job_under_its_verdict() -> None:
-    text = (CORPUS / "README.md").read_text(encoding="utf-8")
-    parts = re.split(r"^\*\*(Safe|Not safe|Not known)\*\*", text, flags=re.M)
-    sections = dict(zip(parts[1::2], parts[2::2], strict=True))
-    heading = {"SAFE": "Safe", "UNSAFE": "Not safe", "UNKNOWN": "Not known"}
+    tables = readme_tables("Eding CNC")
     for folder in JOBS:
         link = f"[{folder.name}]({name_of(folder)}/job.cnc)"
-        holding = [name for name, body in sections.items() if link in body]
-        assert holding == [heading[expectation(folder)["verdict"]]], link
-    assert len(re.findall(r"^\| \[", text, flags=re.M)) == len(JOBS)
+        holding = [verdict for verdict, body in tables.items() if link in body]
+        assert holding == [expectation(folder)["verdict"]], link
+    assert sum(body.count("\n| [") for body in tables.values()) == len(JOBS)
 
 
 def test_corpus_has_the_demo_job() -> None:
