@@ -1,0 +1,96 @@
+"""Every job of the WinCNC workshops through the real command line ends as its `.toml` and its markers say."""
+
+from __future__ import annotations
+
+import importlib.util
+import subprocess
+import sys
+import tomllib
+from pathlib import Path
+
+import pytest
+from corpus.expectations import JUDGED, ROOT, findings, markers, misplaced, readme_tables, report_of
+
+SHOPS = ROOT / "corpus" / "wincnc"
+JOBS = sorted(path.with_suffix(".tap") for path in SHOPS.glob("*/jobs/*.toml"))
+EXIT = {"SAFE": 0, "UNSAFE": 1, "UNKNOWN": 2}
+
+
+def name_of(job: Path) -> str:
+    return f"{job.parent.parent.name}/{job.stem}"
+
+
+def expectation(job: Path) -> dict:
+    return tomllib.loads(job.with_suffix(".toml").read_text(encoding="utf-8"))
+
+
+def called(job: Path) -> list[Path]:
+    """The subprogram files beside a job that it names."""
+    text = job.read_text(encoding="latin-1").upper()
+    return [path for path in sorted(job.parent.glob("*.TAP")) if path.name.upper() in text]
+
+
+@pytest.mark.parametrize("job", JOBS, ids=name_of)
+def test_job_ends_as_expected(job: Path) -> None:
+    expect = expectation(job)
+    command = ["check", str(job), "--machine", str(job.parent / expect["machine"]), "--dialect", "wincnc"]
+    if "setup" in expect:
+        setup = expect["setup"]
+        command += ["--setup", setup if setup == "zero" else str(job.parent / setup)]
+    done = subprocess.run(
+        [sys.executable, "-m", "gproof.cli.main", *command, "--format", "json"],
+        cwd=ROOT,
+        stdin=subprocess.DEVNULL,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert "Traceback" not in done.stderr, done.stderr
+    report = report_of(done.stdout or done.stderr)
+    found = findings(report)
+    assert {one.code for one in found if one.severity in JUDGED} == set(expect["findings"]), found
+    assert report["verdict"] == expect["verdict"]
+    assert done.returncode == expect["exit"]
+    verdicts = {name: report["properties"][name]["verdict"] for name in expect.get("properties", {})}
+    assert verdicts == expect.get("properties", {})
+    assert [place for file in [job, *called(job)] for place in misplaced(found, file)] == []
+
+
+@pytest.mark.parametrize("job", JOBS, ids=name_of)
+def test_expectation_is_complete(job: Path) -> None:
+    expect = expectation(job)
+    assert job.is_file()
+    assert expect["title"].strip()
+    assert expect["exit"] == EXIT[expect["verdict"]]
+    assert (job.parent / expect["machine"]).is_file()
+    assert expect.get("setup", "zero") == "zero" or (job.parent / expect["setup"]).is_file()
+    assert {code for file in [job, *called(job)] for code in markers(file).codes} <= set(expect["findings"])
+    assert bool(expect["findings"]) == (expect["verdict"] != "SAFE")
+
+
+@pytest.mark.parametrize("script", sorted(SHOPS.glob("*/jobs/make_*.py")), ids=lambda path: path.stem)
+def test_generated_job_is_what_its_script_writes(script: Path) -> None:
+    spec = importlib.util.spec_from_file_location(script.stem, script)
+    assert spec is not None
+    assert spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    written = "".join(f"{line}\n" for line in module.lines())
+    job = script.with_name(f"{script.stem.removeprefix('make_')}.tap")
+    assert job.read_bytes() == written.encode("ascii")
+
+
+def test_readme_lists_every_job_under_its_verdict() -> None:
+    tables = readme_tables("WinCNC")
+    for job in JOBS:
+        link = f"[{job.stem}]({job.relative_to(ROOT / 'corpus').as_posix()})"
+        holding = [verdict for verdict, body in tables.items() if link in body]
+        assert holding == [expectation(job)["verdict"]], link
+    assert sum(body.count("\n| [") for body in tables.values()) == len(JOBS)
+
+
+def test_every_workshop_is_whole() -> None:
+    shops = sorted(path for path in SHOPS.iterdir() if path.is_dir())
+    assert len(shops) >= 3
+    for shop in shops:
+        assert {"WINCNC.INI", "CNC.MAC", "setup.toml"} <= {path.name for path in shop.iterdir()}
