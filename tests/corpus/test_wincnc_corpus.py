@@ -1,4 +1,4 @@
-"""The WinCNC workshops are whole: every job has its expectation, every expectation its files and its line in the README."""
+"""The WinCNC workshops are whole: every job has its expectation, its files and its line in the README."""
 
 from __future__ import annotations
 
