@@ -70,6 +70,80 @@ class DrillSettings:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class HomingLine:
+    """Axes that home together (one g28move= line of WinCNC; the lines in order are the order of homing).
+
+    distances: (column, mm or degrees) that each axis goes from its switch at the end: above 0 from a low one, below 0
+    from a high one; retreat: mm off the switch behind the first contact; feed, second_feed: mm/s towards it; longest:
+    mm that an axis moves at most; alternate: the alternate switches count; singly: one axis behind the other.
+    """
+
+    distances: tuple[tuple[str, float], ...] = ()
+    retreat: float | None = None
+    feed: float | None = None
+    second_feed: float | None = None
+    longest: float | None = None
+    alternate: bool = False
+    singly: bool = False
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class KnifeMode:
+    """A knife that turns with the path (WinCNC knifemode=, knifeangle=).
+
+    axis: column that turns it; target: it turns while a move runs (type 1), else between moves; angle: degrees beyond
+    which it is lifted to turn; blend: mm at both ends of a segment along which it turns; lifted, lowered: positions in
+    mm; vertical: column that lifts it, "" when an output does: output, with dwell seconds; automatic: it goes up and
+    down by itself; lifts_in_arcs: also within arcs; blade: degrees that it leans, both_ways: it cuts forth and back;
+    x, y: mm from the axis to the middle of the blade.
+    """
+
+    axis: str
+    target: bool = False
+    angle: float | None = None
+    blend: float = 0.0
+    lifted: float | None = None
+    lowered: float | None = None
+    vertical: str = "z"
+    output: int | None = None
+    dwell: float = 0.0
+    automatic: bool = False
+    lifts_in_arcs: bool = True
+    blade: float = 0.0
+    both_ways: bool = False
+    x: float = 0.0
+    y: float = 0.0
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SawMode:
+    """A saw that turns with the path (WinCNC sawmode=). axis: column; radius: mm; offset: degrees; lift: mm."""
+
+    axis: str
+    radius: float | None = None
+    offset: float = 0.0
+    lift: float | None = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class TorchControl:
+    """Torch height control (WinCNC thc=).
+
+    axis: column that it moves, at feed mm/s; output: of the torch; input: of the arc; start_delay, end_delay:
+    seconds; compression: mm of the switch at touch-off; lift: mm up when the torch is off.
+    """
+
+    axis: str = ""
+    feed: float | None = None
+    output: int | None = None
+    input: int | None = None
+    start_delay: float | None = None
+    end_delay: float | None = None
+    compression: float | None = None
+    lift: float | None = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Lexical:
     """How lines are read.
 
@@ -100,7 +174,15 @@ class Controls:
     shift_sign: whether a workspace's shift is added to (+1) or taken from (-1) a position, None: not stated.
     helical_arcs: False: an arc that moves another axis is an error.
     inputs, outputs: numbers of the channels that are there; None: no file says so. drill_banks: (first output, count).
-    devices: names of features that are set up: ``knife saw laser thc pump da spindle autoaux probe``.
+    devices: names of features that are set up: ``knife saw laser laserscan thc bevel pump da spindle autoaux probe
+    axisadj drillbank``.
+    axis_order: columns in the order of the controller's axis numbers (axischar=), 0 first.
+    smoothing: corners are rounded, or velocities planned otherwise than gproof does (accel=, g08=, g09=, vmatch=,
+    autoarcfeed=, axisvel= C).
+    homing: lines in order. knife, saw, torch: see there. probe_input, probe_axis: channel and column of the probe.
+    compensation_entry: cutter compensation begins with a move of its own (cutcomp=T1); compensation_swapped: left and
+    right are exchanged (cutcomp= D below 0). override: (lowest, highest) percent that a program may set; None: no file
+    says so; override_enabled: it may at all.
     positions, homes, tool_positions: how many of each can be stored.
     nesting: how deep subprograms may call one another.
     workspaces, changers, measure, drill: see there.
@@ -141,6 +223,18 @@ class Controls:
     auto_output_on: bool = False
     auto_dwell: tuple[float, float] = (0.0, 0.0)
     auto_pausing: bool = True
+    axis_order: str = ""
+    smoothing: bool = False
+    homing: tuple[HomingLine, ...] = ()
+    knife: KnifeMode | None = None
+    saw: SawMode | None = None
+    torch: TorchControl | None = None
+    probe_input: int | None = None
+    probe_axis: str = "z"
+    compensation_entry: bool = False
+    compensation_swapped: bool = False
+    override: tuple[float | None, float | None] | None = None
+    override_enabled: bool = True
 
 
 NO_CONTROLS = Controls()

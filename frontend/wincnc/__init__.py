@@ -1,0 +1,1 @@
+"""WinCNC: its machine file, its macro file, its programs."""
