@@ -49,6 +49,10 @@ def load_machine(path: Path, findings: Findings) -> tuple[Machine | None, Files]
 
 def _load(path: Path, findings: Findings, depth: int) -> tuple[Machine | None, Files]:
     if path.suffix.lower() == ".ini":
+        from gproof.frontend.wincnc.machine_ini import is_wincnc_ini, load_wincnc_ini
+
+        if is_wincnc_ini(path):
+            return load_wincnc_ini(path, findings)
         from gproof.frontend.eding.machine_ini import load_ini
 
         return load_ini(path, findings)

@@ -15,8 +15,7 @@ from gproof.ir.machine import Axis, AxisKind, Slave
 
 VERTICAL = "ZWUV"
 """Letters of heads that go up and down, where T does not say otherwise (Tool Length Offset; M37, G43)."""
-_TURNING = "ABC"
-_TYPE_VERTICAL, _TYPE_TURNING = 3, 4
+TYPE_VERTICAL = 3
 
 
 def read_axes(sheet: Sheet) -> tuple[Axis, ...]:
@@ -41,7 +40,7 @@ def _axis(sheet: Sheet, letter: str, own: dict[str, list[Setting]]) -> Axis:
     spec = own["axisspec"][0]
     speeds = next(iter(own.get("axisvel", ())), None)
     kind = number(spec, "T")
-    turning = kind == _TYPE_TURNING if kind is not None else letter in _TURNING
+    turning = sheet.turns(letter)
     length = Fraction(1) if turning else sheet.unit
     steps = _positive(sheet, spec, "R", Fraction(1))
     lower, upper = _pair(sheet, "lolim", "hilim", letter, length)
@@ -58,7 +57,7 @@ def _axis(sheet: Sheet, letter: str, own: dict[str, list[Setting]]) -> Axis:
         backlash=_backlash(sheet, spec, length),
         slaves=tuple(Slave(joint=_output(setting)) for setting in own.get("altaxisspec", ())),
         letter="" if letter.lower() == column else letter,
-        vertical=kind == _TYPE_VERTICAL if kind is not None else letter in VERTICAL,
+        vertical=kind == TYPE_VERTICAL if kind is not None else letter in VERTICAL,
         boundary_lower=boundary_lower,
         boundary_upper=boundary_upper,
         feed_velocity=_rounded(_positive(sheet, speeds, "F", length / SECONDS_IN_MINUTE, zero=True)) or None,

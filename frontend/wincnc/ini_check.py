@@ -21,6 +21,9 @@ UNITS = {"IN": Fraction(127, 5), "CM": Fraction(10), "MM": Fraction(1)}
 """Millimetres in a unit (Unit Settings: unit=)."""
 
 AXIS_LETTERS = "XYZABCWUV"
+TURNING = "ABC"
+"""Letters of axes that turn, where T of axisspec= does not say otherwise."""
+TYPE_TURNING = 4
 SECONDS_IN_MINUTE = 60
 HIGHEST_CHANNEL = 64
 """Of inputs and outputs; auxin= and auxout= speak of 32, M17.3 and M18.2 of 64."""
@@ -96,6 +99,12 @@ class Sheet:
         """A letter that is the number of an axis, as its column."""
         value = self.value(key, letter)
         return None if value is None else self.columns.get(self.letters[int(value)])
+
+    def turns(self, letter: str) -> bool:
+        """True for an axis that counts degrees: T4, or without T one of A, B and C."""
+        at = self.letters.find(letter)
+        kind = number(self.axes[at]["axisspec"][0], "T") if 0 <= at < len(self.axes) else None
+        return letter in TURNING if kind is None else kind == TYPE_TURNING
 
     @staticmethod
     def scaled(value: Fraction | None, unit: Fraction) -> float | None:
@@ -179,12 +188,12 @@ class Sheet:
         good = True
         for word in setting.words:
             kind = rule.letters.get(word.letter)
-            if kind is None and rule.axes and word.letter in AXIS_LETTERS:
+            if kind is None and rule.named.form == "axes" and word.letter in AXIS_LETTERS:
                 kind = "length"
                 if word.letter not in self.columns and self.columns:
                     self.ini.report_unknown(setting, word, "there is no such axis")
             if kind is not None:
-                good = self._is_good(setting, word, kind) and good
+                good = self._is_good(setting, word, _with_range(rule, word.letter, kind)) and good
             elif rule.treatment == "modelled":
                 self.open(setting, "the manual does not name this letter of the key", word=word)
             else:
@@ -227,9 +236,9 @@ class Sheet:
         if name == "axis" and self.letters and not 0 <= value < len(self.letters):
             return f"there is no axis number {text}"
         low, _, high = (limits or _USUAL_RANGE.get(name, "")).partition("..")
-        if low and value < int(low):
+        if low and value < Fraction(low):
             return f"{text} is below {low}"
-        if high and value > int(high):
+        if high and value > Fraction(high):
             return f"{text} is above {high}"
         return ""
 
@@ -238,6 +247,19 @@ def number(setting: Setting | None, letter: str) -> Fraction | None:
     """The number behind a letter of a setting, or None."""
     word = None if setting is None else setting.word(letter)
     return None if word is None else word.value
+
+
+def _with_range(rule: KeyRule, letter: str, kind: str) -> str:
+    """The kind with the range that the manual gives for the letter; of keys that are only kept nothing is checked."""
+    if rule.treatment == "kept":
+        return kind if kind in ("text", "letters") else "number"
+    if " " in kind or kind in _USUAL_RANGE:
+        return kind
+    named = next((parameter for parameter in rule.named.parameters if parameter.letter == letter), None)
+    if named is None or (named.low is None and named.high is None):
+        return kind
+    low, high = ("" if end is None else f"{end:g}" for end in (named.low, named.high))
+    return f"{kind} {low}..{high}"
 
 
 def columns_of(letters: str) -> tuple[dict[str, str], str]:

@@ -18,7 +18,7 @@ from gproof.frontend.toml_table import LARGEST
 from gproof.ir import codes
 from gproof.ir.finding import Code, Findings, Span
 
-ENDS_OF_QUOTES = {'"': '"', "“": "”“\"", "”": "”“\"", "„": "”“\""}
+ENDS_OF_QUOTES = {'"': '"', "“": '”“"', "”": '”“"', "„": '”“"'}
 """What ends a text that begins with this mark: straight quotes, and those that editors make of them."""
 
 _END_OF_LINE = re.compile(r"\r\n|\r|\n")
@@ -168,9 +168,7 @@ class IniFile:
             word = Word(letter["letter"].upper(), None, "", base + letter.start("letter"), base + letter.end("letter"))
             self.bad(setting, what, word)
             return None
-        return Word(
-            letter["letter"].upper(), value, number.group(), base + letter.start("letter"), base + number.end()
-        )
+        return Word(letter["letter"].upper(), value, number.group(), base + letter.start("letter"), base + number.end())
 
     def _bad_part(self, setting: Setting, at: int, what: str) -> None:
         column = setting.value_column + at

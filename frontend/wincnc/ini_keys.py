@@ -1,11 +1,13 @@
-"""Every key of a WINCNC.INI: its letters, what they are, and what gproof makes of it.
+"""What gproof makes of each key of a WINCNC.INI, and what its letters are measured in.
 
-The table drives the reader (``machine_ini``) and the documentation (docs/dialects/wincnc-tables.md).
+What the manual says of a key (meaning, letters, ranges, defaults) is in ``ir/dialects/wincnc_keys.py``. Both tables
+drive the reader (``machine_ini``) and the documentation (docs/dialects/wincnc-tables.md).
 
-Kinds of values: ``length`` (in the file's unit), ``feed`` (units a minute), ``acceleration`` (units a minute a second),
-``steps`` (a unit), ``degrees``, ``seconds``, ``percent``, ``number``, ``whole``, ``switch`` (0 or 1), ``channel`` (of an
-input or output), ``axis`` (number of an axis, 0 for the first of axischar=), ``text`` and ``letters`` (in quotes). A
-range behind a kind (``whole 0..3``) is checked. Of an axis that turns, ``length`` means degrees.
+Kinds of values: ``length`` (in the file's unit), ``feed`` (units a minute), ``acceleration`` (units a minute a
+second), ``steps`` (a unit), ``degrees``, ``seconds``, ``percent``, ``number``, ``whole``, ``switch`` (0 or 1),
+``channel`` (of an input or output), ``axis`` (number of an axis, 0 for the first of axischar=), ``text`` and
+``letters`` (in quotes). A range behind a kind (``whole 0..3``), else that of the manual, is checked, except in keys
+that are only kept. Of an axis that turns, ``length`` means degrees.
 
 Treatments: ``modelled``: what a job does rests on it, and gproof follows it; ``checked``: its values are judged, and
 nothing else rests on it; ``kept``: as text in ``Machine.kept``; ``unmodelled``: gproof does not follow it: where it is
@@ -19,10 +21,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
-SETTINGS = "WINCNC.INI Settings"
-AXES = "Axis Settings"
-UNITS = "Unit Settings"
-TIMER = "Timer Card Setup"
+from gproof.ir.dialects import wincnc_keys
+from gproof.ir.dialects.wincnc_keys import Key
 
 ONCE, EACH_AXIS, MANY = "once", "each axis", "many"
 """How often a key may stand in a file: with one value, with one for each axisspec= above it, as often as you like."""
@@ -32,84 +32,87 @@ ONCE, EACH_AXIS, MANY = "once", "each axis", "many"
 class KeyRule:
     """A key.
 
-    letters: kinds by letter; axes: letters of axes may stand in the value, each with a length; bare: what a value
-    without letters is: a kind, ``=T`` for a number that stands for that letter's, "" where there is none; times: see
-    ONCE; treatment: see the module; heading: of the manual; reason: what gproof does with it, or why nothing.
+    letters: kinds by letter; bare: what a value without letters is: a kind, ``=T`` for a number that stands for that
+    letter's, "" where there is none; times: see ONCE; treatment: see the module; reason: what gproof does with it, or
+    why nothing.
     """
 
     key: str
     letters: Mapping[str, str] = field(default_factory=dict)
-    axes: bool = False
     bare: str = ""
     times: str = ONCE
     treatment: str = "kept"
-    heading: str = SETTINGS
     reason: str = ""
+
+    @property
+    def named(self) -> Key:
+        """What the manual says of it."""
+        return wincnc_keys.KEYS[self.key]
 
 
 def _letters(text: str) -> dict[str, str]:
     """``"P whole 0..3, O switch"`` as a table."""
-    pairs = (part.strip().split(" ", 1) for part in text.split(","))
-    return {letter: kind for letter, kind in pairs}
+    pairs = (part.strip().partition(" ") for part in text.split(","))
+    return {letter: kind for letter, _, kind in pairs}
 
 
 _SWITCH_AT_LIMIT = "a limit switch is no end of the travel: where the axis stops is not told"
 _SHOWN = "what is shown"
-_WORKSPACE = _letters("X length, Y length, T whole 0..5, R length, O degrees, M switch, A number")
+_WORKSPACE = _letters("X length, Y length, T whole, R length, O degrees, M switch, A number")
 _CHANGER = _letters("H length, O length, Z length, A axis, M switch")
 _LIMIT = _letters("P whole, B whole, O switch, A whole, D whole")
 _EXTRA_LIMIT = _letters("C whole, P whole, A whole, B whole, O switch")
 
 _RULES = (
     KeyRule(
-        key="unit", bare="text", treatment="modelled", heading=UNITS,
+        key="unit", bare="text", treatment="modelled",
         reason="IN, CM or MM; the first setting of the file; without it inches",
     ),
-    KeyRule(key="timertype", bare="whole", treatment="checked", heading=TIMER, reason="7200"),
+    KeyRule(key="timertype", bare="whole 7200..7200", treatment="checked", reason="must be 7200"),
     KeyRule(
-        key="axischar", bare="text", treatment="modelled", heading=AXES,
+        key="axischar", bare="text", treatment="modelled",
         reason="X, Y and Z have the columns x, y, z; A, B and C theirs; W, U and V what is left of a, b, c",
     ),
     KeyRule(
-        key="axisspec", times=EACH_AXIS, treatment="modelled", heading=AXES,
+        key="axisspec", times=EACH_AXIS, treatment="modelled",
         letters=_letters(
-            "P whole, S whole 0..5, D whole 0..5, R steps, A acceleration, F acceleration, O switch, E switch,"
-            " T whole 1..4, B length, K number"
+            "P whole, S whole, D whole, R steps, A acceleration, F acceleration, O switch, E switch,"
+            " T whole, B length, K number"
         ),
         reason="R, A, F, T, B; of A and F the lower one for every move; O and E are wiring: steps count as they are",
     ),
     KeyRule(
-        key="axisvel", times=EACH_AXIS, treatment="modelled", heading=AXES,
+        key="axisvel", times=EACH_AXIS, treatment="modelled",
         letters=_letters("R feed, F feed, S feed, M feed, H feed, A number, C feed"),
         reason="R, F; with C corners are rounded; S, M, H and A are of the keyboard",
     ),
     KeyRule(
-        key="axismode", times=EACH_AXIS, bare="text", treatment="unmodelled", heading=AXES,
+        key="axismode", times=EACH_AXIS, bare="text", treatment="unmodelled",
         reason="the manual has only its name",
     ),
     KeyRule(
-        key="axisadj", times=EACH_AXIS, treatment="unmodelled", heading=AXES,
+        key="axisadj", times=EACH_AXIS, treatment="unmodelled",
         letters=_letters(
             "T switch, A axis, V feed, U channel, D channel, I switch, B axis, S channel"
         ),
         reason="keys and inputs move the axis while a job runs, from the start unless I is 0",
     ),
     KeyRule(
-        key="axismap", times=EACH_AXIS, treatment="unmodelled", heading=AXES,
+        key="axismap", times=EACH_AXIS, treatment="unmodelled",
         letters=_letters("S length, E length, M length"),
         reason="the adjustments themselves are in no file that is described",
     ),
     KeyRule(
-        key="altaxisspec", times=EACH_AXIS, treatment="modelled", heading=AXES,
-        letters=_letters("P whole, S whole 0..5, D whole 0..5, O switch, E switch"),
+        key="altaxisspec", times=EACH_AXIS, treatment="modelled",
+        letters=_letters("P whole, S whole, D whole, O switch, E switch"),
         reason="a second motor, for the rest like the first",
     ),
     *(
-        KeyRule(key=key, times=EACH_AXIS, letters=_LIMIT, heading=AXES, reason=_SWITCH_AT_LIMIT)
+        KeyRule(key=key, times=EACH_AXIS, letters=_LIMIT, reason=_SWITCH_AT_LIMIT)
         for key in ("axislo", "axishi", "altaxislo", "altaxishi")
     ),
     *(
-        KeyRule(key=key, times=MANY, letters=_EXTRA_LIMIT, heading=AXES, reason=_SWITCH_AT_LIMIT)
+        KeyRule(key=key, times=MANY, letters=_EXTRA_LIMIT, reason=_SWITCH_AT_LIMIT)
         for key in ("exaltaxislo", "exaltaxishi")
     ),
     KeyRule(
@@ -134,7 +137,7 @@ _RULES = (
         reason="M1: G2 and G3 are modal; A1: I and J are positions",
     ),
     KeyRule(
-        key="arctype", letters=_letters("I length 0.., M switch, O number"), treatment="modelled",
+        key="arctype", letters=_letters("I length, M switch, O number"), treatment="modelled",
         reason="M1: G2 and G3 are modal; with I other than 0 arcs are chords, which gproof does not follow",
     ),
     *(
@@ -148,7 +151,7 @@ _RULES = (
         reason="velocities are not planned as gproof does",
     ),
     KeyRule(
-        key="autoaux", letters=_letters("C channel 1..64, I switch, S seconds 0.., E seconds 0.., T switch"),
+        key="autoaux", letters=_letters("C channel 1..64, I switch, S seconds, E seconds, T switch"),
         treatment="modelled", reason="an output that is on during feed moves",
     ),
     KeyRule(key="autodir", bare="text", reason="a folder for automatic runs"),
@@ -203,23 +206,23 @@ _RULES = (
     ),
     *(KeyRule(key=f"ctrlf{n}", bare="text", reason="a command of the keyboard") for n in range(1, 9)),
     KeyRule(
-        key="da", letters=_letters("T whole 0..2, A number, V number, I number, C whole, R number"),
+        key="da", letters=_letters("T whole, A number, V number, I number, C whole, R number"),
         treatment="modelled", reason="the device da: its voltage is not judged",
     ),
     KeyRule(
-        key="drillbank", times=MANY, letters=_letters("C channel 1..64, N whole 1..64"), treatment="modelled",
+        key="drillbank", times=MANY, letters=_letters("C channel 1..64, N whole"), treatment="modelled",
         reason="the first output of a row of drills and their number",
     ),
     KeyRule(key="editor", bare="text", reason=_SHOWN),
     KeyRule(
         key="enab", times=MANY, treatment="checked",
-        letters=_letters("C channel 1..64, M text, T whole 1..4, L whole, I switch, A letters"),
+        letters=_letters("C channel 1..64, M text, T whole, L whole, I switch, A letters"),
         reason="an input that stops the machine: jobs are judged as they run without it",
     ),
     KeyRule(key="esc_step", bare="whole 0..", treatment="checked", reason="how the escape key stops the machine"),
     KeyRule(key="filetype", bare="text", reason="names that dialogs show"),
     KeyRule(
-        key="forcelim", axes=True, treatment="modelled",
+        key="forcelim", treatment="modelled",
         reason="the lower corner of what a limited machine may reach; the higher of the two readings beside lolim=",
     ),
     KeyRule(key="fslock", bare="switch", treatment="checked", reason="digitizing"),
@@ -232,16 +235,16 @@ _RULES = (
         reason="velocities are not planned as gproof does",
     ),
     KeyRule(key="g2modal", bare="switch", treatment="modelled", reason="G2 and G3 are modal"),
-    KeyRule(key="g28altmove", axes=True, reason="squares a gantry while homing"),
+    KeyRule(key="g28altmove", reason="squares a gantry while homing"),
     KeyRule(key="g28check", bare="switch", treatment="checked", reason="asks the operator behind homing"),
-    KeyRule(key="g28checktol", axes=True, reason="asks the operator behind homing"),
+    KeyRule(key="g28checktol", reason="asks the operator behind homing"),
     KeyRule(
-        key="g28coord", axes=True, treatment="modelled",
+        key="g28coord", treatment="modelled",
         reason="the machine position behind homing; 0 where it is not given or all are 0",
     ),
     KeyRule(key="g28_lim_cnt", bare="whole 0..", treatment="checked", reason="debounce of switches"),
     KeyRule(
-        key="g28move", times=MANY, axes=True, treatment="modelled",
+        key="g28move", times=MANY, treatment="modelled",
         letters=_letters("R length, F feed, T feed, A number, M number, L length"),
         reason="the order of homing, the way from each switch and the velocities",
     ),
@@ -257,27 +260,27 @@ _RULES = (
         for n in range(54, 60)
     ),
     KeyRule(
-        key="g81set", letters=_letters("D seconds 0.., R length 0.., L length 0.."), treatment="modelled",
+        key="g81set", letters=_letters("D seconds, R length, L length"), treatment="modelled",
         reason="dwell, approach and lift of drilling cycles",
     ),
     KeyRule(key="g81dwell", bare="seconds 0..", treatment="modelled", reason="dwell of drilling cycles"),
     KeyRule(key="helpfile", bare="text", reason=_SHOWN),
     KeyRule(
-        key="hibound", axes=True, treatment="modelled", reason="upper boundaries, which count workspace offsets"
+        key="hibound", treatment="modelled", reason="upper boundaries, which count workspace offsets"
     ),
-    KeyRule(key="hilim", axes=True, treatment="modelled", reason="upper limits of machine positions"),
+    KeyRule(key="hilim", treatment="modelled", reason="upper limits of machine positions"),
     KeyRule(key="homedir", bare="text", reason="a folder"),
     KeyRule(key="keyfact", bare="number", reason="the licence key"),
     KeyRule(key="keypad", times=MANY, letters=_letters("C whole, B whole, P whole, S number"), reason="a hand panel"),
     KeyRule(key="keypaddir", bare="text", reason="a hand panel"),
     KeyRule(
-        key="knifeangle", letters=_letters("A degrees -89..89, M switch, X length, Y length"), treatment="modelled",
+        key="knifeangle", letters=_letters("A degrees, M switch, X length, Y length"), treatment="modelled",
         reason="a blade that leans: the knife mode is then not followed",
     ),
     KeyRule(
         key="knifemode", treatment="modelled",
         letters=_letters(
-            "T whole 0..1, A degrees 0.., L length 0.., Z length, P length, N axis, C channel, D seconds 0..,"
+            "T whole, A degrees, L length, Z length, P length, N axis, C channel, D seconds,"
             " M switch, R switch, V axis"
         ),
         reason="the settings of the knife, the device knife",
@@ -298,11 +301,11 @@ _RULES = (
     KeyRule(key="lim_mode", bare="whole 0..3", treatment="checked", reason="what a limit switch stops"),
     KeyRule(key="lim_step", bare="whole 0..", treatment="checked", reason="how a limit switch stops the machine"),
     KeyRule(
-        key="lobound", axes=True, treatment="modelled", reason="lower boundaries, which count workspace offsets"
+        key="lobound", treatment="modelled", reason="lower boundaries, which count workspace offsets"
     ),
     KeyRule(key="logdir", bare="text", reason="a folder"),
     KeyRule(key="logfile", bare="text", reason="a file"),
-    KeyRule(key="lolim", axes=True, treatment="modelled", reason="lower limits of machine positions"),
+    KeyRule(key="lolim", treatment="modelled", reason="lower limits of machine positions"),
     KeyRule(key="mapping", letters=_letters("I length, R switch"), reason="of axismap=, which is not followed"),
     KeyRule(
         key="maxstepv", bare="number 1..", treatment="modelled", reason="pulses a second of an axis; without it 30000"
@@ -314,59 +317,59 @@ _RULES = (
         reason="the distance mode at the start; without it that of the job before",
     ),
     KeyRule(
-        key="override", letters=_letters("E switch, L percent 1..200, H percent 1..200, D channel, U channel"),
+        key="override", letters=_letters("E switch, L percent, H percent, D channel, U channel"),
         treatment="modelled", reason="the range that L40 may set",
     ),
     KeyRule(key="portin", times=MANY, bare="port", treatment="checked", reason="addresses of the computer"),
     KeyRule(key="portout", times=MANY, bare="port", treatment="checked", reason="addresses of the computer"),
     KeyRule(
-        key="pci48h", letters=_letters("A whole 0..15, B whole 0..15"), treatment="checked", reason="pins of a card"
+        key="pci48h", letters=_letters("A whole, B whole"), treatment="checked", reason="pins of a card"
     ),
-    KeyRule(key="pci24h", letters=_letters("A whole 0..15"), treatment="checked", reason="pins of a card"),
+    KeyRule(key="pci24h", letters=_letters("A whole"), treatment="checked", reason="pins of a card"),
     KeyRule(
-        key="positions", letters=_letters("P whole 0.., H whole 0.., T whole 0.., W switch"), treatment="modelled",
+        key="positions", letters=_letters("P whole, H whole, T whole, W switch"), treatment="modelled",
         reason="how many positions can be stored",
     ),
     KeyRule(
-        key="pumpcont", letters=_letters("T whole 0..3, L feed, H feed, A number, B number, I number, R number"),
+        key="pumpcont", letters=_letters("T whole, L feed, H feed, A number, B number, I number, R number"),
         treatment="modelled", reason="the device pump: what it delivers is not judged",
     ),
-    KeyRule(key="pwm", letters=_letters("F number, M percent 0..100"), reason="a signal of the laser"),
+    KeyRule(key="pwm", letters=_letters("F number, M percent"), reason="a signal of the laser"),
     KeyRule(key="quadmode", bare="whole 0..1", treatment="checked", reason="the form of the drives' signals"),
     KeyRule(key="rapid_lock", bare="switch", treatment="checked", reason="whether the operator may slow down G0"),
     KeyRule(key="rapidjog", bare="switch", treatment="checked", reason="moves by hand"),
     KeyRule(key="restart", letters=_letters("V switch"), reason="jobs are judged from their first line on"),
     KeyRule(
-        key="sawmode", letters=_letters("T whole 1..1, A axis, R length 0.., O degrees, Z length"),
+        key="sawmode", letters=_letters("T whole, A axis, R length, O degrees, Z length"),
         treatment="modelled", reason="the device saw; its mode is not followed",
     ),
     KeyRule(
         key="scan", treatment="modelled",
         letters=_letters(
-            "T whole 1..2, A axis, C channel 1..64, S whole, H length, F feed, P number, D whole"
+            "T whole, A axis, C channel 1..64, S whole, H length, F feed, P number, D whole"
         ),
         reason="the device probe and its input; scans are not followed",
     ),
     KeyRule(
         key="signal", times=MANY, treatment="checked",
-        letters=_letters("C channel 1..64, M text, T whole 100..202, I switch"),
+        letters=_letters("C channel 1..64, M text, T whole, I switch"),
         reason="a push button: jobs are judged as they run without it",
     ),
     KeyRule(
-        key="skipchars", times=MANY, letters=_letters("C text, N whole 0..1000000"), treatment="modelled",
+        key="skipchars", times=MANY, letters=_letters("C text, N whole"), treatment="modelled",
         reason="signs at the beginning of a line that make lines be left out",
     ),
     KeyRule(
-        key="softlim", letters=_letters("T whole 0..2, M switch, B switch, V switch"), bare="=T",
+        key="softlim", letters=_letters("T whole, M switch, B switch, V switch"), bare="=T",
         treatment="modelled", reason="limits and boundaries at the start, and what is done beyond them",
     ),
     KeyRule(key="spinchar", bare="text", treatment="unmodelled", reason="another letter than S sets the spindle"),
     KeyRule(
-        key="spindle", letters=_letters("T whole 1..3, R number, I number"), treatment="modelled",
+        key="spindle", letters=_letters("T whole, R number, I number"), treatment="modelled",
         reason="the device spindle; R: its highest speed",
     ),
     KeyRule(
-        key="steppulse", letters=_letters("P number 0.., D number 0.."), treatment="modelled",
+        key="steppulse", letters=_letters("P number, D number"), treatment="modelled",
         reason="microseconds of a pulse, and of the direction before it; 5 and 5 without it",
     ),
     KeyRule(
@@ -375,7 +378,7 @@ _RULES = (
     KeyRule(
         key="thc", treatment="modelled",
         letters=_letters(
-            "A axis, F feed, V number, S seconds 0.., E seconds 0.., P percent 0..100, O channel, I channel,"
+            "A axis, F feed, V number, S seconds, E seconds, P percent, O channel, I channel,"
             " D length, L length, T number, C seconds, W seconds, M number"
         ),
         reason="the settings of the torch, the device thc; where the torch goes by voltage is not followed",
@@ -405,7 +408,5 @@ _RULES = (
 KEYS: dict[str, KeyRule] = {rule.key: rule for rule in _RULES}
 """By key, lower case, in the manual's order."""
 
-OF_AXIS = frozenset(
-    rule.key for rule in _RULES if rule.heading == AXES and rule.key not in ("axischar", "axisspec")
-)
+OF_AXIS = frozenset(name for name, key in wincnc_keys.KEYS.items() if key.of == "axisspec")
 """Keys that belong to the axisspec= above them (the manual marks them with an asterisk)."""
