@@ -16,6 +16,9 @@ from gproof.ir.machine import Axis, AxisKind, Slave
 VERTICAL = "ZWUV"
 """Letters of heads that go up and down, where T does not say otherwise (Tool Length Offset; M37, G43)."""
 TYPE_VERTICAL = 3
+MOST_STEPS = 65535
+"""Highest product of acceleration and resolution (Messages and Error Codes: Acceleration Out of Bounds), taken as steps
+a second squared: counted by the minute, the manual's own example would be out of bounds."""
 
 
 def read_axes(sheet: Sheet) -> tuple[Axis, ...]:
@@ -46,6 +49,7 @@ def _axis(sheet: Sheet, letter: str, own: dict[str, list[Setting]]) -> Axis:
     lower, upper = _pair(sheet, "lolim", "hilim", letter, length)
     boundary_lower, boundary_upper = _pair(sheet, "lobound", "hibound", letter, length)
     _not_modelled(sheet, own, column)
+    _check_steps(sheet, letter, spec)
     return Axis(
         name=column,
         kind=AxisKind.ROTARY if turning else AxisKind.LINEAR,
@@ -88,6 +92,17 @@ def _acceleration(sheet: Sheet, spec: Setting, length: Fraction) -> float | None
     unit = length / SECONDS_IN_MINUTE
     given = [_positive(sheet, spec, "A", unit), _positive(sheet, spec, "F", unit, zero=True) or None]
     return _rounded(min((value for value in given if value is not None), default=None))
+
+
+def _check_steps(sheet: Sheet, letter: str, spec: Setting) -> None:
+    """GP606 for an acceleration that the controller can not count."""
+    steps = number(spec, "R") or Fraction(0)
+    for word in (spec.word("A"), spec.word("F")):
+        product = Fraction(0) if word is None else (word.value or 0) * steps / SECONDS_IN_MINUTE
+        if word is not None and product > MOST_STEPS:
+            place = (spec.line, word.column, word.end_column)
+            allowed = float(MOST_STEPS)
+            sheet.ini.add(codes.ACCELERATION_BOUNDS, *place, axis=letter, steps=float(product), allowed=allowed)
 
 
 def _backlash(sheet: Sheet, spec: Setting, length: Fraction) -> float:

@@ -76,8 +76,8 @@ class IniFile:
         self.settings: list[Setting] = []
 
     def add(self, code: Code, line: int, column: int = 0, end_column: int = 0, **values: Any) -> None:
-        """A finding at a place; everything but an unknown key makes the file bad."""
-        self.errors += code is not codes.UNKNOWN_KEY
+        """A finding at a place; all but an unknown key and what the controller itself refuses make the file bad."""
+        self.errors += code not in (codes.UNKNOWN_KEY, codes.ACCELERATION_BOUNDS)
         self.findings.add(code.at(Span(self.name, line, column, end_column), **values))
 
     def bad(self, setting: Setting, what: str, word: Word | None = None) -> None:

@@ -1,0 +1,129 @@
+"""CNC.MAC: commands that a shop has defined, replaced or switched off.
+
+A line is ``NAME=command [comment]``. NAME is that of a code (``M3``, ``G28``, ``L5.1``) or a word of one's own; what
+stands behind the equals sign is one command, ``[`` alone for none: the code is then passed over.
+Source: WinCNC manual, "Macro File Configuration"; comments as in programs ("Parameters: Comment", comchars=). "Braces"
+says that variables are defined in this file too, and not how: what can be no command is UNKNOWN.
+"""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+
+from gproof.frontend.wincnc.ini_file import ENDS_OF_QUOTES
+from gproof.frontend.wincnc.machine_ini import decode
+from gproof.ir import codes
+from gproof.ir.controls import Lexical
+from gproof.ir.finding import Findings, Related, Span
+from gproof.ir.program import SourceFile
+
+COMMENT_SIGNS = "[(%"
+"""Signs that begin a comment wherever they stand, besides those of comchars=."""
+
+_END_OF_LINE = re.compile(rb"\r\n|\r|\n")
+_CLOSED_BY = {"[": "]", "(": ")"}
+_CODE = re.compile(r"(?P<letter>[A-Za-z])[ \t]*(?P<whole>[0-9]{1,6})(?:\.(?P<part>[0-9]{0,6}))?", re.ASCII)
+_WORD = re.compile(r"[A-Za-z_][A-Za-z0-9_]*", re.ASCII)
+_COMMAND = re.compile(r"~?[ \t]*[A-Za-z]", re.ASCII)
+_CONTROL = re.compile(r"[\x00-\x08\x0b-\x1f\x7f]")
+
+
+@dataclass(frozen=True, slots=True)
+class Macro:
+    """A definition.
+
+    name: upper case, a code without leading zeros: ``M3`` for ``m03``; text: its command as written, "" for a code that
+    is switched off; span: of the line, its columns those of the text; column: where the text begins, from 1.
+    """
+
+    name: str
+    text: str
+    span: Span
+    column: int
+
+
+def read_macros(source: SourceFile, findings: Findings, lexical: Lexical) -> dict[str, Macro]:
+    """The definitions of a file by their names; a line that can be none is a finding at its place."""
+    macros: dict[str, Macro] = {}
+    signs = COMMENT_SIGNS + lexical.comment_signs
+    for number, raw in enumerate(_END_OF_LINE.split(bytes(source.data).removeprefix(b"\xef\xbb\xbf")), 1):
+        line = decode(raw.rstrip(b"\x1a"))
+        if not line.strip() or line.lstrip()[0] in signs:
+            continue
+        macro = _macro(source.name, number, line, findings, signs)
+        if macro is None:
+            continue
+        before = macros.setdefault(macro.name, macro)
+        if before is not macro and before.text != macro.text:
+            what = f"defined again with another command than in line {before.span.line}"
+            related = (Related(before.span, "the other definition"),)
+            findings.add(codes.BAD_VALUE.at(macro.span, key=macro.name, what=what, related=related))
+    return macros
+
+
+def code_name(text: str) -> str | None:
+    """The name of a code or word as macros are looked up by it; None for what is none."""
+    code = _CODE.fullmatch(text)
+    if code is not None:
+        part = (code["part"] or "").rstrip("0")
+        return f"{code['letter'].upper()}{int(code['whole'])}" + (f".{part}" if part else "")
+    return text.upper() if _WORD.fullmatch(text) else None
+
+
+def _macro(file: str, number: int, line: str, findings: Findings, signs: str) -> Macro | None:
+    control = _CONTROL.search(line)
+    if control is not None:
+        what = f"control character U+{ord(control.group()):04X} in the line"
+        findings.add(codes.SYNTAX.at(Span(file, number, control.start() + 1, control.end() + 1), what=what))
+        return None
+    written, equals, rest = line.partition("=")
+    at = len(written) - len(written.lstrip())
+    name = code_name(written.strip()) if equals else None
+    if name is None:
+        what = "neither NAME=command nor a comment"
+        findings.add(codes.SYNTAX.at(Span(file, number, at + 1, len(line.rstrip()) + 1), what=what))
+        return None
+    begin = len(line) - len(rest.lstrip())
+    end = _end_of_command(line, begin, signs)
+    text = line[begin:end].rstrip()
+    span = Span(file, number, begin + 1, max(begin + len(text), begin + 1) + 1)
+    if end < len(line):
+        _tell_what_follows(file, number, line, end, findings, signs)
+    elif not text:
+        span = Span(file, number, at + 1, at + len(written.strip()) + 1)
+        findings.add(codes.BAD_VALUE.at(span, key=name, what="no command behind the equals sign; [ stands for none"))
+        return None
+    if text and _COMMAND.match(text) is None:
+        what = f"{name}={text[:30]}: a variable, of which the manual does not say how it is defined"
+        findings.add(codes.UNSUPPORTED_CODE.at(span, code=what))
+        return None
+    return Macro(name, text, span, begin + 1)
+
+
+def _end_of_command(line: str, begin: int, signs: str) -> int:
+    """Where a comment begins; a sign within a text in quotes is none."""
+    at = begin
+    while at < len(line):
+        sign = line[at]
+        if sign in signs:
+            return at
+        if sign in ENDS_OF_QUOTES:
+            closing = next((i for i in range(at + 1, len(line)) if line[i] in ENDS_OF_QUOTES[sign]), -1)
+            at = max(closing, at)
+        at += 1
+    return at
+
+
+def _tell_what_follows(file: str, number: int, line: str, at: int, findings: Findings, signs: str) -> None:
+    """GP134 for words behind a closed comment."""
+    while at < len(line) and line[at] in _CLOSED_BY:
+        closing = line.find(_CLOSED_BY[line[at]], at)
+        if closing < 0:
+            return
+        at = closing + 1
+        while at < len(line) and line[at].isspace():
+            at += 1
+    if at < len(line) and line[at] not in signs:
+        span = Span(file, number, at + 1, len(line.rstrip()) + 1)
+        findings.add(codes.TEXT_BEHIND_COMMENT.at(span, text=line[at:].strip()[:40]))
