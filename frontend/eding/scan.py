@@ -1,4 +1,4 @@
-"""Plain lines: the automaton that recognises them, and the two kernels behind plain functions.
+"""Plain lines: the automaton that recognises them, and the kernels behind plain functions.
 
 The automaton stands on the line format of the Eding manual, 3.2: what may follow what in a line of literal
 words. Each character class, each state and each step is in the tables below.
@@ -8,14 +8,13 @@ from __future__ import annotations
 
 import functools
 import re
-from collections.abc import Iterator
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 from gproof.frontend.eding import scan_kernels as k
+from gproof.frontend.lines import Automata, LineIndex, automata, index_lines
 from gproof.ir.columns import Columns
 from gproof.ir.program import FLAG_DELETE, FLAG_POINT, WORD
 
@@ -128,84 +127,15 @@ _ENDS_WITH_WORDS = ("int", "real", "item1", "rest1", "return1")
 _ENDS_WITHOUT = ("start", "delete", "n1", "n2", "n3", "n4", "n5", "item0", "rest0", "percent", "return0")
 
 
-@dataclass(frozen=True, slots=True)
-class Automaton:
-    """Tables for ``index_lines``: class of a byte as the first and second of a pair, steps, verdicts."""
-
-    row: Any
-    column: Any
-    pairs: Any
-    verdicts: Any
-
-
 @functools.cache
-def _tables() -> tuple[Automaton, Automaton]:
-    """The automaton for plain Python (lists) and for compiled code (arrays)."""
-    steps = _steps()
-    states = list(steps)
-    bad = states.index("bad")
-    n = len(_CLASSES) + 1  # class 0 stands for "no second byte"
-    single = np.full((len(states), n), bad, np.int64)
-    single[:, 0] = np.arange(len(states))
-    for s, state in enumerate(states):
-        for name, after in steps[state].items():
-            single[s, 1 + _CLASSES.index(name)] = states.index(after)
-    pairs = single[single, :] * (n * n)  # [state, first, second] -> state's first entry
-    feed = 1 + _CLASSES.index("feed")
-    pairs[:, feed, :] = k.STOP
-    pairs[:, :, feed] = k.STOP
-    verdicts = np.zeros(len(states) * n * n, np.uint8)
-    for s, state in enumerate(states):
-        verdict = k.HAS_WORDS if state in _ENDS_WITH_WORDS else 0 if state in _ENDS_WITHOUT else k.NOT_PLAIN
-        verdicts[s * n * n] = verdict | (k.HAS_RETURN if state.startswith("return") else 0)
-    classes = np.array([1 + _CLASSES.index(_class_of(byte)) for byte in range(256)], np.uint16)
-    row, column, flat = classes * np.uint16(n), classes, pairs.reshape(-1).astype(np.uint16)
-    plain = Automaton(row.tolist(), column.tolist(), flat.tolist(), verdicts.tolist())
-    return plain, Automaton(row, column, flat, verdicts)
-
-
-@dataclass(frozen=True, slots=True)
-class LineIndex:
-    """The lines of a file that are not plain, as columns, and totals.
-
-    line, begin, end: number, first byte, byte behind the line's end; words_before: a plain line between the
-    special line before (or the top) and this one has a word; words_after: one behind the last has.
-    """
-
-    line: Ints
-    begin: Ints
-    end: Ints
-    words_before: Ints
-    words_after: bool
-    line_count: int
-
-    def rows(self) -> Iterator[tuple[int, int, int, int]]:
-        """(line, begin, end, words_before) of each line."""
-        columns = (self.line, self.begin, self.end, self.words_before)
-        for start in range(0, len(self.line), _ROOM):
-            yield from zip(*(c[start : start + _ROOM].tolist() for c in columns), strict=True)
-
-
-_ROOM = 4096
+def _tables() -> Automata:
+    """The automaton for plain Python and for compiled code."""
+    return automata(_steps(), _CLASSES, _class_of, _ENDS_WITH_WORDS, _ENDS_WITHOUT)
 
 
 def index(data: bytes, begin: int, limit: int, end: int | None = None) -> LineIndex:
     """Find the lines of data[begin:end] that are not plain; limit: characters that a line may have."""
-    end = len(data) if end is None else end
-    plain, compiled = _tables()
-    run = k.index_lines.pick(end - begin)
-    auto = plain if run is k.index_lines.python else compiled
-    source: Any = data if auto is plain else np.frombuffer(data, np.uint8)
-    at = [np.empty(_ROOM, np.int64) for _ in range(4)]
-    parts: list[list[Ints]] = []
-    position, line, words = begin, 1, 0
-    while position < end or not parts:
-        count, position, line, words = run(
-            source, position, end, line, words, limit, auto.row, auto.column, auto.pairs, auto.verdicts, *at
-        )
-        parts.append([column[:count].copy() for column in at])
-    numbers, firsts, afters, befores = (np.concatenate(columns) for columns in zip(*parts, strict=True))
-    return LineIndex(numbers, firsts, afters, befores, bool(words), line - 1)
+    return index_lines(_tables(), data, begin, limit, end)
 
 
 _POWERS = [10.0**n for n in range(k.DECIMALS_LIMIT + 1)]

@@ -14,6 +14,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from gproof.frontend import lines
 from gproof.frontend.eding import scan
 from gproof.frontend.eding.parse import parse_line
 from gproof.frontend.eding.prepare import LineError
@@ -314,7 +315,7 @@ def test_plain_python_and_compiled_agree_bit_for_bit(monkeypatch: pytest.MonkeyP
 def test_index_goes_on_where_its_columns_were_full(monkeypatch: pytest.MonkeyPatch) -> None:
     data = b"g1 x1\n#1=1\n(c)\n#2=2\n#3=3\ng1\n(c)\n" * 40
     whole = scan.index(data, 0, LIMIT)
-    monkeypatch.setattr(scan, "_ROOM", 3)
+    monkeypatch.setattr(lines, "_ROOM", 3)
     parts = scan.index(data, 0, LIMIT)
     assert parts.words_before.tolist() == whole.words_before.tolist()
     assert parts.begin.tolist() == whole.begin.tolist()
