@@ -48,3 +48,19 @@ def _bytes_of(path: Path) -> bytes:
             # A memory map has what the scanner uses of bytes: indexing, slices, find, the buffer.
             return mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ)  # type: ignore[return-value]
         return file.read()
+
+
+def encoding_of(raw: bytes) -> str:
+    """Of a line: UTF-8, else Windows-1252 as the controller writes it, else Latin-1."""
+    for encoding in ("utf-8", "cp1252"):
+        try:
+            raw.decode(encoding)
+        except UnicodeDecodeError:
+            continue
+        return encoding
+    return "latin-1"
+
+
+def decode(raw: bytes) -> str:
+    """Text of a line, by ``encoding_of``."""
+    return raw.decode(encoding_of(raw))

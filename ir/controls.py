@@ -175,7 +175,7 @@ class Controls:
     helical_arcs: False: an arc that moves another axis is an error.
     inputs, outputs: numbers of the channels that are there; None: no file says so. drill_banks: (first output, count).
     devices: names of features that are set up: ``knife saw laser laserscan thc bevel pump da spindle autoaux probe
-    axisadj drillbank``.
+    axisadj drillbank``; None: no file says which.
     axis_order: columns in the order of the controller's axis numbers (axischar=), 0 first.
     smoothing: corners are rounded, or velocities planned otherwise than gproof does (accel=, g08=, g09=, vmatch=,
     autoarcfeed=, axisvel= C).
@@ -210,7 +210,7 @@ class Controls:
     inputs: tuple[int, ...] | None = None
     outputs: tuple[int, ...] | None = None
     drill_banks: tuple[tuple[int, int], ...] = ()
-    devices: tuple[str, ...] = ()
+    devices: tuple[str, ...] | None = None
     positions: int | None = None
     homes: int | None = None
     tool_positions: int | None = None

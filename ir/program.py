@@ -224,6 +224,20 @@ class Array:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class Replaced:
+    """A line whose command the machine's macro file replaces (WinCNC, CNC.MAC).
+
+    written: the line as it stands, without comments; body: what it stands for, nothing for a code that is switched
+    off, at the place of the line.
+    """
+
+    written: str
+    body: tuple[Statement, ...]
+    span: Span
+    comment: str = ""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class While:
     """Repeats while the condition is not zero. end_span: the line that closes it."""
 
@@ -251,7 +265,9 @@ class Call:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Message:
-    """Text for the operator. kind: ``msg``, ``warning``, ``error`` (stops the program), ``log``, ``dialog``.
+    """Text for the operator. kind: ``msg``, ``warning``, ``error`` (stops the program), ``log``, ``dialog``; a question
+    with a button or two: ``ok``, ``abort`` and ``continue`` (yes aborts, yes goes on), ``run_next`` and ``skip_next``
+    (the head of an If).
 
     in_comment: written as a comment of its line, where its text stands among the notes too. deleted: the line
     began with a slash.
@@ -319,7 +335,7 @@ class BlockTable:
     words: Columns | None = None
 
 
-Statement = Block | If | While | Array | Call | Message | Guard | Device | Unsupported | BlockTable
+Statement = Block | If | While | Array | Replaced | Call | Message | Guard | Device | Unsupported | BlockTable
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -426,7 +442,7 @@ class Program:
             elif isinstance(node, If):
                 self._verify_body(node.then)
                 self._verify_body(node.otherwise)
-            elif isinstance(node, While | Array):
+            elif isinstance(node, While | Array | Replaced):
                 self._verify_body(node.body)
 
 

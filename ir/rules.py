@@ -108,6 +108,84 @@ class Function(enum.IntEnum):
     SPEED_OUTPUT_OFF = 116
     HEAD = 117
     UNSUPPORTED = 99
+    TRAVERSE_LIFTED = 120
+    SMOOTHING = 121
+    UNITS_CM = 122
+    UNITS_LAST = 123
+    HOME = 124
+    STOP_PARSING = 125
+    TRANSFORM_OFF = 126
+    ROTATION_LINE = 127
+    MACHINE_TRAVERSE = 128
+    WORKSPACE = 129
+    LOCAL_SET = 130
+    LOCAL_SHIFT_MACHINE = 131
+    LOCAL_SHIFT = 132
+    LOCAL_SWITCH = 133
+    LOCAL_CROSSING = 134
+    FEED_ROTARY = 135
+    DIALOG = 136
+    STORE_REGISTER = 137
+    STORE_HOME = 138
+    RETURN_HOME = 139
+    DYNAMICS = 140
+    ARRAY = 141
+    MAP_WORDS = 142
+    MAP_HEADS = 143
+    MAP_PULSES = 144
+    LIMITS_ON = 145
+    LIMITS_OFF = 146
+    LOW_BOUNDARY = 147
+    HIGH_BOUNDARY = 148
+    LOW_BOUNDARY_RESTORE = 149
+    HIGH_BOUNDARY_RESTORE = 150
+    SET_MACHINE = 151
+    WRAP_ROTARY = 152
+    KNIFE_ON = 153
+    KNIFE_OFF = 154
+    KNIFE_SETTING = 155
+    SAW_ON = 156
+    SAW_OFF = 157
+    AUTO_OUTPUT_ON = 158
+    AUTO_OUTPUT_OFF = 159
+    HEIGHT_ON = 160
+    HEIGHT_OFF = 161
+    TORCH_ON = 162
+    TORCH_OFF = 163
+    DEVICE = 164
+    ANALOG = 165
+    LEVEL_HEADS = 166
+    VIRTUAL_ON = 167
+    VIRTUAL_OFF = 168
+    MEASURE_SURFACE = 169
+    MEASURE_DEPTH = 170
+    ABSOLUTE_ONCE = 171
+    INCREMENTAL_ONCE = 172
+    KEEP_LOCAL = 173
+    TOOL_NUMBER = 174
+    CONDITION = 175
+    LOCK_AXIS = 176
+    UNLOCK_AXIS = 177
+    RECALL_POSITIONS = 178
+    STORE_POSITION = 179
+    STORE_TOOL = 180
+    STORE_LOCAL_POSITION = 181
+    OUTPUT_ON_MOVING = 182
+    OUTPUT_OFF_MOVING = 183
+    WAIT_ON = 184
+    WAIT_OFF = 185
+    LIMIT_STOPS_AXIS = 186
+    LIMIT_STOPS_LINE = 187
+    MEASURE_TOOL = 188
+    MEASURE_SWITCH = 189
+    SHIFT_MEASURES = 190
+    CALL = 191
+    RETURN = 192
+    ABORT = 193
+    PROBE_ON = 194
+    PROBE_OFF = 195
+    SHELL = 196
+    COMPENSATE = 197
 
 
 CHECKED_ONLY = frozenset(
@@ -116,7 +194,9 @@ CHECKED_ONLY = frozenset(
         Function.OUTPUT_ON, Function.OUTPUT_OFF, Function.HEIGHT_SETPOINT, Function.TEMPERATURE,
         Function.TEMPERATURE_WAIT, Function.FAN_ON, Function.FAN_OFF, Function.FEED_HOLD_INPUT,
         Function.DIRECTION_OUTPUT_ON, Function.DIRECTION_OUTPUT_OFF, Function.SPEED_OUTPUT_ON,
-        Function.SPEED_OUTPUT_OFF,
+        Function.SPEED_OUTPUT_OFF, Function.SMOOTHING, Function.STOP_PARSING, Function.DYNAMICS, Function.DEVICE,
+        Function.ANALOG, Function.OUTPUT_ON_MOVING, Function.OUTPUT_OFF_MOVING, Function.SHELL,
+        Function.AUTO_OUTPUT_ON, Function.AUTO_OUTPUT_OFF,
     )
 )  # fmt: skip
 """Functions of which the words are checked and told in the Trace, and whose device nothing else depends on."""
@@ -126,7 +206,10 @@ CHECKED_ONLY = frozenset(
 class CodeRule:
     """One code. group: modal group, as the manual names it ("" for codes it lists in none);
     uses_axes: takes the line's axis words; value: argument of the function (coordinate system, head);
-    source: section of the manual; open: of a code that is not modelled, what the manual leaves open."""
+    source: section of the manual; open: of a code that is not modelled, what the manual leaves open.
+    Where a line has one command: takes: letters of the words it takes beside those of the axes, needs: those it must
+    have; companion: it may stand beside another command; device: what must be set up for it; has_text: its line has a
+    name or another text behind it."""
 
     letter: str
     tenths: int
@@ -136,6 +219,11 @@ class CodeRule:
     uses_axes: bool = False
     value: int = 0
     open: str = ""
+    takes: str = ""
+    needs: str = ""
+    companion: bool = False
+    device: str = ""
+    has_text: bool = False
 
     @property
     def text(self) -> str:
@@ -166,6 +254,8 @@ class LanguageRules:
 
     argument_base: number of the variable that holds the A word of a code which a subprogram replaces, B to Z follow;
     argument_missing: what the variable of a letter holds that the line does not have.
+    one_command: a line has one command and companions of it, not any number of words; variables: the named ones and
+    what they are.
     """
 
     name: str
@@ -182,6 +272,8 @@ class LanguageRules:
     call_depth: int
     argument_base: int = 1
     argument_missing: float = -1e10
+    one_command: bool = False
+    variables: dict[str, str] = field(default_factory=dict, repr=False)
 
     def __eq__(self, other: object) -> bool:
         return isinstance(other, LanguageRules) and other.name == self.name

@@ -80,6 +80,18 @@ class InForce:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class StoredPosition:
+    """A place that the controller has stored (WinCNC P#, H#, T#): machine mm or degrees by column name.
+
+    lift: vertical axes go up first and down last; clearance: to this machine height, None: to machine zero.
+    """
+
+    axes: dict[str, float]
+    lift: bool = False
+    clearance: float | None = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Setup:
     """The stated part of the machine's state.
 
@@ -90,6 +102,8 @@ class Setup:
     cylinder: Y is mapped onto A, for the whole job; height_map: measured and loaded. Offsets are mm or degrees;
     parameters are in the program's own numbers. heads: what is added to positions while a head (``Op.HEAD``) is
     selected, by (number, axis); transform: of X and Y, None where nothing is stated.
+    positions: stored places by letter and number (``P4``); inputs, outputs, virtual: states of channels, 0 or 1;
+    registers: H registers in the machine's unit; answers: 1 yes, 0 no, to the questions of the job in their order.
     """
 
     name: str = "(none)"
@@ -111,6 +125,12 @@ class Setup:
     height_map: HeightMap | None = None
     heads: dict[tuple[int, str], Interval] = field(default_factory=dict)
     transform: InForce | None = None
+    positions: dict[str, StoredPosition] = field(default_factory=dict)
+    inputs: dict[int, float] = field(default_factory=dict)
+    outputs: dict[int, float] = field(default_factory=dict)
+    virtual: dict[int, float] = field(default_factory=dict)
+    registers: dict[int, float] = field(default_factory=dict)
+    answers: dict[int, float] = field(default_factory=dict)
 
     def interval(self, symbol: str) -> Interval | None:
         """What is stated of a symbol such as ``start.x``, ``work.1.x``, ``g92.x``, ``tool.3.z``.

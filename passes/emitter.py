@@ -7,9 +7,7 @@ import math
 from gproof.ir import codes
 from gproof.ir.finding import Finding, Findings, Refusal, Severity, Span
 from gproof.ir.machine import AXIS_NAMES, Machine
-from gproof.ir.program import (
-    Program,
-)
+from gproof.ir.program import Input, Named, Program
 from gproof.ir.rules import CodeRule
 from gproof.ir.setup import Interval, Setup
 from gproof.ir.trace import Edge, Op, Trace, Wait
@@ -55,7 +53,7 @@ class Emitter:
         self.trace = Trace(files=[f.name for f in program.files] or ["(program)"])
         self.frames = FrameTable(self.trace.frames)
         self.modal.ranges = self.trace.symbols
-        self.evaluator = Evaluator(self._read, findings)
+        self.evaluator = Evaluator(self._read, findings, self._read_other)
         # A motion mode is known by the first code of its function.
         g_codes = [rule for rule in program.rules.codes.values() if rule.letter == "G"]
         self._motion_rules: dict[int, CodeRule] = {int(rule.function): rule for rule in reversed(g_codes)}
@@ -201,6 +199,13 @@ class Emitter:
         s.spun = told(s)
         if wait > 0.0:
             self.event(Op.DWELL, line.span, arg=(wait, 0.0))
+
+    def _read_other(self, node: Named | Input) -> Value:
+        from gproof.passes import single_events
+
+        if isinstance(node, Named):
+            return single_events.read_named(self, node)
+        return single_events.read_input(self, node, self.evaluator)
 
     def _read(self, number: float, span: Span) -> Value:
         value = self.modal.read(number, span)

@@ -11,12 +11,14 @@ from __future__ import annotations
 
 import contextlib
 from collections.abc import Iterator
+from dataclasses import replace
 
 from gproof.ir import codes
 from gproof.ir.columns import Columns
 from gproof.ir.finding import Findings, Refusal, Span
 from gproof.ir.machine import Machine
 from gproof.ir.program import (
+    Array,
     Assign,
     Block,
     BlockTable,
@@ -27,18 +29,21 @@ from gproof.ir.program import (
     If,
     Message,
     Program,
+    Replaced,
     Statement,
     Unsupported,
     While,
 )
 from gproof.ir.setup import Setup
 from gproof.ir.trace import Chunk, Edge, Op, Trace, TraceSection, Wait
+from gproof.passes import single
+from gproof.passes.arrays import back_from_file, begin_array, next_cell
 from gproof.passes.branches import Branches
 from gproof.passes.commands import run_command
 from gproof.passes.dialogs import run_dialog
 from gproof.passes.emitter import DEFAULT_BRANCHES, DEFAULT_BUDGET, ProgramEnd
 from gproof.passes.expressions import describe_parts
-from gproof.passes.frames import Caller, Frame
+from gproof.passes.frames import Caller, Frame, Kept
 from gproof.passes.knife import follow_knife
 from gproof.passes.overrides import Words, replaced
 from gproof.passes.values import Unknown, Value
@@ -143,7 +148,17 @@ class Executor(Branches):
         elif kind is Call:
             assert isinstance(node, Call)
             self.spend(node.span)
-            self._called(node.name, node.span)
+            self._call_with(node)
+        elif kind is Replaced:
+            assert isinstance(node, Replaced)
+            if node.body:
+                self._enter(node.span)
+                self._stack.append(Frame(node.body, node))
+        elif kind is Array:
+            assert isinstance(node, Array)
+            self._run_pending()
+            self.spend(node.span)
+            begin_array(self, node)
         else:
             assert not isinstance(node, BlockTable)
             is_block = isinstance(node, Block)
@@ -166,6 +181,8 @@ class Executor(Branches):
             if holds:
                 frame.at = 0
                 return
+        if frame.cells is not None and next_cell(self, frame):
+            return
         self._stack.pop()
         self._loops -= isinstance(node, While)
         if node is not None:
@@ -174,6 +191,7 @@ class Executor(Branches):
             self._run_pending()
             self._call, self._file = frame.caller.call, frame.caller.file
             self._depth = self._depth[:-1]
+            back_from_file(self, frame.caller.before)
             if frame.caller.rest is not None:
                 super()._line(*frame.caller.rest)
         if frame.group is not None:
@@ -181,12 +199,54 @@ class Executor(Branches):
 
     def _if(self, node: If) -> None:
         self.spend(node.span)
+        if node.head is not None:
+            self._ask(node.head)
         self._enter(node.span)
         holds = self._holds(node.condition, ("if", id(node)))
         if holds is None:
             self._split(node, None)
         else:
             self._stack.append(Frame(node.then if holds else node.otherwise, node))
+
+    def _ask(self, head: Statement) -> None:
+        """The line that asks, where it does something itself: a question on the screen."""
+        self._run_pending()
+        if isinstance(head, Replaced):
+            for node in head.body:
+                self._ask(node)
+        elif isinstance(head, Message):
+            self._guarded(head)
+
+    def _call_with(self, node: Call) -> None:
+        """Run a subprogram with the words of its call."""
+        if not self.program.rules.one_command:
+            self._called(node.name, node.span)
+            return
+        arguments = tuple((word.letter, self.evaluator.value(word.value)) for word in node.arguments)
+        s = self.modal
+        kept = Kept(tuple(s.g92), s.single.keep_local, s.single.arguments)
+        depth = len(self._stack)
+        self._called(node.name, node.span)
+        if len(self._stack) > depth:
+            frame = self._stack[-1]
+            assert frame.caller is not None
+            frame.caller = replace(frame.caller, before=kept)
+            s.single = s.single.but(arguments=arguments, keep_local=False)
+
+    def _leave_file(self, span: Span) -> None:
+        """End the file that runs: back to its caller, or the end of the job."""
+        place = next((n for n in reversed(range(len(self._stack))) if self._stack[n].caller is not None), -1)
+        if place < 0:
+            self.event(Op.END, span)
+            self._end = "M99", span.line
+            self._end_section(Wait.END, "end", -1, span.line)
+            raise ProgramEnd
+        gone = self._stack[place + 1 :]
+        self._nesting -= sum(frame.node is not None and not isinstance(frame.node, BlockTable) for frame in gone)
+        self._loops -= sum(isinstance(frame.node, While) for frame in gone)
+        self._stack = self._stack[: place + 1]
+        self._stack[-1].at = len(self._stack[-1].body)
+        self._arrived(gone, 1)
 
     def _enter(self, span: Span) -> None:
         """One block or call deeper; Refusal GP113 when that goes on for too long."""
@@ -253,6 +313,18 @@ class Executor(Branches):
     def _message(self, node: Message) -> None:
         text = describe_parts(node.parts, self.evaluator)
         self.event(Op.MESSAGE, node.span, text=self._text(text))
+        if node.kind in ("ok", "run_next", "skip_next"):
+            self.findings.add(codes.OPERATOR_STOP.at(node.span, code="a question"))
+            self._end_section(Wait.OPERATOR, "answered", None, node.span.line)
+        if node.kind in ("abort", "continue"):
+            self.findings.add(codes.OPERATOR_STOP.at(node.span, code="a question"))
+            target = self.rows.new_section()
+            going, ending = ("no", "yes") if node.kind == "abort" else ("yes", "no")
+            self._close((
+                Edge(wait=Wait.OPERATOR, outcome=going, target=target, line=node.span.line),
+                Edge(wait=Wait.OPERATOR, outcome=ending, target=-1, line=node.span.line),
+            ))  # fmt: skip
+            self._begin(target)
         if node.kind == "dialog":
             run_dialog(self, node)
         if node.kind == "warning":
@@ -269,6 +341,10 @@ class Executor(Branches):
             if self.block_delete:
                 return
         words = [(w.letter, self.evaluator.value(w.value), w.span) for w in node.words]
+        if self.program.rules.one_command:
+            bare = frozenset(w.letter for w in node.words if w.value.span.column == w.span.column)
+            single.run(self, node.span, words, texts=node.texts, comment=node.comment, bare=bare)
+            return
         settings = [self._setting(a) for a in node.assigns]
         # Settings take effect once every value of the line is found, before anything moves (3.2.3).
         for number, value, span in settings:

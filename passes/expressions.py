@@ -10,7 +10,7 @@ from collections.abc import Callable, Iterator
 
 from gproof.ir import codes
 from gproof.ir.finding import Findings, Refusal, Span
-from gproof.ir.program import Binary, Expr, Number, Text, Unary, Variable
+from gproof.ir.program import Binary, Expr, Input, Named, Number, Text, Unary, Variable
 from gproof.passes import ranges
 from gproof.passes.values import Unknown, Value, between, bounds
 
@@ -79,11 +79,22 @@ BINARY_FUNCTIONS: dict[str, Callable[[float, float], float]] = {
 }
 
 
-class Evaluator:
-    """Evaluates trees; ``read`` gives the live value of a numbered variable."""
+def _nothing(node: Named | Input) -> Value:
+    raise Refusal(codes.BAD_EXPRESSION.at(node.span, what="there is nothing to read here"))
 
-    def __init__(self, read: Callable[[float, Span], Value], findings: Findings) -> None:
+
+class Evaluator:
+    """Evaluates trees.
+
+    read: gives the live value of a numbered variable; read_other: of a named one, and of a channel.
+    """
+
+    def __init__(
+        self, read: Callable[[float, Span], Value], findings: Findings,
+        read_other: Callable[[Named | Input], Value] | None = None,
+    ) -> None:  # fmt: skip
         self.read = read
+        self.read_other = read_other or _nothing
         self.findings = findings
         self._told: set[tuple[int, Span]] = set()
 
@@ -102,6 +113,8 @@ class Evaluator:
             return self._unary(expr)
         if isinstance(expr, Binary):
             return self._binary(expr)
+        if isinstance(expr, Named | Input):
+            return self.read_other(expr)
         raise Refusal(codes.BAD_EXPRESSION.at(expr.span, what="text where a number is needed"))
 
     def _unary(self, expr: Unary) -> Value:

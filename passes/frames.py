@@ -10,7 +10,7 @@ from gproof.ir.finding import Span
 from gproof.ir.program import Block, Statement
 from gproof.passes.modal import Modal
 from gproof.passes.overrides import Words
-from gproof.passes.values import Unknown, bounds
+from gproof.passes.values import Position, Unknown, Value, bounds
 
 
 @dataclass(slots=True, eq=False)
@@ -25,12 +25,35 @@ class Group:
 
 
 @dataclass(frozen=True, slots=True)
+class Kept:
+    """Of a caller: its local coordinates, whether it keeps them (L92), the words it was called with itself."""
+
+    local: tuple[Position, ...]
+    keep_local: bool
+    arguments: tuple[tuple[str, Value], ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Cells:
+    """An array that is being cut: how many cells, mm from one to the next, where the first one began, the way back."""
+
+    count: int
+    step: tuple[float, float]
+    start: tuple[Position, Position]
+    goes_back: bool
+
+
+@dataclass(frozen=True, slots=True)
 class Caller:
-    """Where a call came from; rest: words of its line that are executed when it is back."""
+    """Where a call came from; rest: words of its line that are executed when it is back.
+
+    before: what of the state is to be as it was when a subprogram that is a file is over.
+    """
 
     call: int
     file: int
     rest: tuple[Span, list[Words]] | None
+    before: Kept | None = None
 
 
 @dataclass(slots=True)
@@ -38,7 +61,8 @@ class Frame:
     """Statements that are being executed: those of ``body`` from ``at`` on, or the words of a table from ``at`` on.
 
     node: the block, subprogram or table they belong to, None for the job itself; group: outcomes come together behind
-    it. For tables: the words of the piece that was loaded, in columns for the kernel, and where the next piece begins.
+    it; cells, cell: of an array, and which of them it is. For tables: the words of the piece that was loaded, in columns
+    for the kernel, and where the next piece begins.
     """
 
     body: tuple[Statement, ...]
@@ -52,10 +76,12 @@ class Frame:
     base: int = 0
     next_byte: int = 0
     line: int = 0
+    cells: Cells | None = None
+    cell: int = 0
 
-    def position(self) -> tuple[int, int]:
-        """The place in a table."""
-        return self.base, self.next_byte
+    def position(self) -> tuple[object, ...]:
+        """The place in a table, and in an array."""
+        return self.base, self.next_byte, self.cell, self.cells
 
     def next_line(self) -> int:
         """The line of a table that comes next, 0 behind its end."""

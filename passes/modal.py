@@ -15,17 +15,20 @@ from gproof.ir.trace import HEIGHT_MAP, PathMode, Plane, State
 from gproof.passes.compensation import Compensation
 from gproof.passes.heads import head_offset
 from gproof.passes.ranges import widened
+from gproof.passes.single_state import SingleState, linear_axes, prepare
 from gproof.passes.spindle import commanded_rpm
 from gproof.passes.transform import NO_TRANSFORM
 from gproof.passes.values import NOWHERE, Position, Unknown, Value, between, bounds
 
 INCH = 25.4
 ZERO = Position(0.0)
+NO_SINGLE_STATE = SingleState()
+LENGTHS = (True, True, True, False, False, False)
 NO_OFFSET = [ZERO] * AXES
 
 _PARK_DEFAULTS = {"park_1": 5161, "park_2": 5181}
 TOOL_LENGTH, TOOL_DIAMETER, TOOL_X_OFFSET, TOOL_ORIENTATION = 5400, 5500, 5600, 5700
-_CONSTANT = ("rules", "setup", "machine", "axis_there", "ranges")
+_CONSTANT = ("rules", "setup", "machine", "axis_there", "linear", "ranges")
 
 
 class Modal:
@@ -46,6 +49,7 @@ class Modal:
         self.setup = setup
         self.machine = machine
         self.axis_there = tuple(machine.axis(name) is not None for name in AXIS_NAMES)
+        self.linear = linear_axes(machine) if rules.one_command else LENGTHS
         self.unit = 1.0
         self.absolute = True
         self.plane = Plane.XZ if machine.controller.turning else Plane.XY
@@ -108,6 +112,9 @@ class Modal:
         self.drives_were_off = False
         self.jumped = False
         self.not_programmed: tuple[int, ...] = ()
+        self.single = NO_SINGLE_STATE
+        if rules.one_command:
+            prepare(self)
 
     def _symbol(self, symbol: str) -> Position:
         """The stated exact value of a symbol, or the symbol itself."""
@@ -198,7 +205,7 @@ class Modal:
         """mm (or degrees) in one program unit of an axis; X numbers may be diameters (2.1.14)."""
         if axis == 0 and self.machine.controller.diameter_programming:
             return self.unit * 0.5
-        return self.unit if axis < 3 else 1.0
+        return self.unit if self.linear[axis] else 1.0
 
     @property
     def feed_unknown(self) -> bool:
@@ -228,6 +235,9 @@ class Modal:
 
     def arc_tolerance(self) -> float:
         """mm by which the radii at start and end of an arc may differ, in the units that are active."""
+        stated = self.machine.controller.controls.arc_tolerance
+        if stated is not None:
+            return stated * self.transform.arc_tolerance
         tolerance = self.rules.arc_tolerance_inch * INCH if self.unit == INCH else self.rules.arc_tolerance_mm
         return tolerance * self.transform.arc_tolerance
 

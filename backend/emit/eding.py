@@ -20,8 +20,8 @@ from gproof.ir.columns import Columns
 from gproof.ir.finding import Refusal, Span
 from gproof.ir.notes import NoteKind, Notes, joined
 from gproof.ir.program import (
-    Array,
     WORD,
+    Array,
     Block,
     BlockTable,
     DeferredBlock,

@@ -10,8 +10,8 @@ from fractions import Fraction
 from pathlib import Path
 
 from gproof.frontend.eding.ini_file import Ini
-from gproof.frontend.eding.prepare import decode
 from gproof.frontend.number_rows import number_rows
+from gproof.frontend.source import decode
 from gproof.ir import codes
 from gproof.ir.finding import Findings, Span
 

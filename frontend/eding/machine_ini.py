@@ -17,8 +17,8 @@ from pathlib import Path
 
 from gproof.frontend.eding.correction_table import load_table
 from gproof.frontend.eding.ini_file import NUMBERED, Ini
-from gproof.frontend.eding.prepare import decode
 from gproof.frontend.eding.spindles_ini import read_spindles
+from gproof.frontend.source import decode
 from gproof.frontend.toml_table import MILLIMETRES, TINIEST, is_file
 from gproof.ir import codes
 from gproof.ir.finding import Findings, Span

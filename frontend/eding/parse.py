@@ -13,7 +13,8 @@ from typing import TYPE_CHECKING, cast
 
 from gproof.frontend.eding.build import Builder, Parsed
 from gproof.frontend.eding.diagnose import diagnose
-from gproof.frontend.eding.prepare import STRUCTURE, LineError, decode, prepare
+from gproof.frontend.eding.prepare import STRUCTURE, LineError, prepare
+from gproof.frontend.source import decode
 
 if TYPE_CHECKING:
     from lark import Lark

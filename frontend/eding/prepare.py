@@ -75,22 +75,6 @@ class Line:
     comment: str
 
 
-def encoding_of(raw: bytes) -> str:
-    """Of a line: UTF-8, else Windows-1252 as the controller writes it, else Latin-1."""
-    for encoding in ("utf-8", "cp1252"):
-        try:
-            raw.decode(encoding)
-        except UnicodeDecodeError:
-            continue
-        return encoding
-    return "latin-1"
-
-
-def decode(raw: bytes) -> str:
-    """Text of a line, by ``encoding_of``."""
-    return raw.decode(encoding_of(raw))
-
-
 def prepare(text: str) -> Line:
     """Ready a line for the grammar; LineError where it can not be."""
     control = _CONTROL.search(text)

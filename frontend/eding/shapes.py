@@ -20,7 +20,7 @@ from typing import Any
 from gproof.frontend.eding.build import Parsed
 from gproof.frontend.eding.direct import read_line
 from gproof.frontend.eding.parse import parse_line
-from gproof.frontend.eding.prepare import decode
+from gproof.frontend.source import decode
 from gproof.ir.finding import Span
 from gproof.ir.program import Block, DeferredBlock
 

@@ -1,1 +1,1 @@
-"""WinCNC: its machine file, its macro file, its programs."""
+"""The WinCNC dialect: programs, subprogram files, CNC.MAC and WINCNC.INI."""

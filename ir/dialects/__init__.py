@@ -11,4 +11,8 @@ def rules_named(name: str) -> LanguageRules:
         from gproof.ir.dialects.eding import EDING
 
         return EDING
+    if name == "wincnc":
+        from gproof.ir.dialects.wincnc import WINCNC
+
+        return WINCNC
     raise ValueError(f"no dialect is named {name!r}")

@@ -1,0 +1,168 @@
+"""One line of a WinCNC program that is not plain: its items, as they stand.
+
+A line is words (a letter with a number, an expression in braces, or nothing, which counts as 0), texts in double
+quotes behind a letter, a name behind some commands, and comments at its end (manual: Command Reference, Axis
+Specification, Comment, Braces; Macro File Configuration for the tilde). What the items mean is ``statements.py``'s.
+"""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass, field
+from typing import Any
+
+from gproof.frontend.wincnc.scan import CLOSING, COMMENT_SIGNS
+from gproof.ir import codes
+from gproof.ir.controls import Lexical
+from gproof.ir.finding import Code, Finding, Span
+from gproof.ir.program import Binary, Expr, Named, Number, Text, Word
+
+OPERATORS = "*/+-"
+_NUMBER = re.compile(r"[-+]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)")
+_COMMA_NUMBER = re.compile(r"[-+]?(?:[0-9]+[.,]?[0-9]*|[.,][0-9]+)")
+_NAME = re.compile(r"[A-Za-z][A-Za-z0-9]*")
+_BLANKS = re.compile(r"[ \t]*")
+_INSIDE = re.compile(
+    r"[ \t]*(?:(?P<name>[A-Za-z][A-Za-z0-9]*)|(?P<first>[-+]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)))[ \t]*"
+    r"(?:(?P<operator>[-+*/])[ \t]*(?P<second>[-+]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)))?[ \t]*\Z"
+)
+
+
+class LineError(Exception):
+    """A mistake in a line: where its characters begin and end, from 0."""
+
+    def __init__(self, code: Code, begin: int, end: int, **values: Any) -> None:
+        super().__init__(code.name)
+        self.code = code
+        self.begin = begin
+        self.end = end
+        self.values = values
+
+    def finding(self, file: str, line: int) -> Finding:
+        """As a finding in a file."""
+        return self.code.at(Span(file, line, self.begin + 1, self.end + 1), **self.values)
+
+
+@dataclass(slots=True)
+class Items:
+    """A line that was read.
+
+    words: in order; texts: those in quotes, by the letter before; own: it begins with a tilde; rest: the text behind
+    the word that ``rest_after`` asked for, and where it begins; comment: the last one's text, "" for none; end: of the
+    code, in characters.
+    """
+
+    words: list[Word] = field(default_factory=list)
+    texts: list[tuple[str, Text]] = field(default_factory=list)
+    own: bool = False
+    rest: str | None = None
+    rest_at: int = 0
+    comment: str = ""
+    begin: int = 0
+    end: int = 0
+
+
+class LineReader:
+    """Reads lines with the settings of one machine. text_codes: letter and tenths of codes with a text behind them."""
+
+    def __init__(self, lexical: Lexical, text_codes: frozenset[tuple[str, int]]) -> None:
+        self.signs = COMMENT_SIGNS + lexical.comment_signs
+        self.number = _COMMA_NUMBER if lexical.comma else _NUMBER
+        self.text_codes = text_codes
+
+    def cut(self, text: str) -> tuple[str, str]:
+        """A line without its comments, and the last comment; LineError GP134 for text behind a closed one."""
+        at, quoted = 0, False
+        while at < len(text) and (quoted or text[at] not in self.signs):
+            quoted ^= text[at] == '"'
+            at += 1
+        code, comment = text[:at], ""
+        while at < len(text):
+            closing = CLOSING.get(text[at])
+            end = text.find(closing, at + 1) if closing is not None else -1
+            comment = text[at + 1 : end if end >= 0 else len(text)].strip()
+            at = len(text) if end < 0 else _skip(text, end + 1)
+            if at < len(text) and text[at] not in self.signs:
+                raise LineError(codes.TEXT_BEHIND_COMMENT, at, len(text), text=text[at:].strip())
+        return code, comment
+
+    def read(self, text: str, file: str, line: int) -> Items:
+        """The items of a line; LineError for a mistake."""
+        code, comment = self.cut(text)
+        items = Items(comment=comment)
+        at = _skip(code, 0)
+        items.begin = at
+        if code[at : at + 1] == "~":
+            items.own, at = True, _skip(code, at + 1)
+        while at < len(code):
+            begin = at
+            letter = code[at].upper()
+            if not ("A" <= letter <= "Z"):
+                what = "this is no command, word or file name of WinCNC"
+                raise LineError(codes.SYNTAX, at, len(code.rstrip()), what=what)
+            at = _skip(code, at + 1)
+            if code[at : at + 1] in ('"', "“", "”") and code[at : at + 1]:
+                at = self._quoted(items, letter, code, at, file, line)
+                continue
+            value, end = self._value(code, begin, at, file, line)
+            items.words.append(Word(letter, value, Span(file, line, begin + 1, end + 1)))
+            items.end = end
+            at = _skip(code, end)
+            if isinstance(value, Number) and (letter, round(value.value * 10)) in self.text_codes:
+                rest = code[at:].rstrip()
+                items.rest, items.rest_at = rest, at
+                items.end = at + len(rest) if rest else items.end
+                break
+        return items
+
+    def _quoted(self, items: Items, letter: str, code: str, at: int, file: str, line: int) -> int:
+        ends = '"“”'
+        end = next((i for i in range(at + 1, len(code)) if code[i] in ends), -1)
+        if end < 0:
+            raise LineError(codes.SYNTAX, at, len(code), what="this text has no closing quote")
+        items.texts.append((letter, Text(code[at + 1 : end], Span(file, line, at + 1, end + 2))))
+        items.end = end + 1
+        return _skip(code, end + 1)
+
+    def _value(self, code: str, begin: int, at: int, file: str, line: int) -> tuple[Expr, int]:
+        """The number or braces behind a letter, which ends at ``at`` (blanks passed); where it ends."""
+        if code[at : at + 1] == "{":
+            end = code.find("}", at)
+            if end < 0:
+                raise LineError(codes.BAD_EXPRESSION, at, len(code), what="this brace is not closed")
+            return self.braces(code, at, end, file, line), end + 1
+        found = self.number.match(code, at)
+        if found is None:
+            return Number(0.0, Span(file, line, begin + 1, begin + 2)), begin + 1
+        text = found.group()
+        span = Span(file, line, at + 1, found.end() + 1)
+        return Number(float(text.replace(",", ".")), span, "." in text or "," in text), found.end()
+
+    def braces(self, code: str, begin: int, end: int, file: str, line: int) -> Expr:
+        """What stands in code[begin + 1:end]: a name or number, and at most one operator with a number."""
+        found = _INSIDE.match(code, begin + 1, end)
+        span = Span(file, line, begin + 1, end + 2)
+        if found is None:
+            what = "braces hold a name or a number, then at most one of * / + - and a number"
+            raise LineError(codes.BAD_EXPRESSION, begin, end + 1, what=what)
+        first: Expr
+        if found["name"]:
+            first = Named(found["name"].upper(), span)
+        else:
+            first = Number(float(found["first"]), span, "." in found["first"])
+        if not found["operator"]:
+            return first
+        second = Number(float(found["second"]), span, "." in found["second"])
+        return Binary(found["operator"], first, second, span)
+
+
+def _skip(text: str, at: int) -> int:
+    found = _BLANKS.match(text, at)
+    assert found is not None
+    return found.end()
+
+
+def is_bare(word: Word) -> bool:
+    """The letter stands without a number."""
+    span = word.value.span
+    return isinstance(word.value, Number) and span.column == word.span.column

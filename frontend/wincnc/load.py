@@ -1,0 +1,369 @@
+"""A WinCNC job with its subprogram files and macros, from bytes to a Program.
+
+One pass over each file finds the lines that are not plain; those are read one by one, everything between becomes block
+tables. Which file M98 calls is looked up beside the job, then beside the machine's file. Manual: M98, Macro File
+Configuration, L10, M17.1 and its relatives, WINCNC.INI Settings: skipchars=, cmdstart=, cmdend=.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+from gproof.frontend.source import UTF8_MARK, decode, read_source
+from gproof.frontend.wincnc.line import LineError, LineReader
+from gproof.frontend.wincnc.scan import Scanner
+from gproof.frontend.wincnc.statements import ArrayLine, Head, Lines, Macro, Parsed, text_codes
+from gproof.ir import codes
+from gproof.ir.columns import Columns
+from gproof.ir.controls import Controls
+from gproof.ir.dialects import rules_named
+from gproof.ir.finding import Findings, Refusal, Span
+from gproof.ir.machine import Machine
+from gproof.ir.program import (
+    Array,
+    BlockTable,
+    If,
+    Program,
+    Replaced,
+    SourceFile,
+    Statement,
+    Subprogram,
+    Unsupported,
+)
+
+MACRO_FILE = "cnc.mac"
+HELD_LINES = 2000
+HELD_IN_ALL = 200_000
+"""A table of at most so many lines holds its words, until the tables of a program hold that many."""
+
+
+def load_program(
+    path: Path, findings: Findings, machine: Machine, machine_file: Path | None = None
+) -> Program | None:  # fmt: skip
+    """The program in ``path`` with all it calls; None when the job's file is refused.
+
+    machine: whose settings say how lines are read; machine_file: beside which CNC.MAC and subprograms may lie. A line
+    with a mistake is a finding and left out of the program.
+    """
+    rules = rules_named("wincnc")
+    controls = machine.controller.controls
+    program = Program(dialect="wincnc", rules=rules)
+    folders = [path.parent, *([machine_file.parent] if machine_file is not None else [])]
+    loader = _Loader(program, findings, controls, folders, machine_file)
+    before = sum(findings.counts.values())
+    try:
+        program.body = loader.job(path)
+    except Refusal as refusal:
+        findings.add(refusal.finding)
+        return None
+    if sum(findings.counts.values()) == before and not program.body:
+        findings.add(codes.EMPTY_PROGRAM.at(Span(str(path), 0)))
+    return program
+
+
+class _Files:
+    """Subprogram files by name, loaded when they are first called."""
+
+    def __init__(self, folders: list[Path]) -> None:
+        self.folders = folders
+        self.paths: dict[str, Path] = {}
+        self.wanted: list[str] = []
+        self.where = f" in {' or '.join(sorted({str(folder) for folder in folders}))}"
+        self._listed: dict[Path, dict[str, Path]] = {}
+
+    def find(self, name: str) -> str | None:
+        """The key of a file: its path in lower case with forward slashes, beside the job or the machine's file."""
+        text = name.strip().strip('"').replace("\\", "/")
+        if not text or "\0" in text:
+            return None
+        # A drive or an absolute path is the controller's own disk: the file of that name beside the job stands for it.
+        candidates = [text] if not (text.startswith("/") or text[1:2] == ":") else []
+        candidates.append(text.rpartition("/")[2])
+        for candidate in candidates:
+            for folder in self.folders:
+                found = self._below(folder, candidate.split("/"))
+                if found is not None:
+                    key = candidate.lower()
+                    if key not in self.paths:
+                        self.paths[key] = found
+                        self.wanted.append(key)
+                    return key
+        return None
+
+    def _below(self, folder: Path, parts: list[str]) -> Path | None:
+        """A file by its name in any case, as the controller's disk finds it."""
+        at = folder
+        for part in parts:
+            if part in ("", "."):
+                continue
+            if part == "..":
+                at = at.parent
+                continue
+            found = self._entries(at).get(part.lower())
+            if found is None:
+                return None
+            at = found
+        return at if at.is_file() else None
+
+    def _entries(self, folder: Path) -> dict[str, Path]:
+        if folder not in self._listed:
+            try:
+                entries = sorted(folder.iterdir())
+            except OSError:
+                entries = []
+            self._listed[folder] = {entry.name.lower(): entry for entry in entries}
+        return self._listed[folder]
+
+
+class _Loader:
+    """Loads the files of one program one after another."""
+
+    def __init__(
+        self, program: Program, findings: Findings, controls: Controls, folders: list[Path], machine_file: Path | None
+    ) -> None:
+        self.program = program
+        self.findings = findings
+        self.controls = controls
+        self.files = _Files(folders)
+        self.machine_file = machine_file
+        self.held = 0
+        self.reader = LineReader(controls.lexical, text_codes(program.rules))
+        self.macros: dict[str, Macro] = {}
+        self.scanner = Scanner(controls.lexical)
+
+    def job(self, path: Path) -> tuple[Statement, ...]:
+        """The statements of the job, with everything it calls loaded."""
+        self._macro_file()
+        plain = not any(name in self.macros for name in ("G0", "G1", "G2", "G3"))
+        self.scanner = Scanner(self.controls.lexical, plain)
+        self.program.scan = self.scanner.scan
+        self.lines = Lines(
+            self.reader, self.program.rules, self.macros, self.files, len(self.controls.changers)
+        )  # fmt: skip
+        body = self._load(path, is_job=True)
+        body = (*self._command(self.controls.start, "cmdstart"), *body, *self._command(self.controls.end, "cmdend"))
+        while self.files.wanted:
+            key = self.files.wanted.pop()
+            path = self.files.paths[key]
+            span = Span(str(path), 0)
+            try:
+                inner = self._load(path, is_job=False)
+            except Refusal as refusal:
+                self.findings.add(refusal.finding)
+                inner = (Unsupported(what=f"the subprogram {path.name}, which can not be read,", span=span),)
+            self.program.subprograms[key] = Subprogram(name=key, body=inner, span=Span(str(path), 1), is_file=True)
+        return body
+
+    def _macro_file(self) -> None:
+        """CNC.MAC, beside the machine's file or the job."""
+        folders = [self.machine_file.parent] if self.machine_file is not None else []
+        for folder in [*folders, *self.files.folders]:
+            found = _Files([folder])._below(folder, [MACRO_FILE])
+            if found is not None:
+                from gproof.frontend.wincnc.mac_file import read_macros
+
+                source = read_source(found)
+                self.macros = dict(read_macros(source, self.findings, self.controls.lexical))
+                self.macro_source = source
+                return
+        if self.machine_file is not None:
+            name = self.machine_file.name
+            self.findings.add(
+                codes.MACRO_FILE_MISSING.at(Span(str(self.machine_file), 0), name="CNC.MAC", machine=name)
+            )
+
+    def _command(self, text: str, key: str) -> tuple[Statement, ...]:
+        """What a setting runs before or behind the job."""
+        if not text.strip():
+            return ()
+        file = str(self.machine_file) if self.machine_file is not None else "(machine file)"
+        try:
+            parsed = self.lines.parse(text, file, 0)
+        except LineError as error:
+            finding = error.finding(file, 0)
+            self.findings.add(dataclasses.replace(finding, message=f"{key}={text}: {finding.message}"))
+            return ()
+        if parsed is None:
+            return ()
+        if isinstance(parsed, Head | ArrayLine):
+            return (Unsupported(what=f"{key}={text}", span=Span(file, 0)),)
+        return (parsed,)
+
+    def _load(self, path: Path, *, is_job: bool) -> tuple[Statement, ...]:
+        source = read_source(path)
+        number = len(self.program.files)
+        self.program.files.append(source)
+        begin = len(UTF8_MARK) if source.data[:3] == UTF8_MARK else 0
+        found = self.scanner.index(source.data, begin, self.program.rules.line_length)
+        source.mark = begin > 0
+        source.line_count = found.line_count
+        first_end = source.data.find(b"\n")
+        source.newline = "\r\n" if first_end > 0 and source.data[first_end - 1 : first_end] == b"\r" else "\n"
+        if is_job:
+            self.program.line_count = found.line_count
+        special = list(found.rows())
+        walk = _Walk(self, number, source, begin, special, found.words_after, is_job)
+        return tuple(walk.body())
+
+    def held_words(self, data: bytes, begin: int, end: int, first: int, lines: int) -> Columns | None:
+        """The words of a small table, None for one whose words are read when it runs."""
+        if lines > HELD_LINES or self.held + lines > HELD_IN_ALL:
+            return None
+        self.held += lines
+        words, _, _ = self.scanner.scan(data, begin, end, first, end - begin)
+        return words
+
+
+class _Walk:
+    """The lines of one file in order."""
+
+    def __init__(
+        self, loader: _Loader, file: int, source: SourceFile, begin: int, special: list[tuple[int, int, int, int]],
+        words_after: bool, is_job: bool,
+    ) -> None:  # fmt: skip
+        self.loader = loader
+        self.file = file
+        self.source = source
+        self.data = source.data
+        self.special = special
+        self.words_after = words_after
+        self.is_job = is_job
+        self.next_special = 0
+        self.byte = begin
+        self.line = 1
+        self.skip_until = 0
+
+    def body(self) -> Iterator[Statement]:
+        """All statements; arrays take what follows them."""
+        array: ArrayLine | None = None
+        inside: list[Statement] = []
+        for parsed in self._statements():
+            if not isinstance(parsed, ArrayLine):
+                if array is None:
+                    yield parsed
+                else:
+                    inside.append(parsed)
+                continue
+            if not self.is_job:
+                self.loader.findings.add(codes.ARRAY_IN_SUBPROGRAM.at(parsed.span, code="L10"))
+                continue
+            if array is not None:
+                yield Array(words=array.words, body=tuple(inside), span=array.span, comment=array.comment)
+                array, inside = None, []
+            if parsed.words:
+                array = parsed
+        if array is not None:
+            yield Array(words=array.words, body=tuple(inside), span=array.span, comment=array.comment)
+
+    def _statements(self) -> Iterator[Statement | ArrayLine]:
+        while self.byte < len(self.data):
+            if self.next_special < len(self.special):
+                number, first, _, has_words = self.special[self.next_special]
+            else:
+                number, first, has_words = self.source.line_count + 1, len(self.data), int(self.words_after)
+            if self.byte < first:
+                if has_words:
+                    yield self._table(number - 1, first)
+                self.byte, self.line = first, number
+                continue
+            line, raw = self._take()
+            parsed = self._parse(line, raw)
+            if isinstance(parsed, Head):
+                yield from self._conditional(parsed, line)
+            elif parsed is not None:
+                yield parsed
+
+    def _table(self, last: int, end: int) -> BlockTable:
+        first, begin = self.line, self.byte
+        words = self.loader.held_words(self.data, begin, end, first, last - first + 1)
+        return BlockTable(file=self.file, first_line=first, last_line=last, begin=begin, end=end, words=words)
+
+    def _take(self) -> tuple[int, bytes]:
+        """The line that begins here, whether it is plain or not."""
+        at = self.data.find(b"\n", self.byte)
+        end = len(self.data) if at < 0 else at + 1
+        if self.next_special < len(self.special) and self.special[self.next_special][1] == self.byte:
+            self.next_special += 1
+        line, raw = self.line, bytes(self.data[self.byte : end])
+        self.byte, self.line = end, self.line + 1
+        return line, raw.removesuffix(b"\n").removesuffix(b"\r")
+
+    def _parse(self, line: int, raw: bytes) -> Parsed | None:
+        """One line; findings for mistakes."""
+        text = decode(raw)
+        limit = self.loader.program.rules.line_length
+        try:
+            if len(text) > limit:
+                raise LineError(codes.LINE_TOO_LONG, limit, len(text), length=len(text), allowed=limit)
+            skipped = self._skip(text, line)
+            return skipped if skipped is not None else self.loader.lines.parse(text, self.source.name, line)
+        except LineError as error:
+            self.loader.findings.add(error.finding(self.source.name, line))
+            return None
+
+    def _skip(self, text: str, line: int) -> Statement | None:
+        """A line that begins with a skip character: leave lines out; which, the manual leaves open by one."""
+        for signs, count in self.loader.controls.lexical.skips:
+            if not text[:1] or text[0].upper() not in signs.upper():
+                continue
+            for _ in range(count - 1):
+                if self.byte < len(self.data):
+                    self._take()
+            span = Span(self.source.name, line, 1, 2)
+            what = ""
+            written = text.strip()
+            if self.byte < len(self.data):
+                save = self.byte, self.line, self.next_special
+                number, raw = self._take()
+                if raw.strip():
+                    what = f"whether line {number} is one of the {count} lines that {text[0]!r} leaves out"
+                self.byte, self.line, self.next_special = save
+            if what:
+                return Unsupported(what=what, span=span, text=written)
+            return Replaced(written=written, body=(), span=span)
+        return None
+
+    def _conditional(self, head: Head, line: int) -> Iterator[Statement]:
+        """A line that decides about the next one, and that line."""
+        span = Span(self.source.name, line)
+        taken = self._next()
+        code = getattr(head.statement, "written", None) or _code_of(head)
+        if taken is None:
+            finding = codes.NEXT_LINE_OPEN.at(head.condition.span, code=code, what="no line follows")
+            self.loader.findings.add(finding)
+            return
+        if isinstance(taken, str):
+            what = f"a line without a command follows ({taken})"
+            self.loader.findings.add(codes.NEXT_LINE_OPEN.at(head.condition.span, code=code, what=what))
+            yield Unsupported(what=f"the condition {code}", span=head.condition.span)
+            return
+        then, otherwise = taken
+        yield If(condition=head.condition, then=then, otherwise=otherwise, span=head.condition.span if line else span,
+                 head=head.statement)  # fmt: skip
+
+    def _next(self) -> tuple[tuple[Statement, ...], tuple[Statement, ...]] | str | None:
+        """What runs when the next line does, and what when it does not; words for a line without a command."""
+        if self.byte >= len(self.data):
+            return None
+        line, raw = self._take()
+        if not raw.strip():
+            return f"line {line} is empty"
+        parsed = self._parse(line, raw)
+        if parsed is None:
+            return f"line {line} is a comment or is refused"
+        if isinstance(parsed, ArrayLine):
+            return f"line {line} begins or ends an array"
+        if isinstance(parsed, Head):
+            inner = tuple(self._conditional(parsed, line))
+            if len(inner) == 1 and isinstance(inner[0], If):
+                return inner, inner[0].then
+            return f"line {line} decides about a line that is not there"
+        return (parsed,), ()
+
+
+def _code_of(head: Head) -> str:
+    words: Any = getattr(head.statement, "words", ())
+    return next((f"{w.letter}{w.value.value:g}" for w in words if w.letter in "LM"), "G5")

@@ -1,0 +1,171 @@
+"""Plain lines of WinCNC: what they are as an automaton's steps, and their words.
+
+A plain line has only axis letters, I, J, K, R and F, each with a number or without (which counts as 0), at most G0 to
+G3 of the codes, and a comment that nothing but comments follows (manual: Command Reference, Axis Specification, G0,
+Comment). Which characters begin a comment, what a decimal point is and which codes a macro replaces is each machine's.
+"""
+
+from __future__ import annotations
+
+import functools
+import re
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from gproof.frontend.lines import Automata, LineIndex, automata, index_lines
+from gproof.frontend.wincnc import scan_kernels as k
+from gproof.ir.columns import Columns
+from gproof.ir.controls import Lexical
+from gproof.ir.program import FLAG_POINT, WORD
+
+LONGEST_LINE = 1024
+"""More bytes than a plain line can have."""
+
+AXIS_LETTERS = "XYZWUVABC"
+PLAIN_LETTERS = AXIS_LETTERS + "IJKRF"
+
+NO_LEXICAL = Lexical()
+COMMENT_SIGNS = "[(%"
+CLOSING = {"[": "]", "(": ")"}
+
+_CLASSES = (
+    "blank letter G zero low digit sign point square round close_square close_round comment skip return feed other"
+).split()
+
+
+def _class_of(byte: int, lexical: Lexical) -> str:
+    char = chr(byte).upper() if byte < 128 else chr(byte)
+    if byte == 10:
+        return "feed"
+    if byte == 13:
+        return "return"
+    if any(char in signs.upper() for signs, _ in lexical.skips):
+        return "skip"
+    if byte in (9, 32):
+        return "blank"
+    if char in lexical.comment_signs or char == "%":
+        return "comment"
+    single = {"[": "square", "(": "round", "]": "close_square", ")": "close_round", ".": "point", "0": "zero"}
+    if lexical.comma:
+        single[","] = "point"
+    if char in single:
+        return single[char]
+    if byte < 128:
+        if char in PLAIN_LETTERS:
+            return "letter"
+        if char in "123":
+            return "low"
+        if char.isdigit():
+            return "digit"
+        if char in "+-":
+            return "sign"
+        if char == "G":
+            return "G"
+    return "other"
+
+
+_DIGITS = ("zero", "low", "digit")
+_ENDS_WITH_WORDS = ("code", "code0", "need", "gap", "int", "real", "item", "rest1", "after_square1", "after_round1",
+                    "square1", "round1", "return1")  # fmt: skip
+_ENDS_WITHOUT = ("start", "rest0", "square0", "round0", "after_square0", "after_round0", "return0")
+
+
+def _steps(codes: bool) -> dict[str, dict[str, str]]:
+    """state -> {class: next state}; what is missing leads to ``bad``. codes: G0 to G3 are the controller's own."""
+    steps: dict[str, dict[str, str]] = {"start": {}, "bad": {}}
+    items = {"letter": "need"} | ({"G": "g"} if codes else {})
+    ends = [
+        {"square": f"square{has}", "round": f"round{has}", "comment": f"rest{has}", "return": f"return{has}"}
+        for has in (0, 1)
+    ]
+    behind = items | ends[1] | {"blank": "item"}
+    steps["start"] = items | ends[0] | {"blank": "start"}
+    steps["g"] = {"zero": "code0", "low": "code"}
+    steps["code0"] = {"zero": "code0", "low": "code"} | behind
+    steps["code"] = dict(behind)
+    number = dict.fromkeys(_DIGITS, "int") | {"point": "dot"}
+    steps["need"] = items | ends[1] | number | {"sign": "signed", "blank": "gap"}
+    steps["gap"] = items | ends[1] | number | {"sign": "signed", "blank": "gap"}
+    steps["signed"] = dict(number)
+    steps["int"] = behind | dict.fromkeys(_DIGITS, "int") | {"point": "real"}
+    steps["dot"] = dict.fromkeys(_DIGITS, "real")
+    steps["real"] = behind | dict.fromkeys(_DIGITS, "real")
+    steps["item"] = dict(behind)
+    for has in (0, 1):
+        text = [c for c in _CLASSES if c not in ("return", "feed")]
+        steps[f"rest{has}"] = dict.fromkeys(text, f"rest{has}") | {"return": f"return{has}"}
+        for shape in ("square", "round"):
+            inside = f"{shape}{has}"
+            steps[inside] = dict.fromkeys(text, inside) | {"return": f"return{has}"}
+            steps[inside][f"close_{shape}"] = f"after_{inside}"
+            steps[f"after_{inside}"] = ends[has] | {"blank": f"after_{inside}"}
+        steps[f"return{has}"] = {}
+    return steps
+
+
+@dataclass(frozen=True, slots=True)
+class Scanner:
+    """The lines and words of a file with the settings of one machine. codes: G0 to G3 may stand in plain lines."""
+
+    lexical: Lexical = NO_LEXICAL
+    codes: bool = True
+
+    def index(self, data: bytes, begin: int, limit: int, end: int | None = None) -> LineIndex:
+        """Find the lines of data[begin:end] that are not plain; limit: characters that a line may have."""
+        return index_lines(_automata(self.lexical, self.codes), data, begin, limit, end)
+
+    def scan(self, data: bytes, begin: int, end: int, line: int, limit: int) -> tuple[Columns, int, int]:
+        """Words of the plain lines data[begin:end] whose first has number ``line``; see ``Program.load``."""
+        room = min(end - begin, limit + LONGEST_LINE) + 1
+        columns = {c.name: np.empty(room, np.dtype(c.dtype)) for c in WORD.columns}
+        run = k.scan_words.pick(min(end - begin, limit))
+        source: Any = data
+        kinds: Any = _kinds(self.lexical)
+        powers: Any = _POWERS
+        if run is not k.scan_words.python:
+            source, kinds, powers = np.frombuffer(data, np.uint8), np.array(kinds, np.uint8), np.array(powers)
+        count, after, next_line = run(source, begin, end, line, limit, kinds, powers, *columns.values())
+        columns = {name: column[:count].copy() for name, column in columns.items()}
+        _fix_inexact(data, begin, columns)
+        return Columns(WORD, columns), after, next_line
+
+
+@functools.cache
+def _automata(lexical: Lexical, codes: bool) -> Automata:
+    return automata(
+        _steps(codes), _CLASSES, lambda byte: _class_of(byte, lexical), _ENDS_WITH_WORDS, _ENDS_WITHOUT
+    )  # fmt: skip
+
+
+@functools.cache
+def _kinds(lexical: Lexical) -> list[int]:
+    """What each byte is to ``scan_words``."""
+    kinds = []
+    for byte in range(256):
+        name = _class_of(byte, lexical)
+        if name in ("letter", "G"):
+            kinds.append(ord(chr(byte).upper()))
+        elif name in _DIGITS:
+            kinds.append(k.DIGIT)
+        elif name in ("square", "round", "comment"):
+            kinds.append(k.COMMENT)
+        else:
+            kinds.append({"point": k.POINT, "feed": k.FEED}.get(name, k.MINUS if byte == ord("-") else k.OTHER))
+    return kinds
+
+
+_POWERS = [10.0**n for n in range(k.DECIMALS_LIMIT + 1)]
+_NUMBER = re.compile(rb"[-+0-9., \t]*")
+
+
+def _fix_inexact(data: bytes, begin: int, columns: dict[str, npt.NDArray[Any]]) -> None:
+    """Give the values that the kernel's exact path does not cover the value of float(text)."""
+    flags = columns["flags"]
+    for row in np.flatnonzero(flags & k.FLAG_INEXACT).tolist():
+        found = _NUMBER.match(data, begin + int(columns["offset"][row]) + 1)
+        assert found is not None
+        columns["value"][row] = float(found.group().translate(None, b" \t").replace(b",", b"."))
+        flags[row] &= FLAG_POINT

@@ -1,0 +1,297 @@
+"""Lines of WinCNC as statements: commands, calls, conditions on the next line, arrays, lines that macros replace.
+
+Manual: Command Reference; Macro File Configuration. A line has one command; what may stand beside it is in the table
+of the dialect (``ir/dialects/wincnc.py``).
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import re
+from dataclasses import dataclass
+from typing import Any, Protocol
+
+from gproof.frontend.wincnc.line import Items, LineError, LineReader, is_bare
+from gproof.ir import codes
+from gproof.ir.finding import Span
+from gproof.ir.program import (
+    Binary,
+    Block,
+    Call,
+    Expr,
+    Input,
+    Message,
+    Named,
+    Number,
+    Replaced,
+    Statement,
+    Text,
+    Unary,
+    Word,
+)
+from gproof.ir.rules import CodeRule, LanguageRules
+from gproof.ir.rules import Function as F
+
+DEEPEST_MACRO = 20
+
+
+class Macro(Protocol):
+    """A definition of CNC.MAC: its text and where it stands; "" for a code that is switched off."""
+
+    name: str
+    text: str
+    span: Span
+
+
+@dataclass(frozen=True, slots=True)
+class Head:
+    """A line that decides whether the next one runs: then when it runs for a true condition, else for a false one."""
+
+    statement: Statement
+    condition: Expr
+
+
+@dataclass(frozen=True, slots=True)
+class ArrayLine:
+    """L10; without words it ends an array."""
+
+    words: tuple[Word, ...]
+    span: Span
+    comment: str
+
+
+Parsed = Statement | Head | ArrayLine
+
+_CODE = re.compile(r"([GLM])0*(\d+)(?:\.(\d))?\Z")
+
+
+def code_name(letter: str, tenths: int) -> str:
+    """``M6``, ``L91``, ``G92.1``."""
+    whole, tenth = divmod(tenths, 10)
+    return f"{letter}{whole}.{tenth}" if tenth else f"{letter}{whole}"
+
+
+def normal_name(name: str) -> str:
+    """A macro's name in one form: M03 is M3."""
+    found = _CODE.match(name.strip().upper())
+    return code_name(found[1], 10 * int(found[2]) + int(found[3] or 0)) if found else name.strip().upper()
+
+
+class Lines:
+    """Reads lines of any file of a program.
+
+    macros: by name in the form of ``normal_name``; find: the name of a subprogram for a file name, or None; changers:
+    how many tool changers the machine has.
+    """
+
+    def __init__(
+        self, reader: LineReader, rules: LanguageRules, macros: dict[str, Macro], files: FileFinder, changers: int
+    ) -> None:
+        self.reader = reader
+        self.rules = rules
+        self.macros = macros
+        self.files = files
+        self.changers = changers
+        self.questions = 0
+        self.limit = rules.line_length
+
+    def parse(self, text: str, file: str, line: int, depth: int = 0) -> Parsed | None:
+        """What a line says; None for a comment or an empty line; LineError for a mistake."""
+        code, comment = self.reader.cut(text)
+        if not code.strip():
+            return None
+        macro = self._macro(code)
+        if macro is not None:
+            return self._replaced(macro, code, comment, file, line, depth)
+        items = self.reader.read(text, file, line)
+        if not items.words and not items.texts:
+            return None
+        return self._statement(items, text, file, line)
+
+    def _macro(self, code: str) -> tuple[Macro, int, int] | None:
+        """The macro whose name begins the line, and where the name begins and ends."""
+        begin = len(code) - len(code.lstrip())
+        if not self.macros or code[begin : begin + 1] == "~":
+            return None
+        for found in (_BEGINS_WITH_CODE.match(code, begin), _BEGINS_WITH_WORD.match(code, begin)):
+            if found is not None:
+                macro = self.macros.get(normal_name(re.sub(r"[ \t]", "", found.group())))
+                if macro is not None:
+                    return macro, begin, found.end()
+        return None
+
+    def _replaced(
+        self, found: tuple[Macro, int, int], code: str, comment: str, file: str, line: int, depth: int
+    ) -> Parsed:
+        macro, begin, end = found
+        span = Span(file, line, begin + 1, len(code.rstrip()) + 1)
+        written = code.strip()
+        if depth >= DEEPEST_MACRO:
+            raise LineError(codes.RECURSION, begin, end, allowed=DEEPEST_MACRO, chain=f"{macro.name} > {macro.name}")
+        if not macro.text:
+            return Replaced(written=written, body=(), span=span, comment=comment)
+        rest = code[end:].rstrip()
+        text = macro.text + (f" {rest.strip()}" if rest.strip() else "")
+        if len(text) > self.limit:
+            raise LineError(codes.MACRO_TOO_LONG, begin, end, length=len(text), name=macro.name, allowed=self.limit)
+        try:
+            inner = self.parse(text, file, line, depth + 1)
+        except LineError as error:
+            raise LineError(error.code, begin, len(code.rstrip()), **error.values) from None
+        if isinstance(inner, Head):
+            inner = _at(inner, span)
+            return Head(Replaced(written=written, body=(inner.statement,), span=span, comment=comment), inner.condition)
+        if isinstance(inner, ArrayLine):
+            return ArrayLine(inner.words, span, comment)
+        body = () if inner is None else (_at(inner, span),)
+        return Replaced(written=written, body=body, span=span, comment=comment)
+
+    def _statement(self, items: Items, text: str, file: str, line: int) -> Parsed:
+        span = Span(file, line, items.begin + 1, items.end + 1)
+        command = self._command(items)
+        if command is not None:
+            rule, word = command
+            if rule.function is F.CALL:
+                return self._call(items, rule, word, span)
+            if rule.function is F.CONDITION:
+                return Head(self._block(items, span), self._condition(items, rule, word))
+            if rule.function is F.ARRAY:
+                words = tuple(w for w in items.words if w is not word)
+                return ArrayLine(words, span, items.comment)
+            if rule.function is F.DIALOG:
+                return self._dialog(items, span)
+        return self._block(items, span)
+
+    def _block(self, items: Items, span: Span) -> Block:
+        texts = list(items.texts)
+        if items.rest:
+            at = items.rest_at
+            where = Span(span.file, span.line, at + 1, at + len(items.rest) + 1)
+            texts.append(("", Text(items.rest, where)))
+        return Block(
+            words=tuple(items.words), assigns=(), span=span, comment=items.comment, own=items.own, texts=tuple(texts)
+        )
+
+    def _command(self, items: Items) -> tuple[CodeRule, Word] | None:
+        """The first code of a line that is no companion; None where there is none, or none that is known."""
+        for word in items.words:
+            if word.letter in "GLM" and isinstance(word.value, Number):
+                rule = self.rules.codes.get((word.letter, round(word.value.value * 10)))
+                if rule is None or not rule.companion:
+                    return None if rule is None else (rule, word)
+        return None
+
+    def _call(self, items: Items, rule: CodeRule, word: Word, span: Span) -> Statement:
+        rest = items.rest or ""
+        if not rest:
+            raise LineError(codes.MISSING_VALUE, word.span.column - 1, word.span.end_column - 1, letter=rule.text)
+        name, after = rest, len(rest)
+        if rest[0] == '"' and '"' in rest[1:]:
+            after = rest.index('"', 1) + 1
+            name = rest[1 : after - 1]
+        elif self.files.find(rest) is None and re.search(r"[ \t]", rest):
+            name = re.split(r"[ \t]", rest, maxsplit=1)[0]
+            after = len(name)
+        arguments: list[Word] = []
+        if rest[after:].strip():
+            shift = " " * (items.rest_at + after)
+            more = self.reader.read(shift + rest[after:], span.file, span.line)
+            if more.texts or any(w.letter in "GM" and not is_bare(w) for w in more.words):
+                raise LineError(codes.SYNTAX, items.rest_at + after, items.end, what="words behind a file name")
+            arguments = more.words
+        key = self.files.find(name)
+        if key is None:
+            at = items.rest_at
+            raise LineError(codes.FILE_NOT_FOUND, at, at + len(name), name=name, where=self.files.where)
+        return Call(
+            name=key, span=span, arguments=tuple(arguments), text=name, counted=rule.value == 1
+        )  # fmt: skip
+
+    def _dialog(self, items: Items, span: Span) -> Parsed:
+        values = {word.letter: word.value for word in items.words}
+        kind = values.get("T")
+        number = 0.0 if kind is None else kind.value if isinstance(kind, Number) else -1.0
+        kinds = {0.0: "ok", 1.0: "abort", 2.0: "continue", 3.0: "run_next", 4.0: "skip_next"}
+        if number not in kinds:
+            raise LineError(
+                codes.PARAMETER_RANGE, span.column - 1, span.end_column - 1, code="G5", word="T", allowed="0 to 4"
+            )
+        parts = tuple(text for letter, text in items.texts if letter == "M")
+        message = Message(kind=kinds[number], parts=parts, span=span)
+        if number < 3:
+            return message
+        self.questions += 1
+        asked = Input("answer", Number(float(self.questions), span), span)
+        return Head(message, asked if number == 3 else Unary("not", asked, span))
+
+    def _condition(self, items: Items, rule: CodeRule, word: Word) -> Expr:
+        """True when the next line runs."""
+        values = {w.letter: w.value for w in items.words if w is not word}
+        span = word.span
+        for letter in rule.needs:
+            if letter not in values:
+                raise LineError(
+                    codes.MISSING_VALUE, span.column - 1, span.end_column - 1, letter=f"{letter} of {rule.text}"
+                )
+        if rule.letter == "M":
+            return self._input_condition(values, rule, span)
+        if rule.text == "L113":
+            above = Binary(">", values["V"], values["L"], span)
+            below = Binary("<", values["V"], values["H"], span)
+            return Binary("and", above, below, span)
+        one, two = (Binary("==", Named(f"TP{n}", span), values["T"], span) for n in (1, 2))
+        if rule.text == "L111.1":
+            return Binary("and", one, two, span)
+        if rule.text == "L112":
+            return Unary("not", one, span)
+        which = values.get("A")
+        number = 0.0 if which is None else which.value if isinstance(which, Number) else -1.0
+        if number not in (0.0, 1.0, 2.0):
+            raise LineError(
+                codes.PARAMETER_RANGE, span.column - 1, span.end_column - 1, code=rule.text, word="A", allowed="0 to 2"
+            )
+        if number == 2.0:
+            return two
+        return one if number == 1.0 or self.changers < 2 else Binary("or", one, two, span)
+
+    def _input_condition(self, values: dict[str, Expr], rule: CodeRule, span: Span) -> Expr:
+        simulated = values.get("D")
+        answer = simulated.value if isinstance(simulated, Number) else None
+        kinds = {1: "input", 2: "output", 3: "virtual"}
+        condition: Expr
+        point = rule.tenths % 10
+        if point == 4:
+            condition = Binary("==", values["C"], Number(1.0, span), span)
+        else:
+            condition = Input(kinds[point], values["C"], span, answer)
+        return condition if rule.tenths // 10 == 17 else Unary("not", condition, span)
+
+
+_BEGINS_WITH_CODE = re.compile(r"[GLMglm][ \t]*[0-9]+(?:\.[0-9])?(?![0-9.])")
+_BEGINS_WITH_WORD = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
+
+
+class FileFinder(Protocol):
+    """Subprogram files by the names that programs give them. where: words for a message, such as " in jobs/"."""
+
+    where: str
+
+    def find(self, name: str) -> str | None:
+        """The name of the subprogram that a file is, loaded now or later; None when there is no such file."""
+
+
+def _at(value: Any, span: Span) -> Any:
+    """What a macro stands for, at the place of the line that has the macro."""
+    if isinstance(value, tuple):
+        return tuple(_at(item, span) for item in value)
+    if isinstance(value, Span):
+        return span
+    if not dataclasses.is_dataclass(value) or isinstance(value, type):
+        return value
+    return type(value)(**{f.name: _at(getattr(value, f.name), span) for f in dataclasses.fields(value)})
+
+
+def text_codes(rules: LanguageRules) -> frozenset[tuple[str, int]]:
+    """Codes with a text behind them that is no word."""
+    quoted = (F.DIALOG, F.STORE_POSITION, F.STORE_LOCAL_POSITION)
+    return frozenset(code for code, rule in rules.codes.items() if rule.has_text and rule.function not in quoted)

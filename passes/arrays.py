@@ -1,0 +1,96 @@
+"""Arrays of a part (WinCNC L10): what follows is cut again at the next place; and what outlives a subprogram file.
+
+WinCNC Users Guide, L Codes: L10, L92; M Codes: M98. Which way a grid of rows and columns is walked, the manual does not
+say: one row or one column is modelled.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from gproof.ir import codes
+from gproof.ir.finding import Refusal
+from gproof.ir.program import Array
+from gproof.ir.trace import Op
+from gproof.passes.frames import Cells, Frame, Kept
+from gproof.passes.values import NOWHERE, Unknown
+
+if TYPE_CHECKING:
+    from gproof.passes.execute import Executor
+
+
+def begin_array(ex: Executor, node: Array) -> None:
+    """Enter the body of an array; Refusals become findings, and the body runs once then."""
+    s = ex.modal
+    cells: Cells | None = None
+    try:
+        cells = _cells(ex, node)
+    except Refusal as refusal:
+        ex._refuse(refusal.finding)
+    ex._enter(node.span)
+    ex._stack.append(Frame(node.body, node, cells=cells))
+    if cells is None:
+        s.position[0] = s.position[1] = NOWHERE
+        s.jumped = True
+
+
+def _cells(ex: Executor, node: Array) -> Cells:
+    s = ex.modal
+    values: dict[str, float] = {}
+    for word in node.words:
+        if word.letter not in "RCXYE" or word.letter in values:
+            raise Refusal(
+                codes.ARRAY_PARAMETERS.at(word.span, code="L10", what=f"{word.letter} is not one of R C X Y E")
+            )
+        value = ex.evaluator.value(word.value)
+        if isinstance(value, Unknown):
+            raise Refusal(codes.UNKNOWN_CONDITION.at(word.span, cause=value.cause))
+        values[word.letter] = value
+    rows, columns = values.get("R", 1.0), values.get("C", 1.0)
+    for letter, count in (("R", rows), ("C", columns)):
+        if count < 1 or count != round(count) or count > 1_000_000:
+            what = f"{letter} is {count:g}, not a number of rows or columns"
+            raise Refusal(codes.ARRAY_PARAMETERS.at(node.span, code="L10", what=what))
+    x, y = values.get("X", 0.0) * s.scale(0), values.get("Y", 0.0) * s.scale(1)
+    if rows > 1 and columns > 1:
+        what = "L10 with several rows and several columns (in which order they are cut is not said)"
+        raise Refusal(codes.UNSUPPORTED_CODE.at(node.span, code=what))
+    count, step = (int(columns), (x, 0.0)) if columns > 1 else (int(rows), (0.0, y))
+    beside = y if columns > 1 else x
+    if count > 1 and beside != 0.0:
+        what = "L10 of one row or column with a distance across (whether it is used is not said)"
+        raise Refusal(codes.UNSUPPORTED_CODE.at(node.span, code=what))
+    return Cells(count, step, (s.position[0], s.position[1]), goes_back="E" not in values)
+
+
+def next_cell(ex: Executor, frame: Frame) -> bool:
+    """Behind a cell: to the next one, True; behind the last one back to the first, False."""
+    cells = frame.cells
+    assert cells is not None
+    ex._run_pending()
+    frame.cell += 1
+    again = frame.cell < cells.count
+    if not again and not cells.goes_back:
+        return False
+    assert isinstance(frame.node, Array)
+    target = list(ex.modal.position)
+    times = frame.cell if again else 0
+    for axis in (0, 1):
+        target[axis] = cells.start[axis].moved(times * cells.step[axis])
+    if target != ex.modal.position:
+        ex.move(Op.TRAVERSE, target, frame.node.span)
+    if again:
+        ex.spend(frame.node.span)
+        frame.at = 0
+    return again
+
+
+def back_from_file(ex: Executor, kept: Kept | None) -> None:
+    """A subprogram that is a file is over: local coordinates are the caller's again, unless L92 keeps them."""
+    if kept is None:
+        return
+    s = ex.modal
+    if not s.single.keep_local:
+        s.g92 = list(kept.local)
+    s.single = s.single.but(keep_local=kept.keep_local, arguments=kept.arguments)
+    ex._state_changed()

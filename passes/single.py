@@ -1,0 +1,225 @@
+"""Lines of controllers that take one command a line (WinCNC): gathered, judged, and given to what the command does.
+
+A line is at most one command with its words, and companions: distance modes, and what a limit switch does. A line
+without a command is the active motion, a feed, or a speed. Source: WinCNC Users Guide, Command Reference.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+from gproof.ir import codes
+from gproof.ir.finding import Refusal, Span
+from gproof.ir.program import Text
+from gproof.ir.rules import CHECKED_ONLY, CodeRule, LanguageRules
+from gproof.ir.rules import Function as F
+from gproof.passes import single_cycles, single_events, single_motion, single_origins
+from gproof.passes.line import LARGEST, Line
+from gproof.passes.single_state import letters_of
+from gproof.passes.values import NOWHERE, Unknown, Value
+
+if TYPE_CHECKING:
+    from gproof.passes.motion import Motion
+
+Words = Sequence[tuple[str, Value, Span]]
+Texts = Sequence[tuple[str, Text]]
+MEANT_BOTH = (F.ABSOLUTE_ONCE, F.INCREMENTAL_ONCE)
+_AXES = "XYZWUVABC"
+_MAPPINGS = (F.MAP_WORDS, F.MAP_HEADS, F.MAP_PULSES)
+
+
+@dataclass(slots=True)
+class Command(Line):
+    """A line of one command. command: its rule, None for a line without one; columns: of the axis words.
+
+    texts: by letter; comment: behind the words; bare: letters without a number; letters: of a command that maps axes,
+    in order.
+    """
+
+    command: CodeRule | None = None
+    companions: list[CodeRule] = field(default_factory=list)
+    texts: dict[str, Text] = field(default_factory=dict)
+    comment: str = ""
+    bare: frozenset[str] = frozenset()
+    columns: dict[str, int] = field(default_factory=dict)
+    letters: str = ""
+
+    def axes(self) -> dict[int, Value]:
+        """Values of the axis words by column."""
+        taken = "" if self.command is None else self.command.takes
+        return {
+            column: self.values[letter]
+            for letter, column in self.columns.items()
+            if letter in self.values and letter not in taken
+        }
+
+
+def gather(
+    rules: LanguageRules, columns: dict[str, int], span: Span, words: Words, has_laser: bool
+) -> Command:  # fmt: skip
+    """Words to a Command; Refusal with GP109, GP112, GP113, GP121, GP127, GP228 or GP232."""
+    line = Command(span, columns=columns)
+    for letter, value, where in words:
+        if not isinstance(value, Unknown) and abs(value) > LARGEST:
+            raise Refusal(codes.ARITHMETIC.at(where, what=f"{letter}{value:g} is beyond every machine"))
+        rule = _code(rules, letter, value, where, line) if letter in "GLM" else None
+        if rule is not None:
+            _take_code(line, rule, where, has_laser)
+        elif line.command is not None and line.command.function in _MAPPINGS and letter in columns:
+            line.letters += letter
+        elif letter in line.values:
+            raise Refusal(codes.REPEATED_WORD.at(where, letter=letter))
+        else:
+            line.values[letter] = value
+            line.spans[letter] = where
+    _check_words(line)
+    return line
+
+
+def _code(rules: LanguageRules, letter: str, value: Value, where: Span, line: Command) -> CodeRule | None:
+    """The rule of a word with G, L or M; None where the letter is a parameter of the command."""
+    if isinstance(value, Unknown):
+        if line.command is not None and letter in line.command.takes:
+            return None
+        raise Refusal(codes.UNKNOWN_CONDITION.at(where, cause=value.cause))
+    tenths = round(value * 10)
+    known = rules.codes.get((letter, tenths)) if abs(value * 10 - tenths) < 1e-6 else None
+    if line.command is not None and letter in line.command.takes and (known is None or not known.companion):
+        return None
+    if known is None:
+        raise Refusal(codes.UNKNOWN_CODE.at(where, code=f"{letter}{value:g}"))
+    return known
+
+
+def _take_code(line: Command, rule: CodeRule, where: Span, has_laser: bool) -> None:
+    command = line.command
+    if rule.companion:
+        if command is not None and "L" in command.takes and rule.letter == "L" and has_laser:
+            what = f"{rule.text} behind {command.text}: a laser power or a distance mode"
+            raise Refusal(codes.UNSUPPORTED_CODE.at(where, code=what))
+        if rule in line.companions:
+            raise Refusal(codes.REPEATED_WORD.at(where, letter=rule.text))
+        line.companions.append(rule)
+    elif command is not None:
+        raise Refusal(codes.MULTIPLE_COMMANDS.at(where, first=command.text, second=rule.text))
+    else:
+        line.command = rule
+    line.rules.append(rule)
+    line.code_spans.append(where)
+
+
+def _check_words(line: Command) -> None:
+    """Every word has somebody who takes it."""
+    command = line.command
+    for letter in line.values:
+        if command is None:
+            if letter in "FSPHT" or letter in _AXES or letter in "IJKR":
+                continue
+        elif letter in command.takes or (command.uses_axes and letter in _AXES):
+            continue
+        raise Refusal(codes.UNUSED_WORD.at(line.where(letter), word=letter))
+    if command is not None:
+        for letter in command.needs:
+            if letter not in line.values:
+                raise Refusal(codes.WORD_MISSING.at(line.where_code(command), code=command.text, needed=letter))
+
+
+def run(
+    ex: Motion, span: Span, words: Words, *, texts: Texts = (), comment: str = "", bare: frozenset[str] = frozenset()
+) -> None:
+    """Execute one line; a Refusal inside it becomes a finding."""
+    line: Command | None = None
+    moves = ex._moves
+    devices = ex.machine.controller.controls.devices
+    try:
+        has_laser = devices is not None and "laser" in devices
+        line = gather(ex.program.rules, letters_of(ex.machine), span, words, has_laser)
+        line.texts, line.comment, line.bare = dict(texts), comment, bare
+        _execute(ex, line)
+    except Refusal as refusal:
+        if line is not None and moves == ex._moves:
+            _recover(ex, line)
+        ex._refuse(refusal.finding)
+    finally:
+        if ex.modal.single.absolute_once is not None:
+            ex.modal.single = ex.modal.single.but(absolute_once=None)
+
+
+def _execute(ex: Motion, line: Command) -> None:
+    s = ex.modal
+    for letter in line.values:
+        taken = "" if line.command is None else line.command.takes
+        if letter in _AXES and letter not in taken and letter not in line.columns:
+            raise Refusal(codes.AXIS_NOT_THERE.at(line.where(letter), axis=letter))
+    for rule in line.companions:
+        if rule.function in (F.ABSOLUTE, F.INCREMENTAL):
+            s.absolute = rule.function is F.ABSOLUTE
+            s.stated.add("distance")
+        elif rule.function in MEANT_BOTH:
+            s.single = s.single.but(absolute_once=rule.function is F.ABSOLUTE_ONCE)
+    command = line.command
+    if command is None:
+        single_motion.without_command(ex, line)
+        return
+    _need_device(ex, line, command)
+    if command.function is F.UNSUPPORTED:
+        _unsupported(ex, line, command)
+        return
+    if command.function in CHECKED_ONLY and command.function not in HANDLERS:
+        single_events.note(ex, line, command)
+        return
+    HANDLERS[command.function](ex, line, command)
+
+
+def _need_device(ex: Motion, line: Command, command: CodeRule) -> None:
+    """Refusal GP285 for a command to something that the machine's file does not set up."""
+    controls = ex.machine.controller.controls
+    if controls.devices is None:
+        return
+    devices = {*controls.devices, *(f"atc{changer.number}" for changer in controls.changers)}
+    if command.device and command.device not in devices:
+        key = {"atc1": "atc1", "atc2": "atc2", "knife": "knifemode", "saw": "sawmode", "pump": "pumpcont",
+               "probe": "scan"}.get(command.device, command.device)  # fmt: skip
+        raise Refusal(
+            codes.NOT_ENABLED.at(line.where_code(command), code=command.text, device=command.device, key=f"{key}=")
+        )
+
+
+def _unsupported(ex: Motion, line: Command, command: CodeRule) -> None:
+    what = f"{command.text} ({command.open})" if command.open else command.text
+    ex._fail(codes.UNSUPPORTED_CODE.at(line.where_code(command), code=what))
+    if command.uses_axes or command.has_text:
+        for axis in line.axes() or range(len(ex.modal.position)):
+            ex.modal.position[axis] = NOWHERE
+        ex.modal.jumped = True
+
+
+def _recover(ex: Motion, line: Command) -> None:
+    """After an error the axes of the line are taken to be where it sent them, else anywhere."""
+    s = ex.modal
+    command = line.command
+    if command is not None and not command.uses_axes:
+        return
+    if command is not None and command.function not in single_motion.MOVES:
+        return
+    machine = command is not None and command.function is F.MACHINE_TRAVERSE
+    try:
+        aimed = single_motion.aim(ex, line, machine=machine)
+    except Refusal:
+        aimed = [NOWHERE if axis in line.axes() else place for axis, place in enumerate(s.position)]
+    if command is not None and command.function in single_cycles.CYCLES:
+        aimed[2] = NOWHERE
+    for axis, place in enumerate(aimed):
+        s.jumped = s.jumped or place != s.position[axis]
+        s.position[axis] = place
+
+
+HANDLERS = {
+    **single_motion.HANDLERS,
+    **single_origins.HANDLERS,
+    **single_events.HANDLERS,
+    **single_cycles.HANDLERS,
+}
+"""What each function does: (run, line, rule)."""

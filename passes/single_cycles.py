@@ -1,0 +1,137 @@
+"""Drilling cycles of controllers of one command a line: G73, G81, G82, G83, until G80 or another motion.
+
+WinCNC Users Guide, G Codes: G73 to G83; WINCNC.INI Settings: g81set=, g81dwell=. The axes go to X Y at the height they
+have, down to R, drill, and back to R.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from gproof.ir import codes
+from gproof.ir.finding import Refusal
+from gproof.ir.rules import CodeRule
+from gproof.ir.rules import Function as F
+from gproof.ir.trace import Op
+from gproof.passes.single_motion import Handler, aim, feed_word, is_absolute, mapped, note_assumptions
+from gproof.passes.values import Position
+
+if TYPE_CHECKING:
+    from gproof.passes.motion import Motion
+    from gproof.passes.single import Command
+
+CYCLES = (F.DRILL, F.DRILL_DWELL, F.DRILL_PECK, F.DRILL_CHIP_BREAK)
+_PECKS = (F.DRILL_PECK, F.DRILL_CHIP_BREAK)
+APPROACH = 1.27
+"""mm (0.05 inch): how near to the depth before the rapid of G83 goes, and how far G73 lifts."""
+DRILL = 2
+MAX_PECKS = 100_000
+
+
+def drill(ex: Motion, line: Command, rule: CodeRule) -> None:
+    """One hole; Refusal GP113, GP216, GP217, GP218, GP222 or GP223."""
+    note_assumptions(ex)
+    s = ex.modal
+    if not is_absolute(ex):
+        raise Refusal(
+            codes.UNSUPPORTED_CODE.at(line.span, code=f"{rule.text} with distances (G91): what Z and R count")
+        )
+    if s.feed_mode == 93:
+        raise Refusal(codes.CYCLE_INVERSE_TIME.at(line.span, code=rule.text))
+    sticky = s.cycle if s.cycle_code == rule.tenths else {}
+    words = {letter: line.number(letter) for letter in "ZRQPL"}
+    found = {letter: sticky.get(letter) if value is None else value for letter, value in words.items()}
+    if any(axis > 2 for axis in mapped(ex, line)):
+        raise Refusal(codes.UNSUPPORTED_CODE.at(line.span, code=f"{rule.text} with other axes than X, Y and Z"))
+    depth_word, r_word, peck_word = found["Z"], found["R"], found["Q"]
+    if depth_word is None:
+        raise Refusal(codes.CYCLE_DEPTH_MISSING.at(line.span, code=rule.text, letter="Z"))
+    if r_word is None:
+        raise Refusal(codes.CYCLE_R_MISSING.at(line.span, code=rule.text))
+    if rule.function in _PECKS and (peck_word is None or peck_word <= 0):
+        given = "" if peck_word is None else f"; Q{peck_word:g} is given"
+        raise Refusal(codes.CYCLE_PECK.at(line.where("Q"), code=rule.text, given=given))
+    if (found["P"] or 0.0) < 0:
+        raise Refusal(codes.CYCLE_DWELL_NEGATIVE.at(line.where("P"), code=rule.text, value=found["P"]))
+    unit = s.unit
+    origin = s.offset(DRILL)
+    r, depth = origin.moved(r_word * unit), origin.moved(depth_word * unit)
+    if r.value <= depth.value:
+        raise Refusal(
+            codes.CYCLE_R_BELOW_DEPTH.at(line.where("R"), code=rule.text, r=r_word, letter="Z", depth=depth_word)
+        )
+    peck = (peck_word or 0.0) * unit
+    if rule.function in _PECKS and (r.value - depth.value) / peck > MAX_PECKS:
+        raise Refusal(codes.UNSUPPORTED_CODE.at(line.span, code=f"a cycle of more than {MAX_PECKS} pecks"))
+    feed_word(ex, line, {DRILL})
+    s.motion, s.cycle_code = int(rule.function), rule.tenths
+    s.cycle = {letter: value for letter, value in found.items() if value is not None}
+    target = list(s.position)
+    aimed = aim(ex, line)
+    target[0], target[1] = aimed[0], aimed[1]
+    ex.move(Op.TRAVERSE, target, line.span)
+    ex._moved = True
+    _go(ex, line, Op.TRAVERSE, r)
+    if rule.function is F.DRILL_PECK:
+        _pecks(ex, line, r, depth, peck, found["L"])
+    elif rule.function is F.DRILL_CHIP_BREAK:
+        _chips(ex, line, r, depth, peck)
+    else:
+        _go(ex, line, Op.FEED, depth)
+    _dwell(ex, line, rule, found["P"])
+    _go(ex, line, Op.TRAVERSE, r)
+
+
+def _go(ex: Motion, line: Command, op: Op, place: Position) -> None:
+    s = ex.modal
+    target = list(s.position)
+    target[DRILL] = place
+    if op is Op.FEED:
+        s.feed, s.feed_unit = s.single.feeds[DRILL], 1.0
+    if target != s.position:
+        ex.move(op, target, line.span)
+
+
+def _pecks(ex: Motion, line: Command, r: Position, depth: Position, peck: float, lift_word: float | None) -> None:
+    """G83: back to R after each peck but the last, then rapid to just above where it was."""
+    settings = ex.machine.controller.controls.drill
+    approach = APPROACH if settings.approach is None else settings.approach
+    if settings.lift or lift_word:
+        raise Refusal(codes.UNSUPPORTED_CODE.at(line.span, code="a lift between pecks beside R (g81set=L)"))
+    at = r.value
+    while at - peck > depth.value + 1e-9:
+        at -= peck
+        _go(ex, line, Op.FEED, Position(at, r.form))
+        _go(ex, line, Op.TRAVERSE, r)
+        _go(ex, line, Op.TRAVERSE, Position(min(at + approach, r.value), r.form))
+    _go(ex, line, Op.FEED, depth)
+
+
+def _chips(ex: Motion, line: Command, r: Position, depth: Position, peck: float) -> None:
+    """G73: a little lift after each peck but the last."""
+    at = r.value
+    while at - peck > depth.value + 1e-9:
+        at -= peck
+        _go(ex, line, Op.FEED, Position(at, r.form))
+        _go(ex, line, Op.TRAVERSE, Position(at + APPROACH, r.form))
+    _go(ex, line, Op.FEED, depth)
+
+
+def _dwell(ex: Motion, line: Command, rule: CodeRule, word: float | None) -> None:
+    """At the bottom: P of G82 in milliseconds, else the machine's setting, of two the longer."""
+    settings = ex.machine.controller.controls.drill
+    stated = [value for value in (settings.dwell, settings.other_dwell) if value]
+    seconds = word / 1000.0 if rule.function is F.DRILL_DWELL and word else max(stated, default=0.0)
+    if seconds:
+        ex.event(Op.DWELL, line.span, arg=(seconds, 0.0))
+
+
+def cancel(ex: Motion, line: Command, rule: CodeRule) -> None:
+    """G80: lines without a command are no holes any more; of which motion they are then is not said."""
+    s = ex.modal
+    if s.motion in [int(f) for f in CYCLES]:
+        s.motion = 0
+    s.cycle, s.cycle_code = {}, 0
+
+
+HANDLERS: dict[F, Handler] = {**dict.fromkeys(CYCLES, drill), F.MOTION_CANCEL: cancel}

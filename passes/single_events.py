@@ -1,0 +1,491 @@
+"""Outputs, waits, tools, guards, devices of controllers of one command a line, and what their variables hold.
+
+WinCNC Users Guide, Command Reference: G4, G40 to G42, L11 to L13, L20 to L23.1, L30 to L61, L101 to L120, L300, L301,
+L500, M11 to M18, M99, and the variables of braces.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from gproof.ir import codes
+from gproof.ir.finding import Refusal, Span
+from gproof.ir.machine import AXES, AXIS_NAMES
+from gproof.ir.program import Input, Named
+from gproof.ir.rules import CodeRule
+from gproof.ir.rules import Function as F
+from gproof.ir.trace import Op, Wait
+from gproof.passes.emitter import ProgramEnd
+from gproof.passes.expressions import Evaluator
+from gproof.passes.single_motion import Handler, follow, note_assumptions
+from gproof.passes.single_state import value_of, vertical_axes, with_pair
+from gproof.passes.values import NOWHERE, Position, Unknown, Value
+
+if TYPE_CHECKING:
+    from gproof.passes.emitter import Emitter
+    from gproof.passes.motion import Motion
+    from gproof.passes.single import Command
+
+
+def note(ex: Motion, line: Command, rule: CodeRule) -> None:
+    """What moves nothing and changes no place: an event with the command's text."""
+    words = " ".join(f"{k}{'?' if isinstance(v, Unknown) else format(v, 'g')}" for k, v in line.values.items())
+    texts = " ".join(text.value for text in line.texts.values())
+    ex.event(Op.MESSAGE, line.span, text=ex._text(f"{rule.text} {words} {texts}".strip()))
+
+
+def dwell(ex: Motion, line: Command, rule: CodeRule) -> None:
+    """G4 X: seconds; alone: until the operator goes on."""
+    letter = "D" if rule.letter == "L" else "X"
+    seconds = line.number(letter)
+    if seconds is None:
+        if line.comment:
+            ex.event(Op.MESSAGE, line.span, text=ex._text(line.comment))
+        ex.event(Op.STOP, line.span)
+        ex.findings.add(codes.OPERATOR_STOP.at(line.span, code=rule.text))
+        ex._end_section(Wait.OPERATOR, "cycle start", None, line.span.line)
+        return
+    if seconds < 0:
+        raise Refusal(codes.DWELL_NEGATIVE.at(line.where(letter), seconds=seconds))
+    ex.event(Op.DWELL, line.span, arg=(seconds, 0.0))
+
+
+# ---- outputs and inputs
+
+
+def channel(ex: Motion, line: Command, rule: CodeRule, known: tuple[int, ...] | None, kind: str) -> int:
+    """The channel in C; Refusal GP128 for one that is not there."""
+    number = line.whole("C", ex.program.rules.integer_tolerance)
+    assert number is not None
+    if number < 0 or (known is not None and number not in known):
+        allowed = f"the machine's file has no {kind} {number}"
+        raise Refusal(codes.PARAMETER_RANGE.at(line.where("C"), code=rule.text, word="C", allowed=allowed))
+    return number
+
+
+def output(ex: Motion, line: Command, rule: CodeRule) -> None:
+    """M11 to M14: an output on or off; M13 and M14 without a stop."""
+    s = ex.modal
+    controls = ex.machine.controller.controls
+    on = rule.function in (F.OUTPUT_ON, F.OUTPUT_ON_MOVING)
+    if "C" not in line.values:
+        if "D" not in line.values:
+            raise Refusal(codes.WORD_MISSING.at(line.where_code(rule), code=rule.text, needed="C"))
+        _bank(ex, line, rule, on)
+        return
+    number = channel(ex, line, rule, controls.outputs, "output")
+    s.single = s.single.but(outputs=with_pair(s.single.outputs, number, float(on)))
+    ex.event(Op.OUTPUT, line.span, arg=(float(number), float(on)))
+
+
+def _bank(ex: Motion, line: Command, rule: CodeRule, on: bool) -> None:
+    """M11 D: drills of a bank by the bits of a number."""
+    banks = ex.machine.controller.controls.drill_banks
+    if len(banks) != 1:
+        raise Refusal(codes.UNSUPPORTED_CODE.at(line.span, code=f"{rule.text} with D, and not one drillbank="))
+    bits = line.whole("D", ex.program.rules.integer_tolerance) or 0
+    first, count = banks[0]
+    if not 0 <= bits < 1 << count:
+        allowed = f"the bank has {count} drills"
+        raise Refusal(codes.PARAMETER_RANGE.at(line.where("D"), code=rule.text, word="D", allowed=allowed))
+    s = ex.modal
+    for n in range(count):
+        if bits >> n & 1:
+            s.single = s.single.but(outputs=with_pair(s.single.outputs, first + n, float(on)))
+            ex.event(Op.OUTPUT, line.span, arg=(float(first + n), float(on)))
+
+
+def wait(ex: Motion, line: Command, rule: CodeRule) -> None:
+    """M17 and M18: until an input is on or off."""
+    number = channel(ex, line, rule, ex.machine.controller.controls.inputs, "input")
+    ex.event(Op.INPUT_WAIT, line.span, arg=(float(number), float(rule.function is F.WAIT_ON)))
+    ex._end_section(Wait.INPUT, "come", None, line.span.line)
+
+
+def virtual(ex: Motion, line: Command, rule: CodeRule) -> None:
+    """L60, L61: a virtual input."""
+    number = line.whole("C", ex.program.rules.integer_tolerance)
+    if number is None or not 1 <= number <= 64:
+        raise Refusal(codes.PARAMETER_RANGE.at(line.where("C"), code=rule.text, word="C", allowed="1 to 64"))
+    s = ex.modal
+    on = float(rule.function is F.VIRTUAL_ON)
+    s.single = s.single.but(virtual=with_pair(s.single.virtual, number, on))
+
+
+# ---- what braces and conditions read
+
+
+def read_named(ex: Emitter, node: Named) -> Value:
+    """The value of a name in braces, in the program's unit; Refusal GP107 for one that is none."""
+    s = ex.modal
+    name = node.name
+    if len(name) == 1:
+        found = next((value for letter, value in s.single.arguments if letter == name), None)
+        if found is None:
+            raise Refusal(codes.BAD_EXPRESSION.at(node.span, what=f"{{{name}}}: the call gave no {name}"))
+        return found
+    if name not in ex.program.rules.variables:
+        raise Refusal(codes.BAD_EXPRESSION.at(node.span, what=f"{name} is no variable of WinCNC"))
+    controls = ex.machine.controller.controls
+    if name in ("TP1", "TP2"):
+        return s.single.tools[int(name[2]) - 1]
+    if name in ("TN1", "TN2"):
+        tool, add = s.single.tools[int(name[2]) - 1], 10.0 * int(name[2])
+        return tool if isinstance(tool, Unknown) else tool + add
+    if name in ("TM1", "TM2"):
+        return s.single.switch_heights[int(name[2]) - 1]
+    if name[:2] == "LZ":
+        axis = int(name[2])
+        there = ex.machine.axes[axis].index if axis < len(ex.machine.axes) else axis
+        return s.plain(s.g92[there], s.scale(there), 0)
+    switch = controls.measure
+    if switch is not None and name[:2] == "TM":
+        value = {"X": switch.x, "Y": switch.y, "I": switch.i, "J": switch.j, "D": switch.descent,
+                 "F": None if switch.feed is None else switch.feed * 60.0}.get(name[2])  # fmt: skip
+        if value is not None:
+            return value / s.unit
+    return Unknown(name)
+
+
+def read_input(ex: Emitter, node: Input, evaluator: Evaluator) -> Value:
+    """The state of a channel: by the program, else by the setup, else unknown."""
+    value = evaluator.value(node.number)
+    if isinstance(value, Unknown):
+        return Unknown(value.cause, 0.0, 1.0)
+    number = round(value)
+    s, setup = ex.modal, ex.setup
+    known: Value | None = None
+    if node.kind == "output":
+        known = value_of(s.single.outputs, number)
+        known = setup.outputs.get(number) if known is None else known
+    elif node.kind == "virtual":
+        known = value_of(s.single.virtual, number)
+        known = setup.virtual.get(number) if known is None else known
+    elif node.kind == "input":
+        known = setup.inputs.get(number)
+    else:
+        known = setup.answers.get(number)
+    if known is not None:
+        return known
+    names = {"output": "output", "virtual": "virtual input", "input": "input", "answer": "the operator's answer"}
+    return Unknown(f"{names[node.kind]} {number}", 0.0, 1.0)
+
+
+# ---- tools
+
+
+def tool_number(ex: Motion, line: Command, rule: CodeRule) -> None:
+    """L101, L102, L110, L120: which tool is in a changer's spindle, and its measure."""
+    s = ex.modal
+    number = line.whole("T", ex.program.rules.integer_tolerance)
+    assert number is not None
+    if not 0 <= number <= ex.program.rules.highest_tool:
+        raise Refusal(codes.PARAMETER_RANGE.at(line.where("T"), code=rule.text, word="T", allowed="0 to 999"))
+    tools = list(s.single.tools)
+    tools[rule.value - 1] = float(number)
+    s.single = s.single.but(tools=(tools[0], tools[1]))
+    changers = {changer.number: changer for changer in ex.machine.controller.controls.changers}
+    changer = changers.get(rule.value)
+    axis = AXIS_NAMES.index(changer.axis) if changer is not None else 2
+    register = line.whole("R", ex.program.rules.integer_tolerance) if "R" in line.values else number
+    offset = dict(s.single.heights).get(register if register is not None else number)
+    if offset is None:
+        offset = s._symbol(f"tool.{register}.{AXIS_NAMES[axis]}") if number else s._symbol(
+            f"tool.{number}.{AXIS_NAMES[axis]}")  # fmt: skip
+    s.tool_offset[axis] = offset
+    s.single = s.single.but(unmeasured=s.single.unmeasured - {axis})
+    if rule.value == 1:
+        s.tool = number
+    ex._state_changed()
+    ex.event(Op.TOOL_CHANGE, line.span, arg=(float(number), 0.0))
+
+
+def store_tool(ex: Motion, line: Command, rule: CodeRule) -> None:
+    """L500.2: an entry of the tool library."""
+    number = line.whole("T", ex.program.rules.integer_tolerance) or 0
+    s = ex.modal
+    if {"H", "O", "C"} & line.values.keys():
+        heights = {**dict(s.single.heights), number: NOWHERE}
+        s.single = s.single.but(heights=tuple(sorted(heights.items(), key=lambda pair: pair[0])))
+    note(ex, line, rule)
+
+
+# ---- compensation
+
+
+def compensation(ex: Motion, line: Command, rule: CodeRule) -> None:
+    """G40 to G42: for differences of tool diameters; only none of them is modelled."""
+    s = ex.modal
+    if rule.function is F.COMPENSATION_OFF:
+        s.single = s.single.but(flags=s.single.flags - {"compensation"})
+        return
+    controls = ex.machine.controller.controls
+    amount = line.number("O")
+    if amount == 0.0 or (amount is None and controls.devices is not None and not controls.changers):
+        return
+    s.single = s.single.but(flags=s.single.flags | {"compensation"})
+    for axis in (0, 1):
+        s.position[axis] = NOWHERE
+    s.jumped = True
+    what = f"{rule.text} with an amount other than 0 (corners and entry are not described)"
+    raise Refusal(codes.UNSUPPORTED_CODE.at(line.span, code=what))
+
+
+# ---- mapping, locking
+
+
+def map_words(ex: Motion, line: Command, rule: CodeRule) -> None:
+    """L11 and L12: which word moves an axis: the letters stand for X Y Z W, or Z W, in that order."""
+    s = ex.modal
+    columns = line.columns
+    letters = line.letters
+    if not letters:
+        s.single = s.single.but(sources=tuple(range(AXES)))
+        return
+    order = "XYZW" if rule.function is F.MAP_WORDS else "ZW"
+    if len(letters) > len(order) or any(letter not in columns for letter in order[: len(letters)]):
+        raise Refusal(codes.ILLEGAL_VALUE.at(line.span, word=rule.text, what=f"axes for {order} in that order"))
+    sources = list(range(AXES))
+    for target, source in zip(order, letters, strict=False):
+        sources[columns[target]] = columns[source]
+    s.single = s.single.but(sources=tuple(sources))
+
+
+def map_pulses(ex: Motion, line: Command, rule: CodeRule) -> None:
+    """L13: the second axis follows the first step by step."""
+    s = ex.modal
+    letters = line.letters
+    if not letters:
+        s.single = s.single.but(slaves=())
+        return
+    if len(letters) != 2 or letters[0] == letters[1]:
+        raise Refusal(codes.ILLEGAL_VALUE.at(line.span, word=rule.text, what="two axes"))
+    leader, follower = (line.columns[letter] for letter in letters)
+    s.single = s.single.but(slaves=((follower, leader),))
+
+
+def lock(ex: Motion, line: Command, rule: CodeRule) -> None:
+    """L300, L301: axes that do not move, whatever the program says."""
+    s = ex.modal
+    axes = frozenset(line.axes()) or frozenset(axis.index for axis in ex.machine.axes)
+    locked = s.single.locked | axes if rule.function is F.LOCK_AXIS else s.single.locked - axes
+    s.single = s.single.but(locked=locked)
+
+
+# ---- guards
+
+
+def guards(ex: Motion, line: Command, rule: CodeRule) -> None:
+    """L20 and L21: soft limits and boundaries."""
+    s = ex.modal
+    controls = ex.machine.controller.controls
+    which = line.number("X") if rule.function is F.LIMITS_ON else None
+    if which not in (None, 1.0, 2.0):
+        raise Refusal(codes.PARAMETER_RANGE.at(line.where("X"), code=rule.text, word="X", allowed="1 or 2"))
+    if rule.function is F.LIMITS_ON and not controls.limits_available:
+        raise Refusal(codes.NOT_ENABLED.at(line.where_code(rule), code=rule.text, device="soft limits", key="softlim="))
+    on = rule.function is F.LIMITS_ON
+    s.single = s.single.but(soft=on and which != 1.0, bound=on and which != 2.0)
+    set_guards(ex)
+    for name, state in (("soft_limits", s.single.soft), ("boundaries", s.single.bound)):
+        ex.event(Op.GUARD, line.span, arg=(float(state), 0.0), text=ex._text(name))
+
+
+def set_guards(ex: Motion) -> None:
+    """The guards that rows carry."""
+    s = ex.modal
+    off = []
+    if not s.single.soft:
+        off.append("machine_area")
+    if not s.single.bound:
+        off.append("boundaries")
+    s.guards_off = tuple(sorted(off))
+    ex._state_changed()
+
+
+def boundary(ex: Motion, line: Command, rule: CodeRule) -> None:
+    """L22, L23: boundaries in workspace numbers; without words, and with .1, those of the machine's file."""
+    s = ex.modal
+    low = rule.function in (F.LOW_BOUNDARY, F.LOW_BOUNDARY_RESTORE)
+    restore = rule.function in (F.LOW_BOUNDARY_RESTORE, F.HIGH_BOUNDARY_RESTORE)
+    values = list(s.single.lower if low else s.single.upper)
+    words = line.axes()
+    if restore or not words:
+        for axis in words or range(AXES):
+            there = ex.machine.axis(AXIS_NAMES[axis])
+            values[axis] = None if there is None else there.boundary_lower if low else there.boundary_upper
+    else:
+        for axis, value in words.items():
+            if isinstance(value, Unknown):
+                raise Refusal(codes.UNKNOWN_CONDITION.at(line.span, cause=value.cause))
+            values[axis] = value * s.scale(axis)
+    s.single = s.single.but(lower=tuple(values)) if low else s.single.but(upper=tuple(values))
+    ex._state_changed()
+
+
+# ---- devices that move axes in ways that nobody can follow
+
+
+def _device(name: str, on: bool, axes: str = "") -> Handler:
+    def handler(ex: Motion, line: Command, rule: CodeRule) -> None:
+        s = ex.modal
+        flags = s.single.flags | {name} if on else s.single.flags - {name}
+        s.single = s.single.but(flags=flags)
+        note(ex, line, rule)
+        if on and axes:
+            places = range(AXES) if axes == "*" else [AXIS_NAMES.index(axis) for axis in axes]
+            for axis in places:
+                s.position[axis] = NOWHERE
+            s.jumped = True
+            raise Refusal(codes.UNSUPPORTED_CODE.at(line.span, code=f"{rule.text}, which moves axes on its own,"))
+
+    return handler
+
+
+def torch(ex: Motion, line: Command, rule: CodeRule) -> None:
+    """L38 and L39: the torch's output; with height control on, Z goes where the arc's voltage sends it."""
+    s = ex.modal
+    controls = ex.machine.controller.controls
+    on = rule.function is F.TORCH_ON
+    if "A" in line.values:
+        raise Refusal(codes.UNSUPPORTED_CODE.at(line.span, code=f"{rule.text} with a bevel angle"))
+    control = controls.torch
+    number = None if control is None else control.output
+    if number is not None:
+        s.single = s.single.but(outputs=with_pair(s.single.outputs, number, float(on)))
+        ex.event(Op.OUTPUT, line.span, arg=(float(number), float(on)))
+    delay = None if control is None else control.start_delay if on else control.end_delay
+    if delay:
+        ex.event(Op.DWELL, line.span, arg=(delay, 0.0))
+    axis = AXIS_NAMES.index(control.axis) if control is not None and control.axis else 2
+    lift = 0.0 if control is None or control.lift is None else control.lift
+    if on and "height" in s.single.flags:
+        s.position[axis] = NOWHERE
+        ex._fail(codes.HEIGHT_CONTROL.at(line.span, code=rule.text))
+        s.jumped = True
+    if not on and lift:
+        known = "height" not in s.single.flags
+        s.position[axis] = ex.unknown_place("value", axis, (0.0, lift), s.position[axis]) if known else NOWHERE
+        s.jumped = True
+
+
+def height(ex: Motion, line: Command, rule: CodeRule) -> None:
+    """L36 and L37: torch height control."""
+    s = ex.modal
+    on = rule.function is F.HEIGHT_ON
+    s.single = s.single.but(flags=s.single.flags | {"height"} if on else s.single.flags - {"height"})
+    ex.event(Op.SETPOINT, line.span, arg=(0.0, float(on)), text=ex._text("height_control"))
+
+
+def level_heads(ex: Motion, line: Command, rule: CodeRule) -> None:
+    """L53: vertical heads as high as possible with their tools at one height."""
+    s = ex.modal
+    heads = vertical_axes(ex.machine)
+    if len(heads) != 1:
+        for axis in heads:
+            s.position[axis] = NOWHERE
+        s.jumped = True
+        raise Refusal(codes.UNSUPPORTED_CODE.at(line.span, code=f"{rule.text} with several heads"))
+    there = ex.machine.axis(AXIS_NAMES[heads[0]])
+    top = there.upper if there is not None and there.upper is not None else None
+    note_assumptions(ex)
+    target = list(s.position)
+    target[heads[0]] = NOWHERE if top is None else Position(top)
+    ex.move(Op.TRAVERSE, follow(ex, target), line.span)
+    ex._moved = True
+
+
+def measured(ex: Motion, line: Command, rule: CodeRule) -> None:
+    """L82, L83: the probe goes down until it touches: the height, and what counts from it, is not known before."""
+    s = ex.modal
+    for axis in vertical_axes(ex.machine):
+        s.position[axis] = NOWHERE
+        if rule.function is F.MEASURE_SURFACE:
+            s.g92[axis] = NOWHERE
+    for axis in line.axes():
+        s.position[axis] = NOWHERE
+    s.jumped = True
+    raise Refusal(codes.UNSUPPORTED_CODE.at(line.span, code=f"{rule.text}, which measures with the probe,"))
+
+
+def recall(ex: Motion, line: Command, rule: CodeRule) -> None:
+    """L401: to where all axes were before the last file ran, which this job does not say."""
+    for axis in range(AXES):
+        ex.modal.position[axis] = NOWHERE
+    ex.modal.jumped = True
+    raise Refusal(codes.UNSUPPORTED_CODE.at(line.span, code=f"{rule.text}, to a place that an earlier file left,"))
+
+
+def feed_override(ex: Motion, line: Command, rule: CodeRule) -> None:
+    """L40 P: percent of the programmed feed."""
+    s = ex.modal
+    percent = line.number("P") or 0.0
+    low, high = ex.machine.controller.controls.override or (None, None)
+    if not (1.0 if low is None else low) <= percent <= (200.0 if high is None else high):
+        ex.event(Op.MESSAGE, line.span, text=ex._text(f"L40 P{percent:g} is ignored"))
+        return
+    s.feed_override = percent / 100.0
+    ex._state_changed()
+
+
+def abort(ex: Motion, line: Command, rule: CodeRule) -> None:
+    """M99.1: the program aborts itself."""
+    ex.findings.add(codes.ABORTED_BY_PROGRAM.at(line.span, code=rule.text))
+    ex.event(Op.END, line.span)
+    ex._end = rule.text, line.span.line
+    ex._end_section(Wait.END, "aborted", -1, line.span.line)
+    raise ProgramEnd
+
+
+def subprogram_end(ex: Motion, line: Command, rule: CodeRule) -> None:
+    """M99: back to the caller; in the job itself its end."""
+    ex._leave_file(Span(line.span.file, line.span.line))
+
+
+HANDLERS: dict[F, Handler] = {
+    F.DWELL: dwell,
+    F.OUTPUT_ON: output,
+    F.OUTPUT_OFF: output,
+    F.OUTPUT_ON_MOVING: output,
+    F.OUTPUT_OFF_MOVING: output,
+    F.WAIT_ON: wait,
+    F.WAIT_OFF: wait,
+    F.VIRTUAL_ON: virtual,
+    F.VIRTUAL_OFF: virtual,
+    F.TOOL_NUMBER: tool_number,
+    F.STORE_TOOL: store_tool,
+    F.STORE_POSITION: note,
+    F.STORE_LOCAL_POSITION: note,
+    F.COMPENSATION_OFF: compensation,
+    F.COMPENSATION_LEFT: compensation,
+    F.COMPENSATION_RIGHT: compensation,
+    F.MAP_WORDS: map_words,
+    F.MAP_HEADS: map_words,
+    F.MAP_PULSES: map_pulses,
+    F.LOCK_AXIS: lock,
+    F.UNLOCK_AXIS: lock,
+    F.LIMITS_ON: guards,
+    F.LIMITS_OFF: guards,
+    F.LOW_BOUNDARY: boundary,
+    F.HIGH_BOUNDARY: boundary,
+    F.LOW_BOUNDARY_RESTORE: boundary,
+    F.HIGH_BOUNDARY_RESTORE: boundary,
+    F.KNIFE_ON: _device("knife", True, "*"),
+    F.KNIFE_OFF: _device("knife", False),
+    F.KNIFE_SETTING: note,
+    F.SAW_ON: _device("saw", True, "*"),
+    F.SAW_OFF: _device("saw", False),
+    F.HEIGHT_ON: height,
+    F.HEIGHT_OFF: height,
+    F.TORCH_ON: torch,
+    F.TORCH_OFF: torch,
+    F.LEVEL_HEADS: level_heads,
+    F.MEASURE_SURFACE: measured,
+    F.MEASURE_DEPTH: measured,
+    F.RECALL_POSITIONS: recall,
+    F.FEED_OVERRIDE: feed_override,
+    F.PROBE_ON: _device("probe", True, "*"),
+    F.PROBE_OFF: _device("probe", False),
+    F.ABORT: abort,
+    F.RETURN: subprogram_end,
+}

@@ -1,0 +1,459 @@
+"""Moves of controllers of one command a line: straight, arcs, to stored places, lifted, until a limit switch.
+
+WinCNC Users Guide, Command Reference: G0, G0.1, G1, G2, G3, G53, P, H, F, M28, M29, L10 to L13, L90, L91. Words count
+in the unit and mode that are on; places are columns of ``AXIS_NAMES`` in mm or degrees.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import TYPE_CHECKING
+
+from gproof.ir import codes
+from gproof.ir.finding import Refusal
+from gproof.ir.machine import AXES, AXIS_NAMES
+from gproof.ir.rules import CodeRule
+from gproof.ir.rules import Function as F
+from gproof.ir.trace import Op, Plane, Wait
+from gproof.passes import execute_kernels as k
+from gproof.passes.single_state import vertical_axes
+from gproof.passes.values import NOWHERE, Position, Unknown, Value, describe
+
+if TYPE_CHECKING:
+    from gproof.passes.motion import Motion
+    from gproof.passes.single import Command
+
+Handler = Callable[["Motion", "Command", CodeRule], None]
+
+MOVES = frozenset((
+    F.TRAVERSE, F.TRAVERSE_LIFTED, F.FEED, F.ARC_CW, F.ARC_CCW, F.MACHINE_TRAVERSE, F.DRILL, F.DRILL_DWELL,
+    F.DRILL_PECK, F.DRILL_CHIP_BREAK,
+))  # fmt: skip
+SAME = 1e-6
+"""mm: nearer than any drive can tell."""
+
+
+def note_assumptions(ex: Motion) -> None:
+    """What is taken for granted because neither job nor files say it."""
+    stated = ex.modal.stated
+    controls = ex.machine.controller.controls
+    if "distance" not in stated and controls.absolute is None:
+        ex.assumed["the job starts in absolute distances (G90)"] = None
+    if ex.setup.active_work is None and "work" not in stated:
+        ex.assumed["the job starts in workspace G54"] = None
+    if ex.setup.default_offset is None:
+        ex.assumed["no rotation, no scaling, no axis mapping, no knife and no array is on at the start"] = None
+
+
+# ---- words to places
+
+
+def is_absolute(ex: Motion) -> bool:
+    """Whether the words of the line that runs are places."""
+    once = ex.modal.single.absolute_once
+    return ex.modal.absolute if once is None else once
+
+
+def mapped(ex: Motion, line: Command) -> dict[int, Value]:
+    """Axis words by the column that they move (L11, L12): an axis takes the word of its source."""
+    words = line.axes()
+    sources = ex.modal.single.sources
+    return {axis: words[sources[axis]] for axis in range(AXES) if sources[axis] in words and ex.modal.has_axis(axis)}
+
+
+def aim(ex: Motion, line: Command, *, machine: bool = False) -> list[Position]:
+    """Where the axis words send all axes, in machine coordinates; machine: the words are such."""
+    s = ex.modal
+    words = mapped(ex, line)
+    if machine:
+        if not is_absolute(ex) and words:
+            what = "G53 with distances (G91, L91)"
+            raise Refusal(codes.UNSUPPORTED_CODE.at(line.span, code=what))
+        target = list(s.position)
+        for axis, value in words.items():
+            target[axis] = _bounded(ex, axis, value, Position(0.0))
+        return follow(ex, target)
+    target = list(s.position)
+    for axis, value in words.items():
+        origin = s.offset(axis) if is_absolute(ex) else s.position[axis]
+        target[axis] = _bounded(ex, axis, value, origin)
+    if s.transform.on and (0 in words or 1 in words):
+        pair = tuple(_in_mm(ex, axis, words.get(axis)) for axis in (0, 1))
+        at = s.position[0], s.position[1]
+        if is_absolute(ex):
+            target[0], target[1] = s.transform.absolute((pair[0], pair[1]), at, (s.offset(0), s.offset(1)))
+        else:
+            target[0], target[1] = s.transform.incremental((pair[0], pair[1]), at)
+    return follow(ex, target)
+
+
+def _in_mm(ex: Motion, axis: int, value: Value | None) -> Value | None:
+    return value if value is None or isinstance(value, Unknown) else value * ex.modal.scale(axis)
+
+
+def _bounded(ex: Motion, axis: int, value: Value, origin: Position) -> Position:
+    scale = ex.modal.scale(axis)
+    if not isinstance(value, Unknown):
+        return Position(value * scale + origin.value, origin.form)
+    if not value.bounded or origin == NOWHERE:
+        return NOWHERE
+    return ex.unknown_place("value", axis, (value.low * scale, value.high * scale), origin)
+
+
+def follow(ex: Motion, target: list[Position]) -> list[Position]:
+    """The target with what follows other axes step by step (L13), and without what is locked (L300)."""
+    s = ex.modal
+    for axis, leader in s.single.slaves:
+        if axis not in s.single.locked:
+            way = target[leader].minus(s.position[leader])
+            target[axis] = s.position[axis].plus(way)
+    for axis in s.single.locked:
+        target[axis] = s.position[axis]
+    return target
+
+
+# ---- lines
+
+
+def without_command(ex: Motion, line: Command) -> None:
+    """A line of words alone: the active motion, a stored place, a feed, a speed."""
+    s = ex.modal
+    letters = set(line.values)
+    if letters == {"S"}:
+        spindle_speed(ex, line)
+        return
+    if "S" in letters:
+        raise Refusal(codes.UNUSED_WORD.at(line.where("S"), word="S"))
+    stored = letters & set("PHT")
+    axes = line.axes()
+    if not letters:
+        return
+    if letters == {"F"}:
+        feed_word(ex, line)
+        return
+    if axes and "F" in letters and letters <= {"F", *line.columns} and _first_is_feed(line):
+        # "F100 X Y" gives a feed to the axes that it names, and a line without a command moves them.
+        columns = set(axes)
+        if line.bare >= letters - {"F"} and aim(ex, line) != s.position:
+            what = "an F in front of axes without numbers: a feed for them, or a move to 0 besides"
+            feed_word(ex, line, columns)
+            raise Refusal(codes.UNSUPPORTED_CODE.at(line.span, code=what))
+    if s.motion == 0 and not stored:
+        raise Refusal(codes.AXIS_WORDS_UNUSED.at(line.span, why="no motion code before"))
+    rule = ex._motion_rules.get(s.motion)
+    if rule is None:
+        rule = ex.program.rules.codes["G", 0]
+    from gproof.passes.single import HANDLERS as ALL
+
+    ALL[rule.function](ex, line, rule)
+
+
+def _first_is_feed(line: Command) -> bool:
+    return min(line.spans.items(), key=lambda pair: pair[1].column)[0] == "F"
+
+
+def spindle_speed(ex: Motion, line: Command) -> None:
+    """S alone sets what the speed output gives; which way the spindle turns the program does not say."""
+    value = line.values["S"]
+    if not isinstance(value, Unknown) and value < 0:
+        raise Refusal(codes.ILLEGAL_VALUE.at(line.where("S"), word="S", what=f"a speed of {value:g}"))
+    ex.modal.spindle_speed = value
+    rpm = math.nan if isinstance(value, Unknown) else value
+    ex.event(Op.SETPOINT, line.span, arg=(0.0, rpm), text=ex._text("spindle_speed"))
+
+
+def feed_word(ex: Motion, line: Command, columns: set[int] | None = None) -> None:
+    """F: the feed of the groups of these axes, or of the command group (vgroup=)."""
+    value = line.values.get("F")
+    if value is None:
+        return
+    s = ex.modal
+    if isinstance(value, Unknown):
+        rate = math.nan
+    elif value <= 0:
+        raise Refusal(codes.NEGATIVE_FEED.at(line.where("F"), value=value))
+    else:
+        rate = value
+    controls = ex.machine.controller.controls
+    named = {AXIS_NAMES[column] for column in columns or ()}
+    if not named:
+        named = set(controls.command_group) or {"x", "y"}
+    groups = [*controls.feed_groups, controls.command_group]
+    for group in groups:
+        if named & set(group):
+            named |= set(group)
+    feeds = list(s.single.feeds)
+    for name in named:
+        column = AXIS_NAMES.index(name)
+        feeds[column] = rate * s.scale(column)
+    s.single = s.single.but(feeds=tuple(feeds))
+
+
+def use_feed(ex: Motion, line: Command, target: list[Position], moving: set[int] | None = None) -> None:
+    """The feed of the groups that this move moves, where they agree; unknown else."""
+    s = ex.modal
+    if moving is None:
+        moving = {axis for axis in range(AXES) if target[axis] != s.position[axis]}
+    linear = {axis for axis in moving if s.linear[axis]}
+    rates = {s.single.feeds[axis] for axis in (linear or moving)}
+    s.feed = next(iter(rates)) if len(rates) == 1 else math.nan
+    s.feed_unit = 1.0
+
+
+def straight(ex: Motion, line: Command, rule: CodeRule) -> None:
+    """G0 and G1."""
+    note_assumptions(ex)
+    s = ex.modal
+    s.motion = int(rule.function)
+    s.cycle = {}
+    companion = line.find(F.LIMIT_STOPS_AXIS, F.LIMIT_STOPS_LINE)
+    moved = set(mapped(ex, line))
+    if rule.function is F.FEED and s.feed_mode == 93:
+        _inverse_feed(ex, line)
+    else:
+        feed_word(ex, line, moved)
+    if stored_place(ex, line, Op.TRAVERSE if rule.function is F.TRAVERSE else Op.FEED):
+        return
+    for letter in "IJKR":
+        if letter in line.values:
+            raise Refusal(codes.UNUSED_WORD.at(line.where(letter), word=letter))
+    if not moved:
+        return
+    target = aim(ex, line)
+    op = Op.TRAVERSE if rule.function is F.TRAVERSE else Op.FEED
+    if op is Op.FEED and s.feed_mode != 93:
+        use_feed(ex, line, target, moved)
+    if companion is not None:
+        until_limit(ex, line, op, target, companion)
+        return
+    ex.move(op, target, line.span)
+    ex._moved = True
+
+
+def _inverse_feed(ex: Motion, line: Command) -> None:
+    value = line.values.get("F")
+    if value is None:
+        raise Refusal(codes.INVERSE_TIME_FEED_MISSING.at(line.span))
+    if not isinstance(value, Unknown) and value <= 0:
+        raise Refusal(codes.NEGATIVE_FEED.at(line.where("F"), value=value))
+    ex.modal.feed = math.nan if isinstance(value, Unknown) else value
+
+
+def until_limit(ex: Motion, line: Command, op: Op, target: list[Position], companion: CodeRule) -> None:
+    """A move that a limit switch may end (M28: each axis for itself, M29: all): somewhere on the way."""
+    s = ex.modal
+    start = list(s.position)
+    ex.move(op, list(target), line.span)
+    ex._moved = True
+    ex.assumed["a move that a limit switch may end stops at its programmed point at the latest"] = None
+    touched = set(s.single.touched)
+    for axis in range(AXES):
+        way = target[axis].minus(start[axis])
+        if way == Position(0.0):
+            continue
+        touched.add(axis)
+        if way.form or start[axis] == NOWHERE:
+            s.position[axis] = NOWHERE
+        else:
+            ends = min(0.0, way.value), max(0.0, way.value)
+            s.position[axis] = ex.unknown_place("home", axis, ends, start[axis])
+    s.single = s.single.but(touched=frozenset(touched))
+    ex._end_section(Wait.PROBE, "stopped", None, line.span.line)
+
+
+def stored_place(ex: Motion, line: Command, op: Op, *, machine: bool = False) -> bool:
+    """Go to a stored position (P), home position (H) or tool position (T); whether the line says so."""
+    names = [letter for letter in "PHT" if letter in line.values]
+    if not names:
+        return False
+    letter = names[0]
+    number = line.whole(letter, ex.program.rules.integer_tolerance)
+    if len(names) > 1 or line.axes():
+        what = "a stored position beside other positions"
+        raise Refusal(codes.UNSUPPORTED_CODE.at(line.where(letter), code=what))
+    place = ex.setup.positions.get(f"{letter}{number}")
+    if place is None:
+        for axis in range(AXES):
+            ex.modal.position[axis] = NOWHERE
+        ex.modal.jumped = True
+        raise Refusal(codes.UNSUPPORTED_CODE.at(
+            line.where(letter), code=f"the stored position {letter}{number}, which no setup states,"))  # fmt: skip
+    s = ex.modal
+    columns = {AXIS_NAMES.index(name): value for name, value in place.axes.items()}
+    target = list(s.position)
+    for axis, value in columns.items():
+        target[axis] = Position(value)
+    target = follow(ex, target)
+    heads = [axis for axis in vertical_axes(ex.machine) if axis not in s.single.locked]
+    if place.lift:
+        up = list(s.position)
+        for axis in heads:
+            up[axis] = Position(0.0 if place.clearance is None else place.clearance)
+        ex.move(Op.TRAVERSE, up, line.span)
+        over = [up[axis] if axis in heads else target[axis] for axis in range(AXES)]
+        ex.move(Op.TRAVERSE, over, line.span)
+    if op is Op.FEED:
+        use_feed(ex, line, target)
+    ex.move(op, target, line.span)
+    ex._moved = True
+    return True
+
+
+def lifted(ex: Motion, line: Command, rule: CodeRule) -> None:
+    """G0.1: vertical heads up, over, down to where they were."""
+    note_assumptions(ex)
+    s = ex.modal
+    target = aim(ex, line)
+    heads = vertical_axes(ex.machine)
+    if any(axis in heads for axis in mapped(ex, line)):
+        raise Refusal(codes.UNSUPPORTED_CODE.at(line.span, code=f"{rule.text} with a vertical axis"))
+    up, over = list(s.position), list(target)
+    for axis in heads:
+        if axis not in s.single.locked:
+            up[axis] = over[axis] = Position(0.0)
+    for place in (up, over, target):
+        ex.move(Op.TRAVERSE, list(place), line.span)
+    ex._moved = True
+
+
+def machine_traverse(ex: Motion, line: Command, rule: CodeRule) -> None:
+    """G53: rapid in machine coordinates; alone it lifts all vertical axes to machine zero."""
+    note_assumptions(ex)
+    if stored_place(ex, line, Op.TRAVERSE, machine=True):
+        return
+    s = ex.modal
+    if line.axes():
+        target = aim(ex, line, machine=True)
+    else:
+        target = list(s.position)
+        for axis in vertical_axes(ex.machine):
+            if axis not in s.single.locked:
+                target[axis] = Position(0.0)
+    ex.move(Op.TRAVERSE, target, line.span)
+    ex._moved = True
+
+
+# ---- arcs
+
+
+def arc(ex: Motion, line: Command, rule: CodeRule) -> None:
+    """G2 and G3 in X and Y; what else the line names moves along evenly."""
+    note_assumptions(ex)
+    s = ex.modal
+    controls = ex.machine.controller.controls
+    if controls.arcs_modal:
+        s.motion = int(rule.function)
+        s.cycle = {}
+    moved = set(mapped(ex, line))
+    if s.single.sources != tuple(range(AXES)):
+        raise Refusal(codes.ARC_MAPPED.at(line.span, code="L11 or L12"))
+    if any(abs(factor) != 1.0 for factor in s.transform.factors) or s.transform.factors != (1.0, 1.0):
+        raise Refusal(codes.ARC_SCALED.at(line.span, axes="X or Y", code="G51"))
+    if not moved & {3, 4, 5} and not controls.helical_arcs and moved & {2}:
+        raise Refusal(codes.HELIX_NOT_SUPPORTED.at(line.span, axes="Z"))
+    if "K" in line.values and line.number("K"):
+        raise Refusal(codes.UNSUPPORTED_CODE.at(line.where("K"), code=f"K of {rule.text}"))
+    if s.feed_mode != 93:
+        feed_word(ex, line, moved | {0, 1})
+    target = aim(ex, line)
+    turns = 1 if rule.function is F.ARC_CCW else -1
+    start, end = (s.position[0], s.position[1]), (target[0], target[1])
+    for a, b, name in zip(start, end, "XY", strict=True):
+        difference = b.minus(a)
+        if difference.form:
+            raise Refusal(codes.ARC_UNKNOWN.at(line.span, cause=f"{name}: {describe(difference.form)}"))
+    center = _center(ex, line, rule, start, end, moved)
+    same = all(abs(a.value - b.value) < SAME for a, b in zip(start, end, strict=True))
+    radius = math.hypot(center[0] - start[0].value, center[1] - start[1].value)
+    if radius < 1e-9:
+        raise Refusal(codes.ARC_RADIUS_ZERO.at(line.span))
+    if same:
+        target[0], target[1] = start
+    if s.feed_mode == 93:
+        s.feed = math.nan
+        s.feed_mode = 94
+        try:
+            _make(ex, line, target, center, radius, turns)
+        finally:
+            s.feed_mode = 93
+        return
+    use_feed(ex, line, target, {0, 1})
+    _make(ex, line, target, center, radius, turns)
+
+
+def _make(
+    ex: Motion, line: Command, target: list[Position], center: list[float], radius: float, turns: int
+) -> None:  # fmt: skip
+    smallest = ex.machine.controller.controls.smallest_arc
+    if smallest is not None and radius < smallest:
+        ex.move(Op.FEED, target, line.span)
+    else:
+        whole = [center[0], center[1], ex.modal.position[2].value]
+        ex.move(Op.ARC, target, line.span, center=whole, turns=turns, plane=Plane.XY)
+    ex._moved = True
+
+
+def _center(
+    ex: Motion, line: Command, rule: CodeRule, start: tuple[Position, Position], end: tuple[Position, Position],
+    moved: set[int],
+) -> list[float]:  # fmt: skip
+    s = ex.modal
+    given = {letter: line.number(letter) for letter in "IJ" if letter in line.values}
+    if "R" in line.values:
+        if given:
+            raise Refusal(codes.UNUSED_WORD.at(line.where("R"), word="R beside a centre"))
+        radius = line.number("R") or 0.0
+        if radius <= 0.0:
+            raise Refusal(codes.ILLEGAL_VALUE.at(line.where("R"), word="R", what=f"a radius of {radius:g}"))
+        radius *= s.unit
+        x, y, bad = k.radius_center(
+            start[0].value, start[1].value, end[0].value, end[1].value, radius, int(rule.function is F.ARC_CCW)
+        )
+        if bad == k.RADIUS_SAME_POINT:
+            raise Refusal(codes.ARC_SAME_POINT.at(line.span))
+        if bad == k.RADIUS_UNREACHABLE:
+            chord = math.hypot(end[0].value - start[0].value, end[1].value - start[1].value)
+            raise Refusal(codes.ARC_UNREACHABLE.at(line.where("R"), chord=chord, radius=radius, unit="mm"))
+        s.single = s.single.but(center=None)
+        return [x, y]
+    kept = s.single.center
+    if not given:
+        if kept is None:
+            raise Refusal(codes.ARC_CENTER_MISSING.at(line.span, code=rule.text, needed="I and J, or R"))
+        i, j = kept
+    else:
+        values = []
+        for n, letter in enumerate("IJ"):
+            value = given.get(letter)
+            if value is None:
+                if kept is not None and abs(kept[n]) > SAME:
+                    other = f"{letter} left out: that of the arc before, or 0"
+                    raise Refusal(codes.ARC_UNKNOWN.at(line.span, cause=other))
+                value = 0.0
+                if ex.machine.controller.absolute_arc_centers:
+                    raise Refusal(codes.ARC_UNKNOWN.at(line.span, cause=f"{letter} left out with absolute centres on"))
+            values.append(value * s.unit)
+        i, j = values
+        s.single = s.single.but(center=(i, j))
+    if ex.machine.controller.absolute_arc_centers:
+        places = [s.offset(axis).moved(value) for axis, value in ((0, i), (1, j))]
+        if s.transform.on:
+            places = list(s.transform.absolute((i, j), (start[0], start[1]), (s.offset(0), s.offset(1))))
+        for place, at in zip(places, start, strict=True):
+            if place.form != at.form:
+                raise Refusal(codes.ARC_UNKNOWN.at(line.span, cause=describe(place.minus(at).form)))
+        return [places[0].value, places[1].value]
+    if s.transform.on:
+        i, j = s.transform.step(i, j)
+    return [start[0].value + i, start[1].value + j]
+
+
+HANDLERS: dict[F, Handler] = {
+    F.TRAVERSE: straight,
+    F.FEED: straight,
+    F.ARC_CW: arc,
+    F.ARC_CCW: arc,
+    F.TRAVERSE_LIFTED: lifted,
+    F.MACHINE_TRAVERSE: machine_traverse,
+}

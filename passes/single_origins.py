@@ -1,0 +1,455 @@
+"""Where numbers count from, on controllers of one command a line: local coordinates, workspaces, tool measures, units.
+
+WinCNC Users Guide, Coordinate System, Workspace, Tool Length Offset, Command Reference: G20 to G23, G28, G43, G49 to
+G59, G90 to G95, L3, L4, L28, L92, M37. A position is machine = words + workspace + local (G92) + tool measure.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+from gproof.ir import codes
+from gproof.ir.finding import Refusal
+from gproof.ir.machine import AXES, AXIS_NAMES
+from gproof.ir.rules import CodeRule
+from gproof.ir.rules import Function as F
+from gproof.ir.trace import Op, Wait
+from gproof.passes.modal import INCH, ZERO
+from gproof.passes.single_motion import Handler, _in_mm, follow, note_assumptions
+from gproof.passes.single_state import vertical_axes, with_pair
+from gproof.passes.transform import NO_TRANSFORM, Transform
+from gproof.passes.values import NOWHERE, Position, Unknown, Value
+
+if TYPE_CHECKING:
+    from gproof.passes.motion import Motion
+    from gproof.passes.single import Command
+
+_UNITS = {F.UNITS_INCH: INCH, F.UNITS_CM: 10.0, F.UNITS_MM: 1.0}
+
+
+def _distance(ex: Motion, axis: int, value: Value) -> Position:
+    """A word as a distance of its axis."""
+    length = _in_mm(ex, axis, value)
+    return NOWHERE if length is None or isinstance(length, Unknown) else Position(length)
+
+
+def _all_axes(ex: Motion) -> list[int]:
+    return [axis.index for axis in ex.machine.axes]
+
+
+# ---- units and modes
+
+
+def units(ex: Motion, line: Command, rule: CodeRule) -> None:
+    """G20 inch, G21 centimetre, G22 mm, G23 the one before."""
+    s = ex.modal
+    new = _UNITS.get(rule.function, s.single.unit_before)
+    if new is None:
+        raise Refusal(codes.UNSUPPORTED_CODE.at(line.span, code=f"{rule.text} before any change of the unit"))
+    s.single = s.single.but(unit_before=s.unit)
+    s.unit = new
+    s.stated.add("units")
+    ex._state_changed()
+    ex.event(Op.UNITS, line.span, arg=(new, 0.0))
+
+
+def feed_mode(ex: Motion, line: Command, rule: CodeRule) -> None:
+    """G93 and G94."""
+    ex.modal.feed_mode = 93 if rule.function is F.FEED_INVERSE_TIME else 94
+    ex._state_changed()
+
+
+def rotary_feed(ex: Motion, line: Command, rule: CodeRule) -> None:
+    """G95 F: the feed of rotary axes follows the radius, the position of Z; alone: off."""
+    s = ex.modal
+    rotary = [axis.index for axis in ex.machine.axes if not s.linear[axis.index]]
+    feeds = list(s.single.feeds)
+    for axis in rotary:
+        feeds[axis] = math.nan
+    s.single = s.single.but(feeds=tuple(feeds))
+
+
+# ---- local coordinates
+
+
+def _local_from(ex: Motion, axis: int, value: Value) -> Position:
+    """The local offset that makes the present place read as ``value``."""
+    s = ex.modal
+    base = s.work_offsets[s.work, axis].plus(s.beside_work(axis))
+    return s.position[axis].minus(base).minus(_distance(ex, axis, value))
+
+
+def _set_local(ex: Motion, line: Command, found: dict[int, Position]) -> None:
+    s = ex.modal
+    for axis, place in found.items():
+        s.g92[axis] = place
+    ex._state_changed()
+    ex.event(Op.OFFSET, line.span, arg=(0.0, 0.0))
+
+
+def local_set(ex: Motion, line: Command, rule: CodeRule) -> None:
+    """G92 with words: the present place gets these numbers; alone: no local coordinates."""
+    axes = line.axes()
+    _doubt_transform(ex, line, rule)
+    if not axes:
+        _set_local(ex, line, dict.fromkeys(range(AXES), ZERO))
+        return
+    _set_local(ex, line, {axis: _local_from(ex, axis, value) for axis, value in axes.items()})
+
+
+def local_shift_machine(ex: Motion, line: Command, rule: CodeRule) -> None:
+    """G92.1: local zero lies at this machine position."""
+    _doubt_transform(ex, line, rule)
+    _set_local(ex, line, {axis: _distance(ex, axis, value) for axis, value in line.axes().items()})
+
+
+def local_shift(ex: Motion, line: Command, rule: CodeRule) -> None:
+    """G92.2: local zero is shifted by this."""
+    _doubt_transform(ex, line, rule)
+    s = ex.modal
+    axes = line.axes().items()
+    _set_local(ex, line, {axis: s.g92[axis].plus(_distance(ex, axis, value)) for axis, value in axes})
+
+
+def local_switch(ex: Motion, line: Command, rule: CodeRule) -> None:
+    """G92.3: store and clear, or restore what was stored."""
+    s = ex.modal
+    _doubt_transform(ex, line, rule)
+    stored = s.single.local_stored
+    if stored is None:
+        s.single = s.single.but(local_stored=tuple(s.g92))
+        if any(place.form for place in s.g92):
+            ex.assumed["a local coordinate system is set where G92.3 stores it"] = None
+        elif all(place == ZERO for place in s.g92):
+            # Nothing is set, so nothing is stored: the next one stores again.
+            s.single = s.single.but(local_stored=None)
+        _set_local(ex, line, dict.fromkeys(range(AXES), ZERO))
+        return
+    s.single = s.single.but(local_stored=None)
+    _set_local(ex, line, dict(enumerate(stored)))
+
+
+def local_crossing(ex: Motion, line: Command, rule: CodeRule) -> None:
+    """G92.4: local X and Y zero where two lines through stored positions cross."""
+    points = []
+    for letter in "ABCD":
+        points.append(_stored_xy(ex, line, letter))
+    shift = line.number("O")
+    if shift:
+        what = f"O of {rule.text} (which way the points are shifted is not said)"
+        raise Refusal(codes.UNSUPPORTED_CODE.at(line.where("O"), code=what))
+    (ax, ay), (bx, by), (cx, cy), (dx, dy) = points
+    cross = (bx - ax) * (dy - cy) - (by - ay) * (dx - cx)
+    if abs(cross) < 1e-9:
+        raise Refusal(codes.ILLEGAL_VALUE.at(line.span, word=rule.text, what="the two lines do not cross"))
+    along = ((cx - ax) * (dy - cy) - (cy - ay) * (dx - cx)) / cross
+    _set_local(ex, line, {0: Position(ax + along * (bx - ax)), 1: Position(ay + along * (by - ay))})
+
+
+def _stored_xy(ex: Motion, line: Command, letter: str) -> tuple[float, float]:
+    number = line.whole(letter, ex.program.rules.integer_tolerance)
+    place = ex.setup.positions.get(f"P{number}")
+    if place is None or "x" not in place.axes or "y" not in place.axes:
+        what = f"the stored position P{number}, of which no setup states X and Y,"
+        raise Refusal(codes.UNSUPPORTED_CODE.at(line.where(letter), code=what))
+    return place.axes["x"], place.axes["y"]
+
+
+def keep_local(ex: Motion, line: Command, rule: CodeRule) -> None:
+    """L92: the local coordinates outlive this file."""
+    ex.modal.single = ex.modal.single.but(keep_local=True)
+
+
+# ---- workspaces, rotation, scaling
+
+
+def workspace(ex: Motion, line: Command, rule: CodeRule) -> None:
+    """G54 to G59 of type 0: another head, at the same X and Y of the program; others are not modelled."""
+    s = ex.modal
+    controls = ex.machine.controller.controls
+    spaces = {space.number: space for space in controls.workspaces}
+    space = spaces.get(rule.value + 53)
+    if (space is not None and space.kind != 0) or line.axes():
+        for axis in (0, 1):
+            s.position[axis] = NOWHERE
+        s.jumped = True
+        kind = "with axis words" if space is None else f"of type {space.kind}"
+        raise Refusal(codes.UNSUPPORTED_CODE.at(line.span, code=f"{rule.text}, a workspace {kind},"))
+    if space is None and rule.value != 1 and controls.devices is not None:
+        raise Refusal(codes.NOT_ENABLED.at(
+            line.where_code(rule), code=rule.text, device="its workspace", key=f"g{rule.value + 53}="))  # fmt: skip
+    before = [s.program_position(axis) for axis in (0, 1)]
+    if s.work == rule.value:
+        return
+    old = [s.work_offsets[s.work, axis] for axis in (0, 1)]
+    s.work = rule.value
+    s.stated.add("work")
+    ex._state_changed()
+    ex.event(Op.OFFSET, line.span, arg=(float(rule.value), 0.0))
+    if space is not None and space.moves is False:
+        return
+    target = list(s.position)
+    for axis in (0, 1):
+        change = s.work_offsets[s.work, axis].minus(old[axis])
+        target[axis] = s.position[axis].plus(change) if before[axis] != NOWHERE else NOWHERE
+    if target != s.position:
+        note_assumptions(ex)
+        ex.move(Op.TRAVERSE, target, line.span)
+        ex._moved = True
+
+
+def _doubt_transform(ex: Motion, line: Command, rule: CodeRule) -> None:
+    """Where zero is moved while G51 or G52 is on, what they turn about is open."""
+    if ex.modal.transform.on:
+        raise Refusal(codes.TRANSFORM_OPEN.at(line.span, what=f"what {rule.text} does while G51 or G52 is on"))
+
+
+def transform_off(ex: Motion, line: Command, rule: CodeRule) -> None:
+    """G50: no scaling, no rotation; nothing moves."""
+    ex.modal.transform = NO_TRANSFORM
+    ex._state_changed()
+
+
+def _begin_transform(ex: Motion, line: Command, rule: CodeRule, made: Transform) -> None:
+    s = ex.modal
+    if s.transform.on:
+        raise Refusal(codes.TRANSFORM_OPEN.at(line.span, what=f"what {rule.text} does while G51 or G52 is on"))
+    s.transform = made
+    ex._state_changed()
+
+
+def scaling(ex: Motion, line: Command, rule: CodeRule) -> None:
+    """G51: X and Y by factors about a fixed point; factors of other axes are not modelled."""
+    s = ex.modal
+    words = line.axes()
+    for axis, value in words.items():
+        if isinstance(value, Unknown):
+            raise Refusal(codes.UNKNOWN_CONDITION.at(line.span, cause=value.cause))
+        if value == 0.0:
+            raise Refusal(codes.ILLEGAL_VALUE.at(line.span, word=AXIS_NAMES[axis].upper(), what="a factor of 0"))
+    others = [AXIS_NAMES[axis].upper() for axis, value in words.items() if axis > 1 and value != 1.0]
+    if "C" in line.values and "C" not in line.columns:
+        others.append("C")
+    if others or line.number("K"):
+        raise Refusal(codes.UNSUPPORTED_CODE.at(line.span, code=f"{rule.text} with {' '.join(others) or 'K'}"))
+    factors = tuple(float(words.get(axis, 1.0)) for axis in (0, 1))  # type: ignore[arg-type]
+    center = ((line.number("I") or 0.0) * s.unit, (line.number("J") or 0.0) * s.unit)
+    origin = s.offset(0), s.offset(1)
+    _begin_transform(
+        ex, line, rule, Transform(scaled=True, factors=(factors[0], factors[1]), center=center, origin=origin)
+    )  # fmt: skip
+
+
+def rotation(ex: Motion, line: Command, rule: CodeRule) -> None:
+    """G52: counter-clockwise by A degrees about I and J."""
+    s = ex.modal
+    angle = line.number("A") or 0.0
+    center = ((line.number("I") or 0.0) * s.unit, (line.number("J") or 0.0) * s.unit)
+    origin = s.offset(0), s.offset(1)
+    _begin_transform(ex, line, rule, Transform(rotated=True, angle=angle, center=center, origin=origin))
+
+
+def rotation_line(ex: Motion, line: Command, rule: CodeRule) -> None:
+    """G52.1: about the local zero, to the direction of a line through two stored positions."""
+    s = ex.modal
+    (ax, ay), (bx, by) = _stored_xy(ex, line, "A"), _stored_xy(ex, line, "B")
+    if math.hypot(bx - ax, by - ay) < 1e-9:
+        raise Refusal(codes.ILLEGAL_VALUE.at(line.span, word=rule.text, what="the two positions are one"))
+    angle = math.degrees(math.atan2(by - ay, bx - ax))
+    origin = s.offset(0), s.offset(1)
+    _begin_transform(ex, line, rule, Transform(rotated=True, angle=angle, origin=origin))
+
+
+# ---- homing, machine zero, stored home
+
+
+def home(ex: Motion, line: Command, rule: CodeRule) -> None:
+    """G28: axes run to their switches; there they count as machine zero, or what g28coord= says."""
+    s = ex.modal
+    axes = sorted(line.axes() or _all_axes(ex))
+    names = " ".join(AXIS_NAMES[axis] for axis in axes)
+    ex.event(Op.HOME, line.span, text=ex._text(names))
+    for axis in axes:
+        there = ex.machine.axis(AXIS_NAMES[axis])
+        place = there.home_place if there is not None else None
+        s.position[axis] = Position(0.0 if place is None else place)
+    s.single = s.single.but(touched=s.single.touched - set(axes))
+    ex.assumed["homing moves do not leave the machine"] = None
+    if any(s.g92[axis] != ZERO for axis in axes):
+        ex.assumed["local coordinates (G92) outlive homing"] = None
+    letters = {axis.index: axis.word for axis in ex.machine.axes}
+    ex.findings.add(codes.HOMING.at(line.span, axes=" ".join(letters.get(axis, "?") for axis in axes)))
+    ex._end_section(Wait.HOME, "homed", None, line.span.line)
+
+
+def set_machine(ex: Motion, line: Command, rule: CodeRule) -> None:
+    """L28: the present place gets these machine coordinates."""
+    s = ex.modal
+    for axis, value in line.axes().items():
+        if axis not in s.single.touched and s.position[axis] != _distance(ex, axis, value):
+            what = f"{rule.text} away from a limit switch moves the machine's zero: where its limits are then"
+            ex._fail(codes.UNSUPPORTED_CODE.at(line.span, code=what))
+        s.position[axis] = _distance(ex, axis, value)
+    s.single = s.single.but(touched=s.single.touched - set(line.axes()))
+    ex._end_section(Wait.HOME, "position set", None, line.span.line)
+
+
+def wrap_rotary(ex: Motion, line: Command, rule: CodeRule) -> None:
+    """L28.1: rotary axes count between 0 and 360 degrees."""
+    s = ex.modal
+    changed = False
+    for axis in ex.machine.axes:
+        place = s.position[axis.index]
+        if s.linear[axis.index]:
+            continue
+        new = NOWHERE if place.form else Position(math.fmod(math.fmod(place.value, 360.0) + 360.0, 360.0))
+        changed = changed or new != place
+        s.position[axis.index] = new
+    if changed:
+        ex._end_section(Wait.HOME, "position set", None, line.span.line)
+
+
+def store_home(ex: Motion, line: Command, rule: CodeRule) -> None:
+    """L3: remembers where axes stand."""
+    s = ex.modal
+    homes = list(s.single.homes)
+    for axis in line.axes() or _all_axes(ex):
+        homes[axis] = s.position[axis]
+    s.single = s.single.but(homes=tuple(homes))
+
+
+def return_home(ex: Motion, line: Command, rule: CodeRule) -> None:
+    """L4: rapid to where L3 was met."""
+    s = ex.modal
+    note_assumptions(ex)
+    target = list(s.position)
+    for axis in line.axes() or _all_axes(ex):
+        stored = s.single.homes[axis]
+        if stored is None:
+            s.position[axis] = NOWHERE
+            s.jumped = True
+            what = f"{rule.text} for an axis that no L3 of this job stored"
+            raise Refusal(codes.UNSUPPORTED_CODE.at(line.span, code=what))
+        target[axis] = stored
+    ex.move(Op.TRAVERSE, follow(ex, target), line.span)
+    ex._moved = True
+
+
+# ---- tool measures
+
+
+def lengths(ex: Motion, line: Command, rule: CodeRule) -> None:
+    """G43 and G49: measures on and off, of all vertical axes or of those named."""
+    s = ex.modal
+    axes = set(line.axes()) or set(vertical_axes(ex.machine))
+    off = set(s.single.unmeasured)
+    stored = dict(enumerate(s.single.before or s.tool_offset))
+    if rule.function is F.TOOL_OFFSET_OFF:
+        for axis in axes - off:
+            stored[axis], s.tool_offset[axis] = s.tool_offset[axis], ZERO
+        off |= axes
+    else:
+        for axis in axes & off:
+            s.tool_offset[axis] = stored[axis]
+        off -= axes
+    s.single = s.single.but(unmeasured=frozenset(off), before=tuple(stored[axis] for axis in range(AXES)))
+    ex._state_changed()
+    ex.event(Op.TOOL_OFFSET, line.span, arg=(0.0, 0.0))
+
+
+def set_measure(ex: Motion, axis: int, offset: Position) -> None:
+    """A tool measure of an axis: in force from here."""
+    s = ex.modal
+    s.tool_offset[axis] = offset
+    s.single = s.single.but(unmeasured=s.single.unmeasured - {axis})
+
+
+def measure_tool(ex: Motion, line: Command, rule: CodeRule) -> None:
+    """M37: the present place of a vertical axis reads as this, without local coordinates."""
+    s = ex.modal
+    axes = line.axes()
+    if "O" in line.values or not axes:
+        for axis in vertical_axes(ex.machine):
+            set_measure(ex, axis, NOWHERE)
+        ex._state_changed()
+        what = f"{rule.text} with O" if "O" in line.values else f"{rule.text} without an axis"
+        raise Refusal(codes.UNSUPPORTED_CODE.at(line.span, code=f"{what} (which way it counts is not said)"))
+    for axis, value in axes.items():
+        offset = s.position[axis].minus(s.work_offsets[s.work, axis]).minus(_distance(ex, axis, value))
+        set_measure(ex, axis, offset)
+        for letter in "HT":
+            if letter in line.values:
+                number = line.whole(letter, ex.program.rules.integer_tolerance) or 0
+                heights = {**dict(s.single.heights), number: offset}
+                s.single = s.single.but(heights=tuple(sorted(heights.items(), key=lambda pair: pair[0])))
+    ex._state_changed()
+    ex.event(Op.TOOL_OFFSET, line.span, arg=(math.nan, 0.0))
+
+
+def measure_switch(ex: Motion, line: Command, rule: CodeRule) -> None:
+    """M37.1, M37.2: the height of a measure switch, which TM1 and TM2 show."""
+    s = ex.modal
+    heights = list(s.single.switch_heights)
+    heights[rule.value - 1] = Unknown(f"TM{rule.value}")
+    s.single = s.single.but(switch_heights=(heights[0], heights[1]))
+
+
+def shift_measures(ex: Motion, line: Command, rule: CodeRule) -> None:
+    """M37.3: measures, registers and workspaces are shifted; of what is stored nobody knows it then."""
+    s = ex.modal
+    axes = line.axes()
+    if "T" in line.values or "M" in line.values:
+        s.single = s.single.but(heights=(), switch_heights=(Unknown("TM1"), Unknown("TM2")))
+        for axis in vertical_axes(ex.machine):
+            set_measure(ex, axis, NOWHERE)
+    if "H" in line.values:
+        s.single = s.single.but(registers=())
+    for axis in axes:
+        s.work_offsets[s.work, axis] = NOWHERE
+    ex._state_changed()
+    if axes or "T" in line.values or "M" in line.values:
+        what = f"{rule.text} (which way the shift counts is not said)"
+        raise Refusal(codes.UNSUPPORTED_CODE.at(line.span, code=what))
+
+
+def store_register(ex: Motion, line: Command, rule: CodeRule) -> None:
+    """L1 N V: an H register."""
+    number = line.whole("N", ex.program.rules.integer_tolerance)
+    if number is None or not 0 <= number < 30:
+        raise Refusal(codes.PARAMETER_RANGE.at(line.where("N"), code=rule.text, word="N", allowed="0 to 29"))
+    s = ex.modal
+    s.single = s.single.but(registers=with_pair(s.single.registers, number, line.values["V"]))
+
+
+HANDLERS: dict[F, Handler] = {
+    F.UNITS_INCH: units,
+    F.UNITS_CM: units,
+    F.UNITS_MM: units,
+    F.UNITS_LAST: units,
+    F.FEED_INVERSE_TIME: feed_mode,
+    F.FEED_PER_MINUTE: feed_mode,
+    F.FEED_ROTARY: rotary_feed,
+    F.LOCAL_SET: local_set,
+    F.LOCAL_SHIFT_MACHINE: local_shift_machine,
+    F.LOCAL_SHIFT: local_shift,
+    F.LOCAL_SWITCH: local_switch,
+    F.LOCAL_CROSSING: local_crossing,
+    F.KEEP_LOCAL: keep_local,
+    F.WORKSPACE: workspace,
+    F.TRANSFORM_OFF: transform_off,
+    F.SCALING_ON: scaling,
+    F.ROTATION_ON: rotation,
+    F.ROTATION_LINE: rotation_line,
+    F.HOME: home,
+    F.SET_MACHINE: set_machine,
+    F.WRAP_ROTARY: wrap_rotary,
+    F.STORE_HOME: store_home,
+    F.RETURN_HOME: return_home,
+    F.TOOL_OFFSET_ON: lengths,
+    F.TOOL_OFFSET_OFF: lengths,
+    F.MEASURE_TOOL: measure_tool,
+    F.MEASURE_SWITCH: measure_switch,
+    F.SHIFT_MEASURES: shift_measures,
+    F.STORE_REGISTER: store_register,
+}

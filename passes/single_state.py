@@ -1,0 +1,133 @@
+"""The state that controllers of one command a line have beside the one of all: feeds by group, heads, switches.
+
+Source: WinCNC Users Guide, Command Reference; docs/dialects/wincnc.md says how open questions are read. Values are
+immutable; a change is a new ``SingleState``.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any
+
+from gproof.ir.machine import AXES, AXIS_NAMES, AxisKind, Machine
+from gproof.passes.values import Position, Unknown, Value
+
+if TYPE_CHECKING:
+    from gproof.passes.modal import Modal
+
+Pairs = tuple[tuple[int, Value], ...]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SingleState:
+    """Columns are those of ``AXIS_NAMES``; lengths mm.
+
+    feeds: by column, mm/min or deg/min, NaN: nobody said. center: I and J of the last arc, None before the first.
+    unit_before: of G23. local_stored: what G92.3 took away. homes: by column, what L3 stored. unmeasured: columns
+    whose tool measure is off (G49). lower, upper: boundaries now, None: none. soft, bound: soft limits and boundaries
+    are checked. outputs, virtual: states of channels that are known; tools: number of the tool in changer 1 and 2.
+    registers: H registers. sources: by column, the letter's column whose words move it (L11, L12). slaves: (column that
+    follows, column) (L13). locked: columns (L300). arguments: words of the call that runs. keep_local: L92 was met.
+    absolute_once: of the line that runs, None: as the mode. touched: columns that stand at a limit switch. flags:
+    names of devices that are on.
+    heights: measures stored by tool number; switch_heights: TM1 and TM2; before: places at the start of the job.
+    """
+
+    feeds: tuple[float, ...] = (math.nan,) * AXES
+    center: tuple[float, float] | None = None
+    unit_before: float | None = None
+    local_stored: tuple[Position, ...] | None = None
+    homes: tuple[Position | None, ...] = (None,) * AXES
+    unmeasured: frozenset[int] = frozenset()
+    lower: tuple[float | None, ...] = (None,) * AXES
+    upper: tuple[float | None, ...] = (None,) * AXES
+    soft: bool = True
+    bound: bool = True
+    outputs: Pairs = ()
+    virtual: Pairs = ()
+    tools: tuple[Value, Value] = (Unknown("the tool in changer 1"), Unknown("the tool in changer 2"))
+    registers: Pairs = ()
+    sources: tuple[int, ...] = tuple(range(AXES))
+    slaves: tuple[tuple[int, int], ...] = ()
+    locked: frozenset[int] = frozenset()
+    arguments: tuple[tuple[str, Value], ...] = ()
+    keep_local: bool = False
+    absolute_once: bool | None = None
+    touched: frozenset[int] = frozenset()
+    flags: frozenset[str] = frozenset()
+    heights: tuple[tuple[int, Position], ...] = ()
+    switch_heights: tuple[Value, Value] = (Unknown("the height of the measure switch"),) * 2
+    before: tuple[Position, ...] | None = None
+
+    def but(self, **changes: Any) -> SingleState:
+        """The same with some values changed."""
+        return replace(self, **changes)
+
+
+def with_pair(pairs: Pairs, number: int, value: Value) -> Pairs:
+    """One channel changed."""
+    return tuple(sorted((*((n, v) for n, v in pairs if n != number), (number, value)), key=lambda pair: pair[0]))
+
+
+def value_of(pairs: Pairs, number: int) -> Value | None:
+    """The state of a channel; None where nobody knows it."""
+    return next((value for n, value in pairs if n == number), None)
+
+
+def letters_of(machine: Machine) -> dict[str, int]:
+    """Column of each letter that moves an axis."""
+    return {axis.word: axis.index for axis in machine.axes}
+
+
+def linear_axes(machine: Machine) -> tuple[bool, ...]:
+    """By column: whether the axis counts in lengths; X, Y and Z where there is no such axis."""
+    kinds = {axis.index: axis.kind is AxisKind.LINEAR for axis in machine.axes}
+    return tuple(kinds.get(n, n < 3) for n in range(AXES))
+
+
+def vertical_axes(machine: Machine) -> tuple[int, ...]:
+    """Columns of the axes that carry heads up and down."""
+    return tuple(
+        axis.index
+        for axis in machine.axes
+        if (axis.vertical if axis.vertical is not None else axis.word in "ZWUV" and axis.kind is AxisKind.LINEAR)
+    )
+
+
+def prepare(modal: Modal) -> None:
+    """The start of a job on such a controller."""
+    machine, setup = modal.machine, modal.setup
+    controls = machine.controller.controls
+    modal.unit = machine.unit
+    modal.absolute = controls.absolute is not False
+    zero = Position(0.0)
+    shifts = {space.number - 53: space for space in controls.workspaces}
+    for (number, axis), _ in list(modal.work_offsets.items()):
+        space = shifts.get(number)
+        shift = (space.x, space.y)[axis] if space is not None and axis < 2 else 0.0
+        sign = controls.shift_sign
+        if shift != 0.0 and sign is None:
+            modal.work_offsets[number, axis] = Position(0.0, ((f"work.{number}.{AXIS_NAMES[axis]}", 1),))
+        else:
+            modal.work_offsets[number, axis] = Position(shift * (sign or 1)) if shift else zero
+    modal.work = modal.work or 1
+    for axis in vertical_axes(machine):
+        if setup.default_offset is None:
+            modal.tool_offset[axis] = modal._symbol(f"tool.0.{AXIS_NAMES[axis]}")
+    if setup.default_offset is None and 2 not in vertical_axes(machine):
+        modal.tool_offset[2] = zero
+    feeds = [math.nan] * AXES
+    lower: list[float | None] = [None] * AXES
+    upper: list[float | None] = [None] * AXES
+    for known in machine.axes:
+        if known.feed_velocity is not None:
+            feeds[known.index] = known.feed_velocity * 60.0
+        lower[known.index], upper[known.index] = known.boundary_lower, known.boundary_upper
+    tool: Value = Unknown("the tool in the spindle") if setup.tool is None else float(setup.tool)
+    on = controls.soft_limits is not False
+    flags = frozenset({"autoaux"} if controls.auto_output_on else ())
+    modal.single = SingleState(
+        feeds=tuple(feeds), lower=tuple(lower), upper=tuple(upper), tools=(tool, Unknown("the tool in changer 2")),
+        soft=on, bound=on, flags=flags,
+    )  # fmt: skip
