@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from typing import Any
 
 from gproof.ir.finding import Finding
-from gproof.ir.machine import AXIS_NAMES, Machine
+from gproof.ir.machine import Machine
 from gproof.ir.trace import Chunk, Op, Plane
 from gproof.passes.values import describe
 
@@ -25,7 +25,7 @@ def _number(value: float) -> float | None:
 def chunk_lines(chunk: Chunk, machine: Machine, job: str) -> Iterator[str]:
     """The rows of a chunk, a JSON object each."""
     trace, rows = chunk.trace, chunk.rows
-    names = [axis.name for axis in machine.axes]
+    columns = {axis.word.lower(): axis.index for axis in machine.axes}
     columns = {c.name: rows[c.name].tolist() for c in rows.schema.columns}
     for i in range(len(rows)):
         row = {name: values[i] for name, values in columns.items()}
@@ -34,9 +34,9 @@ def chunk_lines(chunk: Chunk, machine: Machine, job: str) -> Iterator[str]:
         if trace.files[row["file"]] != job:
             out["file"] = trace.files[row["file"]]
         if op < Op.DWELL:
-            out["to"] = {n: row["to"][AXIS_NAMES.index(n)] for n in names}
+            out["to"] = {name: row["to"][column] for name, column in columns.items()}
             frame = trace.frames[row["frame"]]
-            unknown = {n: describe(frame[AXIS_NAMES.index(n)]) for n in names if frame[AXIS_NAMES.index(n)]}
+            unknown = {name: describe(frame[column]) for name, column in columns.items() if frame[column]}
             if unknown:
                 out["relative_to"] = unknown
             if op is not Op.TRAVERSE:

@@ -17,6 +17,9 @@ from gproof.ir.setup import NOTHING, ZERO, Setup
 
 T = TypeVar("T")
 
+READ = ("eding", "wincnc")
+"""Dialects that this version reads."""
+
 PLAIN_SECONDS_A_BYTE = 1e-6
 """What ``check`` takes in plain Python for a byte of source, measured by bench/kernels.py."""
 
@@ -104,12 +107,21 @@ def open_session(
 
         require_file(Path(setup), "setup file")
         the_setup = _loaded(load_setup(Path(setup), findings), findings, inputs, "setup")
-    from gproof.frontend.eding.load import load_program
     from gproof.ir.kernel import Kernel
 
     Kernel.forecast(job.stat().st_size * PLAIN_SECONDS_A_BYTE)
-    macro, the_machine = _macro_file(the_machine, machine, job)
-    program = load_program(job, findings, macro)
+    if dialect == "wincnc":
+        from gproof.frontend.wincnc.load import load_program as load_wincnc
+        from gproof.frontend.wincnc.machine import NO_SHOP
+
+        if machine is None:
+            the_machine = NO_SHOP
+        program = load_wincnc(job, findings, the_machine, machine)
+    else:
+        from gproof.frontend.eding.load import load_program
+
+        macro, the_machine = _macro_file(the_machine, machine, job)
+        program = load_program(job, findings, macro)
     if program is not None and call is not None:
         _call_only(program, call, job)
     elif program is not None and not program.body and program.subprograms:
@@ -149,8 +161,9 @@ def dialect_of(
     else:
         dialect, guessed = guess_dialect(job)
         reason = f"guessed: {guessed}"
-    if dialect != "eding":
-        raise UsageError(f"{job}: is {dialect} ({reason}), and this version reads eding only; --dialect overrides")
+    if dialect not in READ:
+        known = " and ".join(READ)
+        raise UsageError(f"{job}: is {dialect} ({reason}), and this version reads {known} only; --dialect overrides")
     return dialect, reason
 
 

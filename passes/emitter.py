@@ -125,6 +125,10 @@ class Emitter:
         self.refused = self.refused or finding.severity in (Severity.ERROR, Severity.UNKNOWN)
         self._fail(finding)
 
+    def _leave_file(self, span: Span) -> None:
+        """End the file that runs: back to its caller, or the end of the job."""
+        raise NotImplementedError
+
     def _note_stop(self, line: Line, text: str) -> None:
         self.findings.add(codes.OPERATOR_STOP.at(line.span, code=text))
 

@@ -61,8 +61,8 @@ class Frame:
     """Statements that are being executed: those of ``body`` from ``at`` on, or the words of a table from ``at`` on.
 
     node: the block, subprogram or table they belong to, None for the job itself; group: outcomes come together behind
-    it; cells, cell: of an array, and which of them it is. For tables: the words of the piece that was loaded, in columns
-    for the kernel, and where the next piece begins.
+    it; cells, cell: of an array, and which of them it is. For tables: the words of the piece that was loaded, in
+    columns for the kernel, and where the next piece begins.
     """
 
     body: tuple[Statement, ...]

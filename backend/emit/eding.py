@@ -29,6 +29,7 @@ from gproof.ir.program import (
     Message,
     Number,
     Program,
+    Replaced,
     Statement,
     Subprogram,
     Text,
@@ -122,8 +123,8 @@ class _Printer:
             yield from self._line(node.span, node, depth, message=message)
         elif isinstance(node, Message) and node.in_comment:
             yield from self._line(node.span, "", depth, message=node)
-        elif isinstance(node, Array):
-            raise self._refusal(node.span, "an array")
+        elif isinstance(node, Array | Replaced):
+            raise self._refusal(node.span, "an array" if isinstance(node, Array) else "a line that a macro replaces")
         else:
             try:
                 text = statement_text(node)

@@ -14,9 +14,10 @@ from pathlib import Path
 from gproof.frontend.eding.build import STRUCTURAL, Structural
 from gproof.frontend.eding.notes import annotate
 from gproof.frontend.eding.prepare import LineError, structure_of
-from gproof.frontend.eding.scan import LineIndex, index, scan
+from gproof.frontend.eding.scan import index, scan
 from gproof.frontend.eding.shapes import Reader
 from gproof.frontend.eding.structure import Assembler
+from gproof.frontend.lines import LineIndex
 from gproof.frontend.source import UTF8_MARK, decode, read_source
 from gproof.ir import codes
 from gproof.ir.columns import Columns

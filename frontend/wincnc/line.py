@@ -31,7 +31,7 @@ _INSIDE = re.compile(
 class LineError(Exception):
     """A mistake in a line: where its characters begin and end, from 0."""
 
-    def __init__(self, code: Code, begin: int, end: int, **values: Any) -> None:
+    def __init__(self, code: Code, begin: int, end: int, /, **values: Any) -> None:
         super().__init__(code.name)
         self.code = code
         self.begin = begin

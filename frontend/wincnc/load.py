@@ -14,8 +14,9 @@ from typing import Any
 
 from gproof.frontend.source import UTF8_MARK, decode, read_source
 from gproof.frontend.wincnc.line import LineError, LineReader
+from gproof.frontend.wincnc.mac_file import Macro
 from gproof.frontend.wincnc.scan import Scanner
-from gproof.frontend.wincnc.statements import ArrayLine, Head, Lines, Macro, Parsed, text_codes
+from gproof.frontend.wincnc.statements import ArrayLine, Head, Lines, Parsed, text_codes
 from gproof.ir import codes
 from gproof.ir.columns import Columns
 from gproof.ir.controls import Controls

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from typing import Any, Protocol
 
 from gproof.frontend.wincnc.line import Items, LineError, LineReader, is_bare
+from gproof.frontend.wincnc.mac_file import Macro
 from gproof.ir import codes
 from gproof.ir.finding import Span
 from gproof.ir.program import (
@@ -33,14 +34,6 @@ from gproof.ir.rules import CodeRule, LanguageRules
 from gproof.ir.rules import Function as F
 
 DEEPEST_MACRO = 20
-
-
-class Macro(Protocol):
-    """A definition of CNC.MAC: its text and where it stands; "" for a code that is switched off."""
-
-    name: str
-    text: str
-    span: Span
 
 
 @dataclass(frozen=True, slots=True)
