@@ -26,9 +26,9 @@ def chunk_lines(chunk: Chunk, machine: Machine, job: str) -> Iterator[str]:
     """The rows of a chunk, a JSON object each."""
     trace, rows = chunk.trace, chunk.rows
     columns = {axis.word.lower(): axis.index for axis in machine.axes}
-    columns = {c.name: rows[c.name].tolist() for c in rows.schema.columns}
+    cells = {c.name: rows[c.name].tolist() for c in rows.schema.columns}
     for i in range(len(rows)):
-        row = {name: values[i] for name, values in columns.items()}
+        row = {name: values[i] for name, values in cells.items()}
         op = Op(row["op"])
         out: dict[str, Any] = {"op": op.name.lower(), "line": row["line"]}
         if trace.files[row["file"]] != job:
@@ -70,6 +70,10 @@ def _event(op: Op, arg: list[float], texts: list[str], text: int) -> dict[str, A
             return {"channel": int(first), "value": second, "synchronised": False}
         case Op.SETPOINT:
             return {"name": texts[text], "channel": int(first), "value": _number(second)}
+        case Op.INPUT_WAIT:
+            return {"channel": int(first), "value": second}
+        case Op.HOME:
+            return {"axes": texts[text].split()}
         case Op.STOP:
             return {"optional": bool(first)}
         case Op.OFFSET:
