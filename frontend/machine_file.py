@@ -1,6 +1,7 @@
 """gproof's machine file (TOML, schema ``gproof-machine/1``), alone or over a controller's own file.
 
-docs/machine-files.md lists every key. ``load_machine`` also reads a controller's file directly (``cnc.ini``).
+docs/machine-files.md lists every key. ``load_machine`` also reads a controller's file directly (``cnc.ini``,
+``WINCNC.INI``).
 """
 
 from __future__ import annotations
@@ -11,6 +12,7 @@ from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
+from gproof.frontend.controls_table import controls_from
 from gproof.frontend.toml_table import MILLIMETRES, TomlFile, TomlTable
 from gproof.ir import codes
 from gproof.ir.finding import Findings
@@ -36,6 +38,8 @@ HIGHEST_TOOL = 99
 DEEPEST_BASE = 8
 MOST_SLAVES = 5
 HIGHEST_HEAD = 5
+LETTERS = ("W", "U", "V")
+"""Letters that an axis of column a, b or c may have in programs in place of its own."""
 THREAD_PEAKS = ("position", "offset")
 
 Files = list[tuple[str, str]]
@@ -89,7 +93,7 @@ def _load_toml(path: Path, findings: Findings, depth: int) -> tuple[Machine | No
         axes=_axes(root, machine, unit),
         tools=_tools(root, machine, unit),
         spindles=_spindles(root, machine, unit),
-        controller=_controller(root, machine.controller),
+        controller=_controller(root, machine.controller, unit),
         board=_board(root, machine.board),
         knife=_knife(root, machine.knife, unit),
         **_given(kinematics=root.text("kinematics"), z_down_tool_length=root.number("z_down_tool_length", unit=unit)),
@@ -123,6 +127,10 @@ def _axes(root: TomlTable, machine: Machine, unit: Fraction) -> tuple[Axis, ...]
         table = outer.table(name)
         if table is not None:
             axes[name] = _axis(table, name, axes.get(name), unit)
+            letter = axes[name].letter
+            others = {axis.letter for other, axis in axes.items() if other != name}
+            if name in "abc" and letter in others - {""} and "letter" in table.values:
+                table.bad("letter", f"{letter} moves another axis already")
     return tuple(axes[name] for name in AXIS_NAMES if name in axes)
 
 
@@ -151,10 +159,19 @@ def _axis(table: TomlTable, name: str, before: Axis | None, unit: Fraction) -> A
             home_position=table.number("home_position", unit=length),
             home_velocity=table.number("home_velocity", unit=length),
             tip_feed=table.boolean("tip_feed"),
+            letter=table.text("letter", LETTERS if name in "abc" else ()),
+            vertical=table.boolean("vertical"),
+            boundary_lower=table.number("boundary_min", unit=length),
+            boundary_upper=table.number("boundary_max", unit=length),
+            feed_velocity=table.positive("feed_velocity", unit=length),
+            home_place=table.number("home_place", unit=length),
         ),
     )
+    if axis.letter and name not in "abc":
+        table.bad("letter", f"{name.upper()} has its own letter")
     for low, high, keys in (
         (axis.lower, axis.upper, ("min", "max")),
+        (axis.boundary_lower, axis.boundary_upper, ("boundary_min", "boundary_max")),
         (axis.travel_lower, axis.travel_upper, ("travel_min", "travel_max")),
     ):
         if low is not None and high is not None and low > high:
@@ -289,7 +306,8 @@ def _spindles(root: TomlTable, machine: Machine, unit: Fraction) -> tuple[Spindl
     return tuple(spindles[number] for number in sorted(spindles))
 
 
-def _controller(root: TomlTable, before: Controller) -> Controller:
+def _controller(root: TomlTable, before: Controller, unit: Fraction) -> Controller:
+    before = replace(before, controls=controls_from(root, before.controls, unit))
     table = root.table("controller")
     if table is None:
         return before

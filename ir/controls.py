@@ -8,6 +8,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+DEVICES = (
+    "knife", "saw", "laser", "laserscan", "thc", "bevel", "pump", "da", "spindle", "autoaux", "probe", "axisadj",
+    "drillbank",
+)  # fmt: skip
+"""Features that a machine file can set up (``Controls.devices``)."""
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Workspace:
@@ -174,8 +180,7 @@ class Controls:
     shift_sign: whether a workspace's shift is added to (+1) or taken from (-1) a position, None: not stated.
     helical_arcs: False: an arc that moves another axis is an error.
     inputs, outputs: numbers of the channels that are there; None: no file says so. drill_banks: (first output, count).
-    devices: names of features that are set up: ``knife saw laser laserscan thc bevel pump da spindle autoaux probe
-    axisadj drillbank``; None: no file says which.
+    devices: those of DEVICES that are set up; None: no file says which.
     axis_order: columns in the order of the controller's axis numbers (axischar=), 0 first.
     smoothing: corners are rounded, or velocities planned otherwise than gproof does (accel=, g08=, g09=, vmatch=,
     autoarcfeed=, axisvel= C).

@@ -313,6 +313,10 @@ class Machine:
         order = [axis.index for axis in self.axes]
         if order != sorted(set(order)):
             raise ValueError("axes must be unique and in X Y Z A B C order")
+        for axis in self.axes:
+            low, high = axis.boundary_lower, axis.boundary_upper
+            if low is not None and high is not None and low > high:
+                raise ValueError(f"axis {axis.name}: lower boundary above upper boundary")
         for drive in (drive for axis in self.axes for drive in axis.drives()):
             where = f"axis {drive.name.lower()}"
             for low, high in ((drive.lower, drive.upper), (drive.travel_lower, drive.travel_upper)):

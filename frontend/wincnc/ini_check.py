@@ -98,7 +98,7 @@ class Sheet:
     def axis(self, key: str, letter: str) -> str | None:
         """A letter that is the number of an axis, as its column."""
         value = self.value(key, letter)
-        return None if value is None else self.columns.get(self.letters[int(value)])
+        return None if value is None or not self.letters else self.columns[self.letters[int(value)]]
 
     def turns(self, letter: str) -> bool:
         """True for an axis that counts degrees: T4, or without T one of A, B and C."""
