@@ -106,7 +106,7 @@ def open_session(
         from gproof.frontend.setup_file import load_setup
 
         require_file(Path(setup), "setup file")
-        the_setup = _loaded(load_setup(Path(setup), findings), findings, inputs, "setup")
+        the_setup = _loaded(load_setup(Path(setup), findings, the_machine), findings, inputs, "setup")
     from gproof.ir.kernel import Kernel
 
     Kernel.forecast(job.stat().st_size * PLAIN_SECONDS_A_BYTE)

@@ -6,32 +6,37 @@ docs/setup-files.md lists every key; all are optional, and what is not stated is
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
 from fractions import Fraction
 from pathlib import Path
 
 from gproof.frontend.height_map_file import read_height_map
 from gproof.frontend.machine_file import HIGHEST_HEAD, HIGHEST_TOOL, Files
+from gproof.frontend.setup_channels import Columns, axes_of, columns_of, with_channels
 from gproof.frontend.toml_table import MILLIMETRES, TomlFile, TomlTable, small_number
 from gproof.ir.dialects import rules_named
 from gproof.ir.finding import Findings
-from gproof.ir.machine import AXIS_NAMES
+from gproof.ir.machine import NO_MACHINE, Machine
 from gproof.ir.setup import Cylinder, InForce, Interval, Setup
 
 SCHEMA = "gproof-setup/1"
 COORDINATE_SYSTEMS = 9
+_LINEAR: Columns = {name: (name, False) for name in "xyz"}
 
 
-def load_setup(path: Path, findings: Findings) -> tuple[Setup | None, Files]:
-    """The setup in a file, lengths in mm; None, with findings GP601–GP604, when it is bad."""
+def load_setup(path: Path, findings: Findings, machine: Machine = NO_MACHINE) -> tuple[Setup | None, Files]:
+    """The setup in a file, lengths in mm; None, with findings GP601–GP604, when it is bad.
+
+    machine: whose axes the file's letters name.
+    """
     file = TomlFile(path, SCHEMA, findings)
     root = file.root
     if root is None:
         return None, file.files
     unit = MILLIMETRES[root.text("units", tuple(MILLIMETRES)) or "mm"]
+    columns = columns_of(machine)
     work: dict[tuple[int, str], Interval] = {}
     for number, table in root.numbered("work", 1, COORDINATE_SYSTEMS):
-        work |= {(number, axis): value for axis, value in _axes(table, unit).items()}
+        work |= {(number, axis): value for axis, value in axes_of(table, unit, columns).items()}
     lengths: dict[int, Interval] = {}
     for number, table in root.numbered("tools", 1, HIGHEST_TOOL):
         length = table.interval("length", unit=unit)
@@ -41,14 +46,14 @@ def load_setup(path: Path, findings: Findings) -> tuple[Setup | None, Files]:
     parameters, ranges = _parameters(root.table("parameters"))
     heads: dict[tuple[int, str], Interval] = {}
     for number, table in root.numbered("heads", 1, HIGHEST_HEAD):
-        heads |= {(number, axis): value for axis, value in _axes(table, unit, "xyz").items()}
+        heads |= {(number, axis): value for axis, value in axes_of(table, unit, _LINEAR).items()}
     height_map, more = read_height_map(root.table("height_map"), unit)
     setup = Setup(
         name=root.text("name") or path.name,
-        homed=_homed(root),
-        start=_axes(root.table("start"), unit),
+        homed=_homed(root, columns),
+        start=axes_of(root.table("start"), unit, columns),
         work=work,
-        g92=_axes(root.table("g92"), unit),
+        g92=axes_of(root.table("g92"), unit, columns),
         tool_lengths=lengths,
         parameters=parameters,
         parameter_ranges=ranges,
@@ -61,6 +66,7 @@ def load_setup(path: Path, findings: Findings) -> tuple[Setup | None, Files]:
         heads=heads,
         transform=_transform(root.table("transform"), unit),
     )
+    setup = with_channels(setup, root, unit, columns)
     root.finish()
     return (None if file.errors else setup), file.files + more
 
@@ -105,27 +111,14 @@ def _transform(table: TomlTable | None, unit: Fraction) -> InForce | None:
     return InForce(angle=angle, factor_x=fx, factor_y=fy, x=x or 0.0, y=y or 0.0)
 
 
-def _axes(table: TomlTable | None, unit: Fraction, names: Iterable[str] = AXIS_NAMES) -> dict[str, Interval]:
-    """Values by axis name; X Y Z are lengths, A B C degrees."""
-    if table is None:
-        return {}
-    found = {}
-    for axis in names:
-        ends = table.interval(axis, unit=unit if axis in "xyz" else Fraction(1))
-        if ends is not None:
-            found[axis] = Interval(*ends)
-    table.finish()
-    return found
-
-
-def _homed(root: TomlTable) -> tuple[str, ...]:
+def _homed(root: TomlTable, columns: Columns) -> tuple[str, ...]:
     value = root.take("homed")
     if value is None:
         return ()
-    if not isinstance(value, list) or any(axis not in AXIS_NAMES for axis in value):
-        root.bad("homed", f"not a list of axes such as {list(AXIS_NAMES[:3])}")
+    if not isinstance(value, list) or any(axis not in columns for axis in value):
+        root.bad("homed", f"not a list of axes such as {list(columns)[:3]}")
         return ()
-    return tuple(axis for axis in AXIS_NAMES if axis in value)
+    return tuple(column for name, (column, _) in columns.items() if name in value)
 
 
 _ELSEWHERE = {

@@ -104,6 +104,8 @@ class Setup:
     selected, by (number, axis); transform: of X and Y, None where nothing is stated.
     positions: stored places by letter and number (``P4``); inputs, outputs, virtual: states of channels, 0 or 1;
     registers: H registers in the machine's unit; answers: 1 yes, 0 no, to the questions of the job in their order.
+    measures: of tools, in force when the job begins, by axis (WinCNC M37): the machine position at which its
+    workspace is 0; contacts: where a move may end that a switch ends, machine positions by axis.
     """
 
     name: str = "(none)"
@@ -131,6 +133,8 @@ class Setup:
     virtual: dict[int, float] = field(default_factory=dict)
     registers: dict[int, float] = field(default_factory=dict)
     answers: dict[int, float] = field(default_factory=dict)
+    measures: dict[str, Interval] = field(default_factory=dict)
+    contacts: dict[str, Interval] = field(default_factory=dict)
 
     def interval(self, symbol: str) -> Interval | None:
         """What is stated of a symbol such as ``start.x``, ``work.1.x``, ``g92.x``, ``tool.3.z``.
@@ -148,7 +152,9 @@ class Setup:
         elif kind == "g92":
             found = self.g92.get(rest[0])
         elif kind == "tool":
-            found = self.tool_lengths.get(int(rest[0]))
+            number = int(rest[0])
+            found = self.measures.get(rest[1]) if number == 0 and rest[1] in self.measures else None
+            found = self.tool_lengths.get(number) if found is None else found
         elif kind == "head":
             # A symbol only where nothing exact is stated, or without its sign: no default holds for it.
             found, default = self.heads.get((int(rest[0]), rest[1])), None

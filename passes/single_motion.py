@@ -256,10 +256,22 @@ def until_limit(ex: Motion, line: Command, op: Op, target: list[Position], compa
         if way.form or start[axis] == NOWHERE:
             s.position[axis] = NOWHERE
         else:
-            ends = min(0.0, way.value), max(0.0, way.value)
+            ends = _stated_contact(ex, axis, start[axis], (min(0.0, way.value), max(0.0, way.value)))
             s.position[axis] = ex.unknown_place("home", axis, ends, start[axis])
     s.single = s.single.but(touched=frozenset(touched))
     ex._end_section(Wait.PROBE, "stopped", None, line.span.line)
+
+
+def _stated_contact(ex: Motion, axis: int, start: Position, ends: tuple[float, float]) -> tuple[float, float]:
+    """The part of a way on which the setup says that a switch ends it; all of it where the setup says nothing of it."""
+    stated = ex.setup.contacts.get(AXIS_NAMES[axis])
+    if stated is None or start.form:
+        return ends
+    low, high = max(ends[0], stated.low - start.value), min(ends[1], stated.high - start.value)
+    if low > high:
+        return ends
+    ex.assumed[f"the setup says where a switch ends a move of {AXIS_NAMES[axis].upper()}"] = None
+    return low, high
 
 
 def stored_place(ex: Motion, line: Command, op: Op, *, machine: bool = False) -> bool:
