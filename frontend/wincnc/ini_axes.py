@@ -26,13 +26,16 @@ def read_axes(sheet: Sheet) -> tuple[Axis, ...]:
     if sheet.letters:
         _count(sheet)
     axes = [_axis(sheet, letter, own) for letter, own in zip(sheet.letters, sheet.axes, strict=False)]
+    _check_outputs(sheet)
     return tuple(sorted(axes, key=lambda axis: axis.index))
 
 
 def _count(sheet: Sheet) -> None:
     """Each letter has its axisspec=, and each axisspec= its letter."""
-    for letter in sheet.letters[len(sheet.axes) :]:
-        sheet.ini.add(codes.MISSING_KEY, 0, key=f"axisspec= of {letter}")
+    named = sheet.one("axischar")
+    for at, letter in enumerate(sheet.letters[len(sheet.axes) :], len(sheet.axes)):
+        place = (0,) if named is None else (named.line, named.value_column, named.value_column + len(named.text))
+        sheet.ini.add(codes.MISSING_KEY, *place, key=f"axisspec= of {letter}, axis number {at},")
     for own in sheet.axes[len(sheet.letters) :]:
         setting = own["axisspec"][0]
         sheet.ini.bad(setting, f"the letters of axischar= are only {len(sheet.letters)}")
@@ -103,6 +106,18 @@ def _check_steps(sheet: Sheet, letter: str, spec: Setting) -> None:
             place = (spec.line, word.column, word.end_column)
             allowed = float(MOST_STEPS)
             sheet.ini.add(codes.ACCELERATION_BOUNDS, *place, axis=letter, steps=float(product), allowed=allowed)
+
+
+def _check_outputs(sheet: Sheet) -> None:
+    """Two axes on one step output go together, whichever of them a program moves."""
+    users: dict[tuple[Fraction, Fraction], str] = {}
+    for letter, own in zip(sheet.letters, sheet.axes, strict=False):
+        for setting in (*own["axisspec"], *own.get("altaxisspec", ())):
+            step = number(setting, "S")
+            first = letter if step is None else users.setdefault((number(setting, "P") or Fraction(0), step), letter)
+            if first != letter:
+                for axis in (first, letter):
+                    sheet.open(setting, f"{first} and {letter} have the same step output", sheet.columns[axis])
 
 
 def _backlash(sheet: Sheet, spec: Setting, length: Fraction) -> float:

@@ -45,6 +45,9 @@ def read_controls(sheet: Sheet) -> Controls:
     devices = [name for key, name in _DEVICES if sheet.all(key)]
     if any(own.get("axisadj") for own in sheet.axes):
         devices.append("axisadj")
+    scan = sheet.one("scan")
+    if scan is not None and (scan.word("T") is None or scan.word("C") is None):
+        sheet.ini.bad(scan, "T and C are needed")
     mode = sheet.bare("nmode")
     return Controls(
         lexical=_lexical(sheet),
@@ -186,7 +189,7 @@ def _override(sheet: Sheet) -> tuple[float | None, float | None] | None:
     if setting is None:
         return None
     low, high = sheet.plain("override", "L"), sheet.plain("override", "H")
-    if low is not None and high is not None and low > high:
+    if low is not None and high is not None and low >= high:
         sheet.ini.bad(setting, "L must be lower than H", setting.word("L"))
     return low, high
 

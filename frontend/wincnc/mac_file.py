@@ -11,8 +11,8 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass
 
+from gproof.frontend.source import UTF8_MARK, decode
 from gproof.frontend.wincnc.ini_file import ENDS_OF_QUOTES
-from gproof.frontend.wincnc.machine_ini import decode
 from gproof.ir import codes
 from gproof.ir.controls import Lexical
 from gproof.ir.finding import Findings, Related, Span
@@ -47,7 +47,7 @@ def read_macros(source: SourceFile, findings: Findings, lexical: Lexical) -> dic
     """The definitions of a file by their names; a line that can be none is a finding at its place."""
     macros: dict[str, Macro] = {}
     signs = COMMENT_SIGNS + lexical.comment_signs
-    for number, raw in enumerate(_END_OF_LINE.split(bytes(source.data).removeprefix(b"\xef\xbb\xbf")), 1):
+    for number, raw in enumerate(_END_OF_LINE.split(bytes(source.data).removeprefix(UTF8_MARK)), 1):
         line = decode(raw.rstrip(b"\x1a"))
         if not line.strip() or line.lstrip()[0] in signs:
             continue

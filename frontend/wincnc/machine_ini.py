@@ -13,6 +13,7 @@ import re
 from fractions import Fraction
 from pathlib import Path
 
+from gproof.frontend.source import UTF8_MARK, decode
 from gproof.frontend.wincnc.ini_axes import read_axes
 from gproof.frontend.wincnc.ini_check import Sheet
 from gproof.frontend.wincnc.ini_controls import absolute_centers, read_controls
@@ -55,34 +56,13 @@ def load_wincnc_ini(path: Path, findings: Findings) -> tuple[Machine | None, Fil
         findings.add(codes.FILE_UNREADABLE.at(Span(name, 0), what=f"{name}: not a text file"))
         return None, files
     ini = IniFile(name, findings)
-    ini.parse(decode(raw.removeprefix(b"\xef\xbb\xbf")))
+    ini.parse(decode(raw.removeprefix(UTF8_MARK)))
     sheet = Sheet(ini)
     machine = _machine(sheet, path)
     if ini.errors:
         return None, files
     machine.verify()
     return machine, files
-
-
-def decode(raw: bytes) -> str:
-    """UTF-8, else Windows-1252; bytes that it does not have as in Latin-1."""
-    try:
-        return raw.decode("utf-8")
-    except UnicodeDecodeError:
-        return "".join(_WINDOWS.get(byte, chr(byte)) for byte in raw)
-
-
-def _windows_1252() -> dict[int, str]:
-    """The characters of the bytes from 0x80 to 0x9F."""
-    found = {}
-    for byte in range(0x80, 0xA0):
-        text = bytes([byte]).decode("cp1252", "ignore")
-        if text:
-            found[byte] = text
-    return found
-
-
-_WINDOWS = _windows_1252()
 
 
 def _machine(sheet: Sheet, path: Path) -> Machine:

@@ -168,7 +168,9 @@ def test_letters_that_can_be_no_axes(value: str, what: str, tmp_path: Path) -> N
 
 def test_axes_without_settings_and_settings_without_axes(tmp_path: Path) -> None:
     _, kept = load("axischar=XYZ\naxisspec=r1a1\naxisspec=r1a1\n", tmp_path)
-    assert [(f.code.label, f.message) for f in kept] == [("GP604", "axisspec= of Z is missing")]
+    assert [(*places([f])[0], f.message) for f in kept] == [
+        ("GP604", 1, 10, 13, "axisspec= of Z, axis number 2, is missing")
+    ]
     _, kept = load("axischar=XY\naxisspec=r1a1\naxisspec=r1a1\naxisspec=r1a1\n", tmp_path)
     assert places(kept) == [("GP603", 4, 10, 14)]
     _, kept = load("axischar=XY\naxisvel=r1\naxisspec=r1a1\naxisspec=r1a1\n", tmp_path)
@@ -293,6 +295,8 @@ def test_brackets_in_quotes_and_quotes_in_brackets() -> None:
         ("skipchars=c5", ("GP603", 13, 11, 13)),
         ("skipchars=n5", ("GP603", 13, 11, 13)),
         ("override=l120h90", ("GP603", 13, 10, 14)),
+        ("override=l90h90", ("GP603", 13, 10, 13)),
+        ("scan=t2a2", ("GP603", 13, 6, 10)),
         ("spindle=r0", ("GP603", 13, 9, 11)),
         ("drillbank=n4", ("GP603", 13, 11, 13)),
         ("portin=x", ("GP603", 13, 8, 9)),
@@ -478,6 +482,16 @@ def test_settings_that_are_not_followed(line: str, what: str, why: str, axis: st
     assert (found.what, found.axis, found.file) == (what, axis, "WINCNC.INI")
     assert why in found.why
     assert found.line == (BASE + line).count("\n") + 1
+
+
+def test_two_axes_on_one_output_go_together(tmp_path: Path) -> None:
+    found = machine_of(BASE.replace("p0s3d3", "p0s1d3"), tmp_path).not_modelled
+    assert [(one.axis, one.line, one.why) for one in found] == [
+        (axis, 9, "Y and W have the same step output") for axis in ("y", "a")
+    ]
+    # A second motor of its own axis may share its output.
+    assert machine_of(BASE + "altaxisspec=s4d5\n", tmp_path).not_modelled == ()
+    assert len(machine_of(BASE + "altaxisspec=s0d5\n", tmp_path).not_modelled) == 2
 
 
 @pytest.mark.parametrize("line", ["axisadj=t1i0", "arctype=i0", "spinchar=s", "mapping=i.1r1", "g2modal=0\narcs=m0"])
