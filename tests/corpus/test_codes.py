@@ -3,7 +3,8 @@
 `run.toml` in a folder says what is special about it: `setup` ("zero", "none" or a file), `machine` (a file),
 `program` (one program for both runs; the machine or setup differs), `command` ("check" or "compile"),
 `options` (further arguments); `[bad]` and `[good]` override single keys. Without it the shared `machine.toml` and
-`setup.toml` of docs/codes are used.
+`setup.toml` of docs/codes are used. Programs of WinCNC are `bad.tap` and `good.tap`; they run on the folder's own
+`WINCNC.INI` and `setup.toml`, where it has them, else on those of docs/codes/wincnc.
 """
 
 from __future__ import annotations
@@ -20,6 +21,15 @@ from gproof.ir.codes import CODES
 DOCS = ROOT / "docs" / "codes"
 FOLDERS = sorted(DOCS.glob("GP*"))
 DEFAULTS = {"setup": "../setup.toml", "machine": "../machine.toml", "command": "check", "options": []}
+
+
+def defaults(folder: Path) -> dict:
+    """What a run of a folder's programs takes where `run.toml` says nothing."""
+    if not (folder / "bad.tap").is_file():
+        return DEFAULTS
+    own = {key: name for key, name in (("machine", "WINCNC.INI"), ("setup", "setup.toml")) if (folder / name).is_file()}
+    shared = {"machine": "../wincnc/WINCNC.INI", "setup": "../wincnc/setup.toml"}
+    return {**DEFAULTS, **shared, **own, "options": ["--dialect", "wincnc"]}
 
 
 @dataclass(frozen=True)
@@ -41,8 +51,9 @@ class Runner:
         path = folder / "run.toml"
         special = tomllib.loads(path.read_text(encoding="utf-8")) if path.is_file() else {}
         other = {"bad", "good"}
-        settings = {**DEFAULTS, **{k: v for k, v in special.items() if k not in other}, **special.get(side, {})}
-        program = folder / settings.get("program", f"{side}.cnc")
+        settings = {**defaults(folder), **{k: v for k, v in special.items() if k not in other}, **special.get(side, {})}
+        suffix = "tap" if (folder / "bad.tap").is_file() else "cnc"
+        program = folder / settings.get("program", f"{side}.{suffix}")
         words = [settings["command"], str(program), "--machine", str(folder / settings["machine"])]
         if settings["setup"] != "none":
             setup = settings["setup"]
@@ -70,15 +81,12 @@ def gproof(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> Runner:
 
 
 def has_example(folder: Path) -> bool:
-    return (folder / "bad.cnc").is_file() or (folder / "run.toml").is_file()
+    return any((folder / name).is_file() for name in ("bad.cnc", "bad.tap", "run.toml"))
 
 
 EXAMPLES = [folder for folder in FOLDERS if has_example(folder)]
 
-AWAITED = {
-    f"GP{number}"
-    for number in (*range(127, 135), *range(285, 290), *range(330, 334), *range(414, 418), 606, 607)
-}  # fmt: skip
+AWAITED = {"GP286", "GP287", "GP330", "GP331", "GP332", "GP333", "GP414"}
 """Codes of the dialect WinCNC; their examples come with its frontend."""
 
 
