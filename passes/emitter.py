@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import TYPE_CHECKING
 
 from gproof.ir import codes
 from gproof.ir.finding import Finding, Findings, Refusal, Severity, Span
@@ -21,6 +22,9 @@ from gproof.passes.rows import RowBuffer
 from gproof.passes.spindle import commanded_rpm, own_ramp, told
 from gproof.passes.transform_codes import at_start
 from gproof.passes.values import FrameTable, Position, Unknown, Value
+
+if TYPE_CHECKING:
+    from gproof.passes.single_plain import PlainLines
 
 DEFAULT_BUDGET = 100_000_000
 DEFAULT_BRANCHES = 4096
@@ -88,6 +92,7 @@ class Emitter:
         self._tests: dict[int, Condition | None] = {}
         self._pending = Pending()
         self._loops = 0
+        self._plain_lines: PlainLines | None = None
         self.rows = RowBuffer(self.trace, [p.value for p in self.modal.position], self._frame(), program.line_count)
 
     def _start_system(self, setup: Setup) -> None:

@@ -47,6 +47,9 @@ class Loops(Straight):
 
     def _fast_block(self, node: Block) -> bool:
         """Evaluate a block that was executed before, and keep its motion for later; False: not possible this time."""
+        if self.program.rules.one_command:
+            # The kernel here is of lines of many commands; texts, comments and bare letters count besides.
+            return False
         key = id(node)
         if key not in self._fast:
             # The first time is the evaluator's: it tells what is to be told once.

@@ -11,12 +11,14 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 from gproof.ir import codes
+from gproof.ir.controls import Controls
 from gproof.ir.finding import Refusal
 from gproof.ir.machine import AXES, AXIS_NAMES
 from gproof.ir.rules import CodeRule
 from gproof.ir.rules import Function as F
 from gproof.ir.trace import Op, Plane, Wait
 from gproof.passes import execute_kernels as k
+from gproof.passes.single_kernels import SAME, ZERO_RADIUS, agreed, distance
 from gproof.passes.single_state import vertical_axes
 from gproof.passes.values import NOWHERE, Position, Unknown, Value, describe
 
@@ -30,8 +32,6 @@ MOVES = frozenset((
     F.TRAVERSE, F.TRAVERSE_LIFTED, F.FEED, F.ARC_CW, F.ARC_CCW, F.MACHINE_TRAVERSE, F.DRILL, F.DRILL_DWELL,
     F.DRILL_PECK, F.DRILL_CHIP_BREAK,
 ))  # fmt: skip
-SAME = 1e-6
-"""mm: nearer than any drive can tell."""
 
 
 def note_assumptions(ex: Motion) -> None:
@@ -175,19 +175,21 @@ def feed_word(ex: Motion, line: Command, columns: set[int] | None = None) -> Non
         raise Refusal(codes.NEGATIVE_FEED.at(line.where("F"), value=value))
     else:
         rate = value
-    controls = ex.machine.controller.controls
-    named = {AXIS_NAMES[column] for column in columns or ()}
-    if not named:
-        named = set(controls.command_group) or {"x", "y"}
-    groups = [*controls.feed_groups, controls.command_group]
-    for group in groups:
-        if named & set(group):
-            named |= set(group)
     feeds = list(s.single.feeds)
-    for name in named:
-        column = AXIS_NAMES.index(name)
+    for column in feed_columns(ex.machine.controller.controls, columns or set()):
         feeds[column] = rate * s.scale(column)
     s.single = s.single.but(feeds=tuple(feeds))
+
+
+def feed_columns(controls: Controls, columns: set[int]) -> set[int]:
+    """The columns to which an F beside axis words of these columns gives a feed."""
+    named = {AXIS_NAMES[column] for column in columns}
+    if not named:
+        named = set(controls.command_group) or {"x", "y"}
+    for group in (*controls.feed_groups, controls.command_group):
+        if named & set(group):
+            named |= set(group)
+    return {AXIS_NAMES.index(name) for name in named}
 
 
 def use_feed(ex: Motion, line: Command, target: list[Position], moving: set[int] | None = None) -> None:
@@ -195,9 +197,8 @@ def use_feed(ex: Motion, line: Command, target: list[Position], moving: set[int]
     s = ex.modal
     if moving is None:
         moving = {axis for axis in range(AXES) if target[axis] != s.position[axis]}
-    linear = {axis for axis in moving if s.linear[axis]}
-    rates = {s.single.feeds[axis] for axis in (linear or moving)}
-    s.feed = next(iter(rates)) if len(rates) == 1 else math.nan
+    linear = sum(1 << axis for axis in range(AXES) if s.linear[axis])
+    s.feed = agreed(s.single.feeds, 0, sum(1 << axis for axis in moving), linear)
     s.feed_unit = 1.0
 
 
@@ -377,8 +378,8 @@ def arc(ex: Motion, line: Command, rule: CodeRule) -> None:
             raise Refusal(codes.ARC_UNKNOWN.at(line.span, cause=f"{name}: {describe(difference.form)}"))
     center = _center(ex, line, rule, start, end, moved)
     same = all(abs(a.value - b.value) < SAME for a, b in zip(start, end, strict=True))
-    radius = math.hypot(center[0] - start[0].value, center[1] - start[1].value)
-    if radius < 1e-9:
+    radius = distance(center[0] - start[0].value, center[1] - start[1].value)
+    if radius < ZERO_RADIUS:
         raise Refusal(codes.ARC_RADIUS_ZERO.at(line.span))
     if same:
         target[0], target[1] = start

@@ -10,15 +10,18 @@ import numpy as np
 
 from gproof.ir.columns import Columns
 from gproof.ir.finding import Span
+from gproof.ir.kernel import Kernel
 from gproof.ir.machine import AXES
-from gproof.ir.program import FLAG_DELETE, BlockTable
+from gproof.ir.program import FLAG_BARE, FLAG_DELETE, BlockTable
 from gproof.ir.trace import TRACE_ROW
-from gproof.passes import compensated
+from gproof.passes import compensated, single
 from gproof.passes import compensation_kernels as c
 from gproof.passes import execute_kernels as k
 from gproof.passes.blocks import Blocks
 from gproof.passes.frames import Frame
 from gproof.passes.outputs import CLAMPED
+from gproof.passes.single_kernels import run_moves
+from gproof.passes.single_plain import PlainLines
 from gproof.passes.values import Position
 
 CHUNK_BYTES = 1 << 20
@@ -30,6 +33,8 @@ _UTF8_MARK = b"\xef\xbb\xbf"
 
 _COLD = np.array([chr(letter) not in "XYZABCIJKRFG" for letter in range(256)])
 """Letters that ``run_lines`` hands back."""
+_COLUMNS = "line", "letter", "value", "flags"
+"""Of words, as ``Frame.columns`` has them for the kernels."""
 
 
 class Straight(Blocks):
@@ -39,7 +44,7 @@ class Straight(Blocks):
         """Go on with the lines of a table until it ends, rows are ready, or a line has called a subprogram."""
         table = frame.node
         assert isinstance(table, BlockTable)
-        run = k.run_lines.pick(table.last_line - table.first_line + 1)
+        run = self._kernel().pick(table.last_line - table.first_line + 1)
         while self._stack[-1] is frame and not self.rows.ready:
             if frame.words is None:
                 if frame.next_byte >= table.end:
@@ -57,22 +62,27 @@ class Straight(Blocks):
             if self.block_delete:
                 keep = (words["flags"] & FLAG_DELETE) == 0
                 words = Columns(words.schema, {n: a[keep] for n, a in words.arrays.items()})
-        frame.words, frame.at, frame.cold = words, 0, _cold_lines(words)
-        columns = words["line"], words["letter"], words["value"]
-        is_python = k.run_lines.pick(table.last_line - table.first_line + 1) is k.run_lines.python
+        frame.words, frame.at = words, 0
+        # Of one command a line a kernel hands back what is rare.
+        frame.cold = set() if self.program.rules.one_command else _cold_lines(words)
+        columns = tuple(words[name] for name in _COLUMNS)
+        kernel = self._kernel()
+        is_python = kernel.pick(table.last_line - table.first_line + 1) is kernel.python
         frame.columns = tuple(c.tolist() for c in columns) if is_python else columns
 
     def _words(self, frame: Frame, table: BlockTable, run: object) -> None:
         assert frame.words is not None
-        compiled = run is not k.run_lines.python
+        compiled = run is not self._kernel().python
         if compiled and isinstance(frame.columns[0], list):
             # Picked plain when the table was opened, compiled now that it is entered again.
-            frame.columns = tuple(frame.words[name] for name in ("line", "letter", "value"))
+            frame.columns = tuple(frame.words[name] for name in _COLUMNS)
         line = frame.words["line"]
-        lines, letters, values = frame.columns
+        lines, letters, values, _ = frame.columns
         count = len(frame.words)
         while frame.at < count:
-            if not frame.cold or int(line[frame.at]) not in frame.cold:
+            if self._plain_lines is not None:
+                frame.at = self._plain_lines.run(self, run, frame.columns, count, frame.at, compiled)
+            elif not frame.cold or int(line[frame.at]) not in frame.cold:
                 frame.at = self._hot(run, lines, letters, values, count, frame.at, compiled)
             at = frame.at
             if at < count and self.rows.count < self.rows.capacity:
@@ -88,6 +98,14 @@ class Straight(Blocks):
             if self.rows.ready:
                 return
         frame.words = None
+
+    def _kernel(self) -> Kernel[Any, Any]:
+        """What runs lines of a table."""
+        if not self.program.rules.one_command:
+            return k.run_lines
+        if self._plain_lines is None:
+            self._plain_lines = PlainLines(self)
+        return run_moves
 
     def _hot(
         self, run: object, line: object, letter: object, value: object, count: int, at: int, compiled: bool
@@ -216,6 +234,13 @@ class Straight(Blocks):
         values: list[float] = words["value"][begin:end].tolist()
         span = Span(name, number, spans[0].column, spans[-1].end_column)
         self.spend(span)
+        if self.program.rules.one_command:
+            bare = frozenset(
+                letter for letter, flags in zip(letters, words["flags"][begin:end].tolist(), strict=True)
+                if flags & FLAG_BARE
+            )  # fmt: skip
+            single.run(self, span, list(zip(letters, values, spans, strict=True)), bare=bare)
+            return
         self._line(span, list(zip(letters, values, spans, strict=True)))
 
 

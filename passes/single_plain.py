@@ -1,0 +1,139 @@
+"""Plain lines of controllers of one command a line: when the kernel may run them, its state, and what it leaves.
+
+The kernel is ``single_kernels.run_moves``; what holds for a whole run of lines and is not in its state is asked here.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from gproof.ir.machine import AXES
+from gproof.passes import single_kernels as k
+from gproof.passes.single_motion import feed_columns, note_assumptions
+from gproof.passes.single_state import letters_of
+from gproof.passes.values import Position
+
+if TYPE_CHECKING:
+    from gproof.passes.modal import Modal
+    from gproof.passes.motion import Motion
+
+_AXES = "XYZWUVABC"
+_ALL = tuple(range(AXES))
+
+
+def is_plain(s: Modal) -> bool:
+    """Whether moves mean what ``run_moves`` makes of them."""
+    single = s.single
+    return (
+        s.feed_mode == 94
+        and single.sources == _ALL
+        and not single.slaves
+        and not single.locked
+        and single.absolute_once is None
+        and not s.transform.on
+        and s.compensation is None
+        and not s.jumped
+        and not s.feed_unknown
+        and s.pitch == 0.0
+        and not (s.clamped or s.drives_were_off or s.not_programmed)
+    )
+
+
+class PlainLines:
+    """What ``run_moves`` needs of a machine, once for a run of a program.
+
+    columns: by letter code, -1: no axis; named: see there.
+    """
+
+    def __init__(self, ex: Motion) -> None:
+        controls = ex.machine.controller.controls
+        columns = [-1] * 256
+        for letter, column in letters_of(ex.machine).items():
+            if letter in _AXES and ex.modal.has_axis(column):
+                columns[ord(letter)] = column
+        named = [
+            _bits(feed_columns(controls, {axis for axis in _ALL if mask >> axis & 1})) for mask in range(1 << AXES)
+        ]
+        self.columns, self.named = columns, named
+        self.arrays = np.array(columns, dtype=np.int64), np.array(named, dtype=np.int64)
+        self.linear = _bits({axis for axis in _ALL if ex.modal.linear[axis]})
+
+    def run(
+        self, ex: Motion, kernel: Any, words: tuple[Any, ...], count: int, at: int, compiled: bool
+    ) -> int:  # fmt: skip
+        """Run lines in the kernel from word ``at``; returns the first word it left over. words: see ``run_moves``."""
+        s, rows = ex.modal, ex.rows
+        if not is_plain(s):
+            return at
+        state = self._packed(ex, compiled)
+        tables = self.arrays if compiled else (self.columns, self.named)
+        out: Mapping[str, Any] = rows.arrays
+        before = rows.count
+        stop, row = kernel(
+            *words, count, at, *tables, *state, out["op"], out["line"], out["to"], out["feed"], out["center"],
+            out["turns"], out["plane"], before, rows.capacity,
+        )  # fmt: skip
+        rows.count = int(row)
+        if rows.count > before:
+            new = slice(before, rows.count)
+            # As a span finds its file: by name.
+            out["file"][new] = ex.trace.files.index(ex.trace.files[ex._file])
+            out["call"][new] = ex._call
+            # The same for all of these lines, and made only where there are rows.
+            out["frame"][new], out["state"][new] = ex._frame(), ex._state()
+        _unpack(ex, state, rows.count - before)
+        return int(stop)
+
+    def _packed(self, ex: Motion, compiled: bool) -> tuple[Any, Any, Any, Any]:
+        """The state of ``run_moves``: integers, floats, frames of the axes and of their offsets."""
+        s = ex.modal
+        controls = ex.machine.controller.controls
+        offsets = [s.offset(axis) for axis in _ALL]
+        known = not any(s.position[axis].minus(s.position[axis]).form for axis in (0, 1))
+        kept = s.single.center
+        ints: Any = [
+            s.motion, int(s.absolute),
+            int(ex.machine.controller.absolute_arc_centers), int(known), int(controls.arcs_modal),
+            int(controls.helical_arcs), self.linear, int(kept is not None), 0, 0, 0, 0,
+        ]  # fmt: skip
+        smallest = -math.inf if controls.smallest_arc is None else controls.smallest_arc
+        floats: Any = [
+            s.unit, *(s.scale(axis) for axis in _ALL), *(p.value for p in s.position), *(o.value for o in offsets),
+            *s.single.feeds, s.feed, *(kept or (0.0, 0.0)), smallest, *(0.0 for _ in _ALL),
+        ]  # fmt: skip
+        form: Any = [ex.frames.form(p.form) for p in s.position]
+        offset_form: Any = [ex.frames.form(o.form) for o in offsets]
+        if compiled:
+            ints, floats = np.array(ints, dtype=np.int64), np.array(floats, dtype=np.float64)
+            form, offset_form = np.array(form, dtype=np.int64), np.array(offset_form, dtype=np.int64)
+        return ints, floats, form, offset_form
+
+
+def _unpack(ex: Motion, state: tuple[Any, Any, Any, Any], rows: int) -> None:
+    """Take over what ``run_moves`` has made of the state."""
+    ints, floats = (part if isinstance(part, list) else part.tolist() for part in state[:2])
+    s = ex.modal
+    ex.blocks += ints[k.LINES]
+    if ints[k.LINES]:
+        feeds = tuple(floats[k.FEEDS : k.FEEDS + AXES])
+        center = (floats[k.KEPT_I], floats[k.KEPT_J]) if ints[k.KEPT] else None
+        s.single = s.single.but(feeds=feeds, center=center)
+    if ints[k.NOTED]:
+        note_assumptions(ex)
+    if ints[k.RESET]:
+        s.motion, s.cycle = ints[k.MOTION], {}
+    if ints[k.USED]:
+        s.feed, s.feed_unit = floats[k.FEED], 1.0
+    if rows:
+        ex._moves += rows
+        ex._moved = True
+        for axis in _ALL:
+            s.position[axis] = Position(floats[k.POSITION + axis], s.position[axis].form)
+
+
+def _bits(columns: set[int]) -> int:
+    return sum(1 << column for column in columns)
