@@ -23,6 +23,8 @@ from gproof.ir.controls import (
 )
 
 ARC_ERROR = Fraction(1, 100)
+COMMENT_SIGNS = "[(%"
+"""Signs that begin a comment without comchars= too."""
 SMALLEST_ARC = Fraction(2, 1000)
 """Defaults of arc_err= and arc_min=, in the file's unit."""
 
@@ -108,7 +110,9 @@ def _or(value: Fraction | None, usual: Fraction) -> Fraction:
 
 
 def _lexical(sheet: Sheet) -> Lexical:
-    signs = "".join(dict.fromkeys("".join(sheet.text("comchars").split())))
+    signs = "".join(
+        sign for sign in dict.fromkeys("".join(sheet.text("comchars").split())) if sign not in COMMENT_SIGNS
+    )
     setting = sheet.one("comchars")
     if setting is not None and any(sign.isalnum() or sign in '+-.=~{}"' for sign in signs):
         sheet.open(setting, "a sign that commands are made of begins a comment")

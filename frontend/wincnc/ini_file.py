@@ -27,6 +27,8 @@ _CONTROL = re.compile(r"[\x00-\x08\x0b-\x1f\x7f]")
 _LETTER = re.compile(r"\s*(?P<letter>[A-Za-z])\s*", re.ASCII)
 _NUMBER = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+)", re.ASCII)
 _MOST_DIGITS = 60
+LONGEST_LINE = 256
+"""Characters that the controller reads of a line (Line Too Long)."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -114,16 +116,20 @@ class IniFile:
                 what = "neither key=value nor a comment in square brackets"
                 self.add(codes.FILE_UNREADABLE, number, begin + 1, len(bare) + 1, what=what)
                 continue
-            shown = found["key"]
+            shown, value, begin = found["key"], found["value"], found.start("value")
+            if shown.lower() == "comchars":
+                behind = line[bare.index("=") + 1 :]
+                begin = len(line) - len(behind.lstrip())
+                value = _signs(behind.strip())
             self.settings.append(
                 Setting(
                     key=shown.lower(),
                     shown=shown,
-                    text=found["value"],
+                    text=value,
                     line=number,
                     column=found.start("key") + 1,
                     end_column=found.end("key") + 1,
-                    value_column=found.start("value") + 1,
+                    value_column=begin + 1,
                     first=not self.settings,
                 )
             )
@@ -173,6 +179,26 @@ class IniFile:
     def _bad_part(self, setting: Setting, at: int, what: str) -> None:
         column = setting.value_column + at
         self.add(codes.BAD_VALUE, setting.line, column, column + 1, key=f"{setting.shown}=", what=what)
+
+
+def _signs(text: str) -> str:
+    """The value of comchars=. A bracket in it that is not closed, or behind which another one opens, is a sign.
+
+    Behind a blank it begins a comment, as everywhere else.
+    """
+    if len(text) > LONGEST_LINE:
+        return without_comments(text).rstrip()
+    found, at = "", 0
+    while at < len(text):
+        closing, following = text.find("]", at), text.find("[", at + 1)
+        if text[at] == "[" and closing >= 0 and (following < 0 or closing < following):
+            at = closing
+        elif text[at] == "[" and found[-1:].isspace():
+            break
+        else:
+            found += text[at]
+        at += 1
+    return found.rstrip()
 
 
 def without_comments(line: str) -> str:
