@@ -67,7 +67,7 @@ def _event(op: Op, arg: list[float], texts: list[str], text: int) -> dict[str, A
         case Op.TOOL_CHANGE | Op.TOOL_OFFSET:
             return {"tool": None if math.isnan(first) else int(first)}
         case Op.OUTPUT:
-            return {"channel": int(first), "value": second, "synchronised": False}
+            return {"channel": int(first), "value": second, "synchronised": bool(text)}
         case Op.SETPOINT:
             return {"name": texts[text], "channel": int(first), "value": _number(second)}
         case Op.INPUT_WAIT:
@@ -90,7 +90,7 @@ def _event(op: Op, arg: list[float], texts: list[str], text: int) -> dict[str, A
             return {"mode": _PATH_MODES[int(first)], "tolerance": second}
         case Op.GUARD:
             return {"name": texts[text], "on": bool(first)}
-        case Op.MESSAGE:
+        case Op.MESSAGE | Op.DEVICE:
             return {"text": texts[text]}
     return {}
 

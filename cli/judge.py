@@ -13,6 +13,7 @@ from gproof.ir.finding import Findings, Severity, Span
 from gproof.ir.trace import Affine, Chunk, Wait, verify_rows
 from gproof.ir.verdict import DEFAULT_POLICY, Condition, PropertyResult, Verdict, worst
 from gproof.passes.arc_radius import ArcRadius
+from gproof.passes.boundaries import Boundaries
 from gproof.passes.execute import Executor
 from gproof.passes.knife import follow_knife
 from gproof.passes.limits import Limits
@@ -103,20 +104,21 @@ def _pass(
     ex = Executor(session.program, setup, machine, findings, block_delete=block_delete, **session.options(running))
     limits, area = Limits(machine, setup, findings), ToolChangeArea(machine, setup, findings)
     checks = [limits, area, ArcRadius(machine, setup, findings)]
+    edges = Boundaries(machine, setup, findings)
     estimate = MotionEstimate(machine)
     sections, waits = 0, set[Wait]()
     session.program.verify()
     for chunk in follow_knife(ex.run(), machine, findings):
         verify_rows(chunk.rows, chunk.trace, f"section {chunk.section}")
         waits.update(edge.wait for edge in chunk.edges)
-        for check in checks:
+        for check in (*checks, edges):
             check.feed(chunk)
         estimate.feed(chunk)
         sections += chunk.last
         if observe is not None:
             observe(chunk)
     estimate.finish()
-    fits = limits.finish()
+    fits = _both(session, findings, limits.finish(), edges.finish(), "limits and boundaries")
     area.given(fits.conditions)
     results = [fits, *(check.finish() for check in checks[1:])]
     if ex.refused or any(code.number in findings.counts for code in _LEAVES_THE_PATH_OPEN):
@@ -164,8 +166,10 @@ def _not_proved(result: PropertyResult) -> PropertyResult:
     return dataclasses.replace(result, verdict=Verdict.UNKNOWN, conditions=())
 
 
-def _both(session: Session, findings: Findings, a: PropertyResult, b: PropertyResult) -> PropertyResult:
-    """One property under two settings of a switch: both must hold, for the same offsets."""
+def _both(
+    session: Session, findings: Findings, a: PropertyResult, b: PropertyResult, what: str = "the block delete switch"
+) -> PropertyResult:  # fmt: skip
+    """One property under two settings of a switch, or by two checks: both must hold, for the same offsets."""
     verdict = worst((a.verdict, b.verdict))
     assumptions = a.assumptions + tuple(x for x in b.assumptions if x not in a.assumptions)
     ranges: dict[Affine, tuple[float, float]] = {}
@@ -175,7 +179,8 @@ def _both(session: Session, findings: Findings, a: PropertyResult, b: PropertyRe
     conditions = tuple(Condition(terms=terms, low=low, high=high) for terms, (low, high) in ranges.items())
     for c in conditions:
         if c.empty:
-            cause = f"the block delete switch: no {describe(c.terms)} suits both of its settings"
+            both = "both of its settings" if what == "the block delete switch" else "both"
+            cause = f"{what}: no {describe(c.terms)} suits {both}"
             where = Span(str(session.job), 0)
             if a.name == "areas":
                 findings.add(codes.TOOL_CHANGE_AREA_UNKNOWN.at(where, cause=cause))

@@ -388,6 +388,13 @@ ENTRY_ARC = code(
     _E,
     "compensation can not begin with this arc: the tool is at {distance:.4f} mm, and the arc asks for {needed:.4f} mm",
 )
+MACHINE_ZERO_MOVED = code(
+    334,
+    "machine-zero-moved",
+    _U,
+    "{code} away from a limit switch gives machine zero another place: where the limits are then is not known",
+    "limits",
+)
 ARC_TOO_SMALL = code(
     414, "arc-too-small", _E, "the arc is too small: its {measure} is {value:.6f} {unit}, below {least:.6f}", "arcs"
 )

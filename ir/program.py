@@ -269,8 +269,8 @@ class Message:
     with a button or two: ``ok``, ``abort`` and ``continue`` (yes aborts, yes goes on), ``run_next`` and ``skip_next``
     (the head of an If).
 
-    in_comment: written as a comment of its line, where its text stands among the notes too. deleted: the line
-    began with a slash.
+    question: its number among those of the program, 0 for what is none. in_comment: written as a comment of its line,
+    where its text stands among the notes too. deleted: the line began with a slash.
     """
 
     kind: str
@@ -278,6 +278,7 @@ class Message:
     span: Span
     in_comment: bool = False
     deleted: bool = False
+    question: int = 0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -209,7 +209,7 @@ class CodeRule:
     source: section of the manual; open: of a code that is not modelled, what the manual leaves open.
     Where a line has one command: takes: letters of the words it takes beside those of the axes, needs: those it must
     have; companion: it may stand beside another command; device: what must be set up for it; has_text: its line has a
-    name or another text behind it."""
+    name or another text behind it; ranges: (letter, least, most) of words."""
 
     letter: str
     tenths: int
@@ -224,6 +224,7 @@ class CodeRule:
     companion: bool = False
     device: str = ""
     has_text: bool = False
+    ranges: tuple[tuple[str, float, float], ...] = ()
 
     @property
     def text(self) -> str:

@@ -46,6 +46,7 @@ class Op(enum.IntEnum):
     ORIENT = 27
     HEAD = 28
     SETPOINT = 29
+    DEVICE = 30
 
 
 class Plane(enum.IntEnum):
@@ -101,7 +102,7 @@ ARGUMENTS = {
     Op.SPINDLE: "arg[0]: direction (+1 cw, -1 ccw, 0 off); arg[1]: revolutions a minute (NaN: unknown)",
     Op.COOLANT: "arg[0]: mist (0 or 1); arg[1]: flood",
     Op.TOOL_CHANGE: "arg[0]: tool number (NaN: unknown)",
-    Op.OUTPUT: "arg[0]: channel; arg[1]: value",
+    Op.OUTPUT: "arg[0]: channel; arg[1]: value; text: 1 when motion does not stop for it",
     Op.SETPOINT: "text: what is set (SETPOINTS); arg[0]: channel, 0 where there is one; arg[1]: value (NaN: unknown)",
     Op.INPUT_WAIT: "arg[0]: channel; arg[1]: value",
     Op.STOP: "arg[0]: 1 when optional",
@@ -115,6 +116,7 @@ ARGUMENTS = {
     Op.PATH_MODE: "arg[0]: PathMode; arg[1]: tolerance in mm",
     Op.GUARD: "arg[0]: 1 on, 0 off; text: name",
     Op.MESSAGE: "text: the message",
+    Op.DEVICE: "text: a command to a device or a setting that moves nothing, as written",
 }
 
 SETPOINTS = {
@@ -126,6 +128,7 @@ SETPOINTS = {
     "bed_temperature": "degrees Celsius",
     "extruder_maximum": "degrees Celsius at which the controller cuts the heater off",
     "fan": "0 to 1",
+    "spindle_speed": "revolutions a minute, whether it turns or not",
 }
 """What a SETPOINT row may set, and its unit."""
 
@@ -138,6 +141,20 @@ UNKNOWN: Affine = (("?", 1),)
 Frame = tuple[Affine, Affine, Affine, Affine, Affine, Affine]
 
 KNOWN_FRAME: Frame = ((), (), (), (), (), ())
+
+
+@dataclass(frozen=True, slots=True)
+class Boundary:
+    """A boundary of the work for one axis: low <= machine position - (shift + form) <= high, mm or degrees.
+
+    low, high: None where there is none; shift, form: workspace and tool measure in force, number and unknowns.
+    """
+
+    axis: int
+    low: float | None
+    high: float | None
+    shift: float
+    form: Affine
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -153,6 +170,7 @@ class State:
     compensation: of the cutter's radius, 0 off, else the tool left (+) or right (-) of the path in the right-handed
     pair of Plane 1 or 2, whose number it is; then ``arg`` of motion rows is the programmed point in that pair.
     following: what the controller adds to the programmed path, see ``FOLLOWING``.
+    boundaries: of the work, by axis; their guard is ``boundaries``.
     """
 
     tool: int = -1
@@ -173,6 +191,7 @@ class State:
     surface_speed: float = 0.0
     spindle_limit: float = float("nan")
     head: int = 0
+    boundaries: tuple[Boundary, ...] = ()
 
     def __eq__(self, other: object) -> bool:
         """Bit for bit: NaN, which stands for "not stated", equals itself."""
@@ -278,7 +297,7 @@ def verify_rows(rows: Columns, trace: Trace, where: str = "rows") -> None:
     feed = rows["feed"]
     if (feed < 0).any() or (feed[op == Op.TRAVERSE] != 0).any():
         raise ValueError(f"{where}: negative feed, or a traverse with one")
-    if (rows["text"][(op == Op.MESSAGE) | (op == Op.SETPOINT)] >= len(trace.texts)).any():
+    if (rows["text"][(op == Op.MESSAGE) | (op == Op.SETPOINT) | (op == Op.DEVICE)] >= len(trace.texts)).any():
         raise ValueError(f"{where}: text index out of range")
 
 

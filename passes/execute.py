@@ -320,6 +320,14 @@ class Executor(Branches):
             self.findings.add(codes.OPERATOR_STOP.at(node.span, code="a question"))
             target = self.rows.new_section()
             going, ending = ("no", "yes") if node.kind == "abort" else ("yes", "no")
+            stated = self.setup.answers.get(node.question)
+            if stated is not None:
+                ends = (stated != 0) == (ending == "yes")
+                outcome = ending if ends else going
+                self._end_section(Wait.OPERATOR, outcome, -1 if ends else None, node.span.line)
+                if ends:
+                    raise ProgramEnd
+                return
             self._close((
                 Edge(wait=Wait.OPERATOR, outcome=going, target=target, line=node.span.line),
                 Edge(wait=Wait.OPERATOR, outcome=ending, target=-1, line=node.span.line),

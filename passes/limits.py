@@ -346,6 +346,7 @@ class Limits(Check):
             if off and axis is not None:
                 low, high = self._guard_off(axis, form, slot, least, most)
             missing = [side for side, limit in (("lower", low), ("upper", high)) if limit is None]
+            missing = [side for side in missing if not self._is_bounded(index, side)]
             if missing and off not in told:
                 told.add(off)
                 what = ("physical " if off else "") + " and ".join(missing)
@@ -363,6 +364,15 @@ class Limits(Check):
             low, high = self.reaches[axis.name].stated[False]
             room = -math.inf if low is None else low - at, math.inf if high is None else high - at
             offsets.setdefault(form, _Offset(axis)).within(room, at, at, self._first)
+
+    def _is_bounded(self, index: int, side: str) -> bool:
+        """Whether a boundary holds the axis on this side in every state: ``boundaries`` then judges it."""
+        assert self._trace is not None
+        for state in self._trace.states:
+            ends = [edge.low if side == "lower" else edge.high for edge in state.boundaries if edge.axis == index]
+            if ends in ([], [None]) or "boundaries" in state.guards_off:
+                return False
+        return bool(self._trace.states)
 
     def _guard_off(
         self, axis: Axis, form: Affine, slot: int, least: float, most: float

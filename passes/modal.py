@@ -15,7 +15,7 @@ from gproof.ir.trace import HEIGHT_MAP, PathMode, Plane, State
 from gproof.passes.compensation import Compensation
 from gproof.passes.heads import head_offset
 from gproof.passes.ranges import widened
-from gproof.passes.single_state import SingleState, linear_axes, prepare
+from gproof.passes.single_state import SingleState, boundaries_of, linear_axes, prepare
 from gproof.passes.spindle import commanded_rpm
 from gproof.passes.transform import NO_TRANSFORM
 from gproof.passes.values import NOWHERE, Position, Unknown, Value, between, bounds
@@ -230,7 +230,7 @@ class Modal:
             simplify=self.simplify, laf_angle=self.laf_angle, work=self.work, overrides=self.overrides,
             arc_tolerance=self.arc_tolerance(), guards_off=self.guards_off,
             compensation=0 if comp is None else comp.side * comp.plane,
-            following=self.following,
+            following=self.following, boundaries=boundaries_of(self) if self.rules.one_command else (),
         )  # fmt: skip
 
     def arc_tolerance(self) -> float:

@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 from gproof.ir import codes
-from gproof.ir.finding import Refusal, Span
+from gproof.ir.finding import Refusal, Severity, Span
 from gproof.ir.program import Text
 from gproof.ir.rules import CHECKED_ONLY, CodeRule, LanguageRules
 from gproof.ir.rules import Function as F
@@ -124,12 +124,21 @@ def _check_words(line: Command) -> None:
         for letter in command.needs:
             if letter not in line.values:
                 raise Refusal(codes.WORD_MISSING.at(line.where_code(command), code=command.text, needed=letter))
+        for letter, least, most in command.ranges:
+            value = line.values.get(letter, least)
+            if not isinstance(value, Unknown) and not least <= value <= most:
+                allowed = f"{least:g} to {most:g}"
+                raise Refusal(codes.PARAMETER_RANGE.at(line.where(letter), code=command.text, word=letter, allowed=allowed))
 
 
 def run(
     ex: Motion, span: Span, words: Words, *, texts: Texts = (), comment: str = "", bare: frozenset[str] = frozenset()
 ) -> None:
     """Execute one line; a Refusal inside it becomes a finding."""
+    behind = _measure_behind(words)
+    if behind:
+        run(ex, span, words[:behind], texts=texts, comment=comment, bare=bare)
+        words = words[behind:]
     line: Command | None = None
     moves = ex._moves
     devices = ex.machine.controller.controls.devices
@@ -139,12 +148,22 @@ def run(
         line.texts, line.comment, line.bare = dict(texts), comment, bare
         _execute(ex, line)
     except Refusal as refusal:
-        if line is not None and moves == ex._moves:
+        # A line with an error stops the controller: nobody asks where the axes would have gone.
+        if line is not None and moves == ex._moves and refusal.finding.severity is not Severity.ERROR:
             _recover(ex, line)
         ex._refuse(refusal.finding)
     finally:
         if ex.modal.single.absolute_once is not None:
             ex.modal.single = ex.modal.single.but(absolute_once=None)
+
+
+def _measure_behind(words: Words) -> int:
+    """Where an M37 begins behind a move on one line (G31: a tool that touches its switch is measured at once), or 0."""
+    for n, (letter, value, _) in enumerate(words):
+        if n and letter == "M" and value == 37.0:
+            moves = [v for k, v, _ in words[:n] if k == "G" and v in (0.0, 1.0)]
+            return n if moves else 0
+    return 0
 
 
 def _execute(ex: Motion, line: Command) -> None:

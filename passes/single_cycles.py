@@ -64,7 +64,7 @@ def drill(ex: Motion, line: Command, rule: CodeRule) -> None:
     if rule.function in _PECKS and (r.value - depth.value) / peck > MAX_PECKS:
         raise Refusal(codes.UNSUPPORTED_CODE.at(line.span, code=f"a cycle of more than {MAX_PECKS} pecks"))
     feed_word(ex, line, {DRILL})
-    s.motion, s.cycle_code = int(rule.function), rule.tenths
+    s.cycle_code = rule.tenths
     s.cycle = {letter: value for letter, value in found.items() if value is not None}
     target = list(s.position)
     aimed = aim(ex, line)
@@ -127,10 +127,8 @@ def _dwell(ex: Motion, line: Command, rule: CodeRule, word: float | None) -> Non
 
 
 def cancel(ex: Motion, line: Command, rule: CodeRule) -> None:
-    """G80: lines without a command are no holes any more; of which motion they are then is not said."""
+    """G80: lines without a command are no holes any more, but moves as they were before."""
     s = ex.modal
-    if s.motion in [int(f) for f in CYCLES]:
-        s.motion = 0
     s.cycle, s.cycle_code = {}, 0
 
 

@@ -17,7 +17,7 @@ from gproof.ir.rules import Function as F
 from gproof.ir.trace import Op, Wait
 from gproof.passes.emitter import ProgramEnd
 from gproof.passes.expressions import Evaluator
-from gproof.passes.single_motion import Handler, follow, note_assumptions
+from gproof.passes.single_motion import Handler, follow, note_assumptions, switch_output
 from gproof.passes.single_state import value_of, vertical_axes, with_pair
 from gproof.passes.values import NOWHERE, Position, Unknown, Value
 
@@ -31,7 +31,7 @@ def note(ex: Motion, line: Command, rule: CodeRule) -> None:
     """What moves nothing and changes no place: an event with the command's text."""
     words = " ".join(f"{k}{'?' if isinstance(v, Unknown) else format(v, 'g')}" for k, v in line.values.items())
     texts = " ".join(text.value for text in line.texts.values())
-    ex.event(Op.MESSAGE, line.span, text=ex._text(f"{rule.text} {words} {texts}".strip()))
+    ex.event(Op.DEVICE, line.span, text=ex._text(" ".join(f"{rule.text} {words} {texts}".split())))
 
 
 def dwell(ex: Motion, line: Command, rule: CodeRule) -> None:
@@ -75,7 +75,8 @@ def output(ex: Motion, line: Command, rule: CodeRule) -> None:
         return
     number = channel(ex, line, rule, controls.outputs, "output")
     s.single = s.single.but(outputs=with_pair(s.single.outputs, number, float(on)))
-    ex.event(Op.OUTPUT, line.span, arg=(float(number), float(on)))
+    passing = rule.function in (F.OUTPUT_ON_MOVING, F.OUTPUT_OFF_MOVING)
+    ex.event(Op.OUTPUT, line.span, arg=(float(number), float(on)), text=int(passing))
 
 
 def _bank(ex: Motion, line: Command, rule: CodeRule, on: bool) -> None:
@@ -138,6 +139,8 @@ def read_named(ex: Emitter, node: Named) -> Value:
         axis = int(name[2])
         there = ex.machine.axes[axis].index if axis < len(ex.machine.axes) else axis
         return s.plain(s.g92[there], s.scale(there), 0)
+    if name in ("TH1", "TH2"):
+        return _tool_height(ex, int(name[2]))
     switch = controls.measure
     if switch is not None and name[:2] == "TM":
         value = {"X": switch.x, "Y": switch.y, "I": switch.i, "J": switch.j, "D": switch.descent,
@@ -145,6 +148,23 @@ def read_named(ex: Emitter, node: Named) -> Value:
         if value is not None:
             return value / s.unit
     return Unknown(name)
+
+
+def _tool_height(ex: Emitter, number: int) -> Value:
+    """TH1, TH2: the height of atc1= or that of the tool in the library; a number where the two agree."""
+    s = ex.modal
+    changer = next((c for c in ex.machine.controller.controls.changers if c.number == number), None)
+    tool = s.single.tools[number - 1]
+    name = f"TH{number}"
+    if changer is None or changer.height is None or isinstance(tool, Unknown):
+        return Unknown(name)
+    measured = dict(s.single.heights).get(round(tool))
+    if measured is None:
+        known = ex.setup.interval(f"tool.{round(tool)}.z")
+        measured = Position(known.low) if known is not None and known.exact else NOWHERE
+    if measured.form or abs(measured.value - changer.height) > 1e-9:
+        return Unknown(f"{name}, the changer's height or the tool's")
+    return changer.height / s.unit
 
 
 def read_input(ex: Emitter, node: Input, evaluator: Evaluator) -> Value:
@@ -240,7 +260,7 @@ def map_words(ex: Motion, line: Command, rule: CodeRule) -> None:
     columns = line.columns
     letters = line.letters
     if not letters:
-        s.single = s.single.but(sources=tuple(range(AXES)))
+        s.single = s.single.but(sources=tuple(range(AXES)), flags=s.single.flags - {"mapped"})
         return
     order = "XYZW" if rule.function is F.MAP_WORDS else "ZW"
     if len(letters) > len(order) or any(letter not in columns for letter in order[: len(letters)]):
@@ -248,7 +268,8 @@ def map_words(ex: Motion, line: Command, rule: CodeRule) -> None:
     sources = list(range(AXES))
     for target, source in zip(order, letters, strict=False):
         sources[columns[target]] = columns[source]
-    s.single = s.single.but(sources=tuple(sources))
+    flags = s.single.flags | {"mapped"} if rule.function is F.MAP_WORDS else s.single.flags - {"mapped"}
+    s.single = s.single.but(sources=tuple(sources), flags=flags)
 
 
 def map_pulses(ex: Motion, line: Command, rule: CodeRule) -> None:
@@ -377,20 +398,54 @@ def height(ex: Motion, line: Command, rule: CodeRule) -> None:
     ex.event(Op.SETPOINT, line.span, arg=(0.0, float(on)), text=ex._text("height_control"))
 
 
+def auto_output(ex: Motion, line: Command, rule: CodeRule) -> None:
+    """L34 and L35: the output that is on while the job cuts; with D only its dwell is set."""
+    s = ex.modal
+    on = rule.function is F.AUTO_OUTPUT_ON
+    if "D" in line.values:
+        seconds = line.number("D") or 0.0
+        first, second = s.single.auto_dwell
+        s.single = s.single.but(auto_dwell=(seconds, second) if on else (first, seconds))
+    else:
+        if not on:
+            switch_output(ex, line, cutting=False)
+        s.single = s.single.but(flags=s.single.flags | {"autoaux"} if on else s.single.flags - {"autoaux"})
+    note(ex, line, rule)
+
+
+def store_position(ex: Motion, line: Command, rule: CodeRule) -> None:
+    """L500 stores machine places under a number; L501 local ones, whose recall is not described."""
+    s = ex.modal
+    letter = next((letter for letter in "PHT" if letter in line.values), None)
+    if letter is None:
+        raise Refusal(codes.WORD_MISSING.at(line.where_code(rule), code=rule.text, needed="P, H or T"))
+    number = line.whole(letter, ex.program.rules.integer_tolerance)
+    lift = line.number("L")
+    axes = sorted(line.axes()) or sorted(axis.index for axis in ex.machine.axes)
+    local = rule.function is F.STORE_LOCAL_POSITION
+    places = tuple((axis, NOWHERE if local else s.position[axis]) for axis in axes)
+    lifted = lift is None or lift != 0.0
+    others = tuple(known for known in s.single.places if known[0] != f"{letter}{number}")
+    s.single = s.single.but(places=(*others, (f"{letter}{number}", places, lifted)))
+    note(ex, line, rule)
+
+
 def level_heads(ex: Motion, line: Command, rule: CodeRule) -> None:
     """L53: vertical heads as high as possible with their tools at one height."""
     s = ex.modal
     heads = vertical_axes(ex.machine)
-    if len(heads) != 1:
+    if any(s.tool_offset[axis].form for axis in heads):
         for axis in heads:
             s.position[axis] = NOWHERE
         s.jumped = True
-        raise Refusal(codes.UNSUPPORTED_CODE.at(line.span, code=f"{rule.text} with several heads"))
-    there = ex.machine.axis(AXIS_NAMES[heads[0]])
-    top = there.upper if there is not None and there.upper is not None else None
+        raise Refusal(codes.UNSUPPORTED_CODE.at(line.span, code=f"{rule.text} with tools that are not measured"))
     note_assumptions(ex)
     target = list(s.position)
-    target[heads[0]] = NOWHERE if top is None else Position(top)
+    if heads:
+        # At machine zero the tip of an axis stands at minus its measure: the lowest of them all can reach.
+        height = min(-s.tool_offset[axis].value for axis in heads)
+        for axis in heads:
+            target[axis] = Position(height + s.tool_offset[axis].value)
     ex.move(Op.TRAVERSE, follow(ex, target), line.span)
     ex._moved = True
 
@@ -454,8 +509,10 @@ HANDLERS: dict[F, Handler] = {
     F.VIRTUAL_OFF: virtual,
     F.TOOL_NUMBER: tool_number,
     F.STORE_TOOL: store_tool,
-    F.STORE_POSITION: note,
-    F.STORE_LOCAL_POSITION: note,
+    F.STORE_POSITION: store_position,
+    F.STORE_LOCAL_POSITION: store_position,
+    F.AUTO_OUTPUT_ON: auto_output,
+    F.AUTO_OUTPUT_OFF: auto_output,
     F.COMPENSATION_OFF: compensation,
     F.COMPENSATION_LEFT: compensation,
     F.COMPENSATION_RIGHT: compensation,

@@ -19,7 +19,7 @@ from gproof.ir.rules import Function as F
 from gproof.ir.trace import Op, Plane, Wait
 from gproof.passes import execute_kernels as k
 from gproof.passes.single_kernels import SAME, ZERO_RADIUS, agreed, distance
-from gproof.passes.single_state import vertical_axes
+from gproof.passes.single_state import vertical_axes, with_pair
 from gproof.passes.values import NOWHERE, Position, Unknown, Value, describe
 
 if TYPE_CHECKING:
@@ -75,8 +75,11 @@ def aim(ex: Motion, line: Command, *, machine: bool = False) -> list[Position]:
             target[axis] = _bounded(ex, axis, value, Position(0.0))
         return follow(ex, target)
     target = list(s.position)
+    scales = dict(s.single.scales)
     for axis, value in words.items():
         origin = s.offset(axis) if is_absolute(ex) else s.position[axis]
+        if axis in scales:
+            value = _scaled(value, scales[axis], s.scale(axis), absolute=is_absolute(ex))
         target[axis] = _bounded(ex, axis, value, origin)
     if s.transform.on and (0 in words or 1 in words):
         pair = tuple(_in_mm(ex, axis, words.get(axis)) for axis in (0, 1))
@@ -86,6 +89,14 @@ def aim(ex: Motion, line: Command, *, machine: bool = False) -> list[Position]:
         else:
             target[0], target[1] = s.transform.incremental((pair[0], pair[1]), at)
     return follow(ex, target)
+
+
+def _scaled(value: Value, scaling: tuple[float, float], unit: float, *, absolute: bool) -> Value:
+    """A word of an axis that G51 scales by a factor about a place in mm."""
+    factor, center = scaling
+    if isinstance(value, Unknown) or math.isnan(factor):
+        return Unknown("what G51 makes of an axis")
+    return center / unit + factor * (value - center / unit) if absolute else factor * value
 
 
 def _in_mm(ex: Motion, axis: int, value: Value | None) -> Value | None:
@@ -139,9 +150,9 @@ def without_command(ex: Motion, line: Command) -> None:
             what = "an F in front of axes without numbers: a feed for them, or a move to 0 besides"
             feed_word(ex, line, columns)
             raise Refusal(codes.UNSUPPORTED_CODE.at(line.span, code=what))
-    if s.motion == 0 and not stored:
+    if s.motion == 0 and not s.cycle_code and not stored:
         raise Refusal(codes.AXIS_WORDS_UNUSED.at(line.span, why="no motion code before"))
-    rule = ex._motion_rules.get(s.motion)
+    rule = ex.program.rules.codes["G", s.cycle_code] if s.cycle_code else ex._motion_rules.get(s.motion)
     if rule is None:
         rule = ex.program.rules.codes["G", 0]
     from gproof.passes.single import HANDLERS as ALL
@@ -176,9 +187,11 @@ def feed_word(ex: Motion, line: Command, columns: set[int] | None = None) -> Non
     else:
         rate = value
     feeds = list(s.single.feeds)
-    for column in feed_columns(ex.machine.controller.controls, columns or set()):
+    named = feed_columns(ex.machine.controller.controls, columns or set())
+    for column in named:
         feeds[column] = rate * s.scale(column)
-    s.single = s.single.but(feeds=tuple(feeds))
+    doubt = s.single.feed_doubt and not named & {0, 1}
+    s.single = s.single.but(feeds=tuple(feeds), feed_doubt=doubt)
 
 
 def feed_columns(controls: Controls, columns: set[int]) -> set[int]:
@@ -186,9 +199,12 @@ def feed_columns(controls: Controls, columns: set[int]) -> set[int]:
     named = {AXIS_NAMES[column] for column in columns}
     if not named:
         named = set(controls.command_group) or {"x", "y"}
-    for group in (*controls.feed_groups, controls.command_group):
-        if named & set(group):
-            named |= set(group)
+    if columns:
+        grouped = {name for group in controls.feed_groups for name in group}
+        for group in (*controls.feed_groups, controls.command_group):
+            # The command group is one of axes only where no other says whom an axis belongs to.
+            if named & set(group) and (group is not controls.command_group or not named & grouped):
+                named |= set(group)
     return {AXIS_NAMES.index(name) for name in named}
 
 
@@ -199,6 +215,8 @@ def use_feed(ex: Motion, line: Command, target: list[Position], moving: set[int]
         moving = {axis for axis in range(AXES) if target[axis] != s.position[axis]}
     linear = sum(1 << axis for axis in range(AXES) if s.linear[axis])
     s.feed = agreed(s.single.feeds, 0, sum(1 << axis for axis in moving), linear)
+    if s.single.feed_doubt and moving & {0, 1}:
+        s.feed = math.nan
     s.feed_unit = 1.0
 
 
@@ -207,7 +225,7 @@ def straight(ex: Motion, line: Command, rule: CodeRule) -> None:
     note_assumptions(ex)
     s = ex.modal
     s.motion = int(rule.function)
-    s.cycle = {}
+    s.cycle, s.cycle_code = {}, 0
     companion = line.find(F.LIMIT_STOPS_AXIS, F.LIMIT_STOPS_LINE)
     moved = set(mapped(ex, line))
     if rule.function is F.FEED and s.feed_mode == 93:
@@ -225,11 +243,63 @@ def straight(ex: Motion, line: Command, rule: CodeRule) -> None:
     op = Op.TRAVERSE if rule.function is F.TRAVERSE else Op.FEED
     if op is Op.FEED and s.feed_mode != 93:
         use_feed(ex, line, target, moved)
+    target = adjusted(ex, line, target, moved)
+    switch_output(ex, line, cutting=op is Op.FEED)
     if companion is not None:
         until_limit(ex, line, op, target, companion)
         return
     ex.move(op, target, line.span)
     ex._moved = True
+
+
+def switch_output(ex: Motion, line: Command, *, cutting: bool) -> None:
+    """The output that is on during feed moves and off else (autoaux=, L34)."""
+    s = ex.modal
+    controls = ex.machine.controller.controls
+    number = controls.auto_output
+    if number is None or "autoaux" not in s.single.flags or ("cutting" in s.single.flags) == cutting:
+        return
+    flags = s.single.flags | {"cutting"} if cutting else s.single.flags - {"cutting"}
+    s.single = s.single.but(flags=flags, outputs=with_pair(s.single.outputs, number, float(cutting)))
+    ex.event(Op.OUTPUT, line.span, arg=(float(number), float(cutting)), text=int(not controls.auto_pausing))
+    dwell = s.single.auto_dwell[0 if cutting else 1]
+    if dwell:
+        ex.event(Op.DWELL, line.span, arg=(dwell, 0.0))
+
+
+def adjusted(ex: Motion, line: Command, target: list[Position], moved: set[int]) -> list[Position]:
+    """The target where the controller goes instead of past a boundary or, of vertical axes, a limit (softlim= B V)."""
+    s = ex.modal
+    controls = ex.machine.controller.controls
+    if not (controls.adjust_boundary or controls.adjust_vertical):
+        return target
+    target = list(target)
+    for axis in sorted(moved):
+        there = ex.machine.axis(AXIS_NAMES[axis])
+        vertical = controls.adjust_vertical and axis in vertical_axes(ex.machine)
+        ends: list[tuple[str, str, Position]] = []
+        if s.single.bound and (controls.adjust_boundary or vertical):
+            base = s.work_offsets[s.work, axis].plus(s.beside_work(axis))
+            for side, value in (("lower", s.single.lower[axis]), ("upper", s.single.upper[axis])):
+                if value is not None:
+                    ends.append((side, "boundary", base.moved(value)))
+        if s.single.soft and vertical and there is not None:
+            for side, value in (("lower", there.lower), ("upper", there.upper)):
+                if value is not None:
+                    ends.append((side, "limit", Position(value)))
+        for side, kind, end in ends:
+            over = target[axis].minus(end)
+            if over.form:
+                raise Refusal(codes.POSITION_UNKNOWN.at(line.span, axis=AXIS_NAMES[axis].upper(),
+                                                        cause=f"whether it goes past its {side} {kind}"))  # fmt: skip
+            if (over.value > 0) == (side == "upper") and abs(over.value) > SAME:
+                word = there.word if there is not None else AXIS_NAMES[axis].upper()
+                wanted = target[axis].value
+                ex.findings.add(
+                    codes.LIMIT_ADJUSTED.at(line.span, axis=word, side=side, kind=kind, limit=end.value, wanted=wanted)
+                )
+                target[axis] = end
+    return target
 
 
 def _inverse_feed(ex: Motion, line: Command) -> None:
@@ -285,32 +355,38 @@ def stored_place(ex: Motion, line: Command, op: Op, *, machine: bool = False) ->
     if len(names) > 1 or line.axes():
         what = "a stored position beside other positions"
         raise Refusal(codes.UNSUPPORTED_CODE.at(line.where(letter), code=what))
-    place = ex.setup.positions.get(f"{letter}{number}")
+    s = ex.modal
+    place = stored_in(ex, f"{letter}{number}")
     if place is None:
         for axis in range(AXES):
             ex.modal.position[axis] = NOWHERE
         ex.modal.jumped = True
         raise Refusal(codes.UNSUPPORTED_CODE.at(
             line.where(letter), code=f"the stored position {letter}{number}, which no setup states,"))  # fmt: skip
-    s = ex.modal
-    columns = {AXIS_NAMES.index(name): value for name, value in place.axes.items()}
+    places, lift = place
     target = list(s.position)
-    for axis, value in columns.items():
-        target[axis] = Position(value)
+    for axis, where in places:
+        target[axis] = where
     target = follow(ex, target)
-    heads = [axis for axis in vertical_axes(ex.machine) if axis not in s.single.locked]
-    if place.lift:
-        up = list(s.position)
-        for axis in heads:
-            up[axis] = Position(0.0 if place.clearance is None else place.clearance)
-        ex.move(Op.TRAVERSE, up, line.span)
-        over = [up[axis] if axis in heads else target[axis] for axis in range(AXES)]
-        ex.move(Op.TRAVERSE, over, line.span)
+    if lift:
+        over_heads(ex, line, target, [axis for axis in vertical_axes(ex.machine) if axis not in s.single.locked])
+        return True
     if op is Op.FEED:
         use_feed(ex, line, target)
     ex.move(op, target, line.span)
     ex._moved = True
     return True
+
+
+def stored_in(ex: Motion, name: str) -> tuple[tuple[tuple[int, Position], ...], bool] | None:
+    """Places by column under a name such as P4, and whether heads are lifted on the way; of the job, else the setup."""
+    for known, places, lift in ex.modal.single.places:
+        if known == name:
+            return places, lift
+    stated = ex.setup.positions.get(name)
+    if stated is None:
+        return None
+    return tuple((AXIS_NAMES.index(axis), Position(value)) for axis, value in stated.axes.items()), stated.lift
 
 
 def lifted(ex: Motion, line: Command, rule: CodeRule) -> None:
@@ -321,18 +397,30 @@ def lifted(ex: Motion, line: Command, rule: CodeRule) -> None:
     heads = vertical_axes(ex.machine)
     if any(axis in heads for axis in mapped(ex, line)):
         raise Refusal(codes.UNSUPPORTED_CODE.at(line.span, code=f"{rule.text} with a vertical axis"))
+    over_heads(ex, line, target, [axis for axis in heads if axis not in s.single.locked])
+
+
+def over_heads(ex: Motion, line: Command, target: list[Position], heads: list[int]) -> None:
+    """Heads up, how far the manual does not say; over; and down to where the target has them."""
+    s = ex.modal
     up, over = list(s.position), list(target)
     for axis in heads:
-        if axis not in s.single.locked:
-            up[axis] = over[axis] = Position(0.0)
-    for place in (up, over, target):
-        ex.move(Op.TRAVERSE, list(place), line.span)
+        there = ex.machine.axis(AXIS_NAMES[axis])
+        top = math.inf if there is None or there.upper is None else max(0.0, there.upper)
+        low = max(s.position[axis].value, target[axis].value)
+        known = not s.position[axis].form and not target[axis].form
+        up[axis] = over[axis] = (
+            ex.unknown_place("value", axis, (low, max(low, top)), Position(0.0)) if known else NOWHERE
+        )  # fmt: skip
+    for place_of_all in (up, over, target):
+        ex.move(Op.TRAVERSE, list(place_of_all), line.span)
     ex._moved = True
 
 
 def machine_traverse(ex: Motion, line: Command, rule: CodeRule) -> None:
     """G53: rapid in machine coordinates; alone it lifts all vertical axes to machine zero."""
     note_assumptions(ex)
+    switch_output(ex, line, cutting=False)
     if stored_place(ex, line, Op.TRAVERSE, machine=True):
         return
     s = ex.modal
@@ -357,18 +445,16 @@ def arc(ex: Motion, line: Command, rule: CodeRule) -> None:
     controls = ex.machine.controller.controls
     if controls.arcs_modal:
         s.motion = int(rule.function)
-        s.cycle = {}
+        s.cycle, s.cycle_code = {}, 0
     moved = set(mapped(ex, line))
-    if s.single.sources != tuple(range(AXES)):
-        raise Refusal(codes.ARC_MAPPED.at(line.span, code="L11 or L12"))
+    if "mapped" in s.single.flags:
+        raise Refusal(codes.ARC_MAPPED.at(line.span, code="L11"))
     if any(abs(factor) != 1.0 for factor in s.transform.factors) or s.transform.factors != (1.0, 1.0):
         raise Refusal(codes.ARC_SCALED.at(line.span, axes="X or Y", code="G51"))
     if not moved & {3, 4, 5} and not controls.helical_arcs and moved & {2}:
         raise Refusal(codes.HELIX_NOT_SUPPORTED.at(line.span, axes="Z"))
     if "K" in line.values and line.number("K"):
         raise Refusal(codes.UNSUPPORTED_CODE.at(line.where("K"), code=f"K of {rule.text}"))
-    if s.feed_mode != 93:
-        feed_word(ex, line, moved | {0, 1})
     target = aim(ex, line)
     turns = 1 if rule.function is F.ARC_CCW else -1
     start, end = (s.position[0], s.position[1]), (target[0], target[1])
@@ -381,6 +467,14 @@ def arc(ex: Motion, line: Command, rule: CodeRule) -> None:
     radius = distance(center[0] - start[0].value, center[1] - start[1].value)
     if radius < ZERO_RADIUS:
         raise Refusal(codes.ARC_RADIUS_ZERO.at(line.span))
+    at_end = distance(center[0] - end[0].value, center[1] - end[1].value)
+    if abs(at_end - radius) > s.arc_tolerance() + SAME:
+        difference = abs(at_end - radius)
+        raise Refusal(
+            codes.ARC_RADIUS_MISMATCH.at(
+                line.span, start=radius, end=at_end, off=difference, allowed=s.arc_tolerance(), unit="mm"
+            )
+        )  # fmt: skip
     if same:
         target[0], target[1] = start
     if s.feed_mode == 93:
@@ -391,15 +485,37 @@ def arc(ex: Motion, line: Command, rule: CodeRule) -> None:
         finally:
             s.feed_mode = 93
         return
-    use_feed(ex, line, target, {0, 1})
+    _arc_feed(ex, line)
     _make(ex, line, target, center, radius, turns)
+
+
+def _arc_feed(ex: Motion, line: Command) -> None:
+    """F of arcs is kept apart from that of lines (Feed Velocity); without one of either kind, where both agree."""
+    s = ex.modal
+    value = line.values.get("F")
+    if value is not None:
+        if not isinstance(value, Unknown) and value <= 0:
+            raise Refusal(codes.NEGATIVE_FEED.at(line.where("F"), value=value))
+        s.feed = math.nan if isinstance(value, Unknown) else value * s.unit
+        s.single = s.single.but(arc_feed=s.feed, feed_doubt=s.single.feeds[:2] != (s.feed, s.feed))
+    else:
+        axis = ex.machine.axis("x")
+        usual = math.nan if axis is None or axis.feed_velocity is None else axis.feed_velocity * 60.0
+        own = usual if s.single.arc_feed is None else s.single.arc_feed
+        lines = {s.single.feeds[0], s.single.feeds[1]}
+        s.feed = own if lines == {own} else math.nan
+    s.feed_unit = 1.0
 
 
 def _make(
     ex: Motion, line: Command, target: list[Position], center: list[float], radius: float, turns: int
 ) -> None:  # fmt: skip
+    s = ex.modal
+    switch_output(ex, line, cutting=True)
     smallest = ex.machine.controller.controls.smallest_arc
     if smallest is not None and radius < smallest:
+        if s.feed_mode != 93:
+            use_feed(ex, line, target, {0, 1})
         ex.move(Op.FEED, target, line.span)
     else:
         whole = [center[0], center[1], ex.modal.position[2].value]

@@ -16,7 +16,7 @@ from gproof.ir.rules import CodeRule
 from gproof.ir.rules import Function as F
 from gproof.ir.trace import Op, Wait
 from gproof.passes.modal import INCH, ZERO
-from gproof.passes.single_motion import Handler, _in_mm, follow, note_assumptions
+from gproof.passes.single_motion import Handler, _in_mm, follow, note_assumptions, stored_in
 from gproof.passes.single_state import vertical_axes, with_pair
 from gproof.passes.transform import NO_TRANSFORM, Transform
 from gproof.passes.values import NOWHERE, Position, Unknown, Value
@@ -149,11 +149,12 @@ def local_crossing(ex: Motion, line: Command, rule: CodeRule) -> None:
 
 def _stored_xy(ex: Motion, line: Command, letter: str) -> tuple[float, float]:
     number = line.whole(letter, ex.program.rules.integer_tolerance)
-    place = ex.setup.positions.get(f"P{number}")
-    if place is None or "x" not in place.axes or "y" not in place.axes:
-        what = f"the stored position P{number}, of which no setup states X and Y,"
+    stored = stored_in(ex, f"P{number}")
+    places = {} if stored is None else dict(stored[0])
+    if any(axis not in places or places[axis].form for axis in (0, 1)):
+        what = f"the stored position P{number}, of which X and Y are not known,"
         raise Refusal(codes.UNSUPPORTED_CODE.at(line.where(letter), code=what))
-    return place.axes["x"], place.axes["y"]
+    return places[0].value, places[1].value
 
 
 def keep_local(ex: Motion, line: Command, rule: CodeRule) -> None:
@@ -179,6 +180,16 @@ def workspace(ex: Motion, line: Command, rule: CodeRule) -> None:
     if space is None and rule.value != 1 and controls.devices is not None:
         raise Refusal(codes.NOT_ENABLED.at(
             line.where_code(rule), code=rule.text, device="its workspace", key=f"g{rule.value + 53}="))  # fmt: skip
+    if (
+        space is not None and space.moves is not False and controls.shift_sign is None
+        and (space.x, space.y) != (0.0, 0.0)
+    ):  # fmt: skip
+        for axis in (0, 1):
+            s.position[axis] = NOWHERE
+        s.work, s.jumped = rule.value, True
+        ex._state_changed()
+        what = f"{rule.text} (which way its shift counts is not said)"
+        raise Refusal(codes.UNSUPPORTED_CODE.at(line.span, code=what, hint="[controls] shift_sign tells"))
     before = [s.program_position(axis) for axis in (0, 1)]
     if s.work == rule.value:
         return
@@ -208,12 +219,13 @@ def _doubt_transform(ex: Motion, line: Command, rule: CodeRule) -> None:
 def transform_off(ex: Motion, line: Command, rule: CodeRule) -> None:
     """G50: no scaling, no rotation; nothing moves."""
     ex.modal.transform = NO_TRANSFORM
+    ex.modal.single = ex.modal.single.but(scales=())
     ex._state_changed()
 
 
 def _begin_transform(ex: Motion, line: Command, rule: CodeRule, made: Transform) -> None:
     s = ex.modal
-    if s.transform.on:
+    if s.transform.on and (made.scaled, made.rotated) != (s.transform.scaled, s.transform.rotated):
         raise Refusal(codes.TRANSFORM_OPEN.at(line.span, what=f"what {rule.text} does while G51 or G52 is on"))
     s.transform = made
     ex._state_changed()
@@ -228,13 +240,24 @@ def scaling(ex: Motion, line: Command, rule: CodeRule) -> None:
             raise Refusal(codes.UNKNOWN_CONDITION.at(line.span, cause=value.cause))
         if value == 0.0:
             raise Refusal(codes.ILLEGAL_VALUE.at(line.span, word=AXIS_NAMES[axis].upper(), what="a factor of 0"))
-    others = [AXIS_NAMES[axis].upper() for axis, value in words.items() if axis > 1 and value != 1.0]
-    if "C" in line.values and "C" not in line.columns:
-        others.append("C")
-    if others or line.number("K"):
-        raise Refusal(codes.UNSUPPORTED_CODE.at(line.span, code=f"{rule.text} with {' '.join(others) or 'K'}"))
-    factors = tuple(float(words.get(axis, 1.0)) for axis in (0, 1))  # type: ignore[arg-type]
-    center = ((line.number("I") or 0.0) * s.unit, (line.number("J") or 0.0) * s.unit)
+    numbers = {axis: value for axis, value in words.items() if not isinstance(value, Unknown)}
+    common = line.number("C") or 0.0
+    i, j, k = (common if line.number(letter) is None else line.number(letter) or 0.0 for letter in "IJK")
+    # An axis that an earlier G51 scaled and this one does not name: whether it still is, nobody says.
+    scales = {axis: (math.nan, 0.0) for axis, _ in s.single.scales}
+    for axis, factor in numbers.items():
+        if axis > 1:
+            scales[axis] = factor, (k if axis == 2 else common) * s.scale(axis)
+    s.single = s.single.but(scales=tuple(sorted(scales.items())))
+    if not {0, 1} & numbers.keys():
+        return
+    missing = [axis for axis in (0, 1) if axis not in numbers and s.transform.factors[axis] != 1.0]
+    if missing:
+        raise Refusal(
+            codes.TRANSFORM_OPEN.at(line.span, what="whether an axis that this G51 does not name stays scaled")
+        )
+    factors = tuple(numbers.get(axis, 1.0) for axis in (0, 1))
+    center = (i * s.unit, j * s.unit)
     origin = s.offset(0), s.offset(1)
     _begin_transform(
         ex, line, rule, Transform(scaled=True, factors=(factors[0], factors[1]), center=center, origin=origin)
@@ -264,10 +287,16 @@ def rotation_line(ex: Motion, line: Command, rule: CodeRule) -> None:
 # ---- homing, machine zero, stored home
 
 
+def _homing_order(ex: Motion, axes: list[int]) -> list[int]:
+    """Axes as the lines of g28move= have them, others behind."""
+    listed = [AXIS_NAMES.index(name) for line in ex.machine.controller.controls.homing for name, _ in line.distances]
+    return sorted(axes, key=lambda axis: (listed.index(axis) if axis in listed else len(listed), axis))
+
+
 def home(ex: Motion, line: Command, rule: CodeRule) -> None:
     """G28: axes run to their switches; there they count as machine zero, or what g28coord= says."""
     s = ex.modal
-    axes = sorted(line.axes() or _all_axes(ex))
+    axes = _homing_order(ex, list(line.axes()) or _all_axes(ex))
     names = " ".join(AXIS_NAMES[axis] for axis in axes)
     ex.event(Op.HOME, line.span, text=ex._text(names))
     for axis in axes:
@@ -288,8 +317,7 @@ def set_machine(ex: Motion, line: Command, rule: CodeRule) -> None:
     s = ex.modal
     for axis, value in line.axes().items():
         if axis not in s.single.touched and s.position[axis] != _distance(ex, axis, value):
-            what = f"{rule.text} away from a limit switch moves the machine's zero: where its limits are then"
-            ex._fail(codes.UNSUPPORTED_CODE.at(line.span, code=what))
+            ex._fail(codes.MACHINE_ZERO_MOVED.at(line.span, code=rule.text))
         s.position[axis] = _distance(ex, axis, value)
     s.single = s.single.but(touched=s.single.touched - set(line.axes()))
     ex._end_section(Wait.HOME, "position set", None, line.span.line)

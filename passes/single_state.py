@@ -11,7 +11,8 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 from gproof.ir.machine import AXES, AXIS_NAMES, AxisKind, Machine
-from gproof.passes.values import Position, Unknown, Value
+from gproof.ir.trace import Boundary
+from gproof.passes.values import NOWHERE, Position, Unknown, Value
 
 if TYPE_CHECKING:
     from gproof.passes.modal import Modal
@@ -31,7 +32,11 @@ class SingleState:
     follows, column) (L13). locked: columns (L300). arguments: words of the call that runs. keep_local: L92 was met.
     absolute_once: of the line that runs, None: as the mode. touched: columns that stand at a limit switch. flags:
     names of devices that are on.
-    heights: measures stored by tool number; switch_heights: TM1 and TM2; before: places at the start of the job.
+    heights: measures stored by tool number; switch_heights: TM1 and TM2; before: measures that G49 put aside.
+    arc_feed: mm/min of arcs, None before their first F; feed_doubt: an arc had an F since the last one of lines in X
+    and Y, another one; scales: (column, (factor, mm about which)) of axes beside X and
+    Y (G51), a factor of NaN: open; places: stored positions as (name, places by column, whether heads are lifted);
+    auto_dwell: seconds behind switching the automatic output on and off.
     """
 
     feeds: tuple[float, ...] = (math.nan,) * AXES
@@ -59,6 +64,11 @@ class SingleState:
     heights: tuple[tuple[int, Position], ...] = ()
     switch_heights: tuple[Value, Value] = (Unknown("the height of the measure switch"),) * 2
     before: tuple[Position, ...] | None = None
+    arc_feed: float | None = None
+    feed_doubt: bool = False
+    scales: tuple[tuple[int, tuple[float, float]], ...] = ()
+    places: tuple[tuple[str, tuple[tuple[int, Position], ...], bool], ...] = ()
+    auto_dwell: tuple[float, float] = (0.0, 0.0)
 
     def but(self, **changes: Any) -> SingleState:
         """The same with some values changed."""
@@ -95,6 +105,17 @@ def vertical_axes(machine: Machine) -> tuple[int, ...]:
     )
 
 
+def boundaries_of(modal: Modal) -> tuple[Boundary, ...]:
+    """The boundaries that rows carry: they move with workspace and tool measure, not with local coordinates."""
+    single = modal.single
+    found = []
+    for axis, (low, high) in enumerate(zip(single.lower, single.upper, strict=True)):
+        if low is not None or high is not None:
+            base = modal.work_offsets[modal.work, axis].plus(modal.beside_work(axis))
+            found.append(Boundary(axis, low, high, base.value, base.form))
+    return tuple(found)
+
+
 def prepare(modal: Modal) -> None:
     """The start of a job on such a controller."""
     machine, setup = modal.machine, modal.setup
@@ -108,7 +129,7 @@ def prepare(modal: Modal) -> None:
         shift = (space.x, space.y)[axis] if space is not None and axis < 2 else 0.0
         sign = controls.shift_sign
         if shift != 0.0 and sign is None:
-            modal.work_offsets[number, axis] = Position(0.0, ((f"work.{number}.{AXIS_NAMES[axis]}", 1),))
+            modal.work_offsets[number, axis] = NOWHERE
         else:
             modal.work_offsets[number, axis] = Position(shift * (sign or 1)) if shift else zero
     modal.work = modal.work or 1
@@ -129,5 +150,5 @@ def prepare(modal: Modal) -> None:
     flags = frozenset({"autoaux"} if controls.auto_output_on else ())
     modal.single = SingleState(
         feeds=tuple(feeds), lower=tuple(lower), upper=tuple(upper), tools=(tool, Unknown("the tool in changer 2")),
-        soft=on, bound=on, flags=flags,
+        soft=on, bound=on, flags=flags, auto_dwell=controls.auto_dwell,
     )  # fmt: skip

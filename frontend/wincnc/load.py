@@ -319,7 +319,7 @@ class _Walk:
             if self.byte < len(self.data):
                 save = self.byte, self.line, self.next_special
                 number, raw = self._take()
-                if raw.strip():
+                if self.loader.reader.cut(decode(raw))[0].strip():
                     what = f"whether line {number} is one of the {count} lines that {text[0]!r} leaves out"
                 self.byte, self.line, self.next_special = save
             if what:
@@ -333,8 +333,10 @@ class _Walk:
         taken = self._next()
         code = getattr(head.statement, "written", None) or _code_of(head)
         if taken is None:
-            finding = codes.NEXT_LINE_OPEN.at(head.condition.span, code=code, what="no line follows")
-            self.loader.findings.add(finding)
+            if not self.is_job:
+                finding = codes.NEXT_LINE_OPEN.at(head.condition.span, code=code, what="no line follows in this file")
+                self.loader.findings.add(finding)
+            yield If(condition=head.condition, then=(), otherwise=(), span=head.condition.span, head=head.statement)
             return
         if isinstance(taken, str):
             what = f"a line without a command follows ({taken})"

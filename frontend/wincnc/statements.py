@@ -210,10 +210,10 @@ class Lines:
                 codes.PARAMETER_RANGE, span.column - 1, span.end_column - 1, code="G5", word="T", allowed="0 to 4"
             )
         parts = tuple(text for letter, text in items.texts if letter == "M")
-        message = Message(kind=kinds[number], parts=parts, span=span)
+        self.questions += number > 0
+        message = Message(kind=kinds[number], parts=parts, span=span, question=self.questions if number else 0)
         if number < 3:
             return message
-        self.questions += 1
         asked = Input("answer", Number(float(self.questions), span), span)
         return Head(message, asked if number == 3 else Unary("not", asked, span))
 

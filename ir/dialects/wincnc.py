@@ -15,18 +15,20 @@ _PARTS = {"G": "G Codes", "L": "L Codes", "M": "M Codes"}
 def _c(
     letter: str, number: float, function: F, takes: str = "", *, axes: bool = False, needs: str = "", value: int = 0,
     companion: bool = False, device: str = "", has_text: bool = False, group: str = "", reason: str = "",
+    ranges: tuple[tuple[str, float, float], ...] = (),
 ) -> CodeRule:  # fmt: skip
     return CodeRule(
         letter=letter, tenths=round(number * 10), function=function, group=group, source=_PARTS[letter],
         uses_axes=axes, value=value, open=reason, takes=takes, needs=needs, companion=companion, device=device,
-        has_text=has_text,
+        has_text=has_text, ranges=ranges,
     )  # fmt: skip
 
 
 def _open(
-    letter: str, number: float, reason: str, takes: str = "", *, axes: bool = False, text: bool = False
-) -> CodeRule:
-    return _c(letter, number, F.UNSUPPORTED, takes, axes=axes, reason=reason, has_text=text)
+    letter: str, number: float, reason: str, takes: str = "", *, axes: bool = False, text: bool = False,
+    device: str = "",
+) -> CodeRule:  # fmt: skip
+    return _c(letter, number, F.UNSUPPORTED, takes, axes=axes, reason=reason, has_text=text, device=device)
 
 
 _MOTION = "motion"
@@ -54,7 +56,7 @@ _G = (
     _c("G", 43, F.TOOL_OFFSET_ON, axes=True),
     _c("G", 49, F.TOOL_OFFSET_OFF, axes=True),
     _c("G", 50, F.TRANSFORM_OFF),
-    _c("G", 51, F.SCALING_ON, "IJK", axes=True),
+    _c("G", 51, F.SCALING_ON, "IJKC", axes=True),
     _c("G", 52, F.ROTATION_ON, "IJA"),
     _c("G", 52.1, F.ROTATION_LINE, "AB", needs="AB"),
     _c("G", 53, F.MACHINE_TRAVERSE, "PHT", axes=True),
@@ -87,7 +89,7 @@ _L = (
     _c("L", 4, F.RETURN_HOME, axes=True),
     _c("L", 5, F.DYNAMICS, axes=True),
     _c("L", 6, F.DYNAMICS, axes=True),
-    _c("L", 7, F.DYNAMICS, "P"),
+    _c("L", 7, F.DYNAMICS, "P", ranges=(("P", 1, 100),)),
     _c("L", 8, F.DYNAMICS, axes=True),
     _c("L", 9, F.DYNAMICS, axes=True),
     _c("L", 10, F.ARRAY, "RCXYE"),
@@ -160,9 +162,9 @@ _L = (
     _c("L", 215, F.DEVICE, axes=True),
     _c("L", 249, F.DEVICE, "PIF", device="laser"),
     _c("L", 250, F.DEVICE, device="laser"),
-    _c("L", 251, F.DEVICE, "PDL", device="laser"),
+    _c("L", 251, F.DEVICE, "PDL", device="laser", ranges=(("P", 1, 100),)),
     _c("L", 251.1, F.DWELL, "D", device="laser"),
-    *(_open("L", n, _BITMAP, text=True) for n in (252, 253, 254, 255)),
+    *(_open("L", n, _BITMAP, text=True, device="laser") for n in (252, 253, 254, 255)),
     *(_c("L", n + 0.1, F.DEVICE, device="laser") for n in (252, 253, 254, 255)),
     _c("L", 256, F.DEVICE, "R", device="laser"),
     _c("L", 300, F.LOCK_AXIS, axes=True),
@@ -179,10 +181,10 @@ _L = (
       for n in (602, 603, 604, 605, 606)),
     _c("L", 800, F.PROBE_OFF, device="probe"),
     _c("L", 801, F.PROBE_ON, device="probe"),
-    *(_open("L", n, _SCAN, "IK", axes=True, text=True) for n in (802, 803, 810)),
+    *(_open("L", n, _SCAN, "IK", axes=True, text=True, device="probe") for n in (802, 803, 810)),
     _open("L", 820, "where adjustment has moved the axis is not known"),
     _open("L", 821, "keys and inputs move the axis while the job runs"),
-    _c("L", 901, F.DEVICE, "D", needs="D"),
+    _c("L", 901, F.DEVICE, "D", needs="D", ranges=(("D", 1, 30),)),
     _c("L", 910, F.DEVICE),
     _c("L", 911, F.DEVICE),
 )  # fmt: skip

@@ -1,0 +1,197 @@
+"""Boundaries: limits of the work, in workspace positions without local coordinates (WinCNC lobound=, hibound=).
+
+WinCNC Users Guide, Soft Limit / Boundaries; L20 to L23.1. A boundary moves with workspace and tool measure, so that a
+tool that was measured on the spoil board stays above it, however long it is: where the place of an axis and its
+boundary rest on the same unknown, the unknown cancels. Extents are exact, arcs included; a place on a boundary is
+inside. The answer belongs to the property ``limits``.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from gproof.ir import codes
+from gproof.ir.finding import Findings, Severity, Span
+from gproof.ir.machine import AXES, AXIS_NAMES, Machine
+from gproof.ir.setup import Setup
+from gproof.ir.trace import UNKNOWN, Affine, Boundary, Chunk, State, Trace
+from gproof.ir.verdict import Condition, PropertyResult, Verdict
+from gproof.passes.check import Check, form_interval, row_span, split_form
+from gproof.passes.extent_kernels import row_boxes
+from gproof.passes.values import add_forms, describe
+
+GUARD = "boundaries"
+"""Name of the guard in ``State.guards_off``."""
+ROUNDING = 1e-9
+_KEPT = 64
+
+Key = tuple[tuple[Boundary, ...], bool]
+"""Boundaries of a state, and whether their guard is off."""
+
+
+class _Box:
+    """What the rows under one set of boundaries reach, by frame and axis, machine mm."""
+
+    def __init__(self) -> None:
+        self.low = np.full((0, AXES), math.inf)
+        self.high = np.full((0, AXES), -math.inf)
+        self.low_span: dict[tuple[int, int], Span] = {}
+        self.high_span: dict[tuple[int, int], Span] = {}
+
+    def grow(self, slots: int) -> None:
+        """Room for so many slots."""
+        short = slots - len(self.low)
+        if short > 0:
+            self.low = np.vstack([self.low, np.full((short, AXES), math.inf)])
+            self.high = np.vstack([self.high, np.full((short, AXES), -math.inf)])
+
+
+class Boundaries(Check):
+    """Part of the property ``limits`` on machines that have boundaries."""
+
+    name = "limits"
+
+    def __init__(self, machine: Machine, setup: Setup, findings: Findings) -> None:
+        super().__init__(machine, setup, findings)
+        self._boxes: dict[Key, _Box] = {}
+        self._trace: Trace | None = None
+        self._errors = 0
+        self._words = {axis.index: axis.word for axis in machine.axes}
+        self._units = {axis.index: axis.unit for axis in machine.axes}
+        self._first = Span("", 0)
+
+    def feed(self, chunk: Chunk) -> None:
+        """Rows under each set of boundaries that occurs."""
+        trace, rows = chunk.trace, chunk.rows
+        if self._trace is None:
+            self._trace, self._first = trace, Span(trace.files[0], 0)
+        if not len(rows):
+            return
+        keys = {_key(trace.states[index]) for index in np.unique(rows["state"]).tolist()}
+        for key in sorted(keys, key=repr):
+            if key[0]:
+                self._walk(chunk, key)
+
+    def _walk(self, chunk: Chunk, key: Key) -> None:
+        trace, rows = chunk.trace, chunk.rows
+        box = self._boxes.setdefault(key, _Box())
+        box.grow(2 * len(trace.frames))
+        # Rows under other boundaries go into the second half of the slots, where nothing is beyond.
+        others = np.array([_key(state) != key for state in trace.states], dtype=np.int64)
+        lower, upper = np.full((2, AXES), -math.inf), np.full((2, AXES), math.inf)
+        known = np.zeros((len(trace.frames), AXES), dtype=np.uint8)
+        for edge in key[0]:
+            lower[0, edge.axis] = -math.inf if edge.low is None else edge.low + edge.shift - ROUNDING
+            upper[0, edge.axis] = math.inf if edge.high is None else edge.high + edge.shift + ROUNDING
+            known[:, edge.axis] = [frame[edge.axis] == edge.form != UNKNOWN for frame in trace.frames]
+        low_row, high_row = np.full(box.low.shape, -1, np.int64), np.full(box.low.shape, -1, np.int64)
+        bad_row, bad_axis, bad_reach = np.zeros(_KEPT, np.int64), np.zeros(_KEPT, np.int64), np.zeros(_KEPT)
+        count = int(
+            row_boxes.pick(chunk.work)(
+                rows["op"], rows["to"], rows["center"], rows["turns"], rows["plane"], rows["frame"], others,
+                rows["state"], np.array(chunk.start, dtype=np.float64), known, lower, upper, box.low, box.high, low_row,
+                high_row, bad_row, bad_axis, bad_reach, np.zeros((0, 2)),
+            )
+        )  # fmt: skip
+        for slot, axis in zip(*np.nonzero(low_row >= 0), strict=True):
+            box.low_span[int(slot), int(axis)] = row_span(trace, rows, int(low_row[slot, axis]))
+        for slot, axis in zip(*np.nonzero(high_row >= 0), strict=True):
+            box.high_span[int(slot), int(axis)] = row_span(trace, rows, int(high_row[slot, axis]))
+        for n in range(min(count, _KEPT)):
+            self._beyond(row_span(trace, rows, int(bad_row[n])), key, int(bad_axis[n]), float(bad_reach[n]))
+        code = codes.BOUNDARY_GUARD_OFF if key[1] else codes.BOUNDARY_EXCEEDED
+        if count > _KEPT:
+            self.findings.counts[code.number] = self.findings.counts.get(code.number, 0) + count - _KEPT
+        self._errors += 0 if key[1] else count
+
+    def _beyond(self, span: Span, key: Key, axis: int, reach: float) -> None:
+        """GP330, or GP332 with the guard off."""
+        edge = next(edge for edge in key[0] if edge.axis == axis)
+        reached = reach - edge.shift
+        below = edge.low is not None and reached < edge.low
+        limit = edge.low if below else edge.high
+        assert limit is not None
+        code = codes.BOUNDARY_GUARD_OFF if key[1] else codes.BOUNDARY_EXCEEDED
+        self.findings.add(
+            code.at(
+                span, axis=self._words.get(axis, AXIS_NAMES[axis].upper()), reached=reached,
+                unit=self._units.get(axis, "mm"), over=abs(reached - limit), side="lower" if below else "upper",
+                limit=limit,
+            )
+        )  # fmt: skip
+
+    def finish(self) -> PropertyResult:
+        """UNSAFE, UNKNOWN, or SAFE with conditions on unknown offsets."""
+        rooms: dict[Affine, tuple[float, float]] = {}
+        for key, box in self._boxes.items():
+            if not key[1]:
+                for edge in key[0]:
+                    self._judge(edge, box, rooms)
+        conditions = []
+        for form, (low, high) in sorted(rooms.items()):
+            if low > high + 2 * ROUNDING:
+                self._unknown(self._first, describe(form), f"no {describe(form)} keeps the whole job within boundaries")
+            else:
+                conditions.append(Condition(terms=form, low=min(low, high), high=max(low, high)))
+        verdict = Verdict.SAFE
+        if self._errors:
+            verdict = Verdict.UNSAFE
+        elif self.findings.has(Severity.UNKNOWN, (self.name,)):
+            verdict = Verdict.UNKNOWN
+        return PropertyResult(name=self.name, verdict=verdict, conditions=tuple(conditions))
+
+    def _judge(self, edge: Boundary, box: _Box, rooms: dict[Affine, tuple[float, float]]) -> None:
+        """Rows whose place rests on other unknowns than their boundary."""
+        assert self._trace is not None
+        for slot in range(0, len(box.low), 2):
+            least, most = float(box.low[slot, edge.axis]), float(box.high[slot, edge.axis])
+            if most < least:
+                continue
+            form = add_forms(self._trace.frames[slot // 2][edge.axis], edge.form, -1)
+            if form == ():
+                continue
+            word = self._words.get(edge.axis, AXIS_NAMES[edge.axis].upper())
+            span = box.high_span[slot, edge.axis]
+            if form == UNKNOWN or UNKNOWN in (self._trace.frames[slot // 2][edge.axis], edge.form):
+                if not self.findings.has(Severity.UNKNOWN, (self.name, "language")):
+                    self._unknown(span, word, "something nobody stated")
+                continue
+            low = -math.inf if edge.low is None else edge.low + edge.shift - least
+            high = math.inf if edge.high is None else edge.high + edge.shift - most
+            stated = form_interval(form, self.setup, self._trace)
+            if stated is not None:
+                if low - ROUNDING <= stated.low and stated.high <= high + ROUNDING:
+                    continue
+                if stated.high < low or stated.low > high:
+                    self._errors += 1
+                    over = low - stated.high if stated.high < low else stated.low - high
+                    reached = least + stated.high - edge.shift if stated.high < low else most + stated.low - edge.shift
+                    below = stated.high < low
+                    limit = edge.low if below else edge.high
+                    self.findings.add(
+                        codes.BOUNDARY_EXCEEDED.at(
+                            span, axis=word, reached=reached, unit=self._units.get(edge.axis, "mm"), over=over,
+                            side="lower" if below else "upper", limit=limit,
+                        )
+                    )  # fmt: skip
+                else:
+                    self._unknown(span, word, f"{describe(form)}, which may take it past a boundary")
+                continue
+            arising, rest = split_form(form)
+            bounds = form_interval(arising, self.setup, self._trace) if arising else None
+            if arising and (bounds is None or not rest):
+                self._unknown(span, word, describe(form))
+                continue
+            if bounds is not None:
+                low, high = low - bounds.low, high - bounds.high
+            before = rooms.get(rest, (-math.inf, math.inf))
+            rooms[rest] = max(before[0], low), min(before[1], high)
+
+    def _unknown(self, span: Span, axis: str, cause: str) -> None:
+        self.findings.add(codes.POSITION_UNKNOWN.at(span, axis=axis, cause=cause))
+
+
+def _key(state: State) -> Key:
+    return state.boundaries, GUARD in state.guards_off
