@@ -320,6 +320,16 @@ class Unsupported:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class Mistake:
+    """A line with a mistake that only matters when it runs. code: number of its finding; text: the line as written."""
+
+    code: int
+    message: str
+    span: Span
+    text: str = ""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class BlockTable:
     """Successive plain lines of one file.
 
@@ -336,7 +346,7 @@ class BlockTable:
     words: Columns | None = None
 
 
-Statement = Block | If | While | Array | Replaced | Call | Message | Guard | Device | Unsupported | BlockTable
+Statement = Block | If | While | Array | Replaced | Call | Message | Guard | Device | Unsupported | Mistake | BlockTable
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -9,7 +9,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from gproof.ir import codes
-from gproof.ir.finding import Refusal
+from gproof.ir.finding import Refusal, Severity
 from gproof.ir.program import Array
 from gproof.ir.trace import Op
 from gproof.passes.frames import Cells, Frame, Kept
@@ -23,13 +23,15 @@ def begin_array(ex: Executor, node: Array) -> None:
     """Enter the body of an array; Refusals become findings, and the body runs once then."""
     s = ex.modal
     cells: Cells | None = None
+    is_open = False
     try:
         cells = _cells(ex, node)
     except Refusal as refusal:
+        is_open = refusal.finding.severity is not Severity.ERROR
         ex._refuse(refusal.finding)
     ex._enter(node.span)
     ex._stack.append(Frame(node.body, node, cells=cells))
-    if cells is None:
+    if is_open:
         s.position[0] = s.position[1] = NOWHERE
         s.jumped = True
 

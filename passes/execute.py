@@ -15,7 +15,7 @@ from dataclasses import replace
 
 from gproof.ir import codes
 from gproof.ir.columns import Columns
-from gproof.ir.finding import Findings, Refusal, Span
+from gproof.ir.finding import Finding, Findings, Refusal, Span
 from gproof.ir.machine import Machine
 from gproof.ir.program import (
     Array,
@@ -28,6 +28,7 @@ from gproof.ir.program import (
     Guard,
     If,
     Message,
+    Mistake,
     Program,
     Replaced,
     Statement,
@@ -305,6 +306,8 @@ class Executor(Branches):
                 self.event(Op.GUARD, node.span, arg=(float(node.on), 0.0), text=self._text(node.name))
             elif isinstance(node, Device):
                 run_command(self, node)
+            elif isinstance(node, Mistake):
+                raise Refusal(Finding(codes.CODES[node.code], node.span, node.message))
             elif isinstance(node, Unsupported):
                 raise Refusal(codes.UNSUPPORTED_CODE.at(node.span, code=node.what))
         except Refusal as refusal:

@@ -128,7 +128,9 @@ def _check_words(line: Command) -> None:
             value = line.values.get(letter, least)
             if not isinstance(value, Unknown) and not least <= value <= most:
                 allowed = f"{least:g} to {most:g}"
-                raise Refusal(codes.PARAMETER_RANGE.at(line.where(letter), code=command.text, word=letter, allowed=allowed))
+                raise Refusal(
+                    codes.PARAMETER_RANGE.at(line.where(letter), code=command.text, word=letter, allowed=allowed)
+                )
 
 
 def run(

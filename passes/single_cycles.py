@@ -36,6 +36,8 @@ def drill(ex: Motion, line: Command, rule: CodeRule) -> None:
         raise Refusal(
             codes.UNSUPPORTED_CODE.at(line.span, code=f"{rule.text} with distances (G91): what Z and R count")
         )
+    if "autoaux" in s.single.flags:
+        raise Refusal(codes.UNSUPPORTED_CODE.at(line.span, code=f"the automatic output (L34) during {rule.text}"))
     if s.feed_mode == 93:
         raise Refusal(codes.CYCLE_INVERSE_TIME.at(line.span, code=rule.text))
     sticky = s.cycle if s.cycle_code == rule.tenths else {}

@@ -356,17 +356,21 @@ def stored_place(ex: Motion, line: Command, op: Op, *, machine: bool = False) ->
         what = "a stored position beside other positions"
         raise Refusal(codes.UNSUPPORTED_CODE.at(line.where(letter), code=what))
     s = ex.modal
+    controls = ex.machine.controller.controls
+    most = {"P": controls.positions, "H": controls.homes, "T": controls.tool_positions}[letter]
+    if number is None or number < 0 or (most is not None and number > most):
+        raise Refusal(codes.STORED_POSITION_MISSING.at(line.where(letter), word=f"{letter}{number}"))
     place = stored_in(ex, f"{letter}{number}")
     if place is None:
         for axis in range(AXES):
-            ex.modal.position[axis] = NOWHERE
-        ex.modal.jumped = True
+            s.position[axis] = NOWHERE
+        s.jumped = True
         raise Refusal(codes.UNSUPPORTED_CODE.at(
             line.where(letter), code=f"the stored position {letter}{number}, which no setup states,"))  # fmt: skip
     places, lift = place
     target = list(s.position)
-    for axis, where in places:
-        target[axis] = where
+    for column, where in places:
+        target[column] = where
     target = follow(ex, target)
     if lift:
         over_heads(ex, line, target, [axis for axis in vertical_axes(ex.machine) if axis not in s.single.locked])
@@ -407,7 +411,7 @@ def over_heads(ex: Motion, line: Command, target: list[Position], heads: list[in
     for axis in heads:
         there = ex.machine.axis(AXIS_NAMES[axis])
         top = math.inf if there is None or there.upper is None else max(0.0, there.upper)
-        low = max(s.position[axis].value, target[axis].value)
+        low = s.position[axis].value
         known = not s.position[axis].form and not target[axis].form
         up[axis] = over[axis] = (
             ex.unknown_place("value", axis, (low, max(low, top)), Position(0.0)) if known else NOWHERE
@@ -469,10 +473,9 @@ def arc(ex: Motion, line: Command, rule: CodeRule) -> None:
         raise Refusal(codes.ARC_RADIUS_ZERO.at(line.span))
     at_end = distance(center[0] - end[0].value, center[1] - end[1].value)
     if abs(at_end - radius) > s.arc_tolerance() + SAME:
-        difference = abs(at_end - radius)
         raise Refusal(
             codes.ARC_RADIUS_MISMATCH.at(
-                line.span, start=radius, end=at_end, off=difference, allowed=s.arc_tolerance(), unit="mm"
+                line.span, start=radius, end=at_end, off=abs(at_end - radius), allowed=s.arc_tolerance(), unit="mm"
             )
         )  # fmt: skip
     if same:

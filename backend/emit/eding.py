@@ -27,6 +27,7 @@ from gproof.ir.program import (
     DeferredBlock,
     If,
     Message,
+    Mistake,
     Number,
     Program,
     Replaced,
@@ -123,8 +124,8 @@ class _Printer:
             yield from self._line(node.span, node, depth, message=message)
         elif isinstance(node, Message) and node.in_comment:
             yield from self._line(node.span, "", depth, message=node)
-        elif isinstance(node, Array | Replaced):
-            raise self._refusal(node.span, "an array" if isinstance(node, Array) else "a line that a macro replaces")
+        elif isinstance(node, Array | Replaced | Mistake):
+            raise self._refusal(node.span, f"a statement of another controller ({type(node).__name__})")
         else:
             try:
                 text = statement_text(node)

@@ -27,6 +27,7 @@ from gproof.ir.program import (
     Array,
     BlockTable,
     If,
+    Mistake,
     Program,
     Replaced,
     SourceFile,
@@ -292,8 +293,8 @@ class _Walk:
         self.byte, self.line = end, self.line + 1
         return line, raw.removesuffix(b"\n").removesuffix(b"\r")
 
-    def _parse(self, line: int, raw: bytes) -> Parsed | None:
-        """One line; findings for mistakes."""
+    def _parse(self, line: int, raw: bytes, *, later: bool = False) -> Parsed | None:
+        """One line; a finding for a mistake; later: a statement for it, as the line may never run."""
         text = decode(raw)
         limit = self.loader.program.rules.line_length
         try:
@@ -302,7 +303,12 @@ class _Walk:
             skipped = self._skip(text, line)
             return skipped if skipped is not None else self.loader.lines.parse(text, self.source.name, line)
         except LineError as error:
-            self.loader.findings.add(error.finding(self.source.name, line))
+            finding = error.finding(self.source.name, line)
+            if later:
+                return Mistake(
+                    code=finding.code.number, message=finding.message, span=finding.span, text=text.strip()
+                )  # fmt: skip
+            self.loader.findings.add(finding)
             return None
 
     def _skip(self, text: str, line: int) -> Statement | None:
@@ -354,9 +360,9 @@ class _Walk:
         line, raw = self._take()
         if not raw.strip():
             return f"line {line} is empty"
-        parsed = self._parse(line, raw)
+        parsed = self._parse(line, raw, later=True)
         if parsed is None:
-            return f"line {line} is a comment or is refused"
+            return f"line {line} is a comment"
         if isinstance(parsed, ArrayLine):
             return f"line {line} begins or ends an array"
         if isinstance(parsed, Head):
