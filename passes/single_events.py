@@ -308,7 +308,7 @@ def guards(ex: Motion, line: Command, rule: CodeRule) -> None:
     on = rule.function is F.LIMITS_ON
     s.single = s.single.but(soft=on and which != 1.0, bound=on and which != 2.0)
     set_guards(ex)
-    for name, state in (("soft_limits", s.single.soft), ("boundaries", s.single.bound)):
+    for name, state in (("machine_area", s.single.soft), ("boundaries", s.single.bound)):
         ex.event(Op.GUARD, line.span, arg=(float(state), 0.0), text=ex._text(name))
 
 
