@@ -19,10 +19,14 @@ from gproof.passes.execute_kernels import LARGEST, radius_center
 # NOTED: a line with a motion was executed; LINES: how many lines were.
 (
     MOTION, ABSOLUTE, CENTER_ABSOLUTE, CENTER_KNOWN, ARCS_MODAL, HELICAL, LINEAR, KEPT, RESET, USED, NOTED, LINES,
-) = range(12)  # fmt: skip
+    DOUBT,
+) = range(13)  # fmt: skip
 # Layout of the float state: mm in a unit; by column mm or degrees in a unit, positions, offsets, feeds; feed of the
-# last move; I and J of the last arc; radius below which an arc is a line; room for feeds of the line that runs
+# last move; I and J of the last arc; radius below which an arc is a line; room for feeds of the line that runs; mm that
+# radii may differ; feed of arcs, below 0 before their first F, and what it is then, of lines in X. DOUBT: the last
+# F was an arc's, and another one than that of lines.
 UNIT, SCALE, POSITION, OFFSET, FEEDS, FEED, KEPT_I, KEPT_J, SMALLEST, NEXT = 0, 1, 7, 13, 19, 25, 26, 27, 28, 29
+TOLERANCE, ARC_FEED, USUAL = 35, 36, 37
 
 SAME = 1e-6
 """mm: nearer than any drive can tell."""
@@ -167,6 +171,8 @@ def run_moves(
             for axis in range(6):
                 if named[0] & (1 << axis):
                     floats[FEEDS + axis] = vf * floats[SCALE + axis]
+            if named[0] & 3:
+                ints[DOUBT] = 0
             ints[LINES] += 1
             word = end
             continue
@@ -179,7 +185,10 @@ def run_moves(
             return word, row
         moving = axes if motion <= 2 else axes | 3
         feeds = FEEDS
-        if has_feed:
+        doubt = ints[DOUBT]
+        if has_feed and motion <= 2:
+            if named[moving] & 3:
+                doubt = 0
             feeds = NEXT
             for axis in range(6):
                 given = named[moving] & (1 << axis)
@@ -188,6 +197,7 @@ def run_moves(
             if has_feed:
                 for axis in range(6):
                     floats[FEEDS + axis] = floats[NEXT + axis]
+            ints[DOUBT] = doubt
             ints[MOTION] = motion
             ints[RESET] = 1
             ints[NOTED] = 1
@@ -195,10 +205,22 @@ def run_moves(
             word = end
             continue
         rate = floats[FEED]
-        if motion != 1:
-            rate = agreed(floats, feeds, axes if motion == 2 else 3, ints[LINEAR])
+        arc_feed = floats[ARC_FEED]
+        if motion == 2:
+            rate = agreed(floats, feeds, axes, ints[LINEAR])
             if rate == 0.0:
                 return word, row
+            if doubt == 1 and axes & 3:
+                rate = math.nan
+        elif motion >= 3:
+            if has_feed:
+                rate = vf * unit
+                arc_feed = rate
+                doubt = 0 if floats[FEEDS] == rate and floats[FEEDS + 1] == rate else 1
+            else:
+                rate = floats[USUAL] if arc_feed < 0.0 else arc_feed
+                if not (floats[FEEDS] == rate and floats[FEEDS + 1] == rate):
+                    rate = math.nan
         if absolute:
             # An axis that now gets another frame needs a new frame index: Python path.
             changes = False
@@ -261,10 +283,15 @@ def run_moves(
             radius = distance(c0 - p0, c1 - p1)
             if radius < ZERO_RADIUS:
                 return word, row
+            if abs(distance(c0 - t0, c1 - t1) - radius) > floats[TOLERANCE] + SAME:
+                return word, row
             if abs(p0 - t0) < SAME and abs(p1 - t1) < SAME:
                 t0, t1 = p0, p1
             if radius < floats[SMALLEST]:
                 c0 = c1 = 0.0
+                rate = agreed(floats, FEEDS, 3, ints[LINEAR])
+                if doubt == 1:
+                    rate = math.nan
             else:
                 kind = 3
                 flat = 1
@@ -280,9 +307,11 @@ def run_moves(
         if motion <= 2 or ints[ARCS_MODAL]:
             ints[MOTION] = motion
             ints[RESET] = 1
-        if has_feed:
+        if has_feed and motion <= 2:
             for axis in range(6):
                 floats[FEEDS + axis] = floats[NEXT + axis]
+        ints[DOUBT] = doubt
+        floats[ARC_FEED] = arc_feed
         if motion != 1:
             floats[FEED] = rate
             ints[USED] = 1

@@ -502,12 +502,15 @@ def _arc_feed(ex: Motion, line: Command) -> None:
         s.feed = math.nan if isinstance(value, Unknown) else value * s.unit
         s.single = s.single.but(arc_feed=s.feed, feed_doubt=s.single.feeds[:2] != (s.feed, s.feed))
     else:
-        axis = ex.machine.axis("x")
-        usual = math.nan if axis is None or axis.feed_velocity is None else axis.feed_velocity * 60.0
-        own = usual if s.single.arc_feed is None else s.single.arc_feed
-        lines = {s.single.feeds[0], s.single.feeds[1]}
-        s.feed = own if lines == {own} else math.nan
+        own = usual_feed(ex) if s.single.arc_feed is None else s.single.arc_feed
+        s.feed = own if s.single.feeds[0] == own and s.single.feeds[1] == own else math.nan
     s.feed_unit = 1.0
+
+
+def usual_feed(ex: Motion) -> float:
+    """mm/min of X before a program gives another; NaN where no file says it."""
+    axis = ex.machine.axis("x")
+    return math.nan if axis is None or axis.feed_velocity is None else axis.feed_velocity * 60.0
 
 
 def _make(

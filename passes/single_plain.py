@@ -13,7 +13,7 @@ import numpy as np
 
 from gproof.ir.machine import AXES
 from gproof.passes import single_kernels as k
-from gproof.passes.single_motion import feed_columns, note_assumptions
+from gproof.passes.single_motion import feed_columns, note_assumptions, usual_feed
 from gproof.passes.single_state import letters_of
 from gproof.passes.values import Position
 
@@ -33,6 +33,10 @@ def is_plain(s: Modal) -> bool:
         and single.sources == _ALL
         and not single.slaves
         and not single.locked
+        and not single.scales
+        and not single.flags & {"autoaux", "mapped"}
+        and not s.cycle_code
+        and not (s.machine.controller.controls.adjust_boundary or s.machine.controller.controls.adjust_vertical)
         and single.absolute_once is None
         and not s.transform.on
         and s.compensation is None
@@ -98,12 +102,13 @@ class PlainLines:
         ints: Any = [
             s.motion, int(s.absolute),
             int(ex.machine.controller.absolute_arc_centers), int(known), int(controls.arcs_modal),
-            int(controls.helical_arcs), self.linear, int(kept is not None), 0, 0, 0, 0,
+            int(controls.helical_arcs), self.linear, int(kept is not None), 0, 0, 0, 0, int(s.single.feed_doubt),
         ]  # fmt: skip
         smallest = -math.inf if controls.smallest_arc is None else controls.smallest_arc
         floats: Any = [
             s.unit, *(s.scale(axis) for axis in _ALL), *(p.value for p in s.position), *(o.value for o in offsets),
-            *s.single.feeds, s.feed, *(kept or (0.0, 0.0)), smallest, *(0.0 for _ in _ALL),
+            *s.single.feeds, s.feed, *(kept or (0.0, 0.0)), smallest, *(0.0 for _ in _ALL), s.arc_tolerance(),
+            -1.0 if s.single.arc_feed is None else s.single.arc_feed, usual_feed(ex),
         ]  # fmt: skip
         form: Any = [ex.frames.form(p.form) for p in s.position]
         offset_form: Any = [ex.frames.form(o.form) for o in offsets]
@@ -121,7 +126,8 @@ def _unpack(ex: Motion, state: tuple[Any, Any, Any, Any], rows: int) -> None:
     if ints[k.LINES]:
         feeds = tuple(floats[k.FEEDS : k.FEEDS + AXES])
         center = (floats[k.KEPT_I], floats[k.KEPT_J]) if ints[k.KEPT] else None
-        s.single = s.single.but(feeds=feeds, center=center)
+        arc_feed = None if floats[k.ARC_FEED] < 0 else floats[k.ARC_FEED]
+        s.single = s.single.but(feeds=feeds, center=center, arc_feed=arc_feed, feed_doubt=bool(ints[k.DOUBT]))
     if ints[k.NOTED]:
         note_assumptions(ex)
     if ints[k.RESET]:

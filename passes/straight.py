@@ -113,7 +113,7 @@ class Straight(Blocks):
         """Run lines in the kernel from word ``at``; returns the first word it left over."""
         s = self.modal
         if self.program.rules.one_command:
-            # Arcs that are not modal, radii, feeds by groups, mapped and locked axes: not what the kernel does.
+            # Tables of such programs go through ``single_plain``; nothing else has lines for this kernel.
             return at
         if not self._moved or s.feed_unit != s.unit or not 1 <= s.motion <= 4 or s.feed_mode != 94:
             # The first motion notes what it assumes; a motion mode must be set: Python path.
