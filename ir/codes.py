@@ -395,9 +395,6 @@ MACHINE_ZERO_MOVED = code(
     "{code} away from a limit switch gives machine zero another place: where the limits are then is not known",
     "limits",
 )
-ARC_TOO_SMALL = code(
-    414, "arc-too-small", _E, "the arc is too small: its {measure} is {value:.6f} {unit}, below {least:.6f}", "arcs"
-)
 ARC_SCALED = code(415, "arc-scaled", _E, "an arc while {axes} is scaled ({code})", "arcs")
 HELIX_NOT_SUPPORTED = code(
     416, "helix-not-supported", _E, "{axes} would move during an arc, which this machine does not do", "arcs"

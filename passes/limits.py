@@ -9,6 +9,7 @@ with them, is GP320.
 
 from __future__ import annotations
 
+import dataclasses
 import math
 
 import numpy as np
@@ -36,6 +37,28 @@ FOLLOWED = {
 }
 """What an answer about positions stands on while the controller adds to the path."""
 _KEPT = 64
+
+
+def _with_forced(machine: Machine) -> Machine:
+    """The machine with its forced limits as limits, which no switch turns off (WINCNC.INI Settings: forcelim=).
+
+    They are no end stops: below a forced limit under the soft one the travel still has to be stated.
+    """
+    forced = machine.controller.controls.forced
+    if forced is None:
+        return machine
+    axes = []
+    for axis in machine.axes:
+        low = forced[axis.index][0] if axis.index < len(forced) else None
+        if low is None:
+            axes.append(axis)
+            continue
+        above = axis.lower is not None and low >= axis.lower
+        travel = axis.travel_lower
+        travel = low if travel is None and above else travel if travel is None else max(travel, low)
+        lower = low if axis.lower is None else max(axis.lower, low)
+        axes.append(dataclasses.replace(axis, lower=lower, travel_lower=travel))
+    return dataclasses.replace(machine, axes=tuple(axes))
 
 
 class _Offset:
@@ -67,6 +90,7 @@ class Limits(Check):
     name = "limits"
 
     def __init__(self, machine: Machine, setup: Setup, findings: Findings) -> None:
+        machine = _with_forced(machine)
         super().__init__(machine, setup, findings)
         self._low = np.full((2, AXES), math.inf)
         self._high = np.full((2, AXES), -math.inf)
@@ -179,7 +203,7 @@ class Limits(Check):
             what = " and ".join(w for w in (axis.what, "the height map" if span else "") if w)
             self.findings.add(
                 codes.MOTOR_LIMIT.at(
-                    row_span(chunk.trace, chunk.rows, row), axis=AXIS_NAMES[index].upper(), reached=plain,
+                    row_span(chunk.trace, chunk.rows, row), axis=axis.axis.word, reached=plain,
                     unit=axis.axis.unit, side="lower" if below else "upper", limit=limit, what=what,
                 )
             )  # fmt: skip
@@ -265,7 +289,7 @@ class Limits(Check):
             below = low is not None and at < low - ROUNDING
             above = high is not None and at > high + ROUNDING
             if form == () and (below or above):
-                self.findings.add(codes.START_OUTSIDE_LIMITS.at(self._first, axis=axis.name.upper(), value=at))
+                self.findings.add(codes.START_OUTSIDE_LIMITS.at(self._first, axis=axis.word, value=at))
                 self._errors += 1
 
     def _beyond(self, trace: Trace, chunk: Chunk, row: int, index: int, reach: float) -> None:
@@ -276,15 +300,28 @@ class Limits(Check):
         limit = low if below else high
         assert limit is not None
         side = ("travel's lower" if off else "lower") if below else ("travel's upper" if off else "upper")
+        if below and self._is_forced(index, limit):
+            where = row_span(trace, chunk.rows, row)
+            self.findings.add(
+                codes.FORCED_LIMIT_EXCEEDED.at(
+                    where, axis=axis.word, reached=reach, unit=axis.unit, over=limit - reach, side="lower", limit=limit
+                )
+            )
+            return
         bounds = [(d.name, (d.travel_lower, d.travel_upper) if off else (d.lower, d.upper)) for d in axis.drives()]
         own, second = bounds[0][1], next((name for name, sides in bounds[1:] if limit in sides), "")
         self.findings.add(
             codes.SOFT_LIMIT.at(
-                row_span(trace, chunk.rows, row), axis=axis.name.upper(), reached=reach, unit=axis.unit,
+                row_span(trace, chunk.rows, row), axis=axis.word, reached=reach, unit=axis.unit,
                 over=abs(reach - limit), side=side, limit=limit,
                 hint=f"the limit of its motor {second}" if second and limit not in own else "",
             )
         )  # fmt: skip
+
+    def _is_forced(self, index: int, limit: float) -> bool:
+        """Whether a lower limit is a forced one."""
+        forced = self.machine.controller.controls.forced
+        return forced is not None and index < len(forced) and forced[index][0] == limit
 
     def finish(self) -> PropertyResult:
         """SAFE, with conditions on unknown offsets; UNSAFE; or UNKNOWN when a limit or a position is."""
@@ -327,6 +364,7 @@ class Limits(Check):
         name = AXIS_NAMES[index]
         known = self.reaches.get(name)
         axis = None if known is None else known.axis
+        word = name.upper() if axis is None else axis.word
         told: set[bool] = set()
         for slot in range(len(self._low)):
             least, most = float(self._low[slot, index]), float(self._high[slot, index])
@@ -337,9 +375,7 @@ class Limits(Check):
                 if self.findings.has(Severity.UNKNOWN, (self.name,)):
                     continue  # the cause is told already
                 self.findings.add(
-                    codes.POSITION_UNKNOWN.at(
-                        self._low_span[slot, index], axis=name.upper(), cause="something nobody stated"
-                    )
+                    codes.POSITION_UNKNOWN.at(self._low_span[slot, index], axis=word, cause="something nobody stated")
                 )
                 continue
             low, high = self._sides(axis, off)
@@ -352,7 +388,7 @@ class Limits(Check):
                 what = ("physical " if off else "") + " and ".join(missing)
                 where = self._low_span if missing[0] == "lower" else self._high_span
                 hint = "the machine file has no such axis" if axis is None else ""
-                self.findings.add(codes.LIMIT_UNKNOWN.at(where[slot, index], side=what, axis=name.upper(), hint=hint))
+                self.findings.add(codes.LIMIT_UNKNOWN.at(where[slot, index], side=what, axis=word, hint=hint))
             if form == () or axis is None:
                 continue
             room = -math.inf if low is None else low - least, math.inf if high is None else high - most
@@ -393,11 +429,14 @@ class Limits(Check):
             if soft is None or sign * (reach - soft) <= ROUNDING:
                 sides.append(travel if soft is None else soft)
                 continue
+            if side == "lower" and self._is_forced(axis.index, soft):
+                sides.append(travel)
+                continue
             where = self._low_span if side == "lower" else self._high_span
             self.findings.add(
                 codes.SOFT_LIMIT_GUARD_OFF.at(
                     where[slot, axis.index],
-                    axis=axis.name.upper(),
+                    axis=axis.word,
                     reached=reach,
                     unit=axis.unit,
                     side=side,
@@ -456,7 +495,7 @@ class Limits(Check):
             if arising:
                 span = form_interval(arising, self.setup, self._trace)
                 if span is None or not rest or low - span.low > high - span.high:
-                    self.findings.add(codes.POSITION_UNKNOWN.at(self._first, axis=offset.axis.name.upper(),
+                    self.findings.add(codes.POSITION_UNKNOWN.at(self._first, axis=offset.axis.word,
                                                                 cause=describe(form)))  # fmt: skip
                     continue
                 low, high = low - span.low, high - span.high

@@ -351,14 +351,18 @@ def stored_place(ex: Motion, line: Command, op: Op, *, machine: bool = False) ->
     if not names:
         return False
     letter = names[0]
-    number = line.whole(letter, ex.program.rules.integer_tolerance)
+    given = line.number(letter) or 0.0
+    if abs(given - round(given)) > ex.program.rules.integer_tolerance:
+        what = f"{given:g} is not the number of a stored position"
+        raise Refusal(codes.STORED_POSITION_COMMAND.at(line.where(letter), code=letter, what=what))
+    number = round(given)
     if len(names) > 1 or line.axes():
-        what = "a stored position beside other positions"
-        raise Refusal(codes.UNSUPPORTED_CODE.at(line.where(letter), code=what))
+        what = "a stored position can not stand beside another place"
+        raise Refusal(codes.STORED_POSITION_COMMAND.at(line.where(letter), code=f"{letter}{number}", what=what))
     s = ex.modal
     controls = ex.machine.controller.controls
     most = {"P": controls.positions, "H": controls.homes, "T": controls.tool_positions}[letter]
-    if number is None or number < 0 or (most is not None and number > most):
+    if number < 0 or (most is not None and number > most):
         raise Refusal(codes.STORED_POSITION_MISSING.at(line.where(letter), word=f"{letter}{number}"))
     place = stored_in(ex, f"{letter}{number}")
     if place is None:

@@ -54,7 +54,7 @@ MESSAGES = (
     _M("Tool Changer Not Enabled", _NOT_ENABLED),
     _M("Parameter Out of Range", (codes.PARAMETER_RANGE,)),
     _M("D/A Not Enabled", _NOT_ENABLED),
-    _M("Arc Too Small", (codes.ARC_TOO_SMALL,)),
+    _M("Arc Too Small", (codes.ARC_RADIUS_ZERO,)),
     _M("Device Not Enabled", _NOT_ENABLED),
     _M("Could Not Open File", why="another program of the controller's computer holds the file"),
     _M("Pump Control Not Enabled", _NOT_ENABLED),

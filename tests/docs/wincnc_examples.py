@@ -207,7 +207,7 @@ M_CODES = {
 }
 
 LETTERS = {
-    "X": "G1 X Y100",
+    "X": "G91\nG1 X Y5",
     "F": "F300\nG1 X110",
     "P": "P1",
     "H": "H1",
