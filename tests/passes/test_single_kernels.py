@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
+import random
 import tempfile
 from collections.abc import Iterator
 from pathlib import Path
@@ -158,6 +159,76 @@ SHOP = dataclasses.replace(
     NO_SHOP, unit=1.0,
     controller=Controller(dialect="wincnc", controls=Controls(feed_groups=("xy", "z"), smallest_arc=0.254)),
 )  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "G91\nF100\nG1 X1\nG2 X.0000004 Y0 I1 J0\nX1\n",
+        "G91\nF100\nG1 X1\nG2 X.0000004 Y0 I1 J0 C1\nX1\n",
+        "F100\nG1 X1\nG2 X1 Y1 R5\nG2 X2 Y1\nX1\n",
+        "F100\nG1 X1\nG2 I5 J0\nG3\nG2 F50\nX1\n",
+        "G0 X1 F100\nG1\nF50 G0\nX1 Y\nX Y Z\n",
+    ],
+)
+def test_small_jobs_agree_bit_for_bit(text: str) -> None:
+    assert_same(text, SHOP)
+
+
+def number(rng: random.Random, reach: float) -> str:
+    if rng.random() < 0.1:
+        return rng.choice(["", "0", "-0", "1", ".0000000004", "-.0000000003"])
+    return f"{rng.uniform(-reach, reach):.{rng.randint(0, 5)}f}"
+
+
+def good_line(rng: random.Random, letters: list[str]) -> str:
+    """A line that most often is what a program may have."""
+    kind = rng.random()
+    words = [letter + number(rng, 40) for letter in letters if rng.random() < 0.5]
+    feed = [f"F{rng.choice([100, 250.5, 1200, 100])}"] if rng.random() < 0.2 else []
+    if kind < 0.05:
+        return feed[0] if feed else "F77"
+    if kind < 0.5:
+        return " ".join([*rng.choice([[], ["G1"], ["G1"], ["G0"]]), *words, *feed])
+    if kind < 0.65:
+        return " ".join(["G1", rng.choice(letters) + ".0000000002", letters[-1] + number(rng, 9), *feed])
+    code = rng.choice(["G2", "G3"])
+    center = f"I{number(rng, 20)} J{number(rng, 20)}"
+    if kind < 0.75:
+        center = f"R{rng.uniform(1, 90):.2f}"
+    elif kind < 0.8:
+        center = ""
+    elif kind < 0.85:
+        words = [word for word in words if word[0] not in "XY"]
+    return " ".join([code, *words, center, *feed])
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_long_jobs_agree_bit_for_bit(seed: int) -> None:
+    rng = random.Random(9000 + seed)
+    for _ in range(4):
+        more = rng.choice(["", "W", "WA", "AC", "AWC", "WAC"])
+        axes = [Axis(name=name, kind=LINEAR, feed_velocity=rng.choice([10.0, None])) for name in "xyz"]
+        for name, letter in zip("abc", more, strict=False):
+            kind = ROTARY if letter in "AC" else LINEAR
+            axes.append(Axis(name=name, kind=kind, letter=letter, feed_velocity=rng.choice([8.0, None])))
+        controls = Controls(
+            feed_groups=rng.choice([("xy",), ("xy", "z"), ("xyz",), ("xy", "za")]),
+            command_group=rng.choice(["", "xyz"]),
+            arcs_modal=rng.random() < 0.3, helical_arcs=rng.random() < 0.9, smallest_arc=rng.choice([None, 0.254, 9.0]),
+            absolute=True,
+        )  # fmt: skip
+        machine = dataclasses.replace(
+            NO_SHOP, axes=tuple(axes), unit=rng.choice([1.0, 25.4]),
+            controller=Controller(dialect="wincnc", controls=controls, absolute_arc_centers=rng.random() < 0.2),
+        )  # fmt: skip
+        lines = [rng.choice(["G90", "G91"]), "G92 X1 Y-2 Z.5", "F300 Z", "F100 X"]
+        letters = [axis.word for axis in axes]
+        lines += [good_line(rng, letters) for _ in range(80)]
+        for _ in range(4):
+            other = rng.choice(["G90", "G91", "G20", "G22", "G92", "L91 G1 X1", "G54", "G93", "G94", "G0 X0 Y0 Z0"])
+            lines.insert(rng.randint(4, 40), other)
+        assert_same("\n".join(lines) + "\n", machine)
 
 
 def test_the_kernel_runs_long_jobs(monkeypatch: pytest.MonkeyPatch) -> None:
