@@ -273,7 +273,7 @@ def _word_end(data: bytes, start: int, column: int, stop: int) -> int:
     """Column behind a word: up to the next one, trailing blanks left out."""
     if stop == 0:
         stop = column + 1
-        while start + stop - 1 < len(data) and chr(data[start + stop - 1]) in "0123456789.+- \t":
+        while start + stop - 1 < len(data) and chr(data[start + stop - 1]) in "0123456789.,+- \t":
             stop += 1
     while stop > column + 1 and start + stop - 2 < len(data) and data[start + stop - 2] in b" \t":
         stop -= 1

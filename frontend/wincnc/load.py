@@ -15,7 +15,7 @@ from typing import Any
 from gproof.frontend.source import UTF8_MARK, decode, read_source
 from gproof.frontend.wincnc.line import LineError, LineReader
 from gproof.frontend.wincnc.mac_file import Macro
-from gproof.frontend.wincnc.scan import Scanner
+from gproof.frontend.wincnc.scan import Scanner, scanner
 from gproof.frontend.wincnc.statements import ArrayLine, Head, Lines, Parsed, text_codes
 from gproof.ir import codes
 from gproof.ir.columns import Columns
@@ -139,8 +139,7 @@ class _Loader:
     def job(self, path: Path) -> tuple[Statement, ...]:
         """The statements of the job, with everything it calls loaded."""
         self._macro_file()
-        plain = not any(name in self.macros for name in ("G0", "G1", "G2", "G3"))
-        self.scanner = Scanner(self.controls.lexical, plain)
+        self.scanner = scanner(self.controls.lexical, self.macros)
         self.program.scan = self.scanner.scan
         self.lines = Lines(
             self.reader, self.program.rules, self.macros, self.files, len(self.controls.changers)

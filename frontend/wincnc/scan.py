@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import functools
 import re
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any
 
@@ -32,39 +33,35 @@ COMMENT_SIGNS = "[(%"
 CLOSING = {"[": "]", "(": ")"}
 
 _CLASSES = (
-    "blank letter G zero low digit sign point square round close_square close_round comment skip return feed other"
+    "blank letter named G zero low digit sign point square round close_square close_round comment skip odd return feed "
+    "other"
 ).split()
+"""named: a letter that may begin the name of a macro; odd: closes comments, and begins one or has lines left out."""
 
 
-def _class_of(byte: int, lexical: Lexical) -> str:
-    char = chr(byte).upper() if byte < 128 else chr(byte)
-    if byte == 10:
-        return "feed"
-    if byte == 13:
-        return "return"
-    if any(char in signs.upper() for signs, _ in lexical.skips):
+def _class_of(byte: int, lexical: Lexical, names: str) -> str:
+    if byte > 127:
+        # Which character it is a part of, the rest of the line decides.
+        return "other"
+    sign = chr(byte)
+    char = sign.upper()
+    skips = any(char in signs.upper() for signs, _ in lexical.skips)
+    if sign in "])" and (skips or sign in lexical.comment_signs):
+        return "odd"
+    single = {"\n": "feed", "\r": "return", "[": "square", "(": "round", "]": "close_square", ")": "close_round"}
+    if char in single and not skips:
+        return single[char]
+    if skips:
         return "skip"
-    if byte in (9, 32):
-        return "blank"
-    if char in lexical.comment_signs or char == "%":
+    if sign in lexical.comment_signs or sign == "%":
         return "comment"
-    single = {"[": "square", "(": "round", "]": "close_square", ")": "close_round", ".": "point", "0": "zero"}
-    if lexical.comma:
-        single[","] = "point"
+    if char in PLAIN_LETTERS:
+        return "named" if char in names else "letter"
+    single = {"\t": "blank", " ": "blank", ".": "point", ",": "point" if lexical.comma else "other", "0": "zero",
+              "+": "sign", "-": "sign", "G": "G"}  # fmt: skip
     if char in single:
         return single[char]
-    if byte < 128:
-        if char in PLAIN_LETTERS:
-            return "letter"
-        if char in "123":
-            return "low"
-        if char.isdigit():
-            return "digit"
-        if char in "+-":
-            return "sign"
-        if char == "G":
-            return "G"
-    return "other"
+    return "low" if char in "123" else "digit" if char in "456789" else "other"
 
 
 _DIGITS = ("zero", "low", "digit")
@@ -76,13 +73,14 @@ _ENDS_WITHOUT = ("start", "rest0", "square0", "round0", "after_square0", "after_
 def _steps(codes: bool) -> dict[str, dict[str, str]]:
     """state -> {class: next state}; what is missing leads to ``bad``. codes: G0 to G3 are the controller's own."""
     steps: dict[str, dict[str, str]] = {"start": {}, "bad": {}}
-    items = {"letter": "need"} | ({"G": "g"} if codes else {})
+    begins = {"letter": "need"} | ({"G": "g"} if codes else {})
+    items = begins | {"named": "need"}
     ends = [
         {"square": f"square{has}", "round": f"round{has}", "comment": f"rest{has}", "return": f"return{has}"}
         for has in (0, 1)
     ]
     behind = items | ends[1] | {"blank": "item"}
-    steps["start"] = items | ends[0] | {"blank": "start"}
+    steps["start"] = begins | ends[0] | {"blank": "start"}
     steps["g"] = {"zero": "code0", "low": "code"}
     steps["code0"] = {"zero": "code0", "low": "code"} | behind
     steps["code"] = dict(behind)
@@ -95,7 +93,7 @@ def _steps(codes: bool) -> dict[str, dict[str, str]]:
     steps["real"] = behind | dict.fromkeys(_DIGITS, "real")
     steps["item"] = dict(behind)
     for has in (0, 1):
-        text = [c for c in _CLASSES if c not in ("return", "feed")]
+        text = [c for c in _CLASSES if c not in ("odd", "return", "feed")]
         steps[f"rest{has}"] = dict.fromkeys(text, f"rest{has}") | {"return": f"return{has}"}
         for shape in ("square", "round"):
             inside = f"{shape}{has}"
@@ -108,14 +106,18 @@ def _steps(codes: bool) -> dict[str, dict[str, str]]:
 
 @dataclass(frozen=True, slots=True)
 class Scanner:
-    """The lines and words of a file with the settings of one machine. codes: G0 to G3 may stand in plain lines."""
+    """The lines and words of a file with the settings of one machine.
+
+    codes: G0 to G3 may stand in plain lines; names: letters that may not begin one, as names of macros do.
+    """
 
     lexical: Lexical = NO_LEXICAL
     codes: bool = True
+    names: str = ""
 
     def index(self, data: bytes, begin: int, limit: int, end: int | None = None) -> LineIndex:
         """Find the lines of data[begin:end] that are not plain; limit: characters that a line may have."""
-        return index_lines(_automata(self.lexical, self.codes), data, begin, limit, end)
+        return index_lines(_automata(self.lexical, self.codes, self.names), data, begin, limit, end)
 
     def scan(self, data: bytes, begin: int, end: int, line: int, limit: int) -> tuple[Columns, int, int]:
         """Words of the plain lines data[begin:end] whose first has number ``line``; see ``Program.load``."""
@@ -133,10 +135,20 @@ class Scanner:
         return Columns(WORD, columns), after, next_line
 
 
+def scanner(lexical: Lexical, macros: Iterable[str]) -> Scanner:
+    """The scanner of a machine whose macros have these names (in upper case, codes without leading zeros).
+
+    A line that begins with the name of a macro is not plain.
+    """
+    plain = [name for name in macros if set(name) <= set(f"{PLAIN_LETTERS}G.0123456789")]
+    names = "".join(sorted({name[0] for name in plain} - {"G"}))
+    return Scanner(lexical, not any(_OWN_CODE.match(name) for name in plain), names)
+
+
 @functools.cache
-def _automata(lexical: Lexical, codes: bool) -> Automata:
+def _automata(lexical: Lexical, codes: bool, names: str) -> Automata:
     return automata(
-        _steps(codes), _CLASSES, lambda byte: _class_of(byte, lexical), _ENDS_WITH_WORDS, _ENDS_WITHOUT
+        _steps(codes), _CLASSES, lambda byte: _class_of(byte, lexical, names), _ENDS_WITH_WORDS, _ENDS_WITHOUT
     )  # fmt: skip
 
 
@@ -145,7 +157,7 @@ def _kinds(lexical: Lexical) -> list[int]:
     """What each byte is to ``scan_words``."""
     kinds = []
     for byte in range(256):
-        name = _class_of(byte, lexical)
+        name = _class_of(byte, lexical, "")
         if name in ("letter", "G"):
             kinds.append(ord(chr(byte).upper()))
         elif name in _DIGITS:
@@ -157,6 +169,7 @@ def _kinds(lexical: Lexical) -> list[int]:
     return kinds
 
 
+_OWN_CODE = re.compile(r"G0*[0-3](?![0-9.])")
 _POWERS = [10.0**n for n in range(k.DECIMALS_LIMIT + 1)]
 _NUMBER = re.compile(rb"[-+0-9., \t]*")
 
