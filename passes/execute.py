@@ -264,9 +264,11 @@ class Executor(Branches):
             if not told:
                 self._fail(codes.UNKNOWN_SUBPROGRAM.at(span, name=name))
             return
-        if len(self._depth) >= self.program.rules.call_depth:
+        own = self.machine.controller.controls.nesting
+        allowed = self.program.rules.call_depth if own is None else own
+        if len(self._depth) >= allowed:
             chain = " > ".join([*self._depth[-3:], name])
-            raise Refusal(codes.RECURSION.at(span, allowed=self.program.rules.call_depth, chain=chain))
+            raise Refusal(codes.RECURSION.at(span, allowed=allowed, chain=chain))
         self._enter(span)
         caller = Caller(self._call, self._file, rest)
         self._depth = [*self._depth, name]

@@ -7,11 +7,12 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
-from docs.wincnc_tables import PAGE, UNKNOWN, command_status, page, rule_of, unknowns
+from docs.wincnc_tables import PAGE, ROOT, UNKNOWN, command_status, page, rule_of, unknowns
 
 from docs import wincnc_examples as examples
 from docs import wincnc_manual as manual
 from gproof.frontend.wincnc.ini_keys import KEYS as RULES
+from gproof.ir.codes import CODES as FINDINGS
 from gproof.ir.dialects.wincnc import WINCNC
 from gproof.ir.dialects.wincnc_keys import KEYS
 from gproof.ir.dialects.wincnc_words import COMMANDS, Axes, Command
@@ -84,3 +85,17 @@ def test_the_reader_knows_the_letters_of_a_key(name: str) -> None:
     assert {p.letter for p in key.parameters} == set(rule.letters) - NOT_IN_ITS_HEADING.get(name, set())
     if key.form in ("number", "text", "command"):
         assert rule.bare
+
+
+def test_the_settings_of_the_page_are_settings_of_machine_files() -> None:
+    known = set(re.findall(r"^(\w+) = ", (ROOT / "docs" / "machine-files.md").read_text("utf-8"), re.M))
+    rows = [line.split(" | ") for line in (ROOT / "docs" / "dialects" / "wincnc.md").read_text("utf-8").splitlines()]
+    cells = [row[2] for row in rows if len(row) == 4 and row[2] not in ("setting", "–")]
+    named = {name for cell in cells for name in cell.split(":")[0].split(", ")}
+    assert named
+    assert named <= known
+
+
+def test_the_codes_of_the_page_are_finding_codes() -> None:
+    text = (ROOT / "docs" / "dialects" / "wincnc.md").read_text("utf-8")
+    assert {int(number) for number in re.findall(r"\bGP(\d{3})\b", text)} <= set(FINDINGS)

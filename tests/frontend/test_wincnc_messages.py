@@ -25,7 +25,7 @@ class Case:
     """A job behind ``PLACED`` and what is changed of the shop. code: of the finding, at the job's last line.
 
     ini: (text, its replacement) pairs; files: by name, None takes one away; at_file: the finding is not the job's;
-    after: what an error leaves unknown.
+    controls: lines of gproof's own file; after: what an error leaves unknown.
     """
 
     code: str
@@ -33,6 +33,7 @@ class Case:
     ini: tuple[tuple[str, str], ...] = ()
     files: dict[str, str | None] = field(default_factory=dict)
     at_file: bool = False
+    controls: str = ""
     after: frozenset[str] = frozenset({"GP304", "GP405", "GP225"})
 
 
@@ -75,14 +76,14 @@ CASES = {
     "Macro Expansion Error": Case("GP133", "M40 X" + 240 * "1", files={"CNC.MAC": "M40=M98 A_LONG_NAME.TAP\n"}),
     "Errors Reading WINCNC.INI": Case("GP603", "", (("nmode=90", "nmode=92"),), at_file=True),
     "CNC.MAC Not Found": Case("GP607", "", files={"CNC.MAC": None}, at_file=True),
-    "Helical Interpolation Not Supported": Case("GP416", "G2 X120 I10 J0 Z-12 F600"),
+    "Helical Interpolation Not Supported": Case("GP416", "G2 X120 I10 J0 Z-12 F600", controls="helical_arcs = false"),
     "Vector Laser Not Enabled": Case("GP285", "L251 P50"),
     "Auto-AuxOut Not Enabled": Case("GP285", "L34"),
     "Depth Must Be Lower Than Retract": Case("GP217", "G81 X120 Y60 Z-10 R-15 F300"),
 }
 
 
-def check(case: Case, folder: Path) -> list[tuple[str, int, str]]:
+def check(case: Case, folder: Path, controls: str = "") -> list[tuple[str, int, str]]:
     """Codes, lines and files of the errors and unknowns of a case."""
     ini = (SHOP / "WINCNC.INI").read_text("utf-8")
     for old, new in case.ini:
@@ -94,9 +95,10 @@ def check(case: Case, folder: Path) -> list[tuple[str, int, str]]:
         if text is not None:
             (folder / name).write_text(text, "utf-8")
     machine = folder / "WINCNC.INI"
-    if case.code == "GP416":
+    controls = case.controls or controls
+    if controls:
         machine = folder / "machine.toml"
-        said = 'schema = "gproof-machine/1"\nunits = "mm"\nbase = "WINCNC.INI"\n\n[controls]\nhelical_arcs = false\n'
+        said = f'schema = "gproof-machine/1"\nunits = "mm"\nbase = "WINCNC.INI"\n\n[controls]\n{controls}\n'
         machine.write_text(said, "utf-8")
     job = folder / "job.tap"
     job.write_text(PLACED + case.text + "\n", "utf-8")
@@ -124,3 +126,10 @@ def test_every_message_that_can_be_decided_has_a_program() -> None:
     decided = {m.text: {code.label for code in m.codes} for m in MESSAGES if m.codes}
     assert set(CASES) == set(decided)
     assert all(case.code in decided[text] for text, case in CASES.items())
+
+
+@pytest.mark.parametrize(("nesting", "codes"), [(2, []), (1, ["GP117"])])
+def test_how_deep_calls_may_go_is_a_setting(nesting: int, codes: list[str], tmp_path: Path) -> None:
+    case = Case("GP117", "M98 A.TAP", files={"A.TAP": "M98 B.TAP\n", "B.TAP": "G0 X110\n"})
+    found = check(case, tmp_path, controls=f"nesting = {nesting}")
+    assert [code for code, _, _ in found if code not in case.after] == codes
