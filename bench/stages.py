@@ -50,7 +50,7 @@ def stages(job: Path, machine_file: Path) -> dict[str, Any]:
     if plan is None:
         return out
     out["plan"] |= {"count": sum(len(section.rows) for section in plan.sections), "unit": "rows"}
-    stream = _stage("gproof.passes.step", "step", out, lambda f: f(trace, plan, machine, ZERO, findings))
+    stream = _stage("gproof.passes.step", "step", out, lambda f: f(trace, plan, machine, findings))
     if stream is None:
         return out
     out["step"] |= {"count": stream.steps(), "unit": "steps"}
