@@ -167,6 +167,11 @@ def _figures(session: Session, judgement: Judgement) -> None:
     _row("program", f"{_count(summary.lines, 'line')}, {blocks} executed in {sections}{ways}")
     reaches = [r for r in summary.box if not (r[1].startswith("the start position") and r[2] == r[3])]
     _rows("reaches", _lined_up([_reach(session, *r) for r in reaches]))
+    moving = {axis for axis, *_ in summary.box}
+    for label, places in (("begins", summary.begin), ("ends", summary.end)):
+        shown = [f"{axis.upper()} {_place(value)}" for axis, value in places.items() if axis in moving]
+        if shown:
+            _row(label, ", ".join(shown))
     if summary.box:
         _row("path", f"{summary.path_length:.1f} mm, {summary.feed_length:.1f} mm of it at feed")
         if summary.branches:
@@ -179,12 +184,16 @@ def _reach(session: Session, axis: str, relative: str, low: float, high: float) 
     """The cells of one line: axis, range, what to compare it with."""
     if relative == _NOWHERE:
         return axis.upper(), "", "", f"{'and ' if low != high else ''}somewhere that is not known"
-    known = session.machine.axis(axis)
+    known = next((one for one in session.machine.axes if one.word.lower() == axis), None)
     unit = known.unit if known is not None else "mm" if axis in "xyz" else "deg"
     beside = f"from {relative}" if relative else ""
     if not relative and known is not None and session.machine_given:
         beside = f"(limits {_limit(known.lower)} ... {_limit(known.upper)})"
     return axis.upper(), f"{round(low, 3) + 0.0:.3f}", f"{round(high, 3) + 0.0:.3f} {unit}", beside
+
+
+def _place(value: float) -> str:
+    return "not known" if math.isnan(value) else f"{round(value, 3) + 0.0:.3f}"
 
 
 def _limit(value: float | None) -> str:
@@ -254,6 +263,8 @@ def report_json(session: Session, judgement: Judgement) -> dict[str, object]:
         "summary": {
             "lines": summary.lines,
             "blocks": summary.blocks,
+            "begin": {axis: _finite(value) for axis, value in summary.begin.items()},
+            "end": {axis: _finite(value) for axis, value in summary.end.items()},
             "sections": summary.sections,
             "branches": summary.branches,
             "path_length_mm": _finite(summary.path_length),

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 
 from gproof.cli.session import Running, Session
 from gproof.ir import codes
 from gproof.ir.finding import Findings, Severity, Span
-from gproof.ir.trace import Affine, Chunk, Wait, verify_rows
+from gproof.ir.machine import Machine
+from gproof.ir.trace import Affine, Chunk, Frame, Wait, verify_rows
 from gproof.ir.verdict import DEFAULT_POLICY, Condition, PropertyResult, Verdict, worst
 from gproof.passes.arc_radius import ArcRadius
 from gproof.passes.boundaries import Boundaries
@@ -37,7 +38,8 @@ class Summary:
     """Figures of a job. box: (axis, relative to "" or unknown offsets, low, high), mm or degrees;
     seconds: estimated time without waits, None without machine data; at_least: some moves are not in it;
     branches: outcomes of unknown conditions that were followed: with some, lengths are those of all of them together
-    and the time is not known."""
+    and the time is not known; begin, end: machine position before the job and behind it by axis, mm or degrees, NaN
+    where it is not known, end empty where it has several."""
 
     lines: int = 0
     blocks: int = 0
@@ -47,6 +49,8 @@ class Summary:
     seconds: float | None = None
     at_least: bool = False
     branches: int = 0
+    begin: dict[str, float] = field(default_factory=dict)
+    end: dict[str, float] = field(default_factory=dict)
     box: list[tuple[str, str, float, float]] = field(default_factory=list)
 
 
@@ -107,9 +111,17 @@ def _pass(
     edges = Boundaries(machine, setup, findings)
     estimate = MotionEstimate(machine)
     sections, waits = 0, set[Wait]()
+    begin: dict[str, float] = {}
+    ends: list[dict[str, float]] = []
     session.program.verify()
     for chunk in follow_knife(ex.run(), machine, findings):
         verify_rows(chunk.rows, chunk.trace, f"section {chunk.section}")
+        begin = begin or _places(machine, chunk.start, chunk.trace.frames[chunk.start_frame])
+        if chunk.last and any(edge.target < 0 for edge in chunk.edges):
+            last = len(chunk.rows) - 1
+            at = chunk.start if last < 0 else tuple(chunk.rows["to"][last].tolist())
+            frame = chunk.start_frame if last < 0 else int(chunk.rows["frame"][last])
+            ends.append(_places(machine, at, chunk.trace.frames[frame]))
         waits.update(edge.wait for edge in chunk.edges)
         for check in (*checks, edges):
             check.feed(chunk)
@@ -128,16 +140,21 @@ def _pass(
         lines=session.program.line_count, blocks=ex.blocks, sections=max(1, sections),
         path_length=estimate.path_length_mm, feed_length=estimate.feed_length_mm,
         seconds=None if ex.branches else estimate.seconds, branches=ex.branches,
-        at_least=estimate.unknown_rows > 0, box=limits.box(),
+        at_least=estimate.unknown_rows > 0, box=limits.box(), begin=begin, end=ends[0] if len(ends) == 1 else {},
     )  # fmt: skip
     return [language, *results], summary, [*ex.assumed, *_standing(session, waits)], ex.met_deleted
+
+
+def _places(machine: Machine, at: Sequence[float], frame: Frame) -> dict[str, float]:
+    """A position by axis; NaN where it rests on something unknown."""
+    return {axis.word.lower(): math.nan if frame[axis.index] else float(at[axis.index]) for axis in machine.axes}
 
 
 def _standing(session: Session, waits: set[Wait]) -> list[str]:
     """What every answer about positions stands on."""
     out = []
     homed = session.setup.homed
-    missing = [axis.name.upper() for axis in session.machine.axes if axis.name not in homed]
+    missing = [axis.word for axis in session.machine.axes if axis.name not in homed]
     if missing and session.machine_given:
         out.append(f"{' '.join(missing)} are homed: machine positions are what the controller shows")
     if waits & {Wait.OPERATOR, Wait.TOOL_CHANGE}:

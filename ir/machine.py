@@ -296,6 +296,11 @@ class Machine:
     z_down_tool_length: float | None = None
     kept: tuple[tuple[str, str], ...] = ()
 
+    def word(self, column: int) -> str:
+        """The letter that programs give the axis of a column."""
+        known = self.axis(AXIS_NAMES[column])
+        return AXIS_NAMES[column].upper() if known is None else known.word
+
     def axis(self, name: str) -> Axis | None:
         """The axis of that name, or None."""
         return next((axis for axis in self.axes if axis.name == name), None)

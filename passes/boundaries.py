@@ -14,7 +14,7 @@ import numpy as np
 
 from gproof.ir import codes
 from gproof.ir.finding import Findings, Severity, Span
-from gproof.ir.machine import AXES, AXIS_NAMES, Machine
+from gproof.ir.machine import AXES, Machine
 from gproof.ir.setup import Setup
 from gproof.ir.trace import UNKNOWN, Affine, Boundary, Chunk, State, Trace
 from gproof.ir.verdict import Condition, PropertyResult, Verdict
@@ -58,7 +58,6 @@ class Boundaries(Check):
         self._boxes: dict[Key, _Box] = {}
         self._trace: Trace | None = None
         self._errors = 0
-        self._words = {axis.index: axis.word for axis in machine.axes}
         self._units = {axis.index: axis.unit for axis in machine.axes}
         self._first = Span("", 0)
 
@@ -116,7 +115,7 @@ class Boundaries(Check):
         code = codes.BOUNDARY_GUARD_OFF if key[1] else codes.BOUNDARY_EXCEEDED
         self.findings.add(
             code.at(
-                span, axis=self._words.get(axis, AXIS_NAMES[axis].upper()), reached=reached,
+                span, axis=self.machine.word(axis), reached=reached,
                 unit=self._units.get(axis, "mm"), over=abs(reached - limit), side="lower" if below else "upper",
                 limit=limit,
             )
@@ -152,7 +151,7 @@ class Boundaries(Check):
             form = add_forms(self._trace.frames[slot // 2][edge.axis], edge.form, -1)
             if form == ():
                 continue
-            word = self._words.get(edge.axis, AXIS_NAMES[edge.axis].upper())
+            word = self.machine.word(edge.axis)
             span = box.high_span[slot, edge.axis]
             if form == UNKNOWN or UNKNOWN in (self._trace.frames[slot // 2][edge.axis], edge.form):
                 if not self.findings.has(Severity.UNKNOWN, (self.name, "language")):

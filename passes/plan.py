@@ -390,9 +390,7 @@ def _first_unknown(chunk: Chunk, machine: Machine) -> tuple[int, str] | None:
         return None
     row = int(bad[0])
     frame = trace.frames[int((rows["frame"] if not known[rows["frame"][row]] else before)[row])]
-    causes = [
-        f"{axis.name.upper()} depends on {describe(frame[axis.index])}" for axis in machine.axes if frame[axis.index]
-    ]
+    causes = [f"{axis.word} depends on {describe(frame[axis.index])}" for axis in machine.axes if frame[axis.index]]
     return row, ", ".join(causes)
 
 

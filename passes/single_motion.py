@@ -290,10 +290,10 @@ def adjusted(ex: Motion, line: Command, target: list[Position], moved: set[int])
         for side, kind, end in ends:
             over = target[axis].minus(end)
             if over.form:
-                raise Refusal(codes.POSITION_UNKNOWN.at(line.span, axis=AXIS_NAMES[axis].upper(),
+                raise Refusal(codes.POSITION_UNKNOWN.at(line.span, axis=ex.machine.word(axis),
                                                         cause=f"whether it goes past its {side} {kind}"))  # fmt: skip
             if (over.value > 0) == (side == "upper") and abs(over.value) > SAME:
-                word = there.word if there is not None else AXIS_NAMES[axis].upper()
+                word = ex.machine.word(axis)
                 wanted = target[axis].value
                 ex.findings.add(
                     codes.LIMIT_ADJUSTED.at(line.span, axis=word, side=side, kind=kind, limit=end.value, wanted=wanted)
@@ -341,7 +341,7 @@ def _stated_contact(ex: Motion, axis: int, start: Position, ends: tuple[float, f
     low, high = max(ends[0], stated.low - start.value), min(ends[1], stated.high - start.value)
     if low > high:
         return ends
-    ex.assumed[f"the setup says where a switch ends a move of {AXIS_NAMES[axis].upper()}"] = None
+    ex.assumed[f"the setup says where a switch ends a move of {ex.machine.word(axis)}"] = None
     return low, high
 
 

@@ -239,7 +239,7 @@ def scaling(ex: Motion, line: Command, rule: CodeRule) -> None:
         if isinstance(value, Unknown):
             raise Refusal(codes.UNKNOWN_CONDITION.at(line.span, cause=value.cause))
         if value == 0.0:
-            raise Refusal(codes.ILLEGAL_VALUE.at(line.span, word=AXIS_NAMES[axis].upper(), what="a factor of 0"))
+            raise Refusal(codes.ILLEGAL_VALUE.at(line.span, word=ex.machine.word(axis), what="a factor of 0"))
     numbers = {axis: value for axis, value in words.items() if not isinstance(value, Unknown)}
     common = line.number("C") or 0.0
     i, j, k = (common if line.number(letter) is None else line.number(letter) or 0.0 for letter in "IJK")

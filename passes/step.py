@@ -75,7 +75,7 @@ def _refuse_what_has_no_steps(trace: Trace, machine: Machine) -> None:
         for axis in turned:
             if not found.any():
                 found = moving & (rows["to"][:, axis.index] != section.start[axis.index])
-                what = f"the feed of {axis.name.upper()} is that of the tool over the material"
+                what = f"the feed of {axis.word} is that of the tool over the material"
         if found.any():
             raise Refusal(codes.NOT_STEPPED.at(row_span(trace, rows, int(np.argmax(found))), what=what))
 
@@ -166,7 +166,7 @@ class _Section:
         for axis in stepper.axes:
             form = trace.frames[section.start_frame][axis.index]
             if form:
-                cause = f"{axis.name.upper()} depends on {describe(form)}"
+                cause = f"{axis.word} depends on {describe(form)}"
                 where = row_span(trace, self.rows, 0) if len(self.rows) else Span(trace.files[0], 0)
                 raise Refusal(codes.PLAN_NEEDS_NUMBERS.at(where, cause=cause))
         self._open_loop()
