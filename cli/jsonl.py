@@ -71,7 +71,7 @@ def _event(op: Op, arg: list[float], texts: list[str], text: int) -> dict[str, A
         case Op.SETPOINT:
             return {"name": texts[text], "channel": int(first), "value": _number(second)}
         case Op.INPUT_WAIT:
-            return {"channel": int(first), "value": second}
+            return {"channel": int(first), "value": _number(second)}
         case Op.HOME:
             return {"axes": texts[text].split()}
         case Op.STOP:

@@ -115,7 +115,7 @@ def _homed(root: TomlTable, columns: Columns) -> tuple[str, ...]:
     value = root.take("homed")
     if value is None:
         return ()
-    if not isinstance(value, list) or any(axis not in columns for axis in value):
+    if not isinstance(value, list) or any(not isinstance(axis, str) or axis not in columns for axis in value):
         root.bad("homed", f"not a list of axes such as {list(columns)[:3]}")
         return ()
     return tuple(column for name, (column, _) in columns.items() if name in value)

@@ -534,5 +534,5 @@ class Limits(Check):
                 seen = by_form.setdefault(form, [math.inf, -math.inf])
                 seen[0], seen[1] = min(seen[0], least), max(seen[1], most)
             for form, (least, most) in by_form.items():
-                out.append((AXIS_NAMES[index], describe(form), least, most))
+                out.append((self.machine.word(index).lower(), describe(form), least, most))
         return out
