@@ -222,6 +222,7 @@ OPEN = {
     "G41": [("with O other than 0", "G41 O1\nG1 X120\nG40")],
     "G42": [("with O other than 0", "G42 O1\nG1 X120\nG40")],
     "L10": [("with several rows and columns", "L10 R2 C2 X50 Y50 E1\nG92 X0 Y0\nG1 X10\nL10")],
+    "L28": [("at a place that no switch gave", "L28 Z0")],
     "L36": [("with the torch lit", "L36\nL38\nG1 X110\nL39\nL37")],
     "L38": [("with A", "L38 A5\nL39")],
     "M17.1": [("an empty line or a comment behind it", "M17.1 C2\n\nG1 X110")],
