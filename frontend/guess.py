@@ -30,9 +30,26 @@ _MARKERS: tuple[tuple[str, str, re.Pattern[bytes]], ...] = (
 _EXTENSIONS = {
     ".cnc": "eding", ".ngc": "eding", ".nc": "eding", ".gcode": "eding", ".gc": "eding", ".g": "eding",
     ".ncd": "eding", ".iso": "eding", ".txt": "eding", ".eia": "eding",
-    ".tap": "eding", ".mac": "wincnc", ".wnc": "wincnc", ".pim": "mcuwin", ".din": "mcuwin",
+    ".tap": "wincnc", ".mac": "wincnc", ".wnc": "wincnc", ".pim": "mcuwin", ".din": "mcuwin",
 }  # fmt: skip
 """What an extension says when the text says nothing."""
+
+
+_SHOP_FILES = ("wincnc.ini", "cnc.mac")
+"""Files of a WinCNC folder; a job lies beside them or in a folder below."""
+
+
+def _shop_file(path: Path) -> Path | None:
+    """A file that only a WinCNC folder has, beside the job or one folder up."""
+    for folder in (path.parent, path.parent / ".."):
+        try:
+            names = {entry.name.lower(): entry for entry in folder.iterdir()}
+        except OSError:
+            continue
+        for name in _SHOP_FILES:
+            if name in names:
+                return names[name]
+    return None
 
 
 def guess_dialect(path: Path) -> tuple[str, str]:
@@ -43,11 +60,14 @@ def guess_dialect(path: Path) -> tuple[str, str]:
     except OSError:
         head = b""
     extension = path.suffix.lower()
+    beside = _shop_file(path)
     for dialect, reason, marker in _MARKERS:
         found = marker.search(head)
         if found:
             line = head.count(b"\n", 0, found.start()) + 1
             return dialect, f"{reason} in line {line}"
+    if beside is not None:
+        return "wincnc", f"{beside.name} in {beside.parent}"
     if extension in _EXTENSIONS:
         return _EXTENSIONS[extension], f"extension {extension}"
     return "eding", "nothing says otherwise"

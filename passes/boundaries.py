@@ -133,7 +133,11 @@ class Boundaries(Check):
             if low > high + 2 * ROUNDING:
                 self._unknown(self._first, describe(form), f"no {describe(form)} keeps the whole job within boundaries")
             else:
-                conditions.append(Condition(terms=form, low=min(low, high), high=max(low, high)))
+                low, high = min(low, high), max(low, high)
+                if all(coefficient < 0 for _, coefficient in form):
+                    # Told of the offset itself, not of its negative.
+                    form, low, high = tuple((symbol, -c) for symbol, c in form), -high, -low
+                conditions.append(Condition(terms=form, low=low, high=high))
         verdict = Verdict.SAFE
         if self._errors:
             verdict = Verdict.UNSAFE

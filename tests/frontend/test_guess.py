@@ -21,7 +21,7 @@ def test_the_corpus_is_eding(path: Path) -> None:
     [
         ("a.cnc", "g0 x1\n", "eding", "extension .cnc"),
         ("a.NGC", "g0 x1\n", "eding", "extension .ngc"),
-        ("a.tap", "g0 x1\n", "eding", "extension .tap"),
+        ("a.tap", "g0 x1\n", "wincnc", "extension .tap"),
         ("a.gcode", "g0 x1\n", "eding", "extension .gcode"),
         ("a.tap", "g0 x1\n#1=3\n", "eding", "numbered parameter in line 2"),
         ("a", "g0\nEnd Sub\n", "eding", "flow control in line 2"),
@@ -34,7 +34,7 @@ def test_the_corpus_is_eding(path: Path) -> None:
         ("a.mac", "g0 x1\n", "wincnc", "extension .mac"),
         ("a.src", "%1000\nN1 G0 X1\n", "mcuwin", "in line 1"),
         ("a.cnc", "G0 X1\n$wt(100);\n", "mcuwin", "in line 2"),
-        ("missing.tap", None, "eding", "extension .tap"),
+        ("missing.tap", None, "wincnc", "extension .tap"),
     ],
 )
 def test_guesses(tmp_path: Path, name: str, text: str | None, dialect: str, reason: str) -> None:
@@ -44,3 +44,24 @@ def test_guesses(tmp_path: Path, name: str, text: str | None, dialect: str, reas
     found, why = guess_dialect(path)
     assert found == dialect
     assert reason in why
+
+
+SHOPS = sorted((Path(__file__).resolve().parents[2] / "corpus" / "wincnc").glob("*/jobs/*.tap"))
+
+
+@pytest.mark.parametrize("path", SHOPS, ids=lambda path: f"{path.parents[1].name}/{path.stem}")
+def test_the_shops_are_wincnc(path: Path) -> None:
+    assert guess_dialect(path)[0] == "wincnc"
+
+
+@pytest.mark.parametrize("name", ["WINCNC.INI", "wincnc.ini", "Cnc.Mac"])
+@pytest.mark.parametrize("folder", [".", "jobs"])
+def test_a_shop_file_beside_the_job_or_one_up(tmp_path: Path, name: str, folder: str) -> None:
+    (tmp_path / name).write_text("unit=IN\n")
+    job = tmp_path / folder / "part.nc"
+    job.parent.mkdir(exist_ok=True)
+    job.write_text("g0 x1\n")
+    dialect, why = guess_dialect(job)
+    assert (dialect, name in why) == ("wincnc", True)
+    job.write_text("g0 x1\n#1=2\n")
+    assert guess_dialect(job)[0] == "eding"
