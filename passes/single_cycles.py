@@ -95,16 +95,23 @@ def _go(ex: Motion, line: Command, op: Op, place: Position) -> None:
 
 
 def _pecks(ex: Motion, line: Command, r: Position, depth: Position, peck: float, lift_word: float | None) -> None:
-    """G83: back to R after each peck but the last, then rapid to just above where it was."""
+    """G83: back to R after each peck but the last, then rapid to just above where it was.
+
+    With g81set=L the way back ends so far above R: the top of the hole, from which it counts, is nowhere above R.
+    """
     settings = ex.machine.controller.controls.drill
     approach = APPROACH if settings.approach is None else settings.approach
-    if settings.lift or lift_word:
-        raise Refusal(codes.UNSUPPORTED_CODE.at(line.span, code="a lift between pecks beside R (g81set=L)"))
+    if lift_word:
+        raise Refusal(codes.UNSUPPORTED_CODE.at(line.span, code="L beside R (G83)"))
+    top = r
+    if settings.lift is not None and settings.lift > 0.0:
+        top = Position(r.value + settings.lift, r.form)
+        ex.assumed["between pecks (G83) a drill lifts no higher than g81set=L above R"] = None
     at = r.value
     while at - peck > depth.value + 1e-9:
         at -= peck
         _go(ex, line, Op.FEED, Position(at, r.form))
-        _go(ex, line, Op.TRAVERSE, r)
+        _go(ex, line, Op.TRAVERSE, top)
         _go(ex, line, Op.TRAVERSE, Position(min(at + approach, r.value), r.form))
     _go(ex, line, Op.FEED, depth)
 

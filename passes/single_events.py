@@ -17,7 +17,7 @@ from gproof.ir.rules import Function as F
 from gproof.ir.trace import Op, Wait
 from gproof.passes.emitter import ProgramEnd
 from gproof.passes.expressions import Evaluator
-from gproof.passes.single_motion import Handler, follow, note_assumptions, switch_output
+from gproof.passes.single_motion import Handler, follow, lose_places, note_assumptions, switch_output
 from gproof.passes.single_state import value_of, vertical_axes, with_pair
 from gproof.passes.values import NOWHERE, Position, Unknown, Value
 
@@ -77,6 +77,8 @@ def output(ex: Motion, line: Command, rule: CodeRule) -> None:
     s.single = s.single.but(outputs=with_pair(s.single.outputs, number, float(on)))
     passing = rule.function in (F.OUTPUT_ON_MOVING, F.OUTPUT_OFF_MOVING)
     ex.event(Op.OUTPUT, line.span, arg=(float(number), float(on)), text=int(passing))
+    if controls.torch is not None and number == controls.torch.output:
+        _burning(ex, line, rule, on=on)
 
 
 def _bank(ex: Motion, line: Command, rule: CodeRule, on: bool) -> None:
@@ -347,17 +349,14 @@ def boundary(ex: Motion, line: Command, rule: CodeRule) -> None:
 # ---- devices that move axes in ways that nobody can follow
 
 
-def _device(name: str, on: bool, axes: str = "") -> Handler:
+def _device(name: str, on: bool, *, moves: bool = False) -> Handler:
     def handler(ex: Motion, line: Command, rule: CodeRule) -> None:
         s = ex.modal
         flags = s.single.flags | {name} if on else s.single.flags - {name}
         s.single = s.single.but(flags=flags)
         note(ex, line, rule)
-        if on and axes:
-            places = range(AXES) if axes == "*" else [AXIS_NAMES.index(axis) for axis in axes]
-            for axis in places:
-                s.position[axis] = NOWHERE
-            s.jumped = True
+        if on and moves:
+            lose_places(ex)
             raise Refusal(codes.UNSUPPORTED_CODE.at(line.span, code=f"{rule.text}, which moves axes on its own,"))
 
     return handler
@@ -380,13 +379,27 @@ def torch(ex: Motion, line: Command, rule: CodeRule) -> None:
         ex.event(Op.DWELL, line.span, arg=(delay, 0.0))
     axis = AXIS_NAMES.index(control.axis) if control is not None and control.axis else 2
     lift = 0.0 if control is None or control.lift is None else control.lift
-    if on and "height" in s.single.flags:
-        s.position[axis] = NOWHERE
-        ex._fail(codes.HEIGHT_CONTROL.at(line.span, code=rule.text))
-        s.jumped = True
+    _burning(ex, line, rule, on=on)
     if not on and lift:
-        known = "height" not in s.single.flags
+        known = not _height_acts(ex)
         s.position[axis] = ex.unknown_place("value", axis, (0.0, lift), s.position[axis]) if known else NOWHERE
+        s.jumped = True
+
+
+def _height_acts(ex: Motion) -> bool:
+    """Whether height control may move Z: after L36, and before the job's first L37, as nobody says how it begins."""
+    flags = ex.modal.single.flags
+    return "height" in flags or ("height off" not in flags and ex.setup.default_offset is None)
+
+
+def _burning(ex: Motion, line: Command, rule: CodeRule, *, on: bool) -> None:
+    """The torch burns, by L38 or by its output, or goes out: Z goes where the arc's voltage sends it."""
+    s = ex.modal
+    s.single = s.single.but(flags=s.single.flags | {"torch"} if on else s.single.flags - {"torch"})
+    if on and _height_acts(ex):
+        control = ex.machine.controller.controls.torch
+        s.position[AXIS_NAMES.index(control.axis) if control is not None and control.axis else 2] = NOWHERE
+        ex._fail(codes.HEIGHT_CONTROL.at(line.span, code=rule.text))
         s.jumped = True
 
 
@@ -394,8 +407,11 @@ def height(ex: Motion, line: Command, rule: CodeRule) -> None:
     """L36 and L37: torch height control."""
     s = ex.modal
     on = rule.function is F.HEIGHT_ON
-    s.single = s.single.but(flags=s.single.flags | {"height"} if on else s.single.flags - {"height"})
+    flags = s.single.flags - {"height", "height off"} | {"height" if on else "height off"}
+    s.single = s.single.but(flags=flags)
     ex.event(Op.SETPOINT, line.span, arg=(0.0, float(on)), text=ex._text("height_control"))
+    if on and "torch" in flags:
+        _burning(ex, line, rule, on=True)
 
 
 def auto_output(ex: Motion, line: Command, rule: CodeRule) -> None:
@@ -465,9 +481,7 @@ def measured(ex: Motion, line: Command, rule: CodeRule) -> None:
 
 def recall(ex: Motion, line: Command, rule: CodeRule) -> None:
     """L401: to where all axes were before the last file ran, which this job does not say."""
-    for axis in range(AXES):
-        ex.modal.position[axis] = NOWHERE
-    ex.modal.jumped = True
+    lose_places(ex)
     raise Refusal(codes.UNSUPPORTED_CODE.at(line.span, code=f"{rule.text}, to a place that an earlier file left,"))
 
 
@@ -527,10 +541,10 @@ HANDLERS: dict[F, Handler] = {
     F.HIGH_BOUNDARY: boundary,
     F.LOW_BOUNDARY_RESTORE: boundary,
     F.HIGH_BOUNDARY_RESTORE: boundary,
-    F.KNIFE_ON: _device("knife", True, "*"),
+    F.KNIFE_ON: _device("knife", True, moves=True),
     F.KNIFE_OFF: _device("knife", False),
     F.KNIFE_SETTING: note,
-    F.SAW_ON: _device("saw", True, "*"),
+    F.SAW_ON: _device("saw", True, moves=True),
     F.SAW_OFF: _device("saw", False),
     F.HEIGHT_ON: height,
     F.HEIGHT_OFF: height,
@@ -541,7 +555,7 @@ HANDLERS: dict[F, Handler] = {
     F.MEASURE_DEPTH: measured,
     F.RECALL_POSITIONS: recall,
     F.FEED_OVERRIDE: feed_override,
-    F.PROBE_ON: _device("probe", True, "*"),
+    F.PROBE_ON: _device("probe", True, moves=True),
     F.PROBE_OFF: _device("probe", False),
     F.ABORT: abort,
     F.RETURN: subprogram_end,

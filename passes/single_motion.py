@@ -46,6 +46,13 @@ def note_assumptions(ex: Motion) -> None:
         ex.assumed["no rotation, no scaling, no axis mapping, no knife and no array is on at the start"] = None
 
 
+def lose_places(ex: Motion) -> None:
+    """Nobody knows any more where the axes stand that the machine has."""
+    for axis in ex.machine.axes:
+        ex.modal.position[axis.index] = NOWHERE
+    ex.modal.jumped = True
+
+
 # ---- words to places
 
 
@@ -366,9 +373,7 @@ def stored_place(ex: Motion, line: Command, op: Op, *, machine: bool = False) ->
         raise Refusal(codes.STORED_POSITION_MISSING.at(line.where(letter), word=f"{letter}{number}"))
     place = stored_in(ex, f"{letter}{number}")
     if place is None:
-        for axis in range(AXES):
-            s.position[axis] = NOWHERE
-        s.jumped = True
+        lose_places(ex)
         raise Refusal(codes.UNSUPPORTED_CODE.at(
             line.where(letter), code=f"the stored position {letter}{number}, which no setup states,"))  # fmt: skip
     places, lift = place

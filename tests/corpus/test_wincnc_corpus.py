@@ -1,13 +1,15 @@
-"""The WinCNC workshops are whole: every job has its expectation, its files and its line in the README."""
+"""Every job of the WinCNC workshops through the real command line ends as its `.toml` and its markers say."""
 
 from __future__ import annotations
 
 import importlib.util
+import subprocess
+import sys
 import tomllib
 from pathlib import Path
 
 import pytest
-from corpus.expectations import ROOT, markers, readme_tables
+from corpus.expectations import JUDGED, ROOT, findings, markers, misplaced, readme_tables, report_of
 
 SHOPS = ROOT / "corpus" / "wincnc"
 JOBS = sorted(path.with_suffix(".tap") for path in SHOPS.glob("*/jobs/*.toml"))
@@ -26,6 +28,32 @@ def called(job: Path) -> list[Path]:
     """The subprogram files beside a job that it names."""
     text = job.read_text(encoding="latin-1").upper()
     return [path for path in sorted(job.parent.glob("*.TAP")) if path.name.upper() in text]
+
+
+@pytest.mark.parametrize("job", JOBS, ids=name_of)
+def test_job_ends_as_expected(job: Path) -> None:
+    expect = expectation(job)
+    command = ["check", str(job), "--machine", str(job.parent / expect["machine"]), "--dialect", "wincnc"]
+    if "setup" in expect:
+        setup = expect["setup"]
+        command += ["--setup", setup if setup == "zero" else str(job.parent / setup)]
+    done = subprocess.run(
+        [sys.executable, "-m", "gproof.cli.main", *command, "--format", "json"],
+        cwd=ROOT,
+        stdin=subprocess.DEVNULL,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert "Traceback" not in done.stderr, done.stderr
+    report = report_of(done.stdout or done.stderr)
+    found = findings(report)
+    assert {one.code for one in found if one.severity in JUDGED} == set(expect["findings"]), found
+    assert report["verdict"] == expect["verdict"]
+    assert done.returncode == expect["exit"]
+    verdicts = {name: report["properties"][name]["verdict"] for name in expect.get("properties", {})}
+    assert verdicts == expect.get("properties", {})
+    assert [place for file in [job, *called(job)] for place in misplaced(found, file)] == []
 
 
 @pytest.mark.parametrize("job", JOBS, ids=name_of)
