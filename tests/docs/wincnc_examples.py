@@ -95,7 +95,7 @@ L_CODES = {
     "L36.2": "L36.2",
     "L37": "L37",
     "L37.1": "L37.1",
-    "L38": "L38\nL39",
+    "L38": "L37\nL38\nL39",
     "L39": "L39",
     "L40": "L40 P90",
     "L41": "L41 C:\\Tools\\Count.exe",
@@ -224,7 +224,7 @@ OPEN = {
     "L10": [("with several rows and columns", "L10 R2 C2 X50 Y50 E1\nG92 X0 Y0\nG1 X10\nL10")],
     "L28": [("at a place that no switch gave", "L28 Z0")],
     "L36": [("with the torch lit", "L36\nL38\nG1 X110\nL39\nL37")],
-    "L38": [("with A", "L38 A5\nL39")],
+    "L38": [("before the first L37", "L38\nL39\nL37"), ("with A", "L37\nL38 A5\nL39")],
     "M17.1": [("an empty line or a comment behind it", "M17.1 C2\n\nG1 X110")],
     "P": [("a position that no setup states", "P9")],
 }
