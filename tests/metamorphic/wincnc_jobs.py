@@ -18,8 +18,6 @@ from gproof.cli.session import Running, open_session
 from gproof.ir.trace import Chunk
 
 AXES = "xyzw"
-COLUMN = {"x": 0, "y": 1, "z": 2, "w": 3}
-"""Where ``Run.to`` has an axis: the second head is that of A."""
 INI = """\
 unit=MM
 timertype=7200
@@ -50,6 +48,8 @@ auxout=C2 P7 B1 O0 S0 E0 X0
 """
 WIDE = 1e6
 
+Move = tuple[float, ...]
+"""What a move is (``Op``), turns of an arc, and X Y Z W of where it goes."""
 Sides = dict[str, tuple[float | None, float | None]]
 
 
@@ -123,6 +123,39 @@ class Job:
         return f"{ini}{self.machine_text()}{self.setup_text()}--- job\n{self.program}{files}{macros}"
 
 
+@dataclass
+class Section:
+    """Moves of a section, and the sections that may follow it; None: the end."""
+
+    moves: list[Move] = field(default_factory=list)
+    targets: list[int | None] = field(default_factory=list)
+
+
+@dataclass(frozen=True)
+class Sections(Run):
+    """A run with its sections."""
+
+    sections: dict[int, Section] = field(default_factory=dict)
+
+
+def paths(one: Run) -> set[tuple[Move, ...]]:
+    """Every way through the sections of a run: its moves, those left out that go nowhere."""
+    assert isinstance(one, Sections)
+    done: set[tuple[Move, ...]] = set()
+    open_: list[tuple[int, tuple[Move, ...]]] = [(0, ())]
+    while open_:
+        number, moves = open_.pop()
+        section = one.sections.get(number, Section())
+        for move in section.moves:
+            if not moves or move[0] > 2 or move[2:] != moves[-1][2:]:
+                moves = (*moves, move)
+        following = [target for target in section.targets if target is not None and target >= 0]
+        open_ += [(target, moves) for target in following]
+        if not following:
+            done.add(moves)
+    return done
+
+
 def _number(value: float | None) -> str:
     assert value is not None
     return f"{value:.9f}".rstrip("0").rstrip(".")
@@ -142,8 +175,14 @@ def run(folder: Path, job: Job, *, call: str | None = None) -> Run:
     rows: list[np.ndarray] = []
     forms: list[object] = []
 
+    sections: dict[int, Section] = {}
+
     def observe(chunk: Chunk) -> None:
         moving = chunk.rows["op"] < 10
+        section = sections.setdefault(chunk.section, Section())
+        section.targets += [edge.target for edge in chunk.edges]
+        for op, turns, to in zip(*(chunk.rows[name][moving].tolist() for name in ("op", "turns", "to")), strict=True):
+            section.moves.append((op, turns, *(round(value, 6) for value in to[:4])))
         rows.append(
             np.column_stack([
                 chunk.rows["to"][moving], chunk.rows["center"][moving], chunk.rows["op"][moving],
@@ -154,16 +193,17 @@ def run(folder: Path, job: Job, *, call: str | None = None) -> Run:
 
     judgement = judge(session, running=Running(UNBOUNDED), observe=observe)
     made = np.concatenate(rows) if rows else np.zeros((0, 13))
-    start = {"xyza"[COLUMN[n]]: v for n, v in job.start.items()}
-    same = EdingJob("", {}, start=start)
-    return Run(same, judgement, made[:, :6], made[:, 6:9], made[:, 9:12].astype(np.int64), made[:, 12], forms)
+    same = EdingJob("", {}, start=dict(job.start))
+    return Sections(
+        same, judgement, made[:, :6], made[:, 6:9], made[:, 9:12].astype(np.int64), made[:, 12], forms, sections
+    )
 
 
 def without_standing(one: Run) -> Run:
     """Without moves that go nowhere: places before and behind are the same, and they are no arcs."""
     if not len(one.to):
         return one
-    start = [one.job.start.get(n) for n in "xyza"]
+    start = [one.job.start.get(n) for n in AXES]
     first = [value if isinstance(value, float) else np.nan for value in start] + [0.0, 0.0]
     before = np.vstack([first, one.to[:-1]])
     forms = [None, *one.forms[:-1]]
@@ -180,7 +220,7 @@ def fitted(job: Job, one: Run, room: float, *, axes: str = AXES) -> Job:
     """Limits that lie so far beyond what a job reaches, for the axes whose places rest on nothing unknown."""
     limits = dict(job.limits)
     for name in axes:
-        known = [span for (axis, form), span in one.box.items() if axis == "xyza"[COLUMN[name]] and form == ""]
+        known = [span for (axis, form), span in one.box.items() if axis == name and form == ""]
         if known:
             low, high = known[0][0] - room, known[0][1] + room
             limits[name] = (min(low, high), max(low, high))
