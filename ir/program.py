@@ -390,6 +390,8 @@ class Program:
 
     overrides: (letter, tenths) of codes that a subprogram replaces -> its name. The words of such a line are its
     arguments (``LanguageRules.argument_base``); inside of it the code is the controller's own.
+    tail: the last statements of the body, those that also run where the job ends itself before; abort: what runs where
+    it aborts itself.
     """
 
     dialect: str
@@ -399,6 +401,8 @@ class Program:
     subprograms: dict[str, Subprogram] = field(default_factory=dict)
     overrides: dict[tuple[str, int], str] = field(default_factory=dict)
     line_count: int = 0
+    tail: tuple[Statement, ...] = ()
+    abort: tuple[Statement, ...] = ()
     scan: Scan | None = field(default=None, compare=False, repr=False)
     annotate: Annotate | None = field(default=None, compare=False, repr=False)
 

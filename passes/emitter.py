@@ -134,6 +134,10 @@ class Emitter:
         """End the file that runs: back to its caller, or the end of the job."""
         raise NotImplementedError
 
+    def aborted(self) -> bool:
+        """The job aborts itself: go on with what the controller runs then; False where there is no such thing."""
+        raise NotImplementedError
+
     def _note_stop(self, line: Line, text: str) -> None:
         self.findings.add(codes.OPERATOR_STOP.at(line.span, code=text))
 

@@ -44,7 +44,7 @@ from gproof.passes.commands import run_command
 from gproof.passes.dialogs import run_dialog
 from gproof.passes.emitter import DEFAULT_BRANCHES, DEFAULT_BUDGET, ProgramEnd
 from gproof.passes.expressions import describe_parts
-from gproof.passes.frames import Caller, Frame, Kept
+from gproof.passes.frames import Caller, Frame, Kept, Path
 from gproof.passes.knife import follow_knife
 from gproof.passes.overrides import Words, replaced
 from gproof.passes.values import Unknown, Value
@@ -101,6 +101,8 @@ class Executor(Branches):
         if self._end is None or len(self._stack) > 1 + in_table or self.branches:
             return
         (code, line), self._end = self._end, None
+        if line <= 0 or self._stack[0].body is not self.program.body:
+            return
         if in_table and (after := frame.next_line()):
             self._text_after_end(code, after)
             return
@@ -238,8 +240,15 @@ class Executor(Branches):
         """End the file that runs: back to its caller, or the end of the job."""
         place = next((n for n in reversed(range(len(self._stack))) if self._stack[n].caller is not None), -1)
         if place < 0:
-            self.event(Op.END, span)
+            if any(frame.cells is not None for frame in self._stack):
+                what = "M99 in an array of the job (whether the other places are still cut is not said)"
+                raise Refusal(codes.UNSUPPORTED_CODE.at(span, code=what))
             self._end = "M99", span.line
+            if self.program.tail and not self._is_behind():
+                self._warn_after_end()
+                self.end_with(self.program.tail)
+                return
+            self.event(Op.END, span)
             self._end_section(Wait.END, "end", -1, span.line)
             raise ProgramEnd
         gone = self._stack[place + 1 :]
@@ -247,6 +256,26 @@ class Executor(Branches):
         self._loops -= sum(isinstance(frame.node, While) for frame in gone)
         self._stack = self._stack[: place + 1]
         self._stack[-1].at = len(self._stack[-1].body)
+        self._arrived(gone, 1)
+
+    def _is_behind(self) -> bool:
+        """Whether what runs is behind the job, or behind its abort."""
+        first = self._stack[0]
+        at_tail = first.body is self.program.body and first.at > len(first.body) - len(self.program.tail)
+        return at_tail or (first.body is not self.program.body and first.caller is None)
+
+    def aborted(self) -> bool:
+        """The job aborts itself: go on with what the controller runs then; False where there is no such thing."""
+        if not self.program.abort or self._stack[0].body is self.program.abort:
+            return False
+        self.end_with(self.program.abort)
+        return True
+
+    def end_with(self, body: tuple[Statement, ...]) -> None:
+        """Leave all that runs; what is left to do is this, and then the job is over."""
+        gone, self._stack = self._stack, [Frame(body)]
+        self._nesting, self._loops, self._depth = 0, 0, []
+        self._call, self._file = 0, 0
         self._arrived(gone, 1)
 
     def _enter(self, span: Span) -> None:
@@ -329,14 +358,18 @@ class Executor(Branches):
             if stated is not None:
                 ends = (stated != 0) == (ending == "yes")
                 outcome = ending if ends else going
-                self._end_section(Wait.OPERATOR, outcome, -1 if ends else None, node.span.line)
-                if ends:
+                behind = bool(self.program.abort)
+                self._end_section(Wait.OPERATOR, outcome, -1 if ends and not behind else None, node.span.line)
+                if ends and not self.aborted():
                     raise ProgramEnd
                 return
+            end = self.rows.new_section() if self.program.abort else -1
             self._close((
                 Edge(wait=Wait.OPERATOR, outcome=going, target=target, line=node.span.line),
-                Edge(wait=Wait.OPERATOR, outcome=ending, target=-1, line=node.span.line),
+                Edge(wait=Wait.OPERATOR, outcome=ending, target=end, line=node.span.line),
             ))  # fmt: skip
+            if end >= 0:
+                self._waiting.append(Path([Frame(self.program.abort)], self.modal.copy(), end, (0, 0, [], False, 0)))
             self._begin(target)
         if node.kind == "dialog":
             run_dialog(self, node)

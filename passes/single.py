@@ -163,8 +163,8 @@ def _measure_behind(words: Words) -> int:
     """Where an M37 begins behind a move on one line (G31: a tool that touches its switch is measured at once), or 0."""
     for n, (letter, value, _) in enumerate(words):
         if n and letter == "M" and value == 37.0:
-            moves = [v for k, v, _ in words[:n] if k == "G" and v in (0.0, 1.0)]
-            return n if moves else 0
+            before = [v for k, v, _ in words[:n] if k == "G"]
+            return n if 31.0 in before and (0.0 in before or 1.0 in before) else 0
     return 0
 
 
@@ -185,6 +185,7 @@ def _execute(ex: Motion, line: Command) -> None:
         single_motion.without_command(ex, line)
         return
     _need_device(ex, line, command)
+    _doubt_mapping(ex, line, command)
     if command.function is F.UNSUPPORTED:
         _unsupported(ex, line, command)
         return
@@ -192,6 +193,17 @@ def _execute(ex: Motion, line: Command) -> None:
         single_events.note(ex, line, command)
         return
     HANDLERS[command.function](ex, line, command)
+
+
+def _doubt_mapping(ex: Motion, line: Command, command: CodeRule) -> None:
+    """Refusal GP113 where words that do not move would mean other axes if L11 and L12 changed them too."""
+    sources = ex.modal.single.sources
+    if command.function in single_motion.MOVES or command.function in _MAPPINGS or not command.uses_axes:
+        return
+    words = line.axes()
+    if words != {axis: words[source] for axis, source in enumerate(sources) if source in words}:
+        what = f"{command.text} while L11 or L12 maps its axes (whether the map holds for it is not said)"
+        raise Refusal(codes.UNSUPPORTED_CODE.at(line.where_code(command), code=what))
 
 
 def _need_device(ex: Motion, line: Command, command: CodeRule) -> None:

@@ -214,8 +214,15 @@ def tool_number(ex: Motion, line: Command, rule: CodeRule) -> None:
     if offset is None:
         offset = s._symbol(f"tool.{register}.{AXIS_NAMES[axis]}") if number else s._symbol(
             f"tool.{number}.{AXIS_NAMES[axis]}")  # fmt: skip
-    s.tool_offset[axis] = offset
-    s.single = s.single.but(unmeasured=s.single.unmeasured - {axis})
+    if axis in s.single.unmeasured:
+        # G49 is in force: whether the new tool's measure is, the manual does not say; G43 and G49 settle it.
+        stored = list(s.single.before or s.tool_offset)
+        stored[axis] = offset
+        s.single = s.single.but(before=tuple(stored))
+        if offset != s.tool_offset[axis]:
+            s.tool_offset[axis] = NOWHERE
+    else:
+        s.tool_offset[axis] = offset
     if rule.value == 1:
         s.tool = number
     ex._state_changed()
@@ -500,6 +507,8 @@ def feed_override(ex: Motion, line: Command, rule: CodeRule) -> None:
 def abort(ex: Motion, line: Command, rule: CodeRule) -> None:
     """M99.1: the program aborts itself."""
     ex.findings.add(codes.ABORTED_BY_PROGRAM.at(line.span, code=rule.text))
+    if ex.aborted():
+        return
     ex.event(Op.END, line.span)
     ex._end = rule.text, line.span.line
     ex._end_section(Wait.END, "aborted", -1, line.span.line)

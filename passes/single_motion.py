@@ -565,13 +565,15 @@ def _center(
     if not given:
         if kept is None:
             raise Refusal(codes.ARC_CENTER_MISSING.at(line.span, code=rule.text, needed="I and J, or R"))
+        if math.isnan(kept[0]):
+            raise Refusal(codes.ARC_UNKNOWN.at(line.span, cause="I and J of an arc before the unit was changed"))
         i, j = kept
     else:
         values = []
         for n, letter in enumerate("IJ"):
             value = given.get(letter)
             if value is None:
-                if kept is not None and abs(kept[n]) > SAME:
+                if kept is not None and not abs(kept[n]) <= SAME:
                     other = f"{letter} left out: that of the arc before, or 0"
                     raise Refusal(codes.ARC_UNKNOWN.at(line.span, cause=other))
                 value = 0.0

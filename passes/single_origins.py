@@ -48,6 +48,11 @@ def units(ex: Motion, line: Command, rule: CodeRule) -> None:
     if new is None:
         raise Refusal(codes.UNSUPPORTED_CODE.at(line.span, code=f"{rule.text} before any change of the unit"))
     s.single = s.single.but(unit_before=s.unit)
+    if new != s.unit:
+        # Whether kept numbers are numbers or lengths is not said.
+        s.cycle = {}
+        if s.single.center is not None:
+            s.single = s.single.but(center=(math.nan, math.nan))
     s.unit = new
     s.stated.add("units")
     ex._state_changed()
@@ -297,6 +302,14 @@ def home(ex: Motion, line: Command, rule: CodeRule) -> None:
     """G28: axes run to their switches; there they count as machine zero, or what g28coord= says."""
     s = ex.modal
     axes = _homing_order(ex, list(line.axes()) or _all_axes(ex))
+    held = s.single.locked & set(axes)
+    held |= {axis for pair in s.single.slaves for axis in pair} & set(axes)
+    if held:
+        for axis in axes:
+            s.position[axis] = NOWHERE
+        s.jumped = True
+        what = f"{rule.text} of an axis that L300 locks or L13 couples"
+        raise Refusal(codes.UNSUPPORTED_CODE.at(line.where_code(rule), code=what))
     names = " ".join(AXIS_NAMES[axis] for axis in axes)
     ex.event(Op.HOME, line.span, text=ex._text(names))
     for axis in axes:
@@ -375,7 +388,9 @@ def lengths(ex: Motion, line: Command, rule: CodeRule) -> None:
     stored = dict(enumerate(s.single.before or s.tool_offset))
     if rule.function is F.TOOL_OFFSET_OFF:
         for axis in axes - off:
-            stored[axis], s.tool_offset[axis] = s.tool_offset[axis], ZERO
+            stored[axis] = s.tool_offset[axis]
+        for axis in axes:
+            s.tool_offset[axis] = ZERO
         off |= axes
     else:
         for axis in axes & off:

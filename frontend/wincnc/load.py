@@ -95,6 +95,18 @@ class _Files:
                     return key
         return None
 
+    def other_of(self, path: Path) -> Path | None:
+        """A file of the same name in another of the folders that is not the same; which one is meant nobody says."""
+        for folder in self.folders:
+            other = self._below(folder, [path.name])
+            if other is not None and other.parent != path.parent and other.resolve() != path.resolve():
+                try:
+                    if other.read_bytes() != path.read_bytes():
+                        return other
+                except OSError:
+                    return other
+        return None
+
     def _below(self, folder: Path, parts: list[str]) -> Path | None:
         """A file by its name in any case, as the controller's disk finds it."""
         at = folder
@@ -145,7 +157,9 @@ class _Loader:
             self.reader, self.program.rules, self.macros, self.files, len(self.controls.changers)
         )  # fmt: skip
         body = self._load(path, is_job=True)
-        body = (*self._command(self.controls.start, "cmdstart"), *body, *self._command(self.controls.end, "cmdend"))
+        self.program.tail = self._command(self.controls.end, "cmdend")
+        self.program.abort = self._command(self.controls.abort, "cmdabort")
+        body = (*self._command(self.controls.start, "cmdstart"), *body, *self.program.tail)
         while self.files.wanted:
             key = self.files.wanted.pop()
             path = self.files.paths[key]
@@ -155,6 +169,10 @@ class _Loader:
             except Refusal as refusal:
                 self.findings.add(refusal.finding)
                 inner = (Unsupported(what=f"the subprogram {path.name}, which can not be read,", span=span),)
+            other = self.files.other_of(path)
+            if other is not None:
+                what = f"which {path.name} is meant, {path} or {other}, which differ,"
+                inner = (Unsupported(what=what, span=Span(str(path), 1)), *inner)
             self.program.subprograms[key] = Subprogram(name=key, body=inner, span=Span(str(path), 1), is_file=True)
         return body
 
@@ -236,6 +254,7 @@ class _Walk:
         self.byte = begin
         self.line = 1
         self.skip_until = 0
+        self.in_array = False
 
     def body(self) -> Iterator[Statement]:
         """All statements; arrays take what follows them."""
@@ -256,6 +275,7 @@ class _Walk:
                 array, inside = None, []
             if parsed.words:
                 array = parsed
+            self.in_array = array is not None
         if array is not None:
             yield Array(words=array.words, body=tuple(inside), span=array.span, comment=array.comment)
 
@@ -299,6 +319,10 @@ class _Walk:
         try:
             if len(text) > limit:
                 raise LineError(codes.LINE_TOO_LONG, limit, len(text), length=len(text), allowed=limit)
+            if "\r" in text:
+                # Within a comment it would hide what may be a line of its own.
+                at = text.index("\r")
+                raise LineError(codes.SYNTAX, at, at + 1, what="a carriage return without a line feed within the line")
             skipped = self._skip(text, line)
             return skipped if skipped is not None else self.loader.lines.parse(text, self.source.name, line)
         except LineError as error:
@@ -338,7 +362,7 @@ class _Walk:
         taken = self._next()
         code = getattr(head.statement, "written", None) or _code_of(head)
         if taken is None:
-            if not self.is_job:
+            if not self.is_job or self.in_array or self.loader.controls.end.strip():
                 finding = codes.NEXT_LINE_OPEN.at(head.condition.span, code=code, what="no line follows in this file")
                 self.loader.findings.add(finding)
             yield If(condition=head.condition, then=(), otherwise=(), span=head.condition.span, head=head.statement)
@@ -364,6 +388,10 @@ class _Walk:
             return f"line {line} is a comment"
         if isinstance(parsed, ArrayLine):
             return f"line {line} begins or ends an array"
+        if isinstance(parsed, Unsupported):
+            return f"line {line} begins with a character of skipchars="
+        if isinstance(parsed, Replaced) and not parsed.body:
+            return f"line {line} is switched off or left out"
         if isinstance(parsed, Head):
             inner = tuple(self._conditional(parsed, line))
             if len(inner) == 1 and isinstance(inner[0], If):

@@ -99,6 +99,8 @@ class Lines:
         items = self.reader.read(text, file, line)
         if not items.words and not items.texts:
             return None
+        if self.macros:
+            self._no_macro_inside(items)
         return self._statement(items, text, file, line)
 
     def _macro(self, code: str) -> tuple[Macro, int, int] | None:
@@ -112,6 +114,29 @@ class Lines:
                 if macro is not None:
                     return macro, begin, found.end()
         return None
+
+    def _no_macro_inside(self, items: Items) -> None:
+        """LineError GP113 for a name of CNC.MAC that does not begin its line: replaced or not, nobody says."""
+        command = self._command(items)
+        for n, word in enumerate(items.words):
+            value = word.value
+            if word.letter in self.macros:
+                name = word.letter
+            elif word.letter not in "GLM" or (items.own and not n):
+                continue
+            elif isinstance(value, Number):
+                tenths = round(value.value * 10)
+                known = self.rules.codes.get((word.letter, tenths))
+                is_parameter = command is not None and command[1] is not word and word.letter in command[0].takes
+                name = code_name(word.letter, tenths)
+                if name not in self.macros or (is_parameter and (known is None or not known.companion)):
+                    continue
+            elif command is not None and word.letter in command[0].takes:
+                continue
+            else:
+                name = f"{word.letter} with a number in braces"
+            what = f"{name}, which CNC.MAC may replace, within a line"
+            raise LineError(codes.UNSUPPORTED_CODE, word.span.column - 1, word.span.end_column - 1, code=what)
 
     def _replaced(
         self, found: tuple[Macro, int, int], code: str, comment: str, file: str, line: int, depth: int

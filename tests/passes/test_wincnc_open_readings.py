@@ -1,0 +1,122 @@
+"""Programs of WinCNC that another reading of the manual takes out of the limits are not SAFE.
+
+Each case leaves the limits (X -0.4 to 50.4 inches), or does so where the manual is open, by what a checker might pass
+over: a macro within a line, a line behind a carriage return, what runs behind the job, a mapped or locked axis.
+"""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import pytest
+
+INI = """unit=IN
+timertype=7200
+axischar=XYZ
+axisspec = p0 s0 d0 r1000 a400 t1
+axisvel = r600 f150 s50 m200 h450
+axislo = p2 b6 o1
+axishi = p2 b7 o1
+axisspec=p0s1d1r1000a400t2
+axisvel=r600f150s50m200h450
+axislo=p3 b0 o0
+axishi=p3 b1 o0
+axisspec = p0 s2 d2 r2000 a200 t3
+axisvel = r200 f60 s20 m50 h100
+axislo = p3 b2 o0
+axishi = p3 b3 o0
+vgroup=FXY
+vgroup=XY
+vgroup=Z
+softlim=T1
+lolim=X-.4 Y-.4 Z-7
+hilim=X50.4 Y100.4 Z.4
+g28move=Z-.25 X.25 Y.25 R.25 F60 T10
+nmode=90
+portin=2, 8000
+portin=3, 8001
+portout=7, 8002
+auxin=C1 P2 B0 O1 D20
+auxout=C1 P7 B0 O0 S0 E0 X0
+skipchars=C"/" N1
+"""
+SETUP = """schema = "gproof-setup/1"
+units = "inch"
+homed = ["x", "y", "z"]
+active_work = 1
+tool = 1
+start = {x = 1.0, y = 1.0, z = -1.0}
+g92 = {x = 0.0, y = 0.0, z = 0.0}
+[tools.1]
+length = 0.0
+"""
+HEAD = "G90\nG49\nG0 X1 Y1 Z-1\n"
+CASES: dict[str, tuple[str, dict[str, str], str, str]] = {
+    # what: (lines behind HEAD, other files, lines of WINCNC.INI, codes of the findings)
+    "control": ("G0 X2\nG1 X3 F50\n", {}, "", ""),
+    "a macro behind a mode": ("G90 G28\n", {"CNC.MAC": "G28=M98 HOME.MAC\n", "HOME.MAC": "G0X300\n"}, "", "GP113"),
+    "a macro with a sign": ("G+28\n", {"CNC.MAC": "G28=M98 HOME.MAC\n", "HOME.MAC": "G0X300\n"}, "", "GP113"),
+    "a macro in braces": ("G{28}\n", {"CNC.MAC": "G28=M98 HOME.MAC\n", "HOME.MAC": "G0X300\n"}, "", "GP113"),
+    "a macro behind a speed": ("S18000 M3\n", {"CNC.MAC": "M3=M11C1\n"}, "", "GP113"),
+    "a parameter is no macro": ("G0 X2\nG4 X1\nM11 C1\n", {"CNC.MAC": "C1=M98 HOME.MAC\n"}, "", ""),
+    "a tilde": ("~G28\n", {"CNC.MAC": "G28=M98 HOME.MAC\n", "HOME.MAC": "G0X300\n"}, "", "GP295"),
+    "a carriage return in a comment": ("[on\rG0X300\nG0 X2\n", {}, "", "GP101"),
+    "the end in an array": ("L10 R1 C4 X20 Y0\nG92XY\nG1X2F50\nM99\n", {}, "", "GP113 GP301"),
+    "behind the job": ("M99\n", {}, "cmdend=G0X300\n", "GP301"),
+    "behind the job, conditional": ("M17.1C1\nM99\nG0X2\n", {}, "cmdend=G0X300\n", "GP301"),
+    "behind the job, within": ("G0X2\n", {}, "cmdend=M99\n", ""),
+    "behind an abort": ("M99.1\n", {}, "cmdabort=G0X300\n", "GP288 GP301"),
+    "behind an abort, again": ("M99.1\n", {}, "cmdabort=M99.1\n", "GP288"),
+    "behind a question": ('G5 T1 M"stop?"\nG0X2\n', {}, "cmdabort=G0X300\n", "GP243 GP301"),
+    "a condition, then nothing": ("M17.1C1\n", {}, "cmdend=G0X2\n", "GP289"),
+    "a condition ends an array": ("L10R1C2X2\nG0X2\nM17.1C1\n", {}, "", "GP289"),
+    "a condition, then a code switched off": ("M17.1C1\nM2\nG0X3\n", {"CNC.MAC": "M2=[\n"}, "", "GP113 GP289"),
+    "a condition, then a line left out": ("M17.1C1\n/G0X300\nG0X3\n", {}, "", "GP113 GP289"),
+    "homing a locked axis": ("G0X40\nL300X\nG28\nL301X\nG91G0X20\n", {}, "", "GP113 GP304"),
+    "homing a coupled axis": ("G0X10\nL13XY\nG28X\nL13\nG91G0X20\n", {}, "", "GP113 GP304"),
+    "local zero of a mapped axis": ("L11YXZ\nG92X0\nG0X45\n", {}, "", "GP113"),
+    "local zero of axes mapped alike": ("L11XYZ\nG92X0\nG0X45\n", {}, "", ""),
+    "kept centre in another unit": ("G2I.5J0F50\nG22\nG2\n", {}, "", "GP405"),
+    "a cycle in another unit": ("G81X2Y2Z-2R-1F10\nG22\nX60\n", {}, "", "GP216"),
+    "a tool measure within a move": ("G1Z-2F10M37Z1\n", {}, "", "GP127"),
+}
+
+
+@pytest.mark.parametrize("what", CASES)
+def test_an_open_reading_is_not_safe(what: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    from gproof.cli.main import main
+
+    lines, files, settings, expected = CASES[what]
+    (tmp_path / "WINCNC.INI").write_text(INI + settings, encoding="ascii")
+    (tmp_path / "setup.toml").write_text(SETUP, encoding="ascii")
+    (tmp_path / "job.tap").write_bytes((HEAD + lines).encode("ascii"))
+    for name, text in ({"CNC.MAC": ""} | files).items():
+        (tmp_path / name).write_text(text, encoding="ascii")
+    job, machine, setup = (str(tmp_path / name) for name in ("job.tap", "WINCNC.INI", "setup.toml"))
+    exit_code = main(["check", job, "--machine", machine, "--setup", setup])
+    shown = capsys.readouterr().out
+    assert sorted(set(re.findall(r"GP\d{3}", shown))) == expected.split(), shown
+    worst = {"error": 1, "unknown": 2}
+    found = {worst[kind] for kind in re.findall(r" (error|unknown) GP\d{3}", shown)}
+    assert exit_code == min(found, default=0), shown
+
+
+def test_two_files_of_one_name_that_differ(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """M98 names a file beside the job and another one beside the machine's file."""
+    from gproof.cli.main import main
+
+    jobs, machine = tmp_path / "jobs", tmp_path / "machine"
+    jobs.mkdir()
+    machine.mkdir()
+    (machine / "WINCNC.INI").write_text(INI, encoding="ascii")
+    (machine / "CNC.MAC").write_text("", encoding="ascii")
+    (machine / "SUB.MAC").write_text("G0X300\n", encoding="ascii")
+    (jobs / "sub.mac").write_text("G0X2\n", encoding="ascii")
+    (jobs / "setup.toml").write_text(SETUP, encoding="ascii")
+    (jobs / "job.tap").write_text(f"{HEAD}M98 SUB.MAC\n", encoding="ascii")
+    arguments = ["check", str(jobs / "job.tap"), "--machine", str(machine / "WINCNC.INI"), "--setup"]
+    assert main([*arguments, str(jobs / "setup.toml")]) == 2
+    assert "SUB.MAC, which differ, is not modelled" in capsys.readouterr().out
+    (machine / "SUB.MAC").write_text("G0X2\n", encoding="ascii")
+    assert main([*arguments, str(jobs / "setup.toml")]) == 0
