@@ -30,6 +30,7 @@ def controls_from(root: TomlTable, before: Controls, unit: Fraction) -> Controls
         "adjust_vertical": table.boolean("adjust_vertical"),
         "arcs_modal": table.boolean("arcs_modal"),
         "helical_arcs": table.boolean("helical_arcs"),
+        "arcs_share_feed": table.boolean("arcs_share_feed"),
         "arc_tolerance": table.positive("arc_tolerance", unit=unit, zero=True),
         "smallest_arc": table.positive("smallest_arc", unit=unit, zero=True),
         "shift_sign": _sign(table),

@@ -178,6 +178,7 @@ class Controls:
     boundaries of vertical axes (softlim=V1); forced: ((lower, upper) of X and Y) outside of which nothing goes
     (forcelim=).
     shift_sign: whether a workspace's shift is added to (+1) or taken from (-1) a position, None: not stated.
+    arcs_share_feed: an F of lines holds for arcs and the reverse; False: each keeps its own; None: not stated.
     helical_arcs: False: an arc that moves another axis is an error.
     inputs, outputs: numbers of the channels that are there; None: no file says so. drill_banks: (first output, count).
     devices: those of DEVICES that are set up; None: no file says which.
@@ -212,6 +213,7 @@ class Controls:
     forced: tuple[tuple[float | None, float | None], tuple[float | None, float | None]] | None = None
     shift_sign: int | None = None
     helical_arcs: bool = True
+    arcs_share_feed: bool | None = None
     inputs: tuple[int, ...] | None = None
     outputs: tuple[int, ...] | None = None
     drill_banks: tuple[tuple[int, int], ...] = ()

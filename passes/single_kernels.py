@@ -19,8 +19,8 @@ from gproof.passes.execute_kernels import LARGEST, radius_center
 # NOTED: a line with a motion was executed; LINES: how many lines were.
 (
     MOTION, ABSOLUTE, CENTER_ABSOLUTE, CENTER_KNOWN, ARCS_MODAL, HELICAL, LINEAR, KEPT, RESET, USED, NOTED, LINES,
-    DOUBT,
-) = range(13)  # fmt: skip
+    DOUBT, SHARE,
+) = range(14)  # fmt: skip
 # Layout of the float state: mm in a unit; by column mm or degrees in a unit, positions, offsets, feeds; feed of the
 # last move; I and J of the last arc; radius below which an arc is a line; room for feeds of the line that runs; mm that
 # radii may differ; feed of arcs, below 0 before their first F, and what it is then, of lines in X. DOUBT: the last
@@ -186,7 +186,8 @@ def run_moves(
         moving = axes if motion <= 2 else axes | 3
         feeds = FEEDS
         doubt = ints[DOUBT]
-        if has_feed and motion <= 2:
+        shares = ints[SHARE] == 1
+        if has_feed and (motion <= 2 or shares):
             if named[moving] & 3:
                 doubt = 0
             feeds = NEXT
@@ -212,14 +213,18 @@ def run_moves(
                 return word, row
             if doubt == 1 and axes & 3:
                 rate = math.nan
+        elif motion >= 3 and shares:
+            rate = agreed(floats, feeds, 3, 3)
+            if rate == 0.0:
+                return word, row
         elif motion >= 3:
             if has_feed:
                 rate = vf * unit
                 arc_feed = rate
-                doubt = 0 if floats[FEEDS] == rate and floats[FEEDS + 1] == rate else 1
+                doubt = 0 if ints[SHARE] == 0 or (floats[FEEDS] == rate and floats[FEEDS + 1] == rate) else 1
             else:
                 rate = floats[USUAL] if arc_feed < 0.0 else arc_feed
-                if not (floats[FEEDS] == rate and floats[FEEDS + 1] == rate):
+                if ints[SHARE] != 0 and not (floats[FEEDS] == rate and floats[FEEDS + 1] == rate):
                     rate = math.nan
         if absolute:
             # An axis that now gets another frame needs a new frame index: Python path.
@@ -289,7 +294,7 @@ def run_moves(
                 t0, t1 = p0, p1
             if radius < floats[SMALLEST]:
                 c0 = c1 = 0.0
-                rate = agreed(floats, FEEDS, 3, ints[LINEAR])
+                rate = agreed(floats, feeds if shares else FEEDS, 3, ints[LINEAR])
                 if doubt == 1:
                     rate = math.nan
             else:
@@ -307,7 +312,7 @@ def run_moves(
         if motion <= 2 or ints[ARCS_MODAL]:
             ints[MOTION] = motion
             ints[RESET] = 1
-        if has_feed and motion <= 2:
+        if has_feed and (motion <= 2 or shares):
             for axis in range(6):
                 floats[FEEDS + axis] = floats[NEXT + axis]
         ints[DOUBT] = doubt

@@ -497,22 +497,27 @@ def arc(ex: Motion, line: Command, rule: CodeRule) -> None:
         finally:
             s.feed_mode = 93
         return
-    _arc_feed(ex, line)
+    _arc_feed(ex, line, moved | {0, 1})
     _make(ex, line, target, center, radius, turns)
 
 
-def _arc_feed(ex: Motion, line: Command) -> None:
+def _arc_feed(ex: Motion, line: Command, moved: set[int]) -> None:
     """F of arcs is kept apart from that of lines (Feed Velocity); without one of either kind, where both agree."""
     s = ex.modal
+    share = ex.machine.controller.controls.arcs_share_feed
     value = line.values.get("F")
-    if value is not None:
+    if share:
+        feed_word(ex, line, moved)
+        s.feed = agreed(s.single.feeds, 0, 3, 3)
+    elif value is not None:
         if not isinstance(value, Unknown) and value <= 0:
             raise Refusal(codes.NEGATIVE_FEED.at(line.where("F"), value=value))
         s.feed = math.nan if isinstance(value, Unknown) else value * s.unit
-        s.single = s.single.but(arc_feed=s.feed, feed_doubt=s.single.feeds[:2] != (s.feed, s.feed))
+        s.single = s.single.but(arc_feed=s.feed, feed_doubt=share is None and s.single.feeds[:2] != (s.feed, s.feed))
     else:
         own = usual_feed(ex) if s.single.arc_feed is None else s.single.arc_feed
-        s.feed = own if s.single.feeds[0] == own and s.single.feeds[1] == own else math.nan
+        alike = share is False or (s.single.feeds[0] == own and s.single.feeds[1] == own)
+        s.feed = own if alike else math.nan
     s.feed_unit = 1.0
 
 

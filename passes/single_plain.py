@@ -104,6 +104,7 @@ class PlainLines:
             s.motion, int(s.absolute),
             int(ex.machine.controller.absolute_arc_centers), int(known), int(controls.arcs_modal),
             int(controls.helical_arcs), self.linear, int(kept is not None), 0, 0, 0, 0, int(s.single.feed_doubt),
+            -1 if controls.arcs_share_feed is None else int(controls.arcs_share_feed),
         ]  # fmt: skip
         smallest = -math.inf if controls.smallest_arc is None else controls.smallest_arc
         floats: Any = [

@@ -52,6 +52,7 @@ vertical = false
 [controls]
 shift_sign = -1
 helical_arcs = false
+arcs_share_feed = true
 nesting = 9
 soft_limits = true
 start = "M98 ON.TAP"
@@ -73,7 +74,8 @@ arc_tolerance = 0.05
     assert machine.controller.dialect == "wincnc"
     assert machine.unit == 25.4
     assert machine.controller.controls == Controls(
-        arc_tolerance=0.05, smallest_arc=0.0508, soft_limits=True, shift_sign=-1, helical_arcs=False, nesting=9,
+        arc_tolerance=0.05, smallest_arc=0.0508, soft_limits=True, shift_sign=-1, helical_arcs=False,
+        arcs_share_feed=True, nesting=9,
         start="M98 ON.TAP", inputs=(1, 4), outputs=(), devices=("knife", "thc"), feed_groups=("xy", "z"),
         command_group="z", axis_order="xyza",
     )  # fmt: skip

@@ -101,6 +101,7 @@ def machines(draw: st.DrawFn) -> Machine:
         command_group=draw(st.sampled_from(["", "xy", "xyz", "z", "xa"])),
         arcs_modal=draw(st.booleans()),
         helical_arcs=draw(st.integers(0, 4)) > 0,
+        arcs_share_feed=draw(st.sampled_from([None, True, False])),
         smallest_arc=draw(st.sampled_from([None, 0.0, 0.254, 3.0])),
         absolute=draw(st.sampled_from([None, True, False])),
         workspaces=(Workspace(number=55, x=12.5, y=-3.0),),
@@ -215,7 +216,8 @@ def test_long_jobs_agree_bit_for_bit(seed: int) -> None:
         controls = Controls(
             feed_groups=rng.choice([("xy",), ("xy", "z"), ("xyz",), ("xy", "za")]),
             command_group=rng.choice(["", "xyz"]),
-            arcs_modal=rng.random() < 0.3, helical_arcs=rng.random() < 0.9, smallest_arc=rng.choice([None, 0.254, 9.0]),
+            arcs_modal=rng.random() < 0.3, helical_arcs=rng.random() < 0.9,
+            arcs_share_feed=rng.choice([None, True, False]), smallest_arc=rng.choice([None, 0.254, 9.0]),
             absolute=True,
         )  # fmt: skip
         machine = dataclasses.replace(
