@@ -7,8 +7,9 @@ import os
 import shutil
 import sys
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
+from dataclasses import dataclass
 from itertools import zip_longest
 from pathlib import Path
 
@@ -18,11 +19,14 @@ from gproof.backend.emit.eding import emit
 from gproof.cli.files import require_file
 from gproof.cli.main import UsageError
 from gproof.cli.report import print_findings
-from gproof.cli.session import dialect_of
+from gproof.cli.session import READ, dialect_of
 from gproof.frontend.eding.load import load_alone
+from gproof.frontend.guess import EXTENSIONS
 from gproof.ir import codes
 from gproof.ir.finding import Findings, Refusal, Severity, Span
 from gproof.ir.kernel import Kernel
+from gproof.ir.machine import NO_MACHINE, Machine
+from gproof.ir.program import Program
 from gproof.ir.same import difference
 
 STANDARD_INPUT = Path("-")
@@ -34,16 +38,87 @@ LONGEST_RUN = 1000
 """Changed lines that ``--diff`` shows before their new forms."""
 
 
-def run_fmt(files: tuple[Path, ...], *, only_check: bool, diff: bool, to_stdout: bool, dialect: str | None) -> int:
+@dataclass(frozen=True, slots=True)
+class Form:
+    """How the files of a folder are read and printed. load: (path, findings, name) -> program; None when refused."""
+
+    load: Callable[[Path, Findings, str], Program | None]
+    emit: Callable[[Program], Iterable[bytes]]
+
+
+class Forms:
+    """The language of each file, with the settings of its machine.
+
+    Machines that read lines in their own way (WinCNC) are looked for in the folder of the file unless one is given.
+    """
+
+    def __init__(self, dialect: str | None, machine: Path | None) -> None:
+        self.dialect = dialect
+        self.machine_file = machine
+        self.machines: dict[Path, Machine] = {}
+
+    def of(self, source: Path, folder: Path | None) -> Form:
+        """For the file ``source``, which stands in ``folder`` (None: nowhere); UsageError for a language not read."""
+        beside = self._beside(folder)
+        machine_file = self.machine_file or beside.get("wincnc.ini")
+        machine = NO_MACHINE if machine_file is None or self.dialect == "eding" else self._machine(machine_file)
+        dialect = self.dialect
+        if dialect is None and machine.controller.dialect is None and "cnc.mac" in beside:
+            dialect = "wincnc"
+        dialect, _ = dialect_of(source, dialect, machine, machine_file)
+        if dialect == "eding":
+            return Form(load_alone, emit)
+        return _wincnc(machine, [file.parent for file in (machine_file,) if file is not None], folder)
+
+    def _beside(self, folder: Path | None) -> dict[str, Path]:
+        """The files of a folder that say how WinCNC reads lines, by name in lower case."""
+        if folder is None:
+            return {}
+        return {path.name.lower(): path for path in folder.iterdir() if path.name.lower() in ("wincnc.ini", "cnc.mac")}
+
+    def _machine(self, path: Path) -> Machine:
+        """The machine of a file, read once; UsageError, with findings, for one with mistakes."""
+        from gproof.frontend.machine_file import load_machine
+
+        if path not in self.machines:
+            require_file(path, "machine file")
+            findings = Findings()
+            machine, _ = load_machine(path, findings)
+            if machine is None:
+                print_findings(findings, err=True)
+                raise UsageError(f"the machine file {path} can not be used")
+            self.machines[path] = machine
+        return self.machines[path]
+
+
+def _wincnc(machine: Machine, folders: list[Path], own: Path | None) -> Form:
+    from gproof.backend.emit.wincnc import emit as emit_wincnc
+    from gproof.frontend.wincnc.load import load_alone as load_wincnc
+
+    lexical = machine.controller.controls.lexical
+    where = [*folders, *([own] if own is not None else [])]
+    return Form(
+        lambda path, findings, name: load_wincnc(path, findings, name, machine=machine, folders=where),
+        lambda program: emit_wincnc(program, lexical),
+    )
+
+
+def run_fmt(
+    files: tuple[Path, ...], *, only_check: bool, diff: bool, to_stdout: bool, dialect: str | None,
+    machine: Path | None = None,
+) -> int:  # fmt: skip
     """Format every file; exit 1 when one has mistakes, or with ``--check`` would change."""
-    _require(files, only_check=only_check, diff=diff, to_stdout=to_stdout, dialect=dialect)
+    files = tuple(_with_folders(files))
+    forms = Forms(dialect, machine)
+    _require(files, forms, only_check=only_check, diff=diff, to_stdout=to_stdout)
     to_stdout = to_stdout or (files == (STANDARD_INPUT,) and not (only_check or diff))
     in_place = not (only_check or diff or to_stdout)
     worst = 0
     for path in dict.fromkeys(files):
-        with _source(path, dialect) as source, _scratch(source, in_place) as scratch:
+        with _source(path) as source, _scratch(source, in_place) as scratch:
             name = str(path)
-            done = _format(source, scratch, name)
+            form = forms.of(source, _folder(path))
+            done = _format(form, source, scratch, name)
             if not done:
                 click.echo(f"{name}: not formatted", err=True)
                 worst = 1
@@ -64,7 +139,26 @@ def run_fmt(files: tuple[Path, ...], *, only_check: bool, diff: bool, to_stdout:
     return worst
 
 
-def _require(files: tuple[Path, ...], *, only_check: bool, diff: bool, to_stdout: bool, dialect: str | None) -> None:
+def _with_folders(files: tuple[Path, ...]) -> Iterator[Path]:
+    """The files, and of each folder the programs in it, by their extensions; UsageError for one that has none."""
+    for path in files:
+        if path == STANDARD_INPUT or not path.is_dir():
+            yield path
+            continue
+        programs = [
+            file for file in sorted(path.iterdir())
+            if EXTENSIONS.get(file.suffix.lower()) in READ and file.suffix.lower() != ".txt" and file.is_file()
+        ]  # fmt: skip
+        if not programs:
+            raise UsageError(f"folder {path}: there is no program in it")
+        yield from programs
+
+
+def _folder(path: Path) -> Path | None:
+    return None if path == STANDARD_INPUT else path.parent
+
+
+def _require(files: tuple[Path, ...], forms: Forms, *, only_check: bool, diff: bool, to_stdout: bool) -> None:
     """UsageError, before anything is done, for what can not be read or written, and for options at odds."""
     if to_stdout and (only_check or diff):
         raise UsageError(f"--stdout prints the text, {'--check' if only_check else '--diff'} does not: choose one")
@@ -78,14 +172,14 @@ def _require(files: tuple[Path, ...], *, only_check: bool, diff: bool, to_stdout
         if path == STANDARD_INPUT:
             continue
         require_file(path, "file")
-        dialect_of(path, dialect)
+        forms.of(path, _folder(path))
         folder = Path(os.path.realpath(path)).parent
         if not (only_check or diff or to_stdout) and not os.access(folder, os.W_OK):
             raise UsageError(f"file {path}: the folder {folder} can not be written")
 
 
 @contextmanager
-def _source(path: Path, dialect: str | None) -> Iterator[Path]:
+def _source(path: Path) -> Iterator[Path]:
     """The file to read: ``path``, or what standard input has, as a file."""
     if path != STANDARD_INPUT:
         yield path
@@ -94,7 +188,6 @@ def _source(path: Path, dialect: str | None) -> Iterator[Path]:
         copy = Path(folder) / "standard-input.cnc"
         with copy.open("wb") as file:
             shutil.copyfileobj(sys.stdin.buffer, file)
-        dialect_of(copy, dialect)
         yield copy
 
 
@@ -110,15 +203,15 @@ def _scratch(source: Path, in_place: bool) -> Iterator[Path]:
         Path(name).unlink(missing_ok=True)
 
 
-def _format(source: Path, scratch: Path, name: str) -> bool:
+def _format(form: Form, source: Path, scratch: Path, name: str) -> bool:
     """Print the formatted text of ``source`` into ``scratch``; False, with findings shown, when there is none."""
     findings = Findings()
     Kernel.forecast(source.stat().st_size * SECONDS_A_BYTE)
-    program = load_alone(source, findings, name)
+    program = form.load(source, findings, name)
     if program is not None and not findings.has(Severity.ERROR):
         try:
             with scratch.open("wb") as file:
-                for piece in emit(program):
+                for piece in form.emit(program):
                     file.write(piece)
         except Refusal as refusal:
             findings.add(refusal.finding)
@@ -126,7 +219,7 @@ def _format(source: Path, scratch: Path, name: str) -> bool:
             if filecmp.cmp(source, scratch, shallow=False):
                 return True
             again_findings = Findings()
-            again = load_alone(scratch, again_findings, name)
+            again = form.load(scratch, again_findings, name)
             if again is None or again_findings.has(Severity.ERROR):
                 what = next((f"{f.message} (line {f.span.line})" for f in again_findings.kept), "it can not be read")
             else:

@@ -198,14 +198,19 @@ def run(
 @click.option("--diff", is_flag=True, help="Write nothing; show what would change.")
 @click.option("--stdout", "to_stdout", is_flag=True, help="Print the formatted text; the file stays as it is.")
 @click.option("--dialect", type=click.Choice(_DIALECTS), help="Language; guessed when not given.")
-def fmt(files: tuple[Path, ...], only_check: bool, diff: bool, to_stdout: bool, dialect: str | None) -> int:
+@click.option("--machine", type=click.Path(path_type=Path), help="Whose settings say how lines are read (WINCNC.INI).")
+def fmt(
+    files: tuple[Path, ...], only_check: bool, diff: bool, to_stdout: bool, dialect: str | None, machine: Path | None
+) -> int:
     """Format programs in place; - reads standard input and prints.
 
     Only the form changes, never the program: every formatted text is read again and compared before it is written.
     """
     from gproof.cli.fmt import run_fmt
 
-    return run_fmt(files, only_check=only_check, diff=diff, to_stdout=to_stdout, dialect=dialect)
+    return run_fmt(
+        files, only_check=only_check, diff=diff, to_stdout=to_stdout, dialect=dialect, machine=machine
+    )  # fmt: skip
 
 
 @cli.command()

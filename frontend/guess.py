@@ -27,7 +27,7 @@ _MARKERS: tuple[tuple[str, str, re.Pattern[bytes]], ...] = (
     ("wincnc", "bracketed comment or macro call", re.compile(rb"^[ \t]*\[", re.M)),
     ("wincnc", "M98 with a file name", re.compile(rb"\bM98[ \t]+[A-Za-z_]+\.", re.I)),
 )
-_EXTENSIONS = {
+EXTENSIONS = {
     ".cnc": "eding", ".ngc": "eding", ".nc": "eding", ".gcode": "eding", ".gc": "eding", ".g": "eding",
     ".ncd": "eding", ".iso": "eding", ".txt": "eding", ".eia": "eding",
     ".tap": "wincnc", ".mac": "wincnc", ".wnc": "wincnc", ".pim": "mcuwin", ".din": "mcuwin",
@@ -68,6 +68,6 @@ def guess_dialect(path: Path) -> tuple[str, str]:
             return dialect, f"{reason} in line {line}"
     if beside is not None:
         return "wincnc", f"{beside.name} in {beside.parent}"
-    if extension in _EXTENSIONS:
-        return _EXTENSIONS[extension], f"extension {extension}"
+    if extension in EXTENSIONS:
+        return EXTENSIONS[extension], f"extension {extension}"
     return "eding", "nothing says otherwise"

@@ -2,7 +2,8 @@
 
 Nothing here changes what a program does; a printer needs it to give a file back. Texts are without the delimiters
 of their dialect: a comment in the middle of a line is a ``COMMENT`` whether a controller encloses it in ``( )`` or
-``[ ]``, one that goes on to the end of the line a ``REMARK`` whether it begins with ``;`` or a quote.
+``[ ]``, one that goes on to the end of the line a ``REMARK`` whether it begins with ``;`` or a quote. Where a dialect
+has several signs for the same thing, or lets the closing one be left out, comments are ``SIGNED``: with their signs.
 A line without notes and without statements is blank.
 """
 
@@ -22,7 +23,8 @@ class NoteKind(enum.IntEnum):
 
     LINE_NUMBER: the digits, as written; DELETE: the block delete sign of the line (no text); MARK: the sign that
     some controllers have at the start or end of a program, alone on its line (no text); COMMENT: enclosed; REMARK: to
-    the end of the line; ENCODING: of the line's bytes, where it is not UTF-8 and the line has texts.
+    the end of the line; ENCODING: of the line's bytes, where it is not UTF-8 and the line has texts; SIGNED: a comment
+    with the signs that begin and end it; LEFT_OUT: a whole line that the controller, or gproof, does not read.
     """
 
     LINE_NUMBER = 1
@@ -31,6 +33,8 @@ class NoteKind(enum.IntEnum):
     COMMENT = 4
     REMARK = 5
     ENCODING = 6
+    SIGNED = 7
+    LEFT_OUT = 8
 
 
 NOTE = Schema(

@@ -116,11 +116,16 @@ Expr = Number | Text | Variable | Named | Input | Unary | Binary
 
 @dataclass(frozen=True, slots=True)
 class Word:
-    """A letter and its value, in a block that is not plain."""
+    """A letter and its value, in a block that is not plain.
+
+    bare: the letter stands without a number, which counts as 0; braced: the value is a number in braces.
+    """
 
     letter: str
     value: Expr
     span: Span
+    bare: bool = False
+    braced: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -214,13 +219,14 @@ class Array:
     """Repeats what follows it over a grid of rows and columns (WinCNC L10).
 
     words: as written (R rows, C columns, X and Y distances, E: no way back at the end); body: everything up to the
-    next array or the end of the file.
+    next array or the end of the file. Without words it ends the array before it, and has no body. line: see Call.
     """
 
     words: tuple[Word, ...]
     body: tuple[Statement, ...]
     span: Span
     comment: str = ""
+    line: Block | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -228,13 +234,14 @@ class Replaced:
     """A line whose command the machine's macro file replaces (WinCNC, CNC.MAC).
 
     written: the line as it stands, without comments; body: what it stands for, nothing for a code that is switched
-    off, at the place of the line.
+    off, at the place of the line. line: see Call; None for a line that makes others be left out.
     """
 
     written: str
     body: tuple[Statement, ...]
     span: Span
     comment: str = ""
+    line: Block | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -253,6 +260,8 @@ class Call:
 
     deleted: its line began with a slash. arguments: what its words are named by inside (``Named``). text: the name
     as written; counted: its lines count as lines of the job.
+    line: the words and texts of its line, to be printed again, in languages whose statements are lines of words; a
+    text without a letter is a name as written.
     """
 
     name: str
@@ -261,6 +270,7 @@ class Call:
     arguments: tuple[Word, ...] = ()
     text: str = ""
     counted: bool = True
+    line: Block | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -270,7 +280,7 @@ class Message:
     (the head of an If).
 
     question: its number among those of the program, 0 for what is none. in_comment: written as a comment of its line,
-    where its text stands among the notes too. deleted: the line began with a slash.
+    where its text stands among the notes too. deleted: the line began with a slash. line: see Call.
     """
 
     kind: str
@@ -279,6 +289,7 @@ class Message:
     in_comment: bool = False
     deleted: bool = False
     question: int = 0
+    line: Block | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -310,13 +321,14 @@ class Unsupported:
     """A statement that the manual has and gproof does not model; what follows is unknown.
 
     text: the statement as written, without comments; "" when there is more of it than a line. deleted: the line
-    began with a slash.
+    began with a slash. line: see Call.
     """
 
     what: str
     span: Span
     text: str = ""
     deleted: bool = False
+    line: Block | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -88,6 +88,8 @@ class _Pair:
         if "span" in names:
             self.line = left.span.line or self.line
         for name in names:
+            if name == "written" and left.line is not None and right.line is not None:
+                continue  # the same words, perhaps in another form
             found = self.values(getattr(left, name), getattr(right, name))
             if found is not None:
                 return found

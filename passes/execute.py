@@ -388,7 +388,7 @@ class Executor(Branches):
                 return
         words = [(w.letter, self.evaluator.value(w.value), w.span) for w in node.words]
         if self.program.rules.one_command:
-            bare = frozenset(w.letter for w in node.words if w.value.span.column == w.span.column)
+            bare = frozenset(w.letter for w in node.words if w.bare)
             single.run(self, node.span, words, texts=node.texts, comment=node.comment, bare=bare)
             return
         settings = [self._setting(a) for a in node.assigns]

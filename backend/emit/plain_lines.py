@@ -18,12 +18,12 @@ _FLOAT_POWERS = [10.0**n for n in range(k.MOST_DECIMALS + 1)]
 
 
 def plain_lines(
-    first: int, last: int, words: Columns, notes: Notes, *, indent: int, limit: int, newline: str
+    first: int, last: int, words: Columns, notes: Notes, *, indent: int, limit: int, newline: str, kept: bytes = b""
 ) -> tuple[bytes, list[tuple[int, int, int]]]:
     """The lines first..last with these words and notes.
 
-    limit: bytes that a line may have without its end. Returns the text and, of the lines that are longer, the
-    number, begin and end (without the line's end) in the text.
+    limit: bytes that a line may have without its end; kept: bytes with which none may begin. Returns the text and, of
+    the lines that are longer or begin so, the number, begin and end (without the line's end) in the text.
     """
     lines = last - first + 1
     run = k.print_lines.pick(len(words) + len(notes.table) + lines)
@@ -36,13 +36,13 @@ def plain_lines(
     columns = [words[name] for name in ("line", "letter", "flags", "value")]
     note_columns = [notes.table[name] for name in ("line", "place", "kind", "column", "begin", "size")]
     powers: Any = _POWERS
-    texts: list[Any] = [hard_text, notes.text, out]
+    texts: list[Any] = [hard_text, notes.text, kept, out]
     if compiled:
         powers = np.array(_POWERS)
         texts = [np.frombuffer(text or b"\0", np.uint8) for text in texts]
-    hard, note_text, target = texts
+    hard, note_text, first_bytes, target = texts
     arguments: list[Any] = [*columns, decimals, powers, hard_begin, hard, *note_columns, note_text, target, *long]
-    size, longs = run(first, last, indent, limit, int(newline == "\r\n"), *arguments)
+    size, longs = run(first, last, indent, limit, int(newline == "\r\n"), len(kept), first_bytes, *arguments)
     found = zip(*(column[:longs].tolist() for column in long), strict=True)
     return bytes(memoryview(out)[:size]), list(found)
 

@@ -12,10 +12,13 @@ DELETE = 2
 MARK = 3
 COMMENT = 4
 REMARK = 5
+SIGNED = 7
+LEFT_OUT = 8
 """Kinds of notes; equal to those of ``ir/notes.py`` NoteKind."""
 
 FLAG_POINT = 1
 FLAG_DELETE = 2
+FLAG_BARE = 4
 """Flags of words; equal to those of ``ir/program.py``."""
 
 EXACT = 1e15
@@ -56,6 +59,8 @@ def print_lines(
     indent: int,
     limit: int,
     returns: int,
+    kept_size: int,
+    kept: Any,
     word_line: Any,
     word_letter: Any,
     word_flags: Any,
@@ -78,10 +83,11 @@ def print_lines(
 ) -> tuple[int, int]:
     """Print the lines first..last with their words and notes; a line with neither is empty.
 
-    indent: blanks before the first word or comment; returns: 1 for lines that end in CR LF;
+    indent: blanks before the first word or comment; returns: 1 for lines that end in CR LF; kept: ``kept_size`` bytes
+    with which no line may begin;
     decimals: of each word's number, or -1 - n where its text is hard_text[hard_begin[n]:hard_begin[n + 1]];
     powers: 10**0 .. 10**15 as integers; out: room for everything; long_*: get number, begin and end in ``out`` of
-    the lines of more than ``limit`` bytes. Returns (bytes printed, long lines).
+    the lines of more than ``limit`` bytes, or that begin with one of ``kept``. Returns (bytes printed, long lines).
     """
     size = 0
     longs = 0
@@ -105,7 +111,7 @@ def print_lines(
             if kind == DELETE and slash:
                 n += 1
                 continue
-            if is_note and (kind < LINE_NUMBER or kind > REMARK):
+            if is_note and (kind < LINE_NUMBER or (kind > REMARK and kind not in (SIGNED, LEFT_OUT))):
                 n += 1
                 continue
             if not begun:
@@ -140,7 +146,7 @@ def print_lines(
                 elif kind == COMMENT:
                     out[size] = 40
                     size += 1
-                else:
+                elif kind == REMARK:
                     out[size] = 59
                     size += 1
                 at = int(note_begin[n])
@@ -155,7 +161,9 @@ def print_lines(
             out[size] = word_letter[w]
             size += 1
             d = int(decimals[w])
-            if d < 0:
+            if word_flags[w] & FLAG_BARE:
+                pass
+            elif d < 0:
                 for i in range(int(hard_begin[-1 - d]), int(hard_begin[-d])):
                     out[size] = hard_text[i]
                     size += 1
@@ -196,7 +204,11 @@ def print_lines(
                     size += 2
             w += 1
             place += 1
-        if size - start > limit:
+        stays = size - start > limit
+        for j in range(kept_size):
+            if size > start and out[start] == kept[j]:
+                stays = True
+        if stays:
             long_line[longs] = line
             long_begin[longs] = start
             long_end[longs] = size

@@ -105,7 +105,8 @@ class LineReader:
                 at = self._quoted(items, letter, code, at, file, line)
                 continue
             value, end = self._value(code, begin, at, file, line)
-            items.words.append(Word(letter, value, Span(file, line, begin + 1, end + 1)))
+            bare, braced = end == begin + 1, code[end - 1] == "}"
+            items.words.append(Word(letter, value, Span(file, line, begin + 1, end + 1), bare, braced))
             items.end = end
             at = _skip(code, end)
             if isinstance(value, Number) and (letter, round(value.value * 10)) in self.text_codes:
@@ -160,9 +161,3 @@ def _skip(text: str, at: int) -> int:
     found = _BLANKS.match(text, at)
     assert found is not None
     return found.end()
-
-
-def is_bare(word: Word) -> bool:
-    """The letter stands without a number."""
-    span = word.value.span
-    return isinstance(word.value, Number) and span.column == word.span.column

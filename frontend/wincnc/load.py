@@ -8,13 +8,16 @@ Configuration, L10, M17.1 and its relatives, WINCNC.INI Settings: skipchars=, cm
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Iterator
+import re
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
 from gproof.frontend.source import UTF8_MARK, decode, read_source
 from gproof.frontend.wincnc.line import LineError, LineReader
 from gproof.frontend.wincnc.mac_file import Macro
+from gproof.frontend.wincnc.machine import NO_SHOP
+from gproof.frontend.wincnc.notes import Annotator, skip_count
 from gproof.frontend.wincnc.scan import Scanner, scanner
 from gproof.frontend.wincnc.statements import ArrayLine, Head, Lines, Parsed, text_codes
 from gproof.ir import codes
@@ -25,6 +28,7 @@ from gproof.ir.finding import Findings, Refusal, Span
 from gproof.ir.machine import Machine
 from gproof.ir.program import (
     Array,
+    Block,
     BlockTable,
     If,
     Mistake,
@@ -63,6 +67,28 @@ def load_program(
         return None
     if sum(findings.counts.values()) == before and not program.body:
         findings.add(codes.EMPTY_PROGRAM.at(Span(str(path), 0)))
+    return program
+
+
+def load_alone(
+    path: Path, findings: Findings, name: str = "", *, machine: Machine = NO_SHOP, folders: Sequence[Path] = ()
+) -> Program | None:
+    """One file as a program to be printed again; None when it is refused.
+
+    The macros of CNC.MAC still decide what a line is; files that it calls are not loaded, and missing ones are no
+    mistakes. name: of the file in findings, when it is not ``path``; folders: where CNC.MAC and files are looked for,
+    the file's own when there are none.
+    """
+    program = Program(dialect="wincnc", rules=rules_named("wincnc"))
+    folders = list(folders) or [path.parent]
+    loader = _Loader(program, findings, machine.controller.controls, folders, None)
+    loader.files = _AnyFiles(folders)
+    try:
+        loader.prepare()
+        program.body = loader.load(path, name, is_job=True)
+    except Refusal as refusal:
+        findings.add(refusal.finding)
+        return None
     return program
 
 
@@ -132,6 +158,17 @@ class _Files:
         return self._listed[folder]
 
 
+class _AnyFiles(_Files):
+    """Subprogram files whether they are there or not; a name with blanks that is not in quotes must be."""
+
+    def find(self, name: str) -> str | None:
+        """As for ``_Files``; else the name itself."""
+        found = super().find(name)
+        text = name.strip().strip('"')
+        is_name = bool(text) and (name.startswith('"') or not re.search(r"[ \t]", text))
+        return found or (text.lower() if is_name else None)
+
+
 class _Loader:
     """Loads the files of one program one after another."""
 
@@ -146,17 +183,25 @@ class _Loader:
         self.held = 0
         self.reader = LineReader(controls.lexical, text_codes(program.rules))
         self.macros: dict[str, Macro] = {}
+        self.macro_source: SourceFile | None = None
         self.scanner = Scanner(controls.lexical)
 
-    def job(self, path: Path) -> tuple[Statement, ...]:
-        """The statements of the job, with everything it calls loaded."""
+    def prepare(self) -> None:
+        """Read the macro file; then lines can be read."""
         self._macro_file()
         self.scanner = scanner(self.controls.lexical, self.macros)
+        if isinstance(self.files, _AnyFiles) and self.macro_source is None:
+            self.scanner = dataclasses.replace(self.scanner, open_names=True)
         self.program.scan = self.scanner.scan
+        self.program.annotate = Annotator(self.scanner, self.reader, self.program.rules.line_length).annotate
         self.lines = Lines(
             self.reader, self.program.rules, self.macros, self.files, len(self.controls.changers)
         )  # fmt: skip
-        body = self._load(path, is_job=True)
+
+    def job(self, path: Path) -> tuple[Statement, ...]:
+        """The statements of the job, with everything it calls loaded."""
+        self.prepare()
+        body = self.load(path, is_job=True)
         self.program.tail = self._command(self.controls.end, "cmdend")
         self.program.abort = self._command(self.controls.abort, "cmdabort")
         body = (*self._command(self.controls.start, "cmdstart"), *body, *self.program.tail)
@@ -165,7 +210,7 @@ class _Loader:
             path = self.files.paths[key]
             span = Span(str(path), 0)
             try:
-                inner = self._load(path, is_job=False)
+                inner = self.load(path, is_job=False)
             except Refusal as refusal:
                 self.findings.add(refusal.finding)
                 inner = (Unsupported(what=f"the subprogram {path.name}, which can not be read,", span=span),)
@@ -211,8 +256,10 @@ class _Loader:
             return (Unsupported(what=f"{key}={text}", span=Span(file, 0)),)
         return (parsed,)
 
-    def _load(self, path: Path, *, is_job: bool) -> tuple[Statement, ...]:
+    def load(self, path: Path, name: str = "", *, is_job: bool) -> tuple[Statement, ...]:
+        """The statements of one file; name: of the file in findings, when it is not ``path``."""
         source = read_source(path)
+        source.name = name or source.name
         number = len(self.program.files)
         self.program.files.append(source)
         begin = len(UTF8_MARK) if source.data[:3] == UTF8_MARK else 0
@@ -271,13 +318,15 @@ class _Walk:
                 self.loader.findings.add(codes.ARRAY_IN_SUBPROGRAM.at(parsed.span, code="L10"))
                 continue
             if array is not None:
-                yield Array(words=array.words, body=tuple(inside), span=array.span, comment=array.comment)
+                yield _array(array, inside)
                 array, inside = None, []
             if parsed.words:
                 array = parsed
+            else:
+                yield _array(parsed, [])
             self.in_array = array is not None
         if array is not None:
-            yield Array(words=array.words, body=tuple(inside), span=array.span, comment=array.comment)
+            yield _array(array, inside)
 
     def _statements(self) -> Iterator[Statement | ArrayLine]:
         while self.byte < len(self.data):
@@ -336,25 +385,31 @@ class _Walk:
 
     def _skip(self, text: str, line: int) -> Statement | None:
         """A line that begins with a skip character: leave lines out; which, the manual leaves open by one."""
-        for signs, count in self.loader.controls.lexical.skips:
-            if not text[:1] or text[0].upper() not in signs.upper():
-                continue
-            for _ in range(count - 1):
-                if self.byte < len(self.data):
-                    self._take()
-            span = Span(self.source.name, line, 1, 2)
-            what = ""
-            written = text.strip()
+        count = skip_count(text, self.loader.controls.lexical)
+        if not count:
+            return None
+        for _ in range(count - 1):
             if self.byte < len(self.data):
-                save = self.byte, self.line, self.next_special
-                number, raw = self._take()
-                if self.loader.reader.cut(decode(raw))[0].strip():
-                    what = f"whether line {number} is one of the {count} lines that {text[0]!r} leaves out"
-                self.byte, self.line, self.next_special = save
-            if what:
-                return Unsupported(what=what, span=span, text=written)
-            return Replaced(written=written, body=(), span=span)
-        return None
+                self._take()
+        span = Span(self.source.name, line, 1, 2)
+        what = ""
+        written = text.strip()
+        if self.byte < len(self.data):
+            save = self.byte, self.line, self.next_special
+            number, raw = self._take()
+            if self._says_something(raw):
+                what = f"whether line {number} is one of the {count} lines that {text[0]!r} leaves out"
+            self.byte, self.line, self.next_special = save
+        if what:
+            return Unsupported(what=what, span=span, text=written)
+        return Replaced(written=written, body=(), span=span)
+
+    def _says_something(self, raw: bytes) -> bool:
+        """Whether a line is more than comments."""
+        try:
+            return bool(self.loader.reader.cut(decode(raw))[0].strip())
+        except LineError:
+            return True
 
     def _conditional(self, head: Head, line: int) -> Iterator[Statement]:
         """A line that decides about the next one, and that line."""
@@ -367,37 +422,57 @@ class _Walk:
                 self.loader.findings.add(finding)
             yield If(condition=head.condition, then=(), otherwise=(), span=head.condition.span, head=head.statement)
             return
-        if isinstance(taken, str):
-            what = f"a line without a command follows ({taken})"
+        if taken.why:
+            what = f"a line without a command follows ({taken.why})"
             self.loader.findings.add(codes.NEXT_LINE_OPEN.at(head.condition.span, code=code, what=what))
-            yield Unsupported(what=f"the condition {code}", span=head.condition.span)
+            yield Unsupported(what=f"the condition {code}", span=head.condition.span, line=_line_of(head.statement))
+            yield from taken.then
             return
-        then, otherwise = taken
+        then, otherwise = taken.then, taken.otherwise
         yield If(condition=head.condition, then=then, otherwise=otherwise, span=head.condition.span if line else span,
                  head=head.statement)  # fmt: skip
 
-    def _next(self) -> tuple[tuple[Statement, ...], tuple[Statement, ...]] | str | None:
-        """What runs when the next line does, and what when it does not; words for a line without a command."""
+    def _next(self) -> _Taken | None:
+        """The next line, as what a condition decides about; None at the end."""
         if self.byte >= len(self.data):
             return None
         line, raw = self._take()
         if not raw.strip():
-            return f"line {line} is empty"
+            return _Taken(why=f"line {line} is empty")
         parsed = self._parse(line, raw, later=True)
         if parsed is None:
-            return f"line {line} is a comment"
+            return _Taken(why=f"line {line} is a comment")
         if isinstance(parsed, ArrayLine):
-            return f"line {line} begins or ends an array"
+            node = Unsupported(what="L10 behind a condition", span=parsed.span, line=parsed.line)
+            return _Taken((node,), why=f"line {line} begins or ends an array")
         if isinstance(parsed, Unsupported):
-            return f"line {line} begins with a character of skipchars="
+            return _Taken((parsed,), why=f"line {line} begins with a character of skipchars=")
         if isinstance(parsed, Replaced) and not parsed.body:
-            return f"line {line} is switched off or left out"
+            return _Taken((parsed,), why=f"line {line} is switched off or left out")
         if isinstance(parsed, Head):
             inner = tuple(self._conditional(parsed, line))
             if len(inner) == 1 and isinstance(inner[0], If):
-                return inner, inner[0].then
-            return f"line {line} decides about a line that is not there"
-        return (parsed,), ()
+                return _Taken(inner, inner[0].then)
+            return _Taken(inner, why=f"line {line} decides about a line that is not there")
+        return _Taken((parsed,))
+
+
+@dataclasses.dataclass(frozen=True, slots=True)
+class _Taken:
+    """A line behind a condition: what runs when it does and when not; why: which line is meant is not known."""
+
+    then: tuple[Statement, ...] = ()
+    otherwise: tuple[Statement, ...] = ()
+    why: str = ""
+
+
+def _array(line: ArrayLine, body: list[Statement]) -> Array:
+    return Array(words=line.words, body=tuple(body), span=line.span, comment=line.comment, line=line.line)
+
+
+def _line_of(statement: Statement) -> Block | None:
+    """The words of a line that decides about the next one."""
+    return statement if isinstance(statement, Block) else getattr(statement, "line", None)
 
 
 def _code_of(head: Head) -> str:

@@ -33,8 +33,8 @@ COMMENT_SIGNS = "[(%"
 CLOSING = {"[": "]", "(": ")"}
 
 _CLASSES = (
-    "blank letter named G zero low digit sign point square round close_square close_round comment skip odd return feed "
-    "other"
+    "blank letter named G zero low digit plus minus point square round close_square close_round comment skip odd return "
+    "feed control other"
 ).split()
 """named: a letter that may begin the name of a macro; odd: closes comments, and begins one or has lines left out."""
 
@@ -53,25 +53,28 @@ def _class_of(byte: int, lexical: Lexical, names: str) -> str:
         return single[char]
     if skips:
         return "skip"
+    if (byte < 32 and byte != 9) or byte == 127:
+        return "control"
     if sign in lexical.comment_signs or sign == "%":
         return "comment"
     if char in PLAIN_LETTERS:
         return "named" if char in names else "letter"
     single = {"\t": "blank", " ": "blank", ".": "point", ",": "point" if lexical.comma else "other", "0": "zero",
-              "+": "sign", "-": "sign", "G": "G"}  # fmt: skip
+              "+": "plus", "-": "minus", "G": "G"}  # fmt: skip
     if char in single:
         return single[char]
     return "low" if char in "123" else "digit" if char in "456789" else "other"
 
 
+_SIGNS = {"plus": "signed", "minus": "signed"}
 _DIGITS = ("zero", "low", "digit")
-_ENDS_WITH_WORDS = ("code", "code0", "need", "gap", "int", "real", "item", "rest1", "after_square1", "after_round1",
-                    "square1", "round1", "return1")  # fmt: skip
+_ENDS_WITH_WORDS = ("code", "code0", "need", "first", "gap", "int", "real", "item", "rest1", "after_square1",
+                    "after_round1", "square1", "round1", "return1")  # fmt: skip
 _ENDS_WITHOUT = ("start", "rest0", "square0", "round0", "after_square0", "after_round0", "return0")
 
 
-def _steps(codes: bool) -> dict[str, dict[str, str]]:
-    """state -> {class: next state}; what is missing leads to ``bad``. codes: G0 to G3 are the controller's own."""
+def _steps(codes: bool, open_names: bool) -> dict[str, dict[str, str]]:
+    """state -> {class: next state}; what is missing leads to ``bad``. codes, open_names: see Scanner."""
     steps: dict[str, dict[str, str]] = {"start": {}, "bad": {}}
     begins = {"letter": "need"} | ({"G": "g"} if codes else {})
     items = begins | {"named": "need"}
@@ -81,19 +84,23 @@ def _steps(codes: bool) -> dict[str, dict[str, str]]:
     ]
     behind = items | ends[1] | {"blank": "item"}
     steps["start"] = begins | ends[0] | {"blank": "start"}
-    steps["g"] = {"zero": "code0", "low": "code"}
+    steps["g"] = {"zero": "code0", "low": "code", "blank": "g", "plus": "gplus"}
+    steps["gplus"] = {"zero": "code0", "low": "code"}
     steps["code0"] = {"zero": "code0", "low": "code"} | behind
     steps["code"] = dict(behind)
     number = dict.fromkeys(_DIGITS, "int") | {"point": "dot"}
-    steps["need"] = items | ends[1] | number | {"sign": "signed", "blank": "gap"}
-    steps["gap"] = items | ends[1] | number | {"sign": "signed", "blank": "gap"}
+    steps["need"] = items | ends[1] | number | _SIGNS | {"blank": "gap"}
+    steps["gap"] = items | ends[1] | number | _SIGNS | {"blank": "gap"}
+    steps["first"] = ends[1] | number | _SIGNS | {"blank": "gap"}
+    if open_names:
+        steps["start"]["letter"] = "first"
     steps["signed"] = dict(number)
     steps["int"] = behind | dict.fromkeys(_DIGITS, "int") | {"point": "real"}
     steps["dot"] = dict.fromkeys(_DIGITS, "real")
     steps["real"] = behind | dict.fromkeys(_DIGITS, "real")
     steps["item"] = dict(behind)
     for has in (0, 1):
-        text = [c for c in _CLASSES if c not in ("odd", "return", "feed")]
+        text = [c for c in _CLASSES if c not in ("odd", "return", "feed", "control")]
         steps[f"rest{has}"] = dict.fromkeys(text, f"rest{has}") | {"return": f"return{has}"}
         for shape in ("square", "round"):
             inside = f"{shape}{has}"
@@ -108,16 +115,18 @@ def _steps(codes: bool) -> dict[str, dict[str, str]]:
 class Scanner:
     """The lines and words of a file with the settings of one machine.
 
-    codes: G0 to G3 may stand in plain lines; names: letters that may not begin one, as names of macros do.
+    codes: G0 to G3 may stand in plain lines; names: letters that may not begin one, as names of macros do; open_names:
+    no line may begin with two letters, since which names macros have is not known.
     """
 
     lexical: Lexical = NO_LEXICAL
     codes: bool = True
     names: str = ""
+    open_names: bool = False
 
     def index(self, data: bytes, begin: int, limit: int, end: int | None = None) -> LineIndex:
         """Find the lines of data[begin:end] that are not plain; limit: characters that a line may have."""
-        return index_lines(_automata(self.lexical, self.codes, self.names), data, begin, limit, end)
+        return index_lines(_automata(self), data, begin, limit, end)
 
     def scan(self, data: bytes, begin: int, end: int, line: int, limit: int) -> tuple[Columns, int, int]:
         """Words of the plain lines data[begin:end] whose first has number ``line``; see ``Program.load``."""
@@ -125,7 +134,7 @@ class Scanner:
         columns = {c.name: np.empty(room, np.dtype(c.dtype)) for c in WORD.columns}
         run = k.scan_words.pick(min(end - begin, limit))
         source: Any = data
-        kinds: Any = _kinds(self.lexical)
+        kinds: Any = kinds_of(self.lexical)
         powers: Any = _POWERS
         if run is not k.scan_words.python:
             source, kinds, powers = np.frombuffer(data, np.uint8), np.array(kinds, np.uint8), np.array(powers)
@@ -146,14 +155,15 @@ def scanner(lexical: Lexical, macros: Iterable[str]) -> Scanner:
 
 
 @functools.cache
-def _automata(lexical: Lexical, codes: bool, names: str) -> Automata:
+def _automata(scanner: Scanner) -> Automata:
     return automata(
-        _steps(codes), _CLASSES, lambda byte: _class_of(byte, lexical, names), _ENDS_WITH_WORDS, _ENDS_WITHOUT
+        _steps(scanner.codes, scanner.open_names), _CLASSES,
+        lambda byte: _class_of(byte, scanner.lexical, scanner.names), _ENDS_WITH_WORDS, _ENDS_WITHOUT,
     )  # fmt: skip
 
 
 @functools.cache
-def _kinds(lexical: Lexical) -> list[int]:
+def kinds_of(lexical: Lexical) -> list[int]:
     """What each byte is to ``scan_words``."""
     kinds = []
     for byte in range(256):

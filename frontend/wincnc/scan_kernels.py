@@ -96,3 +96,81 @@ def scan_words(
     if end > begin and data[end - 1] != 10:
         line += 1
     return count, i, line
+
+
+SIGNED = 7
+"""Kind of a note; equal to that of ``ir/notes.py``."""
+
+
+@kernel(seconds_per_unit=1.6e-7, compile_seconds=0.6)
+def scan_notes(
+    data: Any,
+    begin: int,
+    end: int,
+    line: int,
+    kinds: Any,
+    count: int,
+    used: int,
+    at_line: Any,
+    at_place: Any,
+    at_kind: Any,
+    at_column: Any,
+    at_begin: Any,
+    at_size: Any,
+    text: Any,
+) -> tuple[int, int]:
+    """Read the comments of the plain lines data[begin:end], with their signs; ``begin`` starts line number ``line``.
+
+    kinds: what each byte is; at_*: columns of NOTE, of which ``count`` rows are in use; text: bytes of the notes, of
+    which ``used`` are. Returns (rows in use, bytes in use).
+    """
+    place = 0
+    start = begin
+    i = begin
+    while i < end:
+        kind = int(kinds[data[i]])
+        at = i
+        i += 1
+        if kind >= 65:
+            place += 1
+            continue
+        if kind == FEED:
+            line += 1
+            place = 0
+            start = i
+            continue
+        if kind != COMMENT:
+            continue
+        closing = 93 if data[at] == 91 else 41 if data[at] == 40 else 10
+        first = used
+        while i < end and data[i] != closing and data[i] != 10:
+            i += 1
+        closed = i < end and closing != 10 and data[i] == closing
+        if closed:
+            i += 1
+        for j in range(at, i):
+            text[used] = data[j]
+            used += 1
+        if not closed:
+            while text[used - 1] in (32, 9, 13) and used > first + 1:
+                used -= 1
+        column = 0
+        if place > 0:
+            behind = at
+            while behind > start and data[behind - 1] in (32, 9):
+                behind -= 1
+            before = 0
+            for t in range(start, at):
+                if t == behind:
+                    before = column
+                column += 8 - column % 8 if data[t] == 9 else 1
+            if behind == at or column - before < 2:
+                column = 0
+        at_line[count] = line
+        at_place[count] = place
+        at_kind[count] = SIGNED
+        at_column[count] = column
+        at_begin[count] = first
+        at_size[count] = used - first
+        count += 1
+    return count, used

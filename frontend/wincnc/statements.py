@@ -6,13 +6,15 @@ of the dialect (``ir/dialects/wincnc.py``).
 
 from __future__ import annotations
 
+import contextlib
 import dataclasses
 import re
 from dataclasses import dataclass
 from typing import Any, Protocol
 
-from gproof.frontend.wincnc.line import Items, LineError, LineReader, is_bare
+from gproof.frontend.wincnc.line import Items, LineError, LineReader
 from gproof.frontend.wincnc.mac_file import Macro
+from gproof.frontend.wincnc.mac_file import code_name as macro_name
 from gproof.ir import codes
 from gproof.ir.finding import Span
 from gproof.ir.program import (
@@ -51,30 +53,17 @@ class ArrayLine:
     words: tuple[Word, ...]
     span: Span
     comment: str
+    line: Block | None
 
 
 Parsed = Statement | Head | ArrayLine
-
-_CODE = re.compile(r"([GLM])0*(\d+)(?:\.(\d))?\Z")
-
-
-def code_name(letter: str, tenths: int) -> str:
-    """``M6``, ``L91``, ``G92.1``."""
-    whole, tenth = divmod(tenths, 10)
-    return f"{letter}{whole}.{tenth}" if tenth else f"{letter}{whole}"
-
-
-def normal_name(name: str) -> str:
-    """A macro's name in one form: M03 is M3."""
-    found = _CODE.match(name.strip().upper())
-    return code_name(found[1], 10 * int(found[2]) + int(found[3] or 0)) if found else name.strip().upper()
 
 
 class Lines:
     """Reads lines of any file of a program.
 
-    macros: by name in the form of ``normal_name``; find: the name of a subprogram for a file name, or None; changers:
-    how many tool changers the machine has.
+    macros: by the names that ``read_macros`` gives them; files: where subprograms are; changers: how many tool changers
+    the machine has.
     """
 
     def __init__(
@@ -90,15 +79,19 @@ class Lines:
 
     def parse(self, text: str, file: str, line: int, depth: int = 0) -> Parsed | None:
         """What a line says; None for a comment or an empty line; LineError for a mistake."""
+        control = CONTROL.search(text)
+        if control is not None:
+            what = f"control character U+{ord(control.group()):04X} in the line"
+            raise LineError(codes.SYNTAX, control.start(), control.end(), what=what)
         code, comment = self.reader.cut(text)
-        if not code.strip():
+        if not code.strip(" \t"):
             return None
         macro = self._macro(code)
         if macro is not None:
             return self._replaced(macro, code, comment, file, line, depth)
         items = self.reader.read(text, file, line)
         if not items.words and not items.texts:
-            return None
+            raise LineError(codes.SYNTAX, items.begin, items.begin + 1, what="no command behind the tilde")
         if self.macros:
             self._no_macro_inside(items)
         return self._statement(items, text, file, line)
@@ -110,7 +103,8 @@ class Lines:
             return None
         for found in (_BEGINS_WITH_CODE.match(code, begin), _BEGINS_WITH_WORD.match(code, begin)):
             if found is not None:
-                macro = self.macros.get(normal_name(re.sub(r"[ \t]", "", found.group())))
+                name = macro_name(re.sub(r"[ \t+]", "", found.group()))
+                macro = self.macros.get(name) if name is not None else None
                 if macro is not None:
                     return macro, begin, found.end()
         return None
@@ -144,11 +138,12 @@ class Lines:
         macro, begin, end = found
         span = Span(file, line, begin + 1, len(code.rstrip()) + 1)
         written = code.strip()
+        rest = code[end:].rstrip()
         if depth >= DEEPEST_MACRO:
             raise LineError(codes.RECURSION, begin, end, allowed=DEEPEST_MACRO, chain=f"{macro.name} > {macro.name}")
         if not macro.text:
-            return Replaced(written=written, body=(), span=span, comment=comment)
-        rest = code[end:].rstrip()
+            as_line = self._replaced_line(macro, code, begin, end, span, None)
+            return Replaced(written=written, body=(), span=span, comment=comment, line=as_line)
         text = macro.text + (f" {rest.strip()}" if rest.strip() else "")
         if len(text) > self.limit:
             raise LineError(codes.MACRO_TOO_LONG, begin, end, length=len(text), name=macro.name, allowed=self.limit)
@@ -156,26 +151,45 @@ class Lines:
             inner = self.parse(text, file, line, depth + 1)
         except LineError as error:
             raise LineError(error.code, begin, len(code.rstrip()), **error.values) from None
+        as_line = self._replaced_line(macro, code, begin, end, span, inner)
         if isinstance(inner, Head):
             inner = _at(inner, span)
-            return Head(Replaced(written=written, body=(inner.statement,), span=span, comment=comment), inner.condition)
+            body: tuple[Statement, ...] = (inner.statement,)
+            head = Replaced(written=written, body=body, span=span, comment=comment, line=as_line)
+            return Head(head, inner.condition)
         if isinstance(inner, ArrayLine):
-            return ArrayLine(inner.words, span, comment)
+            return ArrayLine(inner.words, span, comment, as_line)
         body = () if inner is None else (_at(inner, span),)
-        return Replaced(written=written, body=body, span=span, comment=comment)
+        return Replaced(written=written, body=body, span=span, comment=comment, line=as_line)
+
+    def _replaced_line(self, macro: Macro, code: str, begin: int, end: int, span: Span, inner: Parsed | None) -> Block:
+        """The line of a macro to be printed: its name, and words where what follows is nothing else."""
+        name = Text(code[begin:end].rstrip(), Span(span.file, span.line, begin + 1, end + 1))
+        rest = code[end:].strip()
+        at = end + len(code[end:]) - len(code[end:].lstrip())
+        items = Items(rest=rest, rest_at=at)
+        if not _takes_text(inner, macro.text):
+            with contextlib.suppress(LineError):
+                items = self.reader.read(" " * at + rest, span.file, span.line)
+        if items.own or items.rest:
+            items = Items(rest=rest, rest_at=at)
+        block = self._block(items, span)
+        return dataclasses.replace(block, texts=(("", name), *block.texts))
 
     def _statement(self, items: Items, text: str, file: str, line: int) -> Parsed:
         span = Span(file, line, items.begin + 1, items.end + 1)
         command = self._command(items)
         if command is not None:
             rule, word = command
+            if rule.function in (F.CALL, F.CONDITION, F.DIALOG):
+                _require_only(items, rule, word)
             if rule.function is F.CALL:
                 return self._call(items, rule, word, span)
             if rule.function is F.CONDITION:
                 return Head(self._block(items, span), self._condition(items, rule, word))
             if rule.function is F.ARRAY:
                 words = tuple(w for w in items.words if w is not word)
-                return ArrayLine(words, span, items.comment)
+                return ArrayLine(words, span, items.comment, self._block(items, span))
             if rule.function is F.DIALOG:
                 return self._dialog(items, span)
         return self._block(items, span)
@@ -206,7 +220,7 @@ class Lines:
         name, after = rest, len(rest)
         if rest[0] == '"' and '"' in rest[1:]:
             after = rest.index('"', 1) + 1
-            name = rest[1 : after - 1]
+            name = rest[:after]
         elif self.files.find(rest) is None and re.search(r"[ \t]", rest):
             name = re.split(r"[ \t]", rest, maxsplit=1)[0]
             after = len(name)
@@ -214,15 +228,19 @@ class Lines:
         if rest[after:].strip():
             shift = " " * (items.rest_at + after)
             more = self.reader.read(shift + rest[after:], span.file, span.line)
-            if more.texts or any(w.letter in "GM" and not is_bare(w) for w in more.words):
+            if more.texts or any(w.letter in "GM" and not w.bare for w in more.words):
                 raise LineError(codes.SYNTAX, items.rest_at + after, items.end, what="words behind a file name")
             arguments = more.words
         key = self.files.find(name)
         if key is None:
             at = items.rest_at
             raise LineError(codes.FILE_NOT_FOUND, at, at + len(name), name=name, where=self.files.where)
+        where = Span(span.file, span.line, items.rest_at + 1, items.rest_at + len(name) + 1)
+        as_line = self._block(dataclasses.replace(items, rest=None), span)
+        as_line = dataclasses.replace(as_line, words=(word, *arguments), texts=(("", Text(name, where)),))
         return Call(
-            name=key, span=span, arguments=tuple(arguments), text=name, counted=rule.value == 1
+            name=key, span=span, arguments=tuple(arguments), text=name.strip('"'), counted=rule.value == 1,
+            line=as_line,
         )  # fmt: skip
 
     def _dialog(self, items: Items, span: Span) -> Parsed:
@@ -236,7 +254,10 @@ class Lines:
             )
         parts = tuple(text for letter, text in items.texts if letter == "M")
         self.questions += number > 0
-        message = Message(kind=kinds[number], parts=parts, span=span, question=self.questions if number else 0)
+        question = self.questions if number else 0
+        message = Message(
+            kind=kinds[number], parts=parts, span=span, question=question, line=self._block(items, span)
+        )  # fmt: skip
         if number < 3:
             return message
         asked = Input("answer", Number(float(self.questions), span), span)
@@ -285,7 +306,8 @@ class Lines:
         return condition if rule.tenths // 10 == 17 else Unary("not", condition, span)
 
 
-_BEGINS_WITH_CODE = re.compile(r"[GLMglm][ \t]*[0-9]+(?:\.[0-9])?(?![0-9.])")
+CONTROL = re.compile(r"[\x00-\x08\x0a-\x1f\x7f]")
+_BEGINS_WITH_CODE = re.compile(r"[A-Za-z][ \t]*\+?[0-9]+(?:\.[0-9]*)?(?![0-9.])")
 _BEGINS_WITH_WORD = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
 
 
@@ -296,6 +318,27 @@ class FileFinder(Protocol):
 
     def find(self, name: str) -> str | None:
         """The name of the subprogram that a file is, loaded now or later; None when there is no such file."""
+
+
+def _require_only(items: Items, rule: CodeRule, word: Word) -> None:
+    """LineError for what stands in the line of a command and is none of its words."""
+    at = word.span.column - 1
+    has_texts = rule.function is F.DIALOG
+    for other in items.words:
+        if other is not word and (other.letter not in rule.takes or rule.function is F.CALL):
+            what = f"{other.letter} beside {rule.text}"
+            raise LineError(codes.SYNTAX, other.span.column - 1, other.span.end_column - 1, what=what)
+    if any(not has_texts or letter != "M" for letter, _ in items.texts):
+        raise LineError(codes.SYNTAX, at, items.end, what=f"a text that {rule.text} does not take")
+
+
+def _takes_text(parsed: Parsed | None, macro: str) -> bool:
+    """Whether what stands behind a macro may be read as a text, or as part of one."""
+    if isinstance(parsed, Replaced):
+        return any(_takes_text(node, macro) for node in parsed.body)
+    if isinstance(parsed, Call):
+        return parsed.text not in macro
+    return isinstance(parsed, Block) and any(not letter for letter, _ in parsed.texts)
 
 
 def _at(value: Any, span: Span) -> Any:

@@ -115,7 +115,7 @@ def test_stdout_and_standard_input(gproof, monkeypatch: pytest.MonkeyPatch) -> N
         ([], "Missing argument"),
         (["missing.cnc"], "missing.cnc: no such file"),
         (["ugly.cnc", "missing.cnc"], "missing.cnc: no such file"),
-        (["."], "is a directory"),
+        (["empty"], "there is no program in it"),
         (["--stdout", "ugly.cnc", "nice.cnc"], "one file"),
         (["--stdout", "--check", "ugly.cnc"], "--check"),
         (["--stdout", "--diff", "ugly.cnc"], "--diff"),
@@ -127,6 +127,7 @@ def test_stdout_and_standard_input(gproof, monkeypatch: pytest.MonkeyPatch) -> N
     ids=" ".join,
 )
 def test_arguments_that_make_no_sense(words: list[str], what: str, folder: Path, gproof) -> None:
+    (folder / "empty").mkdir()
     code, out, err = gproof(*words)
     assert (code, out) == (3, "")
     assert err.count("\n") == 1
