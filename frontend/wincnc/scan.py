@@ -33,8 +33,8 @@ COMMENT_SIGNS = "[(%"
 CLOSING = {"[": "]", "(": ")"}
 
 _CLASSES = (
-    "blank letter named G zero low digit plus minus point square round close_square close_round comment skip odd return "
-    "feed control other"
+    "blank letter named G zero low digit plus minus point square round close_square close_round comment skip odd"
+    " return feed other"
 ).split()
 """named: a letter that may begin the name of a macro; odd: closes comments, and begins one or has lines left out."""
 
@@ -53,8 +53,6 @@ def _class_of(byte: int, lexical: Lexical, names: str) -> str:
         return single[char]
     if skips:
         return "skip"
-    if (byte < 32 and byte != 9) or byte == 127:
-        return "control"
     if sign in lexical.comment_signs or sign == "%":
         return "comment"
     if char in PLAIN_LETTERS:
@@ -100,7 +98,7 @@ def _steps(codes: bool, open_names: bool) -> dict[str, dict[str, str]]:
     steps["real"] = behind | dict.fromkeys(_DIGITS, "real")
     steps["item"] = dict(behind)
     for has in (0, 1):
-        text = [c for c in _CLASSES if c not in ("odd", "return", "feed", "control")]
+        text = [c for c in _CLASSES if c not in ("odd", "return", "feed")]
         steps[f"rest{has}"] = dict.fromkeys(text, f"rest{has}") | {"return": f"return{has}"}
         for shape in ("square", "round"):
             inside = f"{shape}{has}"

@@ -79,11 +79,11 @@ class Lines:
 
     def parse(self, text: str, file: str, line: int, depth: int = 0) -> Parsed | None:
         """What a line says; None for a comment or an empty line; LineError for a mistake."""
-        control = CONTROL.search(text)
+        code, comment = self.reader.cut(text)
+        control = CONTROL.search(code) or _RETURN.search(text)
         if control is not None:
             what = f"control character U+{ord(control.group()):04X} in the line"
             raise LineError(codes.SYNTAX, control.start(), control.end(), what=what)
-        code, comment = self.reader.cut(text)
         if not code.strip(" \t"):
             return None
         macro = self._macro(code)
@@ -307,6 +307,7 @@ class Lines:
 
 
 CONTROL = re.compile(r"[\x00-\x08\x0a-\x1f\x7f]")
+_RETURN = re.compile(r"\r")
 _BEGINS_WITH_CODE = re.compile(r"[A-Za-z][ \t]*\+?[0-9]+(?:\.[0-9]*)?(?![0-9.])")
 _BEGINS_WITH_WORD = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
 

@@ -12,7 +12,7 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from gproof.frontend.source import decode
-from gproof.frontend.wincnc.line import LineError, LineReader, is_bare
+from gproof.frontend.wincnc.line import LineError, LineReader
 from gproof.frontend.wincnc.scan import AXIS_LETTERS, NO_LEXICAL, Scanner, scanner
 from gproof.frontend.wincnc.statements import text_codes
 from gproof.ir.controls import Lexical
@@ -60,7 +60,7 @@ def read(line: bytes, lexical: Lexical) -> Words | None:
                 return None
         elif word.letter not in AXIS_LETTERS + "IJKRF":
             return None
-        flags = (FLAG_BARE if is_bare(word) else 0) | (FLAG_POINT if word.value.point else 0)
+        flags = (FLAG_BARE if word.bare else 0) | (FLAG_POINT if word.value.point else 0)
         words.append((word.span.column - 1, word.letter, flags, word.value.value))
     return words
 
