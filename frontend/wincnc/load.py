@@ -24,7 +24,7 @@ from gproof.ir import codes
 from gproof.ir.columns import Columns
 from gproof.ir.controls import Controls
 from gproof.ir.dialects import rules_named
-from gproof.ir.finding import Findings, Refusal, Span
+from gproof.ir.finding import Findings, Refusal, Severity, Span
 from gproof.ir.machine import Machine
 from gproof.ir.program import (
     Array,
@@ -376,7 +376,8 @@ class _Walk:
             return skipped if skipped is not None else self.loader.lines.parse(text, self.source.name, line)
         except LineError as error:
             finding = error.finding(self.source.name, line)
-            if later:
+            alone = isinstance(self.loader.files, _AnyFiles) and finding.severity is not Severity.ERROR
+            if later or alone:
                 return Mistake(
                     code=finding.code.number, message=finding.message, span=finding.span, text=text.strip()
                 )  # fmt: skip

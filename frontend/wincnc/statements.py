@@ -59,6 +59,12 @@ class ArrayLine:
 Parsed = Statement | Head | ArrayLine
 
 
+def code_name(letter: str, tenths: int) -> str:
+    """``M6``, ``L91``, ``G92.1``."""
+    whole, tenth = divmod(tenths, 10)
+    return f"{letter}{whole}.{tenth}" if tenth else f"{letter}{whole}"
+
+
 class Lines:
     """Reads lines of any file of a program.
 
