@@ -1,6 +1,6 @@
 """What ``Kernel.pick`` reckons with, beside what this machine measures.
 
-    python bench/kernels.py [--lines 20000] [--shape raster] [--command check|compile]
+    python bench/kernels.py [--lines 20000] [--shape raster] [--command check|compile] [--tap]
 
 Runs one job in plain Python, with numba and an empty cache, and with the cache that this left. By kernel: how
 much work was asked for, microseconds of a unit in plain Python, seconds to compile, seconds to load the compiled
@@ -92,12 +92,14 @@ def main() -> None:
     parser.add_argument("--lines", type=int, default=20_000)
     parser.add_argument("--shape", choices=list(SHAPES), default="raster")
     parser.add_argument("--command", choices=["check", "compile"], default="check")
+    parser.add_argument("--tap", action="store_true", help="a job of WinCNC")
     asked = parser.parse_args()
     with tempfile.TemporaryDirectory(prefix="gproof-bench-") as name:
         folder = Path(name)
-        job = folder / "job.ngc"
+        job = folder / ("job.tap" if asked.tap else "job.ngc")
         write_program(asked.shape, asked.lines, job)
-        arguments = [asked.command, str(job), "--machine", str(HERE / "machine.toml"), "--setup", "zero"]
+        machine = "WINCNC.INI" if asked.tap else "machine.toml"
+        arguments = [asked.command, str(job), "--machine", str(HERE / machine), "--setup", "zero"]
         if asked.command == "compile":
             arguments += ["--unsigned", "-o", str(folder / "job.gpx")]
         plain, cold, warm = (measured(folder, mode, arguments) for mode in ("python", "numba", "numba"))

@@ -2,7 +2,8 @@
 
 Coordinates are whole tenths of a micrometre until they are printed, from a counter and integer arithmetic:
 no random numbers, no sines. Every program is valid for the Eding controller and for LinuxCNC: G21 G90 G17
-G54 G94 at the top, F and S given, M30 at the end, X and Y within 0 ... 500 mm, Z within -50 ... 50 mm.
+G54 G94 at the top, F and S given, M30 at the end, X and Y within 0 ... 500 mm, Z within -50 ... 50 mm; WinCNC reads
+the lines between.
 """
 
 from __future__ import annotations
@@ -13,6 +14,10 @@ from pathlib import Path
 
 HEAD = ("(benchmark)", "G21 G90 G17 G54 G94", "S12000 M3", "G0 Z5", "G0 X0 Y0", "G1 Z0 F1500")
 TAIL = ("G0 Z5", "M30")
+
+TAP_HEAD = ("[benchmark]", "G22", "G90", "G0 Z5", "G0 X0 Y0", "G1 Z0 F1500")
+TAP_TAIL = ("G0 Z5", "[end]")
+"""As many lines around the same path, for WinCNC."""
 
 # Sixteen points of the unit circle times 10000, rounded: an arc's radii at its ends differ a little, as in CAM output.
 _RING = (
@@ -105,10 +110,15 @@ SHAPES: dict[str, Callable[[], Iterator[str]]] = {
 }  # fmt: skip
 
 
+TAP_SHAPES = ("raster", "arcs", "modal")
+"""Shapes whose lines mean the same to WinCNC."""
+
+
 def write_program(shape: str, lines: int, path: Path) -> None:
-    """A program of exactly so many lines."""
-    body = lines - len(HEAD) - len(TAIL)
+    """A program of exactly so many lines; for WinCNC when the file's name ends so (.tap)."""
+    head, tail = (TAP_HEAD, TAP_TAIL) if path.suffix == ".tap" else (HEAD, TAIL)
+    body = lines - len(head) - len(tail)
     with path.open("w", encoding="ascii", newline="\n") as file:
-        file.writelines(f"{line}\n" for line in HEAD)
+        file.writelines(f"{line}\n" for line in head)
         file.writelines(f"{line}\n" for line in islice(SHAPES[shape](), body))
-        file.writelines(f"{line}\n" for line in TAIL)
+        file.writelines(f"{line}\n" for line in tail)

@@ -1,7 +1,7 @@
 """``make bench``: gproof beside LinuxCNC's ``rs274`` on the same programs, in one run on this machine.
 
     python bench/run.py [--only start|lines|parse|steps] [--lines 2000,100000] [--shapes raster] [--repeat 5]
-                        [--json FILE]
+                        [--dialects wincnc] [--json FILE]
 
 Timings are no tests: the exit code is 0 whatever they are. bench/README.md explains the columns.
 """
@@ -15,16 +15,19 @@ import shutil
 import subprocess
 import sys
 import tempfile
+from collections.abc import Iterator
 from dataclasses import dataclass
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
 from measure import Runs, gproof_command, rs274_command, run_once
-from programs import SHAPES, write_program
+from programs import SHAPES, TAP_SHAPES, write_program
 
 HERE = Path(__file__).resolve().parent
 MACHINE = HERE / "machine.toml"
+DIALECTS = {"eding": ("Eding", ".ngc", MACHINE), "wincnc": ("WinCNC", ".tap", HERE / "WINCNC.INI")}
+"""Name, suffix of programs, machine."""
 PARTS = ("start", "lines", "parse", "steps")
 LINES = (2_000, 100_000, 1_000_000)
 START_LINES = 100
@@ -42,6 +45,7 @@ GOAL_PARSE = {"repeat": 20_000, "different": 3_000}  # lines a second
 class Compared:
     """One program under both tools; cold: gproof without any compiled kernel on disk."""
 
+    dialect: str
     shape: str
     lines: int
     warm: Runs
@@ -64,7 +68,8 @@ class Compared:
     def as_json(self) -> dict[str, object]:
         peer = self.peer.as_json() if self.peer is not None else None
         runs = {"gproof_warm": self.warm.as_json(), "gproof_cold": self.cold.as_json(), "rs274": peer}
-        return {"shape": self.shape, "lines": self.lines, "ratio": self.ratio, **runs}
+        about = {"dialect": self.dialect, "shape": self.shape, "lines": self.lines}
+        return {**about, "ratio": self.ratio, **runs}
 
 
 class Bench:
@@ -81,23 +86,25 @@ class Bench:
         bytecode = {"PYTHONPYCACHEPREFIX": str(folder / "bytecode")}
         self.warm_environment = kept | bytecode | {"GPROOF_CACHE_DIR": str(folder / "warm")}
 
-    def program(self, shape: str, lines: int) -> Path:
-        path = self.folder / f"{shape}-{lines}.ngc"
+    def program(self, shape: str, lines: int, suffix: str = ".ngc") -> Path:
+        path = self.folder / f"{shape}-{lines}{suffix}"
         if not path.exists():
             write_program(shape, lines, path)
         return path
 
     def fill_cache(self) -> None:
         """Compile every kernel and module that ``check`` uses."""
-        for shape in SHAPES:
-            command = gproof_command(self.program(shape, START_LINES), MACHINE)
-            for mode in ("numba", "python"):
-                run_once(command, self.warm_environment | {"GPROOF_KERNELS": mode}, Runs())
+        for dialect, (_, suffix, machine) in DIALECTS.items():
+            for shape in shapes_of(dialect):
+                command = gproof_command(self.program(shape, START_LINES, suffix), machine)
+                for mode in ("numba", "python"):
+                    run_once(command, self.warm_environment | {"GPROOF_KERNELS": mode}, Runs())
 
-    def compare(self, shape: str, lines: int) -> Compared:
-        """Both tools in turn, so that a change of the machine's load meets both."""
+    def compare(self, dialect: str, shape: str, lines: int) -> Compared:
+        """Both tools in turn, so that a change of the machine's load meets both; each reads the path in its own way."""
+        _, suffix, machine = DIALECTS[dialect]
         path = self.program(shape, lines)
-        command = gproof_command(path, MACHINE)
+        command = gproof_command(self.program(shape, lines, suffix), machine)
         warm, cold, peer = Runs(), Runs(), Runs()
         for _ in range(self.repeat):
             said = run_once(command, self.warm_environment, warm)
@@ -106,10 +113,22 @@ class Bench:
             if self.rs274:
                 run_once(rs274_command(path, self.rs274), self.peer_environment, peer)
         for n in range(1 if lines >= LONG else self.repeat):
-            empty = self.folder / f"cold-{shape}-{lines}-{n}"
+            empty = self.folder / f"cold-{dialect}-{shape}-{lines}-{n}"
             run_once(command, self.warm_environment | {"GPROOF_CACHE_DIR": str(empty)}, cold)
             shutil.rmtree(empty, ignore_errors=True)
-        return Compared(shape=shape, lines=lines, warm=warm, cold=cold, peer=peer if self.rs274 else None)
+        return Compared(
+            dialect=dialect, shape=shape, lines=lines, warm=warm, cold=cold, peer=peer if self.rs274 else None
+        )  # fmt: skip
+
+    def compare_all(self, dialects: list[str], shapes: list[str], sizes: list[int]) -> list[Compared]:
+        """Each dialect's shapes by size."""
+        return [
+            self.compare(dialect, shape, lines)
+            for dialect in dialects
+            for lines in sizes
+            for shape in shapes
+            if shape in shapes_of(dialect)
+        ]
 
     def stages(self, shape: str) -> dict[str, Any]:
         command = [sys.executable, str(HERE / "stages.py"), str(self.program(shape, STEP_LINES)), str(MACHINE)]
@@ -122,6 +141,10 @@ class Bench:
         runs = Runs()
         said = run_once([sys.executable, str(HERE / "parse.py")], self.warm_environment, runs)
         return {"problem": runs.problem} if runs.problem else dict(json.loads(said))
+
+
+def shapes_of(dialect: str) -> tuple[str, ...]:
+    return TAP_SHAPES if dialect == "wincnc" else tuple(SHAPES)
 
 
 def about() -> dict[str, str]:
@@ -160,22 +183,28 @@ HEADING = (
 
 
 def print_start(rows: list[Compared]) -> None:
-    print(f"\nStart-up: check of a small job, seconds of the whole process\n{HEADING}")
-    for row in rows:
+    for row in _by_dialect(rows, "Start-up: check of a small job"):
         goal = f"medians at most {GOAL_START_S} s"
         met = max(row.warm.median, row.cold.median) <= GOAL_START_S
         print(f"{_figures(row)}  {goal}  {verdict(met)}{_problem(row)}")
 
 
 def print_lines(rows: list[Compared]) -> None:
-    print(f"\nCheck beside rs274, seconds of the whole process\n{HEADING}")
-    for row in rows:
+    for row in _by_dialect(rows, "Check beside rs274"):
         goals = []
         if row.lines >= GOAL_LINES:
             if row.ratio is not None:
                 goals.append(f"ratio at most {GOAL_RATIO}  {verdict(row.ratio <= GOAL_RATIO)}")
             goals.append(f"{GOAL_PEAK_MB:.0f} MB  {verdict(row.peak_mb <= GOAL_PEAK_MB)}")
         print(f"{_figures(row)}  {',  '.join(goals)}".rstrip() + _problem(row))
+
+
+def _by_dialect(rows: list[Compared], what: str) -> Iterator[Compared]:
+    """The rows, with a heading above those of each dialect."""
+    for n, row in enumerate(rows):
+        if n == 0 or rows[n - 1].dialect != row.dialect:
+            print(f"\n{what}, {DIALECTS[row.dialect][0]}, seconds of the whole process\n{HEADING}")
+        yield row
 
 
 def _figures(row: Compared) -> str:
@@ -226,6 +255,7 @@ def arguments() -> argparse.Namespace:
     parser.add_argument("--only", action="append", choices=PARTS, help="a part; repeatable (default: all)")
     parser.add_argument("--lines", default=",".join(map(str, LINES)), help="sizes, by commas")
     parser.add_argument("--shapes", default=",".join(SHAPES), help="shapes of program, by commas")
+    parser.add_argument("--dialects", default=",".join(DIALECTS), help="dialects of start and lines, by commas")
     parser.add_argument("--repeat", type=int, default=5, help="runs of each command (default 5)")
     parser.add_argument("--json", type=Path, metavar="FILE", help="also write every figure here")
     return parser.parse_args()
@@ -235,17 +265,18 @@ def main() -> None:
     asked = arguments()
     parts = asked.only or PARTS
     shapes, sizes = asked.shapes.split(","), [int(n) for n in asked.lines.split(",")]
+    dialects = asked.dialects.split(",")
     answer: dict[str, Any] = {"schema": "gproof-bench/1", "about": about()}
     print("\n".join(f"{name + ':':<9}{text}" for name, text in answer["about"].items()))
     with tempfile.TemporaryDirectory(prefix="gproof-bench-") as name:
         bench = Bench(Path(name), max(1, asked.repeat))
         bench.fill_cache()
         if "start" in parts:
-            rows = [bench.compare(shape, START_LINES) for shape in shapes]
+            rows = bench.compare_all(dialects, shapes, [START_LINES])
             print_start(rows)
             answer["start"] = [row.as_json() for row in rows]
         if "lines" in parts:
-            rows = [bench.compare(shape, lines) for lines in sizes for shape in shapes]
+            rows = bench.compare_all(dialects, shapes, sizes)
             print_lines(rows)
             answer["lines"] = [row.as_json() for row in rows]
         if "parse" in parts:

@@ -61,7 +61,7 @@ def agreed(feeds: Any, first: int, moving: int, linear: int) -> float:
     return rate
 
 
-@kernel(seconds_per_unit=5e-6, compile_seconds=2.0)
+@kernel(seconds_per_unit=2e-6, compile_seconds=4.0)
 def run_moves(
     line: Any,
     letter: Any,
