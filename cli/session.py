@@ -116,7 +116,8 @@ def open_session(
 
         if machine is None:
             the_machine = NO_SHOP
-        program = load_wincnc(job, findings, the_machine, machine)
+        read = [Path(name) for name, _, role in inputs if role == "machine"]
+        program = load_wincnc(job, findings, the_machine, machine, read)
     else:
         from gproof.frontend.eding.load import load_program
 

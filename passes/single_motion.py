@@ -176,6 +176,10 @@ def spindle_speed(ex: Motion, line: Command) -> None:
     value = line.values["S"]
     if not isinstance(value, Unknown) and value < 0:
         raise Refusal(codes.ILLEGAL_VALUE.at(line.where("S"), word="S", what=f"a speed of {value:g}"))
+    spindle = ex.machine.spindle(0)
+    most = None if spindle is None else spindle.max_rpm
+    if most is not None and not isinstance(value, Unknown) and value > most:
+        ex.findings.add(codes.SPINDLE_RANGE.at(line.where("S"), value=value, low="0", high=f"{most:g}"))
     ex.modal.spindle_speed = value
     rpm = math.nan if isinstance(value, Unknown) else value
     ex.event(Op.SETPOINT, line.span, arg=(0.0, rpm), text=ex._text("spindle_speed"))
@@ -190,7 +194,7 @@ def feed_word(ex: Motion, line: Command, columns: set[int] | None = None) -> Non
     if isinstance(value, Unknown):
         rate = math.nan
     elif value <= 0:
-        raise Refusal(codes.NEGATIVE_FEED.at(line.where("F"), value=value))
+        raise Refusal(codes.ILLEGAL_VALUE.at(line.where("F"), word="F", what=f"a feed of {value:g}"))
     else:
         rate = value
     feeds = list(s.single.feeds)
@@ -314,7 +318,7 @@ def _inverse_feed(ex: Motion, line: Command) -> None:
     if value is None:
         raise Refusal(codes.INVERSE_TIME_FEED_MISSING.at(line.span))
     if not isinstance(value, Unknown) and value <= 0:
-        raise Refusal(codes.NEGATIVE_FEED.at(line.where("F"), value=value))
+        raise Refusal(codes.ILLEGAL_VALUE.at(line.where("F"), word="F", what=f"a feed of {value:g}"))
     ex.modal.feed = math.nan if isinstance(value, Unknown) else value
 
 
@@ -511,7 +515,7 @@ def _arc_feed(ex: Motion, line: Command, moved: set[int]) -> None:
         s.feed = agreed(s.single.feeds, 0, 3, 3)
     elif value is not None:
         if not isinstance(value, Unknown) and value <= 0:
-            raise Refusal(codes.NEGATIVE_FEED.at(line.where("F"), value=value))
+            raise Refusal(codes.ILLEGAL_VALUE.at(line.where("F"), word="F", what=f"a feed of {value:g}"))
         s.feed = math.nan if isinstance(value, Unknown) else value * s.unit
         s.single = s.single.but(arc_feed=s.feed, feed_doubt=share is None and s.single.feeds[:2] != (s.feed, s.feed))
     else:
@@ -582,6 +586,8 @@ def _center(
                     other = f"{letter} left out: that of the arc before, or 0"
                     raise Refusal(codes.ARC_UNKNOWN.at(line.span, cause=other))
                 value = 0.0
+                if kept is None:
+                    ex.assumed["no I or J is kept from the job before"] = None
                 if ex.machine.controller.absolute_arc_centers:
                     raise Refusal(codes.ARC_UNKNOWN.at(line.span, cause=f"{letter} left out with absolute centres on"))
             values.append(value * s.unit)

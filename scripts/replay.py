@@ -52,8 +52,9 @@ def _output(*command: str) -> str:
 
 
 def arguments(job: Path) -> list[str]:
-    """The options that the job's ``expect.toml`` names."""
-    expect = tomllib.loads((job.parent / "expect.toml").read_text(encoding="utf-8"))
+    """The options that the job's ``expect.toml``, or the table beside it, names."""
+    beside = job.parent / "expect.toml"
+    expect = tomllib.loads((beside if beside.is_file() else job.with_suffix(".toml")).read_text(encoding="utf-8"))
     options = ["--machine", str(job.parent / expect["machine"])]
     if "setup" in expect:
         setup = expect["setup"]
@@ -93,6 +94,9 @@ def main(base: str) -> int:
     site = install_base(base)
     check_origin(site)
     jobs = sorted(path.parent / "job.cnc" for path in (ROOT / "corpus").rglob("expect.toml"))
+    jobs += sorted(
+        path for path in (ROOT / "corpus/wincnc").glob("*/jobs/*.tap") if path.with_suffix(".toml").is_file()
+    )
     if not jobs:
         print("replay: corpus/ holds no job", file=sys.stderr)
         return 3
@@ -102,7 +106,7 @@ def main(base: str) -> int:
             before, now = digest(job, stage, site), digest(job, stage, None)
             if before != now:
                 differing += 1
-                print(f"{job.parent.relative_to(ROOT)}: {stage} differs: (hash, exit code) {before} -> {now}")
+                print(f"{job.relative_to(ROOT)}: {stage} differs: (hash, exit code) {before} -> {now}")
                 break
             streams += stage == "stream" and now[1] == 0
     print(f"replay: {len(jobs)} jobs against {base}: {differing} differ, {streams} gave the same stream")

@@ -47,17 +47,19 @@ HELD_IN_ALL = 200_000
 
 
 def load_program(
-    path: Path, findings: Findings, machine: Machine, machine_file: Path | None = None
+    path: Path, findings: Findings, machine: Machine, machine_file: Path | None = None, beside: Sequence[Path] = ()
 ) -> Program | None:  # fmt: skip
     """The program in ``path`` with all it calls; None when the job's file is refused.
 
-    machine: whose settings say how lines are read; machine_file: beside which CNC.MAC and subprograms may lie. A line
+    machine: whose settings say how lines are read; machine_file: beside which CNC.MAC and subprograms may lie, as
+    beside the files that it refines (``beside``). A line
     with a mistake is a finding and left out of the program.
     """
     rules = rules_named("wincnc")
     controls = machine.controller.controls
     program = Program(dialect="wincnc", rules=rules)
-    folders = [path.parent, *([machine_file.parent] if machine_file is not None else [])]
+    folders = [path.parent, *([machine_file.parent] if machine_file is not None else []), *(f.parent for f in beside)]
+    folders = list(dict.fromkeys(folders))
     loader = _Loader(program, findings, controls, folders, machine_file)
     before = sum(findings.counts.values())
     try:
@@ -223,8 +225,8 @@ class _Loader:
 
     def _macro_file(self) -> None:
         """CNC.MAC, beside the machine's file or the job."""
-        folders = [self.machine_file.parent] if self.machine_file is not None else []
-        for folder in [*folders, *self.files.folders]:
+        # The shop's own comes before one that lies beside a job in another folder.
+        for folder in [*self.files.folders[1:], self.files.folders[0]]:
             found = _Files([folder])._below(folder, [MACRO_FILE])
             if found is not None:
                 from gproof.frontend.wincnc.mac_file import read_macros

@@ -16,9 +16,10 @@ from gproof.ir import codes
 from gproof.ir.finding import Finding, Findings, Severity
 from gproof.ir.machine import Machine
 from gproof.ir.setup import ZERO, Interval, Setup
+from gproof.ir.text import parse_ir, print_ir
 from gproof.ir.trace import TRACE_ROW
 from gproof.passes.boundaries import Boundaries
-from gproof.passes.execute import Executor
+from gproof.passes.execute import Executor, execute
 from gproof.passes.limits import Limits
 
 HERE = Path(__file__).parent
@@ -147,6 +148,24 @@ def lengthless(rows: list[dict[str, Any]]) -> list[dict[str, Any]]:
             before = None  # places count from elsewhere
         kept.append(row)
     return kept
+
+
+TAPS = [path.with_suffix(".tap") for path in PROGRAMS]
+
+
+@pytest.mark.parametrize("shop", sorted({path.parent for path in TAPS}), ids=lambda path: path.name)
+def test_text_forms_parse_back(shop: Path) -> None:
+    """Machine, Program and Trace of every program: the same text, the same value."""
+    for program in (path for path in TAPS if path.parent == shop):
+        session = session_of(program)
+        assert session.program is not None
+        trace = execute(session.program, ZERO, session.machine, Findings())
+        trace.verify()
+        for stage in (session.machine, session.program, trace):
+            text = print_ir(stage)
+            again = parse_ir(text)
+            assert print_ir(again) == text, program
+        assert parse_ir(print_ir(session.program)) == session.program, program
 
 
 @pytest.mark.parametrize("expected", PROGRAMS, ids=lambda path: f"{path.parent.name}/{path.stem}")
