@@ -170,11 +170,16 @@ def _tool_height(ex: Emitter, number: int) -> Value:
 
 
 def read_input(ex: Emitter, node: Input, evaluator: Evaluator) -> Value:
-    """The state of a channel: by the program, else by the setup, else unknown."""
+    """The state of a channel: by the program, else by the setup, else unknown; Refusal GP128 for one not there."""
     value = evaluator.value(node.number)
     if isinstance(value, Unknown):
         return Unknown(value.cause, 0.0, 1.0)
     number = round(value)
+    controls = ex.machine.controller.controls
+    there = {"input": controls.inputs, "output": controls.outputs, "virtual": range(1, 65)}.get(node.kind)
+    if there is not None and (number not in there or abs(number - value) > ex.program.rules.integer_tolerance):
+        allowed = f"there is no {node.kind} channel {value:g}"
+        raise Refusal(codes.PARAMETER_RANGE.at(node.span, code="a condition", word="C", allowed=allowed))
     s, setup = ex.modal, ex.setup
     known: Value | None = None
     if node.kind == "output":
@@ -274,11 +279,27 @@ def map_words(ex: Motion, line: Command, rule: CodeRule) -> None:
     order = "XYZW" if rule.function is F.MAP_WORDS else "ZW"
     if len(letters) > len(order) or any(letter not in columns for letter in order[: len(letters)]):
         raise Refusal(codes.ILLEGAL_VALUE.at(line.span, word=rule.text, what=f"axes for {order} in that order"))
+    _doubt_mapping(line, rule, order[: len(letters)])
     sources = list(range(AXES))
     for target, source in zip(order, letters, strict=False):
         sources[columns[target]] = columns[source]
     flags = s.single.flags | {"mapped"} if rule.function is F.MAP_WORDS else s.single.flags - {"mapped"}
     s.single = s.single.but(sources=tuple(sources), flags=flags)
+
+
+def _doubt_mapping(line: Command, rule: CodeRule, order: str) -> None:
+    """Refusal for mappings of a kind of which the manual has no example: axes in a ring, letters that are not in order.
+
+    There the rule (these axes receive the words of ``order``) and what examples do (an axis of ``order`` moves by these
+    words) are two things.
+    """
+    letters = line.letters
+    is_shared = len(set(letters)) < len(letters)
+    sources = dict(zip(order, letters, strict=True))
+    is_swap = all(sources.get(source) == target for target, source in sources.items())
+    if not is_swap and not (is_shared and set(letters) <= set(order)):
+        what = f"{rule.text} {' '.join(letters)} (which axis takes which words is not said)"
+        raise Refusal(codes.UNSUPPORTED_CODE.at(line.span, code=what))
 
 
 def map_pulses(ex: Motion, line: Command, rule: CodeRule) -> None:

@@ -7,6 +7,7 @@ from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
 from metamorphic.jobs import Run, same_moves
 from metamorphic.wincnc_jobs import Job, fitted, run, without_standing
@@ -43,6 +44,10 @@ def compare(folder: Path, job: Job, other: Job, where: str, tolerance: float = 0
     texts = f"{where}\n{job.told()}{one.told()}\n======\n{other.told()}{two.told()}"
     assert one.clean, texts
     assert one.verdict is two.verdict, f"{one.verdict} and {two.verdict}\n{texts}"
+    if tolerance and one.feed.shape == two.feed.shape:
+        # Whether two feeds are one hangs on their last bit, where the unit changes on the way.
+        doubtful = np.isnan(one.feed) | np.isnan(two.feed)
+        one, two = (replace(it, feed=np.where(doubtful, np.nan, it.feed)) for it in (one, two))
     difference = same_moves(one, two, tolerance)
     assert not difference, f"{difference}\n{texts}"
     return one, two

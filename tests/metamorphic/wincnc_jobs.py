@@ -189,7 +189,7 @@ def run(folder: Path, job: Job, *, call: str | None = None) -> Run:
                 chunk.rows["turns"][moving], chunk.rows["plane"][moving], chunk.rows["feed"][moving],
             ])
         )  # fmt: skip
-        forms.extend(chunk.trace.frames[frame] for frame in chunk.rows["frame"][moving].tolist())
+        forms.extend(chunk.trace.frames[frame][: len(AXES)] for frame in chunk.rows["frame"][moving].tolist())
 
     judgement = judge(session, running=Running(UNBOUNDED), observe=observe)
     made = np.concatenate(rows) if rows else np.zeros((0, 13))
