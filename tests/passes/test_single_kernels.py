@@ -89,7 +89,8 @@ LINEAR, ROTARY = AxisKind.LINEAR, AxisKind.ROTARY
 def machines(draw: st.DrawFn) -> Machine:
     kinds = draw(st.sampled_from(["", "W", "WA", "AC", "AWC", "WAC", "WUV"]))
     velocities = st.sampled_from([None, 10.0, 25.4, 100.0 / 60.0])
-    axes = [Axis(name=name, kind=LINEAR, feed_velocity=draw(velocities)) for name in "xyz"]
+    low = draw(st.sampled_from([None, None, -20.0]))
+    axes = [Axis(name=name, kind=LINEAR, feed_velocity=draw(velocities), boundary_lower=low) for name in "xyz"]
     for name, letter in zip("abc", kinds, strict=False):
         kind = ROTARY if letter in "AC" else LINEAR
         axes.append(Axis(name=name, kind=kind, letter=letter, feed_velocity=draw(velocities)))
@@ -106,6 +107,11 @@ def machines(draw: st.DrawFn) -> Machine:
         absolute=draw(st.sampled_from([None, True, False])),
         workspaces=(Workspace(number=55, x=12.5, y=-3.0),),
         shift_sign=draw(st.sampled_from([None, 1, -1])),
+        arc_tolerance=draw(st.sampled_from([None, 0.01, 100.0])),
+        auto_output=draw(st.sampled_from([None, None, 3])),
+        auto_output_on=draw(st.booleans()),
+        adjust_boundary=draw(st.integers(0, 4)) == 0,
+        adjust_vertical=draw(st.integers(0, 4)) == 0,
     )
     absolute = draw(st.integers(0, 4)) == 0
     return dataclasses.replace(
@@ -145,6 +151,7 @@ OTHERS = st.sampled_from([
     "G53", "G93", "G94", "G28 Z", "L11 XY", "L13 ZW", "L300 Z", "L301 Z", "L300 X", "G52 A30", "G51 I2J2", "G50", "G43",
     "G49", "P3", "G0 H2", "S1000", "G81 X1 Y1 Z-1 R1", "X2 Y3", "G80", "G28X", "L28 X5", "M37 Z1", "L4", "G91 G1 X-1",
     "G90 G0 X0 Y0", "M28 G1 Z-5 G91", "G4X1",
+    "L34", "L35", "G51 I2", "G51 K.5", "G23", "G81", "L11",
 ])  # fmt: skip
 LINES = st.one_of(plain_lines(), plain_lines(), plain_lines(), plain_lines(), plain_lines(), OTHERS)
 JOBS = st.lists(LINES, min_size=1, max_size=25).map(lambda lines: "".join(f"{line}\n" for line in lines))
@@ -218,7 +225,7 @@ def test_long_jobs_agree_bit_for_bit(seed: int) -> None:
             command_group=rng.choice(["", "xyz"]),
             arcs_modal=rng.random() < 0.3, helical_arcs=rng.random() < 0.9,
             arcs_share_feed=rng.choice([None, True, False]), smallest_arc=rng.choice([None, 0.254, 9.0]),
-            absolute=True,
+            absolute=True, arc_tolerance=rng.choice([1e4, 1e4, None]),
         )  # fmt: skip
         machine = dataclasses.replace(
             NO_SHOP, axes=tuple(axes), unit=rng.choice([1.0, 25.4]),
