@@ -318,7 +318,11 @@ def map_pulses(ex: Motion, line: Command, rule: CodeRule) -> None:
 def lock(ex: Motion, line: Command, rule: CodeRule) -> None:
     """L300, L301: axes that do not move, whatever the program says."""
     s = ex.modal
-    axes = frozenset(line.axes()) or frozenset(axis.index for axis in ex.machine.axes)
+    axes = frozenset(line.axes())
+    if not axes and (rule.function is F.LOCK_AXIS or s.single.locked):
+        s.position = [NOWHERE if s.has_axis(axis) else place for axis, place in enumerate(s.position)]
+        s.jumped = True
+        raise Refusal(codes.UNSUPPORTED_CODE.at(line.span, code=f"{rule.text} without axes (all of them, or none)"))
     locked = s.single.locked | axes if rule.function is F.LOCK_AXIS else s.single.locked - axes
     s.single = s.single.but(locked=locked)
 

@@ -147,6 +147,7 @@ def prepare(modal: Modal) -> None:
         lower[known.index], upper[known.index] = known.boundary_lower, known.boundary_upper
     tool: Value = Unknown("the tool in the spindle") if setup.tool is None else float(setup.tool)
     on = controls.soft_limits is not False
+    modal.guards_off = () if on else ("boundaries", "machine_area")
     flags = frozenset({"autoaux"} if controls.auto_output_on else ())
     modal.single = SingleState(
         feeds=tuple(feeds), lower=tuple(lower), upper=tuple(upper), tools=(tool, Unknown("the tool in changer 2")),
