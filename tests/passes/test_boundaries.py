@@ -50,7 +50,7 @@ def rows_of(folder: Path, job: Job) -> list[Row]:
 
 
 def reach(row: Row) -> tuple[list[float], list[float]]:
-    """The least and the largest machine place of each axis, by samples of the way; a line's beginning is where another one ended."""
+    """The least and the largest machine place of each axis, by samples of the way, for lines at their ends."""
     _, op, before, to, center, turns = row
     points = [to[:4]]
     if op == Op.ARC:
