@@ -30,6 +30,8 @@ from gproof.ir.program import Program
 from gproof.ir.same import difference
 
 STANDARD_INPUT = Path("-")
+MACROS = "cnc.mac"
+"""WinCNC's macro file, which is no program."""
 SECONDS_A_BYTE = 2e-6
 """What reading, printing and reading again takes in plain Python for a byte of source."""
 CONTEXT = 3
@@ -148,6 +150,7 @@ def _with_folders(files: tuple[Path, ...]) -> Iterator[Path]:
         programs = [
             file for file in sorted(path.iterdir())
             if EXTENSIONS.get(file.suffix.lower()) in READ and file.suffix.lower() != ".txt" and file.is_file()
+            and file.name.lower() != MACROS
         ]  # fmt: skip
         if not programs:
             raise UsageError(f"folder {path}: there is no program in it")
@@ -172,6 +175,8 @@ def _require(files: tuple[Path, ...], forms: Forms, *, only_check: bool, diff: b
         if path == STANDARD_INPUT:
             continue
         require_file(path, "file")
+        if path.name.lower() == MACROS:
+            raise UsageError(f"file {path}: holds macros of WinCNC and is not formatted")
         forms.of(path, _folder(path))
         folder = Path(os.path.realpath(path)).parent
         if not (only_check or diff or to_stdout) and not os.access(folder, os.W_OK):

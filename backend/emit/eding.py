@@ -14,7 +14,7 @@ from itertools import groupby
 
 from gproof.backend.emit.eding_expressions import Unprintable, inside, setting, word
 from gproof.backend.emit.eding_statements import statement_text
-from gproof.backend.emit.line_printer import JOB, UTF8_MARK, LinePrinter, Note
+from gproof.backend.emit.line_printer import JOB, UTF8_MARK, LinePrinter, Note, padded
 from gproof.ir.finding import Span
 from gproof.ir.notes import NoteKind
 from gproof.ir.program import (
@@ -186,7 +186,7 @@ def _composed(item: Item, notes: list[Note], indent: int, message: Message | Non
     for place, column, text in pieces:
         if begun:
             line += b" "
-            line = line.ljust(column if 0 < len(items) <= place else 0)
+            line = padded(line, column if 0 < len(items) <= place else 0)
         line += text
         begun = True
     return line

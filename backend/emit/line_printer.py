@@ -27,6 +27,11 @@ Note = tuple[int, int, int, int, bytes]
 """Line, place, kind, column and text of a note."""
 
 
+def padded(line: bytes, column: int) -> bytes:
+    """A line with blanks up to a column; tabs in its texts go to the next multiple of 8, as NOTE counts them."""
+    return line + b" " * (column - len(line.expandtabs(8)))
+
+
 class LinePrinter:
     """Prints the lines of a file from the top; ``next`` is the first that is not printed yet.
 

@@ -123,9 +123,13 @@ def print_lines(
                 out[size] = 32
                 size += 1
                 if is_note and not is_word and place > 0:
-                    while size - start < note_column[n]:
+                    at_column = 0
+                    for j in range(start, size):
+                        at_column += 8 - at_column % 8 if out[j] == 9 else 1
+                    while at_column < note_column[n]:
                         out[size] = 32
                         size += 1
+                        at_column += 1
             if kind == DELETE or (is_word and not begun and word_flags[w] & FLAG_DELETE):
                 out[size] = 47
                 size += 1

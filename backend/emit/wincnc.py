@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from gproof.backend.emit.line_printer import JOB, UTF8_MARK, LinePrinter, Note
+from gproof.backend.emit.line_printer import JOB, UTF8_MARK, LinePrinter, Note, padded
 from gproof.backend.emit.numbers import number_text
 from gproof.ir.controls import Lexical
 from gproof.ir.finding import Span
@@ -165,7 +165,7 @@ def _composed(text: str, notes: list[Note]) -> bytes:
     out = text.encode(encoding)
     for _, _, kind, column, note in notes:
         if kind == NoteKind.SIGNED:
-            out = (out + b" " if out else out).ljust(column) + note
+            out = padded(out + b" " if out else out, column) + note
     return out
 
 

@@ -70,14 +70,14 @@ class Annotator:
 
     def line_notes(self, raw: bytes, text: str) -> list[Found]:
         """The notes of a line that is not plain; text: ``raw`` decoded."""
-        try:
-            code, _ = self.reader.cut(text)
-        except LineError:
-            return [(0, NoteKind.LEFT_OUT, 0, raw.rstrip(b" \t\r"))]
         encoding = encoding_of(raw)
         found: list[Found] = [] if encoding == "utf-8" else [(0, NoteKind.ENCODING, 0, encoding.encode())]
         if skip_count(text, self.scanner.lexical):
             return found
+        try:
+            code, _ = self.reader.cut(text)
+        except LineError:
+            return [(0, NoteKind.LEFT_OUT, 0, raw.rstrip(b" \t\r"))]
         if not code.strip(" \t") and len(raw) > self.limit:
             return [(0, NoteKind.LEFT_OUT, 0, raw.rstrip(b" \t\r"))]
         return found + comments(text, len(code), encoding)

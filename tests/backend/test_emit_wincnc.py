@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import random
 from pathlib import Path
 from typing import Any
 
@@ -174,3 +175,230 @@ def test_files_of_shops(tmp_path: Path, shop: Path) -> None:
         text = formatted(tmp_path, path.read_bytes(), machine, [shop, path.parent])
         assert (text is None) == findings.has(Severity.ERROR), path
         assert program is not None, path
+
+
+# -- lines that depend on the machine
+
+
+def test_signs_of_the_machine(tmp_path: Path) -> None:
+    machine = with_lexical(Lexical(comment_signs=";'", comma=True))
+    data = b"g0x1,5y-,25 ; a\n' b\nL91 X{q*.5} 'c\nX1 [d] ;e\n"
+    expected = b"G0 X1.5 Y-0.25 ; a\n' b\nL91 X{Q*0.5} 'c\nX1 [d] ;e\n"
+    assert formatted(tmp_path, data, machine) == expected
+
+
+def test_lines_that_are_left_out_stay(tmp_path: Path) -> None:
+    machine = with_lexical(Lexical(skips=(("#%", 3),)))
+    data = b"g0x1\n#one two \n  g0   x 2 [a\n?!\ng0x3\n% a\nx\n\ny\n # no sign\n"
+    assert formatted(tmp_path, data, machine) is None  # the last line: no command
+    text = data.replace(b" # no sign\n", b"  % no sign\n  [a]\n#")
+    expected = b"G0 X1\n#one two\n  g0   x 2 [a\n?!\nG0 X3\n% a\nx\n\nY\n  % no sign\n[a]\n#\n"
+    assert formatted(tmp_path, text, machine) == expected
+
+
+def test_left_out_lines_over_the_ends_of_pieces(tmp_path: Path) -> None:
+    machine = with_lexical(Lexical(skips=(("#", 50),)))
+    block = b"#\n" + b"  not read\n" * 49 + b"g0x1 [a\n" * 20
+    text = formatted(tmp_path, block * 50, machine)
+    assert text == (b"#\n" + b"  not read\n" * 49 + b"G0 X1 [a\n" * 20) * 50
+
+
+MACROS = b"""M3=M98 SPIN.MAC
+M03.1=M11C1
+M6=M98 CHANGE.MAC
+M2=[
+PARK=G53 Z0
+ASK=G5 T3 M
+RUN=L41 copy
+G28=M98 HOME.MAC
+"""
+
+
+def test_lines_that_macros_replace(tmp_path: Path) -> None:
+    (tmp_path / "CNC.MAC").write_bytes(MACROS)
+    data = b'm03\nm6t1  [tool]\nm2x\npark\nask "go on?"\ng0x1\nrun  a  b\n~g28xy\ng28 x\nxy\n'
+    expected = b'm03\nm6 T1 [tool]\nm2 X\npark\nask "go on?"\nG0 X1\nrun a  b\n~G28 X Y\ng28 X\nX Y\n'
+    assert formatted(tmp_path, data) == expected
+
+
+@pytest.mark.parametrize("newline", ["\n", "\r\n"])
+def test_ends_of_lines_and_mark_are_kept(tmp_path: Path, newline: str) -> None:
+    data = b"\xef\xbb\xbf" + newline.join(["g0x1", "", "m11c1", "[c", "x3"]).encode()
+    expected = b"\xef\xbb\xbf" + newline.join(["G0 X1", "", "M11 C1", "[c", "X3", ""]).encode()
+    assert formatted(tmp_path, data) == expected
+
+
+def test_files_of_nothing(tmp_path: Path) -> None:
+    assert formatted(tmp_path, b"") == b""
+    assert formatted(tmp_path, b"\n\n") == b"\n\n"
+    assert formatted(tmp_path, b"  ") == b"\n"
+
+
+@pytest.mark.parametrize("raw", [
+    b'g5 m"\xfcber"', b"g5 m\x93\xfcber\x94", b"x1[\xe4", b"m11c1 [\xe4\x81]", "g5 m“ß” [ß]".encode(), "% ü".encode(),
+    b"g5 m\x93\xc3\xa4\x94",
+])  # fmt: skip
+def test_bytes_of_texts_are_kept(tmp_path: Path, raw: bytes) -> None:
+    text = formatted(tmp_path, raw)
+    assert text is not None
+    quotes = (b"\x93", b"\x94", "“".encode(), "”".encode())
+    for quote in quotes:
+        raw, text = raw.replace(quote, b""), text.replace(quote, b"")
+    assert [c for c in text if c > 127] == [c for c in raw if c > 127]
+
+
+@pytest.mark.parametrize("line", ["X.1" * 80, "M11 C{TP1*.1}" + "[" + "c" * 242, "M11" + "[ä" + "ä" * 130])
+def test_a_line_that_would_be_too_long_stays(tmp_path: Path, line: str) -> None:
+    text = formatted(tmp_path, f"g0x1\n{line}\ng0x2\n".encode())
+    assert text == f"G0 X1\n{line}\nG0 X2\n".encode()
+
+
+def test_conditions_and_arrays(tmp_path: Path) -> None:
+    data = b"""l112t0
+m98 put.mac
+m17.1 c3[a
+M18.1D0C4
+g0x1
+L111 t2
+
+L113 v1 l0 h2
+l10 r2 c1 x0 y1
+M17.1 C1
+G7 X1 [no such code]
+l10
+l10
+m18.2 c1
+"""
+    expected = b"""L112 T0
+M98 put.mac
+M17.1 C3 [a
+M18.1 D0 C4
+G0 X1
+L111 T2
+
+L113 V1 L0 H2
+L10 R2 C1 X0 Y1
+M17.1 C1
+G7 X1 [no such code]
+L10
+L10
+M18.2 C1
+"""
+    assert formatted(tmp_path, data) == expected
+
+
+# -- anything
+
+
+def random_line(rng: random.Random) -> str:
+    """A line of WinCNC, mostly right, in some spelling."""
+
+    def number() -> str:
+        texts = ["0", "1", "12.5", ".25", "-3", "-.5", "+4", "007", "5.", "-0", "100000.000100", "0.1234567890123"]
+        return rng.choice(["", " "]) + rng.choice(texts)
+
+    def value(letter: str) -> str:
+        kind = rng.random()
+        if kind < 0.15:
+            return letter
+        if kind < 0.3:
+            inside = rng.choice(["t", "TP1", " th2 + 1", "q*-2.5", "5", "-1-2", "x/3."])
+            return f"{letter}{rng.choice(['', ' '])}{{{inside}}}"
+        return letter + number()
+
+    def words(letters: str) -> list[str]:
+        return [value(letter) for letter in rng.sample(letters, rng.randint(0, min(4, len(letters))))]
+
+    def of(code: str, letters: str) -> list[str]:
+        return [rng.choice(["", "", "", "~", "L91", "G90"]), code, *words(letters)]
+
+    kinds = [
+        lambda: words("XYZWUVABCIJKRF"),
+        lambda: [rng.choice(["G0", "G01", "G 2", "G+3", "G000"]), *words("XYZIJKRF")],
+        lambda: of(rng.choice(["G4", "G28", "G53", "G81", "G92.1", "G92.10", "L5", "L210", "M37", "L22"]), "XYZRHTPF"),
+        lambda: of(rng.choice(["M11", "M012", "M13", "M17", "L60", "L110"]), "CDT"),
+        lambda: ["m98", rng.choice(["part.tap", "PART.TAP", '"my part.tap"', "sub\\a.tap"]), *words("XYZT")],
+        lambda: [rng.choice(["M17.1", "M18.4", "L112", "L111"]), "C1", "T2"[: 2 * (rng.random() < 0.8)]],
+        lambda: ["G5", rng.choice(["", "T1", "t3", "T4"]), rng.choice(['m"Go [on]?"', "M“x”", 'M ""', ""])],
+        lambda: [rng.choice(["L41", "L201", "L400"]), rng.choice(["copy  a b", '"x" y', "", "a{b"])],
+        lambda: [rng.choice(["L10", "l10 r2 c1", "L10 R1 C4 X6 Y0 E1"])],
+        lambda: [rng.choice(["M3", "m06t1", "park", "S5000", "xy", "N10 X1", "M2", "ask", "back 1", "#", "T1"])],
+        list,
+    ]  # fmt: skip
+    parts = [part for part in rng.choice(kinds)() if part]
+    line = rng.choice(["", " "]).join(parts) if rng.random() < 0.5 else "  ".join(parts)
+    line = rng.choice([line, line.lower(), "  " + line, line + "\t "])
+    for _ in range(rng.choice([0, 0, 1, 2])):
+        line += rng.choice(["", " ", "     ", "\t"])
+        line += rng.choice(["[a]", "(b c)", "[open", "% rest ", "(", "[]", ";x", "' y", "[ä]", "(a[b)", "%%"])
+    return line
+
+
+LEXICALS = [Lexical(), Lexical(comment_signs=";'", comma=True), Lexical(skips=(("#%", 3), ("T", 2)))]
+
+
+@pytest.mark.parametrize("macros", [False, True], ids=["no-macros", "macros"])
+@pytest.mark.parametrize("seed", range(4))
+def test_random_programs(tmp_path: Path, seed: int, macros: bool) -> None:
+    rng = random.Random(seed)
+    if macros:
+        (tmp_path / "CNC.MAC").write_bytes(MACROS + b"BACK=G0 X0\n")
+    done = 0
+    for _ in range(40):
+        machine = with_lexical(rng.choice(LEXICALS))
+        good = []
+        for _ in range(30):
+            line = random_line(rng)
+            if read(tmp_path, line.encode() + b"\nG0 X1\n", machine, [tmp_path]) is not None:
+                good.append(line)
+        data = rng.choice(["\n", "\r\n"]).join(good).encode(rng.choice(["utf-8", "utf-8", "cp1252"]))
+        done += formatted(tmp_path, data, machine) is not None
+    assert done > 25
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_random_bytes(tmp_path: Path, seed: int) -> None:
+    rng = random.Random(seed)
+    alphabet = b'GLMXYZCT0123.-+{}[]()%~"# \t\r\n\n\xe4\x93\x07;\xa0'
+    for _ in range(150):
+        data = bytes(rng.choice(alphabet) for _ in range(rng.randint(1, 60)))
+        formatted(tmp_path, data, with_lexical(rng.choice(LEXICALS)))
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_both_speeds_print_the_same_bytes(tmp_path: Path, seed: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    rng = random.Random(seed)
+    machine = with_lexical(LEXICALS[seed])
+    good = []
+    while len(good) < 300:
+        line = random_line(rng)
+        if read(tmp_path, line.encode() + b"\nG0 X1\n", machine, [tmp_path]) is not None:
+            good.append(line)
+    texts = []
+    for mode in ("python", "numba"):
+        monkeypatch.setenv("GPROOF_KERNELS", mode)
+        texts.append(formatted(tmp_path, "\n".join(good).encode(), machine))
+    assert texts[0] == texts[1] is not None
+
+
+# -- what must be noticed
+
+CHANGES = [
+    (b"G0 X1", b"G0 X1.0"), (b"G0 X1", b"G0 X2"), (b"G0 X1", b"G1 X1"), (b"G0 X1", b"G0 X{1}"), (b"X0", b"X"),
+    (b"X-0", b"X0"), (b"M11 C1", b"M12 C1"), (b"M11 C1", b"M11 C"), (b"~G28 X", b"G28 X"), (b"G28 X Y", b"G28 Y X"),
+    (b"M98 A.TAP X1", b"M98 A.TAP X2"), (b"M98 A.TAP", b"M98 a.tap"), (b"M98 A.TAP", b"M98.1 A.TAP"),
+    (b'G5 M"a"', b'G5 T0 M"a"'), (b'G5 M"a"', b'G5 M"b"'), (b"L10 R2 C1", b"L10 C1 R2"), (b"L41 a b", b"L41 a  b"),
+    (b"M17.1 C1\nX1", b"M18.1 C1\nX1"), (b"L112 T1\nX1", b"L112 T{TP1}\nX1"), (b"L10", b""), (b"X1 [a]", b"X1 [a"),
+    (b"X1 [a]", b"X1 (a)"), (b"X1 [a]", b"X1"), (b"[a]", b"[b]"), (b"%", b""), (b"X{TP1+1}", b"X{TP1-1}"),
+    (b"G0 X1", b"X1\nG0"),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("one", "two"), CHANGES)
+def test_a_change_is_noticed(tmp_path: Path, one: bytes, two: bytes) -> None:
+    for around in (b"%s\n", b"G0 Y1\n%s\nM11 C2\n"):
+        programs = [read(tmp_path, around % text, NO_SHOP, [tmp_path], f"{n}.tap") for n, text in enumerate((one, two))]
+        assert programs[0] is not None
+        assert programs[1] is not None
+        assert difference(programs[0], programs[1]) is not None
+        assert difference(programs[1], programs[0]) is not None

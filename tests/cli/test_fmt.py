@@ -231,3 +231,70 @@ def test_a_disk_that_is_full(folder: Path, gproof, monkeypatch: pytest.MonkeyPat
 
     monkeypatch.setattr(fmt, "emit", full)
     assert gproof("ugly.cnc")[0] == 3
+
+
+SHOP_INI = """axischar=XYZ
+axisspec=p0s0d0r1000a400t1
+axisvel=r600f150s50m200h450
+axisspec=p0s1d1r1000a400t2
+axisvel=r600f150s50m200h450
+axisspec=p0s2d2r2000a200t3
+axisvel=r200f60s20m50h100
+comchars=;'
+commatodec=1
+"""
+
+
+@pytest.fixture
+def shop(folder: Path) -> Path:
+    """A folder of a WinCNC machine whose jobs lie beside it."""
+    (folder / "shop").mkdir()
+    (folder / "shop" / "WinCNC.ini").write_text(SHOP_INI)
+    (folder / "shop" / "Cnc.mac").write_text("M3=M98 SPIN.MAC\nPARK=G53 Z0\n")
+    (folder / "shop" / "job.tap").write_text("g0x1,5 ; a\npark\nm3x1\n")
+    (folder / "shop" / "SPIN.MAC").write_text("m11c2[on\n")
+    return folder / "shop"
+
+
+def test_a_folder_of_a_machine_says_how_its_files_are_read(shop: Path, gproof) -> None:
+    assert gproof("shop/job.tap")[:2] == (0, "shop/job.tap: formatted\n")
+    assert (shop / "job.tap").read_text() == "G0 X1.5 ; a\npark\nm3 X1\n"
+
+
+def test_a_machine_elsewhere(folder: Path, shop: Path, gproof) -> None:
+    (folder / "far").mkdir()
+    (shop / "job.tap").rename(folder / "far" / "job.tap")
+    assert gproof("--dialect", "wincnc", "far/job.tap")[0] == 1  # ; is no comment without the machine's file
+    assert gproof("--machine", "shop/WinCNC.ini", "far/job.tap")[:2] == (0, "far/job.tap: formatted\n")
+    assert (folder / "far" / "job.tap").read_text() == "G0 X1.5 ; a\npark\nm3 X1\n"
+
+
+def test_a_folder(shop: Path, gproof, monkeypatch: pytest.MonkeyPatch) -> None:
+    code, out, _ = gproof("shop")
+    assert (code, out) == (0, "shop/SPIN.MAC: formatted\nshop/job.tap: formatted\n")
+    assert gproof("--check", "shop")[0] == 0
+    assert (shop / "SPIN.MAC").read_text() == "M11 C2 [on\n"
+
+
+def test_a_machine_file_with_mistakes(shop: Path, gproof) -> None:
+    (shop / "WinCNC.ini").write_text("axischar=XYZ\ncommatodec=yes\n")
+    code, out, err = gproof("shop/job.tap")
+    assert (code, out) == (3, "")
+    assert "can not be used" in err
+    assert gproof("--machine", "none.ini", "nice.cnc")[0] == 3
+
+
+def test_a_macro_file_of_wincnc_is_left_alone(shop: Path, gproof) -> None:
+    before = (shop / "Cnc.mac").read_bytes()
+    assert gproof("shop/Cnc.mac")[0] == 3
+    assert (shop / "Cnc.mac").read_bytes() == before
+
+
+def test_a_wincnc_text_that_differs_is_never_written(shop: Path, gproof, monkeypatch: pytest.MonkeyPatch) -> None:
+    before = (shop / "job.tap").read_text()
+    for text in (b"G0 X1.5\nPARK\nm3 X1\n", b"G0 X1.5 ; a\npark\nm3 X2\n", b"G0 X1.5 ; b\npark\nm3 X1\n"):
+        monkeypatch.setattr("gproof.backend.emit.wincnc.emit", lambda program, lexical, text=text: [text])
+        code, out, err = gproof("shop/job.tap")
+        assert (code, out) == (1, "")
+        assert "GP701" in err
+        assert (shop / "job.tap").read_text() == before
