@@ -12,7 +12,7 @@ from gproof.cli.report import print_findings
 from gproof.cli.session import Running, Session, open_session
 from gproof.ir.finding import Severity
 from gproof.ir.notes import Notes, joined
-from gproof.ir.program import BlockTable, If, Program, Statement, While
+from gproof.ir.program import Array, BlockTable, If, Program, Replaced, Statement, While
 from gproof.ir.text import print_lines
 from gproof.ir.verdict import Verdict
 
@@ -99,7 +99,7 @@ def loaded(program: Program) -> Program:
             return dataclasses.replace(node, words=words)
         if isinstance(node, If):
             return dataclasses.replace(node, then=body(node.then), otherwise=body(node.otherwise))
-        if isinstance(node, While):
+        if isinstance(node, While | Array | Replaced):
             return dataclasses.replace(node, body=body(node.body))
         return node
 

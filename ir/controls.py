@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 DEVICES = (
     "knife", "saw", "laser", "laserscan", "thc", "bevel", "pump", "da", "spindle", "autoaux", "probe", "axisadj",
-    "drillbank",
+    "drillbank", "spinmac",
 )  # fmt: skip
 """Features that a machine file can set up (``Controls.devices``)."""
 

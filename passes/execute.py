@@ -352,7 +352,6 @@ class Executor(Branches):
             self._end_section(Wait.OPERATOR, "answered", None, node.span.line)
         if node.kind in ("abort", "continue"):
             self.findings.add(codes.OPERATOR_STOP.at(node.span, code="a question"))
-            target = self.rows.new_section()
             going, ending = ("no", "yes") if node.kind == "abort" else ("yes", "no")
             stated = self.setup.answers.get(node.question)
             if stated is not None:
@@ -363,6 +362,7 @@ class Executor(Branches):
                 if ends and not self.aborted():
                     raise ProgramEnd
                 return
+            target = self.rows.new_section()
             end = self.rows.new_section() if self.program.abort else -1
             self._close((
                 Edge(wait=Wait.OPERATOR, outcome=going, target=target, line=node.span.line),

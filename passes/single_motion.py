@@ -180,6 +180,9 @@ def spindle_speed(ex: Motion, line: Command) -> None:
     most = None if spindle is None else spindle.max_rpm
     if most is not None and not isinstance(value, Unknown) and value > most:
         ex.findings.add(codes.SPINDLE_RANGE.at(line.where("S"), value=value, low="0", high=f"{most:g}"))
+    devices = ex.machine.controller.controls.devices
+    if devices is not None and "spinmac" in devices:
+        raise Refusal(codes.UNSUPPORTED_CODE.at(line.where("S"), code="S with spindle=T2, which runs SPIN.MAC,"))
     ex.modal.spindle_speed = value
     rpm = math.nan if isinstance(value, Unknown) else value
     ex.event(Op.SETPOINT, line.span, arg=(0.0, rpm), text=ex._text("spindle_speed"))

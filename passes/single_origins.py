@@ -199,6 +199,8 @@ def workspace(ex: Motion, line: Command, rule: CodeRule) -> None:
     if s.work == rule.value:
         return
     old = [s.work_offsets[s.work, axis] for axis in (0, 1)]
+    if old != [s.work_offsets[rule.value, axis] for axis in (0, 1)]:
+        _doubt_transform(ex, line, rule)
     s.work = rule.value
     s.stated.add("work")
     ex._state_changed()
@@ -328,6 +330,7 @@ def home(ex: Motion, line: Command, rule: CodeRule) -> None:
 def set_machine(ex: Motion, line: Command, rule: CodeRule) -> None:
     """L28: the present place gets these machine coordinates."""
     s = ex.modal
+    _doubt_transform(ex, line, rule)
     for axis, value in line.axes().items():
         if axis not in s.single.touched and s.position[axis] != _distance(ex, axis, value):
             ex._fail(codes.MACHINE_ZERO_MOVED.at(line.span, code=rule.text))

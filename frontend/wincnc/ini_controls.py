@@ -47,6 +47,10 @@ def read_controls(sheet: Sheet) -> Controls:
     devices = [name for key, name in _DEVICES if sheet.all(key)]
     if any(own.get("axisadj") for own in sheet.axes):
         devices.append("axisadj")
+    speed = sheet.one("spindle")
+    kind = None if speed is None else speed.word("T")
+    if kind is not None and kind.value == 2:
+        devices.append("spinmac")
     scan = sheet.one("scan")
     if scan is not None and (scan.word("T") is None or scan.word("C") is None):
         sheet.ini.bad(scan, "T and C are needed")

@@ -97,7 +97,7 @@ class LineReader:
         while at < len(code):
             begin = at
             letter = code[at].upper()
-            if not ("A" <= letter <= "Z"):
+            if not ("A" <= letter <= "Z" and code[at].isascii()):
                 what = "this is no command, word or file name of WinCNC"
                 raise LineError(codes.SYNTAX, at, len(code.rstrip()), what=what)
             at = _skip(code, at + 1)

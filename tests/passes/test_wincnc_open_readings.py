@@ -56,7 +56,7 @@ CASES: dict[str, tuple[str, dict[str, str], str, str]] = {
     # what: (lines behind HEAD, other files, lines of WINCNC.INI, codes of the findings)
     "control": ("G0 X2\nG1 X3 F50\n", {}, "", ""),
     "a macro behind a mode": ("G90 G28\n", {"CNC.MAC": "G28=M98 HOME.MAC\n", "HOME.MAC": "G0X300\n"}, "", "GP113"),
-    "a macro with a sign": ("G+28\n", {"CNC.MAC": "G28=M98 HOME.MAC\n", "HOME.MAC": "G0X300\n"}, "", "GP113"),
+    "a macro with a sign": ("G+28\n", {"CNC.MAC": "G28=M98 HOME.MAC\n", "HOME.MAC": "G0X300\n"}, "", "GP301"),
     "a macro in braces": ("G{28}\n", {"CNC.MAC": "G28=M98 HOME.MAC\n", "HOME.MAC": "G0X300\n"}, "", "GP113"),
     "a macro behind a speed": ("S18000 M3\n", {"CNC.MAC": "M3=M11C1\n"}, "", "GP113"),
     "a parameter is no macro": ("G0 X2\nG4 X1\nM11 C1\n", {"CNC.MAC": "C1=M98 HOME.MAC\n"}, "", ""),
@@ -77,6 +77,18 @@ CASES: dict[str, tuple[str, dict[str, str], str, str]] = {
     "homing a coupled axis": ("G0X10\nL13XY\nG28X\nL13\nG91G0X20\n", {}, "", "GP113 GP304"),
     "local zero of a mapped axis": ("L11YXZ\nG92X0\nG0X45\n", {}, "", "GP113"),
     "local zero of axes mapped alike": ("L11XYZ\nG92X0\nG0X45\n", {}, "", ""),
+    "another workspace while G52 is on": ("G52I0J0A90\nG55\nG0X2Y-2\n", {}, "g55=X1 Y0 T0 M0\n", "GP276"),
+    "the same place while G52 is on": ("G52I0J0A90\nG55\nG0X2Y-2\n", {}, "g55=X0 Y0 T0 M0\n", ""),
+    "a speed that runs a file": ("S900\n", {"SPIN.MAC": "G0X300\n"}, "spindle=T2 R24000\n", "GP113"),
+    "a letter that is none": ("G2X3Y1\u01311\n", {}, "", "GP101"),
+    "a tool behind G49": ("L110T2\nG0Z0\n", {}, "atc1=H0 O0 Z0 A2 M0\n", "GP304"),
+    "a tool and its measure": ("L110T2\nG49\nG0Z0\n", {}, "atc1=H0 O0 Z0 A2 M0\n", ""),
+    "a command behind a condition and a line": ("M17.1C1 G0X300\nG0X2\n", {}, "", "GP101"),
+    "words behind a condition": ("M17.1C1 X300\nG0X2\n", {}, "", "GP101"),
+    "a mode beside a condition": ("G91 M17.1C1\nG0X2\nG0X49\n", {}, "", "GP101"),
+    "a channel that is not there": ("M17.1C7\nG0X2\n", {}, "", "GP128"),
+    "a condition of a macro": ("ON C1 X300\nG0X2\n", {"CNC.MAC": "ON=M17.1\n"}, "", "GP101"),
+    "conditions": ("M17.1D1C1\nM18.1C1\nM18.3C64\nM17.4C1\nL113L1H9V5\nG0X2\n", {}, "", ""),
     "kept centre in another unit": ("G2I.5J0F50\nG22\nG2\n", {}, "", "GP405"),
     "a cycle in another unit": ("G81X2Y2Z-2R-1F10\nG22\nX60\n", {}, "", "GP216"),
     "a tool measure within a move": ("G1Z-2F10M37Z1\n", {}, "", "GP127"),
@@ -90,7 +102,7 @@ def test_an_open_reading_is_not_safe(what: str, tmp_path: Path, capsys: pytest.C
     lines, files, settings, expected = CASES[what]
     (tmp_path / "WINCNC.INI").write_text(INI + settings, encoding="ascii")
     (tmp_path / "setup.toml").write_text(SETUP, encoding="ascii")
-    (tmp_path / "job.tap").write_bytes((HEAD + lines).encode("ascii"))
+    (tmp_path / "job.tap").write_bytes((HEAD + lines).encode())
     for name, text in ({"CNC.MAC": ""} | files).items():
         (tmp_path / name).write_text(text, encoding="ascii")
     job, machine, setup = (str(tmp_path / name) for name in ("job.tap", "WINCNC.INI", "setup.toml"))
@@ -100,6 +112,27 @@ def test_an_open_reading_is_not_safe(what: str, tmp_path: Path, capsys: pytest.C
     worst = {"error": 1, "unknown": 2}
     found = {worst[kind] for kind in re.findall(r" (error|unknown) GP\d{3}", shown)}
     assert exit_code == min(found, default=0), shown
+
+
+@pytest.mark.parametrize("abort", ["", "cmdabort=M12C1\n"])
+@pytest.mark.parametrize("answer", ["", 'answers = ["yes"]\n', 'answers = ["no"]\n'])
+@pytest.mark.parametrize("kind", [1, 2])
+def test_answers_of_a_setup_end_a_job(
+    answer: str, abort: str, kind: int, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Every section that is spoken of is there, whatever the setup says about a question."""
+    from gproof.cli.main import main
+
+    (tmp_path / "WINCNC.INI").write_text(INI + abort, encoding="ascii")
+    (tmp_path / "CNC.MAC").write_text("", encoding="ascii")
+    (tmp_path / "setup.toml").write_text(SETUP.replace("[tools", f"{answer}[tools"), encoding="ascii")
+    (tmp_path / "job.tap").write_text(f'{HEAD}G5 T{kind} M"stop?"\nG0X300\n', encoding="ascii")
+    job, machine, setup = (str(tmp_path / name) for name in ("job.tap", "WINCNC.INI", "setup.toml"))
+    ends = answer and (kind == 1) == ("yes" in answer)
+    assert main(["check", job, "--machine", machine, "--setup", setup]) == (0 if ends else 1)
+    assert main(["dump", "--stage", "trace", job, "--machine", machine, "--setup", setup]) == 0
+    shown = capsys.readouterr()
+    assert "internal error" not in shown.out + shown.err
 
 
 def test_two_files_of_one_name_that_differ(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
