@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import random
+import shutil
 from pathlib import Path
 from typing import Any
 
@@ -11,6 +12,7 @@ import pytest
 from support.goldens import ROOT
 
 from gproof.backend.emit.wincnc import emit
+from gproof.cli.main import main
 from gproof.frontend.machine_file import load_machine
 from gproof.frontend.wincnc.load import load_alone
 from gproof.frontend.wincnc.machine import NO_SHOP
@@ -402,3 +404,24 @@ def test_a_change_is_noticed(tmp_path: Path, one: bytes, two: bytes) -> None:
         assert programs[1] is not None
         assert difference(programs[0], programs[1]) is not None
         assert difference(programs[1], programs[0]) is not None
+
+
+@pytest.mark.parametrize("shop", SHOPS[::3], ids=lambda path: path.name)
+def test_the_trace_is_the_same(
+    tmp_path: Path, shop: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    jobs = [str(path.relative_to(shop)) for path in files_of(shop) if path.stat().st_size < 4000][:12]
+    traces = []
+    for side in ("as-written", "formatted"):
+        folder = tmp_path / side
+        shutil.copytree(shop, folder)
+        monkeypatch.chdir(folder)
+        machine = ["--dialect", "wincnc", *(["--machine", "WINCNC.INI"] if Path("WINCNC.INI").is_file() else [])]
+        if side == "formatted":
+            main(["fmt", *machine, *jobs])
+        capsys.readouterr()
+        codes = [
+            main(["dump", job, "--stage", "trace", "--format", "jsonl", "--setup", "zero", *machine]) for job in jobs
+        ]
+        traces.append((codes, capsys.readouterr().out))
+    assert traces[0] == traces[1]
