@@ -162,6 +162,11 @@ def without_command(ex: Motion, line: Command) -> None:
     rule = ex.program.rules.codes["G", s.cycle_code] if s.cycle_code else ex._motion_rules.get(s.motion)
     if rule is None:
         rule = ex.program.rules.codes["G", 0]
+    for letter in sorted(letters - {*line.columns, *rule.takes}):
+        raise Refusal(codes.UNUSED_WORD.at(line.where(letter), word=letter))
+    if s.cycle_code and stored and not axes:
+        what = f"{min(stored)} alone behind {rule.text} (a stored position, or a word of the cycle)"
+        raise Refusal(codes.UNSUPPORTED_CODE.at(line.span, code=what))
     from gproof.passes.single import HANDLERS as ALL
 
     ALL[rule.function](ex, line, rule)

@@ -29,7 +29,7 @@ from metamorphic.wincnc_programs import (
     written_out,
 )
 
-FAST = 8
+FAST = 4
 SEEDS = [pytest.param(0, FAST, id="0")]
 MORE = [pytest.param(10_000 + n * 40, 40, id=f"soak-{n}", marks=pytest.mark.soak) for n in range(10)]
 seeds = pytest.mark.parametrize(("first", "count"), [*SEEDS, *MORE])

@@ -376,3 +376,11 @@ def test_one_file_alone(first: int, count: int, tmp_path: Path) -> None:
         where = f"seed {seed}\n{alone.told()}{one.told()}\n======\n{two.told()}"
         assert one.verdict is two.verdict, where
         assert not same_moves(one, two), f"{same_moves(one, two)}\n{where}"
+
+
+@pytest.mark.parametrize("words", ["P7", "H2", "T3", "X5 I3", "X5 J2", "X5 K1", "X5 H3", "X5 T1", "X5 W2"])
+def test_words_behind_a_cycle(words: str, tmp_path: Path) -> None:
+    """G80: lines without a command are holes until then; words that a hole does not have are no holes."""
+    hole = Job(f"G22\nG90\nG94\nG1 X1 Y1 F500\nG81 X5 Z-5 R2 F300\n{words}\nX6\n")
+    assert run(tmp_path, hole).verdict is not Verdict.SAFE
+    assert run(tmp_path, replace(hole, program=hole.program.replace(words, "X5 Y2"))).verdict is Verdict.SAFE

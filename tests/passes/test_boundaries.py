@@ -54,7 +54,7 @@ def reach(row: Row) -> tuple[list[float], list[float]]:
     _, op, before, to, center, turns = row
     points = [to[:4]]
     if op == Op.ARC:
-        points.append(before[:4])
+        points.append([*before[:2], *to[2:4]])
         a = math.atan2(before[1] - center[1], before[0] - center[0])
         b = math.atan2(to[1] - center[1], to[0] - center[0])
         sweep = (b - a) % (2 * math.pi) if turns > 0 else -((a - b) % (2 * math.pi))
