@@ -299,8 +299,11 @@ def test_boundaries_are_limits_where_nothing_is_shifted(first: int, count: int, 
             job = replace(job, local=blurred(rng, job.local))
         one, two = run(tmp_path, replace(job, limits=near)), run(tmp_path, replace(job, bounds=dict(near)))
         where = f"seed {seed}\n{job.told()}{near}\n{one.told()}\n======\n{two.told()}"
-        assert one.answer("limits") is two.answer("limits"), where
-        if one.answer("limits") is Verdict.SAFE:
+        answers = one.answer("limits"), two.answer("limits")
+        # Where no value of a G92 that nobody knows suits the whole job, boundaries do not say that it is UNSAFE.
+        is_known = all(isinstance(value, float) for value in job.local.values())
+        assert answers[0] is answers[1] or (answers == (Verdict.UNSAFE, Verdict.UNKNOWN) and not is_known), where
+        if answers[0] is Verdict.SAFE:
             rooms = [{c.terms: (c.low, c.high) for c in _limits(it).conditions} for it in (one, two)]
             for terms, room in rooms[0].items():
                 low, high = rooms[1].get(terms, (-1e6, 1e6))
