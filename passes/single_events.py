@@ -14,7 +14,7 @@ from gproof.ir.machine import AXES, AXIS_NAMES
 from gproof.ir.program import Input, Named
 from gproof.ir.rules import CodeRule
 from gproof.ir.rules import Function as F
-from gproof.ir.trace import Op, Wait
+from gproof.ir.trace import KNIFE, Op, Wait
 from gproof.passes.emitter import ProgramEnd
 from gproof.passes.expressions import Evaluator
 from gproof.passes.single_motion import Handler, follow, lose_places, note_assumptions, switch_output
@@ -394,6 +394,22 @@ def _device(name: str, on: bool, *, moves: bool = False) -> Handler:
     return handler
 
 
+def knife(ex: Motion, line: Command, rule: CodeRule) -> None:
+    """L30 and L31: the knife's axis follows the path (``passes/knife.py``) where an output lifts it; else open."""
+    s = ex.modal
+    note(ex, line, rule)
+    if rule.function is F.KNIFE_OFF:
+        s.following = tuple(name for name in s.following if name != KNIFE)
+        ex._state_changed()
+        return
+    if ex.machine.knife is None:
+        lose_places(ex)
+        what = f"{rule.text} with a knife that Z lifts, that blends its turns or that leans"
+        raise Refusal(codes.UNSUPPORTED_CODE.at(line.span, code=what))
+    s.following = tuple(sorted({*s.following, KNIFE}))
+    ex._state_changed()
+
+
 def torch(ex: Motion, line: Command, rule: CodeRule) -> None:
     """L38 and L39: the torch's output; with height control on, Z goes where the arc's voltage sends it."""
     s = ex.modal
@@ -575,8 +591,8 @@ HANDLERS: dict[F, Handler] = {
     F.HIGH_BOUNDARY: boundary,
     F.LOW_BOUNDARY_RESTORE: boundary,
     F.HIGH_BOUNDARY_RESTORE: boundary,
-    F.KNIFE_ON: _device("knife", True, moves=True),
-    F.KNIFE_OFF: _device("knife", False),
+    F.KNIFE_ON: knife,
+    F.KNIFE_OFF: knife,
     F.KNIFE_SETTING: note,
     F.SAW_ON: _device("saw", True, moves=True),
     F.SAW_OFF: _device("saw", False),

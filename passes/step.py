@@ -22,7 +22,7 @@ from gproof.ir.finding import Findings, Refusal, Span
 from gproof.ir.machine import AXIS_NAMES, Axis, Drive, Machine, PitchTable
 from gproof.ir.plan import Plan, PlanSection
 from gproof.ir.stream import EVENT, Motor, StepStream, StreamSection
-from gproof.ir.trace import HEIGHT_MAP, Op, Plane, Trace, TraceSection
+from gproof.ir.trace import HEIGHT_MAP, KNIFE, Op, Plane, Trace, TraceSection
 from gproof.passes import step_kernels as k
 from gproof.passes.backlash import backlash_steps
 from gproof.passes.check import row_span
@@ -66,12 +66,17 @@ def step(
 def _refuse_what_has_no_steps(trace: Trace, machine: Machine) -> None:
     """GP520 for what moves motors in ways that only the checks follow."""
     lifted = np.array([HEIGHT_MAP in state.following for state in trace.states], dtype=bool)
+    knife = machine.controller.controls.knife
+    by_output = knife is not None and knife.output is not None
+    switched = np.array([by_output and KNIFE in state.following for state in trace.states], dtype=bool)
     turned = [axis for axis in machine.axes if axis.tip_feed]
     for section in trace.sections:
         rows = section.rows
         moving = rows["op"] < Op.DWELL
         found = moving & lifted[rows["state"]] if len(lifted) else np.zeros(len(rows), dtype=bool)
         what = "Z follows a height map here"
+        if not found.any() and len(switched):
+            found, what = moving & switched[rows["state"]], "an output lifts the knife at each turn"
         for axis in turned:
             if not found.any():
                 found = moving & (rows["to"][:, axis.index] != section.start[axis.index])
