@@ -174,6 +174,7 @@ def _execute(ex: Motion, line: Command) -> None:
         taken = "" if line.command is None else line.command.takes
         if letter in _AXES and letter not in taken and letter not in line.columns:
             raise Refusal(codes.AXIS_NOT_THERE.at(line.where(letter), axis=letter))
+    _judge_companions(ex, line)
     for rule in line.companions:
         if rule.function in (F.ABSOLUTE, F.INCREMENTAL):
             s.absolute = rule.function is F.ABSOLUTE
@@ -193,6 +194,25 @@ def _execute(ex: Motion, line: Command) -> None:
         single_events.note(ex, line, command)
         return
     HANDLERS[command.function](ex, line, command)
+
+
+def _judge_companions(ex: Motion, line: Command) -> None:
+    """Refusal GP113 for two distance modes in a line, and for M28 or M29 beside what is no plain G0 or G1."""
+    modes = [rule for rule in line.companions if rule.function in (F.ABSOLUTE, F.INCREMENTAL, *MEANT_BOTH)]
+    if len(modes) > 1:
+        what = f"{modes[0].text} and {modes[1].text} in one line"
+        raise Refusal(codes.UNSUPPORTED_CODE.at(line.where_code(modes[1]), code=what))
+    stops = line.find(F.LIMIT_STOPS_AXIS, F.LIMIT_STOPS_LINE)
+    if stops is None:
+        return
+    s = ex.modal
+    if line.command is None:
+        other = bool(s.cycle_code) or s.motion in (int(F.ARC_CW), int(F.ARC_CCW))
+    else:
+        other = line.command.function not in (F.TRAVERSE, F.FEED)
+    if other or line.values.keys() & set("PHT"):
+        what = f"{stops.text} beside what is no G0 or G1 to a place of its own"
+        raise Refusal(codes.UNSUPPORTED_CODE.at(line.where_code(stops), code=what))
 
 
 def _doubt_mapping(ex: Motion, line: Command, command: CodeRule) -> None:
