@@ -6,6 +6,7 @@ import json
 from pathlib import Path
 
 import pytest
+
 from gproof.cli.jsonl import chunk_lines
 from gproof.cli.session import open_session
 from gproof.ir.finding import Severity
