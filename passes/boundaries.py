@@ -182,6 +182,15 @@ class Boundaries(Check):
                 else:
                     self._unknown(span, word, f"{describe(form)}, which may take it past a boundary")
                 continue
+            if low > high + 2 * ROUNDING and edge.low is not None and edge.high is not None:
+                self._errors += 1
+                self.findings.add(
+                    codes.NO_SAFE_OFFSET.at(
+                        span, name=describe(form), extent=most - least, unit=self._units.get(edge.axis, "mm"),
+                        room=edge.high - edge.low,
+                    )
+                )  # fmt: skip
+                continue
             arising, rest = split_form(form)
             bounds = form_interval(arising, self.setup, self._trace) if arising else None
             if arising and (bounds is None or not rest):

@@ -386,8 +386,11 @@ def stored_place(ex: Motion, line: Command, op: Op, *, machine: bool = False) ->
     place = stored_in(ex, f"{letter}{number}")
     if place is None:
         lose_places(ex)
-        raise Refusal(codes.UNSUPPORTED_CODE.at(
-            line.where(letter), code=f"the stored position {letter}{number}, which no setup states,"))  # fmt: skip
+        hint = f"[positions.{letter}{number}] of the setup states it"
+        if letter == "T" and line.command is None:
+            hint += "; a tool change that a post wrote needs a macro in CNC.MAC"
+        what = f"the stored position {letter}{number}, which no setup states,"
+        raise Refusal(codes.UNSUPPORTED_CODE.at(line.where(letter), code=what, hint=hint))
     places, lift = place
     target = list(s.position)
     for column, where in places:

@@ -305,6 +305,19 @@ def test_two_boundaries_that_no_measure_keeps(tmp_path: Path) -> None:
         assert answer(tmp_path, replace(made, measures={"z": measure, "w": 0.0}))[0] is Verdict.UNSAFE
 
 
+def test_a_job_taller_than_its_boundaries_is_unsafe_whatever_the_measure(tmp_path: Path) -> None:
+    """41 mm between two boundaries 40 mm apart: refuted, as with soft limits; 40 mm fit one measure."""
+    verdict, findings, _ = answer(
+        tmp_path, job("G53 Z-10\nG53 Z31\n", bounds={"z": (-20.0, 20.0)}, measures=UNMEASURED)
+    )
+    assert (verdict, "GP303" in [code for code, _ in findings]) == (Verdict.UNSAFE, True)
+    verdict, _, conditions = answer(
+        tmp_path, job("G53 Z-10\nG53 Z30\n", bounds={"z": (-20.0, 20.0)}, measures=UNMEASURED)
+    )
+    assert verdict is Verdict.SAFE
+    assert [(round(c.low, 9), round(c.high, 9)) for c in conditions if "tool" in c.terms[0][0]] == [(10.0, 10.0)]
+
+
 def test_a_shift_of_a_workspace_moves_the_boundary(tmp_path: Path) -> None:
     """G55 with a shift of 100: the boundary of 50 stands at machine 150, or at -50 where the shift is taken away."""
     for sign in (1, -1):
