@@ -17,6 +17,7 @@ from gproof.passes.emitter import Emitter
 from gproof.passes.line import Line
 from gproof.passes.outputs import look_at
 from gproof.passes.probing import run_probe
+from gproof.passes.single_state import followed
 from gproof.passes.spindle import note_speed_unknown, true_rpm
 from gproof.passes.synchronised import SYNCHRONISED, run_synchronised
 from gproof.passes.threading import run_threading
@@ -300,6 +301,13 @@ class Motion(Emitter):
         the contour that a compensated row belongs to; without it Refusal GP256 while compensation is on.
         """
         s = self.modal
+        if s.single.slaves or s.single.locked:
+            # Every move, whoever makes it: of a cycle, of an array, of a lift.
+            bound = {*s.single.locked, *(axis for pair in s.single.slaves for axis in pair)}
+            if op is Op.ARC and bound & {0, 1}:
+                what = "an arc while L13 couples or L300 locks X or Y"
+                raise Refusal(codes.UNSUPPORTED_CODE.at(span, code=what))
+            target = followed(s.single, s.position, target)
         if s.compensation is not None and programmed is None:
             raise Refusal(codes.COMPENSATION_UNKNOWN.at(span, cause=compensated.APART, hint="G40 before"))
         if s.jumped:

@@ -244,13 +244,16 @@ def _unsupported(ex: Motion, line: Command, command: CodeRule) -> None:
     what = f"{command.text} ({command.open})" if command.open else command.text
     ex._fail(codes.UNSUPPORTED_CODE.at(line.where_code(command), code=what))
     if command.uses_axes or command.has_text:
-        for axis in line.axes() or range(len(ex.modal.position)):
+        axes = line.axes()
+        if not axes:
+            single_motion.lose_places(ex)
+        for axis in axes:
             ex.modal.position[axis] = NOWHERE
         ex.modal.jumped = True
 
 
 def _recover(ex: Motion, line: Command) -> None:
-    """After an error the axes of the line are taken to be where it sent them, else anywhere."""
+    """Behind a line that is not understood its axes are taken to be where it sent them, else anywhere."""
     s = ex.modal
     command = line.command
     if command is not None and not command.uses_axes:

@@ -19,7 +19,7 @@ from gproof.ir.rules import Function as F
 from gproof.ir.trace import Op, Plane, Wait
 from gproof.passes import execute_kernels as k
 from gproof.passes.single_kernels import SAME, ZERO_RADIUS, agreed, distance
-from gproof.passes.single_state import vertical_axes, with_pair
+from gproof.passes.single_state import followed, vertical_axes, with_pair
 from gproof.passes.values import NOWHERE, Position, Unknown, Value, describe
 
 if TYPE_CHECKING:
@@ -121,14 +121,7 @@ def _bounded(ex: Motion, axis: int, value: Value, origin: Position) -> Position:
 
 def follow(ex: Motion, target: list[Position]) -> list[Position]:
     """The target with what follows other axes step by step (L13), and without what is locked (L300)."""
-    s = ex.modal
-    for axis, leader in s.single.slaves:
-        if axis not in s.single.locked:
-            way = target[leader].minus(s.position[leader])
-            target[axis] = s.position[axis].plus(way)
-    for axis in s.single.locked:
-        target[axis] = s.position[axis]
-    return target
+    return followed(ex.modal.single, ex.modal.position, target)
 
 
 # ---- lines
@@ -477,7 +470,7 @@ def arc(ex: Motion, line: Command, rule: CodeRule) -> None:
     moved = set(mapped(ex, line))
     if "mapped" in s.single.flags:
         raise Refusal(codes.ARC_MAPPED.at(line.span, code="L11"))
-    if any(abs(factor) != 1.0 for factor in s.transform.factors) or s.transform.factors != (1.0, 1.0):
+    if s.transform.factors != (1.0, 1.0):
         raise Refusal(codes.ARC_SCALED.at(line.span, axes="X or Y", code="G51"))
     if not moved & {3, 4, 5} and not controls.helical_arcs and moved & {2}:
         raise Refusal(codes.HELIX_NOT_SUPPORTED.at(line.span, axes="Z"))

@@ -105,6 +105,17 @@ def vertical_axes(machine: Machine) -> tuple[int, ...]:
     )
 
 
+def followed(single: SingleState, position: list[Position], target: list[Position]) -> list[Position]:
+    """The target with what follows other axes step by step (L13), and without what is locked (L300)."""
+    target = list(target)
+    for axis, leader in single.slaves:
+        way = target[leader].minus(position[leader])
+        target[axis] = position[axis].plus(way)
+    for axis in single.locked:
+        target[axis] = position[axis]
+    return target
+
+
 def boundaries_of(modal: Modal) -> tuple[Boundary, ...]:
     """The boundaries that rows carry: they move with workspace and tool measure, not with local coordinates."""
     single = modal.single

@@ -55,3 +55,31 @@ def test_a_lock_without_axes_proves_nothing(tmp_path: Path, text: str) -> None:
 def test_a_locked_axis_stays(tmp_path: Path) -> None:
     assert answer(tmp_path, "G90\nL300 X\nG0 X600 Y100\nL301 X\nG0 X400\n")[0] is Verdict.SAFE
     assert answer(tmp_path, "G90\nL300 X\nL301 X\nG0 X600\n")[0] is Verdict.UNSAFE
+
+
+TWO_HEADS = INI.replace("axischar=XYZ", "axischar=XYZW").replace(
+    "lolim=X0 Y0 Z-100\nhilim=X500 Y500 Z0\n",
+    "axisspec=p0 s3 d3 r100 a100 t3\naxisvel=r3000 f1000\nlolim=X0 Y0 Z-100 W-100\nhilim=X500 Y500 Z0 W0\n",
+)
+
+
+@pytest.mark.parametrize(
+    "move",
+    [
+        "L13 XW\nG2 I50 J0 F500",  # W goes up by 100 where X does
+        "L13 ZW\nG81 X150 Y100 Z-60 R-1 F500",  # W follows the drill, to -100 and beyond
+        "L13 XW\nL10 R1 C3 X50 Y0\nG92 X Y\nL10",  # the way between the cells
+        "L13 XW\nG0 X200",
+    ],
+)
+def test_what_follows_another_axis_follows_every_move(
+    tmp_path: Path, move: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setitem(globals(), "INI", TWO_HEADS)
+    assert answer(tmp_path, f"G90\nG0 X100 Y100 W-45\n{move}\nL13\n")[0] is not Verdict.SAFE
+
+
+def test_what_follows_within_its_travel_is_safe(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(globals(), "INI", TWO_HEADS)
+    found, codes = answer(tmp_path, "G90\nG0 X100 Y100 Z-5 W-45\nL13 ZW\nG81 X150 Y100 Z-40 R-5 F500\nG80\nL13\n")
+    assert (found, codes & {"GP301", "GP113"}) == (Verdict.SAFE, set())
