@@ -14,6 +14,7 @@ from fractions import Fraction
 from typing import NamedTuple
 
 from gproof.ir.controls import NO_CONTROLS, Controls
+from gproof.ir.din import Din
 
 AXIS_NAMES = ("x", "y", "z", "a", "b", "c")
 AXES = len(AXIS_NAMES)
@@ -216,7 +217,8 @@ class Controller:
     what else is axis A (2.11).
     xz_seen_from: ``+y`` or ``-y``: from where the XZ plane is looked at by G2, G3, G41 and G42; None: not stated.
     thread_peak: what I of a threading cycle is, "position" or "offset"; None: not stated.
-    controls: what controllers of one command a line have beside all that.
+    controls: what controllers of one command a line have beside all that; din: what those of DIN blocks with Pascal
+    have, None for others.
     """
 
     dialect: str | None = None
@@ -237,6 +239,7 @@ class Controller:
     turning: bool = False
     thread_peak: str | None = None
     controls: Controls = NO_CONTROLS
+    din: Din | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

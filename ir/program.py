@@ -56,9 +56,19 @@ class Text:
 
 @dataclass(frozen=True, slots=True)
 class Variable:
-    """A numbered controller variable; its number may be computed."""
+    """A numbered controller variable; its number may be computed. name: what it is called where it has a name."""
 
     number: Expr
+    span: Span
+    name: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Constant:
+    """A value with a name: ``true``, or one that the program declares."""
+
+    name: str
+    value: float
     span: Span
 
 
@@ -111,7 +121,10 @@ class Binary:
     doubtful: bool = False
 
 
-Expr = Number | Text | Variable | Named | Input | Unary | Binary
+Expr = Number | Text | Variable | Constant | Named | Input | Unary | Binary
+
+PARAMETER = "@"
+"""Letter of a word that is a number without one: what the code before it is about (``G04 3``)."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -142,7 +155,9 @@ class Block:
     """One line of words and assignments with expressions in them.
 
     deleted: it began with a slash. own: its codes are the controller's own, whatever a subprogram replaces.
-    texts: what its words have of text, by letter: names, file names.
+    texts: what its words have of text, by letter: names, file names. continued: the code that a line without one goes
+    on with, in languages where the order of the source decides that (``LanguageRules.source_order``): ``G1``, "" for
+    none, "?" where the manual leaves it open.
     """
 
     words: tuple[Word, ...]
@@ -152,6 +167,7 @@ class Block:
     deleted: bool = False
     own: bool = False
     texts: tuple[tuple[str, Text], ...] = ()
+    continued: str = ""
 
 
 class DeferredBlock(Block):
@@ -255,11 +271,89 @@ class While:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class Repeat:
+    """Runs its body until the condition is not zero, once at least. end_span: the line with the condition."""
+
+    condition: Expr
+    body: tuple[Statement, ...]
+    span: Span
+    end_span: Span | None = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class For:
+    """Runs its body for each whole number from first to last (down: falling), none when there are none.
+
+    Both bounds are evaluated once, before the first pass. end_span: the line that closes it.
+    """
+
+    variable: Variable
+    first: Expr
+    last: Expr
+    down: bool
+    body: tuple[Statement, ...]
+    span: Span
+    end_span: Span | None = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Label:
+    """A place that jumps go to; name in lower case, as its digits without leading zeros where it is a number."""
+
+    name: str
+    span: Span
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Jump:
+    """Goes on behind the label of that name: in the same list of statements or in one around it, never in another
+    subprogram."""
+
+    name: str
+    span: Span
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Return:
+    """Ends the subprogram that runs. code: as written."""
+
+    span: Span
+    code: str = ""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Declare:
+    """Names with a type; does nothing when it runs. kind: ``var``, ``const`` or ``label``; value: of a constant."""
+
+    kind: str
+    names: tuple[str, ...]
+    span: Span
+    type: str = ""
+    value: Expr | None = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Include:
+    """The place of a file that is read in; its statements follow, with spans of their own file. name: as written."""
+
+    name: str
+    span: Span
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Mode:
+    """Where the source goes over from one of its languages to the other. name: ``din`` or ``pascal``."""
+
+    name: str
+    span: Span
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Call:
     """Runs a subprogram by its (lower-case) name.
 
-    deleted: its line began with a slash. arguments: what its words are named by inside (``Named``). text: the name
-    as written; counted: its lines count as lines of the job.
+    count: how often, None: once. deleted: its line began with a slash. arguments: what its words are named by inside
+    (``Named``). text: the name as written; counted: its lines count as lines of the job.
     line: the words and texts of its line, to be printed again, in languages whose statements are lines of words; a
     text without a letter is a name as written.
     """
@@ -271,11 +365,13 @@ class Call:
     text: str = ""
     counted: bool = True
     line: Block | None = None
+    count: Expr | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Message:
-    """Text for the operator. kind: ``msg``, ``warning``, ``error`` (stops the program), ``log``, ``dialog``; a question
+    """Text for the operator. kind: ``msg``, ``warning``, ``error`` (stops the program), ``log``, ``dialog``, ``write``
+    and ``writeln`` (a line of text is still open behind it, or ends); a question
     with a button or two: ``ok``, ``abort`` and ``continue`` (yes aborts, yes goes on), ``run_next`` and ``skip_next``
     (the head of an If).
 
@@ -348,6 +444,7 @@ class BlockTable:
     The words are not held here but scanned when they run (``Program.load``), so that a table of millions of
     lines costs nothing before. first_line, last_line: inclusive; begin, end: byte range of the file;
     words: WORD columns with offsets from ``begin`` when the table is small or was loaded, else None.
+    continued: see Block, for its first line.
     """
 
     file: int
@@ -356,9 +453,13 @@ class BlockTable:
     begin: int
     end: int
     words: Columns | None = None
+    continued: str = ""
 
 
-Statement = Block | If | While | Array | Replaced | Call | Message | Guard | Device | Unsupported | Mistake | BlockTable
+Statement = (
+    Block | If | While | Repeat | For | Array | Replaced | Call | Label | Jump | Return | Declare | Include | Mode
+    | Message | Guard | Device | Unsupported | Mistake | BlockTable
+)  # fmt: skip
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -366,6 +467,8 @@ class Subprogram:
     """A named list of statements; name in lower case; end_span: the line that closes it.
 
     is_file: it is a whole file, which local coordinates do not outlive (``LanguageRules.local_in_files``).
+    parameters: (name, type, number of the variable that holds it) of a procedure. is_module: it stands in the source
+    under its name; another one is a label within a module, with what follows that.
     """
 
     name: str
@@ -373,6 +476,8 @@ class Subprogram:
     span: Span
     end_span: Span | None = None
     is_file: bool = False
+    parameters: tuple[tuple[str, str, int], ...] = ()
+    is_module: bool = False
 
 
 @dataclass(slots=True, kw_only=True)
@@ -469,7 +574,7 @@ class Program:
             elif isinstance(node, If):
                 self._verify_body(node.then)
                 self._verify_body(node.otherwise)
-            elif isinstance(node, While | Array | Replaced):
+            elif isinstance(node, While | Repeat | For | Array | Replaced):
                 self._verify_body(node.body)
 
 

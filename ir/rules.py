@@ -256,7 +256,8 @@ class LanguageRules:
     argument_base: number of the variable that holds the A word of a code which a subprogram replaces, B to Z follow;
     argument_missing: what the variable of a letter holds that the line does not have.
     one_command: a line has one command and companions of it, not any number of words; variables: the named ones and
-    what they are.
+    what they are. source_order: what a line without a code goes on with follows the order of the source, and stands in
+    its block (``Block.continued``); a line may have several codes, each with the words behind it.
     """
 
     name: str
@@ -274,6 +275,7 @@ class LanguageRules:
     argument_base: int = 1
     argument_missing: float = -1e10
     one_command: bool = False
+    source_order: bool = False
     variables: dict[str, str] = field(default_factory=dict, repr=False)
 
     def __eq__(self, other: object) -> bool:
@@ -285,15 +287,17 @@ class LanguageRules:
 
 UNARY = (
     "neg", "pos", "abs", "acos", "asin", "atan", "cos", "exp", "fix", "fup", "int", "ln", "round", "sin", "sqrt",
-    "tan", "not",
+    "tan", "not", "rsin", "rcos", "rtan", "rasin", "racos", "ratan", "sqr", "frac", "bnot", "odd", "bool",
 )  # fmt: skip
-"""Unary operators; angles in degrees."""
+"""Unary operators; angles in degrees, of those that begin with ``r`` (but ``round``) in radians. ``int`` drops the
+fraction, ``sqr`` is the square, ``bnot`` turns the bits of a whole number round, ``bool`` is 1 for all but 0."""
 
 BINARY = (
     "+", "-", "*", "/", "**", "mod", "atan", "and", "or", "xor", ">", ">=", "<", "<=", "==", "<>", "band", "bor",
-    "bxor", "<<", ">>",
+    "bxor", "<<", ">>", "div", "rem",
 )  # fmt: skip
-"""Binary operators; ``atan`` is the two-argument arc tangent of left over right, in degrees."""
+"""Binary operators; ``div`` and ``rem`` are of whole numbers, towards zero; ``atan`` is the two-argument arc tangent of
+left over right, in degrees."""
 
 DEVICES: dict[str, tuple[int, int, str]] = {
     "home": (1, 6, "home axes, one after the other"),
@@ -314,6 +318,7 @@ DEVICES: dict[str, tuple[int, int, str]] = {
     "height_map_load": (1, 1, "read the height map from a file"),
     "height_map_on": (0, 0, "height compensation on"),
     "height_map_off": (0, 0, "height compensation off"),
+    "wait": (1, 1, "wait for so many seconds, in the unit of the controller's wait function"),
     "nesting": (2, 2, "preset of the dialog that repeats a job in rows, and its value; nothing moves by it"),
 }
 """Commands of ``Device`` nodes: (least, most arguments, meaning)."""

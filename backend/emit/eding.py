@@ -21,13 +21,21 @@ from gproof.ir.program import (
     Array,
     Block,
     BlockTable,
+    Declare,
     DeferredBlock,
+    For,
     If,
+    Include,
+    Jump,
+    Label,
     Message,
     Mistake,
+    Mode,
     Number,
     Program,
+    Repeat,
     Replaced,
+    Return,
     Statement,
     Subprogram,
     Text,
@@ -101,7 +109,9 @@ class _Printer(LinePrinter):
             yield from self._line(node.span, node, depth, message=message)
         elif isinstance(node, Message) and node.in_comment:
             yield from self._line(node.span, "", depth, message=node)
-        elif isinstance(node, Array | Replaced | Mistake):
+        elif isinstance(
+            node, Array | Replaced | Mistake | Repeat | For | Label | Jump | Return | Declare | Include | Mode
+        ):
             raise self.refusal(node.span, f"a statement of another controller ({type(node).__name__})")
         else:
             try:

@@ -1,0 +1,86 @@
+"""Din: settings of controllers that run DIN 66025 blocks with Pascal inside (McuWIN), where they change a job.
+
+Lengths are millimetres, angles degrees, times seconds, whatever the file used; ``None`` is "not stated". Sections are
+those of the APCI-8001 G-code manual, McuWIN V 2.5.3.133.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+VERSIONS = ("2.5.3.133", "2.5.3.32")
+"""Versions of McuWIN that gproof knows, the default first."""
+
+FIRST_USER_CODE, LAST_USER_CODE = 200, 299
+"""Codes G200 to G299 and M200 to M299 are the application's own (4, 14)."""
+
+ACTIONS = (
+    "spindle_cw", "spindle_ccw", "spindle_off", "spindle_speed", "tool_select", "tool_change", "coolant_on",
+    "coolant_off", "stop", "end", "home", "nothing", "unknown",
+)  # fmt: skip
+"""What a machine file may say that Task 0 does for a code; ``unknown``: it may move axes or change anything."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class TaskCode:
+    """What the application code in Task 0 does for one code (4, 5.2).
+
+    code: as written without leading zeros: ``M3``, ``G210``, ``S``; action: one of ACTIONS; breaks: it ends a contour
+    of spooled moves, None: not stated; parameters: how many it takes, None: not stated.
+    """
+
+    code: str
+    action: str = "unknown"
+    breaks: bool | None = None
+    parameters: int | None = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RadiusTool:
+    """A record of ToolComp.INI (2.7). plane: ``xy``, ``yz`` or ``zx``; radius, length: mm, None: not in the file."""
+
+    plane: str
+    number: int
+    radius: float | None = None
+    length: float | None = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Din:
+    """See the module's text.
+
+    version: one of VERSIONS. case_sensitive: names and words (14, 2.5.3.30), None: not stated; line_numbers: every line
+    needs one. position_unit: mm in one interpolation unit; time_unit: seconds in the unit of feeds, 60 or 1 (IniCfg).
+    absolute_centers: what IniCfg has for centres in G90 (3.3, 3.35). interpolation_axes: columns at the start (3.20).
+    zero_offsets: the table of mcfg, G54 first, each mm or degrees by column (3.19). tools: of ToolComp.INI; None: no
+    file says whether there is one. tasks: what Task 0 does; None: nothing is stated. angle_unit: ``radians`` or
+    ``degrees`` of the functions of rw_SymPas; wait_unit: seconds in the unit of wt. arc_tolerance: mm by which the
+    radii at start and end of an arc may differ. program_size: bytes that a compiled program may have (SZTSK3,
+    13.1.1.13). pre_include, post_include: files that are compiled before and behind each job. keeps_over_codes: a bare
+    line goes on with the last motion even behind another G code or a ``$`` line.
+    """
+
+    version: str = VERSIONS[0]
+    case_sensitive: bool | None = None
+    line_numbers: bool = False
+    position_unit: float | None = None
+    time_unit: float | None = None
+    absolute_centers: bool | None = None
+    interpolation_axes: str | None = None
+    zero_offsets: tuple[tuple[float, ...], ...] | None = None
+    tools: tuple[RadiusTool, ...] | None = None
+    tasks: tuple[TaskCode, ...] | None = None
+    angle_unit: str = "radians"
+    wait_unit: float = 0.001
+    arc_tolerance: float = 0.001
+    program_size: int = 100_000
+    pre_include: str = ""
+    post_include: str = ""
+    keeps_over_codes: bool = False
+
+    def task(self, code: str) -> TaskCode | None:
+        """What is stated of a code."""
+        return next((task for task in self.tasks or () if task.code == code), None)
+
+
+NO_DIN = Din()
