@@ -216,6 +216,14 @@ COMPENSATION_LATHE_UNKNOWN = code(
 COMPENSATION_WITHOUT_TOOL = code(
     258, "compensation-without-tool", _W, "cutter radius compensation without a tool in the spindle: the radius is 0"
 )
+CYCLE_WORD_IGNORED = code(259, "cycle-word-ignored", _W, "{word} is no word of {code}: it is taken to have no effect")
+LOCAL_RESTORED_OVER = code(
+    260,
+    "local-restored-over",
+    _W,
+    "{code} brings back what it had put away, over local coordinates set since",
+    "limits",
+)
 ONLY_SUBPROGRAMS = code(340, "only-subprograms", _W, "the file holds only subprograms: nothing of it was executed")
 DOUBTFUL_ARITHMETIC = code(
     299, "doubtful-arithmetic", _U, "{operator} has no value for some of what {cause} can be: the program may stop here"
@@ -400,6 +408,14 @@ HELIX_NOT_SUPPORTED = code(
     416, "helix-not-supported", _E, "{axes} would move during an arc, which this machine does not do", "arcs"
 )
 ARC_MAPPED = code(417, "arc-mapped", _E, "an arc while the words of the axes are re-mapped ({code})", "arcs")
+
+ARC_FULL_CIRCLE = code(
+    418,
+    "arc-full-circle",
+    _W,
+    "X and Y end the arc where it begins: taken for a full circle; without X and Y it surely is one",
+    "arcs",
+)
 
 # 5xx motion and time
 FEED_OVER_MAXIMUM = code(

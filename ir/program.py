@@ -87,9 +87,9 @@ class Named:
 class Input:
     """The state of a channel of the machine: 1 on, 0 off.
 
-    kind: ``input``, ``output`` (what the program or the setup made of it), ``virtual``, or ``answer``: what the
-    operator says to the question that ``number`` counts. simulated: what a simulation takes it to be, where the
-    program says so; it has no bearing on what the machine does.
+    kind: ``input``, ``output`` (what the program or the setup made of it), ``virtual``, ``answer``: what the operator
+    says to the question that ``number`` counts, or ``given``: ``number`` is the state itself. simulated: what a
+    simulation takes it to be, where the program says so; it has no bearing on what the machine does.
     """
 
     kind: str

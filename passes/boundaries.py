@@ -9,11 +9,12 @@ inside. The answer belongs to the property ``limits``.
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 
 import numpy as np
 
 from gproof.ir import codes
-from gproof.ir.finding import Findings, Severity, Span
+from gproof.ir.finding import Findings, Related, Severity, Span
 from gproof.ir.machine import AXES, Machine
 from gproof.ir.setup import Setup
 from gproof.ir.trace import UNKNOWN, Affine, Boundary, Chunk, State, Trace
@@ -46,6 +47,40 @@ class _Box:
         if short > 0:
             self.low = np.vstack([self.low, np.full((short, AXES), math.inf)])
             self.high = np.vstack([self.high, np.full((short, AXES), -math.inf)])
+
+
+@dataclass(frozen=True, slots=True)
+class _End:
+    """A boundary's number, of its axis, and the line that comes nearest to it."""
+
+    axis: int
+    limit: float
+    span: Span
+
+
+class _Room:
+    """What all rows leave of an unknown offset, mm.
+
+    low, high: between them every row fits, whatever arises in the run; least, most: outside of them some row does not
+    for certain, because of the ends ``below`` and ``above``.
+    """
+
+    def __init__(self) -> None:
+        self.low = self.least = -math.inf
+        self.high = self.most = math.inf
+        self.below: _End | None = None
+        self.above: _End | None = None
+
+    def ask(
+        self, ends: tuple[float, float], arising: tuple[float, float], below: _End | None, above: _End | None
+    ) -> None:  # fmt: skip
+        """Rows that fit where the offset and what arises, between its two ends, lie between ``ends`` together."""
+        low, high = ends
+        self.low, self.high = max(self.low, low - arising[0]), min(self.high, high - arising[1])
+        if low - arising[1] > self.least:
+            self.least, self.below = low - arising[1], below
+        if high - arising[0] < self.most:
+            self.most, self.above = high - arising[0], above
 
 
 class Boundaries(Check):
@@ -123,14 +158,17 @@ class Boundaries(Check):
 
     def finish(self) -> PropertyResult:
         """UNSAFE, UNKNOWN, or SAFE with conditions on unknown offsets."""
-        rooms: dict[Affine, tuple[float, float]] = {}
+        rooms: dict[Affine, _Room] = {}
         for key, box in self._boxes.items():
             if not key[1]:
                 for edge in key[0]:
                     self._judge(edge, box, rooms)
         conditions = []
-        for form, (low, high) in sorted(rooms.items()):
-            if low > high + 2 * ROUNDING:
+        for form, room in sorted(rooms.items(), key=lambda pair: pair[0]):
+            low, high = room.low, room.high
+            if room.least > room.most + 2 * ROUNDING:
+                self._refuted(form, room)
+            elif low > high + 2 * ROUNDING:
                 self._unknown(self._first, describe(form), f"no {describe(form)} keeps the whole job within boundaries")
             else:
                 low, high = min(low, high), max(low, high)
@@ -145,7 +183,26 @@ class Boundaries(Check):
             verdict = Verdict.UNKNOWN
         return PropertyResult(name=self.name, verdict=verdict, conditions=tuple(conditions))
 
-    def _judge(self, edge: Boundary, box: _Box, rooms: dict[Affine, tuple[float, float]]) -> None:
+    def _refuted(self, form: Affine, room: _Room) -> None:
+        """GP303: what one boundary asks of an offset and what another one does exclude each other."""
+        lower, upper = room.below, room.above
+        assert lower is not None and upper is not None
+        free = max(0.0, upper.limit - lower.limit)
+        asks = f"at least {room.least:.4f}", f"at most {room.most:.4f}"
+        if all(coefficient < 0 for _, coefficient in form):
+            form = tuple((symbol, -c) for symbol, c in form)
+            asks = f"at most {-room.least:.4f}", f"at least {-room.most:.4f}"
+        self._errors += 1
+        self.findings.add(
+            codes.NO_SAFE_OFFSET.at(
+                lower.span, name=describe(form), extent=free + room.least - room.most, room=free,
+                unit=self._units.get(lower.axis, "mm"),
+                hint=f"above its lower boundary this line needs an offset of {asks[0]}",
+                related=(Related(upper.span, f"below its upper boundary this line needs an offset of {asks[1]}"),),
+            )
+        )  # fmt: skip
+
+    def _judge(self, edge: Boundary, box: _Box, rooms: dict[Affine, _Room]) -> None:
         """Rows whose place rests on other unknowns than their boundary."""
         assert self._trace is not None
         for slot in range(0, len(box.low), 2):
@@ -196,10 +253,10 @@ class Boundaries(Check):
             if arising and (bounds is None or not rest):
                 self._unknown(span, word, describe(form))
                 continue
-            if bounds is not None:
-                low, high = low - bounds.low, high - bounds.high
-            before = rooms.get(rest, (-math.inf, math.inf))
-            rooms[rest] = max(before[0], low), min(before[1], high)
+            room = rooms.setdefault(rest, _Room())
+            lowest = None if edge.low is None else _End(edge.axis, edge.low, box.low_span[slot, edge.axis])
+            highest = None if edge.high is None else _End(edge.axis, edge.high, box.high_span[slot, edge.axis])
+            room.ask((low, high), (0.0, 0.0) if bounds is None else (bounds.low, bounds.high), lowest, highest)
 
     def _unknown(self, span: Span, axis: str, cause: str) -> None:
         self.findings.add(codes.POSITION_UNKNOWN.at(span, axis=axis, cause=cause))

@@ -243,6 +243,9 @@ class Executor(Branches):
             if any(frame.cells is not None for frame in self._stack):
                 what = "M99 in an array of the job (whether the other places are still cut is not said)"
                 raise Refusal(codes.UNSUPPORTED_CODE.at(span, code=what))
+            if self._is_more():
+                what = "M99 in the job itself with lines behind it (whether it ends more than a subprogram is not said)"
+                raise Refusal(codes.UNSUPPORTED_CODE.at(span, code=what))
             self._end = "M99", span.line
             if self.program.tail and not self._is_behind():
                 self._warn_after_end()
@@ -257,6 +260,19 @@ class Executor(Branches):
         self._stack = self._stack[: place + 1]
         self._stack[-1].at = len(self._stack[-1].body)
         self._arrived(gone, 1)
+
+    def _is_more(self) -> bool:
+        """Whether lines of the job are left to run."""
+        if self._is_behind():
+            return False
+        for n, frame in enumerate(self._stack):
+            if isinstance(frame.node, BlockTable):
+                more = frame.next_line() > 0 or frame.next_byte < frame.node.end
+            else:
+                more = frame.at < len(frame.body) - (len(self.program.tail) if n == 0 else 0)
+            if more:
+                return True
+        return False
 
     def _is_behind(self) -> bool:
         """Whether what runs is behind the job, or behind its abort."""

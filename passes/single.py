@@ -267,6 +267,8 @@ def _recover(ex: Motion, line: Command) -> None:
         aimed = [NOWHERE if axis in line.axes() else place for axis, place in enumerate(s.position)]
     if command is not None and command.function in single_cycles.CYCLES:
         aimed[2] = NOWHERE
+    if command is None and s.cycle_code:
+        aimed = [NOWHERE if axis == 2 or axis in line.axes() else place for axis, place in enumerate(aimed)]
     for axis, place in enumerate(aimed):
         s.jumped = s.jumped or place != s.position[axis]
         s.position[axis] = place

@@ -22,6 +22,8 @@ if TYPE_CHECKING:
 
 CYCLES = (F.DRILL, F.DRILL_DWELL, F.DRILL_PECK, F.DRILL_CHIP_BREAK)
 _PECKS = (F.DRILL_PECK, F.DRILL_CHIP_BREAK)
+_USES = {"Q": _PECKS, "P": (F.DRILL_DWELL,), "L": (F.DRILL_PECK,)}
+"""Words that only some cycles have."""
 APPROACH = 1.27
 """mm (0.05 inch): how near to the depth before the rapid of G83 goes, and how far G73 lifts."""
 DRILL = 2
@@ -55,6 +57,10 @@ def drill(ex: Motion, line: Command, rule: CodeRule) -> None:
         raise Refusal(codes.CYCLE_PECK.at(line.where("Q"), code=rule.text, given=given))
     if (found["P"] or 0.0) < 0:
         raise Refusal(codes.CYCLE_DWELL_NEGATIVE.at(line.where("P"), code=rule.text, value=found["P"]))
+    for letter in "QPL":
+        if letter in line.values and rule.function not in _USES[letter]:
+            where = line.where(letter)
+            ex.findings.add(codes.CYCLE_WORD_IGNORED.at(where, word=f"{letter}{words[letter]:g}", code=rule.text))
     unit = s.unit
     origin = s.offset(DRILL)
     r, depth = origin.moved(r_word * unit), origin.moved(depth_word * unit)

@@ -174,6 +174,10 @@ def read_input(ex: Emitter, node: Input, evaluator: Evaluator) -> Value:
     value = evaluator.value(node.number)
     if isinstance(value, Unknown):
         return Unknown(value.cause, 0.0, 1.0)
+    if node.kind == "given":
+        if value not in (0.0, 1.0):
+            raise Refusal(codes.PARAMETER_RANGE.at(node.span, code="a condition", word="C", allowed="0 or 1"))
+        return value
     number = round(value)
     controls = ex.machine.controller.controls
     there = {"input": controls.inputs, "output": controls.outputs, "virtual": range(1, 65)}.get(node.kind)

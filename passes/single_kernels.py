@@ -291,6 +291,9 @@ def run_moves(
             if abs(distance(c0 - t0, c1 - t1) - radius) > floats[TOLERANCE] + SAME:
                 return word, row
             if abs(p0 - t0) < SAME and abs(p1 - t1) < SAME:
+                if axes & 3:
+                    # A full circle that the words do not quite say: a warning.
+                    return word, row
                 t0, t1 = p0, p1
             if radius < floats[SMALLEST]:
                 c0 = c1 = 0.0

@@ -158,7 +158,11 @@ def without_command(ex: Motion, line: Command) -> None:
     for letter in sorted(letters - {*line.columns, *rule.takes}):
         raise Refusal(codes.UNUSED_WORD.at(line.where(letter), word=letter))
     if s.cycle_code and stored and not axes:
+        lose_places(ex)
         what = f"{min(stored)} alone behind {rule.text} (a stored position, or a word of the cycle)"
+        raise Refusal(codes.UNSUPPORTED_CODE.at(line.span, code=what))
+    if s.cycle_code and not {0, 1} & axes.keys():
+        what = f"{' and '.join(sorted(letters))} without X and Y behind {rule.text} (a hole here, a move, or neither)"
         raise Refusal(codes.UNSUPPORTED_CODE.at(line.span, code=what))
     from gproof.passes.single import HANDLERS as ALL
 
@@ -497,6 +501,8 @@ def arc(ex: Motion, line: Command, rule: CodeRule) -> None:
         )  # fmt: skip
     if same:
         target[0], target[1] = start
+        if moved & {0, 1}:
+            ex.findings.add(codes.ARC_FULL_CIRCLE.at(line.span))
     if s.feed_mode == 93:
         s.feed = math.nan
         s.feed_mode = 94

@@ -132,6 +132,8 @@ def local_switch(ex: Motion, line: Command, rule: CodeRule) -> None:
         _set_local(ex, line, dict.fromkeys(range(AXES), ZERO))
         return
     s.single = s.single.but(local_stored=None)
+    if any(place != ZERO for place in s.g92) and tuple(s.g92) != stored:
+        ex.findings.add(codes.LOCAL_RESTORED_OVER.at(line.span, code=rule.text))
     _set_local(ex, line, dict(enumerate(stored)))
 
 

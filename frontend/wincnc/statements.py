@@ -302,17 +302,15 @@ class Lines:
     def _input_condition(self, values: dict[str, Expr], rule: CodeRule, span: Span) -> Expr:
         simulated = values.get("D")
         answer = simulated.value if isinstance(simulated, Number) else None
-        kinds = {1: "input", 2: "output", 3: "virtual"}
+        kinds = {1: "input", 2: "output", 3: "virtual", 4: "given"}
         point = rule.tenths % 10
         if point == 4:
-            # Neither is true of another number than 0 and 1.
-            run, channel = (1.0 if rule.tenths // 10 == 17 else 0.0), values["C"]
+            channel = values["C"]
             if isinstance(channel, Number) and channel.value not in (0.0, 1.0):
                 at = channel.span
                 raise LineError(
                     codes.PARAMETER_RANGE, at.column - 1, at.end_column - 1, code=rule.text, word="C", allowed="0 or 1"
                 )
-            return Binary("==", channel, Number(run, span), span)
         condition: Expr = Input(kinds[point], values["C"], span, answer)
         return condition if rule.tenths // 10 == 17 else Unary("not", condition, span)
 

@@ -318,6 +318,30 @@ def test_a_job_taller_than_its_boundaries_is_unsafe_whatever_the_measure(tmp_pat
     assert [(round(c.low, 9), round(c.high, 9)) for c in conditions if "tool" in c.terms[0][0]] == [(10.0, 10.0)]
 
 
+def test_boundaries_one_after_the_other_that_no_measure_keeps(tmp_path: Path) -> None:
+    """Z-10 over a boundary of -20 is for measures up to 10, Z40 below one of 20 for 20 and more: refuted (GP303)."""
+    text = "G53 Z-10\nL23 Z20\nG53 Z{}\n"
+    made = job(text.format(40), bounds={"z": (-20.0, None)}, measures=UNMEASURED)
+    verdict, findings, conditions = answer(tmp_path, made)
+    assert (verdict, findings) == (Verdict.UNSAFE, [("GP303", 4)])
+    assert not [c for c in conditions if "tool" in c.terms[0][0]]
+    for measure in (-40.0, 0.0, 9.0, 15.0, 21.0, 60.0):
+        assert answer(tmp_path, replace(made, measures={"z": measure, "w": 0.0}))[0] is Verdict.UNSAFE
+    # Z30 below 20 asks for a measure of 10 or more: the one that both take.
+    verdict, _, conditions = answer(tmp_path, replace(made, program=made.program.replace("Z40", "Z30")))
+    assert verdict is Verdict.SAFE
+    assert [(round(c.low, 9), round(c.high, 9)) for c in conditions if "tool" in c.terms[0][0]] == [(10.0, 10.0)]
+
+
+def test_what_arises_on_the_way_may_save_a_job(tmp_path: Path) -> None:
+    """Measures up to 14; behind a switch within 8 mm, 30 more below 20 need 10 to 18, 35 more at least 15."""
+    text = "G53 Z0\nL91 G1 Z8 F100 M28\nL23 Z20\nL91 G1 Z{}\n"
+    for high, wanted in ((30, Verdict.UNKNOWN), (35, Verdict.UNSAFE)):
+        made = job(text.format(high), bounds={"z": (-14.0, None)}, measures=UNMEASURED)
+        verdict, findings, _ = answer(tmp_path, made)
+        assert verdict is wanted, findings
+
+
 def test_a_shift_of_a_workspace_moves_the_boundary(tmp_path: Path) -> None:
     """G55 with a shift of 100: the boundary of 50 stands at machine 150, or at -50 where the shift is taken away."""
     for sign in (1, -1):
