@@ -8,16 +8,17 @@ import os
 import sys
 import time
 from collections.abc import Callable
-from decimal import ROUND_CEILING, ROUND_FLOOR, Decimal
 from pathlib import Path
 
 import click
 
 from gproof.cli.files import require_place
 from gproof.cli.judge import NOT_JUDGED, Judgement, judge
+from gproof.cli.lengths import CHOICES, MM, LengthUnit, unit_of
 from gproof.cli.report import coloured, distinct, finding_json, print_findings
 from gproof.cli.session import Running, Session, open_session
 from gproof.ir.codes import CODES
+from gproof.ir.machine import Axis
 from gproof.ir.trace import UNKNOWN, Chunk
 from gproof.ir.verdict import Condition, Verdict
 from gproof.passes.values import describe
@@ -29,9 +30,9 @@ _SHADES = {Verdict.SAFE: "green", Verdict.UNSAFE: "red", Verdict.UNKNOWN: "magen
 
 def run_check(
     job: Path, *, machine: Path | None, setup: str | None, dialect: str | None, running: Running, form: str,
-    strict: bool, picture: Path | None,
+    strict: bool, picture: Path | None, units: str | None = None,
 ) -> int:  # fmt: skip
-    """Judge a job, print the report, write the picture; returns the exit code."""
+    """Judge a job, print the report in ``units``, write the picture; returns the exit code."""
     if picture is not None:
         require_place(picture, "picture", (job, machine, setup))
     session = open_session(job, machine=machine, setup=setup, dialect=dialect, call=running.call)
@@ -52,8 +53,7 @@ def run_check(
     if form == "json":
         click.echo(json.dumps(report_json(session, judgement), indent=2, ensure_ascii=False))
     else:
-        print_findings(judgement.findings)
-        print_summary(session, judgement)
+        print_summary(session, judgement, findings=True, unit=None if units is None else CHOICES[units])
     return judgement.verdict.exit_code
 
 
@@ -106,27 +106,35 @@ def progress_bar(session: Session) -> Progress | None:
 
 def condition_text(condition: Condition) -> str:
     """``G54 X offset is 12.4000 ... 230.1000 mm``; bounds are rounded inwards."""
-    name, bounds = _condition_parts(condition)
+    name, bounds = _condition_parts(condition, MM)
     return f"{name} is {' '.join(bounds.split())}"
 
 
-def _condition_parts(condition: Condition) -> tuple[str, str]:
+def _condition_parts(condition: Condition, length: LengthUnit) -> tuple[str, str]:
     """Name and bounds, the bounds in columns."""
-    low, high = _inward(condition.low, ROUND_CEILING), _inward(condition.high, ROUND_FLOOR)
     axis = condition.terms[0][0].rpartition(".")[2] if condition.terms else "x"
-    unit = "deg" if axis in "abc" else "mm"
+    own = "deg" if axis in "abc" else "mm"
+    low = length.inward(condition.low, own, up=True) if math.isfinite(condition.low) else None
+    high = length.inward(condition.high, own, up=False) if math.isfinite(condition.high) else None
+    unit = length.named(own)
     if low is None or high is None:
         side = f"at least {low}" if low is not None else f"at most {high}" if high is not None else "anything, in"
         return describe(condition.terms), f"{side} {unit}"
     return describe(condition.terms), f"{low:>9} ... {high:>9} {unit}"
 
 
-def _inward(value: float, rounding: str) -> str | None:
-    return str(Decimal(repr(value)).quantize(Decimal("0.0001"), rounding)) if math.isfinite(value) else None
+def print_summary(
+    session: Session, judgement: Judgement, *, findings: bool = False, unit: LengthUnit | None = None
+) -> None:
+    """Verdicts with their conditions, what they stand on, then the figures of the job, lined up; findings: before them.
 
-
-def print_summary(session: Session, judgement: Judgement) -> None:
-    """Verdicts with their conditions, what they stand on, then the figures of the job, lined up."""
+    unit: None: that of the machine file, or without one that of the job.
+    """
+    if unit is None:
+        named = session.machine.unit if session.machine_given else judgement.summary.unit
+        unit = unit_of(session.machine.unit if named is None else named)
+    if findings:
+        print_findings(judgement.findings, unit=unit)
     colour = coloured()
 
     def shade(verdict: Verdict) -> str:
@@ -136,7 +144,7 @@ def print_summary(session: Session, judgement: Judgement) -> None:
         click.echo()
     click.echo(f"{session.job}: {shade(judgement.verdict)}")
     for result in judgement.properties:
-        parts = [_condition_parts(c) for c in result.conditions if not _is_start(c)]
+        parts = [_condition_parts(c, unit) for c in result.conditions if not _is_start(c)]
         parts = parts if result.verdict is Verdict.SAFE else []
         width = max((len(name) for name, _ in parts), default=0)
         first = shade(result.verdict) + " " * (9 - len(result.verdict.value))
@@ -148,7 +156,7 @@ def print_summary(session: Session, judgement: Judgement) -> None:
     _row("machine", session.machine.name)
     _row("dialect", f"{session.dialect} ({session.dialect_reason})")
     if session.program is not None:
-        _figures(session, judgement)
+        _figures(session, judgement, unit)
 
 
 def _row(label: str, text: str) -> None:
@@ -160,44 +168,54 @@ def _rows(label: str, texts: list[str]) -> None:
         _row("" if n else label, text)
 
 
-def _figures(session: Session, judgement: Judgement) -> None:
+def _figures(session: Session, judgement: Judgement, unit: LengthUnit) -> None:
     summary = judgement.summary
     blocks, sections = _count(summary.blocks, "block"), _count(summary.sections, "section")
     ways = f", {summary.branches} outcomes of unknown conditions followed" if summary.branches else ""
     _row("program", f"{_count(summary.lines, 'line')}, {blocks} executed in {sections}{ways}")
     reaches = [r for r in summary.box if not (r[1].startswith("the start position") and r[2] == r[3])]
-    _rows("reaches", _lined_up([_reach(session, *r) for r in reaches]))
+    _rows("reaches", _lined_up([_reach(session, unit, *r) for r in reaches]))
     moving = {axis for axis, *_ in summary.box}
     for label, places in (("begins", summary.begin), ("ends", summary.end)):
-        shown = [f"{axis.upper()} {_place(value)}" for axis, value in places.items() if axis in moving]
+        shown = [
+            f"{axis.upper()} {_place(session, unit, axis, value)}" for axis, value in places.items() if axis in moving
+        ]
         if shown:
             _row(label, ", ".join(shown))
     if summary.box:
-        _row("path", f"{summary.path_length:.1f} mm, {summary.feed_length:.1f} mm of it at feed")
+        _row("path", f"{unit.path(summary.path_length)}, {unit.path(summary.feed_length)} of it at feed")
         if summary.branches:
             _row("time", "not known: the way depends on inputs; the path is that of all outcomes together")
         else:
             _row("time", duration_text(summary.seconds, summary.at_least, session.machine_given))
 
 
-def _reach(session: Session, axis: str, relative: str, low: float, high: float) -> tuple[str, ...]:
+def _reach(session: Session, length: LengthUnit, axis: str, relative: str, low: float, high: float) -> tuple[str, ...]:
     """The cells of one line: axis, range, what to compare it with."""
     if relative == _NOWHERE:
         return axis.upper(), "", "", f"{'and ' if low != high else ''}somewhere that is not known"
-    known = next((one for one in session.machine.axes if one.word.lower() == axis), None)
-    unit = known.unit if known is not None else "mm" if axis in "xyz" else "deg"
+    known = _axis(session, axis)
+    own = _counts_in(known, axis)
     beside = f"from {relative}" if relative else ""
     if not relative and known is not None and session.machine_given:
-        beside = f"(limits {_limit(known.lower)} ... {_limit(known.upper)})"
-    return axis.upper(), f"{round(low, 3) + 0.0:.3f}", f"{round(high, 3) + 0.0:.3f} {unit}", beside
+        beside = f"(limits {_limit(known.lower, own, length)} ... {_limit(known.upper, own, length)})"
+    return axis.upper(), length.place(low, own), f"{length.place(high, own)} {length.named(own)}", beside
 
 
-def _place(value: float) -> str:
-    return "not known" if math.isnan(value) else f"{round(value, 3) + 0.0:.3f}"
+def _axis(session: Session, letter: str) -> Axis | None:
+    return next((one for one in session.machine.axes if one.word.lower() == letter), None)
 
 
-def _limit(value: float | None) -> str:
-    return "not given" if value is None else f"{value:.4f}".rstrip("0").rstrip(".")
+def _counts_in(known: Axis | None, letter: str) -> str:
+    return known.unit if known is not None else "mm" if letter in "xyz" else "deg"
+
+
+def _place(session: Session, length: LengthUnit, letter: str, value: float) -> str:
+    return "not known" if math.isnan(value) else length.place(value, _counts_in(_axis(session, letter), letter))
+
+
+def _limit(value: float | None, own: str, length: LengthUnit) -> str:
+    return "not given" if value is None else f"{length.of(value, own):.4f}".rstrip("0").rstrip(".")
 
 
 def _lined_up(cells: list[tuple[str, ...]]) -> list[str]:

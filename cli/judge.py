@@ -7,11 +7,13 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 
+import numpy as np
+
 from gproof.cli.session import Running, Session
 from gproof.ir import codes
 from gproof.ir.finding import Findings, Severity, Span
 from gproof.ir.machine import Machine
-from gproof.ir.trace import Affine, Chunk, Frame, Wait, verify_rows
+from gproof.ir.trace import Affine, Chunk, Frame, Op, Wait, verify_rows
 from gproof.ir.verdict import DEFAULT_POLICY, Condition, PropertyResult, Verdict, worst
 from gproof.passes.arc_radius import ArcRadius
 from gproof.passes.boundaries import Boundaries
@@ -39,7 +41,7 @@ class Summary:
     seconds: estimated time without waits, None without machine data; at_least: some moves are not in it;
     branches: outcomes of unknown conditions that were followed: with some, lengths are those of all of them together
     and the time is not known; begin, end: machine position before the job and behind it by axis, mm or degrees, NaN
-    where it is not known, end empty where it has several."""
+    where it is not known, end empty where it has several; unit: mm in the first unit that the job names, None: none."""
 
     lines: int = 0
     blocks: int = 0
@@ -51,6 +53,7 @@ class Summary:
     branches: int = 0
     begin: dict[str, float] = field(default_factory=dict)
     end: dict[str, float] = field(default_factory=dict)
+    unit: float | None = None
     box: list[tuple[str, str, float, float]] = field(default_factory=list)
 
 
@@ -113,6 +116,7 @@ def _pass(
     sections, waits = 0, set[Wait]()
     begin: dict[str, float] = {}
     ends: list[dict[str, float]] = []
+    unit: float | None = None
     session.program.verify()
     for chunk in follow_knife(ex.run(), machine, findings):
         verify_rows(chunk.rows, chunk.trace, f"section {chunk.section}")
@@ -122,6 +126,8 @@ def _pass(
             at = chunk.start if last < 0 else tuple(chunk.rows["to"][last].tolist())
             frame = chunk.start_frame if last < 0 else int(chunk.rows["frame"][last])
             ends.append(_places(machine, at, chunk.trace.frames[frame]))
+        if unit is None and (named := np.flatnonzero(chunk.rows["op"] == Op.UNITS)).size:
+            unit = float(chunk.rows["arg"][int(named[0]), 0])
         waits.update(edge.wait for edge in chunk.edges)
         for check in (*checks, edges):
             check.feed(chunk)
@@ -141,6 +147,7 @@ def _pass(
         path_length=estimate.path_length_mm, feed_length=estimate.feed_length_mm,
         seconds=None if ex.branches else estimate.seconds, branches=ex.branches,
         at_least=estimate.unknown_rows > 0, box=limits.box(), begin=begin, end=ends[0] if len(ends) == 1 else {},
+        unit=unit,
     )  # fmt: skip
     return [language, *results], summary, [*ex.assumed, *_standing(session, waits)], ex.met_deleted
 

@@ -91,9 +91,13 @@ def _job_options(command: Any) -> Any:
 @click.option("--format", "form", type=click.Choice(["text", "json"]), default="text", help="Report as text or JSON.")
 @click.option("--strict", is_flag=True, help="Conditional answers count as UNKNOWN.")
 @click.option("--picture", type=click.Path(path_type=Path), help="Write a picture of the path (SVG).")
+@click.option(
+    "--units", type=click.Choice(["mm", "inch"]), help="Lengths of the text report; those of the machine file else."
+)
 def check(
     job: Path, machine: Path | None, setup: str | None, dialect: str | None, max_blocks: int | None,
     max_branches: int, call: str | None, render: bool, form: str, strict: bool, picture: Path | None,
+    units: str | None,
 ) -> int:  # fmt: skip
     """Prove or refute that JOB is safe on a machine."""
     from gproof.cli.check import run_check
@@ -101,7 +105,7 @@ def check(
 
     return run_check(
         job, machine=machine, setup=setup, dialect=dialect, running=Running(max_blocks, max_branches, render, call),
-        form=form, strict=strict, picture=picture,
+        form=form, strict=strict, picture=picture, units=units,
     )  # fmt: skip
 
 

@@ -7,6 +7,7 @@ import sys
 
 import click
 
+from gproof.cli.lengths import MM, LengthUnit
 from gproof.ir.codes import CODES
 from gproof.ir.finding import Finding, Findings, Severity, Span
 
@@ -74,7 +75,9 @@ def distinct(findings: Findings) -> list[tuple[Finding, int]]:
     return [(finding, findings.times[finding]) for finding in sorted(findings.kept, key=sort_key)]
 
 
-def format_finding(finding: Finding, text: str | None, colour: bool, times: int = 1) -> list[str]:
+def format_finding(
+    finding: Finding, text: str | None, colour: bool, times: int = 1, unit: LengthUnit = MM
+) -> list[str]:
     """The lines of one finding."""
     severity = (
         click.style(finding.severity.value, fg=COLOURS[finding.severity], bold=True)
@@ -83,7 +86,7 @@ def format_finding(finding: Finding, text: str | None, colour: bool, times: int 
     )
     code = finding.code
     often = f" ({times} times)" if times > 1 else ""
-    out = [f"{location(finding.span)}: {severity} {code.label} [{code.name}] {finding.message}{often}"]
+    out = [f"{location(finding.span)}: {severity} {code.label} [{code.name}] {unit.message(finding)}{often}"]
     if text is not None:
         out += _excerpt(finding.span, text)
     if finding.hint:
@@ -106,7 +109,7 @@ def _excerpt(span: Span, text: str) -> list[str]:
     return out
 
 
-def print_findings(findings: Findings, *, err: bool = False) -> None:
+def print_findings(findings: Findings, *, err: bool = False, unit: LengthUnit = MM) -> None:
     """All kept findings by place, with what was left out counted at the end."""
     colour = coloured(err)
     by_file: dict[str, set[int]] = {}
@@ -116,7 +119,7 @@ def print_findings(findings: Findings, *, err: bool = False) -> None:
     texts = {name: source_lines(name, lines) for name, lines in by_file.items()}
     for finding, times in distinct(findings):
         text = texts.get(finding.span.file, {}).get(finding.span.line)
-        for line in format_finding(finding, text, colour, times):
+        for line in format_finding(finding, text, colour, times, unit):
             click.echo(line, err=err)
     for number in sorted(findings.counts):
         hidden = findings.hidden(CODES[number])

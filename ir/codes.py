@@ -286,7 +286,7 @@ NO_SAFE_OFFSET = code(
 POSITION_UNKNOWN = code(304, "position-unknown", _U, "the position of {axis} depends on {cause}", "limits")
 OFFSET_BOX = code(305, "offset-box", _N, "safe for {box}", "limits")
 START_OUTSIDE_LIMITS = code(
-    306, "start-outside-limits", _E, "the stated start {axis} {value:.4f} lies outside its limits", "limits"
+    306, "start-outside-limits", _E, "the stated start {axis} {value:.4f} {unit} lies outside its limits", "limits"
 )
 SOFT_LIMIT_GUARD_OFF = code(
     307,
@@ -341,7 +341,7 @@ LIMIT_ADJUSTED = code(
     333,
     "limit-adjusted",
     _W,
-    "the controller lets {axis} go to its {side} {kind} {limit:.4f} only, not to the {wanted:.4f} of the program",
+    "the controller lets {axis} go to its {side} {kind} {limit:.4f} {unit} only, not to {wanted:.4f} as programmed",
     "limits",
 )
 

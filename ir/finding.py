@@ -51,7 +51,7 @@ class Code:
 
     def at(self, span: Span, *, hint: str = "", related: Iterable[Related] = (), **values: object) -> Finding:
         """A finding of this kind at ``span``; ``values`` fill the template."""
-        return Finding(self, span, self.template.format(**values), hint, tuple(related))
+        return Finding(self, span, self.template.format(**values), hint, tuple(related), tuple(values.items()))
 
 
 @dataclass(frozen=True, slots=True)
@@ -64,13 +64,14 @@ class Related:
 
 @dataclass(frozen=True, slots=True)
 class Finding:
-    """One thing to tell the user; see ``Code``."""
+    """One thing to tell the user; see ``Code``. values: those of the message, lengths in mm, for other units."""
 
     code: Code
     span: Span
     message: str
     hint: str = ""
     related: tuple[Related, ...] = ()
+    values: tuple[tuple[str, object], ...] = field(default=(), compare=False, repr=False)
 
     @property
     def severity(self) -> Severity:

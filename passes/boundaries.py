@@ -188,15 +188,16 @@ class Boundaries(Check):
         lower, upper = room.below, room.above
         assert lower is not None and upper is not None
         free = max(0.0, upper.limit - lower.limit)
-        asks = f"at least {room.least:.4f}", f"at most {room.most:.4f}"
+        mm = self._units.get(lower.axis, "mm")
+        asks = f"at least {room.least:.4f} {mm}", f"at most {room.most:.4f} {mm}"
         if all(coefficient < 0 for _, coefficient in form):
             form = tuple((symbol, -c) for symbol, c in form)
-            asks = f"at most {-room.least:.4f}", f"at least {-room.most:.4f}"
+            asks = f"at most {-room.least:.4f} {mm}", f"at least {-room.most:.4f} {mm}"
         self._errors += 1
         self.findings.add(
             codes.NO_SAFE_OFFSET.at(
                 lower.span, name=describe(form), extent=free + room.least - room.most, room=free,
-                unit=self._units.get(lower.axis, "mm"),
+                unit=mm,
                 hint=f"above its lower boundary this line needs an offset of {asks[0]}",
                 related=(Related(upper.span, f"below its upper boundary this line needs an offset of {asks[1]}"),),
             )

@@ -260,7 +260,7 @@ class Limits(Check):
             low, high = self._own_y
             if (low is not None and cylinder.y < low - ROUNDING) or (high is not None and cylinder.y > high + ROUNDING):
                 self._errors += 1
-                self.findings.add(codes.START_OUTSIDE_LIMITS.at(self._first, axis="Y", value=cylinder.y))
+                self.findings.add(codes.START_OUTSIDE_LIMITS.at(self._first, axis="Y", value=cylinder.y, unit="mm"))
         for what in missing:
             self.findings.add(codes.MAPPED_AXIS.at(self._first, what=what))
 
@@ -289,7 +289,7 @@ class Limits(Check):
             below = low is not None and at < low - ROUNDING
             above = high is not None and at > high + ROUNDING
             if form == () and (below or above):
-                self.findings.add(codes.START_OUTSIDE_LIMITS.at(self._first, axis=axis.word, value=at))
+                self.findings.add(codes.START_OUTSIDE_LIMITS.at(self._first, axis=axis.word, value=at, unit=axis.unit))
                 self._errors += 1
 
     def _beyond(self, trace: Trace, chunk: Chunk, row: int, index: int, reach: float) -> None:

@@ -310,10 +310,12 @@ def adjusted(ex: Motion, line: Command, target: list[Position], moved: set[int])
                                                         cause=f"whether it goes past its {side} {kind}"))  # fmt: skip
             if (over.value > 0) == (side == "upper") and abs(over.value) > SAME:
                 word = ex.machine.word(axis)
-                wanted = target[axis].value
                 ex.findings.add(
-                    codes.LIMIT_ADJUSTED.at(line.span, axis=word, side=side, kind=kind, limit=end.value, wanted=wanted)
-                )
+                    codes.LIMIT_ADJUSTED.at(
+                        line.span, axis=word, side=side, kind=kind, limit=end.value, wanted=target[axis].value,
+                        unit="mm" if s.linear[axis] else "deg",
+                    )
+                )  # fmt: skip
                 target[axis] = end
     return target
 

@@ -1,0 +1,93 @@
+"""Text reports in the unit of the shop; JSON in millimetres whatever the shop counts in."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+
+from gproof.cli.main import main
+
+INI = """timertype=7200
+axischar=XYA
+axisspec=p0 s0 d0 r1000 a400 t1
+axisvel=r600 f150
+axisspec=p0 s1 d1 r1000 a400 t2
+axisvel=r600 f150
+axisspec=p0 s2 d2 r100 a400 t4
+axisvel=r600 f150
+softlim=T1
+lolim=X-.4 Y-.4
+hilim=X50.4 Y100.4
+nmode=90
+"""
+SETUP = """schema = "gproof-setup/1"
+units = "inch"
+homed = ["x", "y", "a"]
+active_work = 1
+start = {x = 1.0, y = 2.0, a = 0.0}
+"""
+
+
+@pytest.fixture
+def shop(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    (tmp_path / "WINCNC.INI").write_text(f"unit=IN\n{INI}", encoding="ascii")
+    (tmp_path / "CNC.MAC").write_text("", encoding="ascii")
+    (tmp_path / "setup.toml").write_text(f"{SETUP}g92 = {{x = 0.0, y = 0.0, a = 0.0}}\n", encoding="ascii")
+    (tmp_path / "open.toml").write_text(SETUP, encoding="ascii")
+    (tmp_path / "job.tap").write_text("G1 X60 F50\nG1 Y12 A90\n", encoding="ascii")
+    (tmp_path / "fits.tap").write_text("G1 X10 F50\nX1.5\n", encoding="ascii")
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def report(capsys: pytest.CaptureFixture[str], *words: str) -> str:
+    main(["check", *words])
+    return capsys.readouterr().out
+
+
+def test_an_inch_shop_reads_inches(shop: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """60 inches are 9.6 past 50.4; the way is 59 at X, then 10 at Y; angles are degrees."""
+    shown = report(capsys, "job.tap", "--machine", "WINCNC.INI", "--setup", "setup.toml")
+    assert "X would reach 60.0000 inch, 9.6000 past its upper limit 50.4000" in shown
+    lines = [line.split() for line in shown.splitlines()]
+    assert ["reaches", "X", "60.0000", "...", "60.0000", "inch", "(limits", "-0.4", "...", "50.4)"] in lines
+    assert ["Y", "2.0000", "...", "12.0000", "inch", "(limits", "-0.4", "...", "100.4)"] in lines
+    assert ["A", "0.000", "...", "90.000", "deg", "(limits", "not", "given", "...", "not", "given)"] in lines
+    assert ["begins", "X", "1.0000,", "Y", "2.0000,", "A", "0.000"] in lines
+    assert ["ends", "X", "60.0000,", "Y", "12.0000,", "A", "90.000"] in lines
+    assert ["path", "69.00", "inch,", "69.00", "inch", "of", "it", "at", "feed"] in lines
+    assert " mm" not in shown
+
+
+def test_an_option_says_otherwise(shop: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    words = "job.tap", "--machine", "WINCNC.INI", "--setup", "setup.toml", "--units"
+    shown = report(capsys, *words, "mm")
+    assert "X would reach 1524.0000 mm, 243.8400 past its upper limit 1280.1600" in shown
+    assert "(limits -10.16 ... 1280.16)" in shown
+    assert "path        1752.6 mm" in shown
+    (shop / "WINCNC.INI").write_text(f"unit=MM\n{INI}", encoding="ascii")
+    assert "X would reach 60.0000 mm, 9.6000 past" in report(capsys, *words[:-1])
+    assert "X would reach 2.3622 inch, 0.3780 past" in report(capsys, *words, "inch")
+
+
+def test_conditions_are_rounded_to_the_side_that_holds(shop: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Words from 1.5 to 10 between -0.4 and 50.4: the local zero lies between -1.9 and 40.4."""
+    shown = report(capsys, "fits.tap", "--machine", "WINCNC.INI", "--setup", "open.toml")
+    assert "G92 X offset is   -1.9000 ...   40.4000 inch" in shown
+
+
+def test_json_stays_in_millimetres(shop: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    words = "job.tap", "--machine", "WINCNC.INI", "--setup", "setup.toml", "--format", "json"
+    made = json.loads(report(capsys, *words))
+    assert made == json.loads(report(capsys, *words, "--units", "inch"))
+    assert "X would reach 1524.0000 mm, 243.8400 past" in made["findings"][0]["message"]
+    assert made["summary"]["path_length_mm"] == pytest.approx(1752.6)
+
+
+def test_without_a_machine_file_the_job_says_it(shop: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """G20 and G22 of the job; WinCNC counts inches before."""
+    for first, unit in (("G20\n", "inch"), ("G22\n", "mm"), ("", "inch")):
+        (shop / "job.tap").write_text(f"{first}G90\nG0 X1 Y2\nX3\n", encoding="ascii")
+        assert f"path        2.{'00 inch' if unit == 'inch' else '0 mm'}" in report(capsys, "job.tap")
