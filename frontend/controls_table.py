@@ -34,6 +34,7 @@ def controls_from(root: TomlTable, before: Controls, unit: Fraction) -> Controls
         "arc_tolerance": table.positive("arc_tolerance", unit=unit, zero=True),
         "smallest_arc": table.positive("smallest_arc", unit=unit, zero=True),
         "shift_sign": _sign(table),
+        "knife_positions": table.text("knife_positions", ("machine", "work")),
         "nesting": table.whole("nesting", 0, DEEPEST),
         "start": table.text("start"),
         "end": table.text("end"),

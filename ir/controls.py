@@ -178,6 +178,8 @@ class Controls:
     boundaries of vertical axes (softlim=V1); forced: ((lower, upper) of X and Y) outside of which nothing goes
     (forcelim=).
     shift_sign: whether a workspace's shift is added to (+1) or taken from (-1) a position, None: not stated.
+    knife_positions: lifted and lowered of the knife count from the machine's zero (machine) or as axis words do (work);
+    None: not stated.
     arcs_share_feed: an F of lines holds for arcs and the reverse; False: each keeps its own; None: not stated.
     helical_arcs: False: an arc that moves another axis is an error.
     inputs, outputs: numbers of the channels that are there; None: no file says so. drill_banks: (first output, count).
@@ -212,6 +214,7 @@ class Controls:
     adjust_vertical: bool = False
     forced: tuple[tuple[float | None, float | None], tuple[float | None, float | None]] | None = None
     shift_sign: int | None = None
+    knife_positions: str | None = None
     helical_arcs: bool = True
     arcs_share_feed: bool | None = None
     inputs: tuple[int, ...] | None = None

@@ -33,7 +33,7 @@ ROUNDING = 1e-9
 """mm: what the arithmetic of an exact position may add; a position this far beyond is on the limit."""
 FOLLOWED = {
     HEIGHT_MAP: "the height map is that of what lies on the table",
-    KNIFE: "the knife points along +X where its axis is at 0, and turns the shorter way",
+    KNIFE: "the knife points along +X where its axis is at 0, turns counter-clockwise, the shorter way, and not in G0",
 }
 """What an answer about positions stands on while the controller adds to the path."""
 _KEPT = 64

@@ -9,8 +9,8 @@ from gproof.ir.finding import Refusal, Span
 from gproof.ir.machine import AXES, AXIS_NAMES
 from gproof.ir.rules import CodeRule
 from gproof.ir.rules import Function as F
-from gproof.ir.trace import Op, Plane, Wait
-from gproof.passes import compensated
+from gproof.ir.trace import KNIFE, Op, Plane, Wait
+from gproof.passes import compensated, single_knife
 from gproof.passes import execute_kernels as k
 from gproof.passes.cycles import AXES_OF_PLANE, CYCLES, run_cycle
 from gproof.passes.emitter import Emitter
@@ -300,6 +300,20 @@ class Motion(Emitter):
         length: mm that an inverse time feed counts, where the row is part of a longer move; programmed: the point of
         the contour that a compensated row belongs to; without it Refusal GP256 while compensation is on.
         """
+        mode = single_knife.follows(self) if KNIFE in self.modal.following else None
+        if mode is None:
+            self.go(op, target, span, center=center, turns=turns, plane=plane, length=length, programmed=programmed)
+            return
+        target, back = single_knife.turn_before(self, mode, op, target, span, center, turns)
+        self.go(op, target, span, center=center, turns=turns, plane=plane, length=length, programmed=programmed)
+        if back is not None:
+            single_knife.lower(self, mode, span, back)
+
+    def go(
+        self, op: Op, target: list[Position], span: Span, *, center: list[float] | None = None,
+        turns: int = 0, plane: int = 0, length: float | None = None, programmed: tuple[float, float] | None = None,
+    ) -> None:  # fmt: skip
+        """``move`` without what a knife adds to it."""
         s = self.modal
         if s.single.slaves or s.single.locked:
             # Every move, whoever makes it: of a cycle, of an array, of a lift.

@@ -15,10 +15,11 @@ from gproof.ir.program import Input, Named
 from gproof.ir.rules import CodeRule
 from gproof.ir.rules import Function as F
 from gproof.ir.trace import KNIFE, Op, Wait
+from gproof.passes import single_knife
 from gproof.passes.emitter import ProgramEnd
 from gproof.passes.expressions import Evaluator
 from gproof.passes.single_motion import Handler, follow, lose_places, note_assumptions, switch_output
-from gproof.passes.single_state import value_of, vertical_axes, with_pair
+from gproof.passes.single_state import KnifeNow, value_of, vertical_axes, with_pair
 from gproof.passes.values import NOWHERE, Position, Unknown, Value
 
 if TYPE_CHECKING:
@@ -399,19 +400,58 @@ def _device(name: str, on: bool, *, moves: bool = False) -> Handler:
 
 
 def knife(ex: Motion, line: Command, rule: CodeRule) -> None:
-    """L30 and L31: the knife's axis follows the path (``passes/knife.py``) where an output lifts it; else open."""
+    """L30 and L31: the knife's axis follows the path (``passes/single_knife.py``)."""
     s = ex.modal
     note(ex, line, rule)
     if rule.function is F.KNIFE_OFF:
+        if KNIFE in s.following:
+            single_knife.switched(ex, line.span)
         s.following = tuple(name for name in s.following if name != KNIFE)
         ex._state_changed()
         return
+    mode = ex.machine.controller.controls.knife
     if ex.machine.knife is None:
-        lose_places(ex)
-        what = f"{rule.text} with a knife that Z lifts, that blends its turns or that leans"
-        raise Refusal(codes.UNSUPPORTED_CODE.at(line.span, code=what))
+        problem = "without knifemode=" if mode is None else single_knife.problem_of(ex, mode)
+        if problem:
+            lose_places(ex)
+            raise Refusal(codes.UNSUPPORTED_CODE.at(line.span, code=f"{rule.text} {problem}"))
     s.following = tuple(sorted({*s.following, KNIFE}))
     ex._state_changed()
+    single_knife.switched(ex, line.span)
+
+
+def knife_settings(ex: Motion, line: Command, rule: CodeRule) -> None:
+    """L30.1: lift angle, lift position and plunge depth, in the unit in force."""
+    s = ex.modal
+    mode = ex.machine.controller.controls.knife
+    angle, up, down = (line.number(letter) for letter in "AZP")
+    if angle is not None and angle < 0:
+        raise Refusal(codes.ILLEGAL_VALUE.at(line.where("A"), word="A", what=f"a lift angle of {angle:g}"))
+    note(ex, line, rule)
+    if mode is None:
+        return
+    scale = s.scale(AXIS_NAMES.index(mode.vertical)) if mode.vertical else s.unit
+    now = s.single.knife or single_knife.settings(mode)
+    s.single = s.single.but(
+        knife=KnifeNow(
+            now.angle if angle is None else angle,
+            now.lifted if up is None else up * scale,
+            now.lowered if down is None else down * scale,
+        )
+    )
+
+
+def saw(ex: Motion, line: Command, rule: CodeRule) -> None:
+    """L32: the blade turns with the path; what it does to lifts and to the ends of cuts the manual does not say."""
+    s = ex.modal
+    s.single = s.single.but(flags=s.single.flags | {"saw"})
+    note(ex, line, rule)
+    lose_places(ex)
+    what = (
+        f"{rule.text} (which way O of sawmode= counts, before which turns it lifts by Z, and what its radius R does to "
+        "the ends of cuts is not said)"
+    )
+    raise Refusal(codes.UNSUPPORTED_CODE.at(line.span, code=what))
 
 
 def torch(ex: Motion, line: Command, rule: CodeRule) -> None:
@@ -597,8 +637,8 @@ HANDLERS: dict[F, Handler] = {
     F.HIGH_BOUNDARY_RESTORE: boundary,
     F.KNIFE_ON: knife,
     F.KNIFE_OFF: knife,
-    F.KNIFE_SETTING: note,
-    F.SAW_ON: _device("saw", True, moves=True),
+    F.KNIFE_SETTING: knife_settings,
+    F.SAW_ON: saw,
     F.SAW_OFF: _device("saw", False),
     F.HEIGHT_ON: height,
     F.HEIGHT_OFF: height,

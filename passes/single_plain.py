@@ -43,6 +43,7 @@ def is_plain(s: Modal) -> bool:
         and not s.jumped
         and not s.feed_unknown
         and s.pitch == 0.0
+        and not s.following
         and not (single.center is not None and math.isnan(single.center[0]))
         and not (s.clamped or s.drives_were_off or s.not_programmed)
     )

@@ -20,6 +20,15 @@ if TYPE_CHECKING:
 Pairs = tuple[tuple[int, Value], ...]
 
 
+@dataclass(frozen=True, slots=True)
+class KnifeNow:
+    """Settings in force (L30.1): degrees beyond which it is lifted, mm up and down; None: nobody said."""
+
+    angle: float | None
+    lifted: float | None
+    lowered: float | None
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SingleState:
     """Columns are those of ``AXIS_NAMES``; lengths mm.
@@ -36,7 +45,8 @@ class SingleState:
     arc_feed: mm/min of arcs, None before their first F; feed_doubt: an arc had an F since the last one of lines in X
     and Y, another one; scales: (column, (factor, mm about which)) of axes beside X and
     Y (G51), a factor of NaN: open; places: stored positions as (name, places by column, whether heads are lifted);
-    auto_dwell: seconds behind switching the automatic output on and off.
+    auto_dwell: seconds behind switching the automatic output on and off. knife: its settings now, None: those of the
+    machine's file; spans: ((column, low, high), place) of places between two readings.
     """
 
     feeds: tuple[float, ...] = (math.nan,) * AXES
@@ -69,6 +79,8 @@ class SingleState:
     scales: tuple[tuple[int, tuple[float, float]], ...] = ()
     places: tuple[tuple[str, tuple[tuple[int, Position], ...], bool], ...] = ()
     auto_dwell: tuple[float, float] = (0.0, 0.0)
+    knife: KnifeNow | None = None
+    spans: tuple[tuple[tuple[int, float, float], Position], ...] = ()
 
     def but(self, **changes: Any) -> SingleState:
         """The same with some values changed."""

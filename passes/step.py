@@ -42,6 +42,13 @@ _FARTHEST = 1e15
 """Steps or ticks: beyond this a float64 does not tell halves apart."""
 
 
+_KNIFE = (
+    "an output lifts the knife at each turn", "the knife turns as fast as it can while X and Y move",
+    "the knife's turns are blended at both sides of a corner",
+)  # fmt: skip
+"""What of a knife has no place of its own in the rows."""
+
+
 def step(
     trace: Trace, plan: Plan, machine: Machine, findings: Findings, origin: Sequence[Ints] = ()
 ) -> StepStream | None:
@@ -67,8 +74,9 @@ def _refuse_what_has_no_steps(trace: Trace, machine: Machine) -> None:
     """GP520 for what moves motors in ways that only the checks follow."""
     lifted = np.array([HEIGHT_MAP in state.following for state in trace.states], dtype=bool)
     knife = machine.controller.controls.knife
-    by_output = knife is not None and knife.output is not None
-    switched = np.array([by_output and KNIFE in state.following for state in trace.states], dtype=bool)
+    why = "" if knife is None else _KNIFE[0] if knife.output is not None else _KNIFE[1] if knife.target else ""
+    why = why or (_KNIFE[2] if knife is not None and knife.blend else "")
+    switched = np.array([bool(why) and KNIFE in state.following for state in trace.states], dtype=bool)
     turned = [axis for axis in machine.axes if axis.tip_feed]
     for section in trace.sections:
         rows = section.rows
@@ -76,7 +84,7 @@ def _refuse_what_has_no_steps(trace: Trace, machine: Machine) -> None:
         found = moving & lifted[rows["state"]] if len(lifted) else np.zeros(len(rows), dtype=bool)
         what = "Z follows a height map here"
         if not found.any() and len(switched):
-            found, what = moving & switched[rows["state"]], "an output lifts the knife at each turn"
+            found, what = moving & switched[rows["state"]], why
         for axis in turned:
             if not found.any():
                 found = moving & (rows["to"][:, axis.index] != section.start[axis.index])

@@ -344,7 +344,7 @@ def _knife(sheet: Sheet) -> KnifeMode | None:
         blend=sheet.length("knifemode", "L") or 0.0,
         lifted=sheet.length("knifemode", "Z"),
         lowered=sheet.length("knifemode", "P"),
-        vertical=(sheet.axis("knifemode", "V") or "z") if output is None else "",
+        vertical=(sheet.axis("knifemode", "V") or _third(sheet)) if output is None else "",
         output=output,
         dwell=sheet.plain("knifemode", "D") or 0.0,
         automatic=sheet.switch("knifemode", "M") or False,
@@ -354,6 +354,11 @@ def _knife(sheet: Sheet) -> KnifeMode | None:
         x=sheet.length("knifeangle", "X") or 0.0,
         y=sheet.length("knifeangle", "Y") or 0.0,
     )
+
+
+def _third(sheet: Sheet) -> str:
+    """The column of axis number 2, which is V by default."""
+    return sheet.columns[sheet.letters[2]] if len(sheet.letters) > 2 else "z"
 
 
 def _saw(sheet: Sheet) -> SawMode | None:

@@ -275,7 +275,7 @@ _RULES = (
     KeyRule(key="keypaddir", bare="text", reason="a hand panel"),
     KeyRule(
         key="knifeangle", letters=_letters("A degrees, M switch, X length, Y length"), treatment="modelled",
-        reason="a blade that leans: the knife mode is then not followed",
+        reason="a blade that leans or stands beside its axis: L30 is then UNKNOWN",
     ),
     KeyRule(
         key="knifemode", treatment="modelled",
@@ -341,7 +341,7 @@ _RULES = (
     KeyRule(key="restart", letters=_letters("V switch"), reason="jobs are judged from their first line on"),
     KeyRule(
         key="sawmode", letters=_letters("T whole, A axis, R length, O degrees, Z length"),
-        treatment="modelled", reason="the device saw; its mode is not followed",
+        treatment="modelled", reason="the device saw; L32 is UNKNOWN",
     ),
     KeyRule(
         key="scan", treatment="modelled",

@@ -20,9 +20,8 @@ from gproof.frontend.wincnc.ini_controls import absolute_centers, read_controls
 from gproof.frontend.wincnc.ini_file import IniFile
 from gproof.frontend.wincnc.ini_keys import KEYS
 from gproof.ir import codes
-from gproof.ir.controls import KnifeMode
 from gproof.ir.finding import Findings, Span
-from gproof.ir.machine import Board, Controller, Knife, Machine, Spindle
+from gproof.ir.machine import Board, Controller, Machine, Spindle
 
 Files = list[tuple[str, str]]
 
@@ -85,18 +84,10 @@ def _machine(sheet: Sheet, path: Path) -> Machine:
         ),
         board=Board(step_pulse=_microseconds(sheet, "P"), direction_setup=_microseconds(sheet, "D")),
         unit=float(sheet.unit),
-        knife=_followed(controls.knife),
         not_modelled=tuple(sheet.not_modelled),
         unknown_keys=tuple(sheet.ini.unknown),
         kept=_kept(sheet),
     )
-
-
-def _followed(mode: KnifeMode | None) -> Knife | None:
-    """The knife as gproof follows it: an output lifts it, it turns at rest, and it stands upright on its axis."""
-    if mode is None or mode.output is None or mode.target or mode.blend or mode.blade or mode.x or mode.y:
-        return None
-    return Knife(axis=mode.axis, angle=180.0 if mode.angle is None else mode.angle)
 
 
 def _microseconds(sheet: Sheet, letter: str) -> float:
