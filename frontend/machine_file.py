@@ -1,7 +1,7 @@
 """gproof's machine file (TOML, schema ``gproof-machine/1``), alone or over a controller's own file.
 
 docs/machine-files.md lists every key. ``load_machine`` also reads a controller's file directly (``cnc.ini``,
-``WINCNC.INI``).
+``WINCNC.INI``, ``McuWIN.ini``).
 """
 
 from __future__ import annotations
@@ -13,6 +13,8 @@ from pathlib import Path
 from typing import Any
 
 from gproof.frontend.controls_table import controls_from
+from gproof.frontend.din_table import with_din
+from gproof.frontend.mcuwin.machine import with_axes
 from gproof.frontend.toml_table import MILLIMETRES, TomlFile, TomlTable
 from gproof.ir import codes
 from gproof.ir.finding import Findings
@@ -41,6 +43,8 @@ HIGHEST_HEAD = 5
 LETTERS = ("W", "U", "V")
 """Letters that an axis of column a, b or c may have in programs in place of its own."""
 THREAD_PEAKS = ("position", "offset")
+LENGTH_UNITS = {"mm": 1.0, "cm": 10.0, "m": 1000.0, "um": 0.001, "inch": 25.4}
+ANGLE_UNITS = {"deg": 1.0, "rev": 360.0, "rad": math.degrees(1.0)}
 
 Files = list[tuple[str, str]]
 """(name, sha256) of the files that were read, in order."""
@@ -48,15 +52,20 @@ Files = list[tuple[str, str]]
 
 def load_machine(path: Path, findings: Findings) -> tuple[Machine | None, Files]:
     """The machine in a TOML file or a controller's .ini file; None, with findings GP601–GP604, when it is bad."""
-    return _load(path, findings, DEEPEST_BASE)
+    machine, files = _load(path, findings, DEEPEST_BASE)
+    return None if machine is None else with_axes(machine), files
 
 
 def _load(path: Path, findings: Findings, depth: int) -> tuple[Machine | None, Files]:
     if path.suffix.lower() == ".ini":
+        from gproof.frontend.mcuwin.machine_ini import FILE_NAME, is_mcuwin_ini, load_mcuwin_ini
         from gproof.frontend.wincnc.machine_ini import is_wincnc_ini, load_wincnc_ini
 
-        if is_wincnc_ini(path):
+        named = path.name.lower() == FILE_NAME
+        if not named and is_wincnc_ini(path):
             return load_wincnc_ini(path, findings)
+        if named or is_mcuwin_ini(path):
+            return load_mcuwin_ini(path, findings, alone=depth == DEEPEST_BASE)
         from gproof.frontend.eding.machine_ini import load_ini
 
         return load_ini(path, findings)
@@ -102,7 +111,8 @@ def _load_toml(path: Path, findings: Findings, depth: int) -> tuple[Machine | No
         machine = replace(
             machine, not_modelled=(*machine.not_modelled, Unmodelled(f"kinematics = {machine.kinematics}"))
         )
-    machine = _areas(root, machine, unit)
+    machine, more = with_din(root, _areas(root, machine, unit), unit)
+    files = files + more
     root.finish()
     if file.errors:
         return None, files
@@ -165,6 +175,8 @@ def _axis(table: TomlTable, name: str, before: Axis | None, unit: Fraction) -> A
             boundary_upper=table.number("boundary_max", unit=length),
             feed_velocity=table.positive("feed_velocity", unit=length),
             home_place=table.number("home_place", unit=length),
+            position_unit=_position_unit(table, kind),
+            limits_watched=table.boolean("limits_watched"),
         ),
     )
     if axis.letter and name not in "abc":
@@ -190,6 +202,13 @@ def _axis(table: TomlTable, name: str, before: Axis | None, unit: Fraction) -> A
             table.bad("slaves", "the lower limit of a motor lies above the upper one")
     table.finish()
     return axis
+
+
+def _position_unit(table: TomlTable, kind: AxisKind) -> float | None:
+    """mm or degrees in the unit of an axis's own positions."""
+    units = LENGTH_UNITS if kind is AxisKind.LINEAR else ANGLE_UNITS
+    name = table.text("position_unit", tuple(units))
+    return None if name is None else units[name]
 
 
 def _slaves(table: TomlTable, length: Fraction) -> tuple[Slave, ...] | None:

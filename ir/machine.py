@@ -101,6 +101,9 @@ class Axis:
     vertical: it carries a head up and down, None where nothing says so; boundary_lower, boundary_upper: like limits,
     in work positions without local coordinates (WinCNC lobound=, hibound=); feed_velocity: unit/s of feed moves
     before a program gives another; home_place: machine position after homing, None: not stated.
+    position_unit: mm or degrees in one unit of the axis's own positions, which G00 of McuWIN counts in whatever the
+    interpolation unit is (3.1), None: not stated; limits_watched: the controller stops the axis at its limits once it
+    is referenced (McuWIN 2.4, 3.29), None: not stated.
     """
 
     name: str
@@ -124,6 +127,8 @@ class Axis:
     boundary_upper: float | None = None
     feed_velocity: float | None = None
     home_place: float | None = None
+    position_unit: float | None = None
+    limits_watched: bool | None = None
 
     @property
     def word(self) -> str:
@@ -257,7 +262,8 @@ class Unmodelled:
     """A setting that is on and that gproof can not follow.
 
     what: as the file has it; why: what is not known of it, "" where the setting says all; axis: the only one whose
-    place rests on it, so that a job that does not move it may be judged, "" for all; file, line: where it stands.
+    place rests on it, so that a job that does not move it may be judged, "" for all; file, line: where it stands;
+    stated_by: the key of gproof's own machine file that settles it when it is there, "" for none.
     """
 
     what: str
@@ -265,6 +271,7 @@ class Unmodelled:
     axis: str = ""
     file: str = ""
     line: int = 0
+    stated_by: str = ""
 
     @property
     def text(self) -> str:

@@ -1,0 +1,95 @@
+"""A McuWIN machine's own file, ``McuWIN.ini``, as a Machine.
+
+Source: APCI-8001 G-code manual, McuWIN V 2.5.3.133; ``ini_keys`` has the keys that it names. The file says nothing that
+gproof may use of the axes: those are in the system data of mcfg, which a TOML file states over this one
+(``base = "McuWIN.ini"``). A key that is not known is reported (GP602). It may hold a setting for which gproof takes the
+usual value, and so may one whose name says so: the answer is UNKNOWN (GP605) until ``[din]`` states these settings.
+"""
+
+from __future__ import annotations
+
+import re
+from dataclasses import replace
+from fractions import Fraction
+from pathlib import Path
+
+from gproof.frontend.mcuwin.ini_keys import SETTINGS, IniSetting, kept, setting_of
+from gproof.frontend.mcuwin.ini_text import Entry, IniText
+from gproof.frontend.mcuwin.tool_comp import DEFAULT_NAME, beside, load_tools
+from gproof.ir import codes
+from gproof.ir.din import NO_DIN
+from gproof.ir.finding import Findings
+from gproof.ir.machine import Controller, Machine, Unmodelled
+
+Files = list[tuple[str, str]]
+
+FILE_NAME = "mcuwin.ini"
+
+_MARK = re.compile(rb"^[ \t]*\[[ \t]*(?:MCU|Project data|FEHLERTEXTE\w*|Tools(?:XY|YZ|ZX))[ \t]*\]", re.I | re.M)
+_TOOLS = re.compile(r"tools(?:xy|yz|zx)")
+
+
+def is_mcuwin_ini(path: Path) -> bool:
+    """True for a file of that name, and for an .ini with a section that only McuWIN's files have."""
+    if path.name.lower() == FILE_NAME:
+        return True
+    try:
+        return _MARK.search(path.read_bytes()) is not None
+    except (OSError, ValueError):
+        return False
+
+
+def load_mcuwin_ini(path: Path, findings: Findings, *, alone: bool = True) -> tuple[Machine | None, Files]:
+    """The machine, and (name, sha256) of the files read; None, with findings, when one is bad.
+
+    alone: no file refines this one, so the tool table is the usual file beside it, in mm.
+    """
+    file = IniText(path, findings)
+    if any(_TOOLS.fullmatch(section) for section in file.sections):
+        section = next(section for section in file.sections if _TOOLS.fullmatch(section))
+        what = "a tool table; the machine is in McuWIN.ini, or in a machine.toml that names this file as tool_file"
+        file.add(codes.FILE_UNREADABLE, file.names[section][1], what=f"{path.name} is {what}")
+    texts: list[tuple[str, str]] = []
+    not_modelled: list[Unmodelled] = []
+    strange: list[Entry] = []
+    for section, entries in file.sections.items():
+        for key, entry in entries.items():
+            setting = None if kept(section, key) else setting_of(key)
+            if kept(section, key) or (setting is not None and not setting.usual):
+                texts.append((entry.shown, entry.text))
+            elif setting is not None:
+                not_modelled.append(_may_hold(path, entry, setting))
+            else:
+                file.report_unknown(entry)
+                strange.append(entry)
+    settled = {one.stated_by for one in not_modelled}
+    hidden = [row for row in SETTINGS if strange and row.usual and row.stated_by not in settled]
+    not_modelled += [_may_hold(path, strange[0], row) for row in hidden]
+    usual = beside(path.parent, DEFAULT_NAME) if alone else None
+    tools, files = (None, []) if usual is None else load_tools(usual, findings, Fraction(1))
+    files = file.files + files
+    if file.errors or (usual is not None and tools is None):
+        return None, files
+    return (
+        Machine(
+            name=path.name,
+            axes=(),
+            controller=Controller(dialect="mcuwin", din=replace(NO_DIN, tools=tools)),
+            not_modelled=tuple(not_modelled),
+            unknown_keys=tuple(file.unknown),
+            kept=tuple(texts),
+        ),
+        files,
+    )
+
+
+def _may_hold(path: Path, entry: Entry, setting: IniSetting) -> Unmodelled:
+    """A key that may hold a setting: by its name, or because its name is not known."""
+    why = f"it may hold {setting.what}; {setting.stated_by} in [din] of a TOML file states that"
+    return Unmodelled(entry.shown, why, "", path.name, entry.line, setting.stated_by)
+
+
+def without_stated(machine: Machine, stated: set[str]) -> Machine:
+    """The machine without the settings that a file over it states, by the names of their keys."""
+    left = tuple(one for one in machine.not_modelled if one.stated_by not in stated - {""})
+    return replace(machine, not_modelled=left)
