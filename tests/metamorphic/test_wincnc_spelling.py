@@ -101,17 +101,32 @@ def test_units_that_change(first: int, count: int, tmp_path: Path) -> None:
         rng = random.Random(seed)
         program, _ = random_job(rng, Can(calls=False))
         now, last, is_back = "G22", "", False
+        centre: tuple[Word, ...] = ()
+        is_old = False
+
+        def whole(line: Line) -> Line:
+            """The line with its I and J, where those that are kept are of another unit: they are left open."""
+            nonlocal centre, is_old
+            own = tuple(word for word in line.words if word.letter in "IJR")
+            if line.kind != "arc" or (not own and not is_old):
+                return line
+            if own:
+                centre, is_old = own, False
+                return line
+            is_old = False
+            return replace(line, words=(*line.words, *centre))
 
         def change(line: Line, rng: random.Random = rng) -> tuple[Line, ...]:
-            nonlocal now, last, is_back
+            nonlocal now, last, is_back, is_old
             if rng.random() < 0.6 or line.kind == "hole":
-                return (replace(line, words=in_unit(line.words, UNITS[now])),)
+                return (replace(line, words=in_unit(whole(line).words, UNITS[now])),)
             new = rng.choice([unit for unit in UNITS if unit != now])
             # Twice back: to which of the two is left open.
             is_back = new == last and not is_back
             switch = Line(text="G23" if is_back else new)
             now, last = new, now
-            return switch, replace(line, words=in_unit(line.words, UNITS[now]))
+            is_old = True
+            return switch, replace(line, words=in_unit(whole(line).words, UNITS[now]))
 
         job = judged_near(tmp_path, rng, job_of(program))
         other = replace(job, program=text_of(["G22", *flat(mapped(program, change))]))
