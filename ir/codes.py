@@ -75,6 +75,13 @@ TEXT_BEHIND_COMMENT = code(
     _U,
     "{text!r} behind a closed comment: whether the controller reads it is not documented",
 )
+TYPE_MISMATCH = code(135, "type-mismatch", _E, "{what}")
+UNDECLARED_NAME = code(136, "undeclared-name", _E, "{what}")
+DECLARATION = code(137, "declaration", _E, "{what}")
+SYSTEM_VARIABLE = code(
+    138, "system-variable", _W, "{name} is outside of {prefix}600 to {prefix}699: it may be one of the system's own"
+)
+PASCAL_OPEN = code(139, "pascal-open", _U, "{what}: the manual leaves open what the controller makes of it")
 
 # 2xx meaning
 AXIS_WORDS_MISSING = code(201, "axis-words-missing", _E, "{code} without axis words")

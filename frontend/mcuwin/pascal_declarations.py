@@ -1,0 +1,262 @@
+"""Declarations of rw_SymPas and whole sections of it, between ``$DINEND`` and ``{$DINSTART}``.
+
+Source: McuWIN manual 10 and 12; the form of ``label`` and ``procedure``, which 10 only names, is Pascal's.
+"""
+
+from __future__ import annotations
+
+import math
+import operator
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from gproof.frontend.mcuwin.pascal_lexer import PascalError, Token
+from gproof.frontend.mcuwin.pascal_statements import StatementParser, label_name
+from gproof.frontend.mcuwin.pascal_types import DECLARABLE, Parameter, Type
+from gproof.ir import codes
+from gproof.ir.dialects.mcuwin_pascal import KEYWORDS
+from gproof.ir.finding import Span
+from gproof.ir.program import (
+    Binary,
+    Constant,
+    Declare,
+    Expr,
+    Number,
+    Statement,
+    Subprogram,
+    Text,
+    Unary,
+)
+
+_HEADS = ("var", "const", "label", "procedure", "function")
+
+
+@dataclass(frozen=True, slots=True)
+class Section:
+    """What a section holds. first_statement, first_declaration: where they begin, None without any."""
+
+    statements: tuple[Statement, ...]
+    subprograms: tuple[Subprogram, ...]
+    first_statement: Span | None
+    first_declaration: Span | None
+
+
+class SectionParser(StatementParser):
+    """Reads declarations and statements in any order."""
+
+    def section(self) -> Section:
+        """The whole text; mistakes are reported, and the text behind them is read."""
+        found: list[Statement] = []
+        subprograms: list[Subprogram] = []
+        statement: Span | None = None
+        declaration: Span | None = None
+        while self.lexer.peek().kind != "end":
+            token = self.lexer.peek()
+            if token.low in _HEADS and token.kind == "name":
+                declaration = declaration or self.lexer.span(token)
+                found += self._declarations(subprograms)
+                continue
+            begin = self.lexer.index
+            part = self.statements(*_HEADS)
+            if part:
+                statement = statement or self.lexer.span(token)
+                found += part
+            if self.lexer.index == begin:
+                break
+        return Section(tuple(found), tuple(subprograms), statement, declaration)
+
+    def _declarations(self, subprograms: list[Subprogram]) -> list[Statement]:
+        """What a word of _HEADS opens."""
+        first = self.lexer.peek()
+        before = self.lexer.index
+        readers: dict[str, Callable[[], list[Statement]]] = {
+            "var": self._var,
+            "const": self._const,
+            "label": self._label_names,
+        }
+        found: list[Statement] = []
+        try:
+            if first.low in readers:
+                found = readers[first.low]()
+            else:
+                self._procedure(subprograms)
+        except PascalError as error:
+            self.symbols.report(error.finding)
+            self._pass_mistake(before, _HEADS)
+        return found
+
+    def _name_to_declare(self) -> Token:
+        token = self.lexer.peek()
+        if token.kind != "name":
+            at = self.lexer.last if token.kind == "end" else token
+            raise self.lexer.error(codes.SYNTAX, at, what="a name is missing in this declaration")
+        if token.low in KEYWORDS:
+            raise self.lexer.error(codes.DECLARATION, token, what=f"{token.text!r} is a word of the language")
+        return self.lexer.take()
+
+    def _names(self) -> list[Token]:
+        names = [self._name_to_declare()]
+        while self.lexer.peek().text == ",":
+            self.lexer.take()
+            names.append(self._name_to_declare())
+        return names
+
+    def _type(self) -> tuple[Type, str]:
+        """The type behind a colon, and how it is written."""
+        token = self.lexer.take()
+        if token.low in DECLARABLE:
+            return DECLARABLE[token.low], token.low
+        if token.kind != "name" or (token.low in KEYWORDS and token.low != "function"):
+            raise self.lexer.error(codes.SYNTAX, token, what="a type is missing", hint="integer, double or boolean")
+        hint = "the manual has integer, double and boolean"
+        self.report(codes.PASCAL_OPEN, token, what=f"the type {token.text!r}", hint=hint)
+        while self.lexer.peek().text not in (";", ")") and self.lexer.peek().kind != "end":
+            self.lexer.take()
+        return Type.UNKNOWN, token.low
+
+    def _goes_on(self, sign: str) -> bool:
+        """Whether another group of names follows without a word before it."""
+        token, after = self.lexer.peek(), self.lexer.peek(1)
+        if token.kind != "name" or token.low in KEYWORDS:
+            return False
+        if sign == "=":
+            return after.text == "="
+        symbol = self.symbols.lookup(token.text)
+        return after.text in (",", ":") and (symbol is None or symbol.kind != "label")
+
+    def _var(self) -> list[Statement]:
+        first: Token = self.lexer.take()
+        found: list[Statement] = []
+        while not found or self._goes_on(":"):
+            names = self._names()
+            first = first if not found else names[0]
+            self.expect(":", f"behind {names[-1].text!r}")
+            type_, written = self._type()
+            span = self.lexer.span(first, self.lexer.last)
+            for name in names:
+                self.symbols.add_var(name.text, type_, self.lexer.span(name))
+            found.append(Declare(kind="var", names=tuple(n.text for n in names), span=span, type=written))
+            self.separator(())
+        return found
+
+    def _const(self) -> list[Statement]:
+        first: Token = self.lexer.take()
+        found: list[Statement] = []
+        while not found or self._goes_on("="):
+            name = self._name_to_declare()
+            first = first if not found else name
+            self.expect("=", f"behind {name.text!r}")
+            begin = self.lexer.peek()
+            node, type_ = self.whole()
+            value = None if isinstance(node, Text) else constant_value(node)
+            if value is None and not isinstance(node, Text):
+                what = f"the constant {name.text!r} is no number that can be found without running the program"
+                self.report(codes.PASCAL_OPEN, begin, self.lexer.last, what=what, hint="write its value")
+            text = node.value if isinstance(node, Text) else None
+            self.symbols.add_const(name.text, type_, value, self.lexer.span(name), text)
+            span = self.lexer.span(first, self.lexer.last)
+            found.append(Declare(kind="const", names=(name.text,), span=span, value=node))
+            self.separator(())
+        return found
+
+    def _label_names(self) -> list[Statement]:
+        first = self.lexer.take()
+        names: list[str] = []
+        while True:
+            token = self.lexer.peek()
+            if token.kind != "number" or not token.text.isdigit():
+                token = self._name_to_declare()
+            else:
+                self.lexer.take()
+            self.symbols.add_label(
+                label_name(token.text) if token.kind == "number" else token.text, self.lexer.span(token)
+            )
+            names.append(token.text)
+            if self.lexer.peek().text != ",":
+                break
+            self.lexer.take()
+        span = self.lexer.span(first, self.lexer.last)
+        self.separator(())
+        return [Declare(kind="label", names=tuple(names), span=span)]
+
+    def _procedure(self, subprograms: list[Subprogram]) -> None:
+        first = self.lexer.take()
+        name = self._name_to_declare()
+        is_function = first.low == "function"
+        self.symbols.enter()
+        try:
+            parameters = self._parameters()
+            head = self.lexer.span(first, self.lexer.last)
+            if is_function:
+                self.report(codes.PASCAL_OPEN, first, name, what=f"the function {name.text!r}")
+                self.expect(":", "behind the parameters")
+                self._type()
+            self.expect(";", "behind the head")
+            is_new = self.symbols.declare_around(name.text, parameters, self.lexer.span(name), first.low)
+            local: list[Statement] = []
+            while self.lexer.peek().low in ("var", "const", "label"):
+                local += self._declarations(subprograms)
+            token = self.lexer.peek()
+            if token.low != "begin":
+                at = name if token.kind == "end" else token
+                hint = "procedures within procedures, and 'forward', are not in the manual"
+                raise self.lexer.error(codes.SYNTAX, at, what=f"'begin' of {name.text!r} is missing", hint=hint)
+            body, close = self.compound()
+        finally:
+            self.symbols.leave()
+        self.separator(())
+        if is_new and not is_function:
+            subprograms.append(
+                Subprogram(
+                    name=name.text.lower(), body=(*local, *body), span=head, end_span=self.lexer.span(close),
+                    parameters=tuple((p.name, p.written, p.number) for p in parameters),
+                )
+            )  # fmt: skip
+
+    def _parameters(self) -> tuple[Parameter, ...]:
+        """( [var] names : type ; ... ), which may be missing."""
+        found: list[Parameter] = []
+        if self.lexer.peek().text != "(":
+            return ()
+        opening = self.lexer.take()
+        while True:
+            by_reference = self.lexer.peek().low == "var"
+            if by_reference:
+                self.lexer.take()
+            names = self._names()
+            self.expect(":", f"behind {names[-1].text!r}")
+            type_, _ = self._type()
+            for name in names:
+                symbol = self.symbols.add_var(name.text, type_, self.lexer.span(name))
+                found.append(Parameter(name.text, type_, symbol.number, by_reference))
+            if self.lexer.peek().text != ";":
+                break
+            self.lexer.take()
+        self.closing(opening)
+        return tuple(found)
+
+
+_ARITHMETIC: dict[str, Callable[[float, float], float]] = {
+    "+": operator.add, "-": operator.sub, "*": operator.mul, "/": operator.truediv,
+    "div": lambda a, b: float(math.trunc(a / b)), "rem": math.fmod,
+    "and": lambda a, b: float(bool(a) and bool(b)), "or": lambda a, b: float(bool(a) or bool(b)),
+    "==": operator.eq, "<>": operator.ne, "<": operator.lt, "<=": operator.le, ">": operator.gt, ">=": operator.ge,
+}  # fmt: skip
+
+
+def constant_value(node: Expr) -> float | None:
+    """The value of an expression over literals and constants; None where it has none, or a function in it."""
+    if isinstance(node, Number | Constant):
+        return node.value
+    if isinstance(node, Unary) and node.operator in ("neg", "pos", "not"):
+        value = constant_value(node.operand)
+        if value is None:
+            return None
+        return {"neg": -value, "pos": value, "not": float(not value)}[node.operator]
+    if isinstance(node, Binary) and node.operator in _ARITHMETIC:
+        left, right = constant_value(node.left), constant_value(node.right)
+        if left is None or right is None or (right == 0 and node.operator in ("/", "div", "rem")):
+            return None
+        value = float(_ARITHMETIC[node.operator](left, right))
+        return value if math.isfinite(value) else None
+    return None

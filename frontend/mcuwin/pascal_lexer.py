@@ -1,0 +1,147 @@
+"""Tokens of rw_SymPas, over one line or several, each with its place.
+
+Comments are ``//`` to the end of the line and ``{ }`` over any number of lines (McuWIN manual 7). Nothing raises here:
+what is no token has the kind ``other``, so that an expression can end where text of another language goes on.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from gproof.ir.finding import Code, Finding, Refusal, Span
+
+_TOKEN = re.compile(
+    r"""[ \t\r\f\v\n]*(?:
+        (?P<axis>[A-Za-z]\w*\.[A-Za-z_]\w*(?:\.[0-9]+)?)
+      | (?P<name>[A-Za-z_]\w*)
+      | (?P<number>(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][-+]?[0-9]+)?)
+      | (?P<string>"[^"]*"|'(?:[^']|'')*')
+      | (?P<comment>//.*|\{[^}]*\}|\{.*)
+      | (?P<op>:=|<=|>=|<>|[-+*/=<>()\[\],;:])
+      | (?P<other>\S)
+    )""",
+    re.VERBOSE | re.ASCII,
+)
+_BLANK = re.compile(r"[ \t\r\f\v\n]*")
+
+
+@dataclass(frozen=True, slots=True)
+class Place:
+    """Where a text stands: file, line, and how many characters of its line stand before it."""
+
+    file: str
+    line: int
+    column: int = 0
+
+
+@dataclass(frozen=True, slots=True)
+class Token:
+    """kind: ``axis`` (X.tp), ``name``, ``number``, ``string``, ``op``, ``other`` or ``end``; low: text in lower case;
+    row: line of the text from 0; begin, end: its characters, from 0."""
+
+    kind: str
+    text: str
+    low: str
+    row: int
+    begin: int
+    end: int
+
+
+@dataclass(frozen=True, slots=True)
+class Comment:
+    """A comment (or the part of one that stands in this line), with its signs."""
+
+    text: str
+    row: int
+    begin: int
+    end: int
+
+
+class PascalError(Refusal):
+    """A mistake behind which reading does not go on: carries its finding."""
+
+
+class Lexer:
+    """Tokens of ``lines`` from character ``at`` of the first, made as they are asked for."""
+
+    def __init__(self, lines: Sequence[str], place: Place, at: int = 0) -> None:
+        self.lines = lines
+        self.place = place
+        self.comments: list[Comment] = []
+        self.index = 0
+        self._tokens: list[Token] = []
+        self._source = self._scan(at)
+
+    def peek(self, ahead: int = 0) -> Token:
+        """The token that many behind the next one; the last has the kind ``end``."""
+        tokens, wanted = self._tokens, self.index + ahead
+        while len(tokens) <= wanted:
+            token = next(self._source, None)
+            if token is None:
+                return tokens[-1]
+            tokens.append(token)
+        return tokens[wanted]
+
+    def take(self) -> Token:
+        """The next token, which is passed."""
+        token = self.peek()
+        if token.kind != "end":
+            self.index += 1
+        return token
+
+    @property
+    def last(self) -> Token:
+        """The token that was taken last."""
+        return self._tokens[max(self.index - 1, 0)]
+
+    def _scan(self, at: int) -> Iterator[Token]:
+        opened = False
+        for row, line in enumerate(self.lines):
+            if opened:
+                close = line.find("}")
+                at = len(line) if close < 0 else close + 1
+                opened = close < 0
+                self.comments.append(Comment(line[:at], row, 0, at))
+            while True:
+                found = _TOKEN.match(line, at)
+                if found is None:
+                    break
+                kind, begin, at = found.lastgroup or "", found.start(found.lastgroup or 0), found.end()
+                text = found[kind]
+                if kind != "comment":
+                    yield Token(kind, text, text.lower(), row, begin, at)
+                    continue
+                if text.startswith("{$") or (text[0] == "{" and text[-1] != "}" and row == len(self.lines) - 1):
+                    yield Token("other", text, text.lower(), row, begin, at)
+                    continue
+                self.comments.append(Comment(text, row, begin, at))
+                opened = text[0] == "{" and text[-1] != "}"
+            at = 0
+        last = len(self.lines) - 1
+        size = len(self.lines[last].rstrip()) if self.lines else 0
+        if opened:
+            yield Token("other", "{", "{", last, max(size - 1, 0), size)
+        yield Token("end", "", "", max(last, 0), size, size)
+
+    def span(self, first: Token, last: Token | None = None) -> Span:
+        """From a token to another; to the end of its own line when the other stands in a further one."""
+        last = last or first
+        place = self.place
+        shift = place.column if first.row == 0 else 0
+        end = last.end if last.row == first.row else len(self.lines[first.row].rstrip())
+        return Span(place.file, place.line + first.row, first.begin + shift + 1, max(end, first.end) + shift + 1)
+
+    def error(
+        self, code: Code, first: Token, last: Token | None = None, /, *, hint: str = "", **values: Any
+    ) -> PascalError:
+        """A mistake at a token, to be raised."""
+        return PascalError(self.finding(code, first, last, hint=hint, **values))
+
+    def finding(
+        self, code: Code, first: Token, last: Token | None = None, /, *, hint: str = "", **values: Any
+    ) -> Finding:
+        """A finding at a token; at the end of a text, of one column."""
+        return code.at(self.span(first, last), hint=hint, **values)
