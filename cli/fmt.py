@@ -23,7 +23,7 @@ from gproof.cli.session import READ, dialect_of
 from gproof.frontend.eding.load import load_alone
 from gproof.frontend.guess import EXTENSIONS
 from gproof.ir import codes
-from gproof.ir.finding import Findings, Refusal, Severity, Span
+from gproof.ir.finding import Finding, Findings, Refusal, Severity, Span
 from gproof.ir.kernel import Kernel
 from gproof.ir.machine import NO_MACHINE, Machine
 from gproof.ir.program import Program
@@ -31,7 +31,7 @@ from gproof.ir.same import difference
 
 STANDARD_INPUT = Path("-")
 MACROS = "cnc.mac"
-"""WinCNC's macro file, which is no program."""
+"""WinCNC's macro file, which holds definitions."""
 SECONDS_A_BYTE = 2e-6
 """What reading, printing and reading again takes in plain Python for a byte of source."""
 CONTEXT = 3
@@ -42,10 +42,17 @@ LONGEST_RUN = 1000
 
 @dataclass(frozen=True, slots=True)
 class Form:
-    """How the files of a folder are read and printed. load: (path, findings, name) -> program; None when refused."""
+    """How the files of a folder are read and printed.
+
+    load: (path, findings, name) -> program; None when refused. others: (file as it is, file as printed) -> what would
+    be another program then, of the files that are read with this one's help; "" for nothing. emit_less: prints what
+    changes none of them, as far as that can be.
+    """
 
     load: Callable[[Path, Findings, str], Program | None]
     emit: Callable[[Program], Iterable[bytes]]
+    others: Callable[[Path, Path], str] = lambda before, after: ""
+    emit_less: Callable[[Program], Iterable[bytes]] | None = None
 
 
 class Forms:
@@ -59,12 +66,18 @@ class Forms:
         self.machine_file = machine
         self.machines: dict[Path, Machine] = {}
 
-    def of(self, source: Path, folder: Path | None) -> Form:
-        """For the file ``source``, which stands in ``folder`` (None: nowhere); UsageError for a language not read."""
+    def of(self, source: Path, path: Path) -> Form:
+        """For the file ``source``, which stands for ``path``; UsageError for a language not read."""
+        folder = None if path == STANDARD_INPUT else path.parent
         beside = self._beside(folder)
         machine_file = self.machine_file or beside.get("wincnc.ini")
         machine = NO_MACHINE if machine_file is None or self.dialect == "eding" else self._machine(machine_file)
         dialect = self.dialect
+        if path.name.lower() == MACROS:
+            dialect = dialect or machine.controller.dialect or "wincnc"
+            if dialect != "wincnc":
+                raise UsageError(f"file {path}: holds macros of WinCNC, not of {dialect}")
+            return _macro_file(machine, folder)
         if dialect is None and machine.controller.dialect is None and "cnc.mac" in beside:
             dialect = "wincnc"
         dialect, _ = dialect_of(source, dialect, machine, machine_file)
@@ -105,12 +118,33 @@ def _wincnc(machine: Machine, folders: list[Path], own: Path | None) -> Form:
     )
 
 
+def _macro_file(machine: Machine, folder: Path | None) -> Form:
+    from gproof.backend.emit.wincnc import emit as emit_wincnc
+    from gproof.cli.fmt_macros import other_programs
+    from gproof.frontend.wincnc.mac_program import load_macro_file
+
+    lexical = machine.controller.controls.lexical
+    return Form(
+        lambda path, findings, name: load_macro_file(path, findings, name, machine=machine),
+        lambda program: emit_wincnc(program, lexical),
+        lambda before, after: other_programs(folder, before, after, machine),
+        lambda program: emit_wincnc(program, lexical, same_length=True),
+    )
+
+
 def run_fmt(
     files: tuple[Path, ...], *, only_check: bool, diff: bool, to_stdout: bool, dialect: str | None,
-    machine: Path | None = None,
+    machine: Path | None = None, stdin_name: Path | None = None,
 ) -> int:  # fmt: skip
-    """Format every file; exit 1 when one has mistakes, or with ``--check`` would change."""
+    """Format every file; exit 1 when one has mistakes, or with ``--check`` would change.
+
+    stdin_name: the file that standard input stands for: its name and folder say how it is read.
+    """
     files = tuple(_with_folders(files))
+    if stdin_name is not None and files != (STANDARD_INPUT,):
+        raise UsageError("--stdin-name goes with - alone")
+    if stdin_name is not None and not stdin_name.parent.is_dir():
+        raise UsageError(f"--stdin-name {stdin_name}: there is no folder {stdin_name.parent}")
     forms = Forms(dialect, machine)
     _require(files, forms, only_check=only_check, diff=diff, to_stdout=to_stdout)
     to_stdout = to_stdout or (files == (STANDARD_INPUT,) and not (only_check or diff))
@@ -118,8 +152,9 @@ def run_fmt(
     worst = 0
     for path in dict.fromkeys(files):
         with _source(path) as source, _scratch(source, in_place) as scratch:
-            name = str(path)
-            form = forms.of(source, _folder(path))
+            named = stdin_name or path
+            name = str(named)
+            form = forms.of(source, named)
             done = _format(form, source, scratch, name)
             if not done:
                 click.echo(f"{name}: not formatted", err=True)
@@ -142,23 +177,21 @@ def run_fmt(
 
 
 def _with_folders(files: tuple[Path, ...]) -> Iterator[Path]:
-    """The files, and of each folder the programs in it, by their extensions; UsageError for one that has none."""
+    """The files, and of each folder the programs in it, by their extensions; UsageError for one that has none.
+
+    A macro file comes first: what a line of a program stands for, and how long it is then, is counted with its form.
+    """
     for path in files:
         if path == STANDARD_INPUT or not path.is_dir():
             yield path
             continue
         programs = [
-            file for file in sorted(path.iterdir())
+            file for file in sorted(path.iterdir(), key=lambda file: (file.name.lower() != MACROS, file))
             if EXTENSIONS.get(file.suffix.lower()) in READ and file.suffix.lower() != ".txt" and file.is_file()
-            and file.name.lower() != MACROS
         ]  # fmt: skip
         if not programs:
             raise UsageError(f"folder {path}: there is no program in it")
         yield from programs
-
-
-def _folder(path: Path) -> Path | None:
-    return None if path == STANDARD_INPUT else path.parent
 
 
 def _require(files: tuple[Path, ...], forms: Forms, *, only_check: bool, diff: bool, to_stdout: bool) -> None:
@@ -175,9 +208,7 @@ def _require(files: tuple[Path, ...], forms: Forms, *, only_check: bool, diff: b
         if path == STANDARD_INPUT:
             continue
         require_file(path, "file")
-        if path.name.lower() == MACROS:
-            raise UsageError(f"file {path}: holds macros of WinCNC and is not formatted")
-        forms.of(path, _folder(path))
+        forms.of(path, path)
         folder = Path(os.path.realpath(path)).parent
         if not (only_check or diff or to_stdout) and not os.access(folder, os.W_OK):
             raise UsageError(f"file {path}: the folder {folder} can not be written")
@@ -215,25 +246,37 @@ def _format(form: Form, source: Path, scratch: Path, name: str) -> bool:
     program = form.load(source, findings, name)
     if program is not None and not findings.has(Severity.ERROR):
         try:
-            with scratch.open("wb") as file:
-                for piece in form.emit(program):
-                    file.write(piece)
+            finding = _printed(form, form.emit, program, source, scratch, name)
+            if finding is not None and finding.code is codes.NOT_PRINTABLE and form.emit_less is not None:
+                finding = _printed(form, form.emit_less, program, source, scratch, name)
         except Refusal as refusal:
-            findings.add(refusal.finding)
-        else:
-            if filecmp.cmp(source, scratch, shallow=False):
-                return True
-            again_findings = Findings()
-            again = form.load(scratch, again_findings, name)
-            if again is None or again_findings.has(Severity.ERROR):
-                what = next((f"{f.message} (line {f.span.line})" for f in again_findings.kept), "it can not be read")
-            else:
-                what = difference(program, again) or ""
-            if not what:
-                return True
-            findings.add(codes.FORMAT_DIFFERS.at(Span(name, 0), what=what))
+            finding = refusal.finding
+        if finding is None:
+            return True
+        findings.add(finding)
     print_findings(findings, err=True)
     return False
+
+
+def _printed(
+    form: Form, emit: Callable[[Program], Iterable[bytes]], program: Program, source: Path, scratch: Path, name: str
+) -> Finding | None:
+    """Print a program into ``scratch``, read it again and compare; a finding when something is not the same."""
+    with scratch.open("wb") as file:
+        for piece in emit(program):
+            file.write(piece)
+    if filecmp.cmp(source, scratch, shallow=False):
+        return None
+    findings = Findings()
+    again = form.load(scratch, findings, name)
+    if again is None or findings.has(Severity.ERROR):
+        what = next((f"{f.message} (line {f.span.line})" for f in findings.kept), "it can not be read")
+    else:
+        what = difference(program, again) or ""
+    if what:
+        return codes.FORMAT_DIFFERS.at(Span(name, 0), what=what)
+    others = form.others(source, scratch)
+    return codes.NOT_PRINTABLE.at(Span(name, 0), what=others) if others else None
 
 
 def _print_file(path: Path) -> None:
@@ -244,13 +287,14 @@ def _print_file(path: Path) -> None:
 
 
 def _print_diff(before: Path, after: Path, name: str) -> None:
-    """A unified diff; both files have the same number of lines, so line n is compared with line n."""
+    """A unified diff; line n is compared with line n: only an end of DOS has a line of its own that goes."""
     click.echo(f"--- {name}\n+++ {name} (formatted)")
+    counts = [_count_lines(path) for path in (before, after)]
     with before.open("rb") as old, after.open("rb") as new:
         pairs = enumerate(zip_longest(old, new, fillvalue=b""), 1)
         for first, last in _hunks(before, after):
-            count = last - first + 1
-            click.echo(f"@@ -{first},{count} +{first},{count} @@")
+            sizes = [min(last, count) - first + 1 for count in counts]
+            click.echo(f"@@ -{first},{sizes[0]} +{first},{sizes[1]} @@")
             changed: list[tuple[bytes, bytes]] = []
             for number, pair in pairs:
                 if number < first:
@@ -264,6 +308,11 @@ def _print_diff(before: Path, after: Path, name: str) -> None:
                     _print_diff_line(b" ", pair[0])
                 if number == last:
                     break
+
+
+def _count_lines(path: Path) -> int:
+    with path.open("rb") as file:
+        return sum(1 for _ in file)
 
 
 def _hunks(before: Path, after: Path) -> Iterator[tuple[int, int]]:
@@ -283,9 +332,9 @@ def _hunks(before: Path, after: Path) -> Iterator[tuple[int, int]]:
 
 
 def _print_changed(pairs: list[tuple[bytes, bytes]]) -> None:
-    for left, _ in pairs:
+    for left in (left for left, _ in pairs if left):
         _print_diff_line(b"-", left)
-    for _, right in pairs:
+    for right in (right for _, right in pairs if right):
         _print_diff_line(b"+", right)
 
 

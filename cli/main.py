@@ -203,17 +203,20 @@ def run(
 @click.option("--stdout", "to_stdout", is_flag=True, help="Print the formatted text; the file stays as it is.")
 @click.option("--dialect", type=click.Choice(_DIALECTS), help="Language; guessed when not given.")
 @click.option("--machine", type=click.Path(path_type=Path), help="Whose settings say how lines are read (WINCNC.INI).")
+@click.option("--stdin-name", type=click.Path(path_type=Path), help="The file that standard input stands for.")
 def fmt(
-    files: tuple[Path, ...], only_check: bool, diff: bool, to_stdout: bool, dialect: str | None, machine: Path | None
-) -> int:
-    """Format programs in place; - reads standard input and prints.
+    files: tuple[Path, ...], only_check: bool, diff: bool, to_stdout: bool, dialect: str | None, machine: Path | None,
+    stdin_name: Path | None,
+) -> int:  # fmt: skip
+    """Format programs and macro files in place; - reads standard input and prints.
 
     Only the form changes, never the program: every formatted text is read again and compared before it is written.
     """
     from gproof.cli.fmt import run_fmt
 
     return run_fmt(
-        files, only_check=only_check, diff=diff, to_stdout=to_stdout, dialect=dialect, machine=machine
+        files, only_check=only_check, diff=diff, to_stdout=to_stdout, dialect=dialect, machine=machine,
+        stdin_name=stdin_name,
     )  # fmt: skip
 
 

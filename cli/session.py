@@ -112,12 +112,19 @@ def open_session(
     Kernel.forecast(job.stat().st_size * PLAIN_SECONDS_A_BYTE)
     if dialect == "wincnc":
         from gproof.frontend.wincnc.load import load_program as load_wincnc
+        from gproof.frontend.wincnc.mac_file import MACRO_FILE
+        from gproof.frontend.wincnc.mac_program import load_macro_file
         from gproof.frontend.wincnc.machine import NO_SHOP
 
         if machine is None:
             the_machine = NO_SHOP
         read = [Path(name) for name, _, role in inputs if role == "machine"]
-        program = load_wincnc(job, findings, the_machine, machine, read)
+        if job.name.lower() == MACRO_FILE:
+            program = load_macro_file(job, findings, machine=the_machine)
+            if program is not None and not program.body:
+                findings.add(codes.EMPTY_PROGRAM.at(Span(str(job), 0)))
+        else:
+            program = load_wincnc(job, findings, the_machine, machine, read)
     else:
         from gproof.frontend.eding.load import load_program
 

@@ -17,9 +17,15 @@ MAP_FROM = 1 << 20
 
 UTF8_MARK = b"\xef\xbb\xbf"
 
+CTRL_Z = b"\x1a"
+"""What DOS has at the end of a text file."""
 
-def read_source(path: Path) -> SourceFile:
-    """The file with its hash; Refusal (GP601) when it can not be read, (GP119) when it is no text."""
+
+def read_source(path: Path, *, dos: bool = False) -> SourceFile:
+    """The file with its hash; Refusal (GP601) when it can not be read, (GP119) when it is no text.
+
+    dos: one Ctrl-Z at its end is no part of the text; the hash is of the whole file nevertheless.
+    """
     name = str(path)
     try:
         data = _bytes_of(path)
@@ -27,7 +33,16 @@ def read_source(path: Path) -> SourceFile:
         what = f"{name}: {error.strerror or error}"
         raise Refusal(codes.FILE_UNREADABLE.at(Span(name, 0), what=what)) from None
     refuse_binary(name, data)
-    return SourceFile(name=name, sha256=hashlib.sha256(data).hexdigest(), data=data)
+    digest = hashlib.sha256(data).hexdigest()
+    if dos and data[-1:] == CTRL_Z:
+        data = _without_last(path, data)
+    return SourceFile(name=name, sha256=digest, data=data)
+
+
+def newline_of(data: bytes) -> str:
+    """How the first line ends."""
+    end = data.find(b"\n")
+    return "\r\n" if end > 0 and data[end - 1 : end] == b"\r" else "\n"
 
 
 def refuse_binary(name: str, data: bytes) -> None:
@@ -48,6 +63,14 @@ def _bytes_of(path: Path) -> bytes:
             # A memory map has what the scanner uses of bytes: indexing, slices, find, the buffer.
             return mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ)  # type: ignore[return-value]
         return file.read()
+
+
+def _without_last(path: Path, data: bytes) -> bytes:
+    """The bytes of a file without the last one, mapped when they are."""
+    if len(data) <= MAP_FROM:
+        return data[:-1]
+    with open(path, "rb") as file:
+        return mmap.mmap(file.fileno(), len(data) - 1, access=mmap.ACCESS_READ)  # type: ignore[return-value]
 
 
 def encoding_of(raw: bytes) -> str:

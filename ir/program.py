@@ -250,13 +250,32 @@ class Replaced:
     """A line whose command the machine's macro file replaces (WinCNC, CNC.MAC).
 
     written: the line as it stands, without comments; body: what it stands for, nothing for a code that is switched
-    off, at the place of the line. line: see Call; None for a line that makes others be left out.
+    off, at the place of the line. line: see Call; None for a line that makes others be left out. length: the most
+    characters that the line has while it is replaced; it hangs on blanks, and is no part of the value.
     """
 
     written: str
     body: tuple[Statement, ...]
     span: Span
     comment: str = ""
+    line: Block | None = None
+    length: int = field(default=0, compare=False)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Definition:
+    """A command that a machine's macro file defines, replaces or switches off (WinCNC, CNC.MAC).
+
+    It stands in a file of its own and does nothing when it runs: jobs have what it makes of their lines (``Replaced``).
+    name: what lines are compared with, in upper case, a code without leading zeros; label: the name as written;
+    written: the command as it stands, without comments, "" for a code that is switched off. line: the command's words
+    and texts, to be printed again (see Call); None for one that only the line of a job completes.
+    """
+
+    name: str
+    label: str
+    written: str
+    span: Span
     line: Block | None = None
 
 
@@ -457,8 +476,8 @@ class BlockTable:
 
 
 Statement = (
-    Block | If | While | Repeat | For | Array | Replaced | Call | Label | Jump | Return | Declare | Include | Mode
-    | Message | Guard | Device | Unsupported | Mistake | BlockTable
+    Block | If | While | Repeat | For | Array | Replaced | Definition | Call | Label | Jump | Return | Declare | Include
+    | Mode | Message | Guard | Device | Unsupported | Mistake | BlockTable
 )  # fmt: skip
 
 
@@ -507,6 +526,7 @@ class Program:
 
     overrides: (letter, tenths) of codes that a subprogram replaces -> its name. The words of such a line are its
     arguments (``LanguageRules.argument_base``); inside of it the code is the controller's own.
+    A macro file alone is a Program of ``Definition`` nodes, which stand in nothing else.
     tail: the last statements of the body, those that also run where the job ends itself before; abort: what runs where
     it aborts itself.
     """
@@ -560,6 +580,22 @@ class Program:
             if name not in self.subprograms:
                 raise ValueError(f"{code} is replaced by {name!r}, which is no subprogram")
         self._verify_body(self.body)
+        self._verify_definitions()
+
+    def _verify_definitions(self) -> None:
+        """Definitions have names that lines are compared with, and stand among nothing but definitions and mistakes."""
+        definitions = [node for node in self.body if isinstance(node, Definition)]
+        if definitions and (self.subprograms or not all(isinstance(n, Definition | Mistake) for n in self.body)):
+            raise ValueError("definitions stand beside what is no definition")
+        for node in definitions:
+            if not node.name or node.name != node.name.upper() or not node.label or "=" in node.label:
+                raise ValueError(
+                    f"{node.label!r} is no name of a definition, or {node.name!r} not its name in upper case"
+                )
+            if any(c in part for c in "\r\n" for part in (node.label, node.written)) or (
+                node.line and not node.written
+            ):
+                raise ValueError(f"the definition of {node.name} is no command of one line")
 
     def _verify_body(self, body: tuple[Statement, ...]) -> None:
         for node in body:
@@ -567,6 +603,8 @@ class Program:
                 least, most, _ = DEVICES.get(node.name, (1, 0, ""))
                 if not least <= len(node.arguments) <= most:
                     raise ValueError(f"{node.name!r} with {len(node.arguments)} arguments is no command of DEVICES")
+            elif isinstance(node, Definition) and body is not self.body:
+                raise ValueError(f"the definition of {node.name} stands within another statement")
             elif isinstance(node, BlockTable):
                 size = len(self.files[node.file].data) or node.end
                 if not (0 <= node.begin <= node.end <= size and 1 <= node.first_line <= node.last_line):

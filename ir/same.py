@@ -48,8 +48,9 @@ _BITS = struct.Struct("<d")
 
 @functools.cache
 def _field_names(kind: type) -> tuple[str, ...]:
-    """Of a dataclass; none of anything else."""
-    return tuple(field.name for field in dataclasses.fields(kind)) if dataclasses.is_dataclass(kind) else ()
+    """Of a dataclass, those that are part of its value; none of anything else."""
+    fields = dataclasses.fields(kind) if dataclasses.is_dataclass(kind) else ()
+    return tuple(field.name for field in fields if field.compare)
 
 
 class _Pair:

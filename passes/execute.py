@@ -24,6 +24,7 @@ from gproof.ir.program import (
     BlockTable,
     Call,
     DeferredBlock,
+    Definition,
     Device,
     Guard,
     If,
@@ -357,6 +358,9 @@ class Executor(Branches):
                 raise Refusal(Finding(codes.CODES[node.code], node.span, node.message))
             elif isinstance(node, Unsupported):
                 raise Refusal(codes.UNSUPPORTED_CODE.at(node.span, code=node.what))
+            elif isinstance(node, Definition):
+                what = f"the definition of {node.name} in a file that is run as a job"
+                raise Refusal(codes.UNSUPPORTED_CODE.at(node.span, code=what))
         except Refusal as refusal:
             self._refuse(refusal.finding)
 

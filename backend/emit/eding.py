@@ -23,6 +23,7 @@ from gproof.ir.program import (
     BlockTable,
     Declare,
     DeferredBlock,
+    Definition,
     For,
     If,
     Include,
@@ -110,7 +111,8 @@ class _Printer(LinePrinter):
         elif isinstance(node, Message) and node.in_comment:
             yield from self._line(node.span, "", depth, message=node)
         elif isinstance(
-            node, Array | Replaced | Mistake | Repeat | For | Label | Jump | Return | Declare | Include | Mode
+            node,
+            Array | Replaced | Definition | Mistake | Repeat | For | Label | Jump | Return | Declare | Include | Mode,
         ):
             raise self.refusal(node.span, f"a statement of another controller ({type(node).__name__})")
         else:

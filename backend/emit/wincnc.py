@@ -21,6 +21,7 @@ from gproof.ir.program import (
     BlockTable,
     Call,
     DeferredBlock,
+    Definition,
     Expr,
     If,
     Message,
@@ -42,21 +43,26 @@ class Unprintable(Exception):
     """WinCNC has no text for this; the argument says for what."""
 
 
-def emit(program: Program, lexical: Lexical) -> Iterator[bytes]:
-    """The text of the job's file, piece by piece, each of whole lines.
+def emit(program: Program, lexical: Lexical, *, same_length: bool = False) -> Iterator[bytes]:
+    """The text of the program's own file, the job or CNC.MAC, piece by piece, each of whole lines.
 
     lexical: how the machine reads lines: one that begins with a sign of skipchars= makes others be left out. The
-    percent sign is taken for one, as in the manual's example.
+    percent sign is taken for one, as in the manual's example. same_length: a definition whose command would have
+    another length keeps it as written: how long the lines of jobs are when they are replaced hangs on it.
     The job must have been read without mistakes: a line with one is not in the Program.
     Refusal (GP702) where the Program holds what WinCNC has no text for.
     """
     signs = "".join(signs.upper() + signs.lower() for signs, _ in lexical.skips)
     kept = {sign.encode(encoding, "ignore")[:1] for sign in f"%{signs}" for encoding in ("utf-8", "cp1252")}
-    yield from _Printer(program, b"".join(sorted(kept))).run()
+    printer = _Printer(program, b"".join(sorted(kept)))
+    printer.same_length = same_length
+    yield from printer.run()
 
 
 class _Printer(LinePrinter):
-    """Prints a WinCNC program."""
+    """Prints a WinCNC program. same_length: see ``emit``."""
+
+    same_length = False
 
     def run(self) -> Iterator[bytes]:
         """The file: its mark, its lines, what stands behind the last."""
@@ -83,7 +89,8 @@ class _Printer(LinePrinter):
             yield from self._line(node.span, self._text(node.head, node.span))
             yield from self._body(node.then)
             return
-        yield from self._line(node.span, self._text(node, node.span))
+        ends_in_sign = isinstance(node, Definition) and not node.written
+        yield from self._line(node.span, self._text(node, node.span), tight=ends_in_sign)
         if isinstance(node, Array):
             yield from self._body(node.body)
 
@@ -93,7 +100,7 @@ class _Printer(LinePrinter):
         How a controller compares the names of macros is not documented: such a line stays as it is.
         """
         first = next(iter(block.words), None)
-        if block.own or first is None:
+        if block.own or first is None or _begins_with_name(block):
             return True
         if len(block.words) > 1 and first.bare and block.words[1].span.column == first.span.column + 1:
             return False
@@ -113,13 +120,16 @@ class _Printer(LinePrinter):
                 return None
         elif isinstance(node, Mistake):
             return None
+        elif isinstance(node, Definition):
+            return self._definition(node)
         elif isinstance(node, Array | Call | Message | Replaced | Unsupported):
             line = node.line
         else:
             line = None
         try:
             if line is not None:
-                return line_text(line)
+                text = line_text(line)
+                return None if self._outgrows(node, text) else text
         except Unprintable as error:
             raise self.refusal(span, str(error)) from None
         if isinstance(node, Replaced):
@@ -129,13 +139,30 @@ class _Printer(LinePrinter):
         what = node.what if isinstance(node, Unsupported) else "a statement of another language"
         raise self.refusal(span, what)
 
-    def _line(self, span: Span, text: str | None) -> Iterator[bytes]:
-        """One line with code, after the lines before it."""
+    def _definition(self, node: Definition) -> str:
+        """``NAME=command``; a command that is no line of WinCNC's own words stays as it is written."""
+        try:
+            known = node.line is not None and self._is_known(node.line)
+            command = line_text(node.line) if node.line is not None and known else node.written
+        except Unprintable as error:
+            raise self.refusal(node.span, str(error)) from None
+        if self.same_length and len(command) != len(node.written):
+            command = node.written
+        return f"{node.label}={command}"
+
+    def _outgrows(self, node: Statement | None, text: str) -> bool:
+        """Whether a line that is replaced would become longer than the controller takes."""
+        if not isinstance(node, Replaced) or len(text) <= len(node.written):
+            return False
+        return node.length + len(text) - len(node.written) > self.limit
+
+    def _line(self, span: Span, text: str | None, *, tight: bool = False) -> Iterator[bytes]:
+        """One line with code, after the lines before it. tight: no blank sets its first comment apart."""
         yield from self.gap(span.line)
         notes = self.notes.of_line(span.line)
         self.next = span.line + 1
         try:
-            out = _composed(text or "", notes)
+            out = _composed(text or "", notes, tight=tight)
         except UnicodeEncodeError as error:
             raise self.refusal(span, str(error)) from None
         if text is None or self._stays(span.line, out, notes):
@@ -157,7 +184,7 @@ class _Printer(LinePrinter):
         return out[:1] in self.kept
 
 
-def _composed(text: str, notes: list[Note]) -> bytes:
+def _composed(text: str, notes: list[Note], *, tight: bool) -> bytes:
     """The text of a line, with its comments behind it."""
     if not notes:
         return text.encode()
@@ -165,7 +192,8 @@ def _composed(text: str, notes: list[Note]) -> bytes:
     out = text.encode(encoding)
     for _, _, kind, column, note in notes:
         if kind == NoteKind.SIGNED:
-            out = padded(out + b" " if out else out, column) + note
+            out = out + note if tight else padded(out + b" " if out else out, column) + note
+            tight = False
     return out
 
 
@@ -178,6 +206,12 @@ def _reads_otherwise(out: bytes, notes: list[Note]) -> bool:
     except UnicodeDecodeError:
         return False
     return True
+
+
+def _begins_with_name(block: Block) -> bool:
+    """Whether the line begins with the name of a macro: a text that stands before all words."""
+    name = next((text for letter, text in block.texts if not letter), None)
+    return name is not None and all(name.span.column < word.span.column for word in block.words)
 
 
 def line_text(block: Block) -> str:

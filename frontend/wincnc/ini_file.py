@@ -101,7 +101,7 @@ class IniFile:
 
     def parse(self, text: str) -> None:
         """Read the lines of the whole file; the values stay texts."""
-        for number, line in enumerate(_END_OF_LINE.split(text.rstrip("\x1a")), 1):
+        for number, line in enumerate(_END_OF_LINE.split(text.removesuffix("\x1a")), 1):
             control = _CONTROL.search(line)
             if control is not None:
                 what = f"control character U+{ord(control.group()):04X} in the line"

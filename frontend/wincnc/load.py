@@ -13,9 +13,9 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
-from gproof.frontend.source import UTF8_MARK, decode, read_source
+from gproof.frontend.source import UTF8_MARK, decode, newline_of, read_source
 from gproof.frontend.wincnc.line import LineError, LineReader
-from gproof.frontend.wincnc.mac_file import Macro
+from gproof.frontend.wincnc.mac_file import MACRO_FILE, Macro
 from gproof.frontend.wincnc.machine import NO_SHOP
 from gproof.frontend.wincnc.notes import Annotator, skip_count
 from gproof.frontend.wincnc.scan import Scanner, scanner
@@ -40,7 +40,6 @@ from gproof.ir.program import (
     Unsupported,
 )
 
-MACRO_FILE = "cnc.mac"
 HELD_LINES = 2000
 HELD_IN_ALL = 200_000
 """A table of at most so many lines holds its words, until the tables of a program hold that many."""
@@ -73,18 +72,20 @@ def load_program(
 
 
 def load_alone(
-    path: Path, findings: Findings, name: str = "", *, machine: Machine = NO_SHOP, folders: Sequence[Path] = ()
-) -> Program | None:
+    path: Path, findings: Findings, name: str = "", *, machine: Machine = NO_SHOP, folders: Sequence[Path] = (),
+    macro_file: Path | None = None,
+) -> Program | None:  # fmt: skip
     """One file as a program to be printed again; None when it is refused.
 
     The macros of CNC.MAC still decide what a line is; files that it calls are not loaded, and missing ones are no
     mistakes. name: of the file in findings, when it is not ``path``; folders: where CNC.MAC and files are looked for,
-    the file's own when there are none.
+    the file's own when there are none; macro_file: the CNC.MAC itself.
     """
     program = Program(dialect="wincnc", rules=rules_named("wincnc"))
     folders = list(folders) or [path.parent]
     loader = _Loader(program, findings, machine.controller.controls, folders, None)
     loader.files = _AnyFiles(folders)
+    loader.macro_path = macro_file
     try:
         loader.prepare()
         program.body = loader.load(path, name, is_job=True)
@@ -186,6 +187,7 @@ class _Loader:
         self.reader = LineReader(controls.lexical, text_codes(program.rules))
         self.macros: dict[str, Macro] = {}
         self.macro_source: SourceFile | None = None
+        self.macro_path: Path | None = None
         self.scanner = Scanner(controls.lexical)
 
     def prepare(self) -> None:
@@ -227,11 +229,11 @@ class _Loader:
         """CNC.MAC, beside the machine's file or the job."""
         # The shop's own comes before one that lies beside a job in another folder.
         for folder in [*self.files.folders[1:], self.files.folders[0]]:
-            found = _Files([folder])._below(folder, [MACRO_FILE])
+            found = self.macro_path or _Files([folder])._below(folder, [MACRO_FILE])
             if found is not None:
                 from gproof.frontend.wincnc.mac_file import read_macros
 
-                source = read_source(found)
+                source = read_source(found, dos=True)
                 self.macros = dict(read_macros(source, self.findings, self.controls.lexical))
                 self.macro_source = source
                 return
@@ -260,7 +262,7 @@ class _Loader:
 
     def load(self, path: Path, name: str = "", *, is_job: bool) -> tuple[Statement, ...]:
         """The statements of one file; name: of the file in findings, when it is not ``path``."""
-        source = read_source(path)
+        source = read_source(path, dos=True)
         source.name = name or source.name
         number = len(self.program.files)
         self.program.files.append(source)
@@ -268,8 +270,7 @@ class _Loader:
         found = self.scanner.index(source.data, begin, self.program.rules.line_length)
         source.mark = begin > 0
         source.line_count = found.line_count
-        first_end = source.data.find(b"\n")
-        source.newline = "\r\n" if first_end > 0 and source.data[first_end - 1 : first_end] == b"\r" else "\n"
+        source.newline = newline_of(source.data)
         if is_job:
             self.program.line_count = found.line_count
         special = list(found.rows())

@@ -9,6 +9,7 @@ says that variables are defined in this file too, and not how: what can be no co
 from __future__ import annotations
 
 import re
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 from gproof.frontend.source import UTF8_MARK, decode
@@ -17,6 +18,9 @@ from gproof.ir import codes
 from gproof.ir.controls import Lexical
 from gproof.ir.finding import Findings, Related, Span
 from gproof.ir.program import SourceFile
+
+MACRO_FILE = "cnc.mac"
+"""Its name, in lower case."""
 
 COMMENT_SIGNS = "[(%"
 """Signs that begin a comment wherever they stand, besides those of comchars=."""
@@ -33,23 +37,34 @@ _CONTROL = re.compile(r"[\x00-\x08\x0b-\x1f\x7f]")
 class Macro:
     """A definition.
 
-    name: upper case, a code without leading zeros: ``M3`` for ``m03``; text: its command as written, "" for a code that
-    is switched off; span: of the line, its columns those of the text; column: where the text begins, from 1.
+    name: upper case, a code without leading zeros: ``M3`` for ``m03``; label: as written; text: its command as written,
+    "" for a code that is switched off; span: of the line, its columns those of the text; column: where the text begins,
+    from 1.
     """
 
     name: str
     text: str
     span: Span
     column: int
+    label: str
 
 
 def read_macros(source: SourceFile, findings: Findings, lexical: Lexical) -> dict[str, Macro]:
     """The definitions of a file by their names; a line that can be none is a finding at its place."""
     macros: dict[str, Macro] = {}
+    for macro in each_macro(source, findings, lexical):
+        macros.setdefault(macro.name, macro)
+    return macros
+
+
+def each_macro(source: SourceFile, findings: Findings, lexical: Lexical) -> Iterator[Macro]:
+    """The definitions of a file in order, the same one again included; findings as for ``read_macros``."""
+    macros: dict[str, Macro] = {}
     signs = COMMENT_SIGNS + lexical.comment_signs
     for number, raw in enumerate(_END_OF_LINE.split(bytes(source.data).removeprefix(UTF8_MARK)), 1):
-        line = decode(raw.rstrip(b"\x1a"))
-        if not line.strip() or line.lstrip()[0] in signs:
+        line = decode(raw)
+        if is_comment(line, signs):
+            _tell_what_follows(source.name, number, line, len(line) - len(line.lstrip()), findings, signs)
             continue
         macro = _macro(source.name, number, line, findings, signs)
         if macro is None:
@@ -59,7 +74,12 @@ def read_macros(source: SourceFile, findings: Findings, lexical: Lexical) -> dic
             what = f"defined again with another command than in line {before.span.line}"
             related = (Related(before.span, "the other definition"),)
             findings.add(codes.BAD_VALUE.at(macro.span, key=macro.name, what=what, related=related))
-    return macros
+        yield macro
+
+
+def is_comment(line: str, signs: str) -> bool:
+    """Whether a line has nothing but comments, or nothing at all."""
+    return not line.strip() or line.lstrip()[0] in signs
 
 
 def code_name(text: str) -> str | None:
@@ -85,7 +105,7 @@ def _macro(file: str, number: int, line: str, findings: Findings, signs: str) ->
         findings.add(codes.SYNTAX.at(Span(file, number, at + 1, len(line.rstrip()) + 1), what=what))
         return None
     begin = len(line) - len(rest.lstrip())
-    end = _end_of_command(line, begin, signs)
+    end = end_of_command(line, begin, signs)
     text = line[begin:end].rstrip()
     span = Span(file, number, begin + 1, max(begin + len(text), begin + 1) + 1)
     if end < len(line):
@@ -98,11 +118,11 @@ def _macro(file: str, number: int, line: str, findings: Findings, signs: str) ->
         what = f"{name}={text[:30]}: a variable, of which the manual does not say how it is defined"
         findings.add(codes.UNSUPPORTED_CODE.at(span, code=what))
         return None
-    return Macro(name, text, span, begin + 1)
+    return Macro(name, text, span, begin + 1, written.strip())
 
 
-def _end_of_command(line: str, begin: int, signs: str) -> int:
-    """Where a comment begins; a sign within a text in quotes is none."""
+def end_of_command(line: str, begin: int, signs: str) -> int:
+    """Where a comment begins, at ``begin`` or behind; a sign within a text in quotes is none."""
     at = begin
     while at < len(line):
         sign = line[at]
@@ -117,13 +137,19 @@ def _end_of_command(line: str, begin: int, signs: str) -> int:
 
 def _tell_what_follows(file: str, number: int, line: str, at: int, findings: Findings, signs: str) -> None:
     """GP134 for words behind a closed comment."""
+    at = behind_comments(line, at, signs)
+    if at < len(line):
+        span = Span(file, number, at + 1, len(line.rstrip()) + 1)
+        findings.add(codes.TEXT_BEHIND_COMMENT.at(span, text=line[at:].strip()[:40]))
+
+
+def behind_comments(line: str, at: int, signs: str) -> int:
+    """Where words stand behind the closed comments that begin at ``at``; the line's length where none do."""
     while at < len(line) and line[at] in _CLOSED_BY:
         closing = line.find(_CLOSED_BY[line[at]], at)
         if closing < 0:
-            return
+            return len(line)
         at = closing + 1
         while at < len(line) and line[at].isspace():
             at += 1
-    if at < len(line) and line[at] not in signs:
-        span = Span(file, number, at + 1, len(line.rstrip()) + 1)
-        findings.add(codes.TEXT_BEHIND_COMMENT.at(span, text=line[at:].strip()[:40]))
+    return len(line) if line[at : at + 1] in signs else at

@@ -157,16 +157,17 @@ class Lines:
             inner = self.parse(text, file, line, depth + 1)
         except LineError as error:
             raise LineError(error.code, begin, len(code.rstrip()), **error.values) from None
+        length = max(len(text), inner.length if isinstance(inner, Replaced) else 0)
         as_line = self._replaced_line(macro, code, begin, end, span, inner)
         if isinstance(inner, Head):
             inner = _at(inner, span)
             body: tuple[Statement, ...] = (inner.statement,)
-            head = Replaced(written=written, body=body, span=span, comment=comment, line=as_line)
+            head = Replaced(written=written, body=body, span=span, comment=comment, line=as_line, length=length)
             return Head(head, inner.condition)
         if isinstance(inner, ArrayLine):
             return ArrayLine(inner.words, span, comment, as_line)
         body = () if inner is None else (_at(inner, span),)
-        return Replaced(written=written, body=body, span=span, comment=comment, line=as_line)
+        return Replaced(written=written, body=body, span=span, comment=comment, line=as_line, length=length)
 
     def _replaced_line(self, macro: Macro, code: str, begin: int, end: int, span: Span, inner: Parsed | None) -> Block:
         """The line of a macro to be printed: its name, and words where what follows is nothing else."""

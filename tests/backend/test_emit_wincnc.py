@@ -92,7 +92,7 @@ def comparable(program: Program) -> str:
                 words += [(row, letter, flags, repr(number)) for row, _, letter, flags, number in part.rows()]
             return value.first_line, value.last_line, words
         if dataclasses.is_dataclass(value):
-            names = [f.name for f in dataclasses.fields(value)]
+            names = [f.name for f in dataclasses.fields(value) if f.compare]
             if getattr(value, "line", None) is not None:
                 names = [name for name in names if name != "written"]
             return type(value).__name__, [plain(getattr(value, name)) for name in names]

@@ -271,7 +271,8 @@ def test_a_machine_elsewhere(folder: Path, shop: Path, gproof) -> None:
 
 def test_a_folder(shop: Path, gproof, monkeypatch: pytest.MonkeyPatch) -> None:
     code, out, _ = gproof("shop")
-    assert (code, out) == (0, "shop/SPIN.MAC: formatted\nshop/job.tap: formatted\n")
+    files = "shop/Cnc.mac: unchanged\nshop/SPIN.MAC: formatted\nshop/job.tap: formatted\n"
+    assert (code, out) == (0, files)
     assert gproof("--check", "shop")[0] == 0
     assert (shop / "SPIN.MAC").read_text() == "M11 C2 [on\n"
 
@@ -284,10 +285,84 @@ def test_a_machine_file_with_mistakes(shop: Path, gproof) -> None:
     assert gproof("--machine", "none.ini", "nice.cnc")[0] == 3
 
 
-def test_a_macro_file_of_wincnc_is_left_alone(shop: Path, gproof) -> None:
-    before = (shop / "Cnc.mac").read_bytes()
-    assert gproof("shop/Cnc.mac")[0] == 3
-    assert (shop / "Cnc.mac").read_bytes() == before
+def test_a_macro_file_of_wincnc(shop: Path, gproof, monkeypatch: pytest.MonkeyPatch) -> None:
+    ugly = "m3 = m98  SPIN.MAC x,5 ; on\r\nPark=g53z0   'up\r\nM2= [\r\n\r\nG17=[plane\r\nM9=m12c2[off]\r\n"
+    nice = "m3=M98 SPIN.MAC X0.5 ; on\r\nPark=G53 Z0  'up\r\nM2=[\r\n\r\nG17=[plane\r\nM9=M12 C2 [off]\r\n"
+    place = shop / "Cnc.mac"
+    place.write_bytes(ugly.encode())
+    assert gproof("--check", "shop/Cnc.mac")[:2] == (1, "shop/Cnc.mac: would be formatted\n")
+    code, patch, _ = gproof("--diff", "shop/Cnc.mac")
+    assert code == 0
+    assert "\n-M2= [\r\n" in patch
+    assert "\n+M2=[\r\n" in patch
+    assert gproof("--stdout", "shop/Cnc.mac")[:2] == (0, nice)
+    for name in ("shop/Cnc.mac", "shop/CNC.MAC"):
+        monkeypatch.setattr(sys, "stdin", SimpleNamespace(buffer=io.BytesIO(ugly.encode())))
+        assert gproof("-", "--stdin-name", name)[:2] == (0, nice)
+    assert gproof("shop/Cnc.mac")[:2] == (0, "shop/Cnc.mac: formatted\n")
+    assert place.read_bytes() == nice.encode()
+    assert gproof("--check", "shop/Cnc.mac")[:2] == (0, "shop/Cnc.mac: unchanged\n")
+
+
+@pytest.mark.parametrize(
+    ("text", "label"),
+    [
+        ("M3=M11C1\nspindle on\n", "GP101"), ("M1=", "GP603"), ("M1=M11C1\nM01=M11C2\n", "GP603"),
+        ("M1=M11\x01C1", "GP101"), ("M1=M11C1\rM2=[", "GP702"), ("M1=\0", "GP119"),
+    ],
+)  # fmt: skip
+def test_a_macro_file_with_mistakes_is_left_alone(shop: Path, gproof, text: str, label: str) -> None:
+    (shop / "Cnc.mac").write_bytes(text.encode())
+    code, out, err = gproof("shop/Cnc.mac")
+    assert (code, out) == (1, "")
+    assert f"error {label} " in err
+    assert (shop / "Cnc.mac").read_bytes() == text.encode()
+
+
+def test_a_macro_file_that_would_make_a_line_of_a_job_too_long(shop: Path, gproof) -> None:
+    """M7 X1 X1 ... has 256 characters when it is replaced by M11C2, and one more by M11 C2."""
+    (shop / "Cnc.mac").write_text("M7 = M11C2[on]\nM8=m11 c3\n")
+    (shop / "job.tap").write_text("M7 " + "X" * 250 + "\n")
+    assert gproof("shop/Cnc.mac")[0] == 0
+    assert (shop / "Cnc.mac").read_text() == "M7=M11C2 [on]\nM8=M11 C3\n"
+    assert gproof("--check", "shop/Cnc.mac")[0] == 0
+    (shop / "job.tap").write_text("M7 " + "X" * 249 + "\n")
+    assert gproof("shop/Cnc.mac")[0] == 0
+    assert (shop / "Cnc.mac").read_text() == "M7=M11 C2 [on]\nM8=M11 C3\n"
+
+
+def test_a_macro_file_that_makes_other_programs_is_refused(shop: Path, gproof, monkeypatch: pytest.MonkeyPatch) -> None:
+    before = "m7 = m11c2\n"
+    (shop / "Cnc.mac").write_text(before)
+    (shop / "job.tap").write_text("m7 x1\n")
+    monkeypatch.setattr("gproof.cli.fmt_macros.difference", lambda *_, **__: "1 and 2 (line 1)")
+    code, _, err = gproof("shop")
+    assert code == 1
+    assert "GP702" in err
+    assert "shop/SPIN.MAC would be another program (1 and 2 (line 1))" in err
+    assert err.endswith("shop/Cnc.mac: not formatted\n")
+    assert (shop / "Cnc.mac").read_text() == before
+
+
+def test_a_line_of_a_job_that_would_be_too_long_when_it_is_replaced_stays(shop: Path, gproof) -> None:
+    """117 characters of M7's command, a blank, 135 behind M7: 253, and 23 more in fmt's form; the controller takes 256.
+
+    M8 stands for M7, which then has the longest line.
+    """
+    (shop / "Cnc.mac").write_text("M7=G1 " + "Z{TH1}" * 19 + "\nM8=M7\n")
+    for name in ("m7", "m8"):
+        line = name + "y{tp1}" * 22 + "x1x"
+        (shop / "job.tap").write_text(f"{line}\n{name} y1z1\n")
+        assert gproof("shop/job.tap")[0] == 0
+        assert (shop / "job.tap").read_text() == f"{line}\n{name} Y1 Z1\n"
+
+
+@pytest.mark.parametrize("words", [["--dialect", "eding", "shop/Cnc.mac"], ["nice.cnc", "--stdin-name", "a.tap"],
+                                   ["-", "--stdin-name", "nowhere/a.tap"]], ids=" ".join)  # fmt: skip
+def test_macro_files_and_options_at_odds(shop: Path, gproof, words: list[str]) -> None:
+    code, out, err = gproof(*words)
+    assert (code, out) == (3, "")
+    assert err.count("\n") == 1
 
 
 def test_a_wincnc_text_that_differs_is_never_written(shop: Path, gproof, monkeypatch: pytest.MonkeyPatch) -> None:

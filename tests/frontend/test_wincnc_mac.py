@@ -35,7 +35,7 @@ def test_a_shop_s_file() -> None:
 
 
 def test_empty_and_blank_files_define_nothing() -> None:
-    assert texts("") == texts("\r\n \r\n") == texts("[nothing here]\n(nor here)\n% nor here\n\x1a") == {}
+    assert texts("") == texts("\r\n \r\n") == texts("[nothing here]\n(nor here)\n% nor here\n") == {}
 
 
 def test_the_place_of_a_command() -> None:
@@ -86,6 +86,7 @@ def test_windows_1252_and_a_utf8_mark() -> None:
         ("DEPTH=12.5", "GP113", 1, 7),
         ("DEPTH={TH1+1}", "GP113", 1, 7),
         ("M1=M11C1 [on] C2", "GP134", 1, 15),
+        ("  [on] G28=M98 HOME.MAC", "GP134", 1, 8),
         ("M1=M11\x00C1", "GP101", 1, 7),
     ],
 )
