@@ -82,6 +82,30 @@ SYSTEM_VARIABLE = code(
     138, "system-variable", _W, "{name} is outside of {prefix}600 to {prefix}699: it may be one of the system's own"
 )
 PASCAL_OPEN = code(139, "pascal-open", _U, "{what}: the manual leaves open what the controller makes of it")
+BRACKET_PARAMETER = code(
+    140,
+    "bracket-parameter",
+    _E,
+    "a bracket behind {code} holds a parameter, and this is no expression (compiler error 2074)",
+)
+NO_MODULE_END = code(141, "no-module-end", _E, "{what} has none of M02, M30 and M17 (compiler error 190)")
+DUPLICATE_LABEL = code(142, "duplicate-label", _E, "label {name!r} stands twice")
+UNKNOWN_LABEL = code(143, "unknown-label", _E, "there is no label {name!r}")
+JUMP_INTO_BLOCK = code(144, "jump-into-block", _U, "{what}: the manual does not say what it does")
+INCLUDE_CYCLE = code(145, "include-cycle", _E, "{name!r} is included within itself: {chain}")
+PROGRAM_SIZE = code(
+    146,
+    "program-size",
+    _W,
+    "the compiled program may have {low} to {high} bytes by estimate; the controller takes {allowed} (error 21)",
+)
+PROGRAM_TOO_LARGE = code(
+    147,
+    "program-too-large",
+    _E,
+    "the compiled program has {low} bytes at the least, by estimate; the controller takes {allowed} (error 21)",
+)
+LINE_NUMBER_MISSING = code(148, "line-number-missing", _E, "this machine asks for a line number, and the line has none")
 
 # 2xx meaning
 AXIS_WORDS_MISSING = code(201, "axis-words-missing", _E, "{code} without axis words")

@@ -1,0 +1,424 @@
+"""One line of DIN 66025 blocks of a McuWIN program: words, assignments, labels, jumps, calls, messages.
+
+What is no expression ends a line's reading with a Refusal; what a code does with its words is the executor's. Sections
+are those of the manual of V 2.5.3.133: words and codes 3 to 5, comments 6, parameters 11, names 12.
+"""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass, field
+from typing import Any
+
+from gproof.frontend.mcuwin.comments import QUOTE, round_comment
+from gproof.frontend.mcuwin.expressions import Expressions
+from gproof.frontend.mcuwin.names import LABEL, NAME, label_name
+from gproof.frontend.mcuwin.pascal_text import MODE
+from gproof.frontend.mcuwin.persistence import Persistence
+from gproof.ir import codes
+from gproof.ir.din import FIRST_USER_CODE, LAST_USER_CODE, VERSIONS, Din
+from gproof.ir.finding import Code, Refusal, Span
+from gproof.ir.program import (
+    PARAMETER,
+    Block,
+    Call,
+    Expr,
+    Jump,
+    Label,
+    Message,
+    Number,
+    Return,
+    Statement,
+    Text,
+    Word,
+)
+from gproof.ir.rules import LanguageRules
+
+_BLANKS = re.compile(r"[ \t]*")
+_LINE_NUMBER = re.compile(r"[Nn][ \t]*([0-9]*)")
+_ASSIGNED = re.compile(r"[A-Za-z_][A-Za-z0-9_]*(?:\.[A-Za-z0-9_]+)*(?=[ \t]*:=)", re.ASCII)
+_NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_]*", re.ASCII)
+_QUALIFIER = re.compile(r"[A-Za-z][A-Za-z0-9_]*\.[A-Za-z_]", re.ASCII)
+_CALCULATION = re.compile(r"C[DI][0-9]", re.ASCII | re.IGNORECASE)
+_WRITE = re.compile(r"write(?:ln)?(?![A-Za-z0-9_])", re.ASCII | re.IGNORECASE)
+_DIGITS = re.compile(r"[0-9]+", re.ASCII)
+_STRING = re.compile(r'"([^"]*)"')
+_LITERAL = re.compile(
+    r"[-+]?(?:[0-9]+(?P<point>\.[0-9]*)?|(?P<bare>\.[0-9]+))"
+    r"(?![0-9.]|[eE][-+0-9])(?=[ \t]*(?:\Z|['(]|//|(?!(?:div|mod|and|or|xor|shl|shr)(?![A-Za-z0-9_]))[A-Za-z]))",
+    re.ASCII | re.IGNORECASE,
+)
+VALUE_LETTERS = "FST"
+CENTERS = "IJK"
+
+
+@dataclass(slots=True)
+class DinLine:
+    """A line that was read.
+
+    number: its digits, "" without; statements: in order; module: what stands behind a percent sign, None without one;
+    module_span: of that; pascal: where a ``$`` stands, -1 without; starts: where ``{$DINSTART}`` stands, and behind;
+    says: there is more than blanks and comments.
+    """
+
+    number: str = ""
+    statements: list[Statement] = field(default_factory=list)
+    module: str | None = None
+    module_span: Span | None = None
+    pascal: int = -1
+    starts: tuple[int, int] | None = None
+    says: bool = False
+
+    @property
+    def asks_number(self) -> bool:
+        """Whether a machine with line numbers asks this line for one: not percent signs and ``$`` lines."""
+        return bool(self.statements)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Language:
+    """What decides how lines are read. axes: letters of the machine's axes, upper case."""
+
+    rules: LanguageRules
+    din: Din
+    axes: str
+    expressions: Expressions
+
+    @property
+    def old(self) -> bool:
+        """The older version, whose M codes take no brackets and whose modules are no labels."""
+        return self.din.version == VERSIONS[1]
+
+
+class LineReader:
+    """Reads the lines of a program in the order of the source."""
+
+    def __init__(self, language: Language, persistence: Persistence) -> None:
+        self.language = language
+        self.persistence = persistence
+
+    def read(self, text: str, file: str, line: int, at: int = 0) -> DinLine:
+        """A line from character ``at``; Refusal for a mistake."""
+        return _Line(self, text, file, line, at).read()
+
+
+class _Line:
+    def __init__(self, reader: LineReader, text: str, file: str, line: int, at: int) -> None:
+        self.language = reader.language
+        self.persistence = reader.persistence
+        self.text = text
+        self.file = file
+        self.line = line
+        self.at = at
+        self.found = DinLine()
+        self.words: list[Word] = []
+        self.code: tuple[str, int] | None = None
+        self.comment = ""
+
+    def read(self) -> DinLine:
+        self._blanks()
+        self._line_number()
+        self._blanks()
+        first = self.text[self.at : self.at + 1]
+        if first == "%":
+            self._module()
+        elif first == "$":
+            self.found.says, self.found.pascal = True, self.at
+            return self.found
+        elif first == "{":
+            found = MODE.match(self.text, self.at)
+            if found is None:
+                raise self._error(codes.SYNTAX, self.at, len(self.text), what="braces belong to lines of rw_SymPas")
+            self.found.says, self.found.starts = True, found.span()
+            return self.found
+        while self._comments():
+            self.found.says = True
+            if self.found.module is not None:
+                raise self._error(codes.SYNTAX, self.at, len(self.text), what="text behind a percent sign and its name")
+            self._item()
+        self._flush()
+        return self.found
+
+    def _blanks(self) -> None:
+        found = _BLANKS.match(self.text, self.at)
+        assert found is not None
+        self.at = found.end()
+
+    def _span(self, begin: int, end: int | None = None) -> Span:
+        return Span(self.file, self.line, begin + 1, (self.at if end is None else end) + 1)
+
+    def _error(self, code: Code, begin: int, end: int, /, *, hint: str = "", **values: Any) -> Refusal:
+        end = max(begin + 1, begin + len(self.text[begin:end].rstrip()))
+        return Refusal(code.at(self._span(begin, end), hint=hint, **values))
+
+    def _line_number(self) -> None:
+        found = _LINE_NUMBER.match(self.text, self.at)
+        if found is None or _ASSIGNED.match(self.text, self.at):
+            return
+        if not found[1]:
+            raise self._error(codes.SYNTAX, self.at, found.end(), what="a line number is N and digits")
+        self.found.number, self.at = found[1], found.end()
+
+    def _module(self) -> None:
+        begin = self.at
+        self.at += 1
+        self._blanks()
+        name = NAME.match(self.text, self.at)
+        self.found.says = True
+        self.found.module = ""
+        if name is not None:
+            self.found.module, self.at = name[0], name.end()
+        self.found.module_span = self._span(begin)
+
+    def _comments(self) -> bool:
+        """Pass blanks and comments; True when something follows."""
+        while True:
+            self._blanks()
+            if self.at >= len(self.text):
+                return False
+            sign = self.text[self.at]
+            if sign == QUOTE or (self.language.old and self.text.startswith("//", self.at)):
+                self.comment = self.text[self.at + (1 if sign == QUOTE else 2) :].strip()
+                self.at = len(self.text)
+            elif sign == "(" and not self._is_parameter():
+                end = round_comment(self.text, self.at, self.file, self.line)
+                self.comment = self.text[self.at + 1 : end - 1].strip()
+                self.at = end
+            else:
+                return True
+
+    def _is_parameter(self) -> bool:
+        """Whether a bracket here is one of a parameter: behind codes that may have one (4, 6)."""
+        if self.code is None or self.language.old:
+            return False
+        letter, number = self.code
+        if letter == "M":
+            return True
+        has_one = bool(self.words) and self.words[-1].letter == PARAMETER
+        return (number == 4 and not has_one) or FIRST_USER_CODE <= number <= LAST_USER_CODE
+
+    def _item(self) -> None:
+        char = self.text[self.at]
+        if _ASSIGNED.match(self.text, self.at):
+            self._assignment()
+        elif _WRITE.match(self.text, self.at):
+            self._message()
+        elif self.code is not None and self._begins_value(self.at):
+            self._parameter()
+        elif char.isascii() and char.isalpha():
+            self._word(char)
+        else:
+            end = self.at + 1
+            what = f"{char!r} begins neither a word nor a comment"
+            if self.text.startswith("//", self.at):
+                what = "two slashes begin a comment in lines of rw_SymPas only"
+            raise self._error(codes.SYNTAX, self.at, end, what=what)
+
+    def _begins_value(self, at: int) -> bool:
+        """Whether a value begins at ``at``, not the next word."""
+        found = _BLANKS.match(self.text, at)
+        assert found is not None
+        at = found.end()
+        char = self.text[at : at + 1]
+        if char and (char in "0123456789+-(" or (char == "." and self.text[at + 1 : at + 2].isdigit())):
+            return True
+        if _QUALIFIER.match(self.text, at):
+            return True
+        if _ASSIGNED.match(self.text, at):
+            return False
+        return self.language.expressions.begins(self.text, at)
+
+    def _value(self) -> Expr:
+        """The expression at the next character that is not blank."""
+        self._blanks()
+        literal = _LITERAL.match(self.text, self.at)
+        begin = self.at
+        if literal is not None:
+            self.at = literal.end()
+            point = literal["point"] is not None or literal["bare"] is not None
+            return Number(float(literal[0]), self._span(begin), point)
+        value, self.at = self.language.expressions.number(self.text, begin, self.file, self.line)
+        return value
+
+    def _flush(self, behind: Statement | None = None) -> None:
+        """End the block of the words so far; then ``behind``."""
+        if self.words:
+            span = Span(self.file, self.line, self.words[0].span.column, self.words[-1].span.end_column)
+            words = tuple(self.words)
+            self.found.statements.append(
+                Block(words=words, assigns=(), span=span, comment=self.comment, continued=self.persistence.state)
+            )
+            for word in words:
+                if word.letter in "GM" and isinstance(word.value, Number):
+                    self.persistence.code(word.letter, int(word.value.value))
+            self.words = []
+        self.code = None
+        if behind is not None:
+            self.found.statements.append(behind)
+
+    def _assignment(self) -> None:
+        begin = self.at
+        self._flush()
+        assign, self.at = self.language.expressions.assignment(self.text, begin, self.file, self.line)
+        if assign is not None:
+            state = self.persistence.state
+            self._flush(Block(words=(), assigns=(assign,), span=assign.span, continued=state))
+
+    def _message(self) -> None:
+        """WRITE and WRITELN (5.7): texts in double quotes and values, behind one another."""
+        begin = self.at
+        self._flush()
+        kind = _WRITE.match(self.text, self.at)
+        assert kind is not None
+        self.at = kind.end()
+        parts: list[Expr] = []
+        while True:
+            self._blanks()
+            text = _STRING.match(self.text, self.at)
+            if text is not None:
+                start, self.at = self.at, text.end()
+                parts.append(Text(text[1], self._span(start)))
+            elif parts and self.text[self.at : self.at + 1] == ",":
+                self.at += 1
+            elif self._begins_value(self.at):
+                self._no_comment(kind[0].upper())
+                value, self.at = self.language.expressions.any(self.text, self.at, self.file, self.line)
+                parts.append(value)
+            else:
+                break
+        self._flush(Message(kind=kind[0].lower(), parts=tuple(parts), span=self._span(begin)))
+        self.persistence.doubt()
+
+    def _no_comment(self, code: str) -> None:
+        """A bracket where a parameter may stand must hold an expression (6)."""
+        if self.text[self.at : self.at + 1] == "(" and not self.language.expressions.fits(self.text, self.at):
+            hint = "a comment here begins with a single quote"
+            raise self._error(codes.BRACKET_PARAMETER, self.at, len(self.text), code=code, hint=hint)
+
+    def _parameter(self) -> None:
+        assert self.code is not None
+        begin = self.at
+        letter, number = self.code
+        self._no_comment(f"{letter}{number:02d}")
+        value = self._value()
+        takes = (letter == "M" and number not in (17, 96, 98)) or number == 4
+        if not takes and not FIRST_USER_CODE <= number <= LAST_USER_CODE:
+            raise self._error(codes.UNUSED_WORD, begin, self.at, word=self.text[begin : self.at])
+        if self.language.old and (letter, number) == ("G", 4) and not isinstance(value, Number):
+            what = "this version takes only a number behind G04"
+            raise self._error(codes.BAD_EXPRESSION, begin, self.at, what=what)
+        self.words.append(Word(PARAMETER, value, self._span(begin)))
+
+    def _word(self, char: str) -> None:
+        begin = self.at
+        letter = char.upper()
+        if char != letter and self.language.din.case_sensitive:
+            what = f"{char!r} is no word of a machine that tells small letters from capital ones"
+            raise self._error(codes.SYNTAX, begin, begin + 1, what=what)
+        if _CALCULATION.match(self.text, begin):
+            raise self._error(codes.SYNTAX, begin, len(self.text), what="a calculation parameter without := behind it")
+        if _QUALIFIER.match(self.text, begin):
+            raise self._error(codes.SYNTAX, begin, len(self.text), what="a value without a word before it")
+        if letter in "GM":
+            self._code(letter)
+        elif letter == "L":
+            self._label()
+        elif letter in self.language.axes or letter in VALUE_LETTERS + CENTERS + "D":
+            self.at += 1
+            self._axis_or_value(letter, begin)
+        else:
+            name = _NAME.match(self.text, begin)
+            end = name.end() if name is not None else begin + 1
+            if letter in "ABCUVW":
+                raise self._error(codes.AXIS_NOT_THERE, begin, end, axis=letter)
+            what = f"{self.text[begin:end]!r} is no word of this controller"
+            raise self._error(codes.SYNTAX, begin, end, what=what)
+
+    def _axis_or_value(self, letter: str, begin: int) -> None:
+        self.code = None
+        if self._begins_value(self.at):
+            value = self._value()
+            self.words.append(Word(letter, value, self._span(begin)))
+            return
+        if letter not in self.language.axes:
+            raise self._error(codes.MISSING_VALUE, begin, begin + 1, letter=letter)
+        span = self._span(begin, begin + 1)
+        self.words.append(Word(letter, Number(0.0, span), span, bare=True))
+
+    def _code(self, letter: str) -> None:
+        begin = self.at
+        self.at += 1
+        self._blanks()
+        digits = _DIGITS.match(self.text, self.at)
+        if digits is None:
+            raise self._error(codes.MISSING_VALUE, begin, begin + 1, letter=letter)
+        span = self._span(self.at, digits.end())
+        self.at = digits.end()
+        number = int(digits[0]) if len(digits[0]) < 1000 else 10**9
+        name = self.text[begin : self.at]
+        if self.text[self.at : self.at + 1] == ".":
+            end = _DIGITS.match(self.text, self.at + 1)
+            name = self.text[begin : end.end() if end else self.at + 1]
+            raise self._error(codes.UNKNOWN_CODE, begin, begin + len(name), code=name)
+        self._known(letter, number, name, begin)
+        if letter == "M" and number in (17, 96, 98):
+            self._flow(number, begin)
+            return
+        self.words.append(Word(letter, Number(float(number), span), self._span(begin)))
+        self.code = (letter, number)
+        if self.code == ("G", 4) and not self._begins_value(self.at):
+            needed = "its time (compiler error 2075)"
+            raise self._error(codes.WORD_MISSING, begin, self.at, code=name, needed=needed)
+
+    def _known(self, letter: str, number: int, name: str, begin: int) -> None:
+        """Error 1 of the manual (13.1.1.1) for a code that neither it nor the machine file has."""
+        din, rules = self.language.din, self.language.rules
+        known = (letter, number * 10) in rules.codes or FIRST_USER_CODE <= number <= LAST_USER_CODE
+        if not known and din.task(f"{letter}{number}") is None:
+            hint = "error 1, unless the machine's own Task 0 has it: state that in [din.task0]"
+            raise self._error(codes.UNKNOWN_CODE, begin, self.at, code=name, hint=hint)
+
+    def _label(self) -> None:
+        begin = self.at
+        found = LABEL.match(self.text, begin)
+        if found is None:
+            name = _NAME.match(self.text, begin)
+            end = name.end() if name is not None else begin + 1
+            raise self._error(codes.SYNTAX, begin, end, what="a label is L and digits")
+        if self.words or any(not isinstance(node, Label) for node in self.found.statements):
+            raise self._error(codes.SYNTAX, begin, found.end(), what="a label stands before what it is a label of")
+        self.at = found.end()
+        self._flush(Label(name=label_name(found[1]), span=self._span(begin)))
+
+    def _target(self, code: str, begin: int) -> str:
+        """The label or module that M96 or M98 names."""
+        self._blanks()
+        label = LABEL.match(self.text, self.at)
+        if label is not None:
+            self.at = label.end()
+            return label_name(label[1])
+        name = _NAME.match(self.text, self.at)
+        if name is None:
+            raise self._error(codes.WORD_MISSING, begin, self.at, code=code, needed="a label behind it")
+        self.at = name.end()
+        return label_name(name[0])
+
+    def _flow(self, number: int, begin: int) -> None:
+        self._flush()
+        if number == 17:
+            self._flush(Return(span=self._span(begin), code="M17"))
+        elif number == 96:
+            name = self._target("M96", begin)
+            self._flush(Jump(name=name, span=self._span(begin)))
+        else:
+            name, count = self._target("M98", begin), None
+            self._blanks()
+            if self.text[self.at : self.at + 1] in ("O", "o") and not _ASSIGNED.match(self.text, self.at):
+                start = self.at
+                self.at += 1
+                if not self._begins_value(self.at):
+                    raise self._error(codes.MISSING_VALUE, start, start + 1, letter="O")
+                count = self._value()
+            self._flush(Call(name=name, span=self._span(begin), count=count))
+        self.persistence.code("M", number)
+        self.code = ("M", number)
