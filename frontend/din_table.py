@@ -148,8 +148,9 @@ def _tools(table: TomlTable, din: Din, folders: list[Path]) -> tuple[tuple[Radiu
         if din.tools and units:
             table.bad(units[0], "the tools are those of the base in its unit; tool_file here reads them again")
         usual = next(filter(None, (beside(folder, DEFAULT_NAME) for folder in folders)), None)
-        known = din.tools is not None or usual is None or "tool_file" in table.values
-        return (din.tools, []) if known or usual is None else _checked(table, usual, millimetres)
+        if din.tools is not None or "tool_file" in table.values:
+            return din.tools, []
+        return ((), []) if usual is None else _checked(table, usual, millimetres)
     if not stated:
         return (), []
     path = table.file.path.parent / stated

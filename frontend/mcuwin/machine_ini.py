@@ -42,7 +42,7 @@ def is_mcuwin_ini(path: Path) -> bool:
 def load_mcuwin_ini(path: Path, findings: Findings, *, alone: bool = True) -> tuple[Machine | None, Files]:
     """The machine, and (name, sha256) of the files read; None, with findings, when one is bad.
 
-    alone: no file refines this one, so the tool table is the usual file beside it, in mm.
+    alone: no file refines this one, so the tool table is the usual file beside it, in mm; it is not there: there is none.
     """
     file = IniText(path, findings)
     if any(_TOOLS.fullmatch(section) for section in file.sections):
@@ -66,8 +66,8 @@ def load_mcuwin_ini(path: Path, findings: Findings, *, alone: bool = True) -> tu
     hidden = [row for row in SETTINGS if strange and row.usual and row.stated_by not in settled]
     not_modelled += [_may_hold(path, strange[0], row) for row in hidden]
     usual = beside(path.parent, DEFAULT_NAME) if alone else None
-    tools, files = (None, []) if usual is None else load_tools(usual, findings, Fraction(1))
-    files = file.files + files
+    tools, more = (() if alone else None, []) if usual is None else load_tools(usual, findings, Fraction(1))
+    files = file.files + more
     if file.errors or (usual is not None and tools is None):
         return None, files
     return (

@@ -78,7 +78,7 @@ G210 = { parameters = 2 }
             TaskCode(code="G210", parameters=2),
         ),
         angle_unit="degrees", wait_unit=1.0, arc_tolerance=0.01, program_size=500_000,
-        pre_include="lib/init.src", post_include="end.src", keeps_over_codes=True,
+        pre_include="lib/init.src", post_include="end.src", keeps_over_codes=True, tools=(),
     )  # fmt: skip
 
 
@@ -96,7 +96,7 @@ def test_the_table_makes_it_a_machine_of_this_dialect(tmp_path: Path) -> None:
     assert len(machine.axes) == 6
     machine, _ = load('[controller]\ndialect = "mcuwin"\n[axes.x]\n', tmp_path)
     assert machine is not None
-    assert machine.controller.din == Din()
+    assert machine.controller.din == Din(tools=())
     assert [axis.name for axis in machine.axes] == ["x"]
     machine, _ = load('[controller]\ndialect = "eding"\n', tmp_path)
     assert machine is not None
@@ -184,8 +184,8 @@ def test_the_tool_table_that_is_named_is_read_from_beside_the_file(tmp_path: Pat
     assert din_of("[din]\n", tmp_path).tools == (RadiusTool(plane="xy", number=1, radius=9.0),)
 
 
-def test_without_a_tool_table_nothing_is_known_of_one(tmp_path: Path) -> None:
-    assert din_of("[din]\n", tmp_path).tools is None
+def test_without_the_usual_file_there_is_no_tool_table(tmp_path: Path) -> None:
+    assert din_of("[din]\n", tmp_path).tools == ()
 
 
 def test_the_unit_of_the_tool_table(tmp_path: Path) -> None:

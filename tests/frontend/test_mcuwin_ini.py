@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from fractions import Fraction
 from pathlib import Path
 
@@ -171,7 +172,7 @@ def test_keys_that_the_manual_names_are_kept(tmp_path: Path) -> None:
     assert machine is not None
     assert not said
     assert machine.axes == NO_MCUWIN.axes
-    assert machine.controller == NO_MCUWIN.controller
+    assert machine.controller.din == replace(NO_DIN, tools=())
     assert ("[MCU] ProtocolFileName", "C:\\Logs\\mcu.txt") in machine.kept
     assert ("[FEHLERTEXTE_EXT] 8", "Achse prüfen") in machine.kept
     assert len(machine.kept) == 6
