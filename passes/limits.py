@@ -475,17 +475,17 @@ class Limits(Check):
             if stated is not None:
                 if low - ROUNDING <= stated.low and stated.high <= high + ROUNDING:
                     continue
+                safe = f"{low:.4f} to {high:.4f}"
+                said = f"{round(stated.low, 6) + 0.0:g} to {round(stated.high, 6) + 0.0:g}"
                 if stated.high < low or stated.low > high:
                     self._errors += 1
                     self.findings.add(
                         codes.NO_SAFE_OFFSET.at(
                             self._first, name=describe(form), extent=stated.high - stated.low, unit="mm",
-                            room=max(0.0, high - low),
+                            room=max(0.0, high - low), hint=f"safe for {safe} mm, and it is {said} mm",
                         )
                     )  # fmt: skip
                 else:
-                    safe = f"{low:.4f} to {high:.4f}"
-                    said = f"{round(stated.low, 6) + 0.0:g} to {round(stated.high, 6) + 0.0:g}"
                     cause = f"its value: safe for {safe}, stated {said}"
                     self.findings.add(codes.POSITION_UNKNOWN.at(self._first, axis=describe(form), cause=cause))
                 continue

@@ -243,6 +243,9 @@ def store_tool(ex: Motion, line: Command, rule: CodeRule) -> None:
     """L500.2: an entry of the tool library."""
     number = line.whole("T", ex.program.rules.integer_tolerance) or 0
     s = ex.modal
+    nominal, actual, added = (line.values.get(letter) for letter in "NAC")
+    same = nominal is not None and nominal == actual and not isinstance(nominal, Unknown) and added == 0.0
+    s.single = s.single.but(unworn=s.single.unworn | {number} if same else s.single.unworn - {number})
     if {"H", "O", "C"} & line.values.keys():
         heights = {**dict(s.single.heights), number: NOWHERE}
         s.single = s.single.but(heights=tuple(sorted(heights.items(), key=lambda pair: pair[0])))
@@ -253,20 +256,35 @@ def store_tool(ex: Motion, line: Command, rule: CodeRule) -> None:
 
 
 def compensation(ex: Motion, line: Command, rule: CodeRule) -> None:
-    """G40 to G42: for differences of tool diameters; only none of them is modelled."""
+    """G40 to G42: for differences of tool diameters; how the path lies beside the programmed one is not described.
+
+    Nothing moves aside for O0 on a machine without a tool changer, and on one with a changer for a tool to which the
+    job's own L500.2 gave one diameter, nominal and actual. Else X and Y are not known until G40 and their next words:
+    an amount bounds no corner, which may be mitred.
+    """
     s = ex.modal
     if rule.function is F.COMPENSATION_OFF:
         s.single = s.single.but(flags=s.single.flags - {"compensation"})
         return
     controls = ex.machine.controller.controls
     amount = line.number("O")
-    if amount == 0.0 or (amount is None and controls.devices is not None and not controls.changers):
+    if not controls.changers and amount == 0.0:
+        if controls.devices is None:
+            ex.assumed["the machine has no tool changer: O of G41 and G42 counts"] = None
+        return
+    tool = s.single.tools[0]
+    known = len(controls.changers) == 1 and controls.changers[0].number == 1 and not isinstance(tool, Unknown)
+    if not amount and known and tool in s.single.unworn:
         return
     s.single = s.single.but(flags=s.single.flags | {"compensation"})
     for axis in (0, 1):
         s.position[axis] = NOWHERE
     s.jumped = True
-    what = f"{rule.text} with an amount other than 0 (corners and entry are not described)"
+    what = f"{rule.text} with an amount other than 0 (half of it or all, entry and corners are not described)"
+    if controls.changers:
+        what = f"{rule.text} on a machine with a tool changer, by what the library says of the tool"
+    elif amount is None:
+        what = f"{rule.text} without O"
     raise Refusal(codes.UNSUPPORTED_CODE.at(line.span, code=what))
 
 

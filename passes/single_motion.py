@@ -12,14 +12,14 @@ from typing import TYPE_CHECKING
 
 from gproof.ir import codes
 from gproof.ir.controls import Controls
-from gproof.ir.finding import Refusal
+from gproof.ir.finding import Refusal, Span
 from gproof.ir.machine import AXES, AXIS_NAMES
 from gproof.ir.rules import CodeRule
 from gproof.ir.rules import Function as F
 from gproof.ir.trace import Op, Plane, Wait
 from gproof.passes import execute_kernels as k
 from gproof.passes.single_kernels import SAME, ZERO_RADIUS, agreed, distance
-from gproof.passes.single_state import followed, vertical_axes, with_pair
+from gproof.passes.single_state import followed, turning, vertical_axes, with_pair
 from gproof.passes.values import NOWHERE, Position, Unknown, Value, describe
 
 if TYPE_CHECKING:
@@ -42,8 +42,15 @@ def note_assumptions(ex: Motion) -> None:
         ex.assumed["the job starts in absolute distances (G90)"] = None
     if ex.setup.active_work is None and "work" not in stated:
         ex.assumed["the job starts in workspace G54"] = None
+    space = next((one for one in controls.workspaces if one.kind and one.number - 53 == ex.modal.work), None)
+    if space is not None and "turned" not in ex.modal.single.flags:
+        ex.modal.single = ex.modal.single.but(flags=ex.modal.single.flags | {"turned"})
+        what = f"the job's first workspace, G{space.number}, {turning(space)}"
+        ex._fail(codes.UNSUPPORTED_CODE.at(Span(ex.trace.files[0], 0), code=what))
     if ex.setup.default_offset is None:
-        ex.assumed["no rotation, no scaling, no axis mapping, no knife and no array is on at the start"] = None
+        ex.assumed[
+            "no rotation, no scaling, no axis mapping, no cutter compensation, no knife and no array is on at the start"
+        ] = None
 
 
 def lose_places(ex: Motion) -> None:
@@ -473,6 +480,8 @@ def arc(ex: Motion, line: Command, rule: CodeRule) -> None:
     if controls.arcs_modal:
         s.motion = int(rule.function)
         s.cycle, s.cycle_code = {}, 0
+    if "compensation" in s.single.flags:
+        raise Refusal(codes.ARC_UNKNOWN.at(line.span, cause="how much it is compensated (G41, G42)"))
     moved = set(mapped(ex, line))
     if "mapped" in s.single.flags:
         raise Refusal(codes.ARC_MAPPED.at(line.span, code="L11"))

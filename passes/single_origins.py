@@ -7,9 +7,10 @@ G59, G90 to G95, L3, L4, L28, L92, M37. A position is machine = words + workspac
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NoReturn
 
 from gproof.ir import codes
+from gproof.ir.controls import Workspace
 from gproof.ir.finding import Refusal
 from gproof.ir.machine import AXES, AXIS_NAMES
 from gproof.ir.rules import CodeRule
@@ -17,7 +18,7 @@ from gproof.ir.rules import Function as F
 from gproof.ir.trace import Op, Wait
 from gproof.passes.modal import INCH, ZERO
 from gproof.passes.single_motion import Handler, _in_mm, follow, note_assumptions, stored_in
-from gproof.passes.single_state import vertical_axes, with_pair
+from gproof.passes.single_state import turned_shift, turning, vertical_axes, with_pair
 from gproof.passes.transform import NO_TRANSFORM, Transform
 from gproof.passes.values import NOWHERE, Position, Unknown, Value
 
@@ -173,20 +174,16 @@ def keep_local(ex: Motion, line: Command, rule: CodeRule) -> None:
 
 
 def workspace(ex: Motion, line: Command, rule: CodeRule) -> None:
-    """G54 to G59 of type 0: another head, at the same X and Y of the program; others are not modelled."""
+    """G54 to G59 of type 0: another head, at the same X and Y of the program; of others see ``_turn``."""
     s = ex.modal
     controls = ex.machine.controller.controls
     spaces = {space.number: space for space in controls.workspaces}
     space = spaces.get(rule.value + 53)
-    if (space is not None and space.kind != 0) or line.axes():
-        for axis in (0, 1):
-            s.position[axis] = NOWHERE
-        s.jumped = True
-        kind = "with axis words" if space is None else f"of type {space.kind}"
-        raise Refusal(codes.UNSUPPORTED_CODE.at(line.span, code=f"{rule.text}, a workspace {kind},"))
     if space is None and rule.value != 1 and controls.devices is not None:
         raise Refusal(codes.NOT_ENABLED.at(
             line.where_code(rule), code=rule.text, device="its workspace", key=f"g{rule.value + 53}="))  # fmt: skip
+    if line.axes() or (space is not None and space.kind):
+        _turn(ex, line, rule, space)
     if (
         space is not None and space.moves is not False and controls.shift_sign is None
         and (space.x, space.y) != (0.0, 0.0)
@@ -217,6 +214,30 @@ def workspace(ex: Motion, line: Command, rule: CodeRule) -> None:
         note_assumptions(ex)
         ex.move(Op.TRAVERSE, target, line.span)
         ex._moved = True
+
+
+def _turn(ex: Motion, line: Command, rule: CodeRule, space: Workspace | None) -> NoReturn:
+    """G54 to G59 of types 3 and 5, and with X and Y: what turns and where it stands then is open.
+
+    A shift of type 3 is bounded where R is known: at most twice the radius from that of the file, however it turns, if
+    at all (``single_state.turned_shift``), so that what no direction keeps within limits is still told.
+    """
+    s = ex.modal
+    s.work, s.jumped = rule.value, True
+    s.single = s.single.but(flags=s.single.flags | {"turned"})
+    for axis in [known.index for known in ex.machine.axes if known.index < 2 or not s.linear[known.index]]:
+        s.position[axis] = NOWHERE
+        if space is None or not space.kind:
+            continue
+        ends = turned_shift(space, axis) if axis < 2 else None
+        if ends is None:
+            s.work_offsets[s.work, axis] = NOWHERE
+            continue
+        s.work_offsets[s.work, axis] = ex.unknown_place("value", axis, ends, ZERO)
+        ex.assumed["a spindle that turns (g54= T3) stands within twice its radius of its workspace's shift"] = None
+    ex._state_changed()
+    ex.event(Op.OFFSET, line.span, arg=(float(rule.value), 0.0))
+    raise Refusal(codes.UNSUPPORTED_CODE.at(line.span, code=f"{rule.text} {turning(space)}"))
 
 
 def _doubt_transform(ex: Motion, line: Command, rule: CodeRule) -> None:

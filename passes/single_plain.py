@@ -34,7 +34,7 @@ def is_plain(s: Modal) -> bool:
         and not single.slaves
         and not single.locked
         and not single.scales
-        and not single.flags & {"autoaux", "mapped"}
+        and not single.flags & {"autoaux", "mapped", "compensation"}
         and not s.cycle_code
         and not (s.machine.controller.controls.adjust_boundary or s.machine.controller.controls.adjust_vertical)
         and single.absolute_once is None

@@ -10,6 +10,7 @@ import math
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
+from gproof.ir.controls import Workspace
 from gproof.ir.machine import AXES, AXIS_NAMES, AxisKind, Machine
 from gproof.ir.trace import Boundary
 from gproof.passes.values import NOWHERE, Position, Unknown, Value
@@ -17,6 +18,8 @@ from gproof.passes.values import NOWHERE, Position, Unknown, Value
 if TYPE_CHECKING:
     from gproof.passes.modal import Modal
 
+TURNING = 3
+"""Type of a workspace whose spindle turns (WinCNC g54= T)."""
 Pairs = tuple[tuple[int, Value], ...]
 
 
@@ -46,7 +49,8 @@ class SingleState:
     and Y, another one; scales: (column, (factor, mm about which)) of axes beside X and
     Y (G51), a factor of NaN: open; places: stored positions as (name, places by column, whether heads are lifted);
     auto_dwell: seconds behind switching the automatic output on and off. knife: its settings now, None: those of the
-    machine's file; spans: ((column, low, high), place) of places between two readings.
+    machine's file; spans: ((column, low, high), place) of places between two readings. unworn: tools of the
+    library that L500.2 gave one diameter, nominal and actual, and nothing to compensate.
     """
 
     feeds: tuple[float, ...] = (math.nan,) * AXES
@@ -81,6 +85,7 @@ class SingleState:
     auto_dwell: tuple[float, float] = (0.0, 0.0)
     knife: KnifeNow | None = None
     spans: tuple[tuple[tuple[int, float, float], Position], ...] = ()
+    unworn: frozenset[int] = frozenset()
 
     def but(self, **changes: Any) -> SingleState:
         """The same with some values changed."""
@@ -118,14 +123,41 @@ def vertical_axes(machine: Machine) -> tuple[int, ...]:
 
 
 def followed(single: SingleState, position: list[Position], target: list[Position]) -> list[Position]:
-    """The target with what follows other axes step by step (L13), and without what is locked (L300)."""
+    """The target with what follows other axes step by step (L13), and without what is locked (L300).
+
+    While a cutter is compensated by an amount other than 0, nobody knows where X and Y go.
+    """
     target = list(target)
+    if "compensation" in single.flags:
+        target[:2] = [NOWHERE, NOWHERE]
     for axis, leader in single.slaves:
         way = target[leader].minus(position[leader])
         target[axis] = position[axis].plus(way)
     for axis in single.locked:
         target[axis] = position[axis]
     return target
+
+
+def turned_shift(space: Workspace, axis: int) -> tuple[float, float] | None:
+    """Between what a turning spindle (g54= T3) shifts X or Y, mm, whatever is meant by its shift and its radius.
+
+    Where the tool stands as the spindle turns is a place on a circle; counted from the circle's middle it is at most R
+    away, counted from where it stands at 0 degrees at most 2 R, and the file's shift may count either way. None: not
+    bounded.
+    """
+    if space.kind != TURNING or space.radius is None:
+        return None
+    most = abs((space.x, space.y)[axis]) + 2.0 * abs(space.radius)
+    return -most, most
+
+
+def turning(space: Workspace | None) -> str:
+    """What of a workspace that turns, or is told to turn, the manual does not say."""
+    if space is None or not space.kind:
+        return "with X and Y, which only workspaces of type 3 have,"
+    if space.kind == TURNING:
+        return "of type 3 (which axis turns, about what X and Y are seen, whether they move, and what R adds to them)"
+    return "of type 5 (two points of rotation: the manual has no more than these words)"
 
 
 def boundaries_of(modal: Modal) -> tuple[Boundary, ...]:
@@ -151,7 +183,8 @@ def prepare(modal: Modal) -> None:
         space = shifts.get(number)
         shift = (space.x, space.y)[axis] if space is not None and axis < 2 else 0.0
         sign = controls.shift_sign
-        if shift != 0.0 and sign is None:
+        turns = space is not None and space.kind and (axis < 2 or not modal.linear[axis])
+        if turns or (shift != 0.0 and sign is None):
             modal.work_offsets[number, axis] = NOWHERE
         else:
             modal.work_offsets[number, axis] = Position(shift * (sign or 1)) if shift else zero

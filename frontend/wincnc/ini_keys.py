@@ -202,7 +202,7 @@ _RULES = (
     KeyRule(key="contdelay", bare="seconds 0..", treatment="checked", reason="a pause behind a pause"),
     KeyRule(
         key="cutcomp", letters=_letters("T switch, D number"), treatment="modelled",
-        reason="T1: an entry move is put in; D below 0: G41 and G42 change places",
+        reason="neither changes that compensation by anything but nothing is UNKNOWN (G41, G42)",
     ),
     *(KeyRule(key=f"ctrlf{n}", bare="text", reason="a command of the keyboard") for n in range(1, 9)),
     KeyRule(
@@ -255,7 +255,7 @@ _RULES = (
     *(
         KeyRule(
             key=f"g{n}", letters=_WORKSPACE, treatment="modelled",
-            reason="its shift, kind (0, 3 or 5), radius, direction and whether axes move; A is not explained",
+            reason="type 0: its shift and whether axes move; what selects type 3 or 5 is UNKNOWN; A is not explained",
         )
         for n in range(54, 60)
     ),

@@ -62,8 +62,8 @@ def test_the_rules_take_the_letters_of_the_manual(name: str) -> None:
 
 @pytest.mark.parametrize("name", examples.OPEN)
 def test_what_is_open_of_a_supported_command_is_unknown(name: str, tmp_path: Path) -> None:
-    for what, text in examples.OPEN[name]:
-        assert unknowns(name, text, tmp_path), what
+    for what, text, *more in examples.OPEN[name]:
+        assert unknowns(name, text, tmp_path, *more), what
 
 
 @pytest.mark.parametrize("name", [name for name in CODES if rule_of(name).function is Function.UNSUPPORTED])

@@ -219,16 +219,37 @@ LETTERS = {
 OPEN = {
     "F": [("with axes without numbers, away from 0", "F300 Z")],
     "G2": [("with only one of I and J, the other kept from before", "G3 Y120 I0 J10\nG2 X110 Y130 I10")],
-    "G41": [("with O other than 0", "G41 O1\nG1 X120\nG40")],
-    "G42": [("with O other than 0", "G42 O1\nG1 X120\nG40")],
+    **{
+        name: [
+            ("with O other than 0", f"{name} O1\nG1 X120\nG40"),
+            ("without O", f"{name}\nG1 X120\nG40"),
+            (
+                "on a machine with a tool changer, but for a tool that L500.2 calls unworn",
+                f"{name} O0\nG1 X120\nG40",
+                "atc1=H40 O0 Z0 A2 M1\n",
+            ),
+        ]
+        for name in ("G41", "G42")
+    },
+    "G81": [("Z, R or another axis without X and Y on a line behind it", "G81 X120 Y100 Z-20 R-12 F300\nZ-25\nG80")],
+    **{
+        name: [
+            ("type 3", name, f"{name.lower()}=X0 Y0 T3 R5\n"),
+            ("type 5", name, f"{name.lower()}=X0 Y0 T5\n"),
+            ("with X or Y", f"{name} X10"),
+        ]
+        for name in ("G54", "G55", "G56", "G57", "G58", "G59")
+    },
     "L10": [("with several rows and columns", "L10 R2 C2 X50 Y50 E1\nG92 X0 Y0\nG1 X10\nL10")],
     "L28": [("at a place that no switch gave", "L28 Z0")],
     "L36": [("with the torch lit", "L36\nL38\nG1 X110\nL39\nL37")],
     "L38": [("before the first L37", "L38\nL39\nL37"), ("with A", "L37\nL38 A5\nL39")],
     "M17.1": [("an empty line or a comment behind it", "M17.1 C2\n\nG1 X110")],
+    "M99": [("in the job itself, with lines behind it", "G1 X110\nM99\nG1 X120")],
     "P": [("a position that no setup states", "P9")],
 }
-"""What of a command the manual leaves open: in words, and a program that is UNKNOWN."""
+"""What of a command the manual leaves open: in words, a program that is UNKNOWN, and lines of WINCNC.INI in place of
+those that it usually has for the device."""
 
 VARIABLES = {
     **dict.fromkeys(("TP1", "TN1", "TS1", "TH1"), ("L101", "L101 T2\n")),

@@ -47,8 +47,8 @@ on a machine, or with a setup, of which less is said.
 _COMMANDS = {**examples.G_CODES, **examples.L_CODES, **examples.M_CODES, **examples.LETTERS}
 
 
-def prepared(name: str, folder: Path) -> Path:
-    """The machine file for an example, beside its macros and the files it calls."""
+def prepared(name: str, folder: Path, more: str = "") -> Path:
+    """The machine file for an example, beside its macros and the files it calls; more: lines in place of its own."""
     ini = (MACHINE / "WINCNC.INI").read_text("utf-8")
     if name in examples.WITH_TURNING_AXIS:
         for place, put in examples.TURNING_AXIS:
@@ -57,7 +57,9 @@ def prepared(name: str, folder: Path) -> Path:
     if name in examples.WITH_SECOND_MOTOR:
         ini = examples.SECOND_MOTOR_OF.sub(lambda found: found[0] + examples.SECOND_MOTOR, ini, count=1)
     ini += "".join(examples.DEVICES[device] for device in examples.NEEDS.get(name, ()))
-    (folder / "WINCNC.INI").write_text(ini, "utf-8")
+    keys = tuple(f"{line.partition('=')[0]}=" for line in more.splitlines())
+    kept = [line for line in ini.splitlines(keepends=True) if not (keys and line.startswith(keys))]
+    (folder / "WINCNC.INI").write_text("".join(kept) + more, "utf-8")
     (folder / "CNC.MAC").write_text((MACHINE / "CNC.MAC").read_text("utf-8"), "utf-8")
     for file, text in examples.FILES.items():
         (folder / file).write_text(text, "utf-8")
@@ -77,10 +79,10 @@ class Run:
     verdict: str
 
 
-def run(name: str, text: str, folder: Path) -> Run:
+def run(name: str, text: str, folder: Path, more: str = "") -> Run:
     """A program that runs behind ``PREPARED`` on the machine of the command ``name``."""
     folder.mkdir(exist_ok=True)
-    ini = prepared(name, folder)
+    ini = prepared(name, folder, more)
     path = folder / "job.tap"
     path.write_text(f"{examples.PREPARED}{text}\n", "utf-8")
     words = ["check", str(path), "--machine", str(ini), "--setup", str(folder / "setup.toml")]
@@ -94,9 +96,9 @@ def run(name: str, text: str, folder: Path) -> Run:
     return Run(unknown, wrong, report["verdict"])
 
 
-def unknowns(name: str, text: str, folder: Path) -> dict[str, str]:
+def unknowns(name: str, text: str, folder: Path, more: str = "") -> dict[str, str]:
     """What keeps a program from being judged: messages by code."""
-    done = run(name, text, folder)
+    done = run(name, text, folder, more)
     assert not done.errors, (name, text, done.errors)
     assert bool(done.unknowns) == (done.verdict == "UNKNOWN"), (name, text, done)
     return done.unknowns
@@ -115,7 +117,10 @@ def command_status(name: str, folder: Path) -> str:
     if why:
         return f"{UNKNOWN} ({', '.join(why)}): {_reason(why, rule)}"
     status = CHECKED if rule is not None and rule.function in CHECKED_ONLY else SUPPORTED
-    some = [f"{what} ({', '.join(unknowns(name, text, folder))})" for what, text in examples.OPEN.get(name, ())]
+    some = [
+        f"{what} ({', '.join(unknowns(name, text, folder, *more))})"
+        for what, text, *more in examples.OPEN.get(name, ())
+    ]
     return f"{status}; {UNKNOWN}: {'; '.join(some)}" if some else status
 
 
