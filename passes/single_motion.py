@@ -23,6 +23,7 @@ from gproof.passes.single_state import followed, turning, vertical_axes, with_pa
 from gproof.passes.values import NOWHERE, Position, Unknown, Value, describe
 
 if TYPE_CHECKING:
+    from gproof.passes.modal import Modal
     from gproof.passes.motion import Motion
     from gproof.passes.single import Command
 
@@ -490,6 +491,7 @@ def arc(ex: Motion, line: Command, rule: CodeRule) -> None:
     if not moved & {3, 4, 5} and not controls.helical_arcs and moved & {2}:
         raise Refusal(codes.HELIX_NOT_SUPPORTED.at(line.span, axes="Z"))
     if "K" in line.values and line.number("K"):
+        _keep_words(s, line)
         raise Refusal(codes.UNSUPPORTED_CODE.at(line.where("K"), code=f"K of {rule.text}"))
     target = aim(ex, line)
     turns = 1 if rule.function is F.ARC_CCW else -1
@@ -497,6 +499,7 @@ def arc(ex: Motion, line: Command, rule: CodeRule) -> None:
     for a, b, name in zip(start, end, "XY", strict=True):
         difference = b.minus(a)
         if difference.form:
+            _keep_words(s, line)
             raise Refusal(codes.ARC_UNKNOWN.at(line.span, cause=f"{name}: {describe(difference.form)}"))
     center = _center(ex, line, rule, start, end, moved)
     same = all(abs(a.value - b.value) < SAME for a, b in zip(start, end, strict=True))
@@ -568,11 +571,23 @@ def _make(
     ex._moved = True
 
 
+def _keep_words(s: Modal, line: Command) -> None:
+    """I and J that a later arc counts with, of an arc that nobody can follow."""
+    given = [line.values.get(letter) for letter in "IJ"]
+    if "R" in line.values:
+        s.single = s.single.but(center=None)
+    elif given != [None, None]:
+        i, j = (value * s.unit if isinstance(value, float) else math.nan for value in given)
+        s.single = s.single.but(center=(math.nan, math.nan) if math.isnan(i + j) else (i, j))
+
+
 def _center(
     ex: Motion, line: Command, rule: CodeRule, start: tuple[Position, Position], end: tuple[Position, Position],
     moved: set[int],
 ) -> list[float]:  # fmt: skip
     s = ex.modal
+    if any(isinstance(line.values.get(letter), Unknown) for letter in "IJR"):
+        _keep_words(s, line)
     given = {letter: line.number(letter) for letter in "IJ" if letter in line.values}
     if "R" in line.values:
         if given:
@@ -596,7 +611,7 @@ def _center(
         if kept is None:
             raise Refusal(codes.ARC_CENTER_MISSING.at(line.span, code=rule.text, needed="I and J, or R"))
         if math.isnan(kept[0]):
-            raise Refusal(codes.ARC_UNKNOWN.at(line.span, cause="I and J of an arc before the unit was changed"))
+            raise Refusal(codes.ARC_UNKNOWN.at(line.span, cause="I and J of an arc before, which are not known"))
         i, j = kept
     else:
         values = []
@@ -605,6 +620,7 @@ def _center(
             if value is None:
                 if kept is not None and not abs(kept[n]) <= SAME:
                     other = f"{letter} left out: that of the arc before, or 0"
+                    _keep_words(s, line)
                     raise Refusal(codes.ARC_UNKNOWN.at(line.span, cause=other))
                 value = 0.0
                 if kept is None:

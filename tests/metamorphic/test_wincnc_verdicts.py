@@ -214,7 +214,11 @@ def test_wider_limits(first: int, count: int, tmp_path: Path) -> None:
         job = replace(job, bounds={n: (rng.choice((a, None)), b) for n, (a, b) in job.limits.items()})
         if rng.random() < 0.5:
             job = replace(job, start=blurred(rng, job.start), measures=blurred(rng, job.measures))
-        limits = {n: (a - rng.choice((0.0, 3.0, 40.0)), b + rng.choice((0.0, 3.0))) for n, (a, b) in job.limits.items()}
+        least = rng.choice((0.0, 3.0))
+        limits = {
+            n: (a - max(least, rng.choice((0.0, 3.0, 40.0))), b + max(least, rng.choice((0.0, 3.0))))
+            for n, (a, b) in job.limits.items()
+        }
         bounds = {
             n: (None if a is None else a - rng.choice((0.0, 3.0)), None if b is None else b + rng.choice((0.0, 40.0)))
             for n, (a, b) in job.bounds.items()

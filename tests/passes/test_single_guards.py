@@ -83,3 +83,32 @@ def test_what_follows_within_its_travel_is_safe(tmp_path: Path, monkeypatch: pyt
     monkeypatch.setitem(globals(), "INI", TWO_HEADS)
     found, codes = answer(tmp_path, "G90\nG0 X100 Y100 Z-5 W-45\nL13 ZW\nG81 X150 Y100 Z-40 R-5 F500\nG80\nL13\n")
     assert (found, codes & {"GP301", "GP113"}) == (Verdict.SAFE, set())
+
+
+OPEN_ARCS = {
+    "K": "G2 X20 Y0 I10 J0 K1 F600\n",
+    "one word left out": "G2 X20 Y0 I10 J0 F600\nG2 X10 Y10 J10\n",
+    "other unit": "G2 X20 Y0 I10 J0 F600\nG20\nG22\n",
+}
+
+
+@pytest.mark.parametrize("text", OPEN_ARCS.values(), ids=OPEN_ARCS)
+def test_an_open_arc_makes_no_error_of_the_next(tmp_path: Path, text: str) -> None:
+    """What is not known of one arc is not known of those that go on with its centre, and no more than that."""
+    assert answer(tmp_path, f"G90\n{text}G2 X40 Y0\nG2 X60 Y0\n")[0] is Verdict.UNKNOWN
+
+
+@pytest.mark.parametrize("text", ["G2 X20 Y0 I10 J0 F600\n", "G2 X20 Y0 R10 F600\nG2 X40 Y0 I10 J0\n"])
+def test_an_arc_from_anywhere_makes_no_error_of_the_next(tmp_path: Path, text: str) -> None:
+    (tmp_path / "WINCNC.INI").write_text(INI.format(softlim=1))
+    (tmp_path / "CNC.MAC").write_text("")
+    (tmp_path / "setup.toml").write_text(
+        'schema = "gproof-setup/1"\nunits = "mm"\nhomed = ["x", "y", "z"]\n[start]\nx = [0.0, 1.0]\ny = 50.0\nz = 0.0\n'
+    )
+    job = tmp_path / "job.tap"
+    job.write_text(f"G90\n{text}G2 X40 Y0\n")
+    session = open_session(
+        job, machine=tmp_path / "WINCNC.INI", setup=str(tmp_path / "setup.toml"), dialect=None
+    )  # fmt: skip
+    found = judge(session, running=Running())
+    assert not [f for f in found.findings.kept if f.code.label in {"GP203", "GP401"}], found.findings.kept
