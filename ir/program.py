@@ -7,7 +7,7 @@ gives as data, so that the executor never asks where a program came from.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -340,9 +340,15 @@ class Return:
     code: str = ""
 
 
+DECLARED = ("var", "const", "label")
+MODES = ("din", "pascal")
+TYPES = ("integer", "double", "boolean", "unknown")
+"""Of parameters; ``var`` before one of them: what the procedure makes of it goes back into the variable it is given."""
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Declare:
-    """Names with a type; does nothing when it runs. kind: ``var``, ``const`` or ``label``; value: of a constant."""
+    """Names with a type; does nothing when it runs. kind: one of DECLARED; value: of a constant."""
 
     kind: str
     names: tuple[str, ...]
@@ -483,11 +489,12 @@ Statement = (
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Subprogram:
-    """A named list of statements; name in lower case; end_span: the line that closes it.
+    """A named list of statements; name in lower case; end_span: the line that closes it; text: the name of a procedure
+    as written.
 
     is_file: it is a whole file, which local coordinates do not outlive (``LanguageRules.local_in_files``).
-    parameters: (name, type, number of the variable that holds it) of a procedure. is_module: it stands in the source
-    under its name; another one is a label within a module, with what follows that.
+    parameters: (name, type as in TYPES, number of the variable that holds it) of a procedure. is_module: it stands in
+    the source under its name; another one is a procedure, or a label within a module, with what follows that.
     """
 
     name: str
@@ -497,6 +504,7 @@ class Subprogram:
     is_file: bool = False
     parameters: tuple[tuple[str, str, int], ...] = ()
     is_module: bool = False
+    text: str = ""
 
 
 @dataclass(slots=True, kw_only=True)
@@ -568,18 +576,24 @@ class Program:
         return self.annotate(source.data, begin, line, limit)
 
     def verify(self) -> None:
-        """Tables lie within their files and follow the order of lines; calls name subprograms."""
+        """Tables lie within their files and follow the order of lines; jumps have labels that they can go to, loops
+        that count a variable that is written by its number; declarations, modes and parameters are of known kinds."""
         for source in self.files:
             if source.notes is not None:
                 source.notes.verify()
         for sub in self.subprograms.values():
             if sub.name != sub.name.lower():
                 raise ValueError(f"subprogram name {sub.name!r} is not lower case")
+            for name, type_, _ in sub.parameters:
+                if type_.removeprefix("var ") not in TYPES:
+                    raise ValueError(f"parameter {name!r} of {sub.name!r} has the type {type_!r}")
             self._verify_body(sub.body)
+            _verify_jumps(sub.body)
         for code, name in self.overrides.items():
             if name not in self.subprograms:
                 raise ValueError(f"{code} is replaced by {name!r}, which is no subprogram")
         self._verify_body(self.body)
+        _verify_jumps(self.body)
         self._verify_definitions()
 
     def _verify_definitions(self) -> None:
@@ -609,11 +623,41 @@ class Program:
                 size = len(self.files[node.file].data) or node.end
                 if not (0 <= node.begin <= node.end <= size and 1 <= node.first_line <= node.last_line):
                     raise ValueError(f"block table {node} lies outside its file")
-            elif isinstance(node, If):
-                self._verify_body(node.then)
-                self._verify_body(node.otherwise)
-            elif isinstance(node, While | Repeat | For | Array | Replaced):
-                self._verify_body(node.body)
+            elif isinstance(node, Declare):
+                if node.kind not in DECLARED or not node.names or (node.kind == "const") != (node.value is not None):
+                    raise ValueError(f"{node} declares nothing")
+            elif isinstance(node, Mode):
+                if node.name not in MODES:
+                    raise ValueError(f"{node} is no language")
+            elif isinstance(node, For) and not isinstance(node.variable.number, Number):
+                raise ValueError(f"{node.variable} is computed, and a loop counts it")
+            for part in parts_of(node):
+                self._verify_body(part)
+
+
+def parts_of(node: Statement) -> tuple[tuple[Statement, ...], ...]:
+    """The lists of statements within a statement."""
+    if isinstance(node, If):
+        return node.then, node.otherwise
+    if isinstance(node, While | Repeat | For | Array | Replaced):
+        return (node.body,)
+    return ()
+
+
+def lost_jumps(body: tuple[Statement, ...], around: frozenset[str] = frozenset()) -> Iterator[Jump]:
+    """Jumps whose label stands neither in their list of statements nor in one around it; around: labels of those."""
+    inner = around.union(node.name for node in body if isinstance(node, Label))
+    for node in body:
+        if isinstance(node, Jump) and node.name not in inner:
+            yield node
+        for part in parts_of(node):
+            yield from lost_jumps(part, inner)
+
+
+def _verify_jumps(body: tuple[Statement, ...]) -> None:
+    lost = next(lost_jumps(body), None)
+    if lost is not None:
+        raise ValueError(f"{lost} goes to a label that it can not reach")
 
 
 def words_equal(left: Columns, right: Columns) -> bool:

@@ -201,7 +201,7 @@ class _DollarLine:
         words = [token.low for token in tokens if token.text != ";"]
         if word == "repeat":
             return words in (["repeat"], ["repeat", "begin"])
-        return words[-1] in ("begin", "then", "do")
+        return words[-1] == "begin" or (words[-1] in ("then", "do") and tokens[-1].text != ";")
 
     def _begin(self) -> None:
         """``begin`` at the end of a head."""

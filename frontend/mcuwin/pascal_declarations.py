@@ -7,25 +7,30 @@ from __future__ import annotations
 
 import math
 import operator
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, fields, is_dataclass
 
 from gproof.frontend.mcuwin.pascal_lexer import PascalError, Token
 from gproof.frontend.mcuwin.pascal_statements import StatementParser, label_name
-from gproof.frontend.mcuwin.pascal_types import DECLARABLE, Parameter, Type
+from gproof.frontend.mcuwin.pascal_types import DECLARABLE, Parameter, Symbols, Type
 from gproof.ir import codes
 from gproof.ir.dialects.mcuwin_pascal import KEYWORDS
 from gproof.ir.finding import Span
 from gproof.ir.program import (
     Binary,
+    Call,
     Constant,
     Declare,
     Expr,
+    Jump,
     Number,
     Statement,
     Subprogram,
     Text,
     Unary,
+    Unsupported,
+    Variable,
+    lost_jumps,
 )
 
 _HEADS = ("var", "const", "label", "procedure", "function")
@@ -110,9 +115,10 @@ class SectionParser(StatementParser):
             raise self.lexer.error(codes.SYNTAX, token, what="a type is missing", hint="integer, double or boolean")
         hint = "the manual has integer, double and boolean"
         self.report(codes.PASCAL_OPEN, token, what=f"the type {token.text!r}", hint=hint)
+        words = [token.low]
         while self.lexer.peek().text not in (";", ")") and self.lexer.peek().kind != "end":
-            self.lexer.take()
-        return Type.UNKNOWN, token.low
+            words.append(self.lexer.take().low)
+        return Type.UNKNOWN, " ".join(words)
 
     def _goes_on(self, sign: str) -> bool:
         """Whether another group of names follows without a word before it."""
@@ -202,16 +208,26 @@ class SectionParser(StatementParser):
                 hint = "procedures within procedures, and 'forward', are not in the manual"
                 raise self.lexer.error(codes.SYNTAX, at, what=f"'begin' of {name.text!r} is missing", hint=hint)
             body, close = self.compound()
+            if any(self._lost(body)):
+                body = (Unsupported(what=f"the procedure {name.text!r}, with a jump out of it", span=head),)
         finally:
             self.symbols.leave()
+        self.symbols.close_procedure(name.text, frozenset(_numbers(body, self.symbols)))
         self.separator(())
         if is_new and not is_function:
             subprograms.append(
                 Subprogram(
                     name=name.text.lower(), body=(*local, *body), span=head, end_span=self.lexer.span(close),
-                    parameters=tuple((p.name, p.written, p.number) for p in parameters),
+                    parameters=tuple((p.name, p.written, p.number) for p in parameters), text=name.text,
                 )
             )  # fmt: skip
+
+    def _lost(self, body: tuple[Statement, ...]) -> Iterator[Jump]:
+        """Jumps of a procedure that do not stay in it, or go into a block; each is reported."""
+        for jump in lost_jumps(body):
+            what = f"a jump to {jump.name!r}, which does not stand in this procedure outside of blocks"
+            self.symbols.report(codes.PASCAL_OPEN.at(jump.span, what=what))
+            yield jump
 
     def _parameters(self) -> tuple[Parameter, ...]:
         """( [var] names : type ; ... ), which may be missing."""
@@ -242,6 +258,20 @@ _ARITHMETIC: dict[str, Callable[[float, float], float]] = {
     "and": lambda a, b: float(bool(a) and bool(b)), "or": lambda a, b: float(bool(a) or bool(b)),
     "==": operator.eq, "<>": operator.ne, "<": operator.lt, "<=": operator.le, ">": operator.gt, ">=": operator.ge,
 }  # fmt: skip
+
+
+def _numbers(node: object, symbols: Symbols) -> Iterator[int]:
+    """Numbers of the variables in a tree, and in the procedures that it calls."""
+    if isinstance(node, Variable) and isinstance(node.number, Number):
+        yield int(node.number.value)
+    elif isinstance(node, tuple):
+        for part in node:
+            yield from _numbers(part, symbols)
+    elif is_dataclass(node) and not isinstance(node, Span):
+        if isinstance(node, Call):
+            yield from symbols.uses(node.text)
+        for one in fields(node):
+            yield from _numbers(getattr(node, one.name), symbols)
 
 
 def constant_value(node: Expr) -> float | None:

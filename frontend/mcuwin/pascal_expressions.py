@@ -113,7 +113,7 @@ class ExpressionParser:
         while self.lexer.peek().low in PRODUCTS:
             word = self.lexer.peek()
             inner_sign = inner_sign or self.lexer.peek(1).low in ("+", "-")
-            left = self._joined(first, left, self._factor, signed=sign is not None)
+            left = self._joined(first, left, self._factor, signed=sign is not None and sign.text == "-")
             if inner_sign and self._matters(left[0]):
                 what = f"a sign within a product with {word.text}"
                 self.report(codes.PASCAL_OPEN, word, what=what, hint="set brackets")

@@ -211,7 +211,7 @@ class StatementParser(ExpressionParser):
         if divider is not None:
             self.lexer.take()
             otherwise, other_close = self.body()
-            close = other_close or close
+            close = other_close or (close and self.lexer.last)
         return (
             If(
                 condition=condition, then=then, otherwise=otherwise, span=head,
@@ -376,8 +376,24 @@ class StatementParser(ExpressionParser):
             wanted = len(symbol.parameters)
             what = f"{symbol.name!r} takes {wanted} value{'' if wanted == 1 else 's'}, {len(arguments)} given"
             raise self.lexer.error(codes.TYPE_MISMATCH, token, self.lexer.last, what=what)
+        self._by_reference(symbol, token, arguments)
         span = self.lexer.span(token, self.lexer.last)
         return (Call(name=symbol.name.lower(), span=span, arguments=tuple(arguments), text=symbol.name),)
+
+    def _by_reference(self, symbol: Symbol, token: Token, arguments: list[Word]) -> None:
+        """What a call does not mean when parameters and local variables are variables as the others are."""
+        if symbol.open:
+            self.report(codes.PASCAL_OPEN, token, self.lexer.last, what=f"the procedure {symbol.name!r} calls itself")
+        given: set[int] = set()
+        for parameter, word in zip(symbol.parameters, arguments, strict=True):
+            value = word.value
+            if not (parameter.by_reference and isinstance(value, Variable) and isinstance(value.number, Number)):
+                continue
+            number = int(value.number.value)
+            if number in given or number in symbol.uses:
+                what = f"{symbol.name!r} gets a variable as {parameter.name!r} that it also uses under another name"
+                self.report(codes.PASCAL_OPEN, token, self.lexer.last, what=what, hint="use a further variable")
+            given.add(number)
 
     def _argument(self, parameter: Parameter | None) -> Word:
         first = self.lexer.peek()

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import copy
 import enum
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from gproof.ir import codes
 from gproof.ir.dialects.mcuwin_pascal import ANGULAR, BITWISE, FIRST_DECLARED, FUNCTIONS, PRODUCTS, RELATIONS, SUMS
@@ -51,7 +51,8 @@ class Parameter:
 @dataclass(frozen=True, slots=True)
 class Symbol:
     """A declared name. kind: ``var``, ``const``, ``label``, ``procedure`` or ``function``; number: of the variable;
-    value: of a constant, None where it is not known; text: of a constant that is a string."""
+    value: of a constant, None where it is not known; text: of a constant that is a string; uses: numbers of variables
+    in the body of a procedure and of those that it calls; open: its body is being read."""
 
     name: str
     kind: str
@@ -61,6 +62,8 @@ class Symbol:
     value: float | None = None
     text: str | None = None
     parameters: tuple[Parameter, ...] = ()
+    uses: frozenset[int] = frozenset()
+    open: bool = False
 
 
 @dataclass(slots=True)
@@ -122,9 +125,19 @@ class Symbols:
         """Declares the procedure whose scope is entered, in the scope around it; False when it was declared before."""
         inner = self._scopes.pop()
         known = self._key(name) in self._scopes[-1]
-        self.add_procedure(name, parameters, span, kind)
+        self._add(Symbol(name, kind, span, parameters=parameters, open=True))
         self._scopes.append(inner)
         return not known
+
+    def close_procedure(self, name: str, uses: frozenset[int]) -> None:
+        """The body of a procedure was read, whose scope is left."""
+        key = self._key(name)
+        self._scopes[-1][key] = replace(self._scopes[-1][key], uses=uses, open=False)
+
+    def uses(self, name: str) -> frozenset[int]:
+        """Numbers of the variables that a procedure uses."""
+        symbol = self.lookup(name)
+        return symbol.uses if symbol is not None else frozenset()
 
     def lookup(self, name: str) -> Symbol | None:
         """What a name means, in the innermost scope that has it."""
