@@ -137,7 +137,8 @@ def open_session(
         first = min(inside, key=lambda span: span.line, default=Span(str(job), 0))
         findings.add(codes.ONLY_SUBPROGRAMS.at(first, hint=f"--call {min(program.subprograms)} judges one of them"))
     if program is not None:
-        inputs += [(f.name, f.sha256, "source") for f in program.files]
+        settings = {name for name, _, role in inputs if role == "machine"}
+        inputs += [(f.name, f.sha256, "source") for f in program.files if f.name not in settings]
     return Session(
         job=job, dialect=dialect, dialect_reason=reason, program=program, machine=the_machine, setup=the_setup,
         machine_given=machine is not None, findings=findings, inputs=inputs,

@@ -50,7 +50,8 @@ def controls_from(root: TomlTable, before: Controls, unit: Fraction) -> Controls
     elif group is not None:
         table.bad("command_group", f"{group[:20]!r} is not made of {', '.join(AXIS_NAMES)}")
     table.finish()
-    return replace(before, **{name: value for name, value in stated.items() if value is not None})
+    given = {name: value for name, value in stated.items() if value is not None}
+    return replace(before, **given, places=tuple(place for place in before.places if place[0] not in given))
 
 
 def _sign(table: TomlTable) -> int | None:

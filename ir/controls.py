@@ -6,7 +6,9 @@ their column names (``ir/machine.py`` AXIS_NAMES).
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+
+from gproof.ir.finding import Span
 
 DEVICES = (
     "knife", "saw", "laser", "laserscan", "thc", "bevel", "pump", "da", "spindle", "autoaux", "probe", "axisadj",
@@ -167,7 +169,7 @@ class Controls:
     """See the module's text.
 
     lexical: how lines are read; start, end: lines that run before and behind each job (cmdstart=, cmdend=), abort:
-    behind one that is aborted.
+    behind one that is aborted; places: by these three names where each stands, no part of the value.
     absolute: the distance mode at the start, None: that of the job before (nmode=).
     arc_tolerance: mm by which start and end radius may differ (arc_err=); smallest_arc: mm, arcs below are lines
     (arc_min=); arcs_modal: lines without a command behind an arc are arcs (g2modal=, arcs=, arctype=).
@@ -245,6 +247,11 @@ class Controls:
     compensation_swapped: bool = False
     override: tuple[float | None, float | None] | None = None
     override_enabled: bool = True
+    places: tuple[tuple[str, Span], ...] = field(default=(), compare=False, repr=False)
+
+    def place(self, name: str) -> Span | None:
+        """Where a line stands that runs before or behind the job; None when no file with lines says so."""
+        return dict(self.places).get(name)
 
 
 NO_CONTROLS = Controls()

@@ -104,13 +104,22 @@ class Executor(Branches):
         (code, line), self._end = self._end, None
         if line <= 0 or self._stack[0].body is not self.program.body:
             return
+        if not in_table and frame.at and not self._is_of_job(frame.body[frame.at - 1]):
+            return
         if in_table and (after := frame.next_line()):
             self._text_after_end(code, after)
             return
         for node in self.program.body:
-            if _first_line(node) > line:
+            if _first_line(node) > line and self._is_of_job(node):
                 self._text_after_end(code, _first_line(node))
                 return
+
+    def _is_of_job(self, node: Statement) -> bool:
+        """Whether a statement stands in the job itself, not in a file of settings that runs something around it."""
+        if isinstance(node, BlockTable):
+            return node.file == 0
+        file = node.place[0] if isinstance(node, DeferredBlock) else node.span.file
+        return not self.program.files or file == self.program.files[0].name
 
     def _text_after_end(self, code: str, line: int) -> None:
         self.findings.add(codes.TEXT_AFTER_END.at(Span(self.trace.files[self._file], line), code=code))

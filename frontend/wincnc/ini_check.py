@@ -136,7 +136,7 @@ class Sheet:
         """The letters of axischar= and the column of each; ("", {}) when they can not be."""
         setting = next((one for one in self.ini.settings if one.key == "axischar"), None)
         if setting is None:
-            self.ini.add(codes.MISSING_KEY, 0, key="axischar=")
+            self.ini.add(codes.MISSING_KEY, 0, key="axischar=", hint=self.ini.hint)
             return "", {}
         letters = "".join(setting.text.split()).upper()
         columns, problem = columns_of(letters)

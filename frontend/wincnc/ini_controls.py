@@ -21,6 +21,7 @@ from gproof.ir.controls import (
     TorchControl,
     Workspace,
 )
+from gproof.ir.finding import Span
 
 ARC_ERROR = Fraction(1, 100)
 COMMENT_SIGNS = "[(%"
@@ -60,6 +61,7 @@ def read_controls(sheet: Sheet) -> Controls:
         start=sheet.text("cmdstart"),
         end=sheet.text("cmdend"),
         abort=sheet.text("cmdabort"),
+        places=_places(sheet, start="cmdstart", end="cmdend", abort="cmdabort"),
         absolute=None if mode is None else mode == 90,
         arc_tolerance=sheet.scaled(_or(sheet.bare("arc_err"), ARC_ERROR), sheet.unit),
         smallest_arc=sheet.scaled(_or(sheet.bare("arc_min"), SMALLEST_ARC), sheet.unit),
@@ -104,6 +106,14 @@ def read_controls(sheet: Sheet) -> Controls:
         override=_override(sheet),
         override_enabled=sheet.switch("override", "E") is not False,
     )
+
+
+def _places(sheet: Sheet, **keys: str) -> tuple[tuple[str, Span], ...]:
+    """Where the values of keys stand, by the names that these have in ``Controls``."""
+    found = [(name, setting) for name, key in keys.items() if (setting := sheet.one(key)) is not None]
+    return tuple(
+        (name, Span(sheet.ini.name, s.line, s.value_column, s.value_column + len(s.text))) for name, s in found
+    )  # fmt: skip
 
 
 def _or(value: Fraction | None, usual: Fraction) -> Fraction:

@@ -23,6 +23,7 @@ ENDS_OF_QUOTES = {'"': '"', "“": '”“"', "”": '”“"', "„": '”“"'
 
 _END_OF_LINE = re.compile(r"\r\n|\r|\n")
 _SETTING = re.compile(r"\s*(?P<key>[A-Za-z0-9_]+)\s*=\s*(?P<value>.*)", re.ASCII | re.DOTALL)
+_EDING_SECTION = re.compile(r"^[ \t]*\[joint_\d+\]", re.IGNORECASE | re.MULTILINE)
 _CONTROL = re.compile(r"[\x00-\x08\x0b-\x1f\x7f]")
 _LETTER = re.compile(r"\s*(?P<letter>[A-Za-z])\s*", re.ASCII)
 _NUMBER = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+)", re.ASCII)
@@ -76,6 +77,7 @@ class IniFile:
         self.errors = 0
         self.unknown: list[tuple[str, str]] = []
         self.settings: list[Setting] = []
+        self.hint = ""
 
     def add(self, code: Code, line: int, column: int = 0, end_column: int = 0, **values: Any) -> None:
         """A finding at a place; all but an unknown key and what the controller itself refuses make the file bad."""
@@ -100,7 +102,9 @@ class IniFile:
         self.add(codes.UNKNOWN_KEY, setting.line, *place, key=shown)
 
     def parse(self, text: str) -> None:
-        """Read the lines of the whole file; the values stay texts."""
+        """Read the lines of the whole file; the values stay texts. hint: what else the file may be."""
+        if _EDING_SECTION.search(text) is not None:
+            self.hint = "this looks like the cnc.ini of Eding CNC: give it by another name than WINCNC.INI"
         for number, line in enumerate(_END_OF_LINE.split(text.removesuffix("\x1a")), 1):
             control = _CONTROL.search(line)
             if control is not None:

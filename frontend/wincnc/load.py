@@ -26,6 +26,7 @@ from gproof.ir.controls import Controls
 from gproof.ir.dialects import rules_named
 from gproof.ir.finding import Findings, Refusal, Severity, Span
 from gproof.ir.machine import Machine
+from gproof.ir.notes import NO_NOTES
 from gproof.ir.program import (
     Array,
     Block,
@@ -206,9 +207,11 @@ class _Loader:
         """The statements of the job, with everything it calls loaded."""
         self.prepare()
         body = self.load(path, is_job=True)
-        self.program.tail = self._command(self.controls.end, "cmdend")
-        self.program.abort = self._command(self.controls.abort, "cmdabort")
-        body = (*self._command(self.controls.start, "cmdstart"), *body, *self.program.tail)
+        if self.macro_source is not None:
+            self._add_settings(self.macro_source)
+        self.program.tail = self._command("end", self.controls.end)
+        self.program.abort = self._command("abort", self.controls.abort)
+        body = (*self._command("start", self.controls.start), *body, *self.program.tail)
         while self.files.wanted:
             key = self.files.wanted.pop()
             path = self.files.paths[key]
@@ -243,22 +246,36 @@ class _Loader:
                 codes.MACRO_FILE_MISSING.at(Span(str(self.machine_file), 0), name="CNC.MAC", machine=name)
             )
 
-    def _command(self, text: str, key: str) -> tuple[Statement, ...]:
-        """What a setting runs before or behind the job."""
+    def _command(self, name: str, text: str) -> tuple[Statement, ...]:
+        """What a setting runs before or behind the job, at its place in the machine's file."""
         if not text.strip():
             return ()
         file = str(self.machine_file) if self.machine_file is not None else "(machine file)"
+        place = self.controls.place(name) or Span(file, 0)
+        self._settings_file(place.file)
         try:
-            parsed = self.lines.parse(text, file, 0)
+            parsed = self.lines.parse(" " * (place.column - 1) + text, place.file, place.line)
         except LineError as error:
-            finding = error.finding(file, 0)
-            self.findings.add(dataclasses.replace(finding, message=f"{key}={text}: {finding.message}"))
+            finding = error.finding(place.file, place.line)
+            self.findings.add(dataclasses.replace(finding, message=f"cmd{name}={text}: {finding.message}"))
             return ()
         if parsed is None:
             return ()
         if isinstance(parsed, Head | ArrayLine):
-            return (Unsupported(what=f"{key}={text}", span=Span(file, 0)),)
+            return (Unsupported(what=f"cmd{name}={text}", span=place),)
         return (parsed,)
+
+    def _settings_file(self, name: str) -> None:
+        """Have the machine's file among those of the program, once, so that rows of the trace can name it."""
+        if self.machine_file is None or any(file.name == name for file in self.program.files):
+            return
+        self._add_settings(read_source(Path(name)))
+
+    def _add_settings(self, source: SourceFile) -> None:
+        """Have a file among those of the program that decides about it and holds none of its lines."""
+        source.newline, source.mark, source.notes = newline_of(source.data), source.data[:3] == UTF8_MARK, NO_NOTES
+        source.line_count = source.data.count(b"\n") + (source.data[-1:] not in (b"", b"\n"))
+        self.program.files.append(source)
 
     def load(self, path: Path, name: str = "", *, is_job: bool) -> tuple[Statement, ...]:
         """The statements of one file; name: of the file in findings, when it is not ``path``."""
