@@ -148,15 +148,33 @@ class Turning:
 
     def traverse(self, target: list[Position]) -> list[Position]:
         """Before a rapid move; where that ends."""
-        if not self.mode.automatic or self.up < 0 or not self._has_direction(target):
+        s = self.ex.modal
+        if self.mode.target and self._has_direction(target):
+            # "During the XY move": of which kind is not said.
+            target[self.axis] = self._on_the_way(target)
+        if not self.mode.automatic or self.up < 0 or not self._goes(target):
             return target
-        here = self.ex.modal.position[self.up]
+        here = s.position[self.up]
         self.lift_by_itself()
-        if target[self.up] == here:
-            target[self.up] = self.ex.modal.position[self.up]
-        else:
-            target[self.up] = self.between(self.up, target[self.up], self._top())
+        named = target[self.up] != here
+        target[self.up] = self.between(self.up, target[self.up], self._top()) if named else s.position[self.up]
         return target
+
+    def _on_the_way(self, target: list[Position]) -> Position:
+        """T1 in a rapid move: where it was, or pointing along it, or between."""
+        s = self.ex.modal
+        problem = self._problem(target)
+        if problem:
+            return self._tell(self.axis, problem)
+        here = s.position
+        direction = math.degrees(math.atan2(target[1].value - here[1].value, target[0].value - here[0].value))
+        low, high, _ = self._reach(here[self.axis])
+        ends = low, high, _nearest(low, direction, up=False), _nearest(high, direction, up=True)
+        return self.between(self.axis, Position(min(ends)), Position(max(ends)))
+
+    def _goes(self, target: list[Position]) -> bool:
+        """Whether X, Y or the vertical axis moves."""
+        return self._has_direction(target) or target[self.up] != self.ex.modal.position[self.up]
 
     def _has_direction(self, target: list[Position]) -> bool:
         here = self.ex.modal.position
@@ -170,6 +188,8 @@ class Turning:
         s = self.ex.modal
         arc = op is Op.ARC and center is not None
         if not arc and not self._has_direction(target):
+            if self.mode.automatic and self.up >= 0 and self._goes(target):
+                target[self.up] = self.between(self.up, target[self.up], self._bottom())
             return target, None
         problem = self._problem(target)
         if problem:
@@ -195,7 +215,10 @@ class Turning:
         if self.up >= 0:
             back = self._height(target, here, lifts, within_arc=arc and self.mode.lifts_in_arcs)
         if self.mode.target:
-            ends = (low, high, first, last, first + along, last + along)
+            # It follows an arc, or turns to where that ends, the shorter way again.
+            least, most = min(low, first), max(high, last)
+            straight = _nearest(least, direction + along, up=False), _nearest(most, direction + along, up=True)
+            ends = (least, most, first + along, last + along, *straight)
             target[self.axis] = self.between(self.axis, Position(min(ends)), Position(max(ends)))
         else:
             target[self.axis] = s.position[self.axis] if not along else s.position[self.axis].moved(along)
