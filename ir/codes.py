@@ -440,6 +440,10 @@ HELIX_NOT_SUPPORTED = code(
 )
 ARC_MAPPED = code(417, "arc-mapped", _E, "an arc while the words of the axes are re-mapped ({code})", "arcs")
 
+ARC_LEANING_KNIFE = code(
+    419, "arc-with-leaning-knife", _E, "an arc with a blade that leans, which cuts only lines", "arcs"
+)
+
 ARC_FULL_CIRCLE = code(
     418,
     "arc-full-circle",

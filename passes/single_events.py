@@ -19,7 +19,7 @@ from gproof.passes import single_knife
 from gproof.passes.emitter import ProgramEnd
 from gproof.passes.expressions import Evaluator
 from gproof.passes.single_motion import Handler, follow, lose_places, note_assumptions, switch_output
-from gproof.passes.single_state import KnifeNow, value_of, vertical_axes, with_pair
+from gproof.passes.single_state import LEANING, KnifeNow, value_of, vertical_axes, with_pair
 from gproof.passes.values import NOWHERE, Position, Unknown, Value
 
 if TYPE_CHECKING:
@@ -425,6 +425,7 @@ def knife(ex: Motion, line: Command, rule: CodeRule) -> None:
         if KNIFE in s.following:
             single_knife.switched(ex, line.span)
         s.following = tuple(name for name in s.following if name != KNIFE)
+        s.single = s.single.but(flags=s.single.flags - {LEANING})
         ex._state_changed()
         return
     mode = ex.machine.controller.controls.knife
@@ -432,6 +433,8 @@ def knife(ex: Motion, line: Command, rule: CodeRule) -> None:
         problem = "without knifemode=" if mode is None else single_knife.problem_of(ex, mode)
         if problem:
             lose_places(ex)
+            if mode is not None and (mode.blade or mode.both_ways):
+                s.single = s.single.but(flags=s.single.flags | {LEANING})
             raise Refusal(codes.UNSUPPORTED_CODE.at(line.span, code=f"{rule.text} {problem}"))
     s.following = tuple(sorted({*s.following, KNIFE}))
     ex._state_changed()

@@ -228,7 +228,7 @@ class Turning:
         """Why the knife can not be followed along this move, "" where it can."""
         s = self.ex.modal
         word = self.ex.machine.word(self.axis)
-        if s.compensation is not None:
+        if s.compensation is not None or "compensation" in s.single.flags:
             return "with cutter radius compensation"
         if s.single.sources != tuple(range(AXES)):
             return "while L11 or L12 maps axes"
@@ -334,11 +334,9 @@ def problem_of(ex: Motion, mode: KnifeMode) -> str:
     if mode.vertical and ex.machine.axis(mode.vertical) is None:
         return "with V of knifemode= on an axis that is not there"
     if mode.blade or mode.both_ways:
-        return (
-            "with a blade that leans (A and M of knifeangle=): which way it leans and where the cut begins is not said,"
-        )
+        return "with a blade that leans (A and M of knifeangle=; which way, and from where it cuts, is not said)"
     if mode.x or mode.y:
-        return "with a blade beside its axis (X and Y of knifeangle=): which way the axes make up for it is not said,"
+        return "with a blade beside its axis (X and Y of knifeangle=; which way axes make up for it is not said)"
     return ""
 
 

@@ -19,7 +19,7 @@ from gproof.ir.rules import Function as F
 from gproof.ir.trace import Op, Plane, Wait
 from gproof.passes import execute_kernels as k
 from gproof.passes.single_kernels import SAME, ZERO_RADIUS, agreed, distance
-from gproof.passes.single_state import followed, turning, vertical_axes, with_pair
+from gproof.passes.single_state import LEANING, followed, turning, vertical_axes, with_pair
 from gproof.passes.values import NOWHERE, Position, Unknown, Value, describe
 
 if TYPE_CHECKING:
@@ -486,6 +486,8 @@ def arc(ex: Motion, line: Command, rule: CodeRule) -> None:
     moved = set(mapped(ex, line))
     if "mapped" in s.single.flags:
         raise Refusal(codes.ARC_MAPPED.at(line.span, code="L11"))
+    if LEANING in s.single.flags:
+        raise Refusal(codes.ARC_LEANING_KNIFE.at(line.span))
     if s.transform.factors != (1.0, 1.0):
         raise Refusal(codes.ARC_SCALED.at(line.span, axes="X or Y", code="G51"))
     if not moved & {3, 4, 5} and not controls.helical_arcs and moved & {2}:

@@ -14,7 +14,7 @@ import numpy as np
 from gproof.ir.machine import AXES
 from gproof.passes import single_kernels as k
 from gproof.passes.single_motion import feed_columns, note_assumptions, usual_feed
-from gproof.passes.single_state import letters_of
+from gproof.passes.single_state import LEANING, letters_of
 from gproof.passes.values import Position
 
 if TYPE_CHECKING:
@@ -34,7 +34,7 @@ def is_plain(s: Modal) -> bool:
         and not single.slaves
         and not single.locked
         and not single.scales
-        and not single.flags & {"autoaux", "mapped", "compensation"}
+        and not single.flags & {"autoaux", "mapped", "compensation", LEANING}
         and not s.cycle_code
         and not (s.machine.controller.controls.adjust_boundary or s.machine.controller.controls.adjust_vertical)
         and single.absolute_once is None

@@ -20,6 +20,9 @@ if TYPE_CHECKING:
 
 TURNING = 3
 """Type of a workspace whose spindle turns (WinCNC g54= T)."""
+LEANING = "leaning knife"
+"""Flag: a knife is on whose blade leans."""
+
 Pairs = tuple[tuple[int, Value], ...]
 
 
