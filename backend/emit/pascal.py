@@ -81,6 +81,15 @@ def _level(node: Expr) -> int:
     return SUM if isinstance(node, Unary) and node.operator in _SIGNS else FACTOR
 
 
+def _spine(node: Expr) -> list[Binary]:
+    """A product and those at its left end, the outermost first."""
+    found: list[Binary] = []
+    while isinstance(node, Binary) and _level(node) == PRODUCT:
+        found.append(node)
+        node = node.left
+    return found
+
+
 def _negative(node: Expr) -> bool:
     return isinstance(node, Number) and repr(node.value).startswith("-")
 
@@ -130,28 +139,30 @@ class Printer:
         inner, minus = node.operand, node.operator == "neg"
         if _level(inner) >= PRODUCT and not self._wrong(inner, minus):
             text = self._product(inner, minus)
-            if text[0] not in "+-.0123456789":
+            if not text[0].isdigit():
                 return _SIGNS[node.operator] + text
+            if any(one.doubtful for one in _spine(inner)):
+                return _SIGNS[node.operator] + self._product(inner, minus, wrapped=True)
         return _SIGNS[node.operator] + self._bracket(inner)
 
     def _first_product(self, node: Expr) -> str:
         if _level(node) < PRODUCT:
             return self._bracket(node)
-        spine: list[Binary] = []
-        leaf = node
-        while isinstance(leaf, Binary) and _level(leaf) == PRODUCT:
-            spine.append(leaf)
-            leaf = leaf.left
+        spine = _spine(node)
+        leaf = spine[-1].left if spine else node
         matters = [one.doubtful for one in spine if one.operator in SIGN_MATTERS]
         return self._product(node, False, bare=_negative(leaf) and all(matters))
 
-    def _product(self, node: Expr, signed: bool, *, bare: bool = False) -> str:
-        """Factors; signed: behind a sign; bare: its first factor is a number with a sign, without brackets."""
+    def _product(self, node: Expr, signed: bool, *, bare: bool = False, wrapped: bool = False) -> str:
+        """Factors; signed: behind a minus; bare: its first factor is a number with a sign, without brackets;
+        wrapped: its first factor is a number that must not become one with the sign before it."""
         if not isinstance(node, Binary) or _level(node) != PRODUCT:
+            if wrapped:
+                return self._bracket(node)
             return self._number(node) if bare and isinstance(node, Number) else self._factor(node)
         left = node.left
         cut = _level(left) < PRODUCT or self._wrong(left, signed or bare)
-        first = self._bracket(left) if cut else self._product(left, signed, bare=bare)
+        first = self._bracket(left) if cut else self._product(left, signed, bare=bare, wrapped=wrapped)
         return f"{first} {WRITTEN[node.operator]} {self._factor(node.right)}"
 
     @staticmethod

@@ -131,39 +131,51 @@ class SectionParser(StatementParser):
         return after.text in (",", ":") and (symbol is None or symbol.kind != "label")
 
     def _var(self) -> list[Statement]:
-        first: Token = self.lexer.take()
+        return self._groups(self._variables, ":")
+
+    def _groups(self, read: Callable[[Token | None], Statement], sign: str) -> list[Statement]:
+        """Declarations behind one word; each may have a mistake of its own."""
+        word: Token | None = self.lexer.take()
         found: list[Statement] = []
-        while not found or self._goes_on(":"):
-            names = self._names()
-            first = first if not found else names[0]
-            self.expect(":", f"behind {names[-1].text!r}")
-            type_, written = self._type()
-            span = self.lexer.span(first, self.lexer.last)
-            for name in names:
-                self.symbols.add_var(name.text, type_, self.lexer.span(name))
-            found.append(Declare(kind="var", names=tuple(n.text for n in names), span=span, type=written))
-            self.separator(())
+        while word is not None or self._goes_on(sign):
+            before = self.lexer.index
+            try:
+                found.append(read(word))
+                self.separator(())
+            except PascalError as error:
+                self.symbols.report(error.finding)
+                self._pass_mistake(before, _HEADS)
+            word = None
         return found
 
+    def _variables(self, word: Token | None) -> Statement:
+        """names : type; word: ``var`` where it stands before them."""
+        names = self._names()
+        self.expect(":", f"behind {names[-1].text!r}")
+        type_, written = self._type()
+        for name in names:
+            self.symbols.add_var(name.text, type_, self.lexer.span(name))
+        span = self.lexer.span(word or names[0], self.lexer.last)
+        return Declare(kind="var", names=tuple(n.text for n in names), span=span, type=written)
+
     def _const(self) -> list[Statement]:
-        first: Token = self.lexer.take()
-        found: list[Statement] = []
-        while not found or self._goes_on("="):
-            name = self._name_to_declare()
-            first = first if not found else name
-            self.expect("=", f"behind {name.text!r}")
-            begin = self.lexer.peek()
-            node, type_ = self.whole()
-            value = None if isinstance(node, Text) else constant_value(node)
-            if value is None and not isinstance(node, Text):
-                what = f"the constant {name.text!r} is no number that can be found without running the program"
-                self.report(codes.PASCAL_OPEN, begin, self.lexer.last, what=what, hint="write its value")
-            text = node.value if isinstance(node, Text) else None
-            self.symbols.add_const(name.text, type_, value, self.lexer.span(name), text)
-            span = self.lexer.span(first, self.lexer.last)
-            found.append(Declare(kind="const", names=(name.text,), span=span, value=node))
-            self.separator(())
-        return found
+        return self._groups(self._constant, "=")
+
+    def _constant(self, word: Token | None) -> Statement:
+        """name = value; word: ``const`` where it stands before it."""
+        name = self._name_to_declare()
+        self.expect("=", f"behind {name.text!r}")
+        begin = self.lexer.peek()
+        node, type_ = self.whole()
+        value = None if isinstance(node, Text) else constant_value(node)
+        if value is None and not isinstance(node, Text):
+            what = f"the constant {name.text!r} is no number that can be found without running the program"
+            self.report(codes.PASCAL_OPEN, begin, self.lexer.last, what=what, hint="write its value")
+        text = node.value if isinstance(node, Text) else None
+        self.symbols.add_const(name.text, type_, value, self.lexer.span(name), text)
+        return Declare(
+            kind="const", names=(name.text,), span=self.lexer.span(word or name, self.lexer.last), value=node
+        )
 
     def _label_names(self) -> list[Statement]:
         first = self.lexer.take()

@@ -112,11 +112,12 @@ class ExpressionParser:
         inner_sign = False
         while self.lexer.peek().low in PRODUCTS:
             word = self.lexer.peek()
-            inner_sign = inner_sign or self.lexer.peek(1).low in ("+", "-")
+            sign_next = self.lexer.peek(1).text == "-"
             left = self._joined(first, left, self._factor, signed=sign is not None and sign.text == "-")
             if inner_sign and self._matters(left[0]):
                 what = f"a sign within a product with {word.text}"
                 self.report(codes.PASCAL_OPEN, word, what=what, hint="set brackets")
+            inner_sign = inner_sign or sign_next
         return left
 
     @staticmethod

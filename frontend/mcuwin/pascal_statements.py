@@ -158,7 +158,11 @@ class StatementParser(ExpressionParser):
 
     def target(self, what: str) -> tuple[Variable | None, Type]:
         """A variable that is written; None (reported) for what is none."""
-        token = self.lexer.take()
+        token = self.lexer.peek()
+        if token.kind != "name" or token.low in KEYWORDS:
+            at = self.lexer.last if token.kind == "end" else token
+            raise self.lexer.error(codes.SYNTAX, at, what=f"a variable that can be {what} is missing here")
+        self.lexer.take()
         if COMMON.match(token.low):
             node, type_ = self.common(token)
             if isinstance(node, Variable) and type_ is Type.DOUBLE and int(token.text[2:]) in _SYSTEM_POSITIONS:
