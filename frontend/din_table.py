@@ -104,17 +104,17 @@ def _file_name(table: TomlTable, key: str) -> str | None:
 
 
 def _interpolation_axes(table: TomlTable, axes: tuple[Axis, ...]) -> str | None:
-    """Letters of axes, as programs have them; the names of their columns."""
+    """Letters of axes, as programs have them, upper case."""
     text = table.text("interpolation_axes")
     if text is None:
         return None
-    columns = {axis.word: axis.name for axis in axes}
+    known = [axis.word for axis in axes]
     letters = text.upper().replace(" ", "")
-    if not letters or len(set(letters)) != len(letters) or not set(letters) <= set(columns):
-        known = ", ".join(columns) or "none"
-        table.bad("interpolation_axes", f"{show(text)}: letters of axes of this machine ({known}), each once")
+    if not letters or len(set(letters)) != len(letters) or not set(letters) <= set(known):
+        what = f"{show(text)}: letters of axes of this machine ({', '.join(known) or 'none'}), each once"
+        table.bad("interpolation_axes", what)
         return None
-    return "".join(columns[letter] for letter in letters)
+    return letters
 
 
 def _zero_offsets(table: TomlTable, unit: Fraction, axes: tuple[Axis, ...]) -> tuple[tuple[float, ...], ...] | None:

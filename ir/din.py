@@ -52,9 +52,9 @@ class Din:
     version: one of VERSIONS. case_sensitive: names and words (14, 2.5.3.30), None: not stated; line_numbers: every line
     needs one. position_unit: mm in one interpolation unit, None: not stated, usually mm (3.22); time_unit: seconds in
     the unit of feeds, 60 or 1 (IniCfg). absolute_centers: what IniCfg has for centres in G90 (3.3, 3.35).
-    interpolation_axes: names of the columns at the start, ``xyz`` (3.20). zero_offsets: the table of mcfg, G54 first,
-    six columns X to C of mm or degrees, those of axes that the machine does not have 0 (3.19). tools: of ToolComp.INI;
-    None: no machine file is given; (): there is none, or none with tools: no T, no G41, no planes (2.7, 5.5).
+    interpolation_axes: letters at the start, as programs have them, ``XYZ`` (3.20). zero_offsets: the table of mcfg,
+    G54 first, six columns X to C of mm or degrees, those of axes that the machine does not have 0 (3.19). tools: of
+    ToolComp.INI; None: no machine file is given; (): there is none, or none with tools: no T, no G41 (2.7, 5.5).
     tasks: what Task 0 does; None: nothing is stated. angle_unit: ``radians`` or ``degrees`` of the functions of
     rw_SymPas; wait_unit: seconds in the unit of wt. arc_tolerance: mm by which the radii at start and end of an arc may
     differ. program_size: bytes that a compiled program may have (SZTSK3, 13.1.1.13). pre_include, post_include: files

@@ -70,7 +70,7 @@ G210 = { parameters = 2 }
     )
     assert din_of(text, tmp_path) == Din(
         version="2.5.3.32", case_sensitive=False, line_numbers=True, position_unit=25.4, time_unit=1.0,
-        absolute_centers=True, interpolation_axes="xyc",
+        absolute_centers=True, interpolation_axes="XYC",
         zero_offsets=((1.0, 2.0, 3.0, 0.0, 0.0, 90.0), (-4.5, 0.0, 0.0, 0.0, 0.0, 0.0)),
         tasks=(
             TaskCode(code="M3", action="spindle_cw"),
