@@ -375,6 +375,9 @@ LIMIT_ADJUSTED = code(
     "the controller lets {axis} go to its {side} {kind} {limit:.4f} {unit} only, not to {wanted:.4f} as programmed",
     "limits",
 )
+OFFSET_KEPT = code(
+    335, "offset-kept", _W, "{code} gives {axes} another machine zero, and {what} in force there: it is kept", "limits"
+)
 
 # 4xx geometry
 ARC_RADIUS_MISMATCH = code(
@@ -465,6 +468,7 @@ STEP_FREQUENCY = code(
 )
 PLAN_NEEDS_NUMBERS = code(503, "plan-needs-numbers", _U, "steps need exact numbers: {cause}", "motion")
 NO_MOTOR_DATA = code(504, "no-motor-data", _U, "{axis} moves, but the machine file has no {missing} for it", "motion")
+DRILL_SETTING_OPEN = code(512, "drill-setting-open", _W, "{code}: {what}", "motion")
 SYNCHRONISED_TOO_FAST = code(
     510,
     "synchronised-too-fast",

@@ -61,6 +61,7 @@ def drill(ex: Motion, line: Command, rule: CodeRule) -> None:
         if letter in line.values and rule.function not in _USES[letter]:
             where = line.where(letter)
             ex.findings.add(codes.CYCLE_WORD_IGNORED.at(where, word=f"{letter}{words[letter]:g}", code=rule.text))
+    _tell_settings(ex, line, rule, found["P"])
     unit = s.unit
     origin = s.offset(DRILL)
     r, depth = origin.moved(r_word * unit), origin.moved(depth_word * unit)
@@ -88,6 +89,23 @@ def drill(ex: Motion, line: Command, rule: CodeRule) -> None:
         _go(ex, line, Op.FEED, depth)
     _dwell(ex, line, rule, found["P"])
     _go(ex, line, Op.TRAVERSE, r)
+
+
+def _tell_settings(ex: Motion, line: Command, rule: CodeRule, pause: float | None) -> None:
+    """GP512, once a job, where two keys of the machine's file speak of one thing, or one of what the code says too."""
+    s = ex.modal
+    settings = ex.machine.controller.controls.drill
+    told = []
+    both = settings.dwell, settings.other_dwell
+    if None not in both and both[0] != both[1] and not (rule.function is F.DRILL_DWELL and pause):
+        told.append(f"g81set= D{both[0]:g} and g81dwell={both[1]:g}: the longer dwell is taken")
+    if rule.function is F.DRILL_PECK and settings.lift:
+        told.append("g81set= L lifts above the top of the hole, G83 to R: both are taken, the lift above R")
+    for what in told:
+        name = f"told {what[:12]}"
+        if name not in s.single.flags:
+            s.single = s.single.but(flags=s.single.flags | {name})
+            ex.findings.add(codes.DRILL_SETTING_OPEN.at(line.span, code=rule.text, what=what))
 
 
 def _go(ex: Motion, line: Command, op: Op, place: Position) -> None:

@@ -214,6 +214,17 @@ def workspace(ex: Motion, line: Command, rule: CodeRule) -> None:
         note_assumptions(ex)
         ex.move(Op.TRAVERSE, target, line.span)
         ex._moved = True
+    if space is None or space.moves is not None:
+        return
+    for axis in (0, 1):
+        # Without M the key does not say whether axes move, and the text of G55 says it: both.
+        change = s.work_offsets[s.work, axis].minus(old[axis])
+        if change.form:
+            s.position[axis] = NOWHERE
+        elif change != ZERO and target[axis] != NOWHERE:
+            ends = min(0.0, -change.value), max(0.0, -change.value)
+            s.position[axis] = ex.unknown_place("value", axis, ends, target[axis])
+            s.jumped = True
 
 
 def _turn(ex: Motion, line: Command, rule: CodeRule, space: Workspace | None) -> NoReturn:
@@ -342,6 +353,7 @@ def home(ex: Motion, line: Command, rule: CodeRule) -> None:
         place = there.home_place if there is not None else None
         s.position[axis] = Position(0.0 if place is None else place)
     s.single = s.single.but(touched=s.single.touched - set(axes))
+    _warn_kept(ex, line, rule, axes)
     ex.assumed["homing moves do not leave the machine"] = None
     if any(s.g92[axis] != ZERO for axis in axes):
         ex.assumed["local coordinates (G92) outlive homing"] = None
@@ -350,10 +362,21 @@ def home(ex: Motion, line: Command, rule: CodeRule) -> None:
     ex._end_section(Wait.HOME, "homed", None, line.span.line)
 
 
+def _warn_kept(ex: Motion, line: Command, rule: CodeRule, axes: list[int]) -> None:
+    """GP335 for local coordinates and tool measures that the job has given to axes whose machine zero moves."""
+    s = ex.modal
+    for places, what in ((s.g92, "a local zero (G92) is"), (s.tool_offset, "a tool measure (M37) is")):
+        moved = [axis for axis in axes if not places[axis].form and places[axis] != ZERO]
+        if moved:
+            names = " ".join(ex.machine.word(axis) for axis in moved)
+            ex.findings.add(codes.OFFSET_KEPT.at(line.span, code=rule.text, axes=names, what=what))
+
+
 def set_machine(ex: Motion, line: Command, rule: CodeRule) -> None:
     """L28: the present place gets these machine coordinates."""
     s = ex.modal
     _doubt_transform(ex, line, rule)
+    _warn_kept(ex, line, rule, list(line.axes()))
     for axis, value in line.axes().items():
         if axis not in s.single.touched and s.position[axis] != _distance(ex, axis, value):
             ex._fail(codes.MACHINE_ZERO_MOVED.at(line.span, code=rule.text))

@@ -131,6 +131,13 @@ CASES: dict[str, tuple[str, dict[str, str], str, str]] = {
     "an amount beside a tool changer": ("G41O0\nG1X3F50\n", {}, "atc1=H0 O0 Z0 A2 M0\n", "GP113 GP304"),
     "a tool as new": ("L110T7\nL500.2T7N.5A.5C0\nG41\nG1X3F50\n", {}, "atc1=H0 O0 Z0 A2 M0\n", ""),
     "a worn tool": ("L110T7\nL500.2T7N.5A.49C0\nG41\nG1X3F50\n", {}, "atc1=H0 O0 Z0 A2 M0\n", "GP113 GP304"),
+    "a local zero over another machine zero": ("G92X0\nG28X\nG0X3\n", {}, "", "GP295 GP335"),
+    "no local zero over another machine zero": ("G92X0\nG28Y\nG92\nG28X\nG0X3\n", {}, "", "GP295"),
+    "a measure over another machine zero": ("M37Z0\nL91G1Z-2F20M28\nL28Z0\nG0Z.1\n", {}, "", "GP335"),
+    "another dwell": ("G81X2Y2Z-2R-1F10\nX3\n", {}, "g81set=D1\ng81dwell=2\n", "GP512"),
+    "another dwell, and one of the program": ("G82X2Y2Z-2R-1P9F10\n", {}, "g81set=D1\ng81dwell=2\n", ""),
+    "the same dwell": ("G81X2Y2Z-2R-1F10\n", {}, "g81set=D2\ng81dwell=2\n", ""),
+    "a lift of the machine's": ("G83X2Y2Z-2R-1Q.3F10\nX3\n", {}, "g81set=L.5\n", "GP512"),
     "a tool measure within a move": ("G1Z-2F10M37Z1\n", {}, "", "GP127"),
 }
 

@@ -1,4 +1,4 @@
-"""Workspaces of a turning spindle (WinCNC g54= T3): what turns, and X and Y, have no known place; limits still count.
+"""Workspaces of a turning spindle (WinCNC g54= T3), and of heads that may move: what is not known is not made up.
 
 Manual: WINCNC.INI Settings: g54=; Workspace; G Codes: G54 … G57.
 """
@@ -28,7 +28,16 @@ lolim=X0 Y0 Z-150 C-360
 hilim=X600 Y400 Z0 C360
 g55=X10 Y0 T3 R20
 g56=X0 Y0 T0
+g57=X100 Y0 T0
+g58=X100 Y0 T0 M0
+g59=X100 Y0 T0 M1
 nmode=90
+"""
+TOML = """schema = "gproof-machine/1"
+base = "WINCNC.INI"
+units = "mm"
+[controls]
+shift_sign = 1
 """
 SETUP = """schema = "gproof-setup/1"
 units = "mm"
@@ -44,9 +53,15 @@ length = 0.0
 
 def judged(folder: Path, capsys: pytest.CaptureFixture[str], program: str) -> tuple[str, set[tuple[str, int]], dict]:
     """Verdict, (code, line) of errors and unknowns, and the ends by axis."""
-    for name, text in (("WINCNC.INI", INI), ("CNC.MAC", ""), ("setup.toml", SETUP), ("job.tap", program)):
+    for name, text in (
+        ("WINCNC.INI", INI),
+        ("machine.toml", TOML),
+        ("CNC.MAC", ""),
+        ("setup.toml", SETUP),
+        ("job.tap", program),
+    ):
         (folder / name).write_text(text, encoding="ascii")
-    files = (str(folder / name) for name in ("job.tap", "WINCNC.INI", "setup.toml"))
+    files = (str(folder / name) for name in ("job.tap", "machine.toml", "setup.toml"))
     job, machine, setup = files
     main(["check", job, "--machine", machine, "--setup", setup, "--format", "json"])
     report = json.loads(capsys.readouterr().out)
@@ -81,3 +96,20 @@ def test_another_workspace_is_known_again(tmp_path: Path, capsys: pytest.Capture
     _, found, end = judged(tmp_path, capsys, "G55 X100 Y100\nG56\nG0 X300 Y200 C90\n")
     assert found == {("GP113", 1)}
     assert (end["x"], end["y"], end["c"]) == (300.0, 200.0, 90.0)
+
+
+@pytest.mark.parametrize(
+    ("program", "verdict"),
+    [
+        # From X50: with M1 the head goes to 150, with M0 it stays; where M is not there both are followed.
+        ("G59\nL91 G0 X450\n", "SAFE"), ("G59\nL91 G0 X451\n", "UNSAFE"), ("G59\nL91 G0 X-60\n", "SAFE"),
+        ("G58\nL91 G0 X-50\n", "SAFE"), ("G58\nL91 G0 X-51\n", "UNSAFE"),
+        ("G57\nL91 G0 X450\n", "SAFE"), ("G57\nL91 G0 X451\n", "UNKNOWN"), ("G57\nL91 G0 X551\n", "UNSAFE"),
+        ("G57\nL91 G0 X-60\n", "UNKNOWN"), ("G57\nL91 G0 X-50\n", "SAFE"), ("G57\nG0 X500\n", "SAFE"),
+        ("G57\nG0 X501\n", "UNSAFE"),
+    ],
+)  # fmt: skip
+def test_heads_that_move_and_heads_that_may(
+    program: str, verdict: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert judged(tmp_path, capsys, f"G49\n{program}")[0] == verdict
