@@ -147,7 +147,7 @@ PRECEDENCE = code(230, "precedence", _W, "the value depends on an undocumented p
 INEXACT_COMPARISON = code(231, "inexact-comparison", _W, "{left!r} {operator} {right!r} compares computed numbers")
 UNKNOWN_CONDITION = code(232, "unknown-condition", _U, "the condition depends on {cause}, which nobody stated")
 STEP_BUDGET = code(233, "step-budget", _U, "the program did not end within {budget} executed blocks")
-UNSET_PARAMETER = code(234, "unset-parameter", _W, "#{number} is read before anything sets it")
+UNSET_PARAMETER = code(234, "unset-parameter", _W, "{name} is read before anything sets it")
 STARTUP_COORDINATE_SYSTEM = code(
     235, "startup-coordinate-system", _E, "parameter 5220 is {value!r}; coordinate systems are 1 to 9"
 )
@@ -455,6 +455,7 @@ ARC_FULL_CIRCLE = code(
     "arcs",
 )
 
+
 # 5xx motion and time
 FEED_OVER_MAXIMUM = code(
     501, "feed-over-maximum", _W, "feed {feed:g} {unit}/min is more than the axes allow here", "feeds"
@@ -469,6 +470,7 @@ STEP_FREQUENCY = code(
 PLAN_NEEDS_NUMBERS = code(503, "plan-needs-numbers", _U, "steps need exact numbers: {cause}", "motion")
 NO_MOTOR_DATA = code(504, "no-motor-data", _U, "{axis} moves, but the machine file has no {missing} for it", "motion")
 DRILL_SETTING_OPEN = code(512, "drill-setting-open", _W, "{code}: {what}", "motion")
+VELOCITY_ZERO = code(505, "velocity-zero", _E, "{code} with a velocity of 0: the controller stops the program", "feeds")
 SYNCHRONISED_TOO_FAST = code(
     510,
     "synchronised-too-fast",
@@ -482,6 +484,25 @@ SYNCHRONISED_STREAM = code(
 NOT_STEPPED = code(520, "not-stepped", _U, "{what}, and gproof makes no steps for that", "motion")
 HEIGHT_JUMP = code(
     521, "height-jump", _U, "Z would have to jump by {jump:.4f} mm where the height map ends or is switched", "motion"
+)
+
+ENDLESS_LOOP = code(506, "endless-loop", _W, "the program comes by here in the same state again: it never ends")
+CONTOUR_BREAK = code(513, "contour-break", _N, "{code} ends the contour: the axes stop before it", "motion")
+TASK_UNKNOWN = code(
+    514,
+    "task-unknown",
+    _U,
+    "{code}: nobody stated what the application does for it (Task 0), so where the axes are behind it is not known",
+    "limits",
+)
+MODULE_END = code(515, "module-end", _U, "{name} ends without M02, M30 or M17: what runs behind it is not documented")
+JUMP_TARGET = code(516, "jump-target", _U, "{what}")
+MAINTAINED_OFFSET = code(
+    517, "maintained-offset", _W, "axis words alone go on with {code}: they set the zero offset and move nothing"
+)
+FEED_UNKNOWN = code(518, "feed-unknown", _U, "{code}: the feed depends on {cause}", "feeds")
+NO_WAY = code(
+    519, "no-way", _W, "{code} leads nowhere: the controller reports a move without a way (status 80, 20 hex)"
 )
 
 # 6xx files

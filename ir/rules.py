@@ -186,6 +186,26 @@ class Function(enum.IntEnum):
     PROBE_OFF = 195
     SHELL = 196
     COMPENSATE = 197
+    REFLECT = 198
+    REFLECT_OFF = 199
+    POSITION_FACTOR = 200
+    EFFECTIVE_RADIUS = 201
+    ZERO_OFFSET_OFF = 202
+    ZERO_OFFSET_SET = 203
+    INTERPOLATION_AXES = 204
+    LIMIT_LEFT = 205
+    LIMIT_RIGHT = 206
+    SPLINE_OFF = 207
+    SPLINE_ON = 208
+    ZERO_OFFSET_READ = 209
+    ZERO_OFFSET_RESTORE = 210
+    CENTERS_ABSOLUTE = 211
+    CENTERS_RELATIVE = 212
+    OUTPUT_WORD = 213
+    APPLICATION = 214
+    SAVE_VARIABLE = 215
+    RESTORE_VARIABLE = 216
+    JUMP = 217
 
 
 CHECKED_ONLY = frozenset(
@@ -238,7 +258,9 @@ class ParameterRange:
     """Numbered variables first..last: meaning, whether a program may write them, section of the manual.
 
     kind: how the executor finds the live value, a key of the table in ``passes/modal.py``; ``free``, ``persistent``,
-    ``park_1`` and ``park_2`` are what the program or the setup put there, any other what the setup states.
+    ``park_1`` and ``park_2`` are what the program or the setup put there, any other what the setup states; ``system``:
+    the controller itself may change it at any time. prefix: programs name it by this and its place in the range, from
+    base on.
     """
 
     first: int
@@ -247,6 +269,8 @@ class ParameterRange:
     meaning: str
     source: str
     writable: bool = True
+    prefix: str = ""
+    base: int = 0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -277,6 +301,13 @@ class LanguageRules:
     one_command: bool = False
     source_order: bool = False
     variables: dict[str, str] = field(default_factory=dict, repr=False)
+
+    def name_of(self, number: int) -> str:
+        """What programs call a numbered variable."""
+        for entry in self.parameters:
+            if entry.prefix and entry.first <= number <= entry.last:
+                return f"{entry.prefix}{number - entry.first + entry.base}"
+        return f"#{number}"
 
     def __eq__(self, other: object) -> bool:
         return isinstance(other, LanguageRules) and other.name == self.name

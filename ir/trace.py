@@ -106,7 +106,7 @@ ARGUMENTS = {
     Op.SETPOINT: "text: what is set (SETPOINTS); arg[0]: channel, 0 where there is one; arg[1]: value (NaN: unknown)",
     Op.INPUT_WAIT: "arg[0]: channel; arg[1]: value",
     Op.STOP: "arg[0]: 1 when optional",
-    Op.OFFSET: "arg[0]: coordinate system (0: G92)",
+    Op.OFFSET: "arg[0]: coordinate system (0: G92); arg[1]: 1 when motion stops for it",
     Op.TOOL_OFFSET: "arg[0]: tool (0: cancelled)",
     Op.UNITS: "arg[0]: mm in one program unit",
     Op.PLANE: "arg[0]: Plane",
@@ -148,6 +148,7 @@ class Boundary:
     """A boundary of the work for one axis: low <= machine position - (shift + form) <= high, mm or degrees.
 
     low, high: None where there is none; shift, form: workspace and tool measure in force, number and unknowns.
+    limit: it is a software limit that the program has set, in machine coordinates.
     """
 
     axis: int
@@ -155,6 +156,7 @@ class Boundary:
     high: float | None
     shift: float
     form: Affine
+    limit: bool = False
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

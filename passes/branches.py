@@ -10,13 +10,16 @@ from __future__ import annotations
 import copy
 
 from gproof.ir import codes
-from gproof.ir.finding import Refusal
-from gproof.ir.program import Expr, If, While
+from gproof.ir.finding import Refusal, Span
+from gproof.ir.program import Expr, For, If, Repeat, While
 from gproof.ir.trace import Edge, Wait
 from gproof.passes.emitter import ProgramEnd
 from gproof.passes.frames import EXACT, Frame, Group, Path, Pending, merged
 from gproof.passes.loops import Loops
+from gproof.passes.modal import Modal
 from gproof.passes.values import Unknown
+
+LOOPS = (While, Repeat, For)
 
 
 class Branches(Loops):
@@ -33,6 +36,11 @@ class Branches(Loops):
             return value != 0
         if value.low > 0 or value.high < 0:
             return True
+        self._undecided(place, condition.span, value.cause)
+        return None
+
+    def _undecided(self, place: tuple[str, int], span: Span, cause: str) -> None:
+        """Nobody can decide a question: ProgramEnd where its outcomes are explored, Refusal where they may not be."""
         key = self._state_key(place)
         if key in self._seen:
             # The same question in the same state: its outcomes are followed already.
@@ -40,22 +48,26 @@ class Branches(Loops):
             raise ProgramEnd
         if self.branches + 2 > self.max_branches:
             hint = "--max-branches follows more outcomes" if self.max_branches else ""
-            raise Refusal(codes.UNKNOWN_CONDITION.at(condition.span, cause=value.cause, hint=hint))
+            raise Refusal(codes.UNKNOWN_CONDITION.at(span, cause=cause, hint=hint))
         self._key = key
-        return None
 
     def _state_key(self, place: object) -> object:
         # What is left of a calling line belongs to it: its words are values of that moment.
         stack = tuple((id(f.body), f.at, id(f.node), f.position(), repr(f.caller)) for f in self._stack)
         return place, stack, tuple(self._depth), self.modal.key()
 
-    def _split(self, node: If | While, loop: Frame | None) -> None:
-        """Follow the outcome "true" now and "false" later, each in a section of its own."""
+    def _split(self, node: If | While | Repeat | For, loop: Frame | None, leaving: Modal | None = None) -> None:
+        """Follow the outcome that goes into a block now and the other later, each in a section of its own.
+
+        leaving: the state of the other outcome, where it is not the one that is.
+        """
         self.branches += 2
         yes, no = self.rows.new_section(), self.rows.new_section()
+        names = (("true", yes), ("false", no))
+        if isinstance(node, Repeat):
+            names = (("false", yes), ("true", no))
         edges = tuple(
-            Edge(wait=Wait.BRANCH, outcome=outcome, target=target, line=node.span.line)
-            for outcome, target in (("true", yes), ("false", no))
+            Edge(wait=Wait.BRANCH, outcome=outcome, target=target, line=node.span.line) for outcome, target in names
         )
         self._seen[self._key] = edges
         self._close(edges)
@@ -76,7 +88,7 @@ class Branches(Loops):
             other[-1] = Frame((), group=loop.group)
             nesting = self._nesting - 1
         place = self._file, self._call, list(self._depth), self._moved, nesting
-        self._waiting.append(Path(other, self.modal.copy(), no, place))
+        self._waiting.append(Path(other, leaving or self.modal.copy(), no, place))
         self._begin(yes)
 
     def _await_others(self, group: Group) -> None:
@@ -125,8 +137,9 @@ class Branches(Loops):
         """Take up an outcome that waits."""
         self.modal, self._stack = path.modal, path.stack
         self._pending = Pending()
-        self._loops = sum(isinstance(frame.node, While) for frame in self._stack)
+        self._loops = sum(isinstance(frame.node, LOOPS) for frame in self._stack)
         self._file, self._call, self._depth, self._moved, self._nesting = path.place
         self._end = None
+        self._laps = {}
         self._state_changed()
         self._begin(path.section)

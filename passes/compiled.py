@@ -13,7 +13,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
-from gproof.ir.program import Binary, Block, DeferredBlock, Expr, Number, Unary, Variable
+from gproof.ir.program import Binary, Block, Constant, DeferredBlock, Expr, Number, Unary, Variable
 from gproof.ir.rules import LanguageRules
 from gproof.passes.expressions import BINARY_FUNCTIONS, UNARY_FUNCTIONS
 
@@ -112,6 +112,8 @@ _OPERATORS: dict[str, Callable[..., float]] = {
     **{op: _compare(op) for op in ("==", "<>")},
     "**": _guarded(math.pow),
     "mod": _guarded(BINARY_FUNCTIONS["mod"]),
+    "div": _guarded(BINARY_FUNCTIONS["div"]),
+    "rem": _guarded(BINARY_FUNCTIONS["rem"]),
     "*": _guarded(BINARY_FUNCTIONS["*"]),
     "/": _guarded(BINARY_FUNCTIONS["/"]),
 }
@@ -143,7 +145,7 @@ class _Code:
 
     def expr(self, node: Expr) -> str:
         """Its source; Slow for what the evaluator must do."""
-        if isinstance(node, Number):
+        if isinstance(node, Number | Constant):
             if not -_LARGE < node.value < _LARGE:
                 raise Slow
             return f"({node.value!r})"

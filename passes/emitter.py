@@ -14,7 +14,7 @@ from gproof.ir.setup import Interval, Setup
 from gproof.ir.trace import Edge, Op, Trace, Wait
 from gproof.passes.compiled import Condition, FastBlock
 from gproof.passes.expressions import Evaluator
-from gproof.passes.frames import Frame, Path, Pending
+from gproof.passes.frames import Frame, Lap, Path, Pending
 from gproof.passes.line import Line
 from gproof.passes.modal import Modal
 from gproof.passes.ranges import Range
@@ -92,6 +92,9 @@ class Emitter:
         self._tests: dict[int, Condition | None] = {}
         self._pending = Pending()
         self._loops = 0
+        self._laps: dict[object, Lap] = {}
+        self._came_back = False
+        self._places: dict[int, dict[str, int]] = {}
         self._plain_lines: PlainLines | None = None
         self.rows = RowBuffer(self.trace, [p.value for p in self.modal.position], self._frame(), program.line_count)
 
@@ -214,8 +217,10 @@ class Emitter:
             self.event(Op.DWELL, line.span, arg=(wait, 0.0))
 
     def _read_other(self, node: Named | Input) -> Value:
-        from gproof.passes import single_events
+        from gproof.passes import din_events, single_events
 
+        if isinstance(node, Named) and self.program.rules.source_order:
+            return din_events.read_named(self, node)
         if isinstance(node, Named):
             return single_events.read_named(self, node)
         return single_events.read_input(self, node, self.evaluator)
@@ -223,7 +228,11 @@ class Emitter:
     def _read(self, number: float, span: Span) -> Value:
         value = self.modal.read(number, span)
         whole = round(number)
-        if isinstance(value, Unknown) and value.cause == f"#{whole}" and whole not in self._warned:
+        own = self.program.rules.name_of(whole)
+        if not isinstance(value, Unknown) or value.cause != own:
+            return value
+        name = self.evaluator.names.get(whole, own)
+        if whole not in self._warned:
             self._warned.add(whole)
-            self.findings.add(codes.UNSET_PARAMETER.at(span, number=whole))
-        return value
+            self.findings.add(codes.UNSET_PARAMETER.at(span, name=name))
+        return value if name == own else Unknown(name, value.low, value.high)

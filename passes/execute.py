@@ -23,38 +23,45 @@ from gproof.ir.program import (
     Block,
     BlockTable,
     Call,
+    Declare,
     DeferredBlock,
     Definition,
     Device,
+    For,
     Guard,
     If,
+    Include,
+    Jump,
+    Label,
     Message,
     Mistake,
+    Mode,
     Program,
+    Repeat,
     Replaced,
+    Return,
     Statement,
     Unsupported,
     While,
 )
 from gproof.ir.setup import Setup
 from gproof.ir.trace import Chunk, Edge, Op, Trace, TraceSection, Wait
-from gproof.passes import single
+from gproof.passes import din, din_events, single
 from gproof.passes.arrays import back_from_file, begin_array, next_cell
-from gproof.passes.branches import Branches
+from gproof.passes.branches import LOOPS
 from gproof.passes.commands import run_command
 from gproof.passes.dialogs import run_dialog
+from gproof.passes.din_state import fits
 from gproof.passes.emitter import DEFAULT_BRANCHES, DEFAULT_BUDGET, ProgramEnd
 from gproof.passes.expressions import describe_parts
+from gproof.passes.flow import Flow
 from gproof.passes.frames import Caller, Frame, Kept, Path
 from gproof.passes.knife import follow_knife
 from gproof.passes.overrides import Words, replaced
 from gproof.passes.values import Unknown, Value
 
-MAX_NESTED = 200
-"""Blocks within blocks, those of calls counted in; a program that nests deeper is not followed."""
 
-
-class Executor(Branches):
+class Executor(Flow):
     """One run of a program.
 
     block_delete: lines with a leading slash are skipped. ``met_deleted`` tells afterwards whether there were
@@ -97,6 +104,9 @@ class Executor(Branches):
 
     def _warn_after_end(self) -> None:
         """Warn once of code behind an end that every run reaches."""
+        if not self._stack or (self.program.rules.source_order and self._labels(self.program.body)):
+            # Behind an end there may be what labels lead to.
+            return
         frame = self._stack[-1]
         in_table = isinstance(frame.node, BlockTable)
         if self._end is None or len(self._stack) > 1 + in_table or self.branches:
@@ -134,7 +144,7 @@ class Executor(Branches):
         if isinstance(frame.node, BlockTable):
             self._table(frame)
             return
-        if frame.at == len(frame.body):
+        if frame.at >= len(frame.body):
             self._leave(frame)
             return
         node = frame.body[frame.at]
@@ -149,10 +159,26 @@ class Executor(Branches):
             assert isinstance(node, BlockTable)
             self._run_pending()
             self._file = node.file
-            self._stack.append(Frame((), node, next_byte=node.begin, line=node.first_line))
+            self._stack.append(Frame((), node, next_byte=node.begin, line=node.first_line, continued=node.continued))
         elif kind is If:
             assert isinstance(node, If)
             self._if(node)
+        elif kind in _SILENT:
+            pass
+        elif kind is Jump:
+            assert isinstance(node, Jump)
+            self._jump(node)
+        elif kind is Return:
+            assert isinstance(node, Return)
+            self._return(node)
+        elif kind is For:
+            assert isinstance(node, For)
+            self._begin_for(node)
+        elif kind is Repeat:
+            assert isinstance(node, Repeat)
+            self._enter(node.span)
+            self._loops += 1
+            self._stack.append(Frame(node.body, node))
         elif kind is While:
             assert isinstance(node, While)
             self._enter(node.span)
@@ -175,7 +201,7 @@ class Executor(Branches):
         else:
             assert not isinstance(node, BlockTable)
             is_block = isinstance(node, Block)
-            again = is_block and (self._loops or self._depth)
+            again = is_block and (self._loops or self._depth or self._came_back)
             if not again or not self._fast_block(node):  # type: ignore[arg-type]
                 node = node.made() if isinstance(node, DeferredBlock) else node
                 self._run_pending()
@@ -185,19 +211,19 @@ class Executor(Branches):
     def _leave(self, frame: Frame) -> None:
         """A frame is done: again, for a loop whose condition holds; else back to the one around it."""
         node = frame.node
-        if isinstance(node, While):
-            self.spend(node.span)
-            holds = self._holds(node.condition, ("while", id(node)))
-            if holds is None:
-                self._split(node, frame)
+        if isinstance(node, LOOPS):
+            if self._loops_on(frame, node):
                 return
-            if holds:
-                frame.at = 0
-                return
+        elif self._falls_off(frame):
+            self._module_end(frame)
+        if frame.again:
+            frame.again -= 1
+            frame.at = 0
+            return
         if frame.cells is not None and next_cell(self, frame):
             return
         self._stack.pop()
-        self._loops -= isinstance(node, While)
+        self._loops -= isinstance(node, LOOPS)
         if node is not None:
             self._nesting -= 1
         if isinstance(frame.caller, Caller):
@@ -232,6 +258,14 @@ class Executor(Branches):
 
     def _call_with(self, node: Call) -> None:
         """Run a subprogram with the words of its call."""
+        if self.program.rules.source_order:
+            count = self._count(node)
+            self._bind(node)
+            depth = len(self._stack)
+            self._called(node.name, node.span)
+            if len(self._stack) > depth:
+                self._stack[-1].again = count - 1
+            return
         if not self.program.rules.one_command:
             self._called(node.name, node.span)
             return
@@ -266,7 +300,7 @@ class Executor(Branches):
             raise ProgramEnd
         gone = self._stack[place + 1 :]
         self._nesting -= sum(frame.node is not None and not isinstance(frame.node, BlockTable) for frame in gone)
-        self._loops -= sum(isinstance(frame.node, While) for frame in gone)
+        self._loops -= sum(isinstance(frame.node, LOOPS) for frame in gone)
         self._stack = self._stack[: place + 1]
         self._stack[-1].at = len(self._stack[-1].body)
         self._arrived(gone, 1)
@@ -303,12 +337,6 @@ class Executor(Branches):
         self._nesting, self._loops, self._depth = 0, 0, []
         self._call, self._file = 0, 0
         self._arrived(gone, 1)
-
-    def _enter(self, span: Span) -> None:
-        """One block or call deeper; Refusal GP113 when that goes on for too long."""
-        if self._nesting >= MAX_NESTED:
-            raise Refusal(codes.UNSUPPORTED_CODE.at(span, code=f"a nesting of more than {MAX_NESTED} blocks"))
-        self._nesting += 1
 
     def _called(self, name: str, span: Span, rest: tuple[Span, list[Words]] | None = None) -> None:
         """Run a subprogram next; ``rest``: what is left of the line that called it."""
@@ -361,11 +389,15 @@ class Executor(Branches):
                 self.modal.guards_off = tuple(sorted(guards))
                 self._state_changed()
                 self.event(Op.GUARD, node.span, arg=(float(node.on), 0.0), text=self._text(node.name))
+            elif isinstance(node, Device) and node.name == "wait":
+                din_events.wait(self, self.evaluator.value(node.arguments[0]), node.span)
             elif isinstance(node, Device):
                 run_command(self, node)
             elif isinstance(node, Mistake):
                 raise Refusal(Finding(codes.CODES[node.code], node.span, node.message))
             elif isinstance(node, Unsupported):
+                if self.program.rules.source_order:
+                    din_events.lose_all(self, node.what)
                 raise Refusal(codes.UNSUPPORTED_CODE.at(node.span, code=node.what))
             elif isinstance(node, Definition):
                 what = f"the definition of {node.name} in a file that is run as a job"
@@ -420,6 +452,19 @@ class Executor(Branches):
             bare = frozenset(w.letter for w in node.words if w.bare)
             single.run(self, node.span, words, texts=node.texts, comment=node.comment, bare=bare)
             return
+        if self.program.rules.source_order:
+            settings = [self._setting(a) for a in node.assigns]
+            for number, value, span in settings:
+                if not fits(round(number), value):
+                    what = (
+                        f"{self.program.rules.name_of(round(number))} is a whole number of 32 bits; {value!r} is none"
+                    )
+                    raise Refusal(codes.ARITHMETIC.at(span, what=what))
+                self.modal.write(number, value, span)
+            if words:
+                bare = frozenset(w.letter for w in node.words if w.bare)
+                din.run(self, node.span, words, bare=bare, continued=node.continued)
+            return
         settings = [self._setting(a) for a in node.assigns]
         # Settings take effect once every value of the line is found, before anything moves (3.2.3).
         for number, value, span in settings:
@@ -435,6 +480,8 @@ class Executor(Branches):
         return number, self.evaluator.value(node.value), node.target.span
 
 
+_SILENT = frozenset((Label, Declare, Include, Mode))
+"""Statements that do nothing when they run."""
 _PASSED_OVER = frozenset((Call, Message, Guard, Device, Unsupported))
 
 

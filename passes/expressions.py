@@ -10,7 +10,7 @@ from collections.abc import Callable, Iterator
 
 from gproof.ir import codes
 from gproof.ir.finding import Findings, Refusal, Span
-from gproof.ir.program import Binary, Expr, Input, Named, Number, Text, Unary, Variable
+from gproof.ir.program import Binary, Constant, Expr, Input, Named, Number, Text, Unary, Variable
 from gproof.passes import ranges
 from gproof.passes.values import Unknown, Value, between, bounds
 
@@ -33,6 +33,25 @@ def _round(x: float) -> float:
     return math.copysign(math.floor(abs(x) + 0.5), x)
 
 
+def _integer(x: float) -> int:
+    """A whole number; ValueError for any other."""
+    if x != math.floor(x) or abs(x) > _LARGEST:
+        raise ValueError
+    return int(x)
+
+
+def _div(x: float, y: float) -> float:
+    """Whole numbers, the quotient towards zero."""
+    a, b = _integer(x), _integer(y)
+    return float(abs(a) // abs(b) * (1 if (a < 0) == (b < 0) else -1))
+
+
+def _rem(x: float, y: float) -> float:
+    """Whole numbers, the remainder with the sign of the first."""
+    a, b = _integer(x), _integer(y)
+    return float(abs(a) % abs(b) * (-1 if a < 0 else 1))
+
+
 UNARY_FUNCTIONS: dict[str, Callable[[float], float]] = {
     "neg": lambda x: -x,
     "pos": lambda x: x,
@@ -51,6 +70,17 @@ UNARY_FUNCTIONS: dict[str, Callable[[float], float]] = {
     "sqrt": math.sqrt,
     "tan": lambda x: math.tan(math.radians(x)),
     "not": lambda x: float(x == 0),
+    "rsin": math.sin,
+    "rcos": math.cos,
+    "rtan": math.tan,
+    "rasin": math.asin,
+    "racos": math.acos,
+    "ratan": math.atan,
+    "sqr": lambda x: x * x,
+    "frac": lambda x: math.fmod(x, 1.0),
+    "bnot": lambda x: float(~_integer(x)),
+    "odd": lambda x: float(_integer(x) % 2),
+    "bool": lambda x: float(x != 0),
 }
 
 
@@ -66,6 +96,8 @@ BINARY_FUNCTIONS: dict[str, Callable[[float, float], float]] = {
     "*": lambda x, y: x * y,
     "/": lambda x, y: x / y,
     "mod": _mod,
+    "div": _div,
+    "rem": _rem,
     "atan": lambda x, y: math.degrees(math.atan2(x, y)),
     "and": lambda x, y: float(x != 0 and y != 0),
     "or": lambda x, y: float(x != 0 or y != 0),
@@ -86,7 +118,8 @@ def _nothing(node: Named | Input) -> Value:
 class Evaluator:
     """Evaluates trees.
 
-    read: gives the live value of a numbered variable; read_other: of a named one, and of a channel.
+    read: gives the live value of a numbered variable; read_other: of a named one, and of a channel. names: what
+    numbered variables are called that have a name.
     """
 
     def __init__(
@@ -96,11 +129,12 @@ class Evaluator:
         self.read = read
         self.read_other = read_other or _nothing
         self.findings = findings
+        self.names: dict[int, str] = {}
         self._told: set[tuple[int, Span]] = set()
 
     def value(self, expr: Expr) -> Value:
         """The value of a tree; Refusal with GP226 or GP228 where there is none."""
-        if isinstance(expr, Number):
+        if isinstance(expr, Number | Constant):
             return expr.value
         if isinstance(expr, Variable):
             number = self.value(expr.number)
@@ -108,6 +142,8 @@ class Evaluator:
                 # Whichever variable that is: its value has nothing to do with the bounds of its number.
                 self._doubt(expr.span, f"# of {number.cause}", number.cause)
                 return Unknown(number.cause)
+            if expr.name:
+                self.names[round(number)] = expr.name
             return self.read(number, expr.span)
         if isinstance(expr, Unary):
             return self._unary(expr)
@@ -160,7 +196,7 @@ class Evaluator:
         operator = expr.operator
         if operator in ("band", "bor", "bxor", "<<", ">>"):
             return self._bits(expr, x, y)
-        if operator in ("/", "mod") and y == 0:
+        if operator in ("/", "mod", "div", "rem") and y == 0:
             raise _fail(expr.span, f"division of {x:g} by zero")
         try:
             if operator == "**":

@@ -62,7 +62,8 @@ class Frame:
 
     node: the block, subprogram or table they belong to, None for the job itself; group: outcomes come together behind
     it; cells, cell: of an array, and which of them it is. For tables: the words of the piece that was loaded, in
-    columns for the kernel, and where the next piece begins.
+    columns for the kernel, and where the next piece begins; continued: what a line of it without a code goes on with.
+    again: how often a subprogram runs once more; counter, last: of a counted loop, its variable's value and its end.
     """
 
     body: tuple[Statement, ...]
@@ -78,10 +79,14 @@ class Frame:
     line: int = 0
     cells: Cells | None = None
     cell: int = 0
+    continued: str = ""
+    again: int = 0
+    counter: float = 0.0
+    last: Value = 0.0
 
     def position(self) -> tuple[object, ...]:
-        """The place in a table, and in an array."""
-        return self.base, self.next_byte, self.cell, self.cells
+        """The place in a table, in an array, in what is repeated."""
+        return self.base, self.next_byte, self.cell, self.cells, self.continued, self.again, self.counter, self.last
 
     def next_line(self) -> int:
         """The line of a table that comes next, 0 behind its end."""
@@ -108,6 +113,21 @@ class Path:
     modal: Modal
     section: int
     place: tuple[int, int, list[str], bool, int]
+
+
+@dataclass(slots=True)
+class Lap:
+    """A place that a run comes by again and again: in which state it was there, at its nth visit, of how many.
+
+    modal, stack: of the visit that is remembered, which doubles its distance each time (Brent's way to find a cycle);
+    section: that began in this state, -1 while there is none.
+    """
+
+    count: int = 0
+    next: int = 1
+    modal: Modal | None = None
+    key: object = None
+    section: int = -1
 
 
 NO_PLACE = Span("", 0)

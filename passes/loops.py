@@ -15,6 +15,7 @@ import numpy as np
 from gproof.ir.program import Block, Expr
 from gproof.passes import execute_kernels as k
 from gproof.passes.compiled import FALLS_BACK, FastBlock, compile_block, compile_condition
+from gproof.passes.din_state import fits
 from gproof.passes.frames import Pending
 from gproof.passes.straight import Straight
 
@@ -30,7 +31,7 @@ class Loops(Straight):
     def _fast_condition(self, condition: Expr) -> float | None:
         """The value of a condition that was evaluated before; None when the evaluator must do it."""
         key = id(condition)
-        if not self._loops and not self._depth:
+        if not self._loops and not self._depth and not self._came_back:
             return None
         if key not in self._tests:
             # As for blocks.
@@ -61,11 +62,16 @@ class Loops(Straight):
             self._fast[key] = fast
         if fast is None or not (fast.is_motion or not fast.letters):
             return False
+        if fast.letters and self.program.rules.source_order:
+            # The kernel here is of lines whose words count alike under every code.
+            return False
         parameters = self.modal.parameters
         try:
             values = fast.run(parameters)
         except FALLS_BACK:
             self._settle(fast.reads)
+            return False
+        if self.program.rules.source_order and not all(map(fits, fast.targets, values)):
             return False
         self.spend(fast.node.span)
         words = len(fast.letters)

@@ -11,7 +11,8 @@ from gproof.ir.finding import Refusal, Span
 from gproof.ir.machine import AXES, AXIS_NAMES, Machine
 from gproof.ir.rules import LanguageRules, ParameterRange
 from gproof.ir.setup import Interval, Setup
-from gproof.ir.trace import HEIGHT_MAP, PathMode, Plane, State
+from gproof.ir.trace import HEIGHT_MAP, Boundary, PathMode, Plane, State
+from gproof.passes import din_state
 from gproof.passes.compensation import Compensation
 from gproof.passes.heads import head_offset
 from gproof.passes.ranges import widened
@@ -49,7 +50,7 @@ class Modal:
         self.setup = setup
         self.machine = machine
         self.axis_there = tuple(machine.axis(name) is not None for name in AXIS_NAMES)
-        self.linear = linear_axes(machine) if rules.one_command else LENGTHS
+        self.linear = linear_axes(machine) if rules.one_command or rules.source_order else LENGTHS
         self.unit = 1.0
         self.absolute = True
         self.plane = Plane.XZ if machine.controller.turning else Plane.XY
@@ -113,8 +114,11 @@ class Modal:
         self.jumped = False
         self.not_programmed: tuple[int, ...] = ()
         self.single = NO_SINGLE_STATE
+        self.din = din_state.NO_DIN_STATE
         if rules.one_command:
             prepare(self)
+        elif rules.source_order:
+            din_state.prepare(self)
 
     def _symbol(self, symbol: str) -> Position:
         """The stated exact value of a symbol, or the symbol itself."""
@@ -230,11 +234,19 @@ class Modal:
             simplify=self.simplify, laf_angle=self.laf_angle, work=self.work, overrides=self.overrides,
             arc_tolerance=self.arc_tolerance(), guards_off=self.guards_off,
             compensation=0 if comp is None else comp.side * comp.plane,
-            following=self.following, boundaries=boundaries_of(self) if self.rules.one_command else (),
+            following=self.following, boundaries=self._boundaries(),
         )  # fmt: skip
+
+    def _boundaries(self) -> tuple[Boundary, ...]:
+        """What rows carry of limits that a program may set."""
+        if self.rules.one_command:
+            return boundaries_of(self)
+        return din_state.limits_of(self) if self.rules.source_order else ()
 
     def arc_tolerance(self) -> float:
         """mm by which the radii at start and end of an arc may differ, in the units that are active."""
+        if self.rules.source_order:
+            return din_state.din_of(self.machine).arc_tolerance
         stated = self.machine.controller.controls.arc_tolerance
         if stated is not None:
             return stated * self.transform.arc_tolerance
@@ -258,6 +270,10 @@ class Modal:
         Positions are in program units; offsets, limits and tools in the machine's own unit.
         """
         whole, entry = self.range_of(number, span)
+        if entry.kind == "system":
+            # Whatever a program puts there, the controller may change it.
+            name = self.rules.name_of(whole)
+            return Unknown(f"{name}, which belongs to the controller,")
         if whole in self.parameters:
             return self.parameters[whole]
         show = _SHOWN.get(entry.kind)
@@ -273,7 +289,7 @@ class Modal:
         else:
             value = self.setup.parameters.get(whole)
         if value is None:
-            value = self.stated_range(whole, Unknown(f"#{whole}"))
+            value = self.stated_range(whole, Unknown(self.rules.name_of(whole)))
         return self._either_unit(whole, entry, value)
 
     def _either_unit(self, number: int, entry: ParameterRange, value: Value, written: bool = False) -> Value:

@@ -28,7 +28,7 @@ def unary_may_fail(operator: str, x: Range) -> bool:
     """Whether ``operator x`` has no value for some number of the range."""
     low, high = x
     match operator:
-        case "acos" | "asin":
+        case "acos" | "asin" | "racos" | "rasin":
             return low < -1.0 or high > 1.0
         case "sqrt":
             return low < 0.0
@@ -36,6 +36,8 @@ def unary_may_fail(operator: str, x: Range) -> bool:
             return low <= 0.0
         case "exp":
             return high > _LARGEST_EXPONENT
+        case "bnot" | "odd":
+            return True  # a range holds numbers that are not whole
     return False
 
 
@@ -46,7 +48,7 @@ def binary_may_fail(operator: str, x: Range, y: Range) -> bool:
             return y[0] <= 0.0 <= y[1]
         case "**":
             return not (x[0] > 0.0 and x[1] < _LARGE and y[0] > -_LARGE and y[1] < _LARGE and _power_fits(x, y))
-        case "band" | "bor" | "bxor" | "<<" | ">>":
+        case "band" | "bor" | "bxor" | "<<" | ">>" | "div" | "rem":
             return True  # a range holds numbers that are not whole
     return False
 
@@ -138,7 +140,7 @@ def unary(operator: str, x: Range) -> Range:
             return x
         case "abs":
             return (0.0 if low <= 0 <= high else min(abs(low), abs(high))), max(abs(low), abs(high))
-        case "sin" | "cos":
+        case "sin" | "cos" | "rsin" | "rcos":
             return -1.0, 1.0
         case "not":
             truth = _truth(x)
@@ -149,4 +151,18 @@ def unary(operator: str, x: Range) -> Range:
             return float(math.floor(low)), float(math.ceil(high))
         case "atan":
             return -90.0, 90.0
+        case "ratan" | "rasin":
+            return widened(-math.pi / 2, math.pi / 2)
+        case "racos":
+            return widened(0.0, math.pi)
+        case "sqr":
+            least, most = sorted((low * low, high * high))
+            return (0.0 if low <= 0 <= high else max(0.0, widened(least, least)[0])), widened(most, most)[1]
+        case "frac":
+            return (-1.0 if low < 0 else 0.0), (1.0 if high > 0 else 0.0)
+        case "odd":
+            return 0.0, 1.0
+        case "bool":
+            truth = _truth(x)
+            return (0.0, 1.0) if truth is None else (float(truth), float(truth))
     return ANY

@@ -14,7 +14,7 @@ from gproof.ir.kernel import Kernel
 from gproof.ir.machine import AXES
 from gproof.ir.program import FLAG_BARE, FLAG_DELETE, BlockTable
 from gproof.ir.trace import TRACE_ROW
-from gproof.passes import compensated, single
+from gproof.passes import compensated, din, single
 from gproof.passes import compensation_kernels as c
 from gproof.passes import execute_kernels as k
 from gproof.passes.blocks import Blocks
@@ -22,7 +22,7 @@ from gproof.passes.frames import Frame
 from gproof.passes.outputs import CLAMPED
 from gproof.passes.single_kernels import run_moves
 from gproof.passes.single_plain import PlainLines
-from gproof.passes.values import Position
+from gproof.passes.values import Position, Value
 
 CHUNK_BYTES = 1 << 20
 _State = tuple[Any, Any, Any, Any]
@@ -112,7 +112,7 @@ class Straight(Blocks):
     ) -> int:
         """Run lines in the kernel from word ``at``; returns the first word it left over."""
         s = self.modal
-        if self.program.rules.one_command:
+        if self.program.rules.one_command or self.program.rules.source_order:
             # Tables of such programs go through ``single_plain``; nothing else has lines for this kernel.
             return at
         if not self._moved or s.feed_unit != s.unit or not 1 <= s.motion <= 4 or s.feed_mode != 94:
@@ -241,7 +241,18 @@ class Straight(Blocks):
             )  # fmt: skip
             single.run(self, span, list(zip(letters, values, spans, strict=True)), bare=bare)
             return
-        self._line(span, list(zip(letters, values, spans, strict=True)))
+        words_of_line: list[tuple[str, Value, Span]] = list(zip(letters, values, spans, strict=True))
+        if self.program.rules.source_order:
+            frame = self._stack[-1]
+            flags = words["flags"][begin:end].tolist()
+            bare = frozenset(letter for letter, flag in zip(letters, flags, strict=True) if flag & FLAG_BARE)
+            continued = frame.continued
+            for letter, value in zip(letters, values, strict=True):
+                if letter == "G":
+                    frame.continued = f"G{value:g}"
+            din.run(self, span, words_of_line, bare=bare, continued=continued)
+            return
+        self._line(span, words_of_line)
 
 
 def _run(

@@ -15,4 +15,8 @@ def rules_named(name: str) -> LanguageRules:
         from gproof.ir.dialects.wincnc import WINCNC
 
         return WINCNC
+    if name == "mcuwin":
+        from gproof.ir.dialects.mcuwin import MCUWIN
+
+        return MCUWIN
     raise ValueError(f"no dialect is named {name!r}")

@@ -1,0 +1,524 @@
+"""Moves of controllers of DIN blocks with Pascal inside: G00 to G03 with reflection, factors, cylinders, planes.
+
+APCI-8001 G-code manual 3.1 to 3.4, 3.6 to 3.17, 3.20 to 3.22, 3.32, 3.35, 3.36. G00 counts in the axes' own units,
+whatever G70 says (3.1), the others in the interpolation unit. A place is zero offset + factor times word.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import TYPE_CHECKING
+
+from gproof.ir import codes
+from gproof.ir.finding import Refusal
+from gproof.ir.machine import AXES, AXIS_NAMES
+from gproof.ir.rules import CodeRule
+from gproof.ir.rules import Function as F
+from gproof.ir.trace import Op, Plane
+from gproof.passes.cycles import AXES_OF_PLANE
+from gproof.passes.din_state import SAME, din_of, factor, has_tools, mirror_columns
+from gproof.passes.modal import INCH, ZERO
+from gproof.passes.single_kernels import ZERO_RADIUS, distance
+from gproof.passes.values import NOWHERE, Position, Unknown, Value, describe
+
+if TYPE_CHECKING:
+    from gproof.passes.din import Part
+    from gproof.passes.motion import Motion
+
+Handler = Callable[["Motion", "Part", CodeRule], None]
+
+_CENTERS = {Plane.XY: "IJ", Plane.XZ: "IK", Plane.YZ: "JK"}
+"""Centre words by plane (DIN 66025), in the order of ``AXES_OF_PLANE``."""
+
+
+def note_assumptions(ex: Motion) -> None:
+    """What is taken for granted because neither job nor files say it."""
+    s, din = ex.modal, din_of(ex.machine)
+    if "distance" not in s.stated:
+        ex.assumed["the job starts in absolute distances (G90)"] = None
+    if "units" not in s.stated and din.position_unit is None:
+        ex.assumed["interpolation counts in millimetres (3.22)"] = None
+    if ex.setup.default_offset is None:
+        ex.assumed["no reflection, no effective radius, no spline and no radius correction is on at the start"] = None
+
+
+def tell_once(ex: Motion, name: str) -> bool:
+    """True the first time."""
+    s = ex.modal
+    if name in s.din.told:
+        return False
+    s.din = s.din.but(told=s.din.told | {name})
+    return True
+
+
+# ---- words to places
+
+
+def unit_of(ex: Motion, axis: int, *, own: bool) -> float:
+    """mm or degrees in one of a word; own: in the axis's unit. NaN: not known (G51 before another unit)."""
+    s = ex.modal
+    if not s.linear[axis]:
+        radius = dict(s.din.radii).get(axis)
+        if own or radius is None:
+            return 1.0
+        return math.degrees(s.unit / radius)
+    return ex.machine.unit if own else s.unit
+
+
+def aim(ex: Motion, line: Part, *, own: bool) -> list[Position]:
+    """Where the axis words send the axes, machine mm or degrees; own: words count in the axes' own units (3.1)."""
+    s = ex.modal
+    words = line.axes()
+    if words and s.din.mode_open:
+        what = "axis words behind G53 in G91 (absolute or not, until G90 or G91)"
+        raise Refusal(codes.UNSUPPORTED_CODE.at(line.span, code=what))
+    target = list(s.position)
+    for axis, value in words.items():
+        by, unit = factor(s, axis), unit_of(ex, axis, own=own)
+        if s.absolute and by != 1.0 and s.offset(axis) != ZERO:
+            what = f"whether {_word(ex, axis)} is reflected about the zero offset or about the machine's zero"
+            raise Refusal(codes.TRANSFORM_OPEN.at(line.span, what=what))
+        if math.isnan(by):
+            what = f"the factor of {_word(ex, axis)} after G24 and before the next G39"
+            raise Refusal(codes.TRANSFORM_OPEN.at(line.span, what=what))
+        if math.isnan(unit):
+            what = f"the effective radius of {_word(ex, axis)}, given in another unit"
+            raise Refusal(codes.TRANSFORM_OPEN.at(line.span, what=what))
+        origin = s.offset(axis) if s.absolute else s.position[axis]
+        target[axis] = _placed(ex, line, axis, value, by * unit, origin)
+    return target
+
+
+def _placed(ex: Motion, line: Part, axis: int, value: Value, scale: float, origin: Position) -> Position:
+    if not isinstance(value, Unknown):
+        return Position(value * scale + origin.value, origin.form)
+    if not value.bounded or origin == NOWHERE:
+        word = _word(ex, axis)
+        ex.findings.add(codes.UNKNOWN_VALUE.at(line.where(word), word=word, cause=value.cause))
+        return NOWHERE
+    ends = value.low * scale, value.high * scale
+    return ex.unknown_place("value", axis, (min(ends), max(ends)), origin)
+
+
+def _word(ex: Motion, axis: int) -> str:
+    return ex.machine.word(axis)
+
+
+# ---- moves
+
+
+def move(ex: Motion, line: Part, rule: CodeRule) -> None:
+    """G00 to G03, given or going on."""
+    note_assumptions(ex)
+    s = ex.modal
+    words = line.axes()
+    arc = rule.function in (F.ARC_CW, F.ARC_CCW)
+    for letter in "IJK":
+        if letter in line.values and not arc:
+            raise Refusal(codes.UNUSED_WORD.at(line.where(letter), word=letter))
+    if rule.function is not F.TRAVERSE:
+        _interpolated(ex, line, rule)
+    if not words and not (arc and line.values):
+        return
+    _referenced(ex, line)
+    if s.din.side:
+        _corrected(ex, line, rule)
+        return
+    target = aim(ex, line, own=rule.function is F.TRAVERSE)
+    if rule.function is F.TRAVERSE:
+        if target == s.position and tell_way(ex, line):
+            ex.findings.add(codes.NO_WAY.at(line.span, code=rule.text))
+        s.din = s.din.but(contour=False)
+        ex.move(Op.TRAVERSE, target, line.span)
+    elif arc:
+        _arc(ex, line, rule, target)
+    else:
+        _straight(ex, line, rule, target)
+    ex._moved = True
+
+
+def tell_way(ex: Motion, line: Part) -> bool:
+    """Whether the way that the line leads is known: an axis whose place is unknown may well move."""
+    return all(place != NOWHERE for place in (ex.modal.position[axis] for axis in line.axes()))
+
+
+def _referenced(ex: Motion, line: Part) -> None:
+    """GP304 for axes of which the setup says that they had no reference run: nobody watches their limits (2.4)."""
+    homed = ex.setup.homed
+    if not homed:
+        ex.assumed["every axis has had its reference run"] = None
+        return
+    for axis in line.axes():
+        if AXIS_NAMES[axis] not in homed and tell_once(ex, f"homed {axis}"):
+            cause = "its reference run, which the setup does not say it has had"
+            ex._fail(codes.POSITION_UNKNOWN.at(line.span, axis=_word(ex, axis), cause=cause))
+
+
+def _interpolated(ex: Motion, line: Part, rule: CodeRule) -> None:
+    """Refusal GP129 or GP113 for axes that are none of the interpolation (3.20)."""
+    din = ex.modal.din
+    for letter, axis in line.columns.items():
+        if letter not in line.values or (axis in din.interpolating and axis not in din.doubtful):
+            continue
+        if axis in din.doubtful:
+            what = f"{letter} in {rule.text} after another G60 (whether a second one counts is not documented)"
+            raise Refusal(codes.UNSUPPORTED_CODE.at(line.where(letter), code=what))
+        names = " ".join(word for word, column in line.columns.items() if column in din.interpolating)
+        what = f"none of the interpolation axes, {names or 'of which there are none'} (G60)"
+        raise Refusal(codes.ILLEGAL_VALUE.at(line.where(letter), word=letter, what=what))
+
+
+def _corrected(ex: Motion, line: Part, rule: CodeRule) -> None:
+    """A move of the tool beside the contour (2.7): the axes of the plane may stand anywhere around it."""
+    s = ex.modal
+    rapid = rule.function is F.TRAVERSE
+    target = aim(ex, line, own=rapid)
+    first, second, _ = AXES_OF_PLANE[s.plane]
+    to = [NOWHERE if axis in (first, second) else place for axis, place in enumerate(target)]
+    if not rapid:
+        _use_feed(ex, line, rule, to)
+    ex.move(Op.TRAVERSE if rapid else Op.FEED, to, line.span)
+    ex._moved = True
+
+
+def _straight(ex: Motion, line: Part, rule: CodeRule, target: list[Position]) -> None:
+    s = ex.modal
+    if s.din.spline:
+        target = [NOWHERE if axis in line.axes() else place for axis, place in enumerate(target)]
+    elif _is_same(s.position, target) and tell_way(ex, line):
+        ex.findings.add(codes.NO_WAY.at(line.span, code=rule.text))
+    _use_feed(ex, line, rule, target)
+    s.din = s.din.but(contour=True)
+    ex.move(Op.FEED, target, line.span)
+
+
+def _is_same(one: list[Position], other: list[Position]) -> bool:
+    return all(a.form == b.form and abs(a.value - b.value) < SAME for a, b in zip(one, other, strict=True))
+
+
+def _use_feed(ex: Motion, line: Part, rule: CodeRule, target: list[Position]) -> None:
+    """The feed of this move, of what its row counts in."""
+    s = ex.modal
+    din = s.din
+    s.feed_unit = 1.0
+    if din.asked:
+        hint = f"{din.asked} came behind the last F: whether its number or its speed is kept is not documented"
+        raise Refusal(codes.FEED_MISSING.at(line.span, code=rule.text, hint=hint))
+    if din.feed == 0.0:
+        raise Refusal(codes.VELOCITY_ZERO.at(line.span, code=rule.text))
+    s.feed = din.feed
+    cause = din.feed_cause if math.isnan(din.feed) else ""
+    if din.constant_speed:
+        s.feed, cause = math.nan, "G96, constant cutting speed"
+    turning = [axis for axis in range(AXES) if not s.linear[axis] and target[axis] != s.position[axis]]
+    if turning and not cause:
+        s.feed, cause = _with_rotary(ex, target, turning)
+    if cause and tell_once(ex, f"feed {cause}"):
+        ex.findings.add(codes.FEED_UNKNOWN.at(line.span, code=rule.text, cause=cause))
+
+
+def _with_rotary(ex: Motion, target: list[Position], turning: list[int]) -> tuple[float, str]:
+    """The feed of a row whose rotary axes turn, and why it is not known: along a cylinder (3.17) the way counts."""
+    s = ex.modal
+    radii = dict(s.din.radii)
+    ways = [target[axis].minus(s.position[axis]) for axis in range(AXES)]
+    if any(axis not in radii for axis in turning) or any(way.form for way in ways):
+        return math.nan, "how F counts while a rotary axis without an effective radius (G51) turns"
+    turned = math.sqrt(sum((math.radians(ways[axis].value) * radii[axis]) ** 2 for axis in turning))
+    angle = math.sqrt(sum(ways[axis].value ** 2 for axis in turning))
+    linear = math.sqrt(sum(way.value**2 for way in ways[:3]))
+    whole = math.hypot(linear, turned)
+    return s.din.feed * (linear if linear > 0.0 else angle) / whole, ""
+
+
+# ---- arcs
+
+
+def _arc(ex: Motion, line: Part, rule: CodeRule, target: list[Position]) -> None:
+    """G02 and G03: DIN's centre words of the plane; the third axis moves along evenly."""
+    s = ex.modal
+    din = s.din
+    if din.plane_open:
+        tools = "no tool table is loaded" if has_tools(ex.machine) is False else "nobody stated a tool table"
+        cause = f"the plane: {tools}, and what G18 or G19 do without one is not documented (2.7)"
+        raise Refusal(codes.ARC_UNKNOWN.at(line.span, cause=cause, hint="G17 before"))
+    first, second, third = AXES_OF_PLANE[s.plane]
+    for axis in line.axes():
+        if axis > 2:
+            word = _word(ex, axis)
+            raise Refusal(codes.UNSUPPORTED_CODE.at(line.where(word), code=f"{word} beside an arc"))
+    letters = _CENTERS[s.plane]
+    for letter in "IJK":
+        if letter in line.values and letter not in letters:
+            raise Refusal(codes.UNUSED_WORD.at(line.where(letter), word=f"{letter} (out of the arc's plane)"))
+    factors = factor(s, first), factor(s, second)
+    if math.isnan(factors[0]) or math.isnan(factors[1]):
+        raise Refusal(codes.TRANSFORM_OPEN.at(line.span, what="factors after G24 and before the next G39"))
+    if abs(abs(factors[0]) - abs(factors[1])) > SAME:
+        names = f"{_word(ex, first)} and {_word(ex, second)}"
+        raise Refusal(codes.ARC_SCALED.at(line.span, axes=f"{names} unequally", code="G39"))
+    start, end = (s.position[first], s.position[second]), (target[first], target[second])
+    for a, b, axis in zip(start, end, (first, second), strict=True):
+        difference = b.minus(a)
+        if difference.form:
+            raise Refusal(codes.ARC_UNKNOWN.at(line.span, cause=f"{_word(ex, axis)}: {describe(difference.form)}"))
+    center = _center(ex, line, rule, (first, second), start, factors)
+    turns = 1 if rule.function is F.ARC_CCW else -1
+    if factors[0] * factors[1] < 0:
+        turns = -turns
+    at_start = distance(center[0] - start[0].value, center[1] - start[1].value)
+    at_end = distance(center[0] - end[0].value, center[1] - end[1].value)
+    if at_start < ZERO_RADIUS:
+        raise Refusal(codes.ARC_RADIUS_ZERO.at(line.span))
+    if abs(at_end - at_start) > s.arc_tolerance() + SAME:
+        raise Refusal(
+            codes.ARC_RADIUS_MISMATCH.at(
+                line.span, start=at_start, end=at_end, off=abs(at_end - at_start), allowed=s.arc_tolerance(), unit="mm",
+                hint="the controller stops with status 2000",
+            )
+        )  # fmt: skip
+    if all(abs(a.value - b.value) < 1e-6 for a, b in zip(start, end, strict=True)):
+        target[first], target[second] = start
+    whole = [p.value for p in s.position[:3]]
+    whole[first], whole[second] = center
+    if s.din.spline:
+        for axis in (first, second, third):
+            target[axis] = NOWHERE if axis in (first, second) or axis in line.axes() else target[axis]
+        _use_feed(ex, line, rule, target)
+        ex.move(Op.FEED, target, line.span)
+        return
+    _use_feed(ex, line, rule, target)
+    s.din = s.din.but(contour=True)
+    ex.move(Op.ARC, target, line.span, center=whole, turns=turns, plane=s.plane)
+
+
+def _center(
+    ex: Motion, line: Part, rule: CodeRule, axes: tuple[int, int], start: tuple[Position, Position],
+    factors: tuple[float, float],
+) -> list[float]:  # fmt: skip
+    """Machine place of the centre in the plane; Refusal GP203 or GP405."""
+    s = ex.modal
+    letters = _CENTERS[s.plane]
+    given = [line.number(letter) for letter in letters]
+    if given == [None, None]:
+        raise Refusal(codes.ARC_CENTER_MISSING.at(line.span, code=rule.text, needed=" and ".join(letters)))
+    kept = s.din.center
+    values: list[float] = []
+    for n, value in enumerate(given):
+        if value is None:
+            if kept is None:
+                ex.assumed["a centre word that is left out counts 0"] = None
+            elif kept[n] != 0.0:
+                cause = f"{letters[n]} left out: that of the arc before, or 0"
+                raise Refusal(codes.ARC_UNKNOWN.at(line.span, cause=cause))
+            value = 0.0
+        values.append(value * s.unit)
+    s.din = s.din.but(center=(values[0], values[1]))
+    relative = [at.value + by * value for at, by, value in zip(start, factors, values, strict=True)]
+    if not s.absolute or s.din.centers_absolute is False:
+        return relative
+    if None in given:
+        raise Refusal(codes.ARC_UNKNOWN.at(line.span, cause="a centre word left out with absolute centres on"))
+    places = []
+    for axis, by, value, at in zip(axes, factors, values, start, strict=True):
+        origin = s.offset(axis)
+        if by != 1.0 and origin != ZERO:
+            what = f"whether {_word(ex, axis)} is reflected about the zero offset or about the machine's zero"
+            raise Refusal(codes.TRANSFORM_OPEN.at(line.span, what=what))
+        if origin.form != at.form:
+            raise Refusal(codes.ARC_UNKNOWN.at(line.span, cause=describe(origin.minus(at).form)))
+        places.append(origin.value + by * value)
+    if s.din.centers_absolute is None and any(abs(a - b) > SAME for a, b in zip(places, relative, strict=True)):
+        cause = "whether centres are places or distances in G90, which nobody stated (IniCfg, 3.3)"
+        raise Refusal(codes.ARC_UNKNOWN.at(line.span, cause=cause, hint="G161 or G162 before says it"))
+    return places
+
+
+# ---- planes, reflection, cylinders, what else shapes moves
+
+
+def plane(ex: Motion, line: Part, rule: CodeRule) -> None:
+    """G17, G18, G19: the latter two count where a tool table is loaded (2.7, 14 (2.5.3.89))."""
+    s = ex.modal
+    new = {F.PLANE_XY: Plane.XY, F.PLANE_XZ: Plane.XZ}.get(rule.function, Plane.YZ)
+    if s.din.side and new is not s.plane:
+        raise Refusal(codes.PLANE_WITH_COMPENSATION.at(line.code_span(), code=rule.text, plane=s.plane.name))
+    is_open = new is not Plane.XY and not has_tools(ex.machine)
+    if new is not s.plane or is_open != s.din.plane_open:
+        # I, J and K of another plane are other words.
+        s.din = s.din.but(center=None)
+    s.plane = new
+    s.din = s.din.but(plane_open=is_open)
+    s.stated.add("plane")
+    ex.event(Op.PLANE, line.span, arg=(float(new), 0.0))
+
+
+def reflect(ex: Motion, line: Part, rule: CodeRule) -> None:
+    """G21 to G23: Y, X, or both."""
+    s = ex.modal
+    columns = mirror_columns(ex.machine)
+    new = set(s.din.reflected)
+    for bit, (letter, column) in enumerate(zip("XY", columns, strict=True)):
+        if rule.value >> bit & 1:
+            if column is None:
+                raise Refusal(codes.AXIS_NOT_THERE.at(line.code_span(), axis=letter))
+            new.add(column)
+    s.din = s.din.but(reflected=frozenset(new))
+
+
+def reflect_off(ex: Motion, line: Part, rule: CodeRule) -> None:
+    """G24: whether factors are kept for the next reflection is open."""
+    s = ex.modal
+    factors = tuple(by if by == -1.0 else math.nan for by in s.din.factors)
+    s.din = s.din.but(reflected=frozenset(), factors=(factors[0], factors[1]))
+
+
+def position_factor(ex: Motion, line: Part, rule: CodeRule) -> None:
+    """G39: factors of reflected axes; alone: all are -1 again."""
+    s = ex.modal
+    words = line.axes()
+    factors = list(s.din.factors) if words else [-1.0, -1.0]
+    columns = mirror_columns(ex.machine)
+    for axis, value in words.items():
+        word = _word(ex, axis)
+        if word in line.bare:
+            raise Refusal(codes.MISSING_VALUE.at(line.where(word), letter=word))
+        if axis not in columns:
+            what = f"{rule.text} of {word}, which no code reflects"
+            raise Refusal(codes.UNSUPPORTED_CODE.at(line.where(word), code=what))
+        if value == 0.0:
+            raise Refusal(codes.SCALING_ZERO.at(line.where(word), code=rule.text))
+        factors[columns.index(axis)] = math.nan if isinstance(value, Unknown) else value
+    s.din = s.din.but(factors=(factors[0], factors[1]))
+
+
+def effective_radius(ex: Motion, line: Part, rule: CodeRule) -> None:
+    """G51: radius of the cylinder on which words of a rotary axis are lengths, in interpolation units."""
+    s = ex.modal
+    words = line.axes()
+    if not words:
+        raise Refusal(codes.AXIS_WORDS_MISSING.at(line.code_span(), code=rule.text))
+    radii = dict(s.din.radii)
+    for axis, value in words.items():
+        word = _word(ex, axis)
+        if s.linear[axis]:
+            what = f"{rule.text} of {word}, which is no rotary axis"
+            raise Refusal(codes.UNSUPPORTED_CODE.at(line.where(word), code=what))
+        if not isinstance(value, Unknown) and value <= 0.0:
+            raise Refusal(codes.ILLEGAL_VALUE.at(line.where(word), word=word, what=f"a radius of {value:g}"))
+        radii[axis] = math.nan if isinstance(value, Unknown) else value * s.unit
+    s.din = s.din.but(radii=tuple(sorted(radii.items(), key=lambda pair: pair[0])))
+
+
+def units(ex: Motion, line: Part, rule: CodeRule) -> None:
+    """G70, G71: positions and feeds of interpolation; F is asked for anew."""
+    s = ex.modal
+    new = INCH if rule.function is F.UNITS_INCH else 1.0
+    s.stated.add("units")
+    if new != s.unit:
+        radii = tuple((axis, math.nan) for axis, _ in s.din.radii)
+        s.din = s.din.but(asked=rule.text if s.din.given else "", radii=radii, center=None)
+    s.unit = new
+    ex._state_changed()
+    ex.event(Op.UNITS, line.span, arg=(new, 0.0))
+
+
+def per_minute(ex: Motion, line: Part, rule: CodeRule) -> None:
+    """G94: F counts a minute."""
+    s = ex.modal
+    if s.din.time_unit != 60.0:
+        s.din = s.din.but(time_unit=60.0, asked=rule.text if s.din.given else "")
+
+
+def inverse_time(ex: Motion, line: Part, rule: CodeRule) -> None:
+    """G93 is not implemented (3.27)."""
+    raise Refusal(codes.UNKNOWN_CODE.at(line.code_span(), code=f"{rule.text} (not implemented, 3.27)"))
+
+
+def constant_speed(ex: Motion, line: Part, rule: CodeRule) -> None:
+    """G96, G97: which feed and speed follow is not described."""
+    ex.modal.din = ex.modal.din.but(constant_speed=rule.function is F.SURFACE_SPEED)
+    ex.event(Op.DEVICE, line.span, text=ex._text(rule.text))
+
+
+def distance_mode(ex: Motion, line: Part, rule: CodeRule) -> None:
+    """G90, G91."""
+    ex.modal.absolute = rule.function is F.ABSOLUTE
+    ex.modal.din = ex.modal.din.but(mode_open=False)
+    ex.modal.stated.add("distance")
+
+
+def spline(ex: Motion, line: Part, rule: CodeRule) -> None:
+    """G150, G151: between the points of a spline nobody knows the path."""
+    on = rule.function is F.SPLINE_ON
+    ex.modal.din = ex.modal.din.but(spline=on)
+    if on:
+        ex._fail(codes.UNSUPPORTED_CODE.at(line.code_span(), code=f"{rule.text} (the path between points)"))
+
+
+def centers(ex: Motion, line: Part, rule: CodeRule) -> None:
+    """G161, G162."""
+    s = ex.modal
+    s.din = s.din.but(centers_absolute=rule.function is F.CENTERS_ABSOLUTE, center=None)
+
+
+def interpolation_axes(ex: Motion, line: Part, rule: CodeRule) -> None:
+    """G60: the axes of G01 to G03; whether a second one in a job counts is open (3.20, 14 (2.5.3.78))."""
+    s = ex.modal
+    new = frozenset(line.axes())
+    if not new:
+        raise Refusal(codes.AXIS_WORDS_MISSING.at(line.code_span(), code=rule.text))
+    din = s.din
+    old = din.interpolating
+    doubtful = (old ^ new) | (din.doubtful - (old & new)) if din.programmed_axes or ex._moves else frozenset()
+    s.din = din.but(interpolating=new | old if doubtful else new, doubtful=doubtful, programmed_axes=True)
+
+
+def correction(ex: Motion, line: Part, rule: CodeRule) -> None:
+    """G40 to G42: radius correction with a record of the tool table (2.7); entry and corners are not described."""
+    s = ex.modal
+    if rule.function is F.COMPENSATION_OFF:
+        # The tool comes back to the contour with the next move.
+        s.din = s.din.but(side=0)
+        return
+    tools = din_of(ex.machine).tools
+    if tools is not None and not tools:
+        hint = "a tool table with contents must be loaded (2.7)"
+        raise Refusal(
+            codes.NOT_ENABLED.at(line.code_span(), code=rule.text, device="tools", key="tool_file", hint=hint)
+        )
+    section = {Plane.XY: "xy", Plane.XZ: "zx"}.get(s.plane, "yz")
+    found = [t for t in tools or () if t.number == s.din.tool and t.plane == section]
+    if found and found[0].radius == 0.0 and not s.din.plane_open:
+        return
+    s.din = s.din.but(side=1 if rule.function is F.COMPENSATION_LEFT else -1)
+    cause = f"{rule.text}: entry, corners and exit of the corrected path, which are not described (2.7)"
+    ex._fail(codes.COMPENSATION_UNKNOWN.at(line.code_span(), cause=cause))
+
+
+HANDLERS: dict[F, Handler] = {
+    F.PLANE_XY: plane,
+    F.PLANE_XZ: plane,
+    F.PLANE_YZ: plane,
+    F.REFLECT: reflect,
+    F.REFLECT_OFF: reflect_off,
+    F.POSITION_FACTOR: position_factor,
+    F.EFFECTIVE_RADIUS: effective_radius,
+    F.UNITS_INCH: units,
+    F.UNITS_MM: units,
+    F.FEED_PER_MINUTE: per_minute,
+    F.FEED_INVERSE_TIME: inverse_time,
+    F.SURFACE_SPEED: constant_speed,
+    F.SPINDLE_RPM: constant_speed,
+    F.ABSOLUTE: distance_mode,
+    F.INCREMENTAL: distance_mode,
+    F.SPLINE_OFF: spline,
+    F.SPLINE_ON: spline,
+    F.CENTERS_ABSOLUTE: centers,
+    F.CENTERS_RELATIVE: centers,
+    F.INTERPOLATION_AXES: interpolation_axes,
+    F.COMPENSATION_OFF: correction,
+    F.COMPENSATION_LEFT: correction,
+    F.COMPENSATION_RIGHT: correction,
+}

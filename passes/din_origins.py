@@ -1,0 +1,215 @@
+"""Zero offsets and software limits of controllers of DIN blocks with Pascal inside.
+
+APCI-8001 G-code manual 3.18 (G53), 3.19 (G54 to G58), 3.26 (G92), 3.29 (G98), 3.30 (G99), 3.33 (G153), 3.34 (G154).
+The offset that is in force is ``Modal.g92``; these codes end a contour of spooled moves, and move nothing.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from gproof.ir import codes
+from gproof.ir.dialects.mcuwin import OFFSETS_AT
+from gproof.ir.finding import Refusal
+from gproof.ir.machine import AXES
+from gproof.ir.rules import CodeRule
+from gproof.ir.rules import Function as F
+from gproof.ir.trace import Op
+from gproof.passes.din_motion import Handler, note_assumptions
+from gproof.passes.din_state import din_of
+from gproof.passes.modal import ZERO
+from gproof.passes.values import NOWHERE, Position, Unknown, Value
+
+if TYPE_CHECKING:
+    from gproof.passes.din import Part
+    from gproof.passes.motion import Motion
+
+
+def end_contour(ex: Motion, line: Part, code: str) -> bool:
+    """GP513 where moves come before that could have been joined with those behind; whether that is so."""
+    s = ex.modal
+    broke = s.din.contour
+    if broke:
+        ex.findings.add(codes.CONTOUR_BREAK.at(line.span, code=code))
+    s.din = s.din.but(contour=False)
+    return broke
+
+
+def _changed(ex: Motion, line: Part, code: str, record: int) -> None:
+    """Told in the Trace; 1 behind the number: the axes rest for it."""
+    broke = end_contour(ex, line, code)
+    ex._state_changed()
+    ex.event(Op.OFFSET, line.span, arg=(float(record), float(broke)))
+
+
+def _no_correction(ex: Motion, line: Part, rule: CodeRule) -> None:
+    if ex.modal.din.side:
+        what = f"{rule.text} while the tool radius is corrected"
+        raise Refusal(codes.UNSUPPORTED_CODE.at(line.code_span(), code=what))
+
+
+def _interpolating(ex: Motion) -> frozenset[int]:
+    """Columns whose offsets G53 to G58 set (3.18, 3.19); of doubtful ones nobody knows the offset then."""
+    din = ex.modal.din
+    if not din.programmed_axes and din_of(ex.machine).interpolation_axes is None:
+        ex.assumed["every axis of the machine is an interpolation axis (3.20)"] = None
+    return din.interpolating
+
+
+def _set(ex: Motion, axis: int, place: Position) -> None:
+    s = ex.modal
+    s.g92[axis] = place if axis not in s.din.doubtful or s.g92[axis] == place else NOWHERE
+
+
+def offset_off(ex: Motion, line: Part, rule: CodeRule) -> None:
+    """G53: no offset of the interpolation axes; as G92 does it in G90 (3.18), so that G91 may be over too."""
+    _no_correction(ex, line, rule)
+    s = ex.modal
+    for axis in _interpolating(ex):
+        _set(ex, axis, ZERO)
+    if not s.absolute:
+        s.din = s.din.but(mode_open=True)
+    s.stated.add("work")
+    _changed(ex, line, rule.text, 0)
+
+
+def offset_record(ex: Motion, line: Part, rule: CodeRule) -> None:
+    """G54 to G58: the offsets of a record of the table, for the interpolation axes."""
+    _no_correction(ex, line, rule)
+    s = ex.modal
+    for axis in _interpolating(ex):
+        _set(ex, axis, s.work_offsets[rule.value, axis])
+    s.stated.add("work")
+    _changed(ex, line, rule.text, rule.value)
+
+
+def _in_doubt(ex: Motion, axis: int) -> bool:
+    """Whether a number of an axis is in the axis's unit or in that of interpolation, and these differ (3.26, 3.29)."""
+    s = ex.modal
+    return s.unit != ex.machine.unit if s.linear[axis] else axis in dict(s.din.radii)
+
+
+def zero_offset(ex: Motion, line: Part, rule: CodeRule) -> None:
+    """G92: the offsets of the named axes: from machine zero in G90, from the offset in force in G91."""
+    _no_correction(ex, line, rule)
+    s = ex.modal
+    words = line.axes()
+    note_assumptions(ex)
+    if not words:
+        raise Refusal(codes.G92_AXIS_MISSING.at(line.code_span()))
+    open_axes = []
+    for axis, value in words.items():
+        place = _number(ex, line, axis, value)
+        moved = place if s.absolute else s.g92[axis].plus(place)
+        if s.din.mode_open and s.g92[axis] != ZERO:
+            moved = NOWHERE
+        if value != 0.0 and (_in_doubt(ex, axis) or axis in s.din.reflected):
+            open_axes.append(ex.machine.word(axis))
+            moved = NOWHERE
+        s.g92[axis] = moved
+    _changed(ex, line, rule.text, 0)
+    if open_axes:
+        what = f"in which unit or direction {rule.text} counts {' '.join(open_axes)} under G70, G51 or a reflection"
+        raise Refusal(codes.TRANSFORM_OPEN.at(line.span, what=what))
+
+
+def _number(ex: Motion, line: Part, axis: int, value: Value) -> Position:
+    scale = ex.machine.unit if ex.modal.linear[axis] else 1.0
+    if not isinstance(value, Unknown):
+        return Position(value * scale)
+    word = ex.machine.word(axis)
+    if not value.bounded:
+        ex.findings.add(codes.UNKNOWN_VALUE.at(line.where(word), word=word, cause=value.cause))
+        return NOWHERE
+    return ex.unknown_place("value", axis, (value.low * scale, value.high * scale), ZERO)
+
+
+def read_offset(ex: Motion, line: Part, rule: CodeRule) -> None:
+    """G153: the offsets of all axes into CD 50 and on, in interpolation units."""
+    s = ex.modal
+    for number, axis in enumerate(ex.machine.axes):
+        value: Value = s.plain(s.g92[axis.index], s.unit if s.linear[axis.index] else 1.0, OFFSETS_AT + number)
+        if isinstance(value, Unknown):
+            value = Unknown(f"the zero offset of {axis.word}", value.low, value.high)
+        s.parameters[OFFSETS_AT + number] = value
+    s.din = s.din.but(told=s.din.told | {"offsets read"}, stored=tuple(s.g92))
+
+
+def restore_offset(ex: Motion, line: Part, rule: CodeRule) -> None:
+    """G154: the offsets of all axes from CD 50 and on, as G153 has left them or as the job has set them."""
+    _no_correction(ex, line, rule)
+    s = ex.modal
+    for number, axis in enumerate(ex.machine.axes):
+        value = s.parameters.get(OFFSETS_AT + number)
+        if value is None:
+            s.g92[axis.index] = NOWHERE
+            ex.findings.add(codes.UNKNOWN_VALUE.at(
+                line.span, word=f"the zero offset of {axis.word}", cause=f"CD{OFFSETS_AT + number}"))  # fmt: skip
+        elif isinstance(value, Unknown):
+            same = s.din.stored is not None and value == _stored(ex, number, s.din.stored[axis.index])
+            s.g92[axis.index] = s.din.stored[axis.index] if same and s.din.stored is not None else NOWHERE
+        else:
+            s.g92[axis.index] = Position(value * (s.unit if s.linear[axis.index] else 1.0))
+    _changed(ex, line, rule.text, 0)
+
+
+def _stored(ex: Motion, number: int, place: Position) -> Value:
+    s = ex.modal
+    axis = ex.machine.axes[number]
+    value = s.plain(place, s.unit if s.linear[axis.index] else 1.0, OFFSETS_AT + number)
+    return Unknown(f"the zero offset of {axis.word}", value.low, value.high) if isinstance(value, Unknown) else value
+
+
+def limit(ex: Motion, line: Part, rule: CodeRule) -> None:
+    """G98, G99: software limits of the named axes on the left and on the right, machine coordinates."""
+    s = ex.modal
+    words = line.axes()
+    if not words:
+        raise Refusal(codes.AXIS_WORDS_MISSING.at(line.code_span(), code=rule.text))
+    by_index = {axis.index: axis for axis in ex.machine.axes}
+    lower = list(s.din.lower or [by_index[n].lower if n in by_index else None for n in range(AXES)])
+    upper = list(s.din.upper or [by_index[n].upper if n in by_index else None for n in range(AXES)])
+    left = rule.function is F.LIMIT_LEFT
+    unsure = set(s.din.limits_open)
+    for axis, value in words.items():
+        side = lower if left else upper
+        scale = ex.machine.unit if s.linear[axis] else 1.0
+        if isinstance(value, Unknown) or _in_doubt(ex, axis) or axis in s.din.reflected:
+            # In which unit, and which way: a limit that nobody knows holds nothing.
+            unsure.add(axis)
+            ex._fail(codes.LIMIT_UNKNOWN.at(
+                line.where(ex.machine.word(axis)), side="left" if left else "right", axis=ex.machine.word(axis),
+                hint="program it without reflection and in the axis's own unit (3.29)"))  # fmt: skip
+            continue
+        if not s.absolute:
+            unsure.add(axis)
+            ex._fail(codes.LIMIT_UNKNOWN.at(
+                line.where(ex.machine.word(axis)), side="left" if left else "right", axis=ex.machine.word(axis),
+                hint="whether G91 holds for it is not documented: G90 before"))  # fmt: skip
+            continue
+        side[axis] = value * scale
+    s.din = s.din.but(lower=tuple(lower), upper=tuple(upper), limits_open=frozenset(unsure))
+    _use_limits(ex)
+
+
+def _use_limits(ex: Motion) -> None:
+    """Rows carry the limits; where one lies beyond that of the machine's file, the end stops of the axis decide."""
+    s = ex.modal
+    wider = False
+    for axis in ex.machine.axes:
+        low, high = (s.din.lower or ())[axis.index], (s.din.upper or ())[axis.index]
+        wider = wider or (axis.lower is not None and (low is None or low < axis.lower))
+        wider = wider or (axis.upper is not None and (high is None or high > axis.upper))
+    s.guards_off = tuple(sorted({*s.guards_off, "machine_area"} if wider else {*s.guards_off} - {"machine_area"}))
+    ex._state_changed()
+
+
+HANDLERS: dict[F, Handler] = {
+    F.ZERO_OFFSET_OFF: offset_off,
+    F.SELECT_COORDINATES: offset_record,
+    F.ZERO_OFFSET_SET: zero_offset,
+    F.ZERO_OFFSET_READ: read_offset,
+    F.ZERO_OFFSET_RESTORE: restore_offset,
+    F.LIMIT_LEFT: limit,
+    F.LIMIT_RIGHT: limit,
+}

@@ -1,0 +1,154 @@
+"""The state that controllers of DIN blocks with Pascal inside have beside the one of all (McuWIN).
+
+Sections are those of the APCI-8001 G-code manual, McuWIN V 2.5.3.133; docs/dialects/mcuwin.md says how open questions
+are read. Values are immutable; a change is a new ``DinState``. Columns are those of ``AXIS_NAMES``.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any
+
+from gproof.ir.dialects.mcuwin import COMMON, DECLARED
+from gproof.ir.din import NO_DIN, Din
+from gproof.ir.machine import AXES, AXIS_NAMES, Machine
+from gproof.ir.trace import Boundary
+from gproof.passes.single_state import Pairs, letters_of
+from gproof.passes.values import NOWHERE, Position
+
+if TYPE_CHECKING:
+    from gproof.passes.modal import Modal
+
+
+def fits(number: int, value: object) -> bool:
+    """Whether a common integer variable (CI) can hold a value; any other variable can (11)."""
+    if not COMMON <= number < DECLARED or not isinstance(value, float):
+        return True
+    return value == math.floor(value) and -(2.0**31) <= value < 2.0**31
+
+
+SAME = 1e-9
+"""mm or degrees within which two places are one."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class DinState:
+    """Lengths mm, angles degrees.
+
+    mode_open: whether words are places or distances nobody knows (G53 in G91, 3.18). reflected: columns; factors: of X
+    and Y, NaN: open (3.12, 3.13). radii: (column, mm) of G51, NaN: open. interpolating: columns of G01 to G03;
+    doubtful: those that one reading counts in besides; programmed_axes: a G60 has come (3.20). centers_absolute:
+    centres are places in G90, None: not stated. plane_open: G18 or G19 without a tool table (2.7). spline: G151.
+    feed: mm/min of linear moves, NaN: not known, for feed_cause; given: an F has come; asked: the code behind which F
+    must be given anew (3.21, 3.22, 3.28); time_unit: seconds, None: not stated; constant_speed: G96. center: I and J
+    of the last arc in program units. side: of the radius compensation that is on, 1 left, -1 right, 0 off; tool: the
+    record that is selected. lower, upper: software limits now, None: those of the machine's file; limits_open: columns
+    whose limits are not known. saved: values that the job saved (M901, M903), by the variable's number. contour: a
+    move that can be joined was the last one. stored: offsets by column that G153 read. told: what is told once.
+    """
+
+    mode_open: bool = False
+    reflected: frozenset[int] = frozenset()
+    factors: tuple[float, float] = (-1.0, -1.0)
+    radii: tuple[tuple[int, float], ...] = ()
+    interpolating: frozenset[int] = frozenset()
+    doubtful: frozenset[int] = frozenset()
+    programmed_axes: bool = False
+    centers_absolute: bool | None = None
+    plane_open: bool = False
+    spline: bool = False
+    feed: float = math.nan
+    feed_cause: str = "what the initialization sets, as no F has come before"
+    given: bool = False
+    asked: str = ""
+    time_unit: float | None = None
+    constant_speed: bool = False
+    center: tuple[float, float] | None = None
+    side: int = 0
+    tool: int | None = None
+    lower: tuple[float | None, ...] | None = None
+    upper: tuple[float | None, ...] | None = None
+    limits_open: frozenset[int] = frozenset()
+    saved: Pairs = ()
+    contour: bool = False
+    stored: tuple[Position, ...] | None = None
+    told: frozenset[str] = frozenset()
+
+    def but(self, **changes: Any) -> DinState:
+        """The same with some values changed."""
+        return replace(self, **changes)
+
+
+NO_DIN_STATE = DinState()
+
+
+def din_of(machine: Machine) -> Din:
+    """The settings of the machine's file; none where it is of another controller."""
+    return machine.controller.din or NO_DIN
+
+
+def mirror_columns(machine: Machine) -> tuple[int | None, int | None]:
+    """Columns of the axes that programs call X and Y."""
+    letters = letters_of(machine)
+    return letters.get("X"), letters.get("Y")
+
+
+def factor(modal: Modal, axis: int) -> float:
+    """What a programmed number of an axis is multiplied by; NaN: open."""
+    din = modal.din
+    if axis not in din.reflected:
+        return 1.0
+    return din.factors[mirror_columns(modal.machine).index(axis)]
+
+
+def has_tools(machine: Machine) -> bool | None:
+    """Whether a tool radius table with contents is loaded (2.7); None: not stated."""
+    tools = din_of(machine).tools
+    return None if tools is None else bool(tools)
+
+
+def zero_offset_table(modal: Modal, record: int, axis: int) -> Position:
+    """A number of the zero offset table, G54 first (3.19): the machine's file, else the setup, else an unknown."""
+    table = din_of(modal.machine).zero_offsets
+    if table is not None:
+        row = table[record - 1] if record <= len(table) else ()
+        return Position(row[axis]) if axis < len(row) else Position(0.0) if row else NOWHERE
+    return modal._symbol(f"work.{record}.{AXIS_NAMES[axis]}")
+
+
+def limits_of(modal: Modal) -> tuple[Boundary, ...]:
+    """The software limits that rows carry, once a program has changed one (3.29, 3.30)."""
+    din = modal.din
+    if din.lower is None or din.upper is None:
+        return ()
+    return tuple(
+        Boundary(axis, low, high, 0.0, (), limit=True)
+        for axis, (low, high) in enumerate(zip(din.lower, din.upper, strict=True))
+        if low is not None or high is not None
+    )
+
+
+def prepare(modal: Modal) -> None:
+    """The start of a job on such a controller."""
+    machine, setup = modal.machine, modal.setup
+    din = din_of(machine)
+    modal.unit = din.position_unit or 1.0
+    modal.work = 0
+    for axis in range(AXES):
+        modal.work_offsets[0, axis] = Position(0.0)
+    for record in range(1, 6):
+        for axis in range(AXES):
+            modal.work_offsets[record, axis] = zero_offset_table(modal, record, axis)
+    modal.tool = setup.tool
+    modal.tool_offset = [Position(0.0)] * AXES
+    if din.tools is None and setup.default_offset is None:
+        # A table may be loaded whose selected record has a length (2.7).
+        modal.tool_offset[2] = modal._symbol("tool.0.z")
+    letters = letters_of(machine)
+    named = din.interpolation_axes
+    columns = frozenset(letters.values() if named is None else (letters[c] for c in named if c in letters))
+    modal.din = DinState(
+        centers_absolute=din.absolute_centers, time_unit=din.time_unit, interpolating=columns,
+        tool=0 if setup.tool is None else setup.tool,
+    )  # fmt: skip

@@ -1,0 +1,316 @@
+"""Jumps, labels, returns, counted loops and calls of languages that have them, and programs that never end.
+
+A jump goes to a label in its own list of statements or in one around it, within its subprogram (``ir.program.Jump``).
+A run that comes by a place in the state in which it was there before never ends: the section that began in that state
+is where its edge leads. States are compared in Brent's way, so that a loop of a million passes keeps one of them.
+"""
+
+from __future__ import annotations
+
+from gproof.ir import codes
+from gproof.ir.finding import Refusal, Span
+from gproof.ir.program import (
+    BlockTable,
+    Call,
+    For,
+    If,
+    Jump,
+    Label,
+    Repeat,
+    Return,
+    Statement,
+    Subprogram,
+    Variable,
+    While,
+)
+from gproof.ir.trace import Edge, Wait
+from gproof.passes.branches import LOOPS, Branches
+from gproof.passes.emitter import ProgramEnd
+from gproof.passes.frames import Frame, Lap, Path
+from gproof.passes.modal import Modal
+from gproof.passes.values import Unknown, Value, bounds
+
+MAX_NESTED = 200
+"""Blocks within blocks, those of calls counted in; a program that nests deeper is not followed."""
+
+
+class Flow(Branches):
+    """What changes the order of statements."""
+
+    def _enter(self, span: Span) -> None:
+        """One block or call deeper; Refusal GP113 when that goes on for too long."""
+        if self._nesting >= MAX_NESTED:
+            raise Refusal(codes.UNSUPPORTED_CODE.at(span, code=f"a nesting of more than {MAX_NESTED} blocks"))
+        self._nesting += 1
+
+    # ---- jumps
+
+    def _jump(self, node: Jump) -> None:
+        """Go on behind a label."""
+        self.spend(node.span)
+        found = self._label(node.name)
+        if found is None:
+            raise Refusal(codes.JUMP_TARGET.at(node.span, what=self._no_label(node.name)))
+        depth, at = found
+        self._came_back = self._came_back or at < self._stack[depth].at
+        self._leave_frames(depth, at)
+        self._lap((id(node), "jump"), node.span)
+
+    def _label(self, name: str) -> tuple[int, int] | None:
+        """Which frame has the label, and the place behind it."""
+        for depth in reversed(range(len(self._stack))):
+            frame = self._stack[depth]
+            at = self._labels(frame.body).get(name)
+            if at is not None:
+                return depth, at
+            if frame.caller is not None:
+                return None
+        return None
+
+    def _labels(self, body: tuple[Statement, ...]) -> dict[str, int]:
+        key = id(body)
+        if key not in self._places:
+            self._places[key] = {node.name: n + 1 for n, node in enumerate(body) if isinstance(node, Label)}
+        return self._places[key]
+
+    def _no_label(self, name: str) -> str:
+        """Why a jump to a label is not followed."""
+        bodies = [self.program.body, *(sub.body for sub in self.program.subprograms.values())]
+        if any(_has_label(body, name) for body in bodies):
+            return f"a jump to label {name}, which stands in a block or a subprogram that is not running"
+        return f"there is no label {name}"
+
+    def _leave_frames(self, depth: int, at: int) -> None:
+        """End the blocks inside frame ``depth``, which goes on at ``at``."""
+        gone = self._stack[depth + 1 :]
+        self._nesting -= sum(frame.node is not None and not isinstance(frame.node, BlockTable) for frame in gone)
+        self._loops -= sum(isinstance(frame.node, LOOPS) for frame in gone)
+        self._stack = self._stack[: depth + 1]
+        self._stack[-1].at = at
+        self._out_of(gone)
+
+    def _out_of(self, gone: list[Frame]) -> None:
+        """Blocks are left for good: where other outcomes wait behind them, these are one fewer.
+
+        What goes on here is then an outcome like any other, in a section that others in the same state may join.
+        """
+        if all(frame.group is None for frame in gone):
+            return
+        self._run_pending()
+        key = self._state_key("left")
+        target = self._joins.get(key)
+        joins = target is not None
+        if target is None:
+            target = self._joins[key] = self.rows.new_section()
+        self._close((Edge(wait=Wait.BRANCH, outcome="", target=target),))
+        if not joins:
+            place = self._file, self._call, list(self._depth), self._moved, self._nesting
+            self._waiting.append(Path(self._stack, self.modal, target, place))
+        self._is_parked = True
+        around = self._stack
+        self._arrived(gone, 1)
+        if joins:
+            # It goes on as the other one, within the blocks that are around.
+            self._arrived(around, 1)
+        raise ProgramEnd
+
+    # ---- programs that never end
+
+    def _lap(self, place: object, span: Span) -> None:
+        """The run comes by a place again: ProgramEnd where it is in the state of an earlier time."""
+        if not self.program.rules.source_order:
+            return
+        lap = self._laps.get(place)
+        if lap is None:
+            lap = self._laps[place] = Lap()
+        lap.count += 1
+        s = self.modal
+        same = lap.modal is not None and lap.modal.parameters == s.parameters
+        if same:
+            self._run_pending()
+            same = lap.modal is not None and lap.modal.position == s.position and lap.key == self._state_key(place)
+        if same:
+            if lap.section >= 0:
+                self.findings.add(codes.ENDLESS_LOOP.at(span))
+                self._close((Edge(wait=Wait.BRANCH, outcome="", target=lap.section, line=span.line),))
+                raise ProgramEnd
+            # Once more round, from a section that an edge can lead to.
+            lap.section = self.rows.new_section()
+            self._close((Edge(wait=Wait.BRANCH, outcome="", target=lap.section, line=span.line),))
+            self._begin(lap.section)
+        elif lap.count >= lap.next and lap.section < 0:
+            self._run_pending()
+            lap.next *= 2
+            lap.modal, lap.key = s.copy(), self._state_key(place)
+        elif lap.section >= 0:
+            self._laps[place] = Lap()
+
+    # ---- loops
+
+    def _loops_on(self, frame: Frame, node: While | Repeat | For) -> bool:
+        """Behind a pass: whether another one follows, or both outcomes do."""
+        self.spend(node.span)
+        if isinstance(node, For):
+            goes_on = self._next_pass(frame, node)
+        else:
+            asked = "repeat" if isinstance(node, Repeat) else "while"
+            goes_on = self._holds(node.condition, (asked, id(node)))
+            goes_on = not goes_on if isinstance(node, Repeat) and goes_on is not None else goes_on
+        if goes_on is None:
+            leaving = None
+            if isinstance(node, For):
+                cause = frame.last.cause if isinstance(frame.last, Unknown) else ""
+                self._undecided(("for", id(node)), node.span, cause)
+                leaving = self.modal.copy()
+                self._after_for(frame, node, leaving)
+            self._split(node, frame, leaving)
+            goes_on = True
+        elif goes_on and not isinstance(node, For):
+            frame.at = 0
+            self._lap((id(node), "loop"), node.span)
+        if isinstance(node, For):
+            if goes_on:
+                self._pass(frame, node)
+            else:
+                self._after_for(frame, node, self.modal)
+        return goes_on
+
+    def _begin_for(self, node: For) -> None:
+        """Both bounds once; then the first pass, or none."""
+        self._run_pending()
+        self.spend(node.span)
+        first, last = self.evaluator.value(node.first), self.evaluator.value(node.last)
+        if isinstance(first, Unknown):
+            raise Refusal(codes.UNKNOWN_CONDITION.at(node.span, cause=first.cause))
+        for value in (first, last):
+            if not isinstance(value, Unknown) and value != round(value):
+                raise Refusal(codes.NOT_AN_INTEGER.at(node.span, word="a bound of a for loop", value=value))
+        self._enter(node.span)
+        self._loops += 1
+        step = -1.0 if node.down else 1.0
+        self._stack.append(Frame(node.body, node, len(node.body), counter=first - step, last=last))
+
+    def _next_pass(self, frame: Frame, node: For) -> bool | None:
+        """To the next value, True; over, False; None: nobody knows."""
+        step = -1.0 if node.down else 1.0
+        number = self._number(node.variable)
+        first = frame.cell == 0
+        if not first:
+            self._run_pending()
+            if self.modal.parameters.get(number) != frame.counter:
+                what = f"a for loop whose variable {node.variable.name or number} its body changes"
+                raise Refusal(codes.UNSUPPORTED_CODE.at(node.span, code=what))
+        low, high = bounds(frame.last)
+        following = frame.counter + step
+        least, most = (-high, -low) if node.down else (low, high)
+        there = following * step
+        if there > most:
+            return False
+        if there <= least:
+            return True
+        return None
+
+    def _pass(self, frame: Frame, node: For) -> None:
+        """One more pass."""
+        frame.counter += -1.0 if node.down else 1.0
+        frame.cell = 1
+        self.modal.parameters[self._number(node.variable)] = frame.counter
+        frame.at = 0
+
+    def _after_for(self, frame: Frame, node: For, modal: Modal) -> None:
+        """What the variable holds behind the loop: its last value, or one more, as Pascal leaves it open (8.3)."""
+        number = self._number(node.variable)
+        name = node.variable.name or self.program.rules.name_of(number)
+        cause = f"{name} behind its loop"
+        if frame.cell == 0:
+            # No pass: as it was, or the first value.
+            before: Value = modal.parameters.get(number, Unknown(cause))
+            low, high = bounds(before)
+            start = frame.counter + (-1.0 if node.down else 1.0)
+            # (``counter`` is still one before the first value.)
+            modal.parameters[number] = Unknown(cause, min(low, start), max(high, start))
+            return
+        beyond = frame.counter + (-1.0 if node.down else 1.0)
+        modal.parameters[number] = Unknown(cause, min(frame.counter, beyond), max(frame.counter, beyond))
+
+    def _number(self, variable: Variable) -> int:
+        number = self.evaluator.value(variable.number)
+        if isinstance(number, Unknown):
+            raise Refusal(codes.UNKNOWN_CONDITION.at(variable.span, cause=number.cause))
+        return round(number)
+
+    # ---- subprograms
+
+    def _count(self, node: Call) -> int:
+        """How often a call runs its subprogram (4.16); Refusal for what is no positive whole number."""
+        if node.count is None:
+            return 1
+        value = self.evaluator.value(node.count)
+        if isinstance(value, Unknown):
+            raise Refusal(codes.UNKNOWN_CONDITION.at(node.span, cause=value.cause))
+        if value != round(value):
+            raise Refusal(codes.NOT_AN_INTEGER.at(node.span, word="O", value=value))
+        if value < 0:
+            raise Refusal(codes.ILLEGAL_VALUE.at(node.span, word="O", what=f"{value:g} cycles of a subprogram"))
+        if value == 0:
+            raise Refusal(codes.UNSUPPORTED_CODE.at(node.span, code="O0 (no cycle of the subprogram, or one)"))
+        return round(value)
+
+    def _bind(self, node: Call) -> None:
+        """Arguments into the variables of a procedure's parameters."""
+        sub = self.program.subprograms.get(node.name)
+        if sub is None or not sub.parameters:
+            return
+        if node.name in self._depth:
+            raise Refusal(codes.UNSUPPORTED_CODE.at(node.span, code=f"procedure {node.name}, which calls itself,"))
+        numbers = {name.lower(): number for name, _, number in sub.parameters}
+        values = [(numbers[w.letter.lower()], self.evaluator.value(w.value), w.span) for w in node.arguments]
+        for number, value, span in values:
+            self.modal.write(float(number), value, span)
+
+    def _return(self, node: Return) -> None:
+        """Back to the caller, or on with the next cycle."""
+        self._run_pending()
+        self.spend(node.span)
+        place = next((n for n in reversed(range(len(self._stack))) if self._stack[n].caller is not None), -1)
+        if place < 0:
+            raise Refusal(codes.UNSUPPORTED_CODE.at(node.span, code=f"{node.code or 'M17'} outside of a subprogram"))
+        frame = self._stack[place]
+        self._leave_frames(place, len(frame.body) + 1)
+
+    def _falls_off(self, frame: Frame) -> bool:
+        """Whether the text of a module is over without an end (GP515): what stands behind it is another module."""
+        if not self.program.rules.source_order or frame.at > len(frame.body):
+            return False
+        node = frame.node
+        if node is None:
+            return frame.body is self.program.body
+        return isinstance(node, Subprogram) and (node.is_module or node.name[:1].isdigit())
+
+    def _module_end(self, frame: Frame) -> None:
+        self._run_pending()
+        node = frame.node
+        name = f"subprogram {node.name}" if isinstance(node, Subprogram) else "the program"
+        last = frame.body[-1] if frame.body else None
+        line = 0
+        if isinstance(last, BlockTable):
+            line = last.last_line
+        elif last is not None:
+            line = (getattr(last, "end_span", None) or last.span).line
+        span = Span(self.trace.files[self._file], line or self.program.line_count)
+        finding = codes.MODULE_END.at(span, name=name)
+        self.refused = True
+        self._fail(finding)
+        self._end_section(Wait.UNKNOWN, finding.message, -1, span.line)
+        raise ProgramEnd
+
+
+def _has_label(body: tuple[Statement, ...], name: str) -> bool:
+    for node in body:
+        if isinstance(node, Label) and node.name == name:
+            return True
+        if isinstance(node, If) and (_has_label(node.then, name) or _has_label(node.otherwise, name)):
+            return True
+        if isinstance(node, While | Repeat | For) and _has_label(node.body, name):
+            return True
+    return False
