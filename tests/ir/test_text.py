@@ -49,9 +49,9 @@ def tables(schema: Schema) -> st.SearchStrategy[Columns]:
 
 
 expressions = st.recursive(
-    st.builds(p.Number, floats, spans) | st.builds(p.Text, names, spans),
+    st.builds(p.Number, floats, spans) | st.builds(p.Text, names, spans) | st.builds(p.Constant, names, floats, spans),
     lambda inner: (
-        st.builds(p.Variable, inner, spans)
+        st.builds(p.Variable, inner, spans, names)
         | st.builds(p.Unary, st.sampled_from(UNARY), inner, spans)
         | st.builds(p.Binary, st.sampled_from(BINARY), inner, inner, spans, st.booleans())
     ),
@@ -59,15 +59,24 @@ expressions = st.recursive(
 )
 blocks = st.builds(
     p.Block,
-    words=st.lists(st.builds(p.Word, st.sampled_from("GMXYZ"), expressions, spans), max_size=3).map(tuple),
+    words=st.lists(st.builds(p.Word, st.sampled_from("GMXYZ@"), expressions, spans), max_size=3).map(tuple),
     assigns=st.lists(
         st.builds(p.Assign, st.builds(p.Variable, expressions, spans), expressions, spans), max_size=2
     ).map(tuple),
-    span=spans, comment=names, deleted=st.booleans(),
+    span=spans, comment=names, deleted=st.booleans(), continued=names,
 )  # fmt: skip
 leaves = (
     blocks
-    | st.builds(p.Call, name=names, span=spans)
+    | st.builds(p.Call, name=names, span=spans, count=st.none() | expressions)
+    | st.builds(p.Label, name=names, span=spans)
+    | st.builds(p.Jump, name=names, span=spans)
+    | st.builds(p.Return, span=spans, code=names)
+    | st.builds(
+        p.Declare, kind=names, names=st.lists(names, max_size=2).map(tuple), span=spans, type=names,
+        value=st.none() | expressions,
+    )
+    | st.builds(p.Include, name=names, span=spans)
+    | st.builds(p.Mode, name=names, span=spans)
     | st.builds(p.Message, kind=names, parts=st.lists(expressions, max_size=2).map(tuple), span=spans)
     | st.builds(p.Guard, name=names, on=st.booleans(), span=spans)
     | st.builds(p.Unsupported, what=names, span=spans)
@@ -84,6 +93,11 @@ statements = st.recursive(
             otherwise=st.lists(inner, max_size=2).map(tuple), span=spans,
         )
         | st.builds(p.While, condition=expressions, body=st.lists(inner, max_size=2).map(tuple), span=spans)
+        | st.builds(p.Repeat, condition=expressions, body=st.lists(inner, max_size=2).map(tuple), span=spans)
+        | st.builds(
+            p.For, variable=st.builds(p.Variable, expressions, spans, names), first=expressions, last=expressions,
+            down=st.booleans(), body=st.lists(inner, max_size=2).map(tuple), span=spans, end_span=st.none() | spans,
+        )
     ),
     max_leaves=5,
 )  # fmt: skip
@@ -91,7 +105,14 @@ bodies = st.lists(statements, max_size=3).map(tuple)
 programs = st.builds(
     p.Program, dialect=st.just("eding"), rules=st.just(rules_named("eding")),
     files=st.lists(st.builds(p.SourceFile, name=names, sha256=names), max_size=2), body=bodies,
-    subprograms=st.dictionaries(names, st.builds(p.Subprogram, name=names, body=bodies, span=spans), max_size=2),
+    subprograms=st.dictionaries(
+        names,
+        st.builds(
+            p.Subprogram, name=names, body=bodies, span=spans, is_module=st.booleans(), text=names,
+            parameters=st.lists(st.tuples(names, names, st.integers()), max_size=2).map(tuple),
+        ),
+        max_size=2,
+    ),
     line_count=st.integers(0, 10**8),
 )  # fmt: skip
 
