@@ -308,3 +308,28 @@ def test_other_spellings_turn_it_the_same_way(seed: int, knife: str, tmp_path: P
         assert {tuple(row[2:]) for row in more} == {tuple(row[2:]) for row in plain} or near(
             sorted({row[2:] for row in more}), sorted({row[2:] for row in plain}), 0.0
         )
+
+
+@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("knife", [PLAIN, "t0 a30 n3 z5 p-2 m1", "t1 a30 n3 z5 p-2"])
+def test_a_rotated_job_turns_it_from_a_rotated_place(seed: int, knife: str, tmp_path: Path) -> None:
+    rng = random.Random(100 + seed)
+    by = rng.choice([37.0, -112.5, 90.0])
+    cuts = "".join(f"{k} X{x} Y{y}\n" for k, x, y in random_lines(rng, 8))
+    head = "G90\nG1 Z-2\n"
+    plain = boxes(tmp_path, f"{head}L30\n{cuts}L31\n", knife)
+    rotated = boxes(tmp_path, f"{head}G0 C{by}\nL30\nG52 I0 J0 A{by}\n{cuts}L31\n", knife)
+    kept = [((0.0, 0.0), (0.0, 0.0), *row[2:]) for row in plain]
+    other = [((0.0, 0.0), (0.0, 0.0), *row[2:]) for row in rotated if row[3] != (0.0, 0.0)]
+    assert near(kept[1:], other[1:], by), (kept, other)
+
+
+def test_findings_are_told_once(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    from gproof.cli.main import main
+
+    session = opened(tmp_path, "G90\nG1 Z-2\nL30\nG1 X20 C5\nG1 X40\nY20\nX0\nG2 X20 I10 J0\n")
+    rows_of(session)
+    assert [f.code.label for f in session.findings.kept if f.severity is Severity.UNKNOWN] == ["GP323"]
+    words = ["dump", "--stage", "trace", "--format", "jsonl", str(tmp_path / "job.tap"), "--machine"]
+    assert main([*words, str(tmp_path / "m.toml"), "--setup", "zero"]) in (1, 2)
+    assert '"GP323"' in capsys.readouterr().out
