@@ -13,7 +13,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 from gproof.ir import codes
-from gproof.ir.dialects.mcuwin import MOTION, USER
+from gproof.ir.dialects.mcuwin import MOTION, USER, has_code
 from gproof.ir.din import FIRST_USER_CODE, LAST_USER_CODE
 from gproof.ir.finding import Refusal, Severity, Span
 from gproof.ir.program import PARAMETER
@@ -75,9 +75,15 @@ class Gathered:
 
 
 def run(
-    ex: Motion, span: Span, words: Words, *, bare: frozenset[str] = frozenset(), continued: str = ""
+    ex: Motion, span: Span, words: Words, *, bare: frozenset[str] = frozenset(), continued: str = "",
+    distances: str = "",
 ) -> None:  # fmt: skip
-    """Execute one line; a Refusal inside it becomes a finding."""
+    """Execute one line; a Refusal inside it becomes a finding.
+
+    continued, distances: what the order of the source decides, see ``ir.program.Block``.
+    """
+    if distances:
+        ex.modal.absolute = distances == "G90"
     columns = letters_of(ex.machine)
     axes = {columns[letter] for letter, _, _ in words if letter in columns}
     before = list(ex.modal.position)
@@ -179,7 +185,12 @@ def _code(ex: Motion, letter: str, value: Value, where: Span) -> CodeRule:
             takes=PARAMETER,
         )  # fmt: skip
     known = ex.program.rules.codes.get((letter, number * 10)) if number == value else None
-    if known is None:
+    own = known is not None and has_code(letter, number, din_of(ex.machine).version)
+    if not own and din_of(ex.machine).task(f"{letter}{number}") is not None:
+        return CodeRule(
+            letter=letter, tenths=number * 10, function=F.APPLICATION, group=USER, source="4", takes=PARAMETER
+        )
+    if known is None or not own:
         raise Refusal(codes.UNKNOWN_CODE.at(where, code=f"{letter}{value:g}"))
     return known
 

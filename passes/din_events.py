@@ -149,11 +149,7 @@ def device(ex: Motion, line: Part, rule: CodeRule) -> None:
 
 
 def application(ex: Motion, line: Part, rule: CodeRule) -> None:
-    """G200 to G299, M200 to M299, and M100, which resets an output (4.17)."""
-    if rule.text == "M100" and din_of(ex.machine).task("M100") is None:
-        ex.assumed["M100 does what the manual calls it, and moves no axis (4.17)"] = None
-        device(ex, line, rule)
-        return
+    """G200 to G299, M200 to M299, M100 (4.17), and what else the machine's file declares."""
     task(ex, line, rule)
 
 
@@ -216,7 +212,7 @@ def output_word(ex: Motion, line: Part, rule: CodeRule) -> None:
     for k in range(1, 100):
         outputs = tuple(with_pair(outputs, first + k, float(bits >> (k - 1) & 1)))  # type: ignore[arg-type]
     s.single = s.single.but(outputs=outputs)
-    device(ex, line, rule)
+    ex.event(Op.OUTPUT, line.span, arg=(float(first), float(bits)))
 
 
 # ---- resident variables

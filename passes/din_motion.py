@@ -11,6 +11,7 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 from gproof.ir import codes
+from gproof.ir.din import VERSIONS
 from gproof.ir.finding import Refusal
 from gproof.ir.machine import AXES, AXIS_NAMES
 from gproof.ir.rules import CodeRule
@@ -464,14 +465,16 @@ def centers(ex: Motion, line: Part, rule: CodeRule) -> None:
 
 
 def interpolation_axes(ex: Motion, line: Part, rule: CodeRule) -> None:
-    """G60: the axes of G01 to G03; whether a second one in a job counts is open (3.20, 14 (2.5.3.78))."""
+    """G60: the axes of G01 to G03 (3.20, 14 (2.5.3.78))."""
     s = ex.modal
     new = frozenset(line.axes())
     if not new:
         raise Refusal(codes.AXIS_WORDS_MISSING.at(line.code_span(), code=rule.text))
     din = s.din
     old = din.interpolating
-    doubtful = (old ^ new) | (din.doubtful - (old & new)) if din.programmed_axes or ex._moves else frozenset()
+    # Since 2.5.3.78 it counts when it runs; before, where it stood in the source, and whether a second one did is open.
+    again = din_of(ex.machine).version == VERSIONS[1] and (din.programmed_axes or ex._moves)
+    doubtful = (old ^ new) | (din.doubtful - (old & new)) if again else frozenset()
     s.din = din.but(interpolating=new | old if doubtful else new, doubtful=doubtful, programmed_axes=True)
 
 

@@ -259,6 +259,7 @@ class Executor(Flow):
     def _call_with(self, node: Call) -> None:
         """Run a subprogram with the words of its call."""
         if self.program.rules.source_order:
+            self._not_spooled(node.span, f"M98 L{node.name}")
             count = self._count(node)
             self._bind(node)
             depth = len(self._stack)
@@ -463,7 +464,7 @@ class Executor(Flow):
                 self.modal.write(number, value, span)
             if words:
                 bare = frozenset(w.letter for w in node.words if w.bare)
-                din.run(self, node.span, words, bare=bare, continued=node.continued)
+                din.run(self, node.span, words, bare=bare, continued=node.continued, distances=node.distances)
             return
         settings = [self._setting(a) for a in node.assigns]
         # Settings take effect once every value of the line is found, before anything moves (3.2.3).

@@ -8,6 +8,7 @@ is where its edge leads. States are compared in Brent's way, so that a loop of a
 from __future__ import annotations
 
 from gproof.ir import codes
+from gproof.ir.din import VERSIONS
 from gproof.ir.finding import Refusal, Span
 from gproof.ir.program import (
     BlockTable,
@@ -25,6 +26,7 @@ from gproof.ir.program import (
 )
 from gproof.ir.trace import Edge, Wait
 from gproof.passes.branches import LOOPS, Branches
+from gproof.passes.din_state import din_of
 from gproof.passes.emitter import ProgramEnd
 from gproof.passes.frames import Frame, Lap, Path
 from gproof.passes.modal import Modal
@@ -51,6 +53,7 @@ class Flow(Branches):
         found = self._label(node.name)
         if found is None:
             raise Refusal(codes.JUMP_TARGET.at(node.span, what=self._no_label(node.name)))
+        self._not_spooled(node.span, f"M96 L{node.name}")
         depth, at = found
         self._came_back = self._came_back or at < self._stack[depth].at
         self._leave_frames(depth, at)
@@ -144,6 +147,15 @@ class Flow(Branches):
             lap.modal, lap.key = s.copy(), self._state_key(place)
         elif lap.section >= 0:
             self._laps[place] = Lap()
+
+    def _not_spooled(self, span: Span, code: str) -> None:
+        """GP513: before 2.5.3.41 jumps, calls, returns and labels ended a contour (14)."""
+        if not self.program.rules.source_order or din_of(self.machine).version != VERSIONS[1]:
+            return
+        if self.modal.din.contour:
+            self._run_pending()
+            self.findings.add(codes.CONTOUR_BREAK.at(span, code=code))
+            self.modal.din = self.modal.din.but(contour=False)
 
     # ---- loops
 
@@ -272,6 +284,7 @@ class Flow(Branches):
         """Back to the caller, or on with the next cycle."""
         self._run_pending()
         self.spend(node.span)
+        self._not_spooled(node.span, node.code or "M17")
         place = next((n for n in reversed(range(len(self._stack))) if self._stack[n].caller is not None), -1)
         if place < 0:
             raise Refusal(codes.UNSUPPORTED_CODE.at(node.span, code=f"{node.code or 'M17'} outside of a subprogram"))
@@ -284,7 +297,10 @@ class Flow(Branches):
             return False
         node = frame.node
         if node is None:
-            return frame.body is self.program.body
+            old = din_of(self.machine).version == VERSIONS[1]
+            # Before 2.5.3.90 a program needed no M30, where nothing else stands behind it (14 (2.5.3.30)).
+            ends = old and not any(sub.is_module for sub in self.program.subprograms.values())
+            return frame.body is self.program.body and not ends
         return isinstance(node, Subprogram) and (node.is_module or node.name[:1].isdigit())
 
     def _module_end(self, frame: Frame) -> None:

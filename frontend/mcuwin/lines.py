@@ -16,6 +16,7 @@ from gproof.frontend.mcuwin.names import LABEL, NAME, label_name
 from gproof.frontend.mcuwin.pascal_text import MODE
 from gproof.frontend.mcuwin.persistence import Persistence
 from gproof.ir import codes
+from gproof.ir.dialects.mcuwin import has_code
 from gproof.ir.din import FIRST_USER_CODE, LAST_USER_CODE, VERSIONS, Din
 from gproof.ir.finding import Code, Refusal, Span
 from gproof.ir.program import (
@@ -246,7 +247,14 @@ class _Line:
             span = Span(self.file, self.line, self.words[0].span.column, self.words[-1].span.end_column)
             words = tuple(self.words)
             self.found.statements.append(
-                Block(words=words, assigns=(), span=span, comment=self.comment, continued=self.persistence.state)
+                Block(
+                    words=words,
+                    assigns=(),
+                    span=span,
+                    comment=self.comment,
+                    continued=self.persistence.state,
+                    distances=self.persistence.distances_of(words),
+                )
             )
             for word in words:
                 if word.letter in "GM" and isinstance(word.value, Number):
@@ -372,8 +380,8 @@ class _Line:
 
     def _known(self, letter: str, number: int, name: str, begin: int) -> None:
         """Error 1 of the manual (13.1.1.1) for a code that neither it nor the machine file has."""
-        din, rules = self.language.din, self.language.rules
-        known = (letter, number * 10) in rules.codes or FIRST_USER_CODE <= number <= LAST_USER_CODE
+        din = self.language.din
+        known = has_code(letter, number, din.version) or FIRST_USER_CODE <= number <= LAST_USER_CODE
         if not known and din.task(f"{letter}{number}") is None:
             hint = "error 1, unless the machine's own Task 0 has it: state that in [din.task0]"
             raise self._error(codes.UNKNOWN_CODE, begin, self.at, code=name, hint=hint)

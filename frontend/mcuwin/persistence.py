@@ -9,6 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from gproof.ir.din import VERSIONS, Din
+from gproof.ir.program import Number, Word
 
 NONE = ""
 OPEN = "?"
@@ -17,10 +18,22 @@ MOTIONS = ("G0", "G1", "G2", "G3")
 
 @dataclass(slots=True)
 class Persistence:
-    """Walks along the source. state: the code in force, NONE, or OPEN where the manual leaves it open."""
+    """Walks along the source.
+
+    state: the code in force, NONE, or OPEN where the manual leaves it open; distances: see ``Block.distances``.
+    """
 
     din: Din
     state: str = NONE
+    distances: str = ""
+
+    def distances_of(self, words: tuple[Word, ...]) -> str:
+        """The distance mode of a line by the order of the source, which decided before 2.5.3.78; "" since (14)."""
+        if self._old:
+            codes = [w.value.value for w in words if w.letter == "G" and isinstance(w.value, Number)]
+            modes = [f"G{code:g}" for code in codes if code in (90.0, 91.0)]
+            self.distances = modes[-1] if modes else self.distances or "G90"
+        return self.distances
 
     @property
     def _old(self) -> bool:

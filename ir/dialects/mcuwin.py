@@ -6,6 +6,7 @@ docs/dialects/mcuwin.md says how what the manual leaves open is read. Statements
 
 from __future__ import annotations
 
+from gproof.ir.din import VERSIONS
 from gproof.ir.program import PARAMETER
 from gproof.ir.rules import CodeRule, LanguageRules, ParameterRange
 from gproof.ir.rules import Function as F
@@ -105,6 +106,17 @@ _M = (
     _m(910, F.DEVICE, "4.23"),
     _m(911, F.DEVICE, "4.24"),
 )
+
+LATER = frozenset(("M", number) for number in (80, 901, 902, 903, 904, 910, 911))
+"""Codes that the manual of the older version does not have (14: 2.5.3.88, .93, .117)."""
+
+
+def has_code(letter: str, number: int, version: str) -> bool:
+    """Whether a version of McuWIN has a code of its own."""
+    if version == VERSIONS[1] and (letter, number) in LATER:
+        return False
+    return (letter, number * 10) in MCUWIN.codes
+
 
 WORDS = {
     "F": ("feed of G01, G02 and G03", "5.3"),
