@@ -8,7 +8,7 @@ Source: McuWIN manual 5.7, 7, 8, 10 to 12; the grouping of operators stands in `
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass
+from typing import NamedTuple
 
 from gproof.backend.emit.eding_expressions import Unprintable
 from gproof.backend.emit.numbers import number_text
@@ -54,8 +54,7 @@ RELATION, SUM, PRODUCT, FACTOR = 1, 2, 3, 4
 _SIGNS = {"neg": "-", "pos": "+"}
 
 
-@dataclass(frozen=True, slots=True)
-class Style:
+class Style(NamedTuple):
     """What the text depends on beside the tree: letters of the machine's axes, in its order; the unit of angles;
     single_quotes: texts may stand in them (where they do not begin a comment)."""
 
@@ -64,8 +63,7 @@ class Style:
     single_quotes: bool = True
 
 
-@dataclass(frozen=True, slots=True)
-class Piece:
+class Piece(NamedTuple):
     """A part of a statement that stands on one line. line: of the source; depth: how many blocks are open there."""
 
     line: int

@@ -8,7 +8,7 @@ Violations of types and declarations go to ``Symbols.report`` and reading goes o
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from typing import NamedTuple
 
 from gproof.frontend.mcuwin.pascal_declarations import Section, SectionParser
 from gproof.frontend.mcuwin.pascal_expressions import COMMON, PREDEFINED
@@ -26,16 +26,14 @@ __all__ = [
 ]  # fmt: skip
 
 
-@dataclass(frozen=True, slots=True)
-class IfHead:
+class IfHead(NamedTuple):
     """if (...) then begin"""
 
     condition: Expr
     span: Span
 
 
-@dataclass(frozen=True, slots=True)
-class ElseIf:
+class ElseIf(NamedTuple):
     """end else if (...) begin, with or without ``then``; closes: ``end`` stands before it on this line."""
 
     condition: Expr
@@ -43,46 +41,40 @@ class ElseIf:
     closes: bool
 
 
-@dataclass(frozen=True, slots=True)
-class Else:
+class Else(NamedTuple):
     """end else begin; closes: see ElseIf."""
 
     span: Span
     closes: bool
 
 
-@dataclass(frozen=True, slots=True)
-class End:
+class End(NamedTuple):
     """end"""
 
     span: Span
 
 
-@dataclass(frozen=True, slots=True)
-class Until:
+class Until(NamedTuple):
     """end until (...), with or without ``end``."""
 
     condition: Expr
     span: Span
 
 
-@dataclass(frozen=True, slots=True)
-class WhileHead:
+class WhileHead(NamedTuple):
     """while (...) do begin"""
 
     condition: Expr
     span: Span
 
 
-@dataclass(frozen=True, slots=True)
-class RepeatHead:
+class RepeatHead(NamedTuple):
     """repeat begin, with or without ``begin``."""
 
     span: Span
 
 
-@dataclass(frozen=True, slots=True)
-class ForHead:
+class ForHead(NamedTuple):
     """for v := a to b do begin; variable: None where it is none that can be written (reported)."""
 
     variable: Variable | None
@@ -92,8 +84,7 @@ class ForHead:
     span: Span
 
 
-@dataclass(frozen=True, slots=True)
-class Simple:
+class Simple(NamedTuple):
     """Whole statements, which open and close nothing."""
 
     statements: tuple[Statement, ...]

@@ -8,7 +8,8 @@ from __future__ import annotations
 import math
 import operator
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, fields, is_dataclass
+from dataclasses import fields, is_dataclass
+from typing import NamedTuple
 
 from gproof.frontend.mcuwin.pascal_lexer import PascalError, Token
 from gproof.frontend.mcuwin.pascal_statements import StatementParser, label_name
@@ -36,8 +37,7 @@ from gproof.ir.program import (
 _HEADS = ("var", "const", "label", "procedure", "function")
 
 
-@dataclass(frozen=True, slots=True)
-class Section:
+class Section(NamedTuple):
     """What a section holds. first_statement, first_declaration: where they begin, None without any."""
 
     statements: tuple[Statement, ...]

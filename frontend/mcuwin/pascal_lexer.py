@@ -8,8 +8,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 from gproof.ir.finding import Code, Finding, Refusal, Span
 
@@ -28,8 +27,7 @@ _TOKEN = re.compile(
 _BLANK = re.compile(r"[ \t\r\f\v\n]*")
 
 
-@dataclass(frozen=True, slots=True)
-class Place:
+class Place(NamedTuple):
     """Where a text stands: file, line, and how many characters of its line stand before it."""
 
     file: str
@@ -37,8 +35,7 @@ class Place:
     column: int = 0
 
 
-@dataclass(frozen=True, slots=True)
-class Token:
+class Token(NamedTuple):
     """kind: ``axis`` (X.tp), ``name``, ``number``, ``string``, ``op``, ``other`` or ``end``; low: text in lower case;
     row: line of the text from 0; begin, end: its characters, from 0."""
 
@@ -50,8 +47,7 @@ class Token:
     end: int
 
 
-@dataclass(frozen=True, slots=True)
-class Comment:
+class Comment(NamedTuple):
     """A comment (or the part of one that stands in this line), with its signs."""
 
     text: str
@@ -77,7 +73,13 @@ class Lexer:
 
     def peek(self, ahead: int = 0) -> Token:
         """The token that many behind the next one; the last has the kind ``end``."""
-        tokens, wanted = self._tokens, self.index + ahead
+        try:
+            return self._tokens[self.index + ahead]
+        except IndexError:
+            return self._more(self.index + ahead)
+
+    def _more(self, wanted: int) -> Token:
+        tokens = self._tokens
         while len(tokens) <= wanted:
             token = next(self._source, None)
             if token is None:
@@ -109,8 +111,9 @@ class Lexer:
                 found = _TOKEN.match(line, at)
                 if found is None:
                     break
-                kind, begin, at = found.lastgroup or "", found.start(found.lastgroup or 0), found.end()
-                text = found[kind]
+                kind = found.lastgroup or ""
+                begin, at = found.span(kind)
+                text = line[begin:at]
                 if kind != "comment":
                     yield Token(kind, text, text.lower(), row, begin, at)
                     continue

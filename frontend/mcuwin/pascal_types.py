@@ -8,7 +8,8 @@ from __future__ import annotations
 
 import copy
 import enum
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
+from typing import NamedTuple
 
 from gproof.ir import codes
 from gproof.ir.dialects.mcuwin_pascal import ANGULAR, BITWISE, FIRST_DECLARED, FUNCTIONS, PRODUCTS, RELATIONS, SUMS
@@ -33,8 +34,7 @@ class Type(enum.Enum):
 DECLARABLE = {"integer": Type.INTEGER, "double": Type.DOUBLE, "boolean": Type.BOOLEAN}
 
 
-@dataclass(frozen=True, slots=True)
-class Parameter:
+class Parameter(NamedTuple):
     """Of a procedure. number: of the variable that holds it; by_reference: it is declared with ``var``."""
 
     name: str
@@ -48,8 +48,7 @@ class Parameter:
         return f"var {self.type.value}" if self.by_reference else self.type.value
 
 
-@dataclass(frozen=True, slots=True)
-class Symbol:
+class Symbol(NamedTuple):
     """A declared name. kind: ``var``, ``const``, ``label``, ``procedure`` or ``function``; number: of the variable;
     value: of a constant, None where it is not known; text: of a constant that is a string; uses: numbers of variables
     in the body of a procedure and of those that it calls; open: its body is being read."""
@@ -132,7 +131,7 @@ class Symbols:
     def close_procedure(self, name: str, uses: frozenset[int]) -> None:
         """The body of a procedure was read, whose scope is left."""
         key = self._key(name)
-        self._scopes[-1][key] = replace(self._scopes[-1][key], uses=uses, open=False)
+        self._scopes[-1][key] = self._scopes[-1][key]._replace(uses=uses, open=False)
 
     def uses(self, name: str) -> frozenset[int]:
         """Numbers of the variables that a procedure uses."""

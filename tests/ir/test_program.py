@@ -117,6 +117,15 @@ def test_every_field_makes_a_difference(node: Any, changes: dict[str, Any]) -> N
         assert difference(program(node), program(dataclasses.replace(node))) is None
 
 
+def test_what_a_table_goes_on_with_makes_a_difference() -> None:
+    tables = [
+        p.BlockTable(file=0, first_line=1, last_line=2, begin=0, end=0, words=Columns(p.WORD), continued=code)
+        for code in ("G1", "G0")
+    ]
+    assert difference(program(tables[0]), program(tables[1])) is not None
+    assert difference(program(tables[0]), program(tables[0])) is None
+
+
 def test_columns_make_none() -> None:
     assert difference(program(label("1")), program(p.Label(name="1", span=Span("job", 3, 7, 9)))) is None
 
