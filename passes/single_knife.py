@@ -147,12 +147,12 @@ class Turning:
             self._go(Op.TRAVERSE, self.up, self._raised(sure=False))
 
     def traverse(self, target: list[Position]) -> list[Position]:
-        """Before a rapid move; where that ends."""
+        """Before a rapid move, of whatever length; where that ends."""
         s = self.ex.modal
         if self.mode.target and self._has_direction(target):
             # "During the XY move": of which kind is not said.
             target[self.axis] = self._on_the_way(target)
-        if not self.mode.automatic or self.up < 0 or not self._goes(target):
+        if not self.mode.automatic or self.up < 0:
             return target
         here = s.position[self.up]
         self.lift_by_itself()
@@ -172,10 +172,6 @@ class Turning:
         ends = low, high, _nearest(low, direction, up=False), _nearest(high, direction, up=True)
         return self.between(self.axis, Position(min(ends)), Position(max(ends)))
 
-    def _goes(self, target: list[Position]) -> bool:
-        """Whether X, Y or the vertical axis moves."""
-        return self._has_direction(target) or target[self.up] != self.ex.modal.position[self.up]
-
     def _has_direction(self, target: list[Position]) -> bool:
         here = self.ex.modal.position
         ways = [target[n].minus(here[n]) for n in (0, 1)]
@@ -188,7 +184,7 @@ class Turning:
         s = self.ex.modal
         arc = op is Op.ARC and center is not None
         if not arc and not self._has_direction(target):
-            if self.mode.automatic and self.up >= 0 and self._goes(target):
+            if self.mode.automatic and self.up >= 0:
                 target[self.up] = self.between(self.up, target[self.up], self._bottom())
             return target, None
         problem = self._problem(target)
