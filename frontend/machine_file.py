@@ -176,7 +176,6 @@ def _axis(table: TomlTable, name: str, before: Axis | None, unit: Fraction) -> A
             feed_velocity=table.positive("feed_velocity", unit=length),
             home_place=table.number("home_place", unit=length),
             position_unit=_position_unit(table, kind),
-            limits_watched=table.boolean("limits_watched"),
         ),
     )
     if axis.letter and name not in "abc":

@@ -102,8 +102,7 @@ class Axis:
     in work positions without local coordinates (WinCNC lobound=, hibound=); feed_velocity: unit/s of feed moves
     before a program gives another; home_place: machine position after homing, None: not stated.
     position_unit: mm or degrees in one unit of the axis's own positions, which G00 of McuWIN counts in whatever the
-    interpolation unit is (3.1), None: not stated; limits_watched: the controller stops the axis at its limits once it
-    is referenced (McuWIN 2.4, 3.29), None: not stated.
+    interpolation unit is (3.1), None: not stated.
     """
 
     name: str
@@ -128,7 +127,6 @@ class Axis:
     feed_velocity: float | None = None
     home_place: float | None = None
     position_unit: float | None = None
-    limits_watched: bool | None = None
 
     @property
     def word(self) -> str:

@@ -20,7 +20,7 @@ from gproof.ir.rules import Function as F
 from gproof.ir.trace import Op, Wait
 from gproof.passes.din_motion import Handler
 from gproof.passes.din_origins import end_contour
-from gproof.passes.din_state import din_of, has_tools
+from gproof.passes.din_state import din_of, has_tools, own_unit
 from gproof.passes.emitter import ProgramEnd
 from gproof.passes.modal import ZERO
 from gproof.passes.single_motion import lose_places
@@ -363,7 +363,8 @@ def read_named(ex: Emitter, node: Named) -> Value:
     axis = letters_of(ex.machine).get(letter)
     if axis is None:
         raise Refusal(codes.BAD_EXPRESSION.at(node.span, what=f"{node.name}: the machine has no axis {letter}"))
-    plain = s.unit == 1.0 and ex.machine.unit == 1.0 and axis not in s.din.reflected and axis not in dict(s.din.radii)
+    shaped = axis in s.din.reflected or axis in dict(s.din.radii)
+    plain = s.unit == own_unit(ex.machine, axis) == 1.0 and not shaped
     if what == "ZEROOFFSET" and (plain or s.g92[axis] == ZERO) and not s.g92[axis].form:
         return s.g92[axis].value
     if what == "TP" and plain and s.offset(axis) == ZERO and not s.din.side and not s.position[axis].form:

@@ -18,7 +18,7 @@ from gproof.ir.rules import CodeRule
 from gproof.ir.rules import Function as F
 from gproof.ir.trace import Op, Plane
 from gproof.passes.cycles import AXES_OF_PLANE
-from gproof.passes.din_state import SAME, din_of, factor, has_tools, mirror_columns
+from gproof.passes.din_state import SAME, din_of, factor, has_tools, mirror_columns, own_unit
 from gproof.passes.modal import INCH, ZERO
 from gproof.passes.single_kernels import ZERO_RADIUS, distance
 from gproof.passes.values import NOWHERE, Position, Unknown, Value, describe
@@ -40,6 +40,8 @@ def note_assumptions(ex: Motion) -> None:
         ex.assumed["the job starts in absolute distances (G90)"] = None
     if "units" not in s.stated and din.position_unit is None:
         ex.assumed["interpolation counts in millimetres (3.22)"] = None
+    if any(axis.position_unit is None for axis in ex.machine.axes):
+        ex.assumed["axes of which no unit is stated count in millimetres and degrees in G00 (3.1)"] = None
     if ex.setup.default_offset is None:
         ex.assumed["no reflection, no effective radius, no spline and no radius correction is on at the start"] = None
 
@@ -59,12 +61,10 @@ def tell_once(ex: Motion, name: str) -> bool:
 def unit_of(ex: Motion, axis: int, *, own: bool) -> float:
     """mm or degrees in one of a word; own: in the axis's unit. NaN: not known (G51 before another unit)."""
     s = ex.modal
-    if not s.linear[axis]:
-        radius = dict(s.din.radii).get(axis)
-        if own or radius is None:
-            return 1.0
-        return math.degrees(s.unit / radius)
-    return ex.machine.unit if own else s.unit
+    if s.linear[axis]:
+        return own_unit(ex.machine, axis) if own else s.unit
+    radius = dict(s.din.radii).get(axis)
+    return own_unit(ex.machine, axis) if own or radius is None else math.degrees(s.unit / radius)
 
 
 def aim(ex: Motion, line: Part, *, own: bool) -> list[Position]:

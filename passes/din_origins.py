@@ -16,7 +16,7 @@ from gproof.ir.rules import CodeRule
 from gproof.ir.rules import Function as F
 from gproof.ir.trace import Op
 from gproof.passes.din_motion import Handler, note_assumptions
-from gproof.passes.din_state import din_of
+from gproof.passes.din_state import din_of, own_unit
 from gproof.passes.modal import ZERO
 from gproof.passes.values import NOWHERE, Position, Unknown, Value
 
@@ -86,7 +86,7 @@ def offset_record(ex: Motion, line: Part, rule: CodeRule) -> None:
 def _in_doubt(ex: Motion, axis: int) -> bool:
     """Whether a number of an axis is in the axis's unit or in that of interpolation, and these differ (3.26, 3.29)."""
     s = ex.modal
-    return s.unit != ex.machine.unit if s.linear[axis] else axis in dict(s.din.radii)
+    return s.unit != own_unit(ex.machine, axis) if s.linear[axis] else axis in dict(s.din.radii)
 
 
 def zero_offset(ex: Motion, line: Part, rule: CodeRule) -> None:
@@ -114,7 +114,7 @@ def zero_offset(ex: Motion, line: Part, rule: CodeRule) -> None:
 
 
 def _number(ex: Motion, line: Part, axis: int, value: Value) -> Position:
-    scale = ex.machine.unit if ex.modal.linear[axis] else 1.0
+    scale = own_unit(ex.machine, axis)
     if not isinstance(value, Unknown):
         return Position(value * scale)
     word = ex.machine.word(axis)
@@ -173,7 +173,7 @@ def limit(ex: Motion, line: Part, rule: CodeRule) -> None:
     unsure = set(s.din.limits_open)
     for axis, value in words.items():
         side = lower if left else upper
-        scale = ex.machine.unit if s.linear[axis] else 1.0
+        scale = own_unit(ex.machine, axis)
         if isinstance(value, Unknown) or _in_doubt(ex, axis) or axis in s.din.reflected:
             # In which unit, and which way: a limit that nobody knows holds nothing.
             unsure.add(axis)

@@ -88,6 +88,12 @@ def din_of(machine: Machine) -> Din:
     return machine.controller.din or NO_DIN
 
 
+def own_unit(machine: Machine, axis: int) -> float:
+    """mm or degrees in one unit of an axis's own positions (3.1); mm and degrees where the machine's file is silent."""
+    known = machine.axis(AXIS_NAMES[axis])
+    return 1.0 if known is None or known.position_unit is None else known.position_unit
+
+
 def mirror_columns(machine: Machine) -> tuple[int | None, int | None]:
     """Columns of the axes that programs call X and Y."""
     letters = letters_of(machine)

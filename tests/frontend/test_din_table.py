@@ -164,14 +164,11 @@ def test_mistakes(text: str, said: str, tmp_path: Path) -> None:
 
 
 def test_axis_data_of_mcfg(tmp_path: Path) -> None:
-    machine, findings = load(
-        '[axes.x]\nposition_unit = "inch"\nlimits_watched = true\n[axes.c]\nposition_unit = "rad"\n[din]\n', tmp_path
-    )
+    machine, findings = load('[axes.x]\nposition_unit = "inch"\n[axes.c]\nposition_unit = "rad"\n[din]\n', tmp_path)
     assert machine is not None
     assert not findings.kept
     x, c = machine.axes
-    assert (x.position_unit, x.limits_watched) == (25.4, True)
-    assert (c.position_unit, c.limits_watched) == (180 / math.pi, None)
+    assert (x.position_unit, c.position_unit) == (25.4, 180 / math.pi)
 
 
 def test_the_tool_table_that_is_named_is_read_from_beside_the_file(tmp_path: Path) -> None:
