@@ -349,13 +349,17 @@ TYPES = ("integer", "double", "boolean", "unknown")
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Declare:
-    """Names with a type; does nothing when it runs. kind: one of DECLARED; value: of a constant."""
+    """Names with a type; does nothing when it runs, but that variables of a procedure begin without a value.
+
+    kind: one of DECLARED; value: of a constant; number: of the first variable, which the others follow.
+    """
 
     kind: str
     names: tuple[str, ...]
     span: Span
     type: str = ""
     value: Expr | None = None
+    number: int = 0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

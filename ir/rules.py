@@ -319,11 +319,12 @@ class LanguageRules:
 UNARY = (
     "neg", "pos", "abs", "acos", "asin", "atan", "cos", "exp", "fix", "fup", "int", "ln", "round", "sin", "sqrt",
     "tan", "not", "rsin", "rcos", "rtan", "rasin", "racos", "ratan", "sqr", "frac", "bnot", "odd", "bool",
-    "trunc",
+    "trunc", "nearest",
 )  # fmt: skip
 """Unary operators; angles in degrees, of those that begin with ``r`` (but ``round``) in radians. ``int`` and ``trunc``
-drop the fraction (the latter gives a whole number where numbers have types), ``sqr`` is the square, ``bnot`` turns the
-bits of a whole number round, ``bool`` is 1 for all but 0."""
+drop the fraction (the latter gives a whole number where numbers have types), ``nearest`` rounds, and of a half it is
+not known which way; ``sqr`` is the square, ``bnot`` turns the bits of a whole number round, ``bool`` is 1 for all but
+0."""
 
 BINARY = (
     "+", "-", "*", "/", "**", "mod", "atan", "and", "or", "xor", ">", ">=", "<", "<=", "==", "<>", "band", "bor",

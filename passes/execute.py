@@ -231,6 +231,7 @@ class Executor(Flow):
             self._call, self._file = frame.caller.call, frame.caller.file
             self._depth = self._depth[:-1]
             back_from_file(self, frame.caller.before)
+            self._give_back(frame.caller.back)
             if frame.caller.rest is not None:
                 super()._line(*frame.caller.rest)
         if frame.group is not None:
@@ -261,11 +262,14 @@ class Executor(Flow):
         if self.program.rules.source_order:
             self._not_spooled(node.span, f"M98 L{node.name}")
             count = self._count(node)
-            self._bind(node)
+            back = self._bind(node)
             depth = len(self._stack)
             self._called(node.name, node.span)
             if len(self._stack) > depth:
-                self._stack[-1].again = count - 1
+                frame = self._stack[-1]
+                frame.again = count - 1
+                assert frame.caller is not None
+                frame.caller = replace(frame.caller, back=back)
             return
         if not self.program.rules.one_command:
             self._called(node.name, node.span)

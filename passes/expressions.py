@@ -33,6 +33,13 @@ def _round(x: float) -> float:
     return math.copysign(math.floor(abs(x) + 0.5), x)
 
 
+def _nearest(x: float) -> float:
+    """To the nearest whole number; ValueError for a half, of which it is not known where it goes."""
+    if x - math.floor(x) == 0.5:
+        raise ValueError
+    return _round(x)
+
+
 def _integer(x: float) -> int:
     """A whole number; ValueError for any other."""
     if x != math.floor(x) or abs(x) > _LARGEST:
@@ -81,6 +88,8 @@ UNARY_FUNCTIONS: dict[str, Callable[[float], float]] = {
     "bnot": lambda x: float(~_integer(x)),
     "odd": lambda x: float(_integer(x) % 2),
     "bool": lambda x: float(x != 0),
+    "trunc": lambda x: float(math.trunc(x)),
+    "nearest": _nearest,
 }
 
 
@@ -159,6 +168,8 @@ class Evaluator:
             if ranges.unary_may_fail(expr.operator, bounds(x)):
                 self._doubt(expr.span, expr.operator, x.cause)
             return between(x.cause, ranges.unary(expr.operator, bounds(x)))
+        if expr.operator == "nearest" and x - math.floor(x) == 0.5:
+            return Unknown("how a half is rounded", math.floor(x), math.ceil(x))
         try:
             return self._finite(UNARY_FUNCTIONS[expr.operator](x), expr.span)
         except (ValueError, OverflowError):

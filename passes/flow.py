@@ -8,11 +8,13 @@ is where its edge leads. States are compared in Brent's way, so that a loop of a
 from __future__ import annotations
 
 from gproof.ir import codes
+from gproof.ir.dialects.mcuwin import DECLARED
 from gproof.ir.din import VERSIONS
 from gproof.ir.finding import Refusal, Span
 from gproof.ir.program import (
     BlockTable,
     Call,
+    Declare,
     For,
     If,
     Jump,
@@ -268,17 +270,47 @@ class Flow(Branches):
             raise Refusal(codes.UNSUPPORTED_CODE.at(node.span, code="O0 (no cycle of the subprogram, or one)"))
         return round(value)
 
-    def _bind(self, node: Call) -> None:
-        """Arguments into the variables of a procedure's parameters."""
+    def _bind(self, node: Call) -> tuple[tuple[int, int], ...]:
+        """Arguments into the variables of a procedure's parameters, and its own variables without a value.
+
+        Gives what the procedure hands back: (parameter, variable of the caller), by their numbers.
+        """
         sub = self.program.subprograms.get(node.name)
-        if sub is None or not sub.parameters:
-            return
-        if node.name in self._depth:
+        if sub is None or sub.is_module:
+            return ()
+        if sub.parameters and node.name in self._depth:
             raise Refusal(codes.UNSUPPORTED_CODE.at(node.span, code=f"procedure {node.name}, which calls itself,"))
-        numbers = {name.lower(): number for name, _, number in sub.parameters}
-        values = [(numbers[w.letter.lower()], self.evaluator.value(w.value), w.span) for w in node.arguments]
-        for number, value, span in values:
-            self.modal.write(float(number), value, span)
+        parameters = self.modal.parameters
+        given: list[tuple[int, Value | None, Span]] = []
+        back = []
+        for (_, type_, number), word in zip(sub.parameters, node.arguments, strict=True):
+            if type_.startswith("var "):
+                if not isinstance(word.value, Variable):
+                    raise Refusal(codes.BAD_EXPRESSION.at(word.span, what="a variable is needed here"))
+                target = self._number(word.value)
+                back.append((number, target))
+                # One that holds nothing yet is what the procedure may be there to set.
+                empty = target >= DECLARED and target not in parameters
+                given.append((number, None if empty else self.evaluator.value(word.value), word.span))
+            else:
+                given.append((number, self.evaluator.value(word.value), word.span))
+        for number, value, span in given:
+            if value is None:
+                parameters.pop(number, None)
+            else:
+                self.modal.write(float(number), value, span)
+        for one in sub.body:
+            if isinstance(one, Declare) and one.kind == "var":
+                for number in range(one.number, one.number + len(one.names)):
+                    parameters.pop(number, None)
+        return tuple(back)
+
+    def _give_back(self, back: tuple[tuple[int, int], ...]) -> None:
+        """What a procedure made of its ``var`` parameters, into the variables that it was called with."""
+        for number, target in back:
+            value = self.modal.parameters.get(number)
+            if value is not None:
+                self.modal.parameters[target] = value
 
     def _return(self, node: Return) -> None:
         """Back to the caller, or on with the next cycle."""

@@ -47,13 +47,15 @@ class Cells:
 class Caller:
     """Where a call came from; rest: words of its line that are executed when it is back.
 
-    before: what of the state is to be as it was when a subprogram that is a file is over.
+    before: what of the state is to be as it was when a subprogram that is a file is over. back: (number of a parameter,
+    number of the variable that it was given) of a procedure, which takes what it holds when the procedure is over.
     """
 
     call: int
     file: int
     rest: tuple[Span, list[Words]] | None
     before: Kept | None = None
+    back: tuple[tuple[int, int], ...] = ()
 
 
 @dataclass(slots=True)

@@ -147,7 +147,7 @@ def unary(operator: str, x: Range) -> Range:
             return (0.0, 1.0) if truth is None else (float(not truth), float(not truth))
         case "sqrt" if low >= 0:
             return widened(math.sqrt(low), math.sqrt(high))
-        case "fix" | "fup" | "int" | "round" if math.isfinite(low) and math.isfinite(high):
+        case "fix" | "fup" | "int" | "round" | "trunc" | "nearest" if math.isfinite(low) and math.isfinite(high):
             return float(math.floor(low)), float(math.ceil(high))
         case "atan":
             return -90.0, 90.0

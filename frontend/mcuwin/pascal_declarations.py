@@ -153,10 +153,9 @@ class SectionParser(StatementParser):
         names = self._names()
         self.expect(":", f"behind {names[-1].text!r}")
         type_, written = self._type()
-        for name in names:
-            self.symbols.add_var(name.text, type_, self.lexer.span(name))
+        numbers = [self.symbols.add_var(name.text, type_, self.lexer.span(name)).number for name in names]
         span = self.lexer.span(word or names[0], self.lexer.last)
-        return Declare(kind="var", names=tuple(n.text for n in names), span=span, type=written)
+        return Declare(kind="var", names=tuple(n.text for n in names), span=span, type=written, number=numbers[0])
 
     def _const(self) -> list[Statement]:
         return self._groups(self._constant, "=")

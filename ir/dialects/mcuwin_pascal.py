@@ -40,7 +40,7 @@ SIGN_MATTERS = frozenset(("band", "<<", ">>"))
 
 FUNCTIONS = {
     "abs": "abs", "arccos": "acos", "arcsin": "asin", "arctan": "atan", "boolean": "bool", "cos": "cos", "exp": "exp",
-    "frac": "frac", "int": "int", "ln": "ln", "odd": "odd", "round": "round", "sin": "sin", "sqr": "sqr",
+    "frac": "frac", "int": "int", "ln": "ln", "odd": "odd", "round": "nearest", "sin": "sin", "sqr": "sqr",
     "sqrt": "sqrt", "tan": "tan", "trunc": "trunc",
 }  # fmt: skip
 """Function -> unary operator of the IR; those of ANGULAR begin with ``r`` where angles are radians."""

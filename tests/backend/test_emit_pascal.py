@@ -85,7 +85,7 @@ INTEGERS = st.deferred(
     lambda: (
         whole
         | st.one_of(*(unary(name, INTEGERS) for name in ("neg", "pos", "abs", "sqr", "bnot")))
-        | st.one_of(*(unary(name, DOUBLES) for name in ("round", "trunc")))
+        | st.one_of(*(unary(name, DOUBLES) for name in ("nearest", "trunc")))
         | binary("+ - * div rem << >> band bor bxor", INTEGERS, INTEGERS)
         | unary("neg", st.builds(lambda node: dataclasses.replace(node, doubtful=True), shifted))
     )
@@ -257,8 +257,8 @@ def test_statements_are_read_again_on_one_line(body: tuple[Any, ...]) -> None:
 def test_sections_are_read_again(body: tuple[Any, ...], inner: tuple[Any, ...]) -> None:
     """With declarations, and a procedure before the statements."""
     names = symbols()
-    local = p.Declare(kind="var", names=("k", "m"), span=Span("", 2), type="integer")
-    head = p.Declare(kind="var", names=("extra",), span=Span("", 0, 1), type="boolean")
+    local = p.Declare(kind="var", names=("k", "m"), span=Span("", 2), type="integer", number=2013)
+    head = p.Declare(kind="var", names=("extra",), span=Span("", 0, 1), type="boolean", number=2009)
     sub = p.Subprogram(
         name="own", text="Own", body=(local, *inner), span=Span("", 0, 2), end_span=HERE,
         parameters=(("a", "double", 2010), ("b", "var integer", 2011), ("c", "var integer", 2012)),
