@@ -20,12 +20,16 @@ def is_rest(text: str, at: int) -> bool:
     return _REST.match(text, at) is not None
 
 
-def round_comment(text: str, at: int, file: str, line: int) -> int:
-    """Where the comment that begins with the bracket at ``at`` ends; Refusal when it does not, or may end elsewhere."""
+def round_comment(text: str, at: int, file: str, line: int, *, nests: bool = False) -> int:
+    """Where the comment that begins with the bracket at ``at`` ends; Refusal when it does not, or may end elsewhere.
+
+    nests: they do, as the manual of version 2.5.3.32 says without taking it back.
+    """
     flat = text.find(")", at) + 1
     if not flat:
         raise Refusal(codes.UNCLOSED_COMMENT.at(Span(file, line, at + 1, len(text.rstrip()) + 1)))
     nested = _nested_end(text, at)
+    flat = nested if nests and nested else flat
     one_end = nested == flat and QUOTE not in text[at:flat]
     if one_end or (nested and is_rest(text, flat) and is_rest(text, nested)):
         return nested

@@ -13,12 +13,14 @@ from typing import Any
 from gproof.frontend.mcuwin.comments import QUOTE, round_comment
 from gproof.frontend.mcuwin.expressions import Expressions
 from gproof.frontend.mcuwin.names import LABEL, NAME, label_name
+from gproof.frontend.mcuwin.notes import Found
 from gproof.frontend.mcuwin.pascal_text import MODE
 from gproof.frontend.mcuwin.persistence import Persistence
 from gproof.ir import codes
 from gproof.ir.dialects.mcuwin import has_code
 from gproof.ir.din import FIRST_USER_CODE, LAST_USER_CODE, VERSIONS, Din
 from gproof.ir.finding import Code, Refusal, Span
+from gproof.ir.notes import NoteKind
 from gproof.ir.program import (
     PARAMETER,
     Block,
@@ -59,7 +61,7 @@ class DinLine:
 
     number: its digits, "" without; statements: in order; module: what stands behind a percent sign, None without one;
     module_span: of that; pascal: where a ``$`` stands, -1 without; starts: where ``{$DINSTART}`` stands, and behind;
-    says: there is more than blanks and comments.
+    says: there is more than blanks and comments; notes: see ``notes.py``.
     """
 
     number: str = ""
@@ -69,6 +71,7 @@ class DinLine:
     pascal: int = -1
     starts: tuple[int, int] | None = None
     says: bool = False
+    notes: list[Found] = field(default_factory=list)
 
     @property
     def asks_number(self) -> bool:
@@ -115,6 +118,7 @@ class _Line:
         self.words: list[Word] = []
         self.code: tuple[str, int] | None = None
         self.comment = ""
+        self.items = 0
 
     def read(self) -> DinLine:
         self._blanks()
@@ -137,6 +141,7 @@ class _Line:
             if self.found.module is not None:
                 raise self._error(codes.SYNTAX, self.at, len(self.text), what="text behind a percent sign and its name")
             self._item()
+            self.items += 1
         self._flush()
         return self.found
 
@@ -159,6 +164,10 @@ class _Line:
         if not found[1]:
             raise self._error(codes.SYNTAX, self.at, found.end(), what="a line number is N and digits")
         self.found.number, self.at = found[1], found.end()
+        self._note(NoteKind.LINE_NUMBER, found.start(), found[1])
+
+    def _note(self, kind: NoteKind, begin: int, text: str) -> None:
+        self.found.notes.append((self.items, kind, begin, text))
 
     def _module(self) -> None:
         begin = self.at
@@ -170,6 +179,7 @@ class _Line:
         if name is not None:
             self.found.module, self.at = name[0], name.end()
         self.found.module_span = self._span(begin)
+        self._note(NoteKind.MARK, begin, self.found.module)
 
     def _comments(self) -> bool:
         """Pass blanks and comments; True when something follows."""
@@ -180,10 +190,12 @@ class _Line:
             sign = self.text[self.at]
             if sign == QUOTE or (self.language.old and self.text.startswith("//", self.at)):
                 self.comment = self.text[self.at + (1 if sign == QUOTE else 2) :].strip()
+                self._note(NoteKind.SIGNED, self.at, self.text[self.at :].rstrip(" \t"))
                 self.at = len(self.text)
             elif sign == "(" and not self._is_parameter():
-                end = round_comment(self.text, self.at, self.file, self.line)
+                end = round_comment(self.text, self.at, self.file, self.line, nests=self.language.old)
                 self.comment = self.text[self.at + 1 : end - 1].strip()
+                self._note(NoteKind.SIGNED, self.at, self.text[self.at : end])
                 self.at = end
             else:
                 return True
@@ -275,6 +287,8 @@ class _Line:
     def _message(self) -> None:
         """WRITE and WRITELN (5.7): texts in double quotes and values, behind one another."""
         begin = self.at
+        if self.language.old:
+            raise self._error(codes.SYNTAX, begin, len(self.text), what="WRITE and WRITELN came with version 2.5.3.38")
         self._flush()
         kind = _WRITE.match(self.text, self.at)
         assert kind is not None

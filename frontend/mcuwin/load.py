@@ -1,49 +1,50 @@
 """A McuWIN job with its includes, from bytes to a Program.
 
-The text goes over between DIN lines and sections of rw_SymPas (manual 10, 12); files that it includes are read in their
-place, with what is in force. What stands before the first percent sign may be declarations without $DINEND.
+One pass over each file finds the lines that are not plain; those are read one by one, everything between becomes block
+tables. The text goes over between DIN lines and sections of rw_SymPas (manual 10, 12); files that it includes are read
+in their place, with what is in force there.
 """
 
 from __future__ import annotations
 
-import re
 from collections.abc import Sequence
 from pathlib import Path
 
-from gproof.frontend.mcuwin.expressions import Expressions
-from gproof.frontend.mcuwin.include import DEEPEST, INCLUDE, differ, find
-from gproof.frontend.mcuwin.lines import DinLine, Language, LineReader
+from gproof.frontend.mcuwin.include import DEEPEST, differ, find
 from gproof.frontend.mcuwin.machine import NO_MCUWIN
 from gproof.frontend.mcuwin.modules import assemble
-from gproof.frontend.mcuwin.pascal import Place, Symbols, parse_section
-from gproof.frontend.mcuwin.pascal_text import mode_sign
-from gproof.frontend.mcuwin.persistence import Persistence
-from gproof.frontend.mcuwin.structure import Structure
-from gproof.frontend.source import UTF8_MARK, decode, read_source
+from gproof.frontend.mcuwin.notes import Annotator, FileNotes
+from gproof.frontend.mcuwin.scan import Scanner
+from gproof.frontend.mcuwin.text import Text
+from gproof.frontend.source import UTF8_MARK, decode, encoding_of, read_source
 from gproof.ir import codes
+from gproof.ir.columns import Columns
 from gproof.ir.dialects import rules_named
 from gproof.ir.din import NO_DIN
 from gproof.ir.finding import Findings, Refusal, Span
 from gproof.ir.machine import Machine
-from gproof.ir.program import Include, Mode, Program, SourceFile, Statement, Subprogram, Unsupported
+from gproof.ir.program import BlockTable, Program, SourceFile, Statement, Unsupported
 
-DECLARES = re.compile(r"[ \t]*(?:var|const|label|procedure|function)(?![A-Za-z0-9_])", re.IGNORECASE)
-DINEND = re.compile(r"\$DINEND(?![A-Za-z0-9_])", re.IGNORECASE)
-PERCENT = re.compile(r"[ \t]*%")
+HELD_LINES = 2000
+HELD_IN_ALL = 200_000
+"""A table of at most so many lines holds its words, until the tables of a program hold that many."""
+CHUNK = 1 << 16
 
 
 def load_program(
-    path: Path, findings: Findings, machine: Machine = NO_MCUWIN, machine_file: Path | None = None
+    path: Path, findings: Findings, machine: Machine = NO_MCUWIN, machine_file: Path | None = None, *,
+    tables: bool = True,
 ) -> Program | None:  # fmt: skip
     """The program in ``path`` with all it includes; None when the job's file is refused.
 
-    machine: whose axes and settings say how lines are read; machine_file: beside which PreInclude and PostInclude lie.
-    A line with a mistake is a finding and left out of the program.
+    machine: whose axes and settings say how lines are read; machine_file: beside which PreInclude and PostInclude lie;
+    tables: plain lines become tables, else blocks like all others. A line with a mistake is a finding and left out of
+    the program.
     """
-    loader = _Loader(path, findings, machine, machine_file)
+    loader = _Loader(path, findings, machine, machine_file, tables=tables)
     before = sum(findings.counts.values())
     try:
-        program = loader.program_of(path)
+        program = loader.job()
     except Refusal as refusal:
         findings.add(refusal.finding)
         return None
@@ -55,191 +56,77 @@ def load_program(
 class _Loader:
     """Reads the files of one program in the order of the source."""
 
-    def __init__(self, path: Path, findings: Findings, machine: Machine, machine_file: Path | None) -> None:
-        din = machine.controller.din or NO_DIN
-        self.findings = findings
-        self.din = din
-        self.machine_file = machine_file
+    def __init__(
+        self, path: Path, findings: Findings, machine: Machine, machine_file: Path | None, *, tables: bool
+    ) -> None:  # fmt: skip
         self.path = path
-        self.program = Program(dialect="mcuwin", rules=rules_named("mcuwin"))
+        self.findings = findings
+        self.machine_file = machine_file
+        self.tables = tables
+        self.din = machine.controller.din or NO_DIN
         axes = "".join(axis.word for axis in machine.axes)
-        self.symbols = Symbols(
-            findings, axes=axes, case_sensitive=din.case_sensitive, angle_unit=din.angle_unit
-        )  # fmt: skip
-        self.persistence = Persistence(din)
-        language = Language(rules=self.program.rules, din=din, axes=axes, expressions=Expressions(self.symbols))
-        self.language = language
-        self.reader = LineReader(language, self.persistence)
-        self.structure = Structure(self.symbols, self.persistence, findings, Span(str(path), 1))
-        self.procedures: list[Subprogram] = []
-        self.sources: dict[Path, SourceFile] = {}
+        self.program = Program(dialect="mcuwin", rules=rules_named("mcuwin"))
+        self.scanner = Scanner(axes, small=not self.din.case_sensitive, numbered=self.din.line_numbers)
+        self.annotator = Annotator()
+        self.program.scan = self.scanner.scan
+        self.program.annotate = self.annotator.annotate
+        self.text = Text(self.program.rules, self.din, axes, findings, self._include_from, Span(str(path), 1))
+        self.files: dict[Path, int] = {}
         self.stack: list[Path] = []
-        self.pascal = False
-        self.implied = False
-        self.lines: list[str] = []
-        self.first: tuple[str, int] = ("", 0)
-        self.opened = False
+        self.held = 0
 
-    def program_of(self, path: Path) -> Program:
+    def job(self) -> Program:
         """Everything, put together."""
         program = self.program
-        source = read_source(path)
-        self._take_in(path, source)
-        program.line_count = source.line_count
-        job = Span(str(path), 0)
+        number = self._take_in(self.path)
+        program.line_count = program.files[number].line_count
+        whole = Span(str(self.path), 0)
         if self.din.pre_include:
-            self._include(self.din.pre_include, job, self._machine_folders())
-        self._file(path, source)
+            self._include(self.din.pre_include, whole, self._machine_folders())
+        self._file(self.path, number)
         if self.din.post_include:
-            self._include(self.din.post_include, job, self._machine_folders())
-        self._end_section()
-        self.structure.finish()
-        made = assemble(self.structure.sections, str(path), self.findings, old=self.language.old)
-        program.body = made.body
-        program.subprograms = dict(made.subprograms)
-        for sub in self.procedures:
-            if sub.name in program.subprograms:
-                self.findings.add(codes.DUPLICATE_SUBPROGRAM.at(sub.span, name=sub.name))
-            program.subprograms[sub.name] = sub
+            self._include(self.din.post_include, whole, self._machine_folders())
+        self.text.finish()
+        made = assemble(
+            self.text.structure.sections, self.text.procedures, str(self.path), self.findings, old=self.text.old
+        )  # fmt: skip
+        program.body, program.subprograms = made.body, made.subprograms
         return program
 
     def _machine_folders(self) -> list[Path]:
         folders = [self.machine_file.parent] if self.machine_file is not None else []
-        return [*folders, self.path.parent]
+        return list(dict.fromkeys((*folders, self.path.parent)))
 
-    def _take_in(self, path: Path, source: SourceFile) -> None:
-        """Note a file among those of the program."""
-        data = source.data
-        begin = len(UTF8_MARK) if data[:3] == UTF8_MARK else 0
-        source.mark = begin > 0
-        first_end = data.find(b"\n")
-        source.newline = "\r\n" if first_end > 0 and data[first_end - 1 : first_end] == b"\r" else "\n"
-        source.line_count = bytes(data).count(b"\n") + (0 if not data or data[len(data) - 1 :] == b"\n" else 1)
+    def _take_in(self, path: Path) -> int:
+        """Read a file and note it among those of the program; its number there. Refusal when it is none."""
+        key = path.resolve()
+        if key in self.files:
+            return self.files[key]
+        source = read_source(path)
+        source.mark = source.data[:3] == UTF8_MARK
+        first_end = source.data.find(b"\n")
+        source.newline = "\r\n" if first_end > 0 and source.data[first_end - 1 : first_end] == b"\r" else "\n"
+        self.files[key] = len(self.program.files)
         self.program.files.append(source)
-        self.sources[path.resolve()] = source
+        self.annotator.files.append(FileNotes(source.data))
+        return self.files[key]
 
-    def _file(self, path: Path, source: SourceFile) -> None:
+    def _file(self, path: Path, number: int) -> None:
         """The lines of a file, in their place."""
         self.stack.append(path.resolve())
-        depth = len(self.structure.open)
-        data = bytes(source.data)
-        begin = len(UTF8_MARK) if source.mark else 0
-        lines = data[begin:].split(b"\n")
-        if lines and not lines[-1]:
-            lines.pop()
-        for number, raw in enumerate(lines, 1):
-            text = decode(raw.removesuffix(b"\r"))
-            try:
-                self._line(text, source.name, number, path)
-            except Refusal as refusal:
-                self.findings.add(refusal.finding)
-                self.persistence.cut()
-        self.structure.finish(depth)
+        depth = len(self.text.structure.open)
+        walk = _Walk(self, path, number)
+        walk.run()
+        self.text.leave_file(depth)
         self.stack.pop()
 
-    def _line(self, text: str, file: str, number: int, path: Path) -> None:
-        if "\r" in text:
-            at = text.index("\r")
-            what = "a carriage return without a line feed within the line"
-            raise Refusal(codes.SYNTAX.at(Span(file, number, at + 1, at + 2), what=what))
-        if not self.pascal and self._may_declare() and DECLARES.match(text):
-            self._begin_section(implied=True)
-        if self.pascal:
-            self._pascal_line(text, file, number, path)
+    def _include_from(self, name: str, span: Span) -> None:
+        """``$I`` in a file: beside it, or beside the job (14, 2.5.3.52); the older version looked beside McuWIN."""
+        if self.text.old and self.machine_file is not None:
+            folders = [self.machine_file.parent]
         else:
-            self._din(text, file, number, path)
-
-    def _may_declare(self) -> bool:
-        """Before the first percent sign, outside of blocks."""
-        return len(self.structure.sections) == 1 and not self.structure.open
-
-    def _begin_section(self, *, implied: bool) -> None:
-        self.pascal, self.implied, self.lines, self.opened = True, implied, [], False
-
-    def _pascal_line(self, text: str, file: str, number: int, path: Path) -> None:
-        if self.lines and file != self.first[0]:
-            self._flush_section()
-        if not self.lines:
-            self.first = (file, number)
-        if not self.opened and PERCENT.match(text):
-            if not self.implied:
-                at = text.index("%")
-                what = "a percent sign within rw_SymPas: {$DINSTART} is missing before it"
-                self.findings.add(codes.SYNTAX.at(Span(file, number, at + 1, at + 2), what=what))
-            self._end_section()
-            self._din(text, file, number, path)
-            return
-        found, self.opened = mode_sign(text, self.opened)
-        if found is None:
-            self.lines.append(text)
-            return
-        begin, end = found
-        self.lines.append(text[:begin])
-        self._end_section()
-        self._start(Span(file, number, begin + 1, end + 1))
-        self._din(text, file, number, path, end)
-
-    def _start(self, span: Span) -> None:
-        self.structure.add([Mode(name="din", span=span)])
-        self.persistence.mode()
-
-    def _flush_section(self) -> None:
-        """Read the lines of a section that were collected."""
-        if self.lines:
-            file, line = self.first
-            section = parse_section(self.lines, Place(file, line), self.symbols)
-            self.structure.add(section.statements)
-            self.procedures += section.subprograms
-        self.lines = []
-
-    def _end_section(self) -> None:
-        if self.pascal:
-            self._flush_section()
-        self.pascal = False
-
-    def _din(self, text: str, file: str, number: int, path: Path, at: int = 0) -> None:
-        line = self.reader.read(text, file, number, at)
-        if self.din.line_numbers and not line.number and line.asks_number:
-            self.findings.add(codes.LINE_NUMBER_MISSING.at(Span(file, number, 1, 2)))
-        if line.module is not None and line.module_span is not None:
-            self.structure.module(line.module, line.module_span)
-        elif line.starts is not None:
-            begin, end = line.starts
-            self._start(Span(file, number, begin + 1, end + 1))
-            self._din(text, file, number, path, end)
-        elif line.pascal >= 0:
-            self._dollar(text, line, file, number, path)
-        self.structure.add(line.statements)
-
-    def _dollar(self, text: str, line: DinLine, file: str, number: int, path: Path) -> None:
-        at = line.pascal
-        end = DINEND.match(text, at)
-        include = INCLUDE.match(text, at)
-        if end is not None:
-            self.structure.add([Mode(name="pascal", span=Span(file, number, at + 1, end.end() + 1))])
-            self.persistence.mode()
-            self._begin_section(implied=False)
-            self._pascal_line(" " * end.end() + text[end.end() :], file, number, path)
-        elif include is not None:
-            name = include["name"]
-            span = Span(file, number, at + 1, include.end() + 1)
-            rest = self.reader.read(text, file, number, include.end())
-            if not name or rest.says:
-                what = (
-                    "$I needs the name of a file" if not name else "a file name without blanks stands alone behind $I"
-                )
-                raise Refusal(codes.SYNTAX.at(Span(file, number, at + 1, len(text.rstrip()) + 1), what=what))
-            self.structure.add([Include(name=name, span=span)])
-            self._include(name, span, self._folders(path))
-            self.persistence.doubt()
-        else:
-            self.structure.pascal(text, at + 1, file, number)
-
-    def _folders(self, path: Path) -> list[Path]:
-        """Where a name is looked for (14, 2.5.3.52): beside the source, before that in the folder of McuWIN."""
-        if self.language.old and self.machine_file is not None:
-            return [self.machine_file.parent]
-        return list(dict.fromkeys((path.parent, self.path.parent)))
+            folders = list(dict.fromkeys((self.stack[-1].parent, self.path.parent)))
+        self._include(name, span, folders)
 
     def _include(self, name: str, span: Span, folders: Sequence[Path]) -> None:
         """Read a file in its place; findings for one that is not there or includes itself."""
@@ -253,18 +140,101 @@ class _Loader:
             chain = " -> ".join(p.name for p in (*self.stack, path))
             self.findings.add(codes.INCLUDE_CYCLE.at(span, name=name, chain=chain))
             return
-        doubt: list[Statement] = []
+        what = ""
         if len(found) > 1 and differ(found):
-            doubt.append(Unsupported(what=f"which {name} is meant, {found[0]} or {found[1]}, which differ,", span=span))
-        elif self.language.old and self.machine_file is None:
-            doubt.append(Unsupported(what=f"which {name} this version reads, from the folder of McuWIN,", span=span))
-        self.structure.add(doubt)
-        source = self.sources.get(path.resolve())
-        if source is None:
-            try:
-                source = read_source(path)
-            except Refusal as refusal:
-                self.findings.add(refusal.finding)
-                return
-            self._take_in(path, source)
-        self._file(path, source)
+            what = f"which {name} is meant, {found[0]} or {found[1]}, which differ,"
+        elif self.text.old and self.machine_file is None:
+            what = f"which {name} is read, that of the folder of McuWIN,"
+        if what:
+            self.text.structure.add([Unsupported(what=what, span=span)])
+        try:
+            number = self._take_in(path)
+        except Refusal as refusal:
+            self.findings.add(refusal.finding)
+            return
+        self._file(path, number)
+
+
+class _Walk:
+    """The lines of one file in order: tables of plain ones, and every other by itself."""
+
+    def __init__(self, loader: _Loader, path: Path, number: int) -> None:
+        self.loader = loader
+        self.text = loader.text
+        self.path = path
+        self.number = number
+        self.source: SourceFile = loader.program.files[number]
+        self.data = self.source.data
+        self.notes = loader.annotator.files[number]
+        self.fresh = not self.source.line_count
+        self.byte = len(UTF8_MARK) if self.source.mark else 0
+        self.line = 1
+
+    def run(self) -> None:
+        """Read all of it."""
+        found = self.loader.scanner.index(self.data, self.byte)
+        self.source.line_count = found.line_count
+        for number, begin, end, has_words in found.rows():
+            self._before(number, begin, bool(has_words))
+            self._single(end)
+        self._before(found.line_count + 1, len(self.data), found.words_after)
+
+    def _before(self, number: int, begin: int, has_words: bool) -> None:
+        """The plain lines up to byte ``begin``, which begins line ``number``."""
+        while self.byte < begin and (self.text.pascal or not self.loader.tables):
+            at = self.data.find(b"\n", self.byte)
+            self._single(begin if at < 0 else at + 1)
+        if self.byte >= begin:
+            return
+        if self.fresh:
+            self.notes.plain.append((self.byte, begin, self.line))
+        if has_words:
+            self._table(number - 1, begin)
+        self.byte, self.line = begin, number
+
+    def _single(self, end: int) -> None:
+        raw = self.data[self.byte : end].rstrip(b"\n").removesuffix(b"\r")
+        text, line = decode(raw), self.line
+        self.byte, self.line = end, line + 1
+        for number, written, found in self.text.line(text, self.source.name, line):
+            if self.fresh:
+                self.notes.add(number, written, encoding_of(raw), found)
+
+    def _table(self, last: int, end: int) -> None:
+        first, begin = self.line, self.byte
+        words: Columns | None = None
+        if last - first < HELD_LINES and self.loader.held + last - first < HELD_IN_ALL:
+            self.loader.held += last - first + 1
+            words, _, _ = self.loader.scanner.scan(self.data, begin, end, first, end - begin)
+        state = self.text.persistence.state
+        table: Statement = BlockTable(
+            file=self.number, first_line=first, last_line=last, begin=begin, end=end, words=words, continued=state
+        )  # fmt: skip
+        if words is not None and not len(words):
+            return
+        self.text.structure.add([table])
+        motion = _last_motion(words) if words is not None else self._search_motion(begin, end)
+        if motion is not None:
+            self.text.persistence.code("G", motion)
+
+    def _search_motion(self, begin: int, end: int) -> int | None:
+        """The last code of plain lines whose words are not held, looked for from their end."""
+        size, stop = CHUNK, end
+        while stop > begin:
+            at = max(begin, stop - size)
+            if at > begin:
+                at = self.data.find(b"\n", at, stop) + 1 or begin
+            words, _, _ = self.loader.scanner.scan(self.data, at, stop, 1, stop - at)
+            motion = _last_motion(words)
+            if motion is not None:
+                return motion
+            if at == begin or at >= stop:
+                break
+            stop, size = at, size * 2
+        return None
+
+
+def _last_motion(words: Columns) -> int | None:
+    """The number of the last G code among words."""
+    rows = (words["letter"] == ord("G")).nonzero()[0]
+    return int(words["value"][rows[-1]]) if len(rows) else None

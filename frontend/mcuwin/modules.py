@@ -40,13 +40,16 @@ ENDS = (2.0, 30.0)
 
 @dataclass(slots=True)
 class _Unit:
-    """A module. key: its name among the subprograms, "" of the one that runs first; name: as labels have it."""
+    """A module, or a procedure. key: its name among the subprograms, "" of the one that runs first; name: as labels
+    have it; broken: a line of it was refused."""
 
     key: str
     name: str
     span: Span
     body: Body
     end_span: Span | None = None
+    broken: bool = False
+    procedure: Subprogram | None = None
     labels: dict[str, Path] = field(default_factory=dict)
 
 
@@ -58,27 +61,39 @@ class Modules:
     subprograms: dict[str, Subprogram]
 
 
-def assemble(sections: Sequence[Section], job: str, findings: Findings, *, old: bool) -> Modules:
+def assemble(
+    sections: Sequence[Section], procedures: Sequence[Subprogram], job: str, findings: Findings, *, old: bool
+) -> Modules:  # fmt: skip
     """The modules of a source. job: the file that runs; old: names of modules are no labels (version 2.5.3.32)."""
-    return _Assembly(_units(sections, job, findings), findings, old).modules()
+    units = _units(sections, {sub.name for sub in procedures}, job, old=old)
+    units += [_Unit(sub.name, "", sub.span, sub.body, procedure=sub) for sub in procedures]
+    return _Assembly(units, findings, old).modules()
 
 
-def _units(sections: Sequence[Section], job: str, findings: Findings) -> list[_Unit]:
-    """The module that runs first, then the others; sections without anything in them are none."""
+def _units(sections: Sequence[Section], taken: set[str], job: str, *, old: bool) -> list[_Unit]:
+    """The module that runs first, then the others; sections without anything in them are none.
+
+    taken: names of procedures, which no module has as its key. Where names of modules are no labels, a label of the
+    same name may stand anywhere, and has the key.
+    """
     leading, rest = sections[0], list(sections[1:])
     if leading.says or not rest:
-        main = _Unit("", "", leading.span, tuple(leading.body), leading.end_span)
+        main = _Unit("", "", leading.span, tuple(leading.body), leading.end_span, leading.broken)
     else:
         first = rest.pop(0)
         main = _Unit("", first.name, first.span, (*leading.body, *first.body), first.end_span)
+        main.broken = leading.broken or first.broken
         if first.span.file != job:
             what = "which module runs first where an included file has one before those of the job"
             main.body = (Unsupported(what=what, span=first.span), *main.body)
     units = [main]
     for number, section in enumerate(rest, 2):
         if section.name or section.body:
-            key = section.name or f"%{number}"
-            units.append(_Unit(key, section.name, section.span, tuple(section.body), section.end_span))
+            own = section.name and section.name not in taken and not old
+            key = section.name if own else f"%{number}"
+            taken = {*taken, key}
+            body = tuple(section.body)
+            units.append(_Unit(key, section.name, section.span, body, section.end_span, section.broken))
     return units
 
 
@@ -87,9 +102,10 @@ class _Assembly:
         self.units = units
         self.findings = findings
         self.old = old
+        self.procedures = {unit.procedure.name for unit in units if unit.procedure is not None}
         self.places: dict[str, tuple[_Unit, Span]] = {}
         self.named: dict[str, _Unit] = {}
-        self.called: dict[str, tuple[_Unit, str]] = {}
+        self.called: dict[str, _Unit] = {}
 
     def modules(self) -> Modules:
         for unit in self.units:
@@ -101,14 +117,11 @@ class _Assembly:
             unit.body = self._resolved(unit, unit.body, ())
             self._end(unit)
         main, *others = self.units
-        subprograms = {
-            unit.key: Subprogram(name=unit.key, body=unit.body, span=unit.span, end_span=unit.end_span, is_module=True)
-            for unit in others
-        }
-        for name, (unit, label) in self.called.items():
+        subprograms = {unit.key: _subprogram(unit) for unit in others}
+        for name, unit in self.called.items():
             if name not in subprograms:
-                span = self.places[label][1]
-                subprograms[name] = Subprogram(name=name, body=_tail(unit, label), span=span)
+                span = self.places[name][1]
+                subprograms[name] = Subprogram(name=name, body=_tail(unit, name), span=span)
         return Modules(main.body, subprograms)
 
     def _duplicate(self, name: str, span: Span, earlier: Span) -> None:
@@ -121,7 +134,6 @@ class _Assembly:
             return
         if unit.name in self.named:
             self._duplicate(unit.name, unit.span, self.named[unit.name].span)
-            unit.key = f"{unit.key}%{self.units.index(unit)}"
             return
         self.named[unit.name] = unit
 
@@ -168,7 +180,7 @@ class _Assembly:
             if isinstance(node, Jump):
                 node = self._jump(unit, node, path)
             elif isinstance(node, Call):
-                node = self._call(node)
+                node = node if node.text and node.name in self.procedures else self._call(node)
             elif isinstance(node, If | While | Repeat | For):
                 node = _with_parts(node, self._part(unit, path, index))
             out.append(node)
@@ -200,7 +212,7 @@ class _Assembly:
         unit, _ = self.places[name]
         if unit.labels[name]:
             return self._open(f"the call of label {name} within a block", node.span)
-        self.called[name] = (unit, name)
+        self.called[name] = unit
         return replace(node, name=name)
 
     def _open(self, what: str, span: Span) -> Statement:
@@ -209,6 +221,8 @@ class _Assembly:
 
     def _end(self, unit: _Unit) -> None:
         """Compiler error 190 for a module without an end (14, 2.5.3.90); the older version had none."""
+        if unit.procedure is not None or unit.broken:
+            return
         says = any(not isinstance(node, Declare | Include | Mode) for node in unit.body)
         if not (says or (unit.key and unit.name)) or any(_ends(node) for node, _ in _walk(unit.body)):
             return
@@ -217,6 +231,12 @@ class _Assembly:
             self.findings.add(codes.NO_MODULE_END.at(unit.span, what=what))
         elif not unit.key:
             self.findings.add(codes.NO_PROGRAM_END.at(unit.span))
+
+
+def _subprogram(unit: _Unit) -> Subprogram:
+    if unit.procedure is not None:
+        return replace(unit.procedure, body=unit.body)
+    return Subprogram(name=unit.key, body=unit.body, span=unit.span, end_span=unit.end_span, is_module=True)
 
 
 def _ends(node: Statement) -> bool:

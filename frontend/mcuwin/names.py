@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 
-LABEL = re.compile(r"[Ll][ \t]*([0-9]+)(?![A-Za-z0-9_])")
+LABEL = re.compile(r"[Ll][ \t]*([0-9]+)", re.ASCII)
 NAME = re.compile(r"[A-Za-z0-9_]+", re.ASCII)
 
 

@@ -49,12 +49,13 @@ _KINDS: dict[type, str] = {IfHead: "if", WhileHead: "while"}
 
 @dataclass(slots=True)
 class Section:
-    """The text behind a percent sign. name: as labels have it, "" without."""
+    """The text behind a percent sign. name: as labels have it, "" without; broken: a line of it was refused."""
 
     name: str
     span: Span
     body: list[Statement] = field(default_factory=list)
     end_span: Span | None = None
+    broken: bool = False
 
     @property
     def says(self) -> bool:
@@ -122,6 +123,7 @@ class Structure:
             self._line(parse_dollar(text, at, place, self.symbols))
         except Refusal as refusal:
             self.findings.add(refusal.finding)
+            self.section.broken = True
             self._keep_balance(Lexer([text], place, at))
         self.persistence.doubt()
 

@@ -1,0 +1,206 @@
+"""The text of a McuWIN program line by line: DIN lines, ``$`` lines, and sections of rw_SymPas (manual 7 to 12).
+
+What stands before the first percent sign may be declarations with ``$DINEND`` or without; a section ends with
+``{$DINSTART}``.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterator
+
+from gproof.frontend.mcuwin.expressions import Expressions
+from gproof.frontend.mcuwin.include import INCLUDE
+from gproof.frontend.mcuwin.lines import CENTERS, VALUE_LETTERS, DinLine, Language, LineReader
+from gproof.frontend.mcuwin.notes import Found
+from gproof.frontend.mcuwin.pascal import Place, Symbols, parse_section
+from gproof.frontend.mcuwin.pascal_lexer import Lexer
+from gproof.frontend.mcuwin.pascal_text import mode_sign
+from gproof.frontend.mcuwin.persistence import Persistence
+from gproof.frontend.mcuwin.structure import Structure
+from gproof.ir import codes
+from gproof.ir.din import Din
+from gproof.ir.finding import Findings, Refusal, Span
+from gproof.ir.notes import NoteKind
+from gproof.ir.program import Declare, Include, Mode, Statement, Subprogram
+from gproof.ir.rules import LanguageRules
+
+DECLARES = re.compile(r"[ \t]*(?:var|const|label|procedure|function)(?![A-Za-z0-9_])", re.IGNORECASE)
+DINEND = re.compile(r"\$DINEND(?![A-Za-z0-9_])", re.IGNORECASE)
+PERCENT = re.compile(r"[ \t]*%")
+
+LineNotes = tuple[int, str, list[Found]]
+"""Number, text and notes of a line."""
+
+
+class Text:
+    """Takes lines in the order of the source. include: reads a file in the place of its ``$I``."""
+
+    def __init__(
+        self, rules: LanguageRules, din: Din, axes: str, findings: Findings, include: Callable[[str, Span], None],
+        span: Span,
+    ) -> None:  # fmt: skip
+        self.findings = findings
+        self.include = include
+        self.numbered = din.line_numbers
+        self.symbols = Symbols(findings, axes=axes, case_sensitive=din.case_sensitive, angle_unit=din.angle_unit)
+        self.persistence = Persistence(din)
+        language = Language(rules=rules, din=din, axes=axes, expressions=Expressions(self.symbols))
+        self.old = language.old
+        self.letters = axes + CENTERS + VALUE_LETTERS + "DGLMNO"
+        self.reader = LineReader(language, self.persistence)
+        self.structure = Structure(self.symbols, self.persistence, findings, span)
+        self.procedures: list[Subprogram] = []
+        self.pascal = False
+        self.implied = False
+        self.opened = False
+        self.lines: list[str] = []
+        self.first = Place("", 0)
+
+    def finish(self) -> None:
+        """The end of all files."""
+        self._end_section()
+        self.structure.finish()
+
+    def leave_file(self, depth: int) -> None:
+        """The end of a file; depth: blocks that were open before it."""
+        self._read_section()
+        self.structure.finish(depth)
+
+    def line(self, text: str, file: str, number: int) -> Iterator[LineNotes]:
+        """Take a line; gives its notes, and those of a section that it ends."""
+        found: list[LineNotes] = []
+        try:
+            self._line(text, file, number, found)
+        except Refusal as refusal:
+            self.findings.add(refusal.finding)
+            self.structure.section.broken = True
+            self.persistence.cut()
+        yield from found
+
+    def _line(self, text: str, file: str, number: int, found: list[LineNotes]) -> None:
+        if "\r" in text:
+            at = text.index("\r")
+            what = "a carriage return without a line feed within the line"
+            raise Refusal(codes.SYNTAX.at(Span(file, number, at + 1, at + 2), what=what))
+        if not self.pascal and self._may_declare() and DECLARES.match(text):
+            self._begin_section(implied=True)
+        if self.pascal:
+            self._pascal_line(text, file, number, found)
+        else:
+            self._din(text, file, number, found)
+
+    def _may_declare(self) -> bool:
+        """Before the first percent sign, outside of blocks."""
+        return len(self.structure.sections) == 1 and not self.structure.open
+
+    def _begin_section(self, *, implied: bool) -> None:
+        self.pascal, self.implied, self.opened, self.lines = True, implied, False, []
+
+    def _pascal_line(self, text: str, file: str, number: int, found: list[LineNotes]) -> None:
+        if not self.opened and PERCENT.match(text):
+            if not self.implied:
+                at = text.index("%")
+                what = "a percent sign within rw_SymPas: {$DINSTART} is missing before it"
+                self.findings.add(codes.SYNTAX.at(Span(file, number, at + 1, at + 2), what=what))
+            self._end_section()
+            self._din(text, file, number, found)
+            return
+        if not self.lines:
+            self.first = Place(file, number)
+        begins_in_comment = self.opened
+        sign, self.opened = mode_sign(text, self.opened)
+        own = text if sign is None else text[: sign[0]]
+        found.append((number, text, pascal_notes(own, 0, begins_in_comment)))
+        self.lines.append(own)
+        if sign is None:
+            return
+        self._end_section()
+        self._start(Span(file, number, sign[0] + 1, sign[1] + 1))
+        self._din(text, file, number, found, sign[1])
+
+    def _start(self, span: Span) -> None:
+        self.structure.add([Mode(name="din", span=span)])
+        self.persistence.mode()
+
+    def _read_section(self) -> None:
+        """Read the lines of a section that were collected."""
+        if self.lines:
+            section = parse_section(self.lines, self.first, self.symbols)
+            self.structure.add(section.statements)
+            self.procedures += section.subprograms
+            self._refuse_words(section.statements)
+        self.lines = []
+
+    def _refuse_words(self, nodes: tuple[Statement, ...]) -> None:
+        """Names that are words of DIN lines as well: ``X 5`` could be the variable X."""
+        for node in nodes:
+            if not isinstance(node, Declare) or node.kind == "label":
+                continue
+            for name in node.names:
+                if len(name) == 1 and name.upper() in self.letters:
+                    what = f"{name!r} is a name that is declared, and a word of DIN lines"
+                    self.findings.add(codes.PASCAL_OPEN.at(node.span, what=what, hint="choose a longer name"))
+
+    def _end_section(self) -> None:
+        if self.pascal:
+            self._read_section()
+        self.pascal = False
+
+    def _din(self, text: str, file: str, number: int, found: list[LineNotes], at: int = 0) -> None:
+        line = self.reader.read(text, file, number, at)
+        if line.notes:
+            found.append((number, text, line.notes))
+        if self.numbered and not line.number and line.statements:
+            self.findings.add(codes.LINE_NUMBER_MISSING.at(Span(file, number, 1, 2)))
+        if line.module is not None and line.module_span is not None:
+            self.structure.module(line.module, line.module_span)
+        elif line.starts is not None:
+            begin, end = line.starts
+            self._start(Span(file, number, begin + 1, end + 1))
+            self._din(text, file, number, found, end)
+        elif line.pascal >= 0:
+            self._dollar(text, line, file, number, found)
+        self.structure.add(line.statements)
+
+    def _dollar(self, text: str, line: DinLine, file: str, number: int, found: list[LineNotes]) -> None:
+        at = line.pascal
+        end, include = DINEND.match(text, at), INCLUDE.match(text, at)
+        if end is not None:
+            self.structure.add([Mode(name="pascal", span=Span(file, number, at + 1, end.end() + 1))])
+            self.persistence.mode()
+            self._begin_section(implied=False)
+            self._pascal_line(" " * end.end() + text[end.end() :], file, number, found)
+        elif include is not None:
+            name, span = include["name"], Span(file, number, at + 1, include.end() + 1)
+            rest = self.reader.read(text, file, number, include.end())
+            if not name or rest.says or rest.number:
+                what = "behind $I stands the name of a file, without blanks, and nothing else but a comment"
+                raise Refusal(codes.SYNTAX.at(Span(file, number, at + 1, len(text.rstrip()) + 1), what=what))
+            found.append((number, text, [(1, *note[1:]) for note in rest.notes]))
+            self.structure.add([Include(name=name, span=span)])
+            self.persistence.doubt()
+            self.include(name, span)
+            self.persistence.doubt()
+        else:
+            found.append((number, text, pascal_notes(text, at + 1, opened=False)))
+            self.structure.pascal(text, at + 1, file, number)
+
+
+def pascal_notes(text: str, at: int, opened: bool) -> list[Found]:
+    """The comments of a line of rw_SymPas from character ``at``; opened: one of an earlier line is open there."""
+    begin = at
+    found: list[Found] = []
+    if opened:
+        close = text.find("}", at)
+        at = len(text) if close < 0 else close + 1
+        found.append((0, NoteKind.SIGNED, begin, text[begin:at].rstrip(" \t")))
+    lexer = Lexer([text], Place("", 0), at)
+    first = lexer.peek()
+    while lexer.take().kind != "end":
+        pass
+    behind = first.begin if first.kind != "end" else len(text)
+    for comment in lexer.comments:
+        place = int(comment.begin >= behind or text[:begin].strip() != "")
+        found.append((place, NoteKind.SIGNED, comment.begin, comment.text.rstrip(" \t")))
+    return found
