@@ -83,6 +83,8 @@ class Forms:
         dialect, _ = dialect_of(source, dialect, machine, machine_file)
         if dialect == "eding":
             return Form(load_alone, emit)
+        if dialect == "mcuwin":
+            raise UsageError(f"{source}: is mcuwin, which fmt does not print yet; --dialect overrides")
         return _wincnc(machine, [file.parent for file in (machine_file,) if file is not None], folder)
 
     def _beside(self, folder: Path | None) -> dict[str, Path]:

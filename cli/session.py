@@ -17,7 +17,7 @@ from gproof.ir.setup import NOTHING, ZERO, Setup
 
 T = TypeVar("T")
 
-READ = ("eding", "wincnc")
+READ = ("eding", "wincnc", "mcuwin")
 """Dialects that this version reads."""
 
 PLAIN_SECONDS_A_BYTE = 1e-6
@@ -125,6 +125,13 @@ def open_session(
                 findings.add(codes.EMPTY_PROGRAM.at(Span(str(job), 0)))
         else:
             program = load_wincnc(job, findings, the_machine, machine, read)
+    elif dialect == "mcuwin":
+        from gproof.frontend.mcuwin.load import load_program as load_mcuwin
+        from gproof.frontend.mcuwin.machine import NO_MCUWIN
+
+        if machine is None:
+            the_machine = NO_MCUWIN
+        program = load_mcuwin(job, findings, the_machine, machine)
     else:
         from gproof.frontend.eding.load import load_program
 
@@ -171,7 +178,7 @@ def dialect_of(
         dialect, guessed = guess_dialect(job)
         reason = f"guessed: {guessed}"
     if dialect not in READ:
-        known = " and ".join(READ)
+        known = ", ".join(READ)
         raise UsageError(f"{job}: is {dialect} ({reason}), and this version reads {known} only; --dialect overrides")
     return dialect, reason
 

@@ -33,6 +33,7 @@ from gproof.ir.program import (
     Return,
     Statement,
     Text,
+    Unsupported,
     Word,
 )
 from gproof.ir.rules import LanguageRules
@@ -41,7 +42,7 @@ _BLANKS = re.compile(r"[ \t]*")
 _LINE_NUMBER = re.compile(r"[Nn][ \t]*([0-9]*)")
 _ASSIGNED = re.compile(r"[A-Za-z_][A-Za-z0-9_]*(?:\.[A-Za-z0-9_]+)*(?=[ \t]*:=)", re.ASCII)
 _NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_]*", re.ASCII)
-_QUALIFIER = re.compile(r"[A-Za-z][A-Za-z0-9_]*\.[A-Za-z_]", re.ASCII)
+_QUALIFIER = re.compile(r"[A-Za-z]+\.[A-Za-z_]", re.ASCII)
 _CALCULATION = re.compile(r"C[DI][0-9]", re.ASCII | re.IGNORECASE)
 _WRITE = re.compile(r"write(?:ln)?(?![A-Za-z0-9_])", re.ASCII | re.IGNORECASE)
 _DIGITS = re.compile(r"[0-9]+", re.ASCII)
@@ -279,10 +280,23 @@ class _Line:
     def _assignment(self) -> None:
         begin = self.at
         self._flush()
+        if _QUALIFIER.match(self.text, begin):
+            self._axis_assignment()
+            return
         assign, self.at = self.language.expressions.assignment(self.text, begin, self.file, self.line)
         if assign is not None:
             state = self.persistence.state
             self._flush(Block(words=(), assigns=(assign,), span=assign.span, continued=state))
+
+    def _axis_assignment(self) -> None:
+        """To a variable of an axis, such as X.zerooffset (3.26): what it does, the manual does not say."""
+        begin = self.at
+        name = _ASSIGNED.match(self.text, begin)
+        assert name is not None
+        self.at = self.text.index(":=", begin) + 2
+        self._value()
+        what = f"the assignment to {name[0]}"
+        self._flush(Unsupported(what=what, span=self._span(begin), text=self.text[begin : self.at]))
 
     def _message(self) -> None:
         """WRITE and WRITELN (5.7): texts in double quotes and values, behind one another."""

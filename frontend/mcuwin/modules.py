@@ -77,15 +77,18 @@ def _units(sections: Sequence[Section], taken: set[str], job: str, *, old: bool)
     same name may stand anywhere, and has the key.
     """
     leading, rest = sections[0], list(sections[1:])
-    if leading.says or not rest:
-        main = _Unit("", "", leading.span, tuple(leading.body), leading.end_span, leading.broken)
-    else:
+    main = _Unit("", "", leading.span, tuple(leading.body), leading.end_span, leading.broken)
+    if rest and (not leading.says or (rest[0].says and not any(_ends(n) for n, _ in _walk(main.body)))):
         first = rest.pop(0)
-        main = _Unit("", first.name, first.span, (*leading.body, *first.body), first.end_span)
-        main.broken = leading.broken or first.broken
-        if first.span.file != job:
-            what = "which module runs first where an included file has one before those of the job"
-            main.body = (Unsupported(what=what, span=first.span), *main.body)
+        broken = leading.broken or first.broken
+        main = _Unit("", first.name, first.span, (*leading.body, *first.body), first.end_span, broken)
+        doubt = ""
+        if leading.says:
+            doubt = "what stands before the first percent sign and is no declaration"
+        elif first.span.file != job:
+            doubt = "which module runs first where an included file has one before those of the job"
+        if doubt:
+            main.body = (Unsupported(what=doubt, span=first.span), *main.body)
     units = [main]
     for number, section in enumerate(rest, 2):
         if section.name or section.body:

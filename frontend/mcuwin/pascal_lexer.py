@@ -14,7 +14,7 @@ from gproof.ir.finding import Code, Finding, Refusal, Span
 
 _TOKEN = re.compile(
     r"""[ \t\r\f\v\n]*(?:
-        (?P<axis>[A-Za-z]\w*\.[A-Za-z_]\w*(?:\.[0-9]+)?)
+        (?P<axis>[A-Za-z]+\.[A-Za-z_]\w*(?:\.[0-9]+)?)
       | (?P<name>[A-Za-z_]\w*)
       | (?P<number>(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][-+]?[0-9]+)?)
       | (?P<string>"[^"]*"|'(?:[^']|'')*')

@@ -14,18 +14,18 @@ from gproof.frontend.mcuwin.include import INCLUDE
 from gproof.frontend.mcuwin.lines import CENTERS, VALUE_LETTERS, DinLine, Language, LineReader
 from gproof.frontend.mcuwin.notes import Found
 from gproof.frontend.mcuwin.pascal import Place, Symbols, parse_section
-from gproof.frontend.mcuwin.pascal_lexer import Lexer
-from gproof.frontend.mcuwin.pascal_text import mode_sign
+from gproof.frontend.mcuwin.pascal_text import mode_sign, pascal_notes
 from gproof.frontend.mcuwin.persistence import Persistence
 from gproof.frontend.mcuwin.structure import Structure
 from gproof.ir import codes
 from gproof.ir.din import Din
 from gproof.ir.finding import Findings, Refusal, Span
-from gproof.ir.notes import NoteKind
 from gproof.ir.program import Declare, Include, Mode, Statement, Subprogram
 from gproof.ir.rules import LanguageRules
 
-DECLARES = re.compile(r"[ \t]*(?:var|const|label|procedure|function)(?![A-Za-z0-9_])", re.IGNORECASE)
+DECLARES = re.compile(
+    r"[ \t]*(?://|\{(?![ \t]*\$)|(?:var|const|label|procedure|function)(?![A-Za-z0-9_]))", re.IGNORECASE
+)
 DINEND = re.compile(r"\$DINEND(?![A-Za-z0-9_])", re.IGNORECASE)
 PERCENT = re.compile(r"[ \t]*%")
 
@@ -173,10 +173,13 @@ class Text:
             self._pascal_line(" " * end.end() + text[end.end() :], file, number, found)
         elif include is not None:
             name, span = include["name"], Span(file, number, at + 1, include.end() + 1)
-            rest = self.reader.read(text, file, number, include.end())
-            if not name or rest.says or rest.number:
+            if not name or text[include.end() :].lstrip(" \t")[:1] not in ("", "'", "("):
                 what = "behind $I stands the name of a file, without blanks, and nothing else but a comment"
                 raise Refusal(codes.SYNTAX.at(Span(file, number, at + 1, len(text.rstrip()) + 1), what=what))
+            rest = self.reader.read(text, file, number, include.end())
+            if rest.says:
+                what = "nothing but a comment stands behind $I and its name"
+                raise Refusal(codes.SYNTAX.at(Span(file, number, include.end() + 1, len(text) + 1), what=what))
             found.append((number, text, [(1, *note[1:]) for note in rest.notes]))
             self.structure.add([Include(name=name, span=span)])
             self.persistence.doubt()
@@ -185,22 +188,3 @@ class Text:
         else:
             found.append((number, text, pascal_notes(text, at + 1, opened=False)))
             self.structure.pascal(text, at + 1, file, number)
-
-
-def pascal_notes(text: str, at: int, opened: bool) -> list[Found]:
-    """The comments of a line of rw_SymPas from character ``at``; opened: one of an earlier line is open there."""
-    begin = at
-    found: list[Found] = []
-    if opened:
-        close = text.find("}", at)
-        at = len(text) if close < 0 else close + 1
-        found.append((0, NoteKind.SIGNED, begin, text[begin:at].rstrip(" \t")))
-    lexer = Lexer([text], Place("", 0), at)
-    first = lexer.peek()
-    while lexer.take().kind != "end":
-        pass
-    behind = first.begin if first.kind != "end" else len(text)
-    for comment in lexer.comments:
-        place = int(comment.begin >= behind or text[:begin].strip() != "")
-        found.append((place, NoteKind.SIGNED, comment.begin, comment.text.rstrip(" \t")))
-    return found
