@@ -20,7 +20,7 @@ from gproof.frontend.source import UTF8_MARK, decode, encoding_of, read_source
 from gproof.ir import codes
 from gproof.ir.columns import Columns
 from gproof.ir.dialects import rules_named
-from gproof.ir.din import NO_DIN
+from gproof.ir.din import NO_DIN, VERSIONS
 from gproof.ir.finding import Findings, Refusal, Span
 from gproof.ir.machine import Machine
 from gproof.ir.program import BlockTable, Program, SourceFile, Statement, Unsupported
@@ -62,8 +62,9 @@ class _Loader:
         self.path = path
         self.findings = findings
         self.machine_file = machine_file
-        self.tables = tables
         self.din = machine.controller.din or NO_DIN
+        # Blocks say which distances are in force where the source decides that too (14, 2.5.3.78), tables do not.
+        self.tables = tables and self.din.version != VERSIONS[1]
         axes = "".join(axis.word for axis in machine.axes)
         self.program = Program(dialect="mcuwin", rules=rules_named("mcuwin"))
         self.scanner = Scanner(axes, small=not self.din.case_sensitive, numbered=self.din.line_numbers)
@@ -79,11 +80,11 @@ class _Loader:
         """Everything, put together."""
         program = self.program
         number = self._take_in(self.path)
-        program.line_count = program.files[number].line_count
         whole = Span(str(self.path), 0)
         if self.din.pre_include:
             self._include(self.din.pre_include, whole, self._machine_folders())
         self._file(self.path, number)
+        program.line_count = program.files[number].line_count
         if self.din.post_include:
             self._include(self.din.post_include, whole, self._machine_folders())
         self.text.finish()

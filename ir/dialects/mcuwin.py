@@ -107,8 +107,8 @@ _M = (
     _m(911, F.DEVICE, "4.24"),
 )
 
-LATER = frozenset(("M", number) for number in (80, 901, 902, 903, 904, 910, 911))
-"""Codes that the manual of the older version does not have (14: 2.5.3.88, .93, .117)."""
+LATER = frozenset((("G", 96), ("G", 97), *(("M", number) for number in (80, 901, 902, 903, 904, 910, 911))))
+"""Codes that the manual of the older version does not have (14: 2.5.3.78, .88, .93, .117)."""
 
 
 def has_code(letter: str, number: int, version: str) -> bool:

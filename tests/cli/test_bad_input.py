@@ -391,7 +391,6 @@ def test_a_setup_file_that_can_not_be_read(folder: Path, gproof: Run) -> None:
         (["check", "job.cnc", "--machine"], "--machine"),
         (["check", "job.cnc", "--format", "yaml"], "yaml"),
         (["check", "job.cnc", "--dialect", "fanuc"], "fanuc"),
-        (["check", "job.cnc", "--dialect", "mcuwin"], "mcuwin"),
         (["check", "job.cnc", "--max-blocks", "0"], "--max-blocks"),
         (["check", "job.cnc", "--max-blocks", "many"], "many"),
         (["dump", "job.cnc"], "--stage"),
