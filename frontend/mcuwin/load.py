@@ -15,6 +15,7 @@ from gproof.frontend.mcuwin.machine import NO_MCUWIN
 from gproof.frontend.mcuwin.modules import assemble
 from gproof.frontend.mcuwin.notes import Annotator, FileNotes
 from gproof.frontend.mcuwin.scan import Scanner
+from gproof.frontend.mcuwin.size import judge_size
 from gproof.frontend.mcuwin.text import Text
 from gproof.frontend.source import UTF8_MARK, decode, encoding_of, read_source
 from gproof.ir import codes
@@ -92,6 +93,9 @@ class _Loader:
             self.text.structure.sections, self.text.procedures, str(self.path), self.findings, old=self.text.old
         )  # fmt: skip
         program.body, program.subprograms = made.body, made.subprograms
+        size = judge_size(program, self.text.structure.sections, self.text.procedures, self.din.program_size)
+        if size is not None:
+            self.findings.add(size)
         return program
 
     def _machine_folders(self) -> list[Path]:

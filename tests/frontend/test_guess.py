@@ -34,6 +34,15 @@ def test_the_corpus_is_eding(path: Path) -> None:
         ("a.mac", "g0 x1\n", "wincnc", "extension .mac"),
         ("a.src", "%1000\nN1 G0 X1\n", "mcuwin", "in line 1"),
         ("a.cnc", "G0 X1\n$wt(100);\n", "mcuwin", "in line 2"),
+        ("a.cnc", "N350 $if (CI600 < 20) then begin\n", "mcuwin", "in line 1"),
+        ("a.cnc", "G0 X1\nL5\nM96 L5\n", "mcuwin", "jump or call of a label in line 3"),
+        ("a.cnc", "G0 X1\nM98 L 5 O2\n", "mcuwin", "in line 2"),
+        ("a.cnc", "G0 X1 (M98 L5)\n", "eding", "extension .cnc"),
+        ("a.cnc", "CD620 := 100\n", "mcuwin", "calculation parameter in line 1"),
+        ("a.src", "g0 x1\n", "mcuwin", "extension .src"),
+        ("a.DIN", "g0 x1\n", "mcuwin", "extension .din"),
+        ("a.din", "G0 X1\nL5\n", "mcuwin", "extension .din"),
+        ("a.tap", "% a comment\nL3\n", "wincnc", "L code in line 2"),
         ("missing.tap", None, "wincnc", "extension .tap"),
     ],
 )
@@ -65,3 +74,19 @@ def test_a_shop_file_beside_the_job_or_one_up(tmp_path: Path, name: str, folder:
     assert (dialect, name in why) == ("wincnc", True)
     job.write_text("g0 x1\n#1=2\n")
     assert guess_dialect(job)[0] == "eding"
+
+
+@pytest.mark.parametrize("name", ["McuWIN.ini", "ToolComp.INI"])
+def test_a_file_of_mcuwin_beside_the_job(tmp_path: Path, name: str) -> None:
+    (tmp_path / name).write_text("")
+    job = tmp_path / "a.cnc"
+    job.write_text("G0 X1\n")
+    assert guess_dialect(job)[0] == "mcuwin"
+
+
+def test_a_module_or_a_comment_of_a_shop(tmp_path: Path) -> None:
+    job = tmp_path / "a.tap"
+    job.write_text("%plate\ng0 x1\n")
+    assert guess_dialect(job)[0] == "mcuwin"
+    (tmp_path / "WINCNC.INI").write_text("unit=IN\n")
+    assert guess_dialect(job)[0] == "wincnc"
