@@ -186,7 +186,7 @@ class _Walk:
 
     def _before(self, number: int, begin: int, has_words: bool) -> None:
         """The plain lines up to byte ``begin``, which begins line ``number``."""
-        while self.byte < begin and (self.text.pascal or not self.loader.tables):
+        while self.byte < begin and (self.text.pascal or self.text.doubtful or not self.loader.tables):
             at = self.data.find(b"\n", self.byte)
             self._single(begin if at < 0 else at + 1)
         if self.byte >= begin:

@@ -20,7 +20,7 @@ from gproof.frontend.mcuwin.structure import Structure
 from gproof.ir import codes
 from gproof.ir.din import Din
 from gproof.ir.finding import Findings, Refusal, Span
-from gproof.ir.program import Declare, Include, Mode, Statement, Subprogram
+from gproof.ir.program import Block, Declare, Include, Mode, Statement, Subprogram
 from gproof.ir.rules import LanguageRules
 
 DECLARES = re.compile(
@@ -51,6 +51,7 @@ class Text:
         self.reader = LineReader(language, self.persistence)
         self.structure = Structure(self.symbols, self.persistence, findings, span)
         self.procedures: list[Subprogram] = []
+        self.doubtful: dict[str, str] = {}
         self.pascal = False
         self.implied = False
         self.opened = False
@@ -133,12 +134,19 @@ class Text:
         self.lines = []
 
     def _refuse_words(self, nodes: tuple[Statement, ...]) -> None:
-        """Names that are words of DIN lines as well: ``X 5`` could be the variable X."""
+        """Names that are words of DIN lines as well: ``X 5`` could be the variable X.
+
+        One like I or F is only in doubt where a line has that word: real programs count with i, j and k.
+        """
         for node in nodes:
             if not isinstance(node, Declare) or node.kind == "label":
                 continue
             for name in node.names:
-                if len(name) == 1 and name.upper() in self.letters:
+                if len(name) != 1:
+                    continue
+                if name.upper() in CENTERS + VALUE_LETTERS:
+                    self.doubtful[name.upper()] = name
+                elif name.upper() in self.letters:
                     what = f"{name!r} is a name that is declared, and a word of DIN lines"
                     self.findings.add(codes.PASCAL_OPEN.at(node.span, what=what, hint="choose a longer name"))
 
@@ -161,7 +169,17 @@ class Text:
             self._din(text, file, number, found, end)
         elif line.pascal >= 0:
             self._dollar(text, line, file, number, found)
+        self._refuse_doubtful(line.statements)
         self.structure.add(line.statements)
+
+    def _refuse_doubtful(self, nodes: list[Statement]) -> None:
+        """Words whose letter is a declared name too."""
+        for node in nodes if self.doubtful else ():
+            for word in node.words if isinstance(node, Block) else ():
+                if word.letter in self.doubtful:
+                    name = self.doubtful.pop(word.letter)
+                    what = f"{word.letter} of a DIN line, where {name!r} is a name that is declared,"
+                    self.findings.add(codes.PASCAL_OPEN.at(word.span, what=what, hint="choose a longer name"))
 
     def _dollar(self, text: str, line: DinLine, file: str, number: int, found: list[LineNotes]) -> None:
         at = line.pascal
