@@ -109,7 +109,7 @@ LETTERS = (
     _E("F", "feed of G01, G02, G03", "5.3", "6.3"),
     _E("S", "spindle speed, by Task 0", "5.4", "6.4"),
     _E("T", "tool change by Task 0, and the record of the tool table", "5.5", "6.5"),
-    _E("D", "tool correction table, by Task 0; behind G51 the radius", "5.6", "6.6"),
+    _E("D", "tool correction table, by Task 0", "5.6", "6.6"),
 )
 
 STATEMENTS = (

@@ -1,0 +1,89 @@
+"""Every job of the McuWIN machines through the real command line ends as its `.toml` and its markers say."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+import tomllib
+from pathlib import Path
+
+import pytest
+from corpus.expectations import JUDGED, ROOT, findings, markers, misplaced, readme_tables, report_of
+
+SHOPS = ROOT / "corpus" / "mcuwin"
+JOBS = sorted(path.with_suffix(".src") for path in SHOPS.glob("*/jobs/*.toml"))
+EXIT = {"SAFE": 0, "UNSAFE": 1, "UNKNOWN": 2}
+
+
+def name_of(job: Path) -> str:
+    return f"{job.parent.parent.name}/{job.stem}"
+
+
+def expectation(job: Path) -> dict:
+    return tomllib.loads(job.with_suffix(".toml").read_text(encoding="utf-8"))
+
+
+@pytest.mark.parametrize("job", JOBS, ids=name_of)
+def test_job_ends_as_expected(job: Path) -> None:
+    expect = expectation(job)
+    command = ["check", str(job), "--machine", str(job.parent / expect["machine"])]
+    if "setup" in expect:
+        setup = expect["setup"]
+        command += ["--setup", setup if setup == "zero" else str(job.parent / setup)]
+    done = subprocess.run(
+        [sys.executable, "-m", "gproof.cli.main", *command, "--format", "json"],
+        cwd=ROOT,
+        stdin=subprocess.DEVNULL,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert "Traceback" not in done.stderr, done.stderr
+    report = report_of(done.stdout or done.stderr)
+    found = findings(report)
+    assert {one.code for one in found if one.severity in JUDGED} == set(expect["findings"]), found
+    assert report["verdict"] == expect["verdict"]
+    assert done.returncode == expect["exit"]
+    verdicts = {name: report["properties"][name]["verdict"] for name in expect.get("properties", {})}
+    assert verdicts == expect.get("properties", {})
+    assert misplaced(found, job) == []
+
+
+@pytest.mark.parametrize("job", JOBS, ids=name_of)
+def test_expectation_is_complete(job: Path) -> None:
+    expect = expectation(job)
+    assert job.is_file()
+    assert expect["title"].strip()
+    assert expect["exit"] == EXIT[expect["verdict"]]
+    assert (job.parent / expect["machine"]).is_file()
+    assert expect.get("setup", "zero") == "zero" or (job.parent / expect["setup"]).is_file()
+    assert markers(job).codes <= set(expect["findings"])
+    assert bool(expect["findings"]) == (expect["verdict"] != "SAFE")
+
+
+def test_readme_lists_every_job_under_its_verdict() -> None:
+    tables = readme_tables("McuWIN")
+    for job in JOBS:
+        link = f"[{job.stem}]({job.relative_to(ROOT / 'corpus').as_posix()})"
+        holding = [verdict for verdict, body in tables.items() if link in body]
+        assert holding == [expectation(job)["verdict"]], link
+    assert sum(body.count("\n| [") for body in tables.values()) == len(JOBS)
+
+
+def test_every_machine_is_whole() -> None:
+    shops = sorted(path for path in SHOPS.iterdir() if path.is_dir())
+    assert len(shops) >= 2
+    for shop in shops:
+        assert {"McuWIN.ini", "machine.toml", "setup.toml"} <= {path.name for path in shop.iterdir()}
+
+
+def test_the_machine_files_are_read_without_errors() -> None:
+    from gproof.frontend.machine_file import load_machine
+    from gproof.ir.finding import Findings
+
+    for shop in SHOPS.iterdir():
+        told = Findings()
+        machine, _ = load_machine(shop / "machine.toml", told)
+        assert machine is not None
+        assert {f.code.label for f in told.kept} <= {"GP602"}
+        assert not machine.not_modelled
