@@ -34,7 +34,8 @@ HEAD = """\
 # McuWIN: everything the manuals name
 
 Generated from the code (`make goldens`) and tested to be complete against lists made from the two manuals; the choices
-behind it are in [mcuwin.md](mcuwin.md). Sections are those of the manual of V 2.5.3.133, in the second column of V 2.5.3.32.
+behind it are in [mcuwin.md](mcuwin.md). Sections are those of the manual of V 2.5.3.133, and of V 2.5.3.32
+in the column of that name.
 
 - **supported**: read, checked and executed; what it does is in the Trace, or in what the program computes.
 - **checked-only**: read and checked, and an event of the Trace; what the device then does is not modelled, and no axis
