@@ -12,27 +12,28 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True, slots=True)
 class IniKey:
-    """A key. section, key: folded patterns, ``*`` for any section; meaning; source: section of the manual."""
+    """A key. shown: as the manual writes it, ``?`` for a digit, with its section where that is told; source: section."""
 
-    section: str
-    key: str
+    shown: str
     meaning: str
     source: str
 
     def fits(self, section: str, key: str) -> bool:
         """True for a folded section and key that this row is about."""
-        return self.section in ("*", section) and re.fullmatch(self.key, key) is not None
+        where, _, name = self.shown.casefold().rpartition("] ")
+        pattern = re.escape(name).replace(re.escape("?"), "[0-9?]")
+        return where in ("", f"[{section}") and re.fullmatch(pattern, key) is not None
 
 
 KEPT = (
-    IniKey("mcu", "protocolfilename", "file of error messages and warnings", "14 (2.5.3.107)"),
-    IniKey("mcu", r"messagetask[0-9?]continue", "OK in a task's window goes on from single steps", "5.7"),
-    IniKey("editor", "editorfontsize", "size of characters in the editor", "14 (2.5.3.107)"),
-    IniKey("project data", "selectedcardnr", "the board that is used", "14 (2.5.3.99)"),
-    IniKey("*", "referenceswitchlatch", "check of the latch of the reference switch", "14 (2.5.3.24)"),
-    IniKey("*", "noreftolimitswitch", "reference run on the index track only", "14 (2.5.3.24)"),
-    IniKey("*", "freeingvelfactor", "velocity of freeing moves of the reference run", "14 (2.5.3.24)"),
-    IniKey("*", "inhibitprofilerefuse", "display of a warning for a velocity or acceleration of 0", "14 (2.5.3.95)"),
+    IniKey("[MCU] ProtocolFileName", "file of error messages and warnings", "14 (2.5.3.107)"),
+    IniKey("[MCU] MessageTask?Continue", "OK in a task's window goes on from single steps", "5.7"),
+    IniKey("[EDITOR] EditorFontSize", "size of characters in the editor", "14 (2.5.3.107)"),
+    IniKey("[Project data] SelectedCardNr", "the board that is used", "14 (2.5.3.99)"),
+    IniKey("ReferenceSwitchLatch", "check of the latch of the reference switch", "14 (2.5.3.24)"),
+    IniKey("NoRefToLimitSwitch", "reference run on the index track only", "14 (2.5.3.24)"),
+    IniKey("FreeingVelFactor", "velocity of freeing moves of the reference run", "14 (2.5.3.24)"),
+    IniKey("InhibitProfileRefuse", "a warning is shown for a velocity or acceleration of 0", "14 (2.5.3.95)"),
 )
 """Keys that change nothing of where a job moves the axes."""
 

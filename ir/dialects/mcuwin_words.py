@@ -62,7 +62,7 @@ G_CODES = (
     _E("G151", "splines on", "3.32", "4.32"),
     _E("G153", "zero offset into CD50 and on", "3.33", "4.33"),
     _E("G154", "zero offset from CD50 and on", "3.34", "4.34"),
-    _E("G161", "centres as the setting of IniCfg says", "3.35", "4.35"),
+    _E("G161", "centres in G90 absolute", "3.35", "4.35"),
     _E("G162", "centres relative", "3.36", "4.36"),
 )
 """G codes that the manual describes; codes of the application are in ``APPLICATION``."""

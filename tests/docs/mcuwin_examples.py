@@ -14,24 +14,28 @@ units = "mm"
 [axes.x]
 min = -300
 max = 300
+home_place = 0
 position_unit = "mm"
 limits_watched = true
 
 [axes.y]
 min = -200
 max = 200
+home_place = 0
 position_unit = "mm"
 limits_watched = true
 
 [axes.z]
 min = -100
 max = 100
+home_place = 0
 position_unit = "mm"
 limits_watched = true
 
 [axes.c]
 min = -720
 max = 720
+home_place = 0
 position_unit = "deg"
 limits_watched = true
 
@@ -75,18 +79,19 @@ END = "M30\n%\n"
 
 @dataclass(frozen=True)
 class Example:
-    """body: between HEAD and END; before: the first %; after: the last one; files: that it includes."""
+    """body: between head and END; before: the first %; after: the last one; files: that it includes."""
 
     body: str
     before: str = ""
     after: str = ""
     files: dict[str, str] = field(default_factory=dict)
+    head: str = HEAD
 
     @property
     def text(self) -> str:
         """The whole job."""
         body = self.body + "\n" if self.body else ""
-        return f"{self.before}{HEAD}{body}{END}{self.after}"
+        return f"{self.before}{self.head}{body}{END}{self.after}"
 
 
 _E = Example
@@ -112,14 +117,14 @@ EXAMPLES: dict[str, Example] = {
     "G40": _E("G40\nG01 X20 F500"),
     "G41": _E(f"T1\nG41\n{_CONTOUR}"),
     "G42": _E(f"T1\nG42\n{_CONTOUR}"),
-    "G51": _E("G60 X Z C\nG51 C40\nG01 C20 F500"),
+    "G51": _E("G51 C40\nG01 C20 F500", head=HEAD.replace("G53", "G60 X Y Z C\nG53")),
     "G53": _E("G53\nG01 X20 F500"),
     "G54": _E("G54\nG01 X20 F500"),
     "G55": _E("G55\nG01 X20 F500"),
     "G56": _E("G56\nG01 X20 F500"),
     "G57": _E("G57\nG01 X20 F500"),
     "G58": _E("G58\nG01 X20 F500"),
-    "G60": _E("G60 X Y\nG01 X20 F500"),
+    "G60": _E("G01 X20 F500", head=HEAD.replace("G53", "G60 X Y\nG53")),
     "G70": _E("G70\nG01 X1 F20"),
     "G71": _E("G71\nG01 X20 F500"),
     "G74": _E("G74\nG01 X20 F500"),
@@ -136,7 +141,7 @@ EXAMPLES: dict[str, Example] = {
     "G151": _E("G151\nG01 X20 F500\nG01 X30 Y20\nG150"),
     "G153": _E("G92 X10\nG153\nCD600 := CD50\nG01 X(CD600) F500"),
     "G154": _E("G92 X10\nG153\nG92 X20\nG154\nG01 X20 F500"),
-    "G161": _E(f"G161\n{_ROUND}"),
+    "G161": _E("G161\nG01 X30 F500\nG03 X40 Y20 I30 J20"),
     "G162": _E(f"G162\n{_ROUND}"),
     "M00": _E("M00"),
     "M01": _E("M01"),
@@ -239,8 +244,9 @@ OPEN: dict[str, tuple[tuple[str, Example], ...]] = {
     "G18": (("I in place of K", _E("G18\nG01 X30 F500\nG03 X40 Z15 I10 J0")),),
     "G22": (("back behind G24 with factors set before", _E("G22\nG39 X2\nG24\nG22\nG01 X20 F500")),),
     "G53": (("behind G91", _E("G91\nG53\nG01 X20 F500")),),
-    "G200": (("what Task 0 does is not stated", _E("G201\nG01 X20 F500")),),
-    "M200": (("what Task 0 does is not stated", _E("M201\nG01 X20 F500")),),
+    "G60": (("another one, behind moves", _E("G60 X Z C\nG01 Y20 F500")),),
+    "G200": (("not in `[din.task0]`", _E("G201\nG01 X20 F500")),),
+    "M200": (("not in `[din.task0]`", _E("M201\nG01 X20 F500")),),
     "M902": (("what an earlier job has kept", _E("M902 601\nG01 X(CI601) F500")),),
     "M904": (("what an earlier job has kept", _E("M904 601\nG01 X(CD601) F500")),),
 }

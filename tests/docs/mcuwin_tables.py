@@ -18,7 +18,7 @@ from docs.mcuwin_examples import EXAMPLES, OPEN, Example
 
 from docs import mcuwin_examples as examples
 from gproof.cli.main import main
-from gproof.frontend.mcuwin.ini_keys import KEPT, KEPT_SECTIONS, SETTINGS
+from gproof.frontend.mcuwin.ini_keys import KEPT, SETTINGS
 from gproof.ir.dialects.mcuwin import MCUWIN
 from gproof.ir.dialects.mcuwin_messages import MESSAGES, ControllerMessage
 from gproof.ir.dialects.mcuwin_pascal import FUNCTIONS
@@ -124,16 +124,15 @@ def _messages() -> Iterator[str]:
 
 
 def _keys() -> Iterator[str]:
-    yield "| key or setting | meaning | section | what becomes of it |"
+    yield "| key | meaning | section | status |"
     yield "|---|---|---|---|"
-    yield f"| sections `{KEPT_SECTIONS}` | texts of errors | 14 (2.5.3.103, .107) | kept as text |"
+    yield f"| `[FEHLERTEXTE…]`, `[ERRORTEXTS…]` | texts of errors | 14 (2.5.3.103, .107) | {CHECKED} (kept as text) |"
     for key in KEPT:
-        where = "" if key.section == "*" else f"[{key.section}] "
-        yield f"| `{where}{key.key}` | {key.meaning} | {key.source} | kept as text |"
+        yield f"| `{key.shown}` | {key.meaning} | {key.source} | {CHECKED} (kept as text) |"
     for row in SETTINGS:
-        stated = f"stated by `{row.stated_by}` of `[din]`" if row.stated_by else "kept as text"
-        usual = "; a key that may hold it: UNKNOWN (GP605) until then" if row.usual else ""
-        yield f"| a key like `{row.names}` | {row.what} | {row.source} | {stated}{usual} |"
+        stated = f"`{row.stated_by}` of `[din]` states it" if row.stated_by else f"{CHECKED} (kept as text)"
+        usual = f"; {UNKNOWN} (GP605) while a key of an unknown name may hold it" if row.usual else ""
+        yield f"| not told | {row.what} | {row.source} | {stated}{usual} |"
 
 
 def _functions() -> str:
@@ -150,4 +149,4 @@ def page(folder: Path) -> str:
         if title == "Functions":
             parts += ["", _functions()]
     parts += ["", "## Settings of McuWIN.ini", "", *_keys(), "", "## Messages", "", *_messages()]
-    return "\n".join(parts).replace("\\\\", "\\") + "\n"
+    return "\n".join(parts) + "\n"
