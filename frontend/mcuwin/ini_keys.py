@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True, slots=True)
 class IniKey:
-    """A key. shown: as the manual writes it, ``?`` for a digit, with its section where that is told; source: section."""
+    """A key. shown: as the manual writes it, ``?`` for a digit, with its section where that is told."""
 
     shown: str
     meaning: str

@@ -30,7 +30,8 @@ def test_everything_has_an_example_that_uses_it() -> None:
     entries = [entry for table in TABLES.values() for entry in table]
     assert list(EXAMPLES) == [entry.name for entry in entries]
     for entry in entries:
-        name = {"CD<n>": "CD", "CI<n>": "CI"}.get(entry.name, entry.name.split()[0].strip("()") or "(")
+        name = re.sub(r"[)}]+$|<n>$", "", entry.name) if entry.name != "{$DINSTART}" else entry.name
+        name = "(" if name.startswith("(") else name.split()[0]
         example = EXAMPLES[entry.name]
         assert name.upper() in (example.text + "".join(example.files.values())).upper(), entry.name
 
