@@ -16,28 +16,24 @@ min = -300
 max = 300
 home_place = 0
 position_unit = "mm"
-limits_watched = true
 
 [axes.y]
 min = -200
 max = 200
 home_place = 0
 position_unit = "mm"
-limits_watched = true
 
 [axes.z]
 min = -100
 max = 100
 home_place = 0
 position_unit = "mm"
-limits_watched = true
 
 [axes.c]
 min = -720
 max = 720
 home_place = 0
 position_unit = "deg"
-limits_watched = true
 
 [din]
 case_sensitive = false
