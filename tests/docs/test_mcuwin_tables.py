@@ -43,7 +43,8 @@ def test_what_is_open_of_something_supported_is_never_safe(name: str, tmp_path: 
 
 
 def test_the_settings_of_the_page_are_settings_of_machine_files() -> None:
-    known = set(re.findall(r"^(\w+) = ", (ROOT / "docs" / "machine-files.md").read_text("utf-8"), re.M))
+    text = (ROOT / "docs" / "machine-files.md").read_text("utf-8")
+    known = set(re.findall(r"^(\w+) = ", text, re.M)) | set(re.findall(r"^\[din\.(\w+)\]", text, re.M))
     rows = [line.split(" | ") for line in DIALECT.read_text("utf-8").splitlines()]
     cells = [row[2] for row in rows if len(row) == 4 and row[2] not in ("setting", "–")]
     named = {name.split(" of ")[0] for cell in cells for name in cell.split(":")[0].split(", ")}
