@@ -240,7 +240,6 @@ OPEN: dict[str, tuple[tuple[str, Example], ...]] = {
     "G18": (("I in place of K", _E("G18\nG01 X30 F500\nG03 X40 Z15 I10 J0")),),
     "G22": (("back behind G24 with factors set before", _E("G22\nG39 X2\nG24\nG22\nG01 X20 F500")),),
     "G53": (("behind G91", _E("G91\nG53\nG01 X20 F500")),),
-    "G60": (("another one, behind moves", _E("G60 X Z C\nG01 Y20 F500")),),
     "G200": (("not in `[din.task0]`", _E("G201\nG01 X20 F500")),),
     "M200": (("not in `[din.task0]`", _E("M201\nG01 X20 F500")),),
     "M902": (("what an earlier job has kept", _E("M902 601\nG01 X(CI601) F500")),),
