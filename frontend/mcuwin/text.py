@@ -144,7 +144,7 @@ class Text:
             for name in node.names:
                 if len(name) != 1:
                     continue
-                if name.upper() in CENTERS + VALUE_LETTERS:
+                if name.upper() in CENTERS + VALUE_LETTERS + "DN":
                     self.doubtful[name.upper()] = name
                 elif name.upper() in self.letters:
                     what = f"{name!r} is a name that is declared, and a word of DIN lines"
@@ -170,6 +170,8 @@ class Text:
         elif line.pascal >= 0:
             self._dollar(text, line, file, number, found)
         self._refuse_doubtful(line.statements)
+        if line.number and "N" in self.doubtful:
+            self._doubt("N", Span(file, number, at + 1, len(text) + 1))
         self.structure.add(line.statements)
 
     def _refuse_doubtful(self, nodes: list[Statement]) -> None:
@@ -177,9 +179,12 @@ class Text:
         for node in nodes if self.doubtful else ():
             for word in node.words if isinstance(node, Block) else ():
                 if word.letter in self.doubtful:
-                    name = self.doubtful.pop(word.letter)
-                    what = f"{word.letter} of a DIN line, where {name!r} is a name that is declared,"
-                    self.findings.add(codes.PASCAL_OPEN.at(word.span, what=what, hint="choose a longer name"))
+                    self._doubt(word.letter, word.span)
+
+    def _doubt(self, letter: str, span: Span) -> None:
+        name = self.doubtful.pop(letter)
+        what = f"{letter} of a DIN line, where {name!r} is a name that is declared,"
+        self.findings.add(codes.PASCAL_OPEN.at(span, what=what, hint="choose a longer name"))
 
     def _dollar(self, text: str, line: DinLine, file: str, number: int, found: list[LineNotes]) -> None:
         at = line.pascal
