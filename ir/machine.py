@@ -261,7 +261,7 @@ class Unmodelled:
 
     what: as the file has it; why: what is not known of it, "" where the setting says all; axis: the only one whose
     place rests on it, so that a job that does not move it may be judged, "" for all; file, line: where it stands;
-    stated_by: the key of gproof's own machine file that settles it when it is there, "" for none.
+    stated_by: the keys of gproof's own machine file that settle it when they are there, with blanks between.
     """
 
     what: str

@@ -45,10 +45,11 @@ def load_mcuwin_ini(path: Path, findings: Findings, *, alone: bool = True) -> tu
     alone: no file refines this one, so the tool table is the usual file beside it, in mm, or there is none.
     """
     file = IniText(path, findings)
-    if any(_TOOLS.fullmatch(section) for section in file.sections):
-        section = next(section for section in file.sections if _TOOLS.fullmatch(section))
-        what = "a tool table; the machine is in McuWIN.ini, or in a machine.toml that names this file as tool_file"
-        file.add(codes.FILE_UNREADABLE, file.names[section][1], what=f"{path.name} is {what}")
+    tools_at = next((file.names[section][1] for section in file.sections if _TOOLS.fullmatch(section)), 0)
+    if tools_at:
+        what = "is a tool table; the machine is in McuWIN.ini, or in a TOML file with this one as its tool_file"
+        file.add(codes.FILE_UNREADABLE, tools_at, what=f"{path.name} {what}")
+        return None, file.files
     texts: list[tuple[str, str]] = []
     not_modelled: list[Unmodelled] = []
     strange: list[Entry] = []
@@ -58,13 +59,14 @@ def load_mcuwin_ini(path: Path, findings: Findings, *, alone: bool = True) -> tu
             if kept(section, key) or (setting is not None and not setting.usual):
                 texts.append((entry.shown, entry.text))
             elif setting is not None:
-                not_modelled.append(_may_hold(path, entry, setting))
+                not_modelled.append(_may_hold(path.name, entry.line, entry.shown, (setting,)))
             else:
                 file.report_unknown(entry)
                 strange.append(entry)
     settled = {one.stated_by for one in not_modelled}
-    hidden = [row for row in SETTINGS if strange and row.usual and row.stated_by not in settled]
-    not_modelled += [_may_hold(path, strange[0], row) for row in hidden]
+    hidden = tuple(row for row in SETTINGS if row.usual and row.stated_by not in settled)
+    if strange and hidden:
+        not_modelled.append(_may_hold(path.name, strange[0].line, strange[0].shown, hidden))
     usual = beside(path.parent, DEFAULT_NAME) if alone else None
     tools, more = (() if alone else None, []) if usual is None else load_tools(usual, findings, Fraction(1))
     files = file.files + more
@@ -83,13 +85,23 @@ def load_mcuwin_ini(path: Path, findings: Findings, *, alone: bool = True) -> tu
     )
 
 
-def _may_hold(path: Path, entry: Entry, setting: IniSetting) -> Unmodelled:
+def _may_hold(file: str, line: int, key: str, settings: tuple[IniSetting, ...]) -> Unmodelled:
     """A key that may hold a setting: by its name, or because its name is not known."""
-    why = f"it may hold {setting.what}; {setting.stated_by} in [din] of a TOML file states that"
-    return Unmodelled(entry.shown, why, "", path.name, entry.line, setting.stated_by)
+    names = " ".join(row.stated_by for row in settings)
+    what = ", ".join(row.what for row in settings)
+    why = f"it may hold {what}; {names.replace(' ', ', ')} in [din] of a TOML file would state that"
+    return Unmodelled(key, why, "", file, line, names)
 
 
 def without_stated(machine: Machine, stated: set[str]) -> Machine:
     """The machine without the settings that a file over it states, by the names of their keys."""
-    left = tuple(one for one in machine.not_modelled if one.stated_by not in stated - {""})
-    return replace(machine, not_modelled=left)
+    left: list[Unmodelled] = []
+    for one in machine.not_modelled:
+        names = one.stated_by.split()
+        if not stated.isdisjoint(names):
+            rows = tuple(row for row in SETTINGS if row.stated_by in names and row.stated_by not in stated)
+            if not rows:
+                continue
+            one = _may_hold(one.file, one.line, one.what, rows)
+        left.append(one)
+    return replace(machine, not_modelled=tuple(left))

@@ -55,12 +55,18 @@ def test_guesses(tmp_path: Path, name: str, text: str | None, dialect: str, reas
     assert reason in why
 
 
+MCUWIN = sorted((Path(__file__).resolve().parents[2] / "corpus" / "mcuwin").glob("*/jobs/*.src"))
 SHOPS = sorted((Path(__file__).resolve().parents[2] / "corpus" / "wincnc").glob("*/jobs/*.tap"))
 
 
 @pytest.mark.parametrize("path", SHOPS, ids=lambda path: f"{path.parents[1].name}/{path.stem}")
 def test_the_shops_are_wincnc(path: Path) -> None:
     assert guess_dialect(path)[0] == "wincnc"
+
+
+@pytest.mark.parametrize("path", MCUWIN, ids=lambda path: f"{path.parents[1].name}/{path.stem}")
+def test_jobs_of_mcuwin(path: Path) -> None:
+    assert guess_dialect(path)[0] == "mcuwin"
 
 
 @pytest.mark.parametrize("name", ["WINCNC.INI", "wincnc.ini", "Cnc.Mac"])
