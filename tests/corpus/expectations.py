@@ -1,7 +1,8 @@
 """What programs and `expect.toml` say must be found, and findings in a comparable form.
 
 `; expect: GP301` on a line: this line gives GP301. `; allow: GP301`: it may (the way back from outside of a
-limit, say). Several codes are separated by blanks. WinCNC's comments have it in brackets, `[expect: GP301]`.
+limit, say). Several codes are separated by blanks. WinCNC's comments have it in brackets, `[expect: GP301]`,
+McuWIN's behind a quote, `' expect: GP301`, or two slashes.
 """
 
 from __future__ import annotations
@@ -14,7 +15,7 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[2]
 JUDGED = ("error", "unknown")  # severities that decide a verdict
 
-_MARKER = re.compile(r"(?:; |\[)(expect|allow): (GP\d{3}(?: GP\d{3})*)")
+_MARKER = re.compile(r"(?:; |\[|' |// )(expect|allow): (GP\d{3}(?: GP\d{3})*)")
 _SHOWN = re.compile(r"^(?P<file>.*?):(?P<line>\d+):(?:\d+:)? (?P<severity>\w+) (?P<code>GP\d{3})\b", re.M)
 
 

@@ -4,7 +4,8 @@
 `program` (one program for both runs; the machine or setup differs), `command` ("check" or "compile"),
 `options` (further arguments); `[bad]` and `[good]` override single keys. Without it the shared `machine.toml` and
 `setup.toml` of docs/codes are used. Programs of WinCNC are `bad.tap` and `good.tap`; they run on the folder's own
-`WINCNC.INI` and `setup.toml`, where it has them, else on those of docs/codes/wincnc.
+`WINCNC.INI` and `setup.toml`, where it has them, else on those of docs/codes/wincnc. Programs of McuWIN are `bad.src`
+and `good.src`, on the folder's own `machine.toml` or that of docs/codes/mcuwin.
 """
 
 from __future__ import annotations
@@ -25,6 +26,9 @@ DEFAULTS = {"setup": "../setup.toml", "machine": "../machine.toml", "command": "
 
 def defaults(folder: Path) -> dict:
     """What a run of a folder's programs takes where `run.toml` says nothing."""
+    if (folder / "bad.src").is_file():
+        own = "machine.toml" if (folder / "machine.toml").is_file() else "../mcuwin/machine.toml"
+        return {**DEFAULTS, "machine": own, "setup": "../mcuwin/setup.toml", "options": ["--dialect", "mcuwin"]}
     if not (folder / "bad.tap").is_file():
         return DEFAULTS
     own = {key: name for key, name in (("machine", "WINCNC.INI"), ("setup", "setup.toml")) if (folder / name).is_file()}
@@ -52,7 +56,7 @@ class Runner:
         special = tomllib.loads(path.read_text(encoding="utf-8")) if path.is_file() else {}
         other = {"bad", "good"}
         settings = {**defaults(folder), **{k: v for k, v in special.items() if k not in other}, **special.get(side, {})}
-        suffix = "tap" if (folder / "bad.tap").is_file() else "cnc"
+        suffix = next((one for one in ("tap", "src") if (folder / f"bad.{one}").is_file()), "cnc")
         program = folder / settings.get("program", f"{side}.{suffix}")
         words = [settings["command"], str(program), "--machine", str(folder / settings["machine"])]
         if settings["setup"] != "none":
@@ -81,7 +85,7 @@ def gproof(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> Runner:
 
 
 def has_example(folder: Path) -> bool:
-    return any((folder / name).is_file() for name in ("bad.cnc", "bad.tap", "run.toml"))
+    return any((folder / name).is_file() for name in ("bad.cnc", "bad.tap", "bad.src", "run.toml"))
 
 
 EXAMPLES = [folder for folder in FOLDERS if has_example(folder)]
@@ -103,7 +107,7 @@ def test_explanation_starts_with_number_and_name(folder: Path) -> None:
 def test_only_codes_that_no_program_can_show_lack_an_example() -> None:
     without = {folder.name for folder in FOLDERS} - {folder.name for folder in EXAMPLES}
     # Those of McuWIN get theirs with its frontend.
-    mcuwin = (*range(135, 149), 505, 506, *range(513, 520))
+    mcuwin = (*range(140, 149), 505, 506, *range(513, 520))
     assert {name for name in without if name < "GP800"} == {f"GP{n}" for n in (*mcuwin, 701, 702)}
 
 
