@@ -147,7 +147,7 @@ class Boundaries(Check):
         below = edge.low is not None and reached < edge.low
         limit = edge.low if below else edge.high
         assert limit is not None
-        code = codes.BOUNDARY_GUARD_OFF if key[1] else codes.BOUNDARY_EXCEEDED
+        code = codes.BOUNDARY_GUARD_OFF if key[1] else codes.SOFT_LIMIT if edge.limit else codes.BOUNDARY_EXCEEDED
         self.findings.add(
             code.at(
                 span, axis=self.machine.word(axis), reached=reached,
@@ -232,7 +232,7 @@ class Boundaries(Check):
                     below = stated.high < low
                     limit = edge.low if below else edge.high
                     self.findings.add(
-                        codes.BOUNDARY_EXCEEDED.at(
+                        (codes.SOFT_LIMIT if edge.limit else codes.BOUNDARY_EXCEEDED).at(
                             span, axis=word, reached=reached, unit=self._units.get(edge.axis, "mm"), over=over,
                             side="lower" if below else "upper", limit=limit,
                         )

@@ -7,6 +7,8 @@ is where its edge leads. States are compared in Brent's way, so that a loop of a
 
 from __future__ import annotations
 
+import math
+
 from gproof.ir import codes
 from gproof.ir.dialects.mcuwin import DECLARED
 from gproof.ir.din import VERSIONS
@@ -215,6 +217,9 @@ class Flow(Branches):
                 what = f"a for loop whose variable {node.variable.name or number} its body changes"
                 raise Refusal(codes.UNSUPPORTED_CODE.at(node.span, code=what))
         low, high = bounds(frame.last)
+        if isinstance(frame.last, Unknown) and frame.last.bounded:
+            # Bounds are whole numbers, and rounding has widened the range.
+            low, high = float(math.ceil(low)), float(math.floor(high))
         following = frame.counter + step
         least, most = (-high, -low) if node.down else (low, high)
         there = following * step

@@ -28,7 +28,7 @@ from gproof.passes.pitch import steepest
 from gproof.passes.values import describe
 
 assert (Op.TRAVERSE, Op.ARC, Op.PROBE, Op.DWELL) == (k.TRAVERSE, k.ARC, k.PROBE, k.DWELL)
-assert (Op.SPINDLE, Op.HOME, Op.SETPOINT) == (k.SPINDLE, k.HOME, k.SETPOINT)
+assert (Op.SPINDLE, Op.HOME, Op.OFFSET, Op.SETPOINT) == (k.SPINDLE, k.HOME, k.OFFSET, k.SETPOINT)
 
 STEP_RATE_SHARE = 0.95
 """Of the highest step frequency, what motion may use: rounding of step times to ticks takes the rest at most."""

@@ -21,8 +21,9 @@ from gproof.ir.kernel import kernel
 Floats = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
 
-TRAVERSE, ARC, PROBE, DWELL, SPINDLE, HOME, SETPOINT = 1, 3, 4, 10, 11, 17, 29
-"""Ops of ir/trace.py that the loop must know; plan.py asserts it. DWELL to HOME and SETPOINT happen at rest."""
+TRAVERSE, ARC, PROBE, DWELL, SPINDLE, HOME, OFFSET, SETPOINT = 1, 3, 4, 10, 11, 17, 18, 29
+"""Ops of ir/trace.py that the loop must know; plan.py asserts it. DWELL to HOME and SETPOINT happen at rest, an OFFSET
+where its second argument says so."""
 
 SHORTEST = 1e-9
 """mm or deg: rows that together stay below this take no time."""
@@ -210,7 +211,7 @@ def measure(
                 carry[C_FRAME] = form
                 for i in range(6):
                     place[0, i] = to[k, i]
-            if kind > HOME and kind != SETPOINT:
+            if kind > HOME and kind != SETPOINT and not (kind == OFFSET and float(arg[k, 1]) != 0.0):
                 continue
             used = finish_row(carry, queue, used)
             carry[C_STOP] = 1.0
