@@ -331,8 +331,8 @@ def _center(
             raise Refusal(codes.ARC_UNKNOWN.at(line.span, cause=describe(origin.minus(at).form)))
         places.append(origin.value + by * value)
     if s.din.centers_absolute is None and any(abs(a - b) > SAME for a, b in zip(places, relative, strict=True)):
-        cause = "whether centres are places or distances in G90, which nobody stated (IniCfg, 3.3)"
-        raise Refusal(codes.ARC_UNKNOWN.at(line.span, cause=cause, hint="G161 or G162 before says it"))
+        cause = "whether centres are places or distances in G90: IniCfg's option is not stated to be on (3.3, 3.35)"
+        raise Refusal(codes.ARC_UNKNOWN.at(line.span, cause=cause, hint="G162 before says that they are distances"))
     return places
 
 
@@ -459,9 +459,10 @@ def spline(ex: Motion, line: Part, rule: CodeRule) -> None:
 
 
 def centers(ex: Motion, line: Part, rule: CodeRule) -> None:
-    """G161, G162."""
+    """G162: relative. G161: absolute; whether that rests on the option of IniCfg (3.35) is open where it is not on."""
     s = ex.modal
-    s.din = s.din.but(centers_absolute=rule.function is F.CENTERS_ABSOLUTE, center=None)
+    option = din_of(ex.machine).absolute_centers or None
+    s.din = s.din.but(centers_absolute=option if rule.function is F.CENTERS_ABSOLUTE else False, center=None)
 
 
 def interpolation_axes(ex: Motion, line: Part, rule: CodeRule) -> None:

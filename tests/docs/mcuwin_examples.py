@@ -39,7 +39,7 @@ position_unit = "deg"
 case_sensitive = false
 position_unit = "mm"
 time_unit = "min"
-absolute_centers = false
+absolute_centers = true
 interpolation_axes = "XYZ"
 zero_offsets = [[10, 10, 0, 0], [20, 10, 0, 0], [30, 10, 0, 0], [40, 10, 0, 0], [50, 10, 0, 0]]
 
@@ -69,7 +69,7 @@ homed = ["x", "y", "z", "c"]
 start = {x = 0.0, y = 0.0, z = 0.0, c = 0.0}
 """
 
-HEAD = "%EXAMPLE\nG53\nG90\nG94\nG00 X10 Y10 Z5\n"
+HEAD = "%EXAMPLE\nG53\nG90\nG94\nG162\nG00 X10 Y10 Z5\n"
 END = "M30\n%\n"
 
 

@@ -1,0 +1,29 @@
+"""G161 and G162: centres as places or as distances (manual 3.3, 3.35, 3.36)."""
+
+from __future__ import annotations
+
+from passes.din_programs import labels, machine, moves, run
+
+AWAY = ["G00 X10", "G161", "G03 X20 Y10 I10 J10 F100"]
+"""The centre as a place; as a distance the radii would differ."""
+
+
+def test_centres_are_places_where_the_option_is_on() -> None:
+    trace, findings = run(AWAY, on=machine(absolute_centers=True))
+    assert moves(trace)[-1] == ("ARC", 20, 10, 0)
+    assert labels(findings) == []
+
+
+def test_whether_they_are_is_not_known_where_the_option_is_off_or_not_stated() -> None:
+    for option in (False, None):
+        assert labels(run(AWAY, on=machine(absolute_centers=option))[1]) == ["GP405"]
+        trace, findings = run(["G161", "G03 X20 Y0 I10 J0 F100"], on=machine(absolute_centers=option))
+        assert moves(trace) == [("ARC", 20, 0, 0)]
+        assert labels(findings) == []
+
+
+def test_distances_whatever_the_option_is() -> None:
+    for option in (True, False, None):
+        trace, findings = run(["G00 X10", "G162", "G03 X20 Y10 I0 J10 F100"], on=machine(absolute_centers=option))
+        assert moves(trace)[-1] == ("ARC", 20, 10, 0)
+        assert labels(findings) == []
