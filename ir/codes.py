@@ -496,7 +496,6 @@ TASK_UNKNOWN = code(
     "limits",
 )
 MODULE_END = code(515, "module-end", _U, "{name} ends without M02, M30 or M17: what runs behind it is not documented")
-JUMP_TARGET = code(516, "jump-target", _U, "{what}")
 MAINTAINED_OFFSET = code(
     517, "maintained-offset", _W, "axis words alone go on with {code}: they set the zero offset and move nothing"
 )

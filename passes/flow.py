@@ -56,7 +56,7 @@ class Flow(Branches):
         self.spend(node.span)
         found = self._label(node.name)
         if found is None:
-            raise Refusal(codes.JUMP_TARGET.at(node.span, what=self._no_label(node.name)))
+            raise Refusal(codes.UNSUPPORTED_CODE.at(node.span, code=self._no_label(node.name)))
         self._not_spooled(node.span, f"M96 L{node.name}")
         depth, at = found
         self._came_back = self._came_back or at < self._stack[depth].at
@@ -84,8 +84,8 @@ class Flow(Branches):
         """Why a jump to a label is not followed."""
         bodies = [self.program.body, *(sub.body for sub in self.program.subprograms.values())]
         if any(_has_label(body, name) for body in bodies):
-            return f"a jump to label {name}, which stands in a block or a subprogram that is not running"
-        return f"there is no label {name}"
+            return f"a jump to label {name}, which stands in a block or a subprogram that is not running,"
+        return f"a jump to label {name}, which is nowhere,"
 
     def _leave_frames(self, depth: int, at: int) -> None:
         """End the blocks inside frame ``depth``, which goes on at ``at``."""

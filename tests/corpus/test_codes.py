@@ -106,9 +106,7 @@ def test_explanation_starts_with_number_and_name(folder: Path) -> None:
 
 def test_only_codes_that_no_program_can_show_lack_an_example() -> None:
     without = {folder.name for folder in FOLDERS} - {folder.name for folder in EXAMPLES}
-    # Those of McuWIN get theirs with its frontend.
-    mcuwin = (505, 506, *range(513, 520))
-    assert {name for name in without if name < "GP800"} == {f"GP{n}" for n in (*mcuwin, 701, 702)}
+    assert {name for name in without if name < "GP800"} == {"GP701", "GP702"}
 
 
 @pytest.mark.parametrize("folder", EXAMPLES, ids=lambda folder: folder.name)

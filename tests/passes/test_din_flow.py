@@ -321,9 +321,9 @@ def test_a_jump_goes_out_of_blocks_but_never_into_one() -> None:
                            "G00 X(CI605)"])  # fmt: skip
     assert [m[1] for m in moves(trace)] == [1, 2, 4]
     assert labels(findings) == []
-    assert labels(run(["M96 L4", ("if", "1", ["L4"])], checked=False)[1]) == ["GP516"]
-    assert labels(run(["M96 L4"], ("7", ["L4", "M17"]), checked=False)[1]) == ["GP516"]
-    assert labels(run(["M98 L7", "L4"], ("7", ["M96 L4", "M17"]), checked=False)[1]) == ["GP516"]
+    assert labels(run(["M96 L4", ("if", "1", ["L4"])], checked=False)[1]) == ["GP113"]
+    assert labels(run(["M96 L4"], ("7", ["L4", "M17"]), checked=False)[1]) == ["GP113"]
+    assert labels(run(["M98 L7", "L4"], ("7", ["M96 L4", "M17"]), checked=False)[1]) == ["GP113"]
 
 
 def test_calls_are_counted_once() -> None:
