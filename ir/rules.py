@@ -328,9 +328,10 @@ not known which way; ``sqr`` is the square, ``bnot`` turns the bits of a whole n
 
 BINARY = (
     "+", "-", "*", "/", "**", "mod", "atan", "and", "or", "xor", ">", ">=", "<", "<=", "==", "<>", "band", "bor",
-    "bxor", "<<", ">>", "div", "rem",
+    "bxor", "<<", ">>", "div", "rem", "shr",
 )  # fmt: skip
-"""Binary operators; ``div`` and ``rem`` are of whole numbers, towards zero; ``atan`` is the two-argument arc tangent of
+"""Binary operators; ``div`` and ``rem`` are of whole numbers, towards zero; ``shr`` shifts
+as ``>>``, but what moves into a negative number is not known; ``atan`` is the two-argument arc tangent of
 left over right, in degrees."""
 
 DEVICES: dict[str, tuple[int, int, str]] = {

@@ -201,11 +201,13 @@ class Evaluator:
                 expr.span, left=x, right=y, operator=expr.operator,
                 hint="compare against a range instead",
             ))  # fmt: skip
+        if expr.operator == "shr" and x < 0:
+            return Unknown("what shr makes of a negative number")
         return self._finite(self._compute(expr, x, y), expr.span)
 
     def _compute(self, expr: Binary, x: float, y: float) -> float:
         operator = expr.operator
-        if operator in ("band", "bor", "bxor", "<<", ">>"):
+        if operator in ("band", "bor", "bxor", "<<", ">>", "shr"):
             return self._bits(expr, x, y)
         if operator in ("/", "mod", "div", "rem") and y == 0:
             raise _fail(expr.span, f"division of {x:g} by zero")
@@ -218,7 +220,7 @@ class Evaluator:
 
     def _bits(self, expr: Binary, x: float, y: float) -> float:
         a, b = _whole(x, expr.span, expr.operator), _whole(y, expr.span, expr.operator)
-        if expr.operator in ("<<", ">>"):
+        if expr.operator in ("<<", ">>", "shr"):
             if not 0 <= b < 64:
                 raise _fail(expr.span, f"shift by {b}")
             return float(a << b if expr.operator == "<<" else a >> b)

@@ -48,7 +48,7 @@ def binary_may_fail(operator: str, x: Range, y: Range) -> bool:
             return y[0] <= 0.0 <= y[1]
         case "**":
             return not (x[0] > 0.0 and x[1] < _LARGE and y[0] > -_LARGE and y[1] < _LARGE and _power_fits(x, y))
-        case "band" | "bor" | "bxor" | "<<" | ">>" | "div" | "rem":
+        case "band" | "bor" | "bxor" | "<<" | ">>" | "shr" | "div" | "rem":
             return True  # a range holds numbers that are not whole
     return False
 

@@ -142,6 +142,9 @@ class ExpressionParser:
             found = binary_type(word.low, Type.UNKNOWN, Type.UNKNOWN)
             assert found is not None
         operator, type_ = found
+        if signed and operator in SIGN_MATTERS:
+            what = f"a minus before a product with {word.text}"
+            self.report(codes.PASCAL_OPEN, word, what=what, hint="set brackets")
         return Binary(operator, left[0], right[0], span, signed and operator in SIGN_MATTERS), type_
 
     def _with_sign(self, sign: Token, value: tuple[Expr, Type]) -> tuple[Expr, Type]:

@@ -17,7 +17,7 @@ KEYWORDS = frozenset(
 
 RELATIONS = {"=": "==", "<>": "<>", "<": "<", "<=": "<=", ">": ">", ">=": ">="}
 SUMS = {"+": "+", "-": "-", "or": "or", "xor": "xor"}
-PRODUCTS = {"*": "*", "/": "/", "div": "div", "mod": "rem", "and": "and", "shl": "<<", "shr": ">>"}
+PRODUCTS = {"*": "*", "/": "/", "div": "div", "mod": "rem", "and": "and", "shl": "<<", "shr": "shr"}
 """Pascal operator -> operator of the IR; of each group the one on the left is performed first."""
 
 BITWISE = {"and": "band", "or": "bor", "xor": "bxor", "not": "bnot"}
@@ -31,11 +31,11 @@ WRITTEN = {ir: word for group in (RELATIONS, SUMS, PRODUCTS) for word, ir in gro
 LEVEL = (
     dict.fromkeys(RELATIONS.values(), 1)
     | dict.fromkeys(("+", "-", "or", "xor", "bor", "bxor"), 2)
-    | dict.fromkeys(("*", "/", "div", "rem", "and", "band", "<<", ">>"), 3)
+    | dict.fromkeys(("*", "/", "div", "rem", "and", "band", "<<", "shr"), 3)
 )
 """Binary operator of the IR -> its level; the higher one is performed first. A sign stands before a whole product."""
 
-SIGN_MATTERS = frozenset(("band", "<<", ">>"))
+SIGN_MATTERS = frozenset(("band", "shr"))
 """Products that differ by whether a sign before them is performed first, which the manual leaves open."""
 
 FUNCTIONS = {

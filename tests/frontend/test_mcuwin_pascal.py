@@ -111,7 +111,7 @@ def test_declaration_of_the_sample_program_is_read() -> None:
     ("text", "operator"),
     [
         ("CI600 div 2", "div"), ("CI600 mod 2", "rem"), ("CI600 and 1", "band"), ("CI600 or 1", "bor"),
-        ("CI600 xor 1", "bxor"), ("not CI600", "bnot"), ("CI600 shl 2", "<<"), ("CI600 shr 2", ">>"),
+        ("CI600 xor 1", "bxor"), ("not CI600", "bnot"), ("CI600 shl 2", "<<"), ("CI600 shr 2", "shr"),
         ("CI600 / 2", "/"), ("done and true", "and"), ("done or false", "or"), ("done xor done", "xor"),
         ("not done", "not"), ("CD600 = 2", "=="), ("CI600 <> 2", "<>"), ("done = true", "=="), ("sin(CD600)", "rsin"),
         ("arctan(1)", "ratan"), ("trunc(CD600)", "trunc"), ("int(CD600)", "int"), ("BOOLEAN (CI600)", "bool"),
@@ -283,7 +283,10 @@ VIOLATIONS = [
     # what the manual leaves open
     ("Step := 1", "GP139", 1, 5), ("step := X.axst", "GP139", 9, 15), ("step := MyTaskNr", "GP139", 9, 17),
     ("step := 1e3", "GP139", 9, 12), ("CI600 := 2147483648", "GP139", 10, 20), ("CD61 := 1", "GP139", 1, 5),
-    ("step := X.digib", "GP139", 9, 16), ("CI600 := 2 and -3 shl 4", "GP139", 19, 22), ("bore(1, cntnr)", None, 0, 0),
+    ("step := X.digib", "GP139", 9, 16), ("CI600 := 2 * -3 shr 4", "GP139", 17, 20),
+    ("CI600 := -CI601 shr 2", "GP139", 17, 20),
+    ("CI600 := -2 and 7", "GP139", 13, 16),
+    ("CI600 := -CI601 shl 2", None, 0, 0), ("bore(1, cntnr)", None, 0, 0),
 ]  # fmt: skip
 
 

@@ -18,7 +18,7 @@ from gproof.ir.verdict import Verdict
 from gproof.passes import ranges
 from gproof.passes.expressions import BINARY_FUNCTIONS, UNARY_FUNCTIONS
 
-BITS = ("band", "bor", "bxor", "<<", ">>")
+BITS = ("band", "bor", "bxor", "<<", ">>", "shr")
 
 
 def number(rng: random.Random) -> float:
