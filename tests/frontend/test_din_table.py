@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import math
+import re
 from pathlib import Path
 
 import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
 
 from gproof.frontend.machine_file import load_machine
 from gproof.ir.din import ACTIONS, Din, RadiusTool, TaskCode
@@ -271,3 +274,33 @@ def test_a_file_refines_another_one(tmp_path: Path) -> None:
     assert len(said) == 1
     assert "tool_file here reads them again" in said[0]
     assert din_of('[din]\nposition_unit = "inch"\ntool_file = ""\n', tmp_path, head).tools == ()
+
+
+KEYS = re.findall(
+    r'\.(?:text|positive|whole|boolean|table|grid)\("(\w+)"',
+    (Path(__file__).resolve().parents[2] / "frontend" / "din_table.py").read_text("utf-8"),
+)
+VALUES = st.recursive(
+    st.sampled_from(
+        ["true", "0", "-1", "1", "1e400", "nan", '""', '"mm"', '"inch"', '"s"', '"XYZ"', '"ToolComp.INI"', '"\\u0000"',
+         '"/"', '"home"', "0.5", "100000", "99999999999999999999", "1979-05-27"]
+    ),
+    lambda inner: st.one_of(
+        st.lists(inner, max_size=3).map(lambda items: f"[{', '.join(items)}]"),
+        st.dictionaries(st.sampled_from(["M3", "G74", "S", "does", "breaks", "x"]), inner, max_size=2).map(
+            lambda table: "{" + ", ".join(f"{key} = {value}" for key, value in table.items()) + "}"
+        ),
+    ),
+    max_leaves=6,
+)  # fmt: skip
+
+
+@settings(max_examples=150, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@given(table=st.dictionaries(st.sampled_from(KEYS), VALUES, max_size=5))
+def test_any_values_give_a_machine_or_findings(table: dict[str, str], tmp_path: Path) -> None:
+    text = "".join(f"{key} = {value}\n" for key, value in table.items())
+    machine, findings = load(f"{AXES}[din]\n{text}", tmp_path)
+    assert (machine is None) == any(f.code.label in ("GP601", "GP603", "GP604") for f in findings.kept), text
+    if machine is not None:
+        machine.verify()
+        assert parse_ir(print_ir(machine)) == machine
