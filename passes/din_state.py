@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 from gproof.ir.dialects.mcuwin import COMMON, DECLARED
 from gproof.ir.din import NO_DIN, Din
 from gproof.ir.machine import AXES, AXIS_NAMES, Machine
+from gproof.ir.program import Declare, Program
 from gproof.ir.trace import Boundary
 from gproof.passes.single_state import Pairs, letters_of
 from gproof.passes.values import NOWHERE, Position
@@ -21,9 +22,21 @@ if TYPE_CHECKING:
     from gproof.passes.modal import Modal
 
 
-def fits(number: int, value: object) -> bool:
-    """Whether a common integer variable (CI) can hold a value; any other variable can (11)."""
-    if not COMMON <= number < DECLARED or not isinstance(value, float):
+def whole_numbers(program: Program) -> frozenset[int]:
+    """Numbers of the variables that a program declares as integers, those of its procedures included (12)."""
+    found: set[int] = set()
+    for sub in program.subprograms.values():
+        found.update(number for _, type_, number in sub.parameters if type_.removeprefix("var ") == "integer")
+    for body in (program.body, *(sub.body for sub in program.subprograms.values())):
+        for node in body:
+            if isinstance(node, Declare) and node.kind == "var" and node.type == "integer":
+                found.update(range(node.number, node.number + len(node.names)))
+    return frozenset(found)
+
+
+def fits(number: int, value: object, whole: frozenset[int]) -> bool:
+    """Whether a variable can hold a value: CI n, and those of ``whole``, are integers of 32 bits (11)."""
+    if not (COMMON <= number < DECLARED or number in whole) or not isinstance(value, float):
         return True
     return value == math.floor(value) and -(2.0**31) <= value < 2.0**31
 

@@ -13,6 +13,7 @@ from gproof.ir.rules import CodeRule
 from gproof.ir.setup import Interval, Setup
 from gproof.ir.trace import Edge, Op, Trace, Wait
 from gproof.passes.compiled import Condition, FastBlock
+from gproof.passes.din_state import whole_numbers
 from gproof.passes.expressions import Evaluator
 from gproof.passes.frames import Frame, Lap, Path, Pending
 from gproof.passes.line import Line
@@ -95,6 +96,7 @@ class Emitter:
         self._laps: dict[object, Lap] = {}
         self._came_back = False
         self._places: dict[int, dict[str, int]] = {}
+        self._whole = whole_numbers(program) if program.rules.source_order else frozenset[int]()
         self._plain_lines: PlainLines | None = None
         self.rows = RowBuffer(self.trace, [p.value for p in self.modal.position], self._frame(), program.line_count)
 

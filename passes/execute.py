@@ -460,10 +460,9 @@ class Executor(Flow):
         if self.program.rules.source_order:
             settings = [self._setting(a) for a in node.assigns]
             for number, value, span in settings:
-                if not fits(round(number), value):
-                    what = (
-                        f"{self.program.rules.name_of(round(number))} is a whole number of 32 bits; {value!r} is none"
-                    )
+                if not fits(round(number), value, self._whole):
+                    name = self.evaluator.names.get(round(number)) or self.program.rules.name_of(round(number))
+                    what = f"{name} is a whole number of 32 bits; {value!r} is none"
                     raise Refusal(codes.ARITHMETIC.at(span, what=what))
                 self.modal.write(number, value, span)
             if words:
@@ -482,6 +481,8 @@ class Executor(Flow):
         number = self.evaluator.value(node.target.number)
         if isinstance(number, Unknown):
             raise Refusal(codes.UNKNOWN_CONDITION.at(node.target.span, cause=number.cause))
+        if node.target.name:
+            self.evaluator.names[round(number)] = node.target.name
         return number, self.evaluator.value(node.value), node.target.span
 
 

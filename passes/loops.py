@@ -8,6 +8,7 @@ objects.
 from __future__ import annotations
 
 from collections.abc import Iterable
+from itertools import repeat
 from typing import Any
 
 import numpy as np
@@ -71,7 +72,7 @@ class Loops(Straight):
         except FALLS_BACK:
             self._settle(fast.reads)
             return False
-        if self.program.rules.source_order and not all(map(fits, fast.targets, values)):
+        if self.program.rules.source_order and not all(map(fits, fast.targets, values, repeat(self._whole))):
             return False
         self.spend(fast.node.span)
         words = len(fast.letters)

@@ -98,3 +98,20 @@ def test_a_rounded_half_is_not_known(value: str, nearest: int, count: int, tmp_p
         moves, _ = run(f"{text}\n$if holes = {nearest} then begin\nG01 X5\n$end\nG01 X9", tmp_path)
         assert len(moves) == count
         assert ("FEED", 5.0, 0.0, 0.0) in moves
+
+
+@pytest.mark.parametrize("text", [
+    "holes := 2147483647\nholes := holes + 1", "holes := 1\n$for CI600 := 1 to 40 do holes := holes * 2;",
+    "holes := 2000000000\n$outer(holes);",
+])  # fmt: skip
+def test_integers_have_32_bits(text: str, tmp_path: Path) -> None:
+    """What the controller would make of more is not known: the job is refused."""
+    _, found = run(text, tmp_path)
+    assert found == ["GP228"]
+
+
+def test_doubles_have_more(tmp_path: Path) -> None:
+    moves, found = run(
+        "depth := 2147483647\n$for CI600 := 1 to 5 do depth := depth * 2;\nG01 X(depth / depth)", tmp_path
+    )
+    assert (moves, found) == ([("FEED", 1.0, 0.0, 0.0)], [])
