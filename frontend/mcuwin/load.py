@@ -16,6 +16,7 @@ from gproof.frontend.mcuwin.modules import assemble
 from gproof.frontend.mcuwin.notes import Annotator, FileNotes
 from gproof.frontend.mcuwin.scan import Scanner
 from gproof.frontend.mcuwin.size import judge_size
+from gproof.frontend.mcuwin.structure import does_something
 from gproof.frontend.mcuwin.text import Text
 from gproof.frontend.source import UTF8_MARK, decode, encoding_of, read_source
 from gproof.ir import codes
@@ -49,7 +50,7 @@ def load_program(
     except Refusal as refusal:
         findings.add(refusal.finding)
         return None
-    if sum(findings.counts.values()) == before and not program.body:
+    if sum(findings.counts.values()) == before and not any(does_something(node) for node in program.body):
         findings.add(codes.EMPTY_PROGRAM.at(Span(str(path), 0)))
     return program
 

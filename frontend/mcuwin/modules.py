@@ -9,19 +9,16 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 
-from gproof.frontend.mcuwin.structure import Section
+from gproof.frontend.mcuwin.structure import Section, does_something
 from gproof.ir import codes
 from gproof.ir.finding import Findings, Related, Span
 from gproof.ir.program import (
     Block,
     Call,
-    Declare,
     For,
     If,
-    Include,
     Jump,
     Label,
-    Mode,
     Number,
     Repeat,
     Return,
@@ -226,7 +223,7 @@ class _Assembly:
         """Compiler error 190 for a module without an end (14, 2.5.3.90); the older version had none."""
         if unit.procedure is not None or unit.broken:
             return
-        says = any(not isinstance(node, Declare | Include | Mode) for node in unit.body)
+        says = any(does_something(node) for node in unit.body)
         if not (says or (unit.key and unit.name)) or any(_ends(node) for node, _ in _walk(unit.body)):
             return
         if not self.old:
@@ -256,7 +253,7 @@ def _at_beginning(body: Body, name: str) -> bool:
     for node in body:
         if isinstance(node, Label) and node.name == name:
             return True
-        if not isinstance(node, Label | Declare | Include | Mode):
+        if does_something(node) and not isinstance(node, Label):
             return False
     return False
 

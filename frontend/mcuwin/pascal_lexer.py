@@ -135,7 +135,12 @@ class Lexer:
         place = self.place
         shift = place.column if first.row == 0 else 0
         end = last.end if last.row == first.row else len(self.lines[first.row].rstrip())
-        return Span(place.file, place.line + first.row, first.begin + shift + 1, max(end, first.end) + shift + 1)
+        return Span(
+            place.file,
+            place.line + first.row,
+            first.begin + shift + 1,
+            max(end, first.end, first.begin + 1) + shift + 1,
+        )
 
     def error(
         self, code: Code, first: Token, last: Token | None = None, /, *, hint: str = "", **values: Any

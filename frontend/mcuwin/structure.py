@@ -60,7 +60,12 @@ class Section:
     @property
     def says(self) -> bool:
         """There is more in it than declarations."""
-        return any(not isinstance(node, Declare | Include | Mode) for node in self.body)
+        return any(does_something(node) for node in self.body)
+
+
+def does_something(node: Statement) -> bool:
+    """Whether a statement is more than a declaration, or the place of a file or a mode."""
+    return not isinstance(node, Declare | Include | Mode)
 
 
 @dataclass(slots=True)
@@ -75,6 +80,11 @@ class _Open:
     else_span: Span | None = None
     head: ForHead | None = None
     outer: _Open | None = None
+    depth: int = 0
+
+
+MAX_DEPTH = 60
+"""Blocks inside one another, the parts of a chain counted, that are followed."""
 
 
 class Structure:
@@ -134,11 +144,11 @@ class Structure:
                 state = self.persistence.state
                 self.add([replace(n, continued=state) if isinstance(n, Block) else n for n in found.statements])
             case IfHead() | WhileHead():
-                self.open.append(_Open(_KINDS[type(found)], span, condition=found.condition))
+                self._push(_Open(_KINDS[type(found)], span, condition=found.condition))
             case RepeatHead():
-                self.open.append(_Open("repeat", span))
+                self._push(_Open("repeat", span))
             case ForHead():
-                self.open.append(_Open("for", span, head=found))
+                self._push(_Open("for", span, head=found))
             case ElseIf() | Else():
                 self._otherwise(found)
             case Until():
@@ -147,6 +157,14 @@ class Structure:
             case End():
                 self._innermost("end", span, ("if", "while", "for"))
                 self._close(span)
+
+    def _push(self, frame: _Open, around: int | None = None) -> None:
+        """Open a block; around: depth of what is around it, that of the innermost open block unless it is given."""
+        frame.depth = 1 + (around if around is not None else self.open[-1].depth if self.open else 0)
+        self.open.append(frame)
+        if frame.depth == MAX_DEPTH + 1:
+            what = f"more than {MAX_DEPTH} blocks inside one another"
+            self.findings.add(codes.PASCAL_OPEN.at(frame.span, what=what, hint="use subprograms"))
 
     def _innermost(self, word: str, span: Span, kinds: tuple[str, ...]) -> _Open:
         """The innermost block, which must be one that ``word`` closes."""
@@ -167,7 +185,8 @@ class Structure:
             raise Refusal(codes.UNBALANCED_BLOCK.at(found.span, what="a second else of the same if"))
         frame.then, frame.body, frame.else_span = frame.body, [], found.span
         if isinstance(found, ElseIf):
-            self.open[-1] = _Open("if", found.span, condition=found.condition, outer=frame)
+            self.open.pop()
+            self._push(_Open("if", found.span, condition=found.condition, outer=frame), frame.depth)
 
     def _reopen(self, span: Span) -> None:
         """``$else`` on a line of its own behind the ``$end`` of an if."""
@@ -175,7 +194,7 @@ class Structure:
         if not isinstance(node, If) or node.end_span is None or node.else_span is not None:
             raise Refusal(codes.UNBALANCED_BLOCK.at(span, what="there is no if that this else belongs to"))
         self.body.pop()
-        self.open.append(_Open("if", node.span, list(node.then), node.condition))
+        self._push(_Open("if", node.span, list(node.then), node.condition))
 
     def _keep_balance(self, lexer: Lexer) -> None:
         """What a line with a mistake does to the blocks, so that the lines behind it are still understood."""
@@ -189,7 +208,7 @@ class Structure:
         elif opens and first.low == "end" and self.open and self.open[-1].kind == "if":
             self.open[-1].then, self.open[-1].body = self.open[-1].body, []
         elif opens and first.low not in ("end", "else"):
-            self.open.append(_Open(first.low, span))
+            self._push(_Open(first.low, span))
 
     def _close(self, span: Span | None) -> None:
         """Make the node of the innermost block, and of those that it is an ``else if`` of."""
@@ -204,6 +223,8 @@ class Structure:
     @staticmethod
     def _made(frame: _Open, span: Span | None) -> Sequence[Statement]:
         condition = frame.condition or Number(0.0, frame.span)
+        if frame.depth > MAX_DEPTH:
+            return [*(frame.then or ()), *frame.body]
         body = tuple(frame.body)
         if frame.kind == "if":
             then, otherwise = (body, ()) if frame.then is None else (tuple(frame.then), body)

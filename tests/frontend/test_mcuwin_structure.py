@@ -220,6 +220,7 @@ def test_a_label_of_a_block_and_of_what_is_around_it(tmp_path: Path) -> None:
         ("%2 G0\nM30\n", [("GP101", 1, 4, 6)]),
         ("%\n", [("GP120", 0, 0, 0)]),
         ("", [("GP120", 0, 0, 0)]),
+        ("var step : double;\n", [("GP120", 0, 0, 0)]),
     ],
 )
 def test_mistakes_of_modules(tmp_path: Path, text: str, findings: list[tuple[str, int, int, int]]) -> None:
