@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 from gproof.ir import codes
 from gproof.ir.din import VERSIONS
-from gproof.ir.finding import Refusal
+from gproof.ir.finding import Refusal, Span
 from gproof.ir.machine import AXES, AXIS_NAMES
 from gproof.ir.rules import CodeRule
 from gproof.ir.rules import Function as F
@@ -129,7 +129,7 @@ def move(ex: Motion, line: Part, rule: CodeRule) -> None:
     target = aim(ex, line, own=rule.function is F.TRAVERSE)
     if rule.function is F.TRAVERSE:
         if target == s.position and tell_way(ex, line):
-            ex.findings.add(codes.NO_WAY.at(line.span, code=rule.text))
+            ex.findings.add(codes.NO_WAY.at(Span(line.span.file, line.span.line), code=rule.text))
         s.din = s.din.but(contour=False)
         ex.move(Op.TRAVERSE, target, line.span)
     elif arc:
@@ -188,7 +188,7 @@ def _straight(ex: Motion, line: Part, rule: CodeRule, target: list[Position]) ->
     if s.din.spline:
         target = [NOWHERE if axis in line.axes() else place for axis, place in enumerate(target)]
     elif _is_same(s.position, target) and tell_way(ex, line):
-        ex.findings.add(codes.NO_WAY.at(line.span, code=rule.text))
+        ex.findings.add(codes.NO_WAY.at(Span(line.span.file, line.span.line), code=rule.text))
     _use_feed(ex, line, rule, target)
     s.din = s.din.but(contour=True)
     ex.move(Op.FEED, target, line.span)

@@ -64,7 +64,8 @@ class Frame:
 
     node: the block, subprogram or table they belong to, None for the job itself; group: outcomes come together behind
     it; cells, cell: of an array, and which of them it is. For tables: the words of the piece that was loaded, in
-    columns for the kernel, and where the next piece begins; continued: what a line of it without a code goes on with.
+    columns for the kernel, lines that it must not run and where their words stand, and where the next piece begins;
+    continued: what a line of it without a code goes on with.
     again: how often a subprogram runs once more; counter, last: of a counted loop, its variable's value and its end.
     """
 
@@ -76,6 +77,7 @@ class Frame:
     words: Columns | None = None
     columns: tuple[Any, ...] = ()
     cold: set[int] = field(default_factory=set)
+    stops: list[int] = field(default_factory=list)
     base: int = 0
     next_byte: int = 0
     line: int = 0

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import bisect
 from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
@@ -14,7 +15,7 @@ from gproof.ir.kernel import Kernel
 from gproof.ir.machine import AXES
 from gproof.ir.program import FLAG_BARE, FLAG_DELETE, BlockTable
 from gproof.ir.trace import TRACE_ROW
-from gproof.passes import compensated, din, single
+from gproof.passes import compensated, din, din_plain, single
 from gproof.passes import compensation_kernels as c
 from gproof.passes import execute_kernels as k
 from gproof.passes.blocks import Blocks
@@ -64,7 +65,12 @@ class Straight(Blocks):
                 words = Columns(words.schema, {n: a[keep] for n, a in words.arrays.items()})
         frame.words, frame.at = words, 0
         # Of one command a line a kernel hands back what is rare.
-        frame.cold = set() if self.program.rules.one_command else _cold_lines(words)
+        rules = self.program.rules
+        if rules.source_order:
+            frame.cold = din_plain.cold_lines(words, self.modal.din)
+            frame.stops = np.flatnonzero(np.isin(words["line"], np.array(sorted(frame.cold), dtype=np.int64))).tolist()
+        else:
+            frame.cold = set() if rules.one_command else _cold_lines(words)
         columns = tuple(words[name] for name in _COLUMNS)
         kernel = self._kernel()
         is_python = kernel.pick(table.last_line - table.first_line + 1) is kernel.python
@@ -112,9 +118,11 @@ class Straight(Blocks):
     ) -> int:
         """Run lines in the kernel from word ``at``; returns the first word it left over."""
         s = self.modal
-        if self.program.rules.one_command or self.program.rules.source_order:
+        if self.program.rules.one_command:
             # Tables of such programs go through ``single_plain``; nothing else has lines for this kernel.
             return at
+        if self.program.rules.source_order:
+            return self._din_lines(run, line, letter, value, count, at, compiled)
         if not self._moved or s.feed_unit != s.unit or not 1 <= s.motion <= 4 or s.feed_mode != 94:
             # The first motion notes what it assumes; a motion mode must be set: Python path.
             return at
@@ -129,6 +137,29 @@ class Straight(Blocks):
         )
         self.blocks += self.rows.count - before
         self._unpack(state)
+        return at
+
+    def _din_lines(
+        self, run: object, line: object, letter: object, value: object, count: int, at: int, compiled: bool
+    ) -> int:
+        """``_hot`` of DIN blocks, where the source decides what a line goes on with."""
+        s, frame = self.modal, self._stack[-1]
+        if not self._moved or not s.plain_motion or not din_plain.begin(self, frame.continued):
+            return at
+        start = [p.value for p in s.position]
+        stop = bisect.bisect_left(frame.stops, at)
+        count = frame.stops[stop] if stop < len(frame.stops) else count
+        state = self._packed(start, compiled)
+        state[0][k.ARC_ABSOLUTE] = int(not din_plain.arcs_are_plain(self))
+        state[0][k.ACTIVE_AXES] &= 7
+        before, first = self.rows.count, at
+        at, self.rows.count = _run(
+            run, (line, letter, value, count, at), state, self.rows.arrays, before, self.rows.capacity
+        )
+        self.blocks += self.rows.count - before
+        self._unpack(state)
+        frame.continued = din_plain.taken(self, start, before, (line, letter, value), first, at)
+        s.motion = 0
         return at
 
     def _along_contour(
