@@ -282,7 +282,13 @@ class Printer:
         elif isinstance(node, Label):
             yield Piece(node.span.line, depth, f"{self.labels.get(node.name, node.name)}:")
         elif isinstance(node, Declare):
-            yield Piece(node.span.line, depth, self._declaration(node, again) + end)
+            word, text = self._declaration(node)
+            line = node.value.span.line if node.value is not None else node.span.line
+            if word and not again:
+                text = f"{word} {text}" if line == node.span.line else text
+                if line != node.span.line:
+                    yield Piece(node.span.line, depth, word)
+            yield Piece(line, depth, text + end)
         else:
             yield Piece(_span(node).line, depth, self._simple(node) + end)
 
@@ -371,14 +377,14 @@ class Printer:
         """variable := expression"""
         return f"{variable_text(node.target)} := {self.expression(node.value)}"
 
-    def _declaration(self, node: Declare, again: bool) -> str:
-        word = "" if again else f"{node.kind} "
+    def _declaration(self, node: Declare) -> tuple[str, str]:
+        """The word before a declaration, and the declaration."""
         if node.kind == "label":
             self.labels.update((str(int(name)) if name.isdigit() else name.lower(), name) for name in node.names)
         if node.kind == "const":
             assert node.value is not None
-            return f"{word}{node.names[0]} = {self.expression(node.value)}"
-        return f"{word}{', '.join(node.names)}{f': {node.type}' if node.type else ''}"
+            return node.kind, f"{node.names[0]} = {self.expression(node.value)}"
+        return node.kind, f"{', '.join(node.names)}{f': {node.type}' if node.type else ''}"
 
 
 def variable_text(node: Variable) -> str:
@@ -402,6 +408,21 @@ def _span(node: Statement) -> Span:
 def layout(pieces: Iterable[Piece], indent: str = "  ") -> list[str]:
     """Each piece on its own line."""
     return [indent * piece.depth + piece.text for piece in pieces]
+
+
+def at_lines(pieces: Iterable[Piece], first: int, last: int) -> list[str]:
+    """The text of each line from ``first`` to ``last``, where the pieces stand on the lines of the source.
+
+    Unprintable where a piece would have to stand before the one that precedes it.
+    """
+    lines: list[list[str]] = [[] for _ in range(first, last + 1)]
+    before = first
+    for piece in pieces:
+        if not before <= piece.line <= last:
+            raise Unprintable("a statement that lies before another one, and stands behind it")
+        lines[piece.line - first].append(piece.text)
+        before = piece.line
+    return [" ".join(texts) for texts in lines]
 
 
 def _is_single(body: Sequence[Statement]) -> bool:

@@ -11,6 +11,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import fields, is_dataclass
 from typing import NamedTuple
 
+from gproof.frontend.mcuwin.pascal_expressions import LARGEST_INTEGER
 from gproof.frontend.mcuwin.pascal_lexer import PascalError, Token
 from gproof.frontend.mcuwin.pascal_statements import StatementParser, label_name
 from gproof.frontend.mcuwin.pascal_types import DECLARABLE, Parameter, Symbols, Type
@@ -167,6 +168,8 @@ class SectionParser(StatementParser):
         begin = self.lexer.peek()
         node, type_ = self.whole()
         value = None if isinstance(node, Text) else constant_value(node)
+        if value is not None and type_ is Type.INTEGER and not -LARGEST_INTEGER <= value <= LARGEST_INTEGER:
+            value = None
         if value is None and not isinstance(node, Text):
             what = f"the constant {name.text!r} is no number that can be found without running the program"
             self.report(codes.PASCAL_OPEN, begin, self.lexer.last, what=what, hint="write its value")

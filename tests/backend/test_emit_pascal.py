@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from gproof.backend.emit.pascal import Printer, Style, layout
+from gproof.backend.emit.pascal import Printer, Style, at_lines, layout
 from gproof.frontend.mcuwin.pascal import Place, Simple, Symbols, parse_dollar, parse_expression, parse_section
 from gproof.ir import program as p
 from gproof.ir.finding import Findings, Severity, Span
@@ -23,14 +23,16 @@ procedure bore(depth: double; var n: integer; fast: boolean); begin end;
 procedure stop; begin end;"""
 
 
-def bare(node: Any) -> Any:
-    """A tree with every span the same."""
+def bare(node: Any, lines: bool = False) -> Any:
+    """A tree with every span the same, or of its line alone."""
     if isinstance(node, Span):
-        return HERE
+        return Span("", node.line) if lines else HERE
     if isinstance(node, tuple):
-        return tuple(map(bare, node))
+        return tuple(bare(one, lines) for one in node)
     if dataclasses.is_dataclass(node):
-        return dataclasses.replace(node, **{f.name: bare(getattr(node, f.name)) for f in dataclasses.fields(node)})
+        return dataclasses.replace(
+            node, **{f.name: bare(getattr(node, f.name), lines) for f in dataclasses.fields(node)}
+        )
     return node
 
 
@@ -327,3 +329,31 @@ def test_pieces_keep_their_lines() -> None:
         (11, "if flag then begin"), (12, "alpha := 1;"), (14, "end else"), (14, "if ready then begin"), (15, "stop;"),
         (16, "end else begin"), (17, "end;"), (18, "stop;"),
     ]  # fmt: skip
+
+
+@settings(max_examples=60)
+@given(bodies, st.lists(st.booleans(), min_size=20, max_size=20))
+def test_sections_keep_their_lines(body: tuple[Any, ...], breaks: list[bool]) -> None:
+    """However a section is cut into lines between the parts of its statements."""
+    head = ["var", "alpha: integer;", "const", "Here", "=", "4;", "There = 5;", "label", "la, 7;"]
+    procedure = [
+        "procedure",
+        "own(a: integer)",
+        ";",
+        "var",
+        "k: integer;",
+        "begin",
+        "if a = 1 then",
+        "stop",
+        "else",
+        "k := 2;",
+        "end;",
+    ]
+    words = [*head, *procedure, *(piece.text for piece in Printer(Style("XYZC")).pieces(body))]
+    text = "".join(f"{word}\n" if breaks[n % len(breaks)] else f"{word} " for n, word in enumerate(words))
+    lines = text.split("\n")
+    found = parse_section(lines, Place("job", 1), symbols())
+    printed = at_lines(Printer(Style("XYZC")).section(found.statements, found.subprograms), 1, len(lines))
+    again = parse_section(printed, Place("job", 1), symbols())
+    assert bare(again.statements, lines=True) == bare(found.statements, lines=True), (lines, printed)
+    assert bare(again.subprograms, lines=True) == bare(found.subprograms, lines=True), (lines, printed)
