@@ -44,7 +44,8 @@ def with_din(root: TomlTable, machine: Machine, unit: Fraction) -> tuple[Machine
     base = Path(str(root.values.get("base") or "")).parent
     before = _moved(machine.controller.din or NO_DIN, base)
     stated = {key: value for key, value in _settings(table, unit, machine.axes).items() if value is not None}
-    din = replace(before, **stated, tasks=_tasks(table, before))
+    left = tuple(key for key in before.unstated if key not in table.values)
+    din = replace(before, **stated, tasks=_tasks(table, before), unstated=left)
     tools, files = _tools(table, din, [root.file.path.parent, root.file.path.parent / base])
     controller = replace(machine.controller, din=replace(din, tools=tools))
     controller = replace(controller, dialect=controller.dialect or "mcuwin")

@@ -21,6 +21,14 @@ ACTIONS = (
 """What a machine file may say that Task 0 does for a code; ``unknown``: it may move axes or change anything."""
 
 
+USUAL = {
+    "pre_include": "no file is compiled before the job (PreInclude, 12)",
+    "post_include": "no file is compiled behind the job (PostInclude, 12)",
+    "shortest_path": "rotary axes do not take the shortest path to a place (14 (2.5.3.75))",
+}
+"""Settings of IniCfg that change a job and of which the usual value is taken when no file states them: what that is."""
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class TaskCode:
     """What the application code in Task 0 does for one code (4, 5.2).
@@ -59,7 +67,7 @@ class Din:
     rw_SymPas; wait_unit: seconds in the unit of wt. arc_tolerance: mm by which the radii at start and end of an arc may
     differ. program_size: bytes that a compiled program may have (SZTSK3, 13.1.1.13). pre_include, post_include: files
     that are compiled before and behind each job, relative to the machine file. keeps_over_codes: a bare line goes on
-    with the last motion even behind another G code or a ``$`` line.
+    with the last motion even behind another G code or a ``$`` line. unstated: those of ``USUAL`` that no file states.
     """
 
     version: str = VERSIONS[0]
@@ -79,6 +87,7 @@ class Din:
     pre_include: str = ""
     post_include: str = ""
     keeps_over_codes: bool = False
+    unstated: tuple[str, ...] = tuple(USUAL)
 
     def task(self, code: str) -> TaskCode | None:
         """What is stated of a code."""

@@ -11,9 +11,9 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 from gproof.ir import codes
-from gproof.ir.din import VERSIONS
+from gproof.ir.din import USUAL, VERSIONS
 from gproof.ir.finding import Refusal, Span
-from gproof.ir.machine import AXES, AXIS_NAMES
+from gproof.ir.machine import AXES, AXIS_NAMES, AxisKind
 from gproof.ir.rules import CodeRule
 from gproof.ir.rules import Function as F
 from gproof.ir.trace import Op, Plane
@@ -42,6 +42,8 @@ def note_assumptions(ex: Motion) -> None:
         ex.assumed["interpolation counts in millimetres (3.22)"] = None
     if any(axis.position_unit is None for axis in ex.machine.axes):
         ex.assumed["axes of which no unit is stated count in millimetres and degrees in G00 (3.1)"] = None
+    turns = any(axis.kind is AxisKind.ROTARY for axis in ex.machine.axes)
+    ex.assumed.update({USUAL[key]: None for key in din.unstated if turns or key != "shortest_path"})
     if ex.setup.default_offset is None:
         ex.assumed["no reflection, no effective radius, no spline and no radius correction is on at the start"] = None
 

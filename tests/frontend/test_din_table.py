@@ -82,6 +82,7 @@ G210 = { parameters = 2 }
         ),
         angle_unit="degrees", wait_unit=1.0, arc_tolerance=0.01, program_size=500_000,
         pre_include="lib/init.src", post_include="end.src", keeps_over_codes=True, tools=(),
+        unstated=("shortest_path",),
     )  # fmt: skip
 
 
@@ -254,6 +255,11 @@ def test_the_shortest_path_leaves_jobs_open_that_turn(tmp_path: Path) -> None:
     machine, _ = load("[din]\nshortest_path = true\n", tmp_path)
     assert machine is not None
     assert [one.axis for one in machine.not_modelled] == ["a", "b", "c"]
+
+
+def test_what_no_file_states_is_remembered(tmp_path: Path) -> None:
+    assert din_of("[din]\n", tmp_path).unstated == ("pre_include", "post_include", "shortest_path")
+    assert din_of('[din]\npost_include = ""\nshortest_path = false\n', tmp_path).unstated == ("pre_include",)
 
 
 def test_a_file_refines_another_one(tmp_path: Path) -> None:

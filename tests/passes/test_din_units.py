@@ -4,9 +4,13 @@ from __future__ import annotations
 
 import dataclasses
 
-from passes.din_programs import labels, machine, moves, run
+from passes.din_programs import labels, machine, moves, program, run
 
+from gproof.ir.din import USUAL
+from gproof.ir.finding import Findings
 from gproof.ir.machine import Machine
+from gproof.ir.setup import ZERO
+from gproof.passes.execute import Executor
 
 
 def inch_x() -> Machine:
@@ -33,3 +37,11 @@ def test_offsets_of_an_axis_in_another_unit_than_that_of_interpolation_are_not_k
 def test_limits_too() -> None:
     assert labels(run(["G99 X1"], on=inch_x())[1]) == ["GP302"]
     assert labels(run(["G70", "G99 X1"], on=inch_x())[1]) == []
+
+
+def test_what_no_file_states_is_an_assumption_of_the_report() -> None:
+    for unstated in (tuple(USUAL), ()):
+        ex = Executor(program(["G00 X1", "M30"]), ZERO, machine(unstated=unstated), Findings())
+        for _ in ex.run():
+            pass
+        assert set(USUAL.values()) & set(ex.assumed) == {USUAL[key] for key in unstated}
