@@ -15,7 +15,7 @@ from gproof.ir.columns import Columns
 from gproof.ir.finding import Span
 from gproof.ir.machine import AXES, AXIS_NAMES
 from gproof.ir.trace import Op, Plane
-from gproof.passes.din_state import SAME, DinState
+from gproof.passes.din_state import SAME, DinState, own_unit
 from gproof.passes.single_state import letters_of
 from gproof.passes.values import NOWHERE
 
@@ -47,7 +47,7 @@ def is_plain(ex: Emitter) -> bool:
     letters = letters_of(machine)
     own = {axis.index for axis in machine.axes if axis.index < 3}
     return (
-        s.unit == machine.unit
+        all(own_unit(machine, axis) == s.unit for axis in own)
         and not din.mode_open
         and not din.reflected
         and not din.spline
