@@ -10,11 +10,11 @@ from fractions import Fraction
 from typing import Any
 
 from gproof.frontend.toml_table import TomlTable, exact_number, show
-from gproof.ir.controls import DEVICES, Controls
+from gproof.ir.controls import DEVICES, HIGHEST_CHANNEL, Controls
 from gproof.ir.machine import AXIS_NAMES
 
 DEEPEST = 1000
-HIGHEST_CHANNEL = 64
+MOST_CHANNELS = 1000
 
 
 def controls_from(root: TomlTable, before: Controls, unit: Fraction) -> Controls:
@@ -22,7 +22,12 @@ def controls_from(root: TomlTable, before: Controls, unit: Fraction) -> Controls
     table = root.table("controls")
     if table is None:
         return before
+    highest = table.whole("highest_channel", 1, MOST_CHANNELS)
+    top = HIGHEST_CHANNEL if highest is None else highest
     stated: dict[str, Any] = {
+        "highest_channel": highest,
+        "around_files": table.boolean("around_files"),
+        "array_order": table.text("array_order", ("rows", "columns")),
         "absolute": table.boolean("absolute"),
         "soft_limits": table.boolean("soft_limits"),
         "limits_available": table.boolean("limits_available"),
@@ -33,14 +38,16 @@ def controls_from(root: TomlTable, before: Controls, unit: Fraction) -> Controls
         "arcs_share_feed": table.boolean("arcs_share_feed"),
         "arc_tolerance": table.positive("arc_tolerance", unit=unit, zero=True),
         "smallest_arc": table.positive("smallest_arc", unit=unit, zero=True),
-        "shift_sign": _sign(table),
+        "shift_sign": _sign(table, "shift_sign"),
+        "rotation_sign": _sign(table, "rotation_sign"),
+        "virtual_on": table.whole("virtual_on", 60, 61),
         "knife_positions": table.text("knife_positions", ("machine", "work")),
         "nesting": table.whole("nesting", 0, DEEPEST),
         "start": table.text("start"),
         "end": table.text("end"),
         "abort": table.text("abort"),
-        "inputs": _channels(table, "inputs"),
-        "outputs": _channels(table, "outputs"),
+        "inputs": _channels(table, "inputs", top),
+        "outputs": _channels(table, "outputs", top),
         "devices": _texts(table, "devices", DEVICES),
         "feed_groups": _groups(table),
     }
@@ -54,24 +61,24 @@ def controls_from(root: TomlTable, before: Controls, unit: Fraction) -> Controls
     return replace(before, **given, places=tuple(place for place in before.places if place[0] not in given))
 
 
-def _sign(table: TomlTable) -> int | None:
-    """Whether a workspace's shift is added (1) or taken away (-1)."""
-    sign = table.whole("shift_sign", -1, 1)
+def _sign(table: TomlTable, key: str) -> int | None:
+    """1 or -1."""
+    sign = table.whole(key, -1, 1)
     if sign == 0:
-        table.bad("shift_sign", "0 is neither 1 nor -1")
+        table.bad(key, "0 is neither 1 nor -1")
         return None
     return sign
 
 
-def _channels(table: TomlTable, key: str) -> tuple[int, ...] | None:
+def _channels(table: TomlTable, key: str, top: int) -> tuple[int, ...] | None:
     """A list of numbers of inputs or outputs."""
     value = table.take(key)
     if value is None:
         return None
     numbers = [exact_number(one) for one in value] if isinstance(value, list) else [None]
-    found = [int(n) for n in numbers if n is not None and n.denominator == 1 and 1 <= n <= HIGHEST_CHANNEL]
+    found = [int(n) for n in numbers if n is not None and n.denominator == 1 and 1 <= n <= top]
     if len(found) != len(numbers):
-        table.bad(key, f"{show(value)} is not a list of whole numbers from 1 to {HIGHEST_CHANNEL}")
+        table.bad(key, f"{show(value)} is not a list of whole numbers from 1 to {top}")
         return None
     return tuple(sorted(set(found)))
 

@@ -15,6 +15,8 @@ DEVICES = (
     "drillbank", "spinmac",
 )  # fmt: skip
 """Features that a machine file can set up (``Controls.devices``)."""
+HIGHEST_CHANNEL = 64
+"""Of inputs and outputs, where no file says otherwise: the most that the manual has (Virtual AuxIn Indicators)."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -194,7 +196,10 @@ class Controls:
     right are exchanged (cutcomp= D below 0). override: (lowest, highest) percent that a program may set; None: no file
     says so; override_enabled: it may at all.
     positions, homes, tool_positions: how many of each can be stored.
-    nesting: how deep subprograms may call one another.
+    nesting: how deep subprograms may call one another. around_files: start and end run around each file that a job
+    calls, too; None: not stated. array_order: the cells of an array of rows and columns are cut row by row (rows) or
+    column by column (columns); "": not stated. highest_channel: of inputs and outputs. rotation_sign: whether an angle
+    of G52 turns counter-clockwise (+1) or clockwise (-1). virtual_on: which of L60 and L61 switches a virtual input on.
     workspaces, changers, measure, drill: see there.
     auto_output: output that is on during feed moves (autoaux=); auto_output_on: from the start; auto_dwell: seconds
     behind switching it on and off; auto_pausing: motion stops for it.
@@ -227,6 +232,11 @@ class Controls:
     homes: int | None = None
     tool_positions: int | None = None
     nesting: int | None = None
+    around_files: bool | None = None
+    array_order: str = ""
+    highest_channel: int = HIGHEST_CHANNEL
+    rotation_sign: int = 1
+    virtual_on: int = 61
     workspaces: tuple[Workspace, ...] = ()
     changers: tuple[Changer, ...] = ()
     measure: MeasureSwitch | None = None

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, get_args
 
 import numpy as np
 
@@ -490,6 +490,7 @@ Statement = (
     Block | If | While | Repeat | For | Array | Replaced | Definition | Call | Label | Jump | Return | Declare | Include
     | Mode | Message | Guard | Device | Unsupported | Mistake | BlockTable
 )  # fmt: skip
+STATEMENTS = frozenset(get_args(Statement)) | {DeferredBlock}
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -540,8 +541,9 @@ class Program:
     overrides: (letter, tenths) of codes that a subprogram replaces -> its name. The words of such a line are its
     arguments (``LanguageRules.argument_base``); inside of it the code is the controller's own.
     A macro file alone is a Program of ``Definition`` nodes, which stand in nothing else.
-    tail: the last statements of the body, those that also run where the job ends itself before; abort: what runs where
-    it aborts itself.
+    head, tail: the first and the last statements of the body, which the machine's settings put there; the tail also
+    runs where the job ends itself before; abort: what runs where it aborts itself. around_files: head and tail run
+    around each subprogram that is a file, too; None: nobody said so, and it would make a difference.
     """
 
     dialect: str
@@ -551,7 +553,9 @@ class Program:
     subprograms: dict[str, Subprogram] = field(default_factory=dict)
     overrides: dict[tuple[str, int], str] = field(default_factory=dict)
     line_count: int = 0
+    head: tuple[Statement, ...] = ()
     tail: tuple[Statement, ...] = ()
+    around_files: bool | None = False
     abort: tuple[Statement, ...] = ()
     scan: Scan | None = field(default=None, compare=False, repr=False)
     annotate: Annotate | None = field(default=None, compare=False, repr=False)
@@ -618,6 +622,8 @@ class Program:
 
     def _verify_body(self, body: tuple[Statement, ...]) -> None:
         for node in body:
+            if type(node) not in STATEMENTS:
+                raise ValueError(f"{type(node).__name__} is no statement")
             if isinstance(node, Device):
                 least, most, _ = DEVICES.get(node.name, (1, 0, ""))
                 if not least <= len(node.arguments) <= most:

@@ -1,7 +1,7 @@
 """Arrays of a part (WinCNC L10): what follows is cut again at the next place; and what outlives a subprogram file.
 
 WinCNC Users Guide, L Codes: L10, L92; M Codes: M98. Which way a grid of rows and columns is walked, the manual does not
-say: one row or one column is modelled.
+say: one row or one column is modelled, a grid where the machine's file states its order.
 """
 
 from __future__ import annotations
@@ -54,15 +54,18 @@ def _cells(ex: Executor, node: Array) -> Cells:
             what = f"{letter} is {count:g}, not a number of rows or columns"
             raise Refusal(codes.ARRAY_PARAMETERS.at(node.span, code="L10", what=what))
     x, y = values.get("X", 0.0) * s.scale(0), values.get("Y", 0.0) * s.scale(1)
+    order = ex.machine.controller.controls.array_order
+    if order:
+        where = s.position[0], s.position[1]
+        return Cells(int(rows), int(columns), (x, y), where, goes_back="E" not in values, by_rows=order == "rows")
     if rows > 1 and columns > 1:
         what = "L10 with several rows and several columns (in which order they are cut is not said)"
         raise Refusal(codes.UNSUPPORTED_CODE.at(node.span, code=what))
-    count, step = (int(columns), (x, 0.0)) if columns > 1 else (int(rows), (0.0, y))
     beside = y if columns > 1 else x
-    if count > 1 and beside != 0.0:
+    if rows * columns > 1 and beside != 0.0:
         what = "L10 of one row or column with a distance across (whether it is used is not said)"
         raise Refusal(codes.UNSUPPORTED_CODE.at(node.span, code=what))
-    return Cells(count, step, (s.position[0], s.position[1]), goes_back="E" not in values)
+    return Cells(int(rows), int(columns), (x, y), (s.position[0], s.position[1]), goes_back="E" not in values)
 
 
 def next_cell(ex: Executor, frame: Frame) -> bool:
@@ -76,9 +79,9 @@ def next_cell(ex: Executor, frame: Frame) -> bool:
         return False
     assert isinstance(frame.node, Array)
     target = list(ex.modal.position)
-    times = frame.cell if again else 0
+    times = cells.place(frame.cell) if again else (0, 0)
     for axis in (0, 1):
-        target[axis] = cells.start[axis].moved(times * cells.step[axis])
+        target[axis] = cells.start[axis].moved(times[axis] * cells.step[axis])
     if target != ex.modal.position:
         ex.move(Op.TRAVERSE, target, frame.node.span)
     if again:

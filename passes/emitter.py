@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from gproof.ir import codes
 from gproof.ir.finding import Finding, Findings, Refusal, Severity, Span
 from gproof.ir.machine import AXIS_NAMES, Machine
-from gproof.ir.program import Input, Named, Program
+from gproof.ir.program import Input, Named, Program, Statement
 from gproof.ir.rules import CodeRule
 from gproof.ir.setup import Interval, Setup
 from gproof.ir.trace import Edge, Op, Trace, Wait
@@ -79,6 +79,8 @@ class Emitter:
         self._moves = 0
         self._nesting = 0
         self._end: tuple[str, int] | None = None
+        self._around: dict[str, tuple[Statement, ...]] = {}
+        self._told_around = False
         self._unknowns = 0
         self._start_system(setup)
         # What is still to do, and what branches and loops keep of it: passes/branches.py, passes/loops.py.

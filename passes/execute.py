@@ -41,6 +41,7 @@ from gproof.ir.program import (
     Replaced,
     Return,
     Statement,
+    Subprogram,
     Unsupported,
     While,
 )
@@ -285,6 +286,31 @@ class Executor(Flow):
             frame.caller = replace(frame.caller, before=kept)
             s.single = s.single.but(arguments=arguments, keep_local=False)
 
+    def _with_settings(self, sub: Subprogram, span: Span) -> tuple[Statement, ...]:
+        """What runs for a subprogram: a file may have around it what the machine runs around the job."""
+        program = self.program
+        if not sub.is_file or program.around_files is False or self._in_settings():
+            return sub.body
+        if program.around_files is None:
+            if not self._told_around:
+                self._told_around = True
+                what = f"a call of {sub.name}, around which the commands before and behind a job may run too,"
+                self.findings.add(codes.UNSUPPORTED_CODE.at(span, code=what))
+            return sub.body
+        if sub.name not in self._around:
+            self._around[sub.name] = (*program.head, *sub.body, *program.tail)
+        return self._around[sub.name]
+
+    def _in_settings(self) -> bool:
+        """Whether what runs was begun by a command that runs around files: no such command runs around that."""
+        head, tail = len(self.program.head), len(self.program.tail)
+        for n, frame in enumerate(self._stack):
+            if n == 0 and frame.body is not self.program.body:
+                return True
+            if (n == 0 or frame.around) and not head < frame.at <= len(frame.body) - tail:
+                return True
+        return False
+
     def _leave_file(self, span: Span) -> None:
         """End the file that runs: back to its caller, or the end of the job."""
         place = next((n for n in reversed(range(len(self._stack))) if self._stack[n].caller is not None), -1)
@@ -307,7 +333,9 @@ class Executor(Flow):
         self._nesting -= sum(frame.node is not None and not isinstance(frame.node, BlockTable) for frame in gone)
         self._loops -= sum(isinstance(frame.node, LOOPS) for frame in gone)
         self._stack = self._stack[: place + 1]
-        self._stack[-1].at = len(self._stack[-1].body)
+        frame = self._stack[-1]
+        end = len(frame.body) - (len(self.program.tail) if frame.around else 0)
+        frame.at = end if frame.at <= end else len(frame.body)
         self._arrived(gone, 1)
 
     def _is_more(self) -> bool:
@@ -364,7 +392,8 @@ class Executor(Flow):
         if text not in self.trace.calls:
             self.trace.calls.append(text)
         self._call = self.trace.calls.index(text)
-        self._stack.append(Frame(sub.body, sub, caller=caller))
+        body = self._with_settings(sub, span)
+        self._stack.append(Frame(body, sub, caller=caller, around=body is not sub.body))
 
     def _line(self, span: Span, words: list[Words]) -> None:
         """One line: by the subprogram that replaces a code of it (4.4, 3.5.3), else as the controller's own."""
@@ -407,6 +436,9 @@ class Executor(Flow):
             elif isinstance(node, Definition):
                 what = f"the definition of {node.name} in a file that is run as a job"
                 raise Refusal(codes.UNSUPPORTED_CODE.at(node.span, code=what))
+            else:
+                # Nothing that a program may hold is passed over because nobody has thought of it here.
+                raise Refusal(codes.UNSUPPORTED_CODE.at(node.span, code=type(node).__name__.lower()))  # type: ignore[union-attr]
         except Refusal as refusal:
             self._refuse(refusal.finding)
 

@@ -35,12 +35,29 @@ class Kept:
 
 @dataclass(frozen=True, slots=True)
 class Cells:
-    """An array that is being cut: how many cells, mm from one to the next, where the first one began, the way back."""
+    """An array that is being cut: a grid of cells, and the way back from the last one.
 
-    count: int
+    step: mm in X from column to column, in Y from row to row; start: where the first cell began; by_rows: a row is cut
+    whole before the next one.
+    """
+
+    rows: int
+    columns: int
     step: tuple[float, float]
     start: tuple[Position, Position]
     goes_back: bool
+    by_rows: bool = True
+
+    @property
+    def count(self) -> int:
+        """How many cells there are."""
+        return self.rows * self.columns
+
+    def place(self, cell: int) -> tuple[int, int]:
+        """Column and row of a cell, from 0."""
+        if self.by_rows:
+            return cell % self.columns, cell // self.columns
+        return cell // self.rows, cell % self.rows
 
 
 @dataclass(frozen=True, slots=True)
@@ -83,6 +100,7 @@ class Frame:
     line: int = 0
     cells: Cells | None = None
     cell: int = 0
+    around: bool = False
     continued: str = ""
     again: int = 0
     counter: float = 0.0

@@ -58,8 +58,11 @@ def channel(ex: Motion, line: Command, rule: CodeRule, known: tuple[int, ...] | 
     """The channel in C; Refusal GP128 for one that is not there."""
     number = line.whole("C", ex.program.rules.integer_tolerance)
     assert number is not None
-    if number < 0 or (known is not None and number not in known):
-        allowed = f"the machine's file has no {kind} {number}"
+    highest = ex.machine.controller.controls.highest_channel
+    if number < 0 or number > highest or (known is not None and number not in known):
+        allowed = (
+            f"{highest} is the highest channel" if number > highest else f"the machine's file has no {kind} {number}"
+        )
         raise Refusal(codes.PARAMETER_RANGE.at(line.where("C"), code=rule.text, word="C", allowed=allowed))
     return number
 
@@ -112,7 +115,8 @@ def virtual(ex: Motion, line: Command, rule: CodeRule) -> None:
     if number is None or not 1 <= number <= 64:
         raise Refusal(codes.PARAMETER_RANGE.at(line.where("C"), code=rule.text, word="C", allowed="1 to 64"))
     s = ex.modal
-    on = float(rule.function is F.VIRTUAL_ON)
+    swapped = ex.machine.controller.controls.virtual_on == 60
+    on = float((rule.function is F.VIRTUAL_ON) != swapped)
     s.single = s.single.but(virtual=with_pair(s.single.virtual, number, on))
 
 
@@ -182,7 +186,9 @@ def read_input(ex: Emitter, node: Input, evaluator: Evaluator) -> Value:
     number = round(value)
     controls = ex.machine.controller.controls
     there = {"input": controls.inputs, "output": controls.outputs, "virtual": range(1, 65)}.get(node.kind)
-    if there is not None and (number not in there or abs(number - value) > ex.program.rules.integer_tolerance):
+    beyond = node.kind in ("input", "output") and not 0 <= number <= controls.highest_channel
+    missing = there is not None and (number not in there or abs(number - value) > ex.program.rules.integer_tolerance)
+    if missing or beyond:
         allowed = f"there is no {node.kind} channel {value:g}"
         raise Refusal(codes.PARAMETER_RANGE.at(node.span, code="a condition", word="C", allowed=allowed))
     s, setup = ex.modal, ex.setup

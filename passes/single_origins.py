@@ -306,9 +306,9 @@ def scaling(ex: Motion, line: Command, rule: CodeRule) -> None:
 
 
 def rotation(ex: Motion, line: Command, rule: CodeRule) -> None:
-    """G52: counter-clockwise by A degrees about I and J."""
+    """G52: by A degrees about I and J, counter-clockwise unless the machine's file says otherwise."""
     s = ex.modal
-    angle = line.number("A") or 0.0
+    angle = (line.number("A") or 0.0) * ex.machine.controller.controls.rotation_sign
     center = ((line.number("I") or 0.0) * s.unit, (line.number("J") or 0.0) * s.unit)
     origin = s.offset(0), s.offset(1)
     _begin_transform(ex, line, rule, Transform(rotated=True, angle=angle, center=center, origin=origin))

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import dataclasses
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -31,8 +31,10 @@ from gproof.ir.program import (
     Array,
     Block,
     BlockTable,
+    Call,
     If,
     Mistake,
+    Number,
     Program,
     Replaced,
     SourceFile,
@@ -211,7 +213,8 @@ class _Loader:
             self._add_settings(self.macro_source)
         self.program.tail = self._command("end", self.controls.end)
         self.program.abort = self._command("abort", self.controls.abort)
-        body = (*self._command("start", self.controls.start), *body, *self.program.tail)
+        self.program.head = self._command("start", self.controls.start)
+        body = (*self.program.head, *body, *self.program.tail)
         while self.files.wanted:
             key = self.files.wanted.pop()
             path = self.files.paths[key]
@@ -226,7 +229,35 @@ class _Loader:
                 what = f"which {path.name} is meant, {path} or {other}, which differ,"
                 inner = (Unsupported(what=what, span=Span(str(path), 1)), *inner)
             self.program.subprograms[key] = Subprogram(name=key, body=inner, span=Span(str(path), 1), is_file=True)
+        around = self.controls.around_files
+        if around is None and self._only_switches((*self.program.head, *self.program.tail), frozenset()):
+            around = False
+        self.program.around_files = around
         return body
+
+    def _only_switches(self, body: Sequence[Statement], calls: frozenset[str]) -> bool:
+        """Whether statements do no more than switch outputs: it then is all the same how often they run.
+
+        calls: files that are looked at already.
+        """
+        torch = None if self.controls.torch is None else self.controls.torch.output
+        for node in body:
+            if isinstance(node, Replaced):
+                same = self._only_switches(node.body, calls)
+            elif isinstance(node, Call) and not node.arguments and node.name in self.program.subprograms:
+                inner = self.program.subprograms[node.name].body
+                same = node.name not in calls and self._only_switches(inner, calls | {node.name})
+            elif isinstance(node, BlockTable):
+                words, _, _ = self.program.load(node, node.begin, node.first_line, node.end - node.begin)
+                same = _switch(zip(words["letter"].tolist(), words["value"].tolist(), strict=True), torch)
+            elif isinstance(node, Block):
+                pairs = [(ord(w.letter), w.value.value if isinstance(w.value, Number) else None) for w in node.words]
+                same = not node.texts and _switch(pairs, torch)
+            else:
+                same = False
+            if not same:
+                return False
+        return True
 
     def _macro_file(self) -> None:
         """CNC.MAC, beside the machine's file or the job."""
@@ -485,6 +516,16 @@ class _Taken:
     then: tuple[Statement, ...] = ()
     otherwise: tuple[Statement, ...] = ()
     why: str = ""
+
+
+def _switch(words: Iterable[tuple[int, float | None]], torch: int | None) -> bool:
+    """Whether words are M11 to M14 and channels of such; torch: the output whose switching moves an axis."""
+    for number, value in words:
+        letter = chr(number)
+        switches = letter == "M" and value in (11.0, 12.0, 13.0, 14.0)
+        if not switches and not (letter == "C" and value is not None and value != torch):
+            return False
+    return True
 
 
 def _array(line: ArrayLine, body: list[Statement]) -> Array:

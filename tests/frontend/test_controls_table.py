@@ -95,6 +95,12 @@ def test_every_switch(tmp_path: Path) -> None:
     [
         ("[controls]\nshift_sign = 0\n", 5, "0 is neither 1 nor -1"),
         ("[controls]\nshift_sign = 2\n", 5, "is not a whole number from -1 to 1"),
+        ("[controls]\nrotation_sign = 0\n", 5, "0 is neither 1 nor -1"),
+        ("[controls]\nvirtual_on = 62\n", 5, "is not a whole number from 60 to 61"),
+        ("[controls]\nhighest_channel = 0\n", 5, "is not a whole number from 1 to 1000"),
+        ("[controls]\nhighest_channel = 8\ninputs = [9]\n", 6, "is not a list of whole numbers from 1 to 8"),
+        ('[controls]\narray_order = "both"\n', 5, "both"),
+        ("[controls]\naround_files = 1\n", 5, "is not"),
         ("[controls]\nnesting = -1\n", 5, "is not a whole number from 0 to 1000"),
         ("[controls]\ninputs = [0]\n", 5, "is not a list of whole numbers from 1 to 64"),
         ("[controls]\noutputs = 3\n", 5, "is not a list of whole numbers from 1 to 64"),
