@@ -64,7 +64,7 @@ EXAMPLES: dict[type, tuple[Statement, set[int]]] = {
     Definition: (Definition(name="X", label="X", written="", span=AT), {113}),
     Call: (Call(name="none", span=AT), {115}),
     Label: (Label(name="a", span=AT), set()),
-    Jump: (Jump(name="none", span=AT), {516}),
+    Jump: (Jump(name="none", span=AT), {113}),
     Return: (Return(span=AT), {113}),
     Declare: (Declare(kind="var", names=("a",), span=AT), set()),
     Include: (Include(name="a", span=AT), set()),
