@@ -11,6 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from gproof.backend.emit.pascal import Printer, Style, at_lines, layout
+from gproof.backend.emit.pascal_expressions import expression_text
 from gproof.frontend.mcuwin.pascal import Place, Simple, Symbols, parse_dollar, parse_expression, parse_section
 from gproof.ir import program as p
 from gproof.ir.finding import Findings, Severity, Span
@@ -125,7 +126,7 @@ expressions = st.one_of(INTEGERS, DOUBLES, BOOLEANS)
 @given(expressions)
 def test_expressions_are_read_again(node: Any) -> None:
     names = symbols()
-    text = Printer(Style("XYZC")).expression(node)
+    text = expression_text(node, Style("XYZC"))
     again, _, end = parse_expression(text, 0, Place("job", 1), names)
     assert (bare(again), end) == (node, len(text)), text
     assert complaints(names) == []
