@@ -55,13 +55,32 @@ def load_program(
     return program
 
 
+def load_alone(
+    path: Path, findings: Findings, name: str = "", *, machine: Machine = NO_MCUWIN, machine_file: Path | None = None
+) -> Program | None:  # fmt: skip
+    """One file as a program to be printed again; None when it is refused.
+
+    Files that it includes give the names that they declare and nothing else, and missing ones are no mistakes; calls
+    stay as they are, and jumps out of the file are ``Unsupported`` with their text. name: of the file in findings, when
+    it is not ``path``.
+    """
+    loader = _Loader(path, findings, machine, machine_file, tables=True, alone=True)
+    try:
+        return loader.job(name)
+    except Refusal as refusal:
+        findings.add(refusal.finding)
+        return None
+
+
 class _Loader:
-    """Reads the files of one program in the order of the source."""
+    """Reads the files of one program in the order of the source. alone: see ``load_alone``."""
 
     def __init__(
-        self, path: Path, findings: Findings, machine: Machine, machine_file: Path | None, *, tables: bool
+        self, path: Path, findings: Findings, machine: Machine, machine_file: Path | None, *, tables: bool,
+        alone: bool = False,
     ) -> None:  # fmt: skip
         self.path = path
+        self.alone = alone
         self.findings = findings
         self.machine_file = machine_file
         self.din = machine.controller.din or NO_DIN
@@ -78,10 +97,11 @@ class _Loader:
         self.stack: list[Path] = []
         self.held = 0
 
-    def job(self) -> Program:
-        """Everything, put together."""
+    def job(self, name: str = "") -> Program:
+        """Everything, put together. name: of the job's file in findings, when it is not its path."""
         program = self.program
         number = self._take_in(self.path)
+        program.files[number].name = name or program.files[number].name
         whole = Span(str(self.path), 0)
         if self.din.pre_include:
             self._include(self.din.pre_include, whole, self._machine_folders())
@@ -90,12 +110,15 @@ class _Loader:
         if self.din.post_include:
             self._include(self.din.post_include, whole, self._machine_folders())
         self.text.finish()
+        if self.alone:
+            del program.files[1:]
         made = assemble(
-            self.text.structure.sections, self.text.procedures, str(self.path), self.findings, old=self.text.old
+            self.text.structure.sections, self.text.procedures, program.files[0].name, self.findings,
+            old=self.text.old, alone=self.alone,
         )  # fmt: skip
         program.body, program.subprograms = made.body, made.subprograms
         size = judge_size(program, self.text.structure.sections, self.text.procedures, self.din.program_size)
-        if size is not None:
+        if size is not None and not self.alone:
             self.findings.add(size)
         return program
 
@@ -137,6 +160,11 @@ class _Loader:
     def _include(self, name: str, span: Span, folders: Sequence[Path]) -> None:
         """Read a file in its place; findings for one that is not there or includes itself."""
         found = find(name, folders)
+        if self.alone:
+            if found and len(self.stack) < DEEPEST and found[0].resolve() not in self.stack:
+                with self.text.aside():
+                    self._read(found[0])
+            return
         if not found:
             where = f" in {' or '.join(str(folder) for folder in folders)}"
             self.findings.add(codes.FILE_NOT_FOUND.at(span, name=name, where=where))
@@ -153,10 +181,13 @@ class _Loader:
             what = f"which {name} is read, that of the folder of McuWIN,"
         if what:
             self.text.structure.add([Unsupported(what=what, span=span)])
+        self._read(path)
+
+    def _read(self, path: Path) -> None:
         try:
             number = self._take_in(path)
         except Refusal as refusal:
-            self.findings.add(refusal.finding)
+            self.text.findings.add(refusal.finding)
             return
         self._file(path, number)
 

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 
 from gproof.frontend.mcuwin.expressions import Expressions
 from gproof.frontend.mcuwin.include import INCLUDE
@@ -62,6 +63,20 @@ class Text:
         """The end of all files."""
         self._end_section()
         self.structure.finish()
+
+    @contextmanager
+    def aside(self) -> Iterator[None]:
+        """Reads what gives names only: statements, findings and what is in force are as before behind it."""
+        kept = self.findings, self.structure, self.procedures, self.persistence.state
+        self.findings = self.symbols.findings = Findings()
+        self.structure = Structure(self.symbols, self.persistence, self.findings, self.structure.sections[0].span)
+        self.procedures = []
+        try:
+            yield
+            self._end_section()
+        finally:
+            self.findings, self.structure, self.procedures, self.persistence.state = kept
+            self.symbols.findings = self.findings
 
     def leave_file(self, depth: int) -> None:
         """The end of a file; depth: blocks that were open before it."""

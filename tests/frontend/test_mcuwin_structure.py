@@ -7,6 +7,8 @@ from pathlib import Path
 import pytest
 from frontend.mcuwin_programs import OLD, found, listed, load, machine, program_of
 
+from gproof.frontend.mcuwin.load import load_alone
+from gproof.ir.finding import Findings
 from gproof.ir.program import If, Include, Label
 
 
@@ -309,3 +311,19 @@ def test_procedures(tmp_path: Path) -> None:
 
 def test_names_that_are_words(tmp_path: Path) -> None:
     assert found(tmp_path, "var x : double;\n%1\nM30\n%\n") == [("GP139", 1, 1, 15)]
+
+
+def test_a_file_alone(tmp_path: Path) -> None:
+    """For a printer: includes give names only, and what they have is no finding."""
+    (tmp_path / "names.inc").write_text("$DINEND\nvar step : double;\n{$DINSTART}\n%900\nG0 X(\nM17\n%\n")
+    text = "$I names.inc\n$I nowhere.inc\n%1\nX5\nstep := 1\nM98 L900\nM96 L3\n%\n%2\nL2\nM8\n%\n"
+    path = tmp_path / "job.din"
+    path.write_text(text)
+    findings = Findings()
+    program = load_alone(path, findings, "-")
+    assert findings.kept == []
+    assert program is not None
+    program.verify()
+    assert [source.name for source in program.files] == ["-"]
+    assert listed(program.body) == "Include; Include; table 4-4; step := 1; call 900; Unsupported"
+    assert listed(program.subprograms["2"].body) == "L2:; M8"
