@@ -353,6 +353,8 @@ def plane(ex: Motion, line: Part, rule: CodeRule) -> None:
         s.din = s.din.but(center=None)
     s.plane = new
     s.din = s.din.but(plane_open=is_open)
+    if s.din.idle:
+        correct(ex, line, s.din.idle)
     s.stated.add("plane")
     ex.event(Op.PLANE, line.span, arg=(float(new), 0.0))
 
@@ -486,7 +488,7 @@ def correction(ex: Motion, line: Part, rule: CodeRule) -> None:
     s = ex.modal
     if rule.function is F.COMPENSATION_OFF:
         # The tool comes back to the contour with the next move.
-        s.din = s.din.but(side=0)
+        s.din = s.din.but(side=0, idle=0)
         return
     tools = din_of(ex.machine).tools
     if tools is not None and not tools:
@@ -494,12 +496,20 @@ def correction(ex: Motion, line: Part, rule: CodeRule) -> None:
         raise Refusal(
             codes.NOT_ENABLED.at(line.code_span(), code=rule.text, device="tools", key="tool_file", hint=hint)
         )
+    correct(ex, line, 1 if rule.function is F.COMPENSATION_LEFT else -1)
+
+
+def correct(ex: Motion, line: Part, side: int) -> None:
+    """The tool goes beside the contour from here, as far as its record has a radius in the plane."""
+    s = ex.modal
     section = {Plane.XY: "xy", Plane.XZ: "zx"}.get(s.plane, "yz")
-    found = [t for t in tools or () if t.number == s.din.tool and t.plane == section]
-    if found and found[0].radius == 0.0 and not s.din.plane_open:
+    found = [t for t in din_of(ex.machine).tools or () if t.number == s.din.tool and t.plane == section]
+    if found and all(t.radius == 0.0 for t in found) and not s.din.plane_open:
+        s.din = s.din.but(side=0, idle=side)
         return
-    s.din = s.din.but(side=1 if rule.function is F.COMPENSATION_LEFT else -1)
-    cause = f"{rule.text}: entry, corners and exit of the corrected path, which are not described (2.7)"
+    s.din = s.din.but(side=side, idle=0)
+    code = "G41" if side > 0 else "G42"
+    cause = f"{code}: entry, corners and exit of the corrected path, which are not described (2.7)"
     ex._fail(codes.COMPENSATION_UNKNOWN.at(line.code_span(), cause=cause))
 
 

@@ -55,10 +55,11 @@ class DinState:
     centres are places in G90, None: not stated. plane_open: G18 or G19 without a tool table (2.7). spline: G151.
     feed: mm/min of linear moves, NaN: not known, for feed_cause; given: an F has come; asked: the code behind which F
     must be given anew (3.21, 3.22, 3.28); time_unit: seconds, None: not stated; constant_speed: G96. center: I and J
-    of the last arc in program units. side: of the radius compensation that is on, 1 left, -1 right, 0 off; tool: the
-    record that is selected. lower, upper: software limits now, None: those of the machine's file; limits_open: columns
-    whose limits are not known. saved: values that the job saved (M901, M903), by the variable's number. contour: a
-    move that can be joined was the last one. stored: offsets by column that G153 read. told: what is told once.
+    of the last arc in mm. side: of the radius compensation that is on, 1 left, -1 right, 0 off; idle: the same while
+    the tool's radius is 0; tool: the record that is selected. lower, upper: software limits now, None: those of the
+    machine's file; limits_open: columns whose limits are not known. saved: values that the job saved (M901, M903), by
+    the variable's number. contour: a move that can be joined was the last one. stored: offsets by column that G153
+    read. told: what is told once.
     """
 
     mode_open: bool = False
@@ -79,6 +80,7 @@ class DinState:
     constant_speed: bool = False
     center: tuple[float, float] | None = None
     side: int = 0
+    idle: int = 0
     tool: int | None = None
     lower: tuple[float | None, ...] | None = None
     upper: tuple[float | None, ...] | None = None
@@ -132,7 +134,7 @@ def zero_offset_table(modal: Modal, record: int, axis: int) -> Position:
     table = din_of(modal.machine).zero_offsets
     if table is not None:
         row = table[record - 1] if record <= len(table) else ()
-        return Position(row[axis]) if axis < len(row) else Position(0.0) if row else NOWHERE
+        return Position(row[axis]) if axis < len(row) else NOWHERE
     return modal._symbol(f"work.{record}.{AXIS_NAMES[axis]}")
 
 
@@ -164,6 +166,10 @@ def prepare(modal: Modal) -> None:
     if din.tools is None and setup.default_offset is None:
         # A table may be loaded whose selected record has a length (2.7).
         modal.tool_offset[2] = modal._symbol("tool.0.z")
+    number = 0 if setup.tool is None else setup.tool
+    if any(record.number == number and record.length != 0.0 for record in din.tools or ()):
+        # When a length acts, and along which axis, is not described.
+        modal.tool_offset[:3] = [NOWHERE] * 3
     letters = letters_of(machine)
     named = din.interpolation_axes
     columns = frozenset(letters.values() if named is None else (letters[c] for c in named if c in letters))

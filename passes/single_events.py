@@ -187,6 +187,8 @@ def read_input(ex: Emitter, node: Input, evaluator: Evaluator) -> Value:
     controls = ex.machine.controller.controls
     there = {"input": controls.inputs, "output": controls.outputs, "virtual": range(1, 65)}.get(node.kind)
     beyond = node.kind in ("input", "output") and not 0 <= number <= controls.highest_channel
+    # Axes and their inputs make the numbers of other controllers.
+    beyond = beyond and ex.program.rules.one_command
     missing = there is not None and (number not in there or abs(number - value) > ex.program.rules.integer_tolerance)
     if missing or beyond:
         allowed = f"there is no {node.kind} channel {value:g}"
