@@ -2,7 +2,13 @@
 
 from __future__ import annotations
 
+import dataclasses
+
 from passes.din_programs import labels, machine, moves, run
+
+from gproof.ir.din import RadiusTool, TaskCode
+from gproof.ir.setup import ZERO
+from gproof.ir.trace import UNKNOWN, Op
 
 
 def test_moves_go_on_until_another_command() -> None:
@@ -56,3 +62,95 @@ def test_task_codes() -> None:
     assert labels(run(["M3", "M8", "S100", "M5", "M9", "G00 X1"], on=none)[1]) == []
     assert labels(run(["G210 X5"], on=none)[1]) == ["GP514"]
     assert labels(run(["G210 X5"])[1]) == ["GP112"]
+
+
+def _tools(*records: tuple[str, int, float, float]) -> tuple[RadiusTool, ...]:
+    return tuple(RadiusTool(plane=p, number=n, radius=r, length=length) for p, n, r, length in records)
+
+
+def test_radius_correction() -> None:
+    plain = machine(tools=_tools(("xy", 0, 0.0, 0.0), ("xy", 1, 5.0, 0.0), ("zx", 0, 2.0, 0.0)))
+    assert labels(run(["G41", "G01 X5 F100", "G40"], on=plain)[1]) == []
+    assert labels(run(["T1", "G42", "G01 X5 F100"], on=plain)[1]) == ["GP256"]
+    # A correction by nothing becomes one when the tool or the plane does.
+    assert labels(run(["G41", "T1", "G01 X5 F100"], on=plain)[1]) == ["GP256"]
+    assert labels(run(["G41", "G18", "G01 X5 F100"], on=plain)[1]) == ["GP256"]
+    assert labels(run(["G41", "G40", "T1", "G01 X5 F100"], on=plain)[1]) == []
+    trace, _ = run(["T1", "G42", "G01 X5 Z3 F100", "G40", "G01 X7 Y7"], on=plain)
+    rows = trace.sections[-1].rows
+    frames = [trace.frames[int(rows["frame"][n])] for n in range(len(rows)) if rows["op"][n] == Op.FEED]
+    assert [f[:3] for f in frames] == [(UNKNOWN, UNKNOWN, ()), ((), (), ())]
+    assert labels(run(["G41"], on=machine(tools=()))[1]) == ["GP285"]
+    assert labels(run(["T1", "G41", "G54"], on=plain)[1]) == ["GP256", "GP113"]
+
+
+def test_lengths_of_tools() -> None:
+    long = machine(tools=_tools(("xy", 0, 0.0, 0.0), ("xy", 1, 0.0, 7.0)))
+    assert labels(run(["T1", "G00 Z5"], on=long)[1]) == ["GP113"]
+    first = machine(tools=_tools(("xy", 0, 0.0, 7.0)))
+    trace, _ = run(["G00 Z5"], on=first)
+    rows = trace.sections[-1].rows
+    assert trace.frames[int(rows["frame"][0])][2] == UNKNOWN
+
+
+def test_what_ends_a_contour() -> None:
+    def breaks(*lines: str, **din: object) -> list[str]:
+        found = run(list(lines), on=machine(**din))[1].kept
+        return [f.message.split()[0] for f in found if f.code.label == "GP513"]
+
+    assert breaks("G01 X1 F100", "G54", "G01 X2", "G92 X0", "G01 X3", "S100", "G01 X4") == ["G54", "G92", "S"]
+    assert breaks("G01 X1 F100", "M26 102", "F200", "G90 G01 X2", "G00 X5", "G53") == []
+    assert breaks("CI600 := 0", "G01 X1 F100", "M98 L7", version="2.5.3.133") == []
+    quiet = (TaskCode(code="M8", action="coolant_on", breaks=False),)
+    assert breaks("G01 X1 F100", "M8", "G01 X2", tasks=quiet) == []
+    trace, _ = run(["G01 X1 F100", "G92 X5", "G01 X2"])
+    rows = trace.sections[0].rows
+    assert [float(rows["arg"][n][1]) for n in range(len(rows)) if rows["op"][n] == Op.OFFSET] == [1.0]
+
+
+def test_several_codes_in_a_line() -> None:
+    trace, findings = run(["G00 G90 X5 M26 102", "M27 102 G01 X6 F100 M26 103"])
+    rows = trace.sections[0].rows
+    assert [Op(int(op)).name for op in rows["op"]] == [
+        "TRAVERSE", "OUTPUT", "OUTPUT", "FEED", "OUTPUT", "END",
+    ]  # fmt: skip
+    assert labels(findings) == []
+    assert labels(run(["G01 X5 F100 G91"])[1]) == ["GP113"]
+    assert labels(run(["G01 X5 F100 G90"])[1]) == []
+    assert labels(run(["G00 X5 G01"])[1]) == ["GP113"]
+    assert labels(run(["G90 G91"])[1]) == ["GP113"]
+    assert labels(run(["M30 G00 X5"])[1])[0] == "GP113"
+    assert labels(run(["G00 X5 X6"])[1]) == ["GP109"]
+    assert labels(run(["G00 X5 7"])[1]) == ["GP121"]
+    assert labels(run(["G04"])[1]) == ["GP275"]
+    assert labels(run(["G93 G01 X5 F10"])[1]) == ["GP112"]
+
+
+def test_interpolation_axes() -> None:
+    assert labels(run(["G60 X Y", "G01 X1 F100", "G00 Z1", "G01 Z2"])[1]) == ["GP129"]
+    assert labels(run(["G60 X Y", "G60 X Y Z", "G01 Z2 F100"])[1]) == []
+    old = machine(version="2.5.3.32")
+    assert labels(run(["G60 X Y", "G60 X Y Z", "G01 X1 F100", "G01 Z2"], on=old)[1]) == ["GP113"]
+
+
+def test_limits_that_the_program_sets() -> None:
+    trace, findings = run(["G98 X-5", "G99 X50", "G00 X1"])
+    (state,) = {trace.states[int(n)] for n in trace.sections[0].rows["state"][:1]}
+    assert [(b.axis, b.low, b.high, b.limit) for b in state.boundaries] == [(0, -5.0, 50.0, True)]
+    assert labels(findings) == []
+    assert labels(run(["G70", "G98 X-5"])[1]) == ["GP302"]
+    assert labels(run(["G91", "G98 X-5"])[1]) == ["GP302"]
+
+
+def test_axes_without_a_reference_run() -> None:
+    some = dataclasses.replace(ZERO, homed=("x",))
+    assert labels(run(["G00 X1", "G00 Y1", "G00 Y2"], setup=some)[1]) == ["GP304"]
+
+
+def test_outputs() -> None:
+    trace, findings = run(["M26 200", ("if", "IN5 == 2", ["G00 X1"]), "M80 X5"])
+    rows = [r for s in trace.sections for r in s.rows.rows() if r[0] == Op.OUTPUT]
+    assert len(rows) == 2
+    assert labels(findings) == []
+    assert labels(run(["M26 99"])[1]) == ["GP128"]
+    assert labels(run(["M26 1.5"])[1]) == ["GP229"]
