@@ -77,7 +77,7 @@ def _event(op: Op, arg: list[float], texts: list[str], text: int) -> dict[str, A
         case Op.STOP:
             return {"optional": bool(first)}
         case Op.OFFSET:
-            return {"coordinate_system": int(first)}
+            return {"coordinate_system": int(first), **({"stops": True} if second else {})}
         case Op.UNITS:
             return {"mm": first}
         case Op.PLANE:
