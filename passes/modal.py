@@ -273,7 +273,7 @@ class Modal:
         if entry.kind == "system":
             # Whatever a program puts there, the controller may change it.
             name = self.rules.name_of(whole)
-            return Unknown(f"{name}, which belongs to the controller,")
+            return Unknown(f"{name} of the controller")
         if whole in self.parameters:
             return self.parameters[whole]
         show = _SHOWN.get(entry.kind)
