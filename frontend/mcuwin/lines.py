@@ -7,18 +7,16 @@ are those of the manual of V 2.5.3.133: words and codes 3 to 5, comments 6, para
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass, field
 from typing import Any
 
 from gproof.frontend.mcuwin.comments import QUOTE, round_comment
-from gproof.frontend.mcuwin.expressions import Expressions
+from gproof.frontend.mcuwin.language import DinLine, Language
 from gproof.frontend.mcuwin.names import LABEL, NAME, label_name
-from gproof.frontend.mcuwin.notes import Found
 from gproof.frontend.mcuwin.pascal_text import MODE
 from gproof.frontend.mcuwin.persistence import Persistence
 from gproof.ir import codes
 from gproof.ir.dialects.mcuwin import has_code
-from gproof.ir.din import FIRST_USER_CODE, LAST_USER_CODE, VERSIONS, Din
+from gproof.ir.din import FIRST_USER_CODE, LAST_USER_CODE
 from gproof.ir.finding import Code, Refusal, Span
 from gproof.ir.notes import NoteKind
 from gproof.ir.program import (
@@ -36,7 +34,6 @@ from gproof.ir.program import (
     Unsupported,
     Word,
 )
-from gproof.ir.rules import LanguageRules
 
 _BLANKS = re.compile(r"[ \t]*")
 _LINE_NUMBER = re.compile(r"[Nn][ \t]*([0-9]*)")
@@ -54,45 +51,6 @@ _LITERAL = re.compile(
 )
 VALUE_LETTERS = "FST"
 CENTERS = "IJK"
-
-
-@dataclass(slots=True)
-class DinLine:
-    """A line that was read.
-
-    number: its digits, "" without; statements: in order; module: what stands behind a percent sign, None without one;
-    module_span: of that; pascal: where a ``$`` stands, -1 without; starts: where ``{$DINSTART}`` stands, and behind;
-    says: there is more than blanks and comments; notes: see ``notes.py``.
-    """
-
-    number: str = ""
-    statements: list[Statement] = field(default_factory=list)
-    module: str | None = None
-    module_span: Span | None = None
-    pascal: int = -1
-    starts: tuple[int, int] | None = None
-    says: bool = False
-    notes: list[Found] = field(default_factory=list)
-
-    @property
-    def asks_number(self) -> bool:
-        """Whether a machine with line numbers asks this line for one: not percent signs and ``$`` lines."""
-        return bool(self.statements)
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Language:
-    """What decides how lines are read. axes: letters of the machine's axes, upper case."""
-
-    rules: LanguageRules
-    din: Din
-    axes: str
-    expressions: Expressions
-
-    @property
-    def old(self) -> bool:
-        """The older version, whose M codes take no brackets and whose modules are no labels."""
-        return self.din.version == VERSIONS[1]
 
 
 class LineReader:

@@ -12,7 +12,8 @@ from contextlib import contextmanager
 
 from gproof.frontend.mcuwin.expressions import Expressions
 from gproof.frontend.mcuwin.include import INCLUDE
-from gproof.frontend.mcuwin.lines import CENTERS, VALUE_LETTERS, DinLine, Language, LineReader
+from gproof.frontend.mcuwin.language import DinLine, Language
+from gproof.frontend.mcuwin.lines import CENTERS, VALUE_LETTERS, LineReader
 from gproof.frontend.mcuwin.notes import Found
 from gproof.frontend.mcuwin.pascal import Place, Symbols, parse_section
 from gproof.frontend.mcuwin.pascal_text import mode_sign, pascal_notes

@@ -13,7 +13,8 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from gproof.frontend.mcuwin.expressions import Expressions
-from gproof.frontend.mcuwin.lines import Language, LineReader
+from gproof.frontend.mcuwin.language import Language
+from gproof.frontend.mcuwin.lines import LineReader
 from gproof.frontend.mcuwin.pascal import Symbols
 from gproof.frontend.mcuwin.persistence import Persistence
 from gproof.frontend.mcuwin.scan import Scanner
