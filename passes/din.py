@@ -19,7 +19,7 @@ from gproof.ir.finding import Refusal, Severity, Span
 from gproof.ir.program import PARAMETER
 from gproof.ir.rules import CodeRule
 from gproof.ir.rules import Function as F
-from gproof.passes import din_events, din_motion, din_origins
+from gproof.passes import din_events, din_modes, din_motion, din_origins
 from gproof.passes.din_state import din_of
 from gproof.passes.line import LARGEST, Line
 from gproof.passes.single_state import letters_of
@@ -277,5 +277,5 @@ def _continued(ex: Motion, line: Gathered, continued: str) -> CodeRule | None:
     return rule
 
 
-HANDLERS = {**din_origins.HANDLERS, **din_events.HANDLERS, **din_motion.HANDLERS}
+HANDLERS = {**din_origins.HANDLERS, **din_events.HANDLERS, **din_modes.HANDLERS}
 """What each function does: (run, part, rule)."""

@@ -18,7 +18,8 @@ from gproof.ir.program import PARAMETER, Named
 from gproof.ir.rules import CodeRule
 from gproof.ir.rules import Function as F
 from gproof.ir.trace import Op, Wait
-from gproof.passes.din_motion import Handler, correct
+from gproof.passes.din_modes import correct
+from gproof.passes.din_motion import Handler
 from gproof.passes.din_origins import end_contour
 from gproof.passes.din_state import din_of, has_tools, own_unit
 from gproof.passes.emitter import ProgramEnd

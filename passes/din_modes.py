@@ -1,0 +1,223 @@
+"""Codes that say how moves count and where they go: planes, reflection, cylinders, units, modes, correction.
+
+APCI-8001 G-code manual 3.6 to 3.17, 3.20 to 3.22, 3.24, 3.25, 3.27, 3.28, 3.31, 3.32, 3.35, 3.36 and 2.7.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+from gproof.ir import codes
+from gproof.ir.din import VERSIONS
+from gproof.ir.finding import Refusal
+from gproof.ir.rules import CodeRule
+from gproof.ir.rules import Function as F
+from gproof.ir.trace import Op, Plane
+from gproof.passes.din_motion import Handler
+from gproof.passes.din_state import din_of, has_tools, mirror_columns
+from gproof.passes.modal import INCH
+from gproof.passes.values import Unknown
+
+if TYPE_CHECKING:
+    from gproof.passes.din import Part
+    from gproof.passes.motion import Motion
+
+
+def plane(ex: Motion, line: Part, rule: CodeRule) -> None:
+    """G17, G18, G19: the latter two count where a tool table is loaded (2.7, 14 (2.5.3.89))."""
+    s = ex.modal
+    new = {F.PLANE_XY: Plane.XY, F.PLANE_XZ: Plane.XZ}.get(rule.function, Plane.YZ)
+    if s.din.side and new is not s.plane:
+        raise Refusal(codes.PLANE_WITH_COMPENSATION.at(line.code_span(), code=rule.text, plane=s.plane.name))
+    is_open = new is not Plane.XY and not has_tools(ex.machine)
+    if new is not s.plane or is_open != s.din.plane_open:
+        # I, J and K of another plane are other words.
+        s.din = s.din.but(center=None)
+    s.plane = new
+    s.din = s.din.but(plane_open=is_open)
+    if s.din.idle:
+        correct(ex, line, s.din.idle)
+    s.stated.add("plane")
+    ex.event(Op.PLANE, line.span, arg=(float(new), 0.0))
+
+
+def reflect(ex: Motion, line: Part, rule: CodeRule) -> None:
+    """G21 to G23: Y, X, or both."""
+    s = ex.modal
+    columns = mirror_columns(ex.machine)
+    new = set(s.din.reflected)
+    for bit, (letter, column) in enumerate(zip("XY", columns, strict=True)):
+        if rule.value >> bit & 1:
+            if column is None:
+                raise Refusal(codes.AXIS_NOT_THERE.at(line.code_span(), axis=letter))
+            new.add(column)
+    s.din = s.din.but(reflected=frozenset(new))
+
+
+def reflect_off(ex: Motion, line: Part, rule: CodeRule) -> None:
+    """G24: whether factors are kept for the next reflection is open."""
+    s = ex.modal
+    factors = tuple(by if by == -1.0 else math.nan for by in s.din.factors)
+    s.din = s.din.but(reflected=frozenset(), factors=(factors[0], factors[1]))
+
+
+def position_factor(ex: Motion, line: Part, rule: CodeRule) -> None:
+    """G39: factors of reflected axes; alone: all are -1 again."""
+    s = ex.modal
+    words = line.axes()
+    factors = list(s.din.factors) if words else [-1.0, -1.0]
+    columns = mirror_columns(ex.machine)
+    for axis, value in words.items():
+        word = ex.machine.word(axis)
+        if word in line.bare:
+            raise Refusal(codes.MISSING_VALUE.at(line.where(word), letter=word))
+        if axis not in columns:
+            what = f"{rule.text} of {word}, which no code reflects"
+            raise Refusal(codes.UNSUPPORTED_CODE.at(line.where(word), code=what))
+        if value == 0.0:
+            raise Refusal(codes.SCALING_ZERO.at(line.where(word), code=rule.text))
+        factors[columns.index(axis)] = math.nan if isinstance(value, Unknown) else value
+    s.din = s.din.but(factors=(factors[0], factors[1]))
+
+
+def effective_radius(ex: Motion, line: Part, rule: CodeRule) -> None:
+    """G51: radius of the cylinder on which words of a rotary axis are lengths, in interpolation units."""
+    s = ex.modal
+    words = line.axes()
+    if not words:
+        raise Refusal(codes.AXIS_WORDS_MISSING.at(line.code_span(), code=rule.text))
+    radii = dict(s.din.radii)
+    for axis, value in words.items():
+        word = ex.machine.word(axis)
+        if s.linear[axis]:
+            what = f"{rule.text} of {word}, which is no rotary axis"
+            raise Refusal(codes.UNSUPPORTED_CODE.at(line.where(word), code=what))
+        if not isinstance(value, Unknown) and value <= 0.0:
+            raise Refusal(codes.ILLEGAL_VALUE.at(line.where(word), word=word, what=f"a radius of {value:g}"))
+        radii[axis] = math.nan if isinstance(value, Unknown) else value * s.unit
+    s.din = s.din.but(radii=tuple(sorted(radii.items(), key=lambda pair: pair[0])))
+
+
+def units(ex: Motion, line: Part, rule: CodeRule) -> None:
+    """G70, G71: positions and feeds of interpolation; F is asked for anew."""
+    s = ex.modal
+    new = INCH if rule.function is F.UNITS_INCH else 1.0
+    s.stated.add("units")
+    if new != s.unit:
+        radii = tuple((axis, math.nan) for axis, _ in s.din.radii)
+        s.din = s.din.but(asked=rule.text if s.din.given else "", radii=radii, center=None)
+    s.unit = new
+    ex._state_changed()
+    ex.event(Op.UNITS, line.span, arg=(new, 0.0))
+
+
+def per_minute(ex: Motion, line: Part, rule: CodeRule) -> None:
+    """G94: F counts a minute."""
+    s = ex.modal
+    if s.din.time_unit != 60.0:
+        s.din = s.din.but(time_unit=60.0, asked=rule.text if s.din.given else "")
+
+
+def inverse_time(ex: Motion, line: Part, rule: CodeRule) -> None:
+    """G93 is not implemented (3.27)."""
+    raise Refusal(codes.UNKNOWN_CODE.at(line.code_span(), code=f"{rule.text} (not implemented, 3.27)"))
+
+
+def constant_speed(ex: Motion, line: Part, rule: CodeRule) -> None:
+    """G96, G97: which feed and speed follow is not described."""
+    ex.modal.din = ex.modal.din.but(constant_speed=rule.function is F.SURFACE_SPEED)
+    ex.event(Op.DEVICE, line.span, text=ex._text(rule.text))
+
+
+def distance_mode(ex: Motion, line: Part, rule: CodeRule) -> None:
+    """G90, G91."""
+    ex.modal.absolute = rule.function is F.ABSOLUTE
+    ex.modal.din = ex.modal.din.but(mode_open=False)
+    ex.modal.stated.add("distance")
+
+
+def spline(ex: Motion, line: Part, rule: CodeRule) -> None:
+    """G150, G151: between the points of a spline nobody knows the path."""
+    on = rule.function is F.SPLINE_ON
+    ex.modal.din = ex.modal.din.but(spline=on)
+    if on:
+        ex._fail(codes.UNSUPPORTED_CODE.at(line.code_span(), code=f"{rule.text} (the path between points)"))
+
+
+def centers(ex: Motion, line: Part, rule: CodeRule) -> None:
+    """G162: relative. G161: absolute; whether that rests on the option of IniCfg (3.35) is open where it is not on."""
+    s = ex.modal
+    option = din_of(ex.machine).absolute_centers or None
+    s.din = s.din.but(centers_absolute=option if rule.function is F.CENTERS_ABSOLUTE else False, center=None)
+
+
+def interpolation_axes(ex: Motion, line: Part, rule: CodeRule) -> None:
+    """G60: the axes of G01 to G03 (3.20, 14 (2.5.3.78))."""
+    s = ex.modal
+    new = frozenset(line.axes())
+    if not new:
+        raise Refusal(codes.AXIS_WORDS_MISSING.at(line.code_span(), code=rule.text))
+    din = s.din
+    old = din.interpolating
+    # Since 2.5.3.78 it counts when it runs; before, where it stood in the source, and whether a second one did is open.
+    again = din_of(ex.machine).version == VERSIONS[1] and (din.programmed_axes or ex._moves)
+    doubtful = (old ^ new) | (din.doubtful - (old & new)) if again else frozenset()
+    s.din = din.but(interpolating=new | old if doubtful else new, doubtful=doubtful, programmed_axes=True)
+
+
+def correction(ex: Motion, line: Part, rule: CodeRule) -> None:
+    """G40 to G42: radius correction with a record of the tool table (2.7); entry and corners are not described."""
+    s = ex.modal
+    if rule.function is F.COMPENSATION_OFF:
+        # The tool comes back to the contour with the next move.
+        s.din = s.din.but(side=0, idle=0)
+        return
+    tools = din_of(ex.machine).tools
+    if tools is not None and not tools:
+        hint = "a tool table with contents must be loaded (2.7)"
+        raise Refusal(
+            codes.NOT_ENABLED.at(line.code_span(), code=rule.text, device="tools", key="tool_file", hint=hint)
+        )
+    correct(ex, line, 1 if rule.function is F.COMPENSATION_LEFT else -1)
+
+
+def correct(ex: Motion, line: Part, side: int) -> None:
+    """The tool goes beside the contour from here, as far as its record has a radius in the plane."""
+    s = ex.modal
+    section = {Plane.XY: "xy", Plane.XZ: "zx"}.get(s.plane, "yz")
+    found = [t for t in din_of(ex.machine).tools or () if t.number == s.din.tool and t.plane == section]
+    if found and all(t.radius == 0.0 for t in found) and not s.din.plane_open:
+        s.din = s.din.but(side=0, idle=side)
+        return
+    s.din = s.din.but(side=side, idle=0)
+    code = "G41" if side > 0 else "G42"
+    cause = f"{code}: entry, corners and exit of the corrected path, which are not described (2.7)"
+    ex._fail(codes.COMPENSATION_UNKNOWN.at(line.code_span(), cause=cause))
+
+
+HANDLERS: dict[F, Handler] = {
+    F.PLANE_XY: plane,
+    F.PLANE_XZ: plane,
+    F.PLANE_YZ: plane,
+    F.REFLECT: reflect,
+    F.REFLECT_OFF: reflect_off,
+    F.POSITION_FACTOR: position_factor,
+    F.EFFECTIVE_RADIUS: effective_radius,
+    F.UNITS_INCH: units,
+    F.UNITS_MM: units,
+    F.FEED_PER_MINUTE: per_minute,
+    F.FEED_INVERSE_TIME: inverse_time,
+    F.SURFACE_SPEED: constant_speed,
+    F.SPINDLE_RPM: constant_speed,
+    F.ABSOLUTE: distance_mode,
+    F.INCREMENTAL: distance_mode,
+    F.SPLINE_OFF: spline,
+    F.SPLINE_ON: spline,
+    F.CENTERS_ABSOLUTE: centers,
+    F.CENTERS_RELATIVE: centers,
+    F.INTERPOLATION_AXES: interpolation_axes,
+    F.COMPENSATION_OFF: correction,
+    F.COMPENSATION_LEFT: correction,
+    F.COMPENSATION_RIGHT: correction,
+}
