@@ -526,11 +526,13 @@ class Limits(Check):
                 if most < least:
                     continue
                 form = self._trace.frames[slot // 2][index]
-                if form and all(symbol in self._trace.symbols for symbol, _ in form):
+                arose = tuple(term for term in form if term[0] in self._trace.symbols)
+                if arose:
                     # What arose in the run and is bounded shows as all the places it may mean.
-                    known = form_interval(form, self.setup, self._trace)
+                    known = form_interval(arose, self.setup, self._trace)
                     assert known is not None
-                    form, least, most = (), least + known.low, most + known.high
+                    form = tuple(term for term in form if term not in arose)
+                    least, most = least + known.low, most + known.high
                 seen = by_form.setdefault(form, [math.inf, -math.inf])
                 seen[0], seen[1] = min(seen[0], least), max(seen[1], most)
             for form, (least, most) in by_form.items():
