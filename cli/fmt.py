@@ -84,7 +84,7 @@ class Forms:
         if dialect == "eding":
             return Form(load_alone, emit)
         if dialect == "mcuwin":
-            raise UsageError(f"{source}: is mcuwin, which fmt does not print yet; --dialect overrides")
+            return _mcuwin(machine, machine_file, folder)
         return _wincnc(machine, [file.parent for file in (machine_file,) if file is not None], folder)
 
     def _beside(self, folder: Path | None) -> dict[str, Path]:
@@ -117,6 +117,21 @@ def _wincnc(machine: Machine, folders: list[Path], own: Path | None) -> Form:
     return Form(
         lambda path, findings, name: load_wincnc(path, findings, name, machine=machine, folders=where),
         lambda program: emit_wincnc(program, lexical),
+    )
+
+
+def _mcuwin(machine: Machine, machine_file: Path | None, folder: Path | None) -> Form:
+    from gproof.backend.emit.mcuwin import emit as emit_mcuwin
+    from gproof.frontend.mcuwin.load import load_alone as load_mcuwin
+    from gproof.frontend.mcuwin.machine import NO_MCUWIN
+    from gproof.ir.din import NO_DIN
+
+    known = NO_MCUWIN if machine is NO_MACHINE else machine
+    return Form(
+        lambda path, findings, name: load_mcuwin(
+            path, findings, name, machine=known, machine_file=machine_file, folder=folder
+        ),
+        lambda program: emit_mcuwin(program, known.controller.din or NO_DIN),
     )
 
 
@@ -153,8 +168,8 @@ def run_fmt(
     in_place = not (only_check or diff or to_stdout)
     worst = 0
     for path in dict.fromkeys(files):
-        with _source(path) as source, _scratch(source, in_place) as scratch:
-            named = stdin_name or path
+        named = stdin_name or path
+        with _source(path, named) as source, _scratch(source, in_place) as scratch:
             name = str(named)
             form = forms.of(source, named)
             done = _format(form, source, scratch, name)
@@ -217,13 +232,13 @@ def _require(files: tuple[Path, ...], forms: Forms, *, only_check: bool, diff: b
 
 
 @contextmanager
-def _source(path: Path) -> Iterator[Path]:
-    """The file to read: ``path``, or what standard input has, as a file."""
+def _source(path: Path, named: Path) -> Iterator[Path]:
+    """The file to read: ``path``, or what standard input has, as a file with the extension of ``named``."""
     if path != STANDARD_INPUT:
         yield path
         return
     with tempfile.TemporaryDirectory(prefix="gproof-") as folder:
-        copy = Path(folder) / "standard-input.cnc"
+        copy = Path(folder) / f"standard-input{named.suffix or '.cnc'}"
         with copy.open("wb") as file:
             shutil.copyfileobj(sys.stdin.buffer, file)
         yield copy

@@ -34,7 +34,8 @@ _MARKERS: tuple[tuple[str, str, re.Pattern[bytes]], ...] = (
 EXTENSIONS = {
     ".cnc": "eding", ".ngc": "eding", ".nc": "eding", ".gcode": "eding", ".gc": "eding", ".g": "eding",
     ".ncd": "eding", ".iso": "eding", ".txt": "eding", ".eia": "eding",
-    ".tap": "wincnc", ".mac": "wincnc", ".wnc": "wincnc", ".pim": "mcuwin", ".din": "mcuwin", ".src": "mcuwin",
+    ".tap": "wincnc", ".mac": "wincnc", ".wnc": "wincnc",
+    ".pim": "mcuwin", ".din": "mcuwin", ".src": "mcuwin", ".inc": "mcuwin",
 }  # fmt: skip
 """What an extension says when the text says nothing."""
 

@@ -24,8 +24,9 @@ class NoteKind(enum.IntEnum):
     LINE_NUMBER: the digits, as written; DELETE: the block delete sign of the line (no text); MARK: the sign that
     some controllers have at the start or end of a program, alone on its line, whose text is the name
     behind it where the language has such names; COMMENT: enclosed; REMARK: to the end of the line; ENCODING: of the
-    line's bytes, where it is not UTF-8 and the line has texts; SIGNED: a comment
-    with the signs that begin and end it; LEFT_OUT: a whole line that the controller, or gproof, does not read.
+    line's bytes, where it is not UTF-8 and the line has texts; SIGNED: a comment with the signs that begin and end it;
+    LEFT_OUT: a whole line that the controller, or gproof, does not read; PASCAL: the line has text of the language that
+    stands beside the blocks of the controller (no text).
     """
 
     LINE_NUMBER = 1
@@ -36,6 +37,7 @@ class NoteKind(enum.IntEnum):
     ENCODING = 6
     SIGNED = 7
     LEFT_OUT = 8
+    PASCAL = 9
 
 
 NOTE = Schema(

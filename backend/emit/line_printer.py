@@ -35,8 +35,11 @@ def padded(line: bytes, column: int) -> bytes:
 class LinePrinter:
     """Prints the lines of a file from the top; ``next`` is the first that is not printed yet.
 
-    kept: bytes with which no line may begin that did not begin so: it stays as it is.
+    kept: bytes with which no line may begin that did not begin so: it stays as it is. two_digits: G codes of plain
+    lines have two digits at least.
     """
+
+    two_digits = False
 
     def __init__(self, program: Program, kept: bytes = b"") -> None:
         self.program = program
@@ -68,12 +71,20 @@ class LinePrinter:
             yield self._plain(line, next_line - 1, words, indent)
             begin, line = after, next_line
 
-    def _plain(self, first: int, last: int, words: Columns, indent: int) -> bytes:
-        """Lines of literal words and notes."""
-        notes = self.notes.take(first, last)
+    def _plain(self, first: int, last: int, words: Columns, indent: int, notes: Notes | None = None) -> bytes:
+        """Lines of literal words and notes; notes: theirs, when they are taken already."""
+        notes = self.notes.take(first, last) if notes is None else notes
         self.next = last + 1
         text, kept = plain_lines(
-            first, last, words, notes, indent=indent, limit=self.limit, newline=self.source.newline, kept=self.kept
+            first,
+            last,
+            words,
+            notes,
+            indent=indent,
+            limit=self.limit,
+            newline=self.source.newline,
+            kept=self.kept,
+            two_digits=self.two_digits,
         )
         if not kept:
             return text

@@ -18,12 +18,22 @@ _FLOAT_POWERS = [10.0**n for n in range(k.MOST_DECIMALS + 1)]
 
 
 def plain_lines(
-    first: int, last: int, words: Columns, notes: Notes, *, indent: int, limit: int, newline: str, kept: bytes = b""
+    first: int,
+    last: int,
+    words: Columns,
+    notes: Notes,
+    *,
+    indent: int,
+    limit: int,
+    newline: str,
+    kept: bytes = b"",
+    two_digits: bool = False,
 ) -> tuple[bytes, list[tuple[int, int, int]]]:
     """The lines first..last with these words and notes.
 
-    limit: bytes that a line may have without its end; kept: bytes with which none may begin. Returns the text and, of
-    the lines that are longer or begin so, the number, begin and end (without the line's end) in the text.
+    limit: bytes that a line may have without its end; kept: bytes with which none may begin; two_digits: codes
+    below 10 have a zero before them. Returns the text and, of the lines that are longer or begin so, the number, begin
+    and end (without the line's end) in the text.
     """
     lines = last - first + 1
     run = k.print_lines.pick(len(words) + len(notes.table) + lines)
@@ -42,7 +52,9 @@ def plain_lines(
         texts = [np.frombuffer(text or b"\0", np.uint8) for text in texts]
     hard, note_text, first_bytes, target = texts
     arguments: list[Any] = [*columns, decimals, powers, hard_begin, hard, *note_columns, note_text, target, *long]
-    size, longs = run(first, last, indent, limit, int(newline == "\r\n"), len(kept), first_bytes, *arguments)
+    size, longs = run(
+        first, last, indent, limit, int(newline == "\r\n"), len(kept), first_bytes, int(two_digits), *arguments
+    )
     found = zip(*(column[:longs].tolist() for column in long), strict=True)
     return bytes(memoryview(out)[:size]), list(found)
 

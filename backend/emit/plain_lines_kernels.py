@@ -61,6 +61,7 @@ def print_lines(
     returns: int,
     kept_size: int,
     kept: Any,
+    two_digits: int,
     word_line: Any,
     word_letter: Any,
     word_flags: Any,
@@ -84,7 +85,7 @@ def print_lines(
     """Print the lines first..last with their words and notes; a line with neither is empty.
 
     indent: blanks before the first word or comment; returns: 1 for lines that end in CR LF; kept: ``kept_size`` bytes
-    with which no line may begin;
+    with which no line may begin; two_digits: 1 where a G code has two digits at least;
     decimals: of each word's number, or -1 - n where its text is hard_text[hard_begin[n]:hard_begin[n + 1]];
     powers: 10**0 .. 10**15 as integers; out: room for everything; long_*: get number, begin and end in ``out`` of
     the lines of more than ``limit`` bytes, or that begin with one of ``kept``. Returns (bytes printed, long lines).
@@ -180,6 +181,9 @@ def print_lines(
                 power = int(powers[d])
                 digits = math.floor(value * power + 0.5)
                 whole = digits // power
+                if two_digits and whole < 10 and word_letter[w] == 71:
+                    out[size] = 48
+                    size += 1
                 rest = digits - whole * power
                 p = 1
                 k = 0

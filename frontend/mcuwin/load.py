@@ -56,17 +56,19 @@ def load_program(
 
 
 def load_alone(
-    path: Path, findings: Findings, name: str = "", *, machine: Machine = NO_MCUWIN, machine_file: Path | None = None
+    path: Path, findings: Findings, name: str = "", *, machine: Machine = NO_MCUWIN, machine_file: Path | None = None,
+    folder: Path | None = None,
 ) -> Program | None:  # fmt: skip
     """One file as a program to be printed again; None when it is refused.
 
-    Files that it includes give the names that they declare and nothing else, and missing ones are no mistakes; calls
-    stay as they are, and jumps out of the file are ``Unsupported`` with their text. name: of the file in findings, when
-    it is not ``path``.
+    Its body has the statements of all its modules as they stand, its subprograms are the declared procedures: labels,
+    calls and ends of modules are not judged, and jumps may lead nowhere. Files that it includes give the names that
+    they declare and nothing else, and missing ones are no mistakes. name: of the file in findings, when it is not
+    ``path``; folder: where its includes are, when that is not its own.
     """
-    loader = _Loader(path, findings, machine, machine_file, tables=True, alone=True)
+    loader = _Loader(path, findings, machine, machine_file, tables=True, alone=True, name=name, folder=folder)
     try:
-        return loader.job(name)
+        return loader.file_alone()
     except Refusal as refusal:
         findings.add(refusal.finding)
         return None
@@ -77,10 +79,12 @@ class _Loader:
 
     def __init__(
         self, path: Path, findings: Findings, machine: Machine, machine_file: Path | None, *, tables: bool,
-        alone: bool = False,
+        alone: bool = False, name: str = "", folder: Path | None = None,
     ) -> None:  # fmt: skip
         self.path = path
         self.alone = alone
+        self.name = name or str(path)
+        self.folder = folder or path.parent
         self.findings = findings
         self.machine_file = machine_file
         self.din = machine.controller.din or NO_DIN
@@ -92,17 +96,39 @@ class _Loader:
         self.annotator = Annotator()
         self.program.scan = self.scanner.scan
         self.program.annotate = self.annotator.annotate
-        self.text = Text(self.program.rules, self.din, axes, findings, self._include_from, Span(str(path), 1))
+        self.text = Text(self.program.rules, self.din, axes, findings, self._include_from, Span(self.name, 1))
         self.files: dict[Path, int] = {}
         self.stack: list[Path] = []
         self.held = 0
 
-    def job(self, name: str = "") -> Program:
-        """Everything, put together. name: of the job's file in findings, when it is not its path."""
+    def job(self) -> Program:
+        """Everything, put together."""
+        program = self.program
+        self._read_all()
+        made = assemble(
+            self.text.structure.sections, self.text.procedures, self.name, self.findings, old=self.text.old
+        )  # fmt: skip
+        program.body, program.subprograms = made.body, made.subprograms
+        size = judge_size(program, self.text.structure.sections, self.text.procedures, self.din.program_size)
+        if size is not None:
+            self.findings.add(size)
+        return program
+
+    def file_alone(self) -> Program:
+        """The job's file as it stands."""
+        self._read_all()
+        program, text = self.program, self.text
+        del program.files[1:]
+        program.body = tuple(node for section in text.structure.sections for node in section.body)
+        program.subprograms = {procedure.name: procedure for procedure in text.procedures}
+        return program
+
+    def _read_all(self) -> None:
+        """The text of the job, and of what the machine's settings put before and behind it."""
         program = self.program
         number = self._take_in(self.path)
-        program.files[number].name = name or program.files[number].name
-        whole = Span(str(self.path), 0)
+        program.files[number].name = self.name
+        whole = Span(self.name, 0)
         if self.din.pre_include:
             self._include(self.din.pre_include, whole, self._machine_folders())
         self._file(self.path, number)
@@ -110,28 +136,17 @@ class _Loader:
         if self.din.post_include:
             self._include(self.din.post_include, whole, self._machine_folders())
         self.text.finish()
-        if self.alone:
-            del program.files[1:]
-        made = assemble(
-            self.text.structure.sections, self.text.procedures, program.files[0].name, self.findings,
-            old=self.text.old, alone=self.alone,
-        )  # fmt: skip
-        program.body, program.subprograms = made.body, made.subprograms
-        size = judge_size(program, self.text.structure.sections, self.text.procedures, self.din.program_size)
-        if size is not None and not self.alone:
-            self.findings.add(size)
-        return program
 
     def _machine_folders(self) -> list[Path]:
         folders = [self.machine_file.parent] if self.machine_file is not None else []
-        return list(dict.fromkeys((*folders, self.path.parent)))
+        return list(dict.fromkeys((*folders, self.folder)))
 
     def _take_in(self, path: Path) -> int:
         """Read a file and note it among those of the program; its number there. Refusal when it is none."""
         key = path.resolve()
         if key in self.files:
             return self.files[key]
-        source = read_source(path)
+        source = read_source(path, dos=True)
         source.mark = source.data[:3] == UTF8_MARK
         first_end = source.data.find(b"\n")
         source.newline = "\r\n" if first_end > 0 and source.data[first_end - 1 : first_end] == b"\r" else "\n"
@@ -154,14 +169,16 @@ class _Loader:
         if self.text.old and self.machine_file is not None:
             folders = [self.machine_file.parent]
         else:
-            folders = list(dict.fromkeys((self.stack[-1].parent, self.path.parent)))
+            own = self.stack[-1].parent if len(self.stack) > 1 else self.folder
+            folders = list(dict.fromkeys((own, self.folder)))
         self._include(name, span, folders)
 
     def _include(self, name: str, span: Span, folders: Sequence[Path]) -> None:
         """Read a file in its place; findings for one that is not there or includes itself."""
         found = find(name, folders)
         if self.alone:
-            if found and len(self.stack) < DEEPEST and found[0].resolve() not in self.stack:
+            itself = (self.folder / Path(self.name).name).resolve()
+            if found and len(self.stack) < DEEPEST and found[0].resolve() not in (itself, *self.stack):
                 with self.text.aside():
                     self._read(found[0])
             return

@@ -49,11 +49,6 @@ class _Unit:
     procedure: Subprogram | None = None
     labels: dict[str, Path] = field(default_factory=dict)
 
-    def reaches(self, name: str, path: Path) -> bool:
-        """Whether a jump in the list ``path`` reaches a label: in that list, or in one around it."""
-        inside = self.labels.get(name)
-        return inside is not None and path[: len(inside)] == inside
-
 
 @dataclass(frozen=True, slots=True)
 class Modules:
@@ -64,20 +59,11 @@ class Modules:
 
 
 def assemble(
-    sections: Sequence[Section], procedures: Sequence[Subprogram], job: str, findings: Findings, *, old: bool,
-    alone: bool = False,
+    sections: Sequence[Section], procedures: Sequence[Subprogram], job: str, findings: Findings, *, old: bool
 ) -> Modules:  # fmt: skip
-    """The modules of a source.
-
-    job: the file that runs; old: names of modules are no labels (version 2.5.3.32); alone: see ``load.load_alone``.
-    """
+    """The modules of a source. job: the file that runs; old: names of modules are no labels (version 2.5.3.32)."""
     units = _units(sections, {sub.name for sub in procedures}, job, old=old)
     units += [_Unit(sub.name, "", sub.span, sub.body, procedure=sub) for sub in procedures]
-    if alone:
-        for unit in units:
-            unit.labels = {node.name: path for node, path in _walk(unit.body) if isinstance(node, Label)}
-            unit.body = _within(unit, unit.body, ())
-        return Modules(units[0].body, {unit.key: _subprogram(unit) for unit in units[1:]})
     return _Assembly(units, findings, old).modules()
 
 
@@ -206,7 +192,8 @@ class _Assembly:
     def _jump(self, unit: _Unit, node: Jump, path: Path) -> Statement:
         name = self._known(node.name)
         if name in unit.labels:
-            if unit.reaches(name, path):
+            inside = unit.labels[name]
+            if path[: len(inside)] == inside:
                 return replace(node, name=name)
             return self._open(f"the jump to label {name} within a block", node.span)
         if name in self.places or (name in self.named and not self.old):
@@ -244,23 +231,6 @@ class _Assembly:
             self.findings.add(codes.NO_MODULE_END.at(unit.span, what=what))
         elif not unit.key:
             self.findings.add(codes.NO_PROGRAM_END.at(unit.span))
-
-
-def _within(unit: _Unit, body: Body, path: Path) -> Body:
-    """Jumps that leave a module, as their text."""
-
-    def part_of(index: int) -> Callable[[str, Body], Body]:
-        return lambda part, inner: _within(unit, inner, (*path, (index, part)))
-
-    out: list[Statement] = []
-    for index, node in enumerate(body):
-        if isinstance(node, Jump) and not unit.reaches(node.name, path):
-            text = f"M96 L{node.name}" if node.name.isdigit() else f"M96 {node.name.upper()}"
-            node = Unsupported(what=f"the jump to {node.name}", span=node.span, text=text)
-        elif isinstance(node, If | While | Repeat | For):
-            node = _with_parts(node, part_of(index))
-        out.append(node)
-    return tuple(out)
 
 
 def _subprogram(unit: _Unit) -> Subprogram:

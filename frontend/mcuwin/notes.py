@@ -34,7 +34,7 @@ class FileNotes:
 
     def add(self, line: int, text: str, encoding: str, found: list[Found]) -> None:
         """The notes of a line."""
-        if found and encoding != "utf-8":
+        if encoding != "utf-8" and not (self.rows and self.rows[-1][0] == line):
             self.rows.append((line, 0, int(NoteKind.ENCODING), 0, encoding.encode()))
         for place, kind, begin, written in found:
             column = column_of(text[:begin].encode(encoding)) if place else 0

@@ -22,6 +22,7 @@ from gproof.frontend.mcuwin.structure import Structure
 from gproof.ir import codes
 from gproof.ir.din import Din
 from gproof.ir.finding import Findings, Refusal, Span
+from gproof.ir.notes import NoteKind
 from gproof.ir.program import Block, Declare, Include, Mode, Statement, Subprogram
 from gproof.ir.rules import LanguageRules
 
@@ -30,6 +31,9 @@ DECLARES = re.compile(
 )
 DINEND = re.compile(r"\$DINEND(?![A-Za-z0-9_])", re.IGNORECASE)
 PERCENT = re.compile(r"[ \t]*%")
+
+PASCAL: Found = (0, NoteKind.PASCAL, 0, "")
+"""Of a line with rw_SymPas."""
 
 LineNotes = tuple[int, str, list[Found]]
 """Number, text and notes of a line."""
@@ -128,13 +132,15 @@ class Text:
         begins_in_comment = self.opened
         sign, self.opened = mode_sign(text, self.opened)
         own = text if sign is None else text[: sign[0]]
-        found.append((number, text, pascal_notes(own, 0, begins_in_comment)))
+        found.append((number, text, [PASCAL, *pascal_notes(own, 0, begins_in_comment)]))
         self.lines.append(own)
         if sign is None:
             return
         self._end_section()
         self._start(Span(file, number, sign[0] + 1, sign[1] + 1))
-        self._din(text, file, number, found, sign[1])
+        rest: list[LineNotes] = []
+        self._din(text, file, number, rest, sign[1])
+        found += [(line, written, [(note[0] + 1, *note[1:]) for note in notes]) for line, written, notes in rest]
 
     def _start(self, span: Span) -> None:
         self.structure.add([Mode(name="din", span=span)])
@@ -173,7 +179,7 @@ class Text:
 
     def _din(self, text: str, file: str, number: int, found: list[LineNotes], at: int = 0) -> None:
         line = self.reader.read(text, file, number, at)
-        if line.notes:
+        if line.notes or not text.isascii():
             found.append((number, text, line.notes))
         if self.numbered and not line.number and line.statements:
             self.findings.add(codes.LINE_NUMBER_MISSING.at(Span(file, number, 1, 2)))
@@ -181,6 +187,7 @@ class Text:
             self.structure.module(line.module, line.module_span)
         elif line.starts is not None:
             begin, end = line.starts
+            found.append((number, text, [PASCAL]))
             self._start(Span(file, number, begin + 1, end + 1))
             self._din(text, file, number, found, end)
         elif line.pascal >= 0:
@@ -225,5 +232,5 @@ class Text:
             self.include(name, span)
             self.persistence.doubt()
         else:
-            found.append((number, text, pascal_notes(text, at + 1, opened=False)))
+            found.append((number, text, [PASCAL, *pascal_notes(text, at + 1, opened=False)]))
             self.structure.pascal(text, at + 1, file, number)

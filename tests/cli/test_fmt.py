@@ -120,7 +120,6 @@ def test_stdout_and_standard_input(gproof, monkeypatch: pytest.MonkeyPatch) -> N
         (["--stdout", "--check", "ugly.cnc"], "--check"),
         (["--stdout", "--diff", "ugly.cnc"], "--diff"),
         (["-", "ugly.cnc"], "goes alone"),
-        (["--dialect", "mcuwin", "ugly.cnc"], "mcuwin"),
         (["--dialect", "heidenhain", "ugly.cnc"], "heidenhain"),
         (["--indent", "8", "ugly.cnc"], "--indent"),
     ],
