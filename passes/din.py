@@ -36,6 +36,8 @@ _LATER = frozenset((
 ))  # fmt: skip
 """Functions of codes that act where they stand, before the motion or behind it."""
 _ENDS = (F.END, F.END_RESET)
+_NAMES_AXES = (F.INTERPOLATION_AXES, F.HOME, F.APPLICATION)
+"""Functions of codes behind which a letter may stand alone."""
 
 
 @dataclass(slots=True)
@@ -124,6 +126,8 @@ def _gather(ex: Motion, columns: dict[str, int], span: Span, words: Words, bare:
             owner = None
             continue
         taker = _taker(line, owner, columns, letter, where)
+        if letter in bare and not (taker.rule is not None and taker.rule.function in _NAMES_AXES):
+            raise Refusal(codes.MISSING_VALUE.at(where, letter=letter))
         if letter in taker.values:
             raise Refusal(codes.REPEATED_WORD.at(where, letter=letter))
         taker.values[letter], taker.spans[letter] = value, where

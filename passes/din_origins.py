@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 from gproof.ir import codes
 from gproof.ir.dialects.mcuwin import OFFSETS_AT
 from gproof.ir.finding import Refusal
-from gproof.ir.machine import AXES
+from gproof.ir.machine import AXES, Axis
 from gproof.ir.rules import CodeRule
 from gproof.ir.rules import Function as F
 from gproof.ir.trace import Op
@@ -187,9 +187,23 @@ def limit(ex: Motion, line: Part, rule: CodeRule) -> None:
                 line.where(ex.machine.word(axis)), side="left" if left else "right", axis=ex.machine.word(axis),
                 hint="whether G91 holds for it is not documented: G90 before"))  # fmt: skip
             continue
+        if _past_all(by_index[axis], value * scale, left=left):
+            # The end stops decide there, and nobody said where they are.
+            unsure.add(axis)
+            key = "travel_min" if left else "travel_max"
+            ex._fail(codes.LIMIT_UNKNOWN.at(
+                line.where(ex.machine.word(axis)), side="left" if left else "right", axis=ex.machine.word(axis),
+                hint=f"it lies past that of the machine file, where {key} of [axes] says how far the axis goes",
+            ))  # fmt: skip
         side[axis] = value * scale
     s.din = s.din.but(lower=tuple(lower), upper=tuple(upper), limits_open=frozenset(unsure))
     _use_limits(ex)
+
+
+def _past_all(axis: Axis, place: float, *, left: bool) -> bool:
+    """Whether a limit lies past the one of the machine's file and nobody stated the end stop behind it."""
+    soft, travel = (axis.lower, axis.travel_lower) if left else (axis.upper, axis.travel_upper)
+    return travel is None and soft is not None and (place < soft if left else place > soft)
 
 
 def _use_limits(ex: Motion) -> None:

@@ -1,0 +1,80 @@
+"""Programs of DIN blocks that look harmless: what must not be told SAFE, and what must be told at all."""
+
+from __future__ import annotations
+
+import dataclasses
+
+import pytest
+from passes.din_programs import labels, machine, moves, run
+
+from gproof.ir.din import RadiusTool
+from gproof.ir.machine import Machine
+from gproof.ir.setup import NOTHING
+
+TOOLS = tuple(
+    RadiusTool(number=number, plane=plane, radius=radius, length=0.0)
+    for number, plane, radius in (
+        (0, "xy", 0.0), (1, "xy", 5.0), (2, "xy", 0.0), (0, "zx", 3.0), (1, "zx", 3.0), (2, "zx", 0.0),
+    )
+)  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("lines", "known"),
+    [
+        (["T1"], False),
+        (["T2"], True),
+        (["G18"], False),
+        (["T2", "G18"], True),
+        (["T2", "G18", "T1"], False),
+        (["G40", "T1"], True),
+        (["G40", "G18"], True),
+    ],
+)
+def test_a_correction_of_no_radius_is_one_with_the_next_tool_or_plane(lines: list[str], known: bool) -> None:
+    on = machine(tools=TOOLS)
+    found = labels(run(["G90 F100", "G41", *lines, "G01 X5"], on=on)[1])
+    assert ("GP256" not in found) is known
+
+
+@pytest.mark.parametrize(
+    "line", ["G00 X", "G01 X Y5 F10", "G92 X", "G98 X", "G99 Y", "G51 C", "M80 X", "G39 X", "G00 F X5"]
+)
+def test_a_letter_without_its_number_is_refused(line: str) -> None:
+    assert "GP108" in labels(run(["G90", line])[1])
+
+
+@pytest.mark.parametrize("line", ["G60 X Y", "G74 X"])
+def test_codes_that_name_axes_take_letters_alone(line: str) -> None:
+    assert "GP108" not in labels(run(["G90", line])[1])
+
+
+def _ended(**changes: float) -> Machine:
+    """X from -100 to 100, end stops as given."""
+    on = machine()
+    axes = tuple(
+        dataclasses.replace(axis, lower=-100.0, upper=100.0, **changes) if axis.name == "x" else axis
+        for axis in on.axes
+    )
+    return dataclasses.replace(on, axes=axes)
+
+
+@pytest.mark.parametrize(
+    ("line", "stops", "known"),
+    [
+        ("G98 X-150", {}, False),
+        ("G99 X150", {}, False),
+        ("G98 X-100", {}, True),
+        ("G99 X60", {}, True),
+        ("G98 X-150", {"travel_upper": 110.0}, False),
+        ("G98 X-150", {"travel_lower": -160.0}, True),
+        ("G99 X150", {"travel_upper": 110.0}, True),
+    ],
+)
+def test_limits_past_those_of_the_machine_need_its_end_stops(line: str, stops: dict[str, float], known: bool) -> None:
+    assert ("GP302" not in labels(run(["G90", line], on=_ended(**stops))[1])) is known
+
+
+def test_a_program_starts_without_an_offset_whoever_sets_it_up() -> None:
+    trace, _ = run(["G90", "G00 X5"], setup=NOTHING)
+    assert [move[1] for move in moves(trace)] == [5.0]
