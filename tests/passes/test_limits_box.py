@@ -33,5 +33,5 @@ def test_bounded_values_are_one_range(tmp_path: Path) -> None:
     session = open_session(job, machine=tmp_path / "m.toml", setup=None, dialect=None)
     box = judge(session, running=Running()).summary.box
     y = [(relative, low, high) for axis, relative, low, high in box if axis == "y"]
-    assert [(low, high) for _, low, high in y] == [(-12.0, 12.0)], box
+    assert [(round(low, 9), round(high, 9)) for _, low, high in y] == [(-12.0, 12.0)], box
     assert "value" not in y[0][0]
