@@ -11,7 +11,7 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 from gproof.ir import codes
-from gproof.ir.din import USUAL, VERSIONS
+from gproof.ir.din import USUAL
 from gproof.ir.finding import Refusal, Span
 from gproof.ir.machine import AXES, AXIS_NAMES, AxisKind
 from gproof.ir.rules import CodeRule
@@ -45,8 +45,6 @@ def note_assumptions(ex: Motion) -> None:
     turns = any(axis.kind is AxisKind.ROTARY for axis in ex.machine.axes)
     ex.assumed.update({USUAL[key]: None for key in din.unstated if turns or key != "shortest_path"})
     if ex.setup.default_offset is None:
-        if din.version != VERSIONS[1]:
-            ex.assumed["no zero offset is in force when the program starts (14 (2.5.3.88))"] = None
         ex.assumed["no reflection, no effective radius, no spline and no radius correction is on at the start"] = None
 
 

@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 from gproof.ir.dialects.mcuwin import COMMON, DECLARED
-from gproof.ir.din import NO_DIN, VERSIONS, Din
+from gproof.ir.din import NO_DIN, Din
 from gproof.ir.machine import AXES, AXIS_NAMES, Machine
 from gproof.ir.program import Declare, Program
 from gproof.ir.trace import Boundary
@@ -161,10 +161,6 @@ def prepare(modal: Modal) -> None:
     for record in range(1, 6):
         for axis in range(AXES):
             modal.work_offsets[record, axis] = zero_offset_table(modal, record, axis)
-    if din.version != VERSIONS[1]:
-        # Since 2.5.3.88 a program that starts has no offset (14).
-        modal.g92 = [place if AXIS_NAMES[n] in setup.g92 else Position(0.0) for n, place in enumerate(modal.g92)]
-        modal.g92_stored = list(modal.g92)
     modal.tool = setup.tool
     modal.tool_offset = [Position(0.0)] * AXES
     if din.tools is None and setup.default_offset is None:

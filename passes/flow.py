@@ -324,7 +324,9 @@ class Flow(Branches):
         self._not_spooled(node.span, node.code or "M17")
         place = next((n for n in reversed(range(len(self._stack))) if self._stack[n].caller is not None), -1)
         if place < 0:
-            raise Refusal(codes.UNSUPPORTED_CODE.at(node.span, code=f"{node.code or 'M17'} outside of a subprogram"))
+            hint = "a file of subprograms is no job: check the one that includes it ($I)"
+            what = f"{node.code or 'M17'} outside of a subprogram"
+            raise Refusal(codes.UNSUPPORTED_CODE.at(node.span, code=what, hint=hint))
         frame = self._stack[place]
         self._leave_frames(place, len(frame.body) + 1)
 

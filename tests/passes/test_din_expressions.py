@@ -12,7 +12,7 @@ from gproof.ir.dialects.mcuwin import MCUWIN
 from gproof.ir.finding import Findings, Refusal, Span
 from gproof.ir.program import Binary, Constant, Expr, Number, Unary, Variable
 from gproof.ir.rules import BINARY, UNARY
-from gproof.ir.setup import Interval, Setup
+from gproof.ir.setup import Setup
 from gproof.passes import ranges
 from gproof.passes.compiled import compile_condition
 from gproof.passes.expressions import BINARY_FUNCTIONS, UNARY_FUNCTIONS, Evaluator
@@ -152,7 +152,7 @@ def test_offsets_read_and_written_back() -> None:
     trace, findings = run(["G54", "G153", "G53", "CD50 := CD50 + 5", "G154", "G90 G00 X0 Y0 Z0"])
     assert moves(trace) == [("TRAVERSE", 15, 20, 30)]
     assert labels(findings) == []
-    unknown, _ = run(["G153", "G91 G92 X5", "G154", "G90 G00 X0"], setup=Setup(g92={"x": Interval(0.0, 5.0)}))
+    unknown, _ = run(["G153", "G91 G92 X5", "G154", "G90 G00 X0"], setup=Setup())
     rows = unknown.sections[-1].rows
     last = max(n for n in range(len(rows)) if rows["op"][n] == 1)
     assert unknown.frames[int(rows["frame"][last])][0] == (("g92.x", 1),)

@@ -5,11 +5,10 @@ from __future__ import annotations
 import dataclasses
 
 import pytest
-from passes.din_programs import labels, machine, moves, run
+from passes.din_programs import labels, machine, run
 
 from gproof.ir.din import RadiusTool
 from gproof.ir.machine import Machine
-from gproof.ir.setup import NOTHING
 
 TOOLS = tuple(
     RadiusTool(number=number, plane=plane, radius=radius, length=0.0)
@@ -75,6 +74,7 @@ def test_limits_past_those_of_the_machine_need_its_end_stops(line: str, stops: d
     assert ("GP302" not in labels(run(["G90", line], on=_ended(**stops))[1])) is known
 
 
-def test_a_program_starts_without_an_offset_whoever_sets_it_up() -> None:
-    trace, _ = run(["G90", "G00 X5"], setup=NOTHING)
-    assert [move[1] for move in moves(trace)] == [5.0]
+def test_a_library_of_subprograms_says_that_it_is_no_job() -> None:
+    _, findings = run(["G90 G00 X5", "M17"])
+    (found,) = [finding for finding in findings.kept if finding.code.label == "GP113"]
+    assert "$I" in found.hint
