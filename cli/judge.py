@@ -9,6 +9,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from gproof.cli.offsets import contradiction
 from gproof.cli.session import Running, Session
 from gproof.ir import codes
 from gproof.ir.finding import Findings, Severity, Span
@@ -136,7 +137,7 @@ def _pass(
         if observe is not None:
             observe(chunk)
     estimate.finish()
-    fits = _both(session, findings, limits.finish(), edges.finish(), "limits and boundaries")
+    fits = _together(session, findings, limits.finish(), edges.finish())
     area.given(fits.conditions)
     results = [fits, *(check.finish() for check in checks[1:])]
     if ex.refused or any(code.number in findings.counts for code in _LEAVES_THE_PATH_OPEN):
@@ -190,10 +191,50 @@ def _not_proved(result: PropertyResult) -> PropertyResult:
     return dataclasses.replace(result, verdict=Verdict.UNKNOWN, conditions=())
 
 
+def _together(session: Session, findings: Findings, limits: PropertyResult, edges: PropertyResult) -> PropertyResult:
+    """What soft limits and boundaries ask of unknown offsets, which both hold at once.
+
+    GP303 where what each needs for certain excludes the other; GP304 where only their conditions do.
+    """
+    needed = (*limits.needed, *edges.needed)
+    missed = contradiction(needed) if limits.needed and edges.needed else 0.0
+    told = findings.has(Severity.ERROR, ("limits",))
+    fits = _both(session, findings, limits, edges, "limits and boundaries", refuted=bool(missed))
+    if missed and not told:
+        names = " and ".join(dict.fromkeys(describe(((symbol, 1),)) for c in needed for symbol, _ in c.terms))
+        asked = [f"{what}: {_range(c)}" for what, r in (("limits", limits), ("boundaries", edges)) for c in r.needed]
+        hint = "what soft limits and boundaries ask excludes each other; " + ", ".join(asked)
+        findings.add(
+            codes.NO_SAFE_OFFSET.at(
+                Span(str(session.job), 0), name=names, extent=missed, unit="mm", room=0.0, hint=hint
+            )
+        )  # fmt: skip
+        return dataclasses.replace(fits, verdict=Verdict.UNSAFE, conditions=())
+    if not missed and fits.verdict is Verdict.SAFE and contradiction(fits.conditions):
+        cause = "limits and boundaries: no offsets suit all conditions at once"
+        names = " and ".join(describe(c.terms) for c in fits.conditions)
+        findings.add(codes.POSITION_UNKNOWN.at(Span(str(session.job), 0), axis=names, cause=cause))
+        return dataclasses.replace(fits, verdict=Verdict.UNKNOWN)
+    return fits
+
+
+def _range(condition: Condition) -> str:
+    ends = [
+        f"{side} {value + 0.0:.4f}"
+        for side, value in (("at least", condition.low), ("at most", condition.high))
+        if math.isfinite(value)
+    ]
+    return f"{describe(condition.terms)} {' and '.join(ends)} mm"
+
+
 def _both(
-    session: Session, findings: Findings, a: PropertyResult, b: PropertyResult, what: str = "the block delete switch"
+    session: Session, findings: Findings, a: PropertyResult, b: PropertyResult, what: str = "the block delete switch",
+    *, refuted: bool = False,
 ) -> PropertyResult:  # fmt: skip
-    """One property under two settings of a switch, or by two checks: both must hold, for the same offsets."""
+    """One property under two settings of a switch, or by two checks: both must hold, for the same offsets.
+
+    refuted: that they exclude each other is told already.
+    """
     verdict = worst((a.verdict, b.verdict))
     assumptions = a.assumptions + tuple(x for x in b.assumptions if x not in a.assumptions)
     ranges: dict[Affine, tuple[float, float]] = {}
@@ -202,7 +243,7 @@ def _both(
         ranges[c.terms] = max(low, c.low), min(high, c.high)
     conditions = tuple(Condition(terms=terms, low=low, high=high) for terms, (low, high) in ranges.items())
     for c in conditions:
-        if c.empty:
+        if c.empty and not refuted:
             both = "both of its settings" if what == "the block delete switch" else "both"
             cause = f"{what}: no {describe(c.terms)} suits {both}"
             where = Span(str(session.job), 0)

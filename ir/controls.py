@@ -187,6 +187,7 @@ class Controls:
     arcs_share_feed: an F of lines holds for arcs and the reverse; False: each keeps its own; None: not stated.
     helical_arcs: False: an arc that moves another axis is an error.
     inputs, outputs: numbers of the channels that are there; None: no file says so. drill_banks: (first output, count).
+    unsteady_outputs: those that the controller itself switches with motion or at a pause (auxout= T2, T3, W).
     devices: those of DEVICES that are set up; None: no file says which.
     axis_order: columns in the order of the controller's axis numbers (axischar=), 0 first.
     smoothing: corners are rounded, or velocities planned otherwise than gproof does (accel=, g08=, g09=, vmatch=,
@@ -198,8 +199,9 @@ class Controls:
     positions, homes, tool_positions: how many of each can be stored.
     nesting: how deep subprograms may call one another. around_files: start and end run around each file that a job
     calls, too; None: not stated. array_order: the cells of an array of rows and columns are cut row by row (rows) or
-    column by column (columns); "": not stated. highest_channel: of inputs and outputs. rotation_sign: whether an angle
-    of G52 turns counter-clockwise (+1) or clockwise (-1). virtual_on: which of L60 and L61 switches a virtual input on.
+    column by column (columns); "": not stated. highest_channel: of inputs and outputs, None: any. rotation_sign:
+    whether an angle of G52 turns counter-clockwise (+1) or clockwise (-1). virtual_on: which of L60 and L61 switches a virtual
+    input on.
     workspaces, changers, measure, drill: see there.
     auto_output: output that is on during feed moves (autoaux=); auto_output_on: from the start; auto_dwell: seconds
     behind switching it on and off; auto_pausing: motion stops for it.
@@ -226,6 +228,7 @@ class Controls:
     arcs_share_feed: bool | None = None
     inputs: tuple[int, ...] | None = None
     outputs: tuple[int, ...] | None = None
+    unsteady_outputs: tuple[int, ...] = ()
     drill_banks: tuple[tuple[int, int], ...] = ()
     devices: tuple[str, ...] | None = None
     positions: int | None = None
@@ -234,7 +237,7 @@ class Controls:
     nesting: int | None = None
     around_files: bool | None = None
     array_order: str = ""
-    highest_channel: int = HIGHEST_CHANNEL
+    highest_channel: int | None = None
     rotation_sign: int = 1
     virtual_on: int = 61
     workspaces: tuple[Workspace, ...] = ()

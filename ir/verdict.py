@@ -34,13 +34,15 @@ def worst(verdicts: Iterable[Verdict]) -> Verdict:
 class PropertyResult:
     """The answer for one property.
 
-    assumptions: sentences the answer stands on; conditions: bounds on unknown offsets, enforced later.
+    assumptions: sentences the answer stands on; conditions: bounds on unknown offsets, enforced later; needed: bounds
+    outside of which the property is refuted for certain, wider than the conditions or the same.
     """
 
     name: str
     verdict: Verdict
     assumptions: tuple[str, ...] = ()
     conditions: tuple[Condition, ...] = ()
+    needed: tuple[Condition, ...] = ()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -48,6 +48,7 @@ def _cells(ex: Executor, node: Array) -> Cells:
         if isinstance(value, Unknown):
             raise Refusal(codes.UNKNOWN_CONDITION.at(word.span, cause=value.cause))
         values[word.letter] = value
+    _need_own_axes(ex, node)
     rows, columns = values.get("R", 1.0), values.get("C", 1.0)
     for letter, count in (("R", rows), ("C", columns)):
         if count < 1 or count != round(count) or count > 1_000_000:
@@ -68,12 +69,30 @@ def _cells(ex: Executor, node: Array) -> Cells:
     return Cells(int(rows), int(columns), (x, y), (s.position[0], s.position[1]), goes_back="E" not in values)
 
 
+def _need_own_axes(ex: Executor, node: Array) -> None:
+    """Refusal GP113 where X or Y do not go where their words say: whether the way to a cell does is not said."""
+    single = ex.modal.single
+    moved = {axis for axis in (0, 1) if single.sources[axis] != axis}
+    moved |= {source for axis, source in enumerate(single.sources) if source in (0, 1) and axis != source}
+    bound = {axis for pair in single.slaves for axis in pair} | single.locked
+    if moved or bound & {0, 1} or ex.modal.transform.on:
+        what = "L10 while X or Y is mapped, coupled, locked, scaled or turned (is the way to a cell?)"
+        raise Refusal(codes.UNSUPPORTED_CODE.at(node.span, code=what))
+
+
 def next_cell(ex: Executor, frame: Frame) -> bool:
     """Behind a cell: to the next one, True; behind the last one back to the first, False."""
     cells = frame.cells
     assert cells is not None
     ex._run_pending()
     frame.cell += 1
+    try:
+        _need_own_axes(ex, frame.node)  # type: ignore[arg-type]
+    except Refusal as refusal:
+        ex._refuse(refusal.finding)
+        ex.modal.position[0] = ex.modal.position[1] = NOWHERE
+        ex.modal.jumped = True
+        return False
     again = frame.cell < cells.count
     if not again and not cells.goes_back:
         return False

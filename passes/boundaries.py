@@ -163,9 +163,10 @@ class Boundaries(Check):
             if not key[1]:
                 for edge in key[0]:
                     self._judge(edge, box, rooms)
-        conditions = []
+        conditions, needed = [], []
         for form, room in sorted(rooms.items(), key=lambda pair: pair[0]):
             low, high = room.low, room.high
+            needed.append(Condition(terms=form, low=room.least, high=room.most))
             if room.least > room.most + 2 * ROUNDING:
                 self._refuted(form, room)
             elif low > high + 2 * ROUNDING:
@@ -181,7 +182,7 @@ class Boundaries(Check):
             verdict = Verdict.UNSAFE
         elif self.findings.has(Severity.UNKNOWN, (self.name,)):
             verdict = Verdict.UNKNOWN
-        return PropertyResult(name=self.name, verdict=verdict, conditions=tuple(conditions))
+        return PropertyResult(name=self.name, verdict=verdict, conditions=tuple(conditions), needed=tuple(needed))
 
     def _refuted(self, form: Affine, room: _Room) -> None:
         """GP303: what one boundary asks of an offset and what another one does exclude each other."""

@@ -109,6 +109,7 @@ class Limits(Check):
         self._trace: Trace | None = None
         self._used = [False] * AXES
         self._errors = 0
+        self._needed: dict[Affine, tuple[float, float]] = {}
         self._first: Span | None = None
         self._assumptions: list[str] = []
 
@@ -333,12 +334,15 @@ class Limits(Check):
                 self._note_settings(AXIS_NAMES[index])
                 self._judge_axis(index, offsets)
         results = self._conditions(offsets)
+        needed = tuple(Condition(terms=form, low=low, high=high) for form, (low, high) in sorted(self._needed.items()))
         verdict = Verdict.SAFE
         if self._errors:
             verdict = Verdict.UNSAFE
         elif self.findings.has(Severity.UNKNOWN, (self.name,)):
             verdict = Verdict.UNKNOWN
-        return PropertyResult(name=self.name, verdict=verdict, assumptions=tuple(self._assumptions), conditions=results)
+        return PropertyResult(
+            name=self.name, verdict=verdict, assumptions=tuple(self._assumptions), conditions=results, needed=needed
+        )
 
     def _note_settings(self, name: str) -> None:
         """GP605 for settings that make the place of this axis unknown once it moves."""
@@ -392,6 +396,8 @@ class Limits(Check):
             if form == () or axis is None:
                 continue
             room = -math.inf if low is None else low - least, math.inf if high is None else high - most
+            if not off:
+                self._need(axis, form, least, most)
             offset = offsets.setdefault(form, _Offset(axis))
             offset.within(room, least, most, self._high_span[slot, index])
         form, at = self._start_forms[index], float(self._start[index])
@@ -400,6 +406,19 @@ class Limits(Check):
             low, high = self.reaches[axis.name].stated[False]
             room = -math.inf if low is None else low - at, math.inf if high is None else high - at
             offsets.setdefault(form, _Offset(axis)).within(room, at, at, self._first)
+
+    def _need(self, axis: Axis, form: Affine, least: float, most: float) -> None:
+        """Rows between two places with the guard on: outside of what they leave a limit is passed for certain."""
+        assert self._trace is not None
+        arising, rest = split_form(form)
+        span = form_interval(arising, self.setup, self._trace)
+        if span is None or not rest or not self._plain or self.setup.cylinder is not None:
+            return
+        lower, upper = self.reaches[axis.name].stated[False]
+        before = self._needed.get(rest, (-math.inf, math.inf))
+        low = -math.inf if lower is None else lower - least - span.high
+        high = math.inf if upper is None else upper - most - span.low
+        self._needed[rest] = max(before[0], low), min(before[1], high)
 
     def _is_bounded(self, index: int, side: str) -> bool:
         """Whether a boundary holds the axis on this side in every state: ``boundaries`` then judges it."""

@@ -6,6 +6,7 @@ L500, M11 to M18, M99, and the variables of braces.
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING
 
 from gproof.ir import codes
@@ -58,7 +59,8 @@ def channel(ex: Motion, line: Command, rule: CodeRule, known: tuple[int, ...] | 
     """The channel in C; Refusal GP128 for one that is not there."""
     number = line.whole("C", ex.program.rules.integer_tolerance)
     assert number is not None
-    highest = ex.machine.controller.controls.highest_channel
+    stated = ex.machine.controller.controls.highest_channel
+    highest = math.inf if stated is None else stated
     if number < 0 or number > highest or (known is not None and number not in known):
         allowed = (
             f"{highest} is the highest channel" if number > highest else f"the machine's file has no {kind} {number}"
@@ -186,16 +188,17 @@ def read_input(ex: Emitter, node: Input, evaluator: Evaluator) -> Value:
     number = round(value)
     controls = ex.machine.controller.controls
     there = {"input": controls.inputs, "output": controls.outputs, "virtual": range(1, 65)}.get(node.kind)
-    beyond = node.kind in ("input", "output") and not 0 <= number <= controls.highest_channel
-    # Axes and their inputs make the numbers of other controllers.
-    beyond = beyond and ex.program.rules.one_command
+    highest = math.inf if controls.highest_channel is None else controls.highest_channel
+    beyond = node.kind in ("input", "output") and number > highest
     missing = there is not None and (number not in there or abs(number - value) > ex.program.rules.integer_tolerance)
     if missing or beyond:
         allowed = f"there is no {node.kind} channel {value:g}"
         raise Refusal(codes.PARAMETER_RANGE.at(node.span, code="a condition", word="C", allowed=allowed))
     s, setup = ex.modal, ex.setup
     known: Value | None = None
-    if node.kind == "output":
+    if node.kind == "output" and number in controls.unsteady_outputs:
+        known = None
+    elif node.kind == "output":
         known = value_of(s.single.outputs, number)
         known = setup.outputs.get(number) if known is None else known
     elif node.kind == "virtual":

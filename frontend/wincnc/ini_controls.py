@@ -10,6 +10,7 @@ from fractions import Fraction
 from gproof.frontend.wincnc.ini_check import Sheet, number
 from gproof.frontend.wincnc.ini_file import Setting
 from gproof.ir.controls import (
+    HIGHEST_CHANNEL,
     Changer,
     Controls,
     DrillSettings,
@@ -75,6 +76,8 @@ def read_controls(sheet: Sheet) -> Controls:
         forced=_forced(sheet),
         inputs=_channels(sheet, "auxin"),
         outputs=_channels(sheet, "auxout"),
+        highest_channel=HIGHEST_CHANNEL,
+        unsteady_outputs=_unsteady(sheet),
         drill_banks=_drill_banks(sheet),
         devices=tuple(devices),
         positions=_count(sheet, "P"),
@@ -251,6 +254,20 @@ def _channels(sheet: Sheet, key: str) -> tuple[int, ...]:
         else:
             found.add(int(channel))
     return tuple(sorted(found))
+
+
+def _unsteady(sheet: Sheet) -> tuple[int, ...]:
+    """Outputs that motion (auxout= T2, T3) or a pause (W) switches, whatever the job has said before."""
+    return tuple(
+        sorted(
+            {
+                int(channel)
+                for setting in sheet.all("auxout")
+                if (channel := number(setting, "C")) is not None
+                and (number(setting, "T") in (2, 3) or number(setting, "W") is not None)
+            }
+        )
+    )
 
 
 def _drill_banks(sheet: Sheet) -> tuple[tuple[int, int], ...]:

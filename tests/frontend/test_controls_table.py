@@ -77,7 +77,7 @@ arc_tolerance = 0.05
         arc_tolerance=0.05, smallest_arc=0.0508, soft_limits=True, shift_sign=-1, helical_arcs=False,
         arcs_share_feed=True, nesting=9,
         start="M98 ON.TAP", inputs=(1, 4), outputs=(), devices=("knife", "thc"), feed_groups=("xy", "z"),
-        command_group="z", axis_order="xyza",
+        command_group="z", axis_order="xyza", highest_channel=64,
     )  # fmt: skip
 
 

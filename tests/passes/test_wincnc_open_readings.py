@@ -55,6 +55,16 @@ HEAD = "G90\nG49\nG0 X1 Y1 Z-1\n"
 CASES: dict[str, tuple[str, dict[str, str], str, str]] = {
     # what: (lines behind HEAD, other files, lines of WINCNC.INI, codes of the findings)
     "control": ("G0 X2\nG1 X3 F50\n", {}, "", ""),
+    "an output that rest switches off": ("M11C2\nM18.2C2\nG0X300\n", {}, "auxout=C2P7B1T2\n", "GP301"),
+    "an output of the velocity": ("M11C2\nM18.2C2\nG0X300\n", {}, "auxout=C2P7B1T3\n", "GP301"),
+    "an output that a pause sets": ("M11C2\nM18.2C2\nG0X300\n", {}, "auxout=C2P7B1W0\n", "GP301"),
+    "an output that stays": ("M11C2\nM18.2C2\nG0X300\n", {}, "auxout=C2P7B1\n", ""),
+    "cells of mapped axes": ("L11YX\nL10R1C2X95E1\nG92XY\nG0X6\n", {}, "", "GP113 GP304"),
+    "cells of axes mapped within": ("L10R1C2X45E1\nG92XY\nL11YX\n", {}, "", "GP113"),
+    "cells of coupled axes": ("L13XY\nL10R1C2X45E1\nG92XY\nG0Y56\n", {}, "", "GP113 GP304"),
+    "cells of locked axes": ("L300X\nL10R1C2X45E1\nG92XY\nG0Y56\n", {}, "", "GP113 GP304"),
+    "cells of axes that are free again": ("L11YX\nL11\nL10R1C2X45E1\nG92XY\nG0Y5\n", {}, "", ""),
+    "cells of scaled axes": ("G51X2\nL10R1C2X26E1\nG0X5\n", {}, "", "GP113 GP304"),
     "a macro behind a mode": ("G90 G28\n", {"CNC.MAC": "G28=M98 HOME.MAC\n", "HOME.MAC": "G0X300\n"}, "", "GP113"),
     "a macro with a sign": ("G+28\n", {"CNC.MAC": "G28=M98 HOME.MAC\n", "HOME.MAC": "G0X300\n"}, "", "GP301"),
     "a macro in braces": ("G{28}\n", {"CNC.MAC": "G28=M98 HOME.MAC\n", "HOME.MAC": "G0X300\n"}, "", "GP113"),
