@@ -200,8 +200,8 @@ class Controls:
     nesting: how deep subprograms may call one another. around_files: start and end run around each file that a job
     calls, too; None: not stated. array_order: the cells of an array of rows and columns are cut row by row (rows) or
     column by column (columns); "": not stated. highest_channel: of inputs and outputs, None: any. rotation_sign:
-    whether an angle of G52 turns counter-clockwise (+1) or clockwise (-1). virtual_on: which of L60 and L61 switches a virtual
-    input on.
+    whether an angle of G52 turns counter-clockwise (+1) or clockwise (-1). virtual_on: which of L60 and L61
+    switches a virtual input on.
     workspaces, changers, measure, drill: see there.
     auto_output: output that is on during feed moves (autoaux=); auto_output_on: from the start; auto_dwell: seconds
     behind switching it on and off; auto_pausing: motion stops for it.

@@ -369,7 +369,8 @@ def test_which_ini_files_are_of_this_controller(tmp_path: Path) -> None:
 def test_what_is_not_stated(tmp_path: Path) -> None:
     controls = controls_of("", tmp_path)
     assert controls == Controls(
-        arc_tolerance=0.01, smallest_arc=0.002, inputs=(), outputs=(), devices=(), axis_order="xyzac", highest_channel=64,
+        arc_tolerance=0.01, smallest_arc=0.002, inputs=(), outputs=(), devices=(), axis_order="xyzac",
+        highest_channel=64,
     )  # fmt: skip
     machine = machine_of(BASE, tmp_path)
     assert machine.controller.max_step_frequency == 30000
