@@ -100,18 +100,20 @@ class Input:
 
 @dataclass(frozen=True, slots=True)
 class Unary:
-    """operator: ``neg``, ``abs``, ``acos`` ... , see ir/rules.py UNARY."""
+    """operator: ``neg``, ``abs``, ``acos`` ... , see ir/rules.py UNARY. whole: as of Binary."""
 
     operator: str
     operand: Expr
     span: Span
+    whole: bool = field(default=False, compare=False)
 
 
 @dataclass(frozen=True, slots=True)
 class Binary:
     """operator: ``+``, ``**``, ``mod``, ``atan`` (two-argument arc tangent, left over right) ..., see BINARY.
 
-    doubtful: the grouping with its neighbours rests on a precedence that the manual does not state.
+    doubtful: the grouping with its neighbours rests on a precedence that the manual does not state. whole: its type is
+    that of whole numbers of 32 bits; what no such number is has no value.
     """
 
     operator: str
@@ -119,6 +121,7 @@ class Binary:
     right: Expr
     span: Span
     doubtful: bool = False
+    whole: bool = field(default=False, compare=False)
 
 
 Expr = Number | Text | Variable | Constant | Named | Input | Unary | Binary

@@ -15,7 +15,7 @@ from typing import Any
 
 from gproof.ir.program import Binary, Block, Constant, DeferredBlock, Expr, Number, Unary, Variable
 from gproof.ir.rules import LanguageRules
-from gproof.passes.expressions import BINARY_FUNCTIONS, UNARY_FUNCTIONS
+from gproof.passes.expressions import BINARY_FUNCTIONS, LEAST_WHOLE, MOST_WHOLE, UNARY_FUNCTIONS
 
 HOT_LETTERS = frozenset("GFXYZABCIJKR")
 """Words of lines that ``execute_kernels.run_lines`` may take."""
@@ -78,6 +78,12 @@ def _checked(value: float) -> float:
     return value
 
 
+def _whole(value: float) -> float:
+    if not LEAST_WHOLE <= value <= MOST_WHOLE:
+        raise Slow
+    return value
+
+
 def _all_checked(values: tuple[float, ...]) -> tuple[float, ...]:
     for value in values:
         if not -_LARGE < value < _LARGE:
@@ -119,7 +125,7 @@ _OPERATORS: dict[str, Callable[..., float]] = {
 }
 _FUNCTIONS = {name: _guarded(function) for name, function in UNARY_FUNCTIONS.items()}
 _NAMES: dict[str, Any] = {
-    "Slow": Slow, "checked": _checked, "all_checked": _all_checked,
+    "Slow": Slow, "checked": _checked, "all_checked": _all_checked, "whole": _whole,
     **{f"b{n}": f for n, f in enumerate(_OPERATORS.values())},
     **{f"u{n}": f for n, f in enumerate(_FUNCTIONS.values())},
 }  # fmt: skip
@@ -153,9 +159,10 @@ class _Code:
             return self.reads.setdefault(self.number(node), f"v{len(self.reads)}")
         if isinstance(node, Unary):
             inner = self.expr(node.operand)
-            if node.operator in ("neg", "pos"):
+            if node.operator in ("neg", "pos") and not node.whole:
                 return f"(-{inner})" if node.operator == "neg" else inner
-            return f"{_UNARY_NAMES[node.operator]}({inner})"
+            found = f"{_UNARY_NAMES[node.operator]}({inner})"
+            return f"whole({found})" if node.whole else found
         if isinstance(node, Binary) and not node.doubtful:
             return self._spine(node)
         raise Slow
@@ -176,6 +183,8 @@ class _Code:
                 source = f"{_BINARY_NAMES[one.operator]}({source}, {right})"
             else:
                 raise Slow
+            if one.whole:
+                source = f"whole({source})"
         return source
 
     def function(self, value: str, *, many: bool) -> Callable[[dict[int, Any]], Any]:

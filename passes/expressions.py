@@ -16,6 +16,8 @@ from gproof.passes.values import Unknown, Value, between, bounds
 
 _COMPARISONS = ("==", "<>", ">", ">=", "<", "<=")
 _LARGEST = 2.0**53
+LEAST_WHOLE, MOST_WHOLE = -(2.0**31), 2.0**31 - 1.0
+"""Whole numbers of 32 bits."""
 
 
 def _fail(span: Span, what: str) -> Refusal:
@@ -57,6 +59,13 @@ def _rem(x: float, y: float) -> float:
     """Whole numbers, the remainder with the sign of the first."""
     a, b = _integer(x), _integer(y)
     return float(abs(a) % abs(b) * (-1 if a < 0 else 1))
+
+
+def _of_32_bits(expr: Unary | Binary, found: ranges.Range) -> ranges.Range:
+    """The range of a result; where its type has 32 bits and some of the values do not, any that has them."""
+    if not expr.whole or LEAST_WHOLE <= found[0] <= found[1] <= MOST_WHOLE or not math.isfinite(found[1] - found[0]):
+        return found
+    return LEAST_WHOLE, MOST_WHOLE
 
 
 UNARY_FUNCTIONS: dict[str, Callable[[float], float]] = {
@@ -167,11 +176,11 @@ class Evaluator:
         if isinstance(x, Unknown):
             if ranges.unary_may_fail(expr.operator, bounds(x)):
                 self._doubt(expr.span, expr.operator, x.cause)
-            return between(x.cause, ranges.unary(expr.operator, bounds(x)))
+            return between(x.cause, _of_32_bits(expr, ranges.unary(expr.operator, bounds(x))))
         if expr.operator == "nearest" and x - math.floor(x) == 0.5:
             return Unknown("how a half is rounded", math.floor(x), math.ceil(x))
         try:
-            return self._finite(UNARY_FUNCTIONS[expr.operator](x), expr.span)
+            return self._result(expr, UNARY_FUNCTIONS[expr.operator](x))
         except (ValueError, OverflowError):
             raise _fail(expr.span, f"{expr.operator}[{x:g}] has no value") from None
 
@@ -195,7 +204,7 @@ class Evaluator:
             cause = x.cause if isinstance(x, Unknown) else y.cause if isinstance(y, Unknown) else ""
             if ranges.binary_may_fail(expr.operator, bounds(x), bounds(y)):
                 self._doubt(expr.span, expr.operator, cause)
-            return between(cause, ranges.binary(expr.operator, bounds(x), bounds(y)))
+            return between(cause, _of_32_bits(expr, ranges.binary(expr.operator, bounds(x), bounds(y))))
         if expr.operator in ("==", "<>") and not (x == math.floor(x) and y == math.floor(y)):
             self._tell(codes.INEXACT_COMPARISON.number, expr.span, lambda: codes.INEXACT_COMPARISON.at(
                 expr.span, left=x, right=y, operator=expr.operator,
@@ -203,7 +212,13 @@ class Evaluator:
             ))  # fmt: skip
         if expr.operator == "shr" and x < 0:
             return Unknown("what shr makes of a negative number")
-        return self._finite(self._compute(expr, x, y), expr.span)
+        return self._result(expr, self._compute(expr, x, y))
+
+    def _result(self, expr: Unary | Binary, x: float) -> float:
+        x = self._finite(x, expr.span)
+        if expr.whole and not LEAST_WHOLE <= x <= MOST_WHOLE:
+            raise _fail(expr.span, f"{x:.15g}, which is no whole number of 32 bits")
+        return x
 
     def _compute(self, expr: Binary, x: float, y: float) -> float:
         operator = expr.operator

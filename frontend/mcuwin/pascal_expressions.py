@@ -145,14 +145,16 @@ class ExpressionParser:
         if signed and operator in SIGN_MATTERS:
             what = f"a minus before a product with {word.text}"
             self.report(codes.PASCAL_OPEN, word, what=what, hint="set brackets")
-        return Binary(operator, left[0], right[0], span, signed and operator in SIGN_MATTERS), type_
+        doubtful = signed and operator in SIGN_MATTERS
+        return Binary(operator, left[0], right[0], span, doubtful, type_ is Type.INTEGER), type_
 
     def _with_sign(self, sign: Token, value: tuple[Expr, Type]) -> tuple[Expr, Type]:
         node, type_ = value
         if not type_.numeric:
             self.report(codes.TYPE_MISMATCH, sign, self.lexer.last, what=f"a sign before a {type_.value}")
             type_ = Type.UNKNOWN
-        return Unary("neg" if sign.text == "-" else "pos", node, self.lexer.span(sign, self.lexer.last)), type_
+        operator, span = "neg" if sign.text == "-" else "pos", self.lexer.span(sign, self.lexer.last)
+        return Unary(operator, node, span, type_ is Type.INTEGER), type_
 
     def _number(self, sign: Token | None = None) -> tuple[Expr, Type]:
         token = self.lexer.take()
@@ -302,7 +304,7 @@ class ExpressionParser:
             self.report(codes.TYPE_MISMATCH, token, self.lexer.last, what=f"{token.text} of a {type_.value}")
             found = function_type(token.low, Type.UNKNOWN, self.symbols.angle_unit)
             assert found is not None
-        return Unary(found[0], node, span), found[1]
+        return Unary(found[0], node, span, found[1] is Type.INTEGER), found[1]
 
     def common(self, token: Token) -> tuple[Expr, Type]:
         """CD n or CI n (11)."""
