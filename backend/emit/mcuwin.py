@@ -80,6 +80,7 @@ class _Printer(LinePrinter):
         self.section: SectionLayout | None = None
         self.section_line = 0
         self.opened = False
+        self.stays = False
         self.as_is: set[int] = set()
         names: list[str] = []
         for node in self._statements():
@@ -154,10 +155,11 @@ class _Printer(LinePrinter):
         written = self._written(span)
         encoding = _encoding(notes)
         text = written.decode(encoding)
+        self.stays = False
         items = [item for node in sorted(nodes, key=lambda n: _span(n).column) for item in self._items(node, text)]
         self.next = span.line + 1
         out = _composed(INDENT * self.depth, items, notes, encoding)
-        if len(out) > self.limit or len(written) > self.limit:
+        if self.stays or len(out) > self.limit or len(written) > self.limit:
             out = written.rstrip(b" \t")
         yield out + self.newline
 
@@ -215,7 +217,10 @@ class _Printer(LinePrinter):
         return f"({text})" if bracketed and not _is_bracketed(own) else text
 
     def _words(self, own: str) -> str:
-        return joined_words([word for word in words_of(own) if word.kind != "comment"], self.spelling)
+        words = list(words_of(own))
+        # A comment of rw_SymPas within an expression is no note of the line.
+        self.stays = self.stays or any(word.kind == "comment" for word in words)
+        return joined_words(words, self.spelling)
 
     def _jump(self, own: str, node: Jump | Call) -> str:
         code = _CODE.match(own)

@@ -30,6 +30,8 @@ _COMMON = re.compile(r"c[di][0-9]+", re.IGNORECASE | re.ASCII)
 _VALUES = frozenset(("end", "true", "false", "integer", "double", "boolean"))
 """Words of the language behind which a sign stands between two values."""
 
+_TEXTS = frozenset(("axis", "name", "number"))
+
 
 class PascalWord(NamedTuple):
     """kind: ``sign`` ($DINEND, {$DINSTART}), ``axis``, ``name``, ``number``, ``string``, ``comment``, ``op`` or
@@ -79,7 +81,8 @@ def joined_words(words: Sequence[PascalWord], spelling: Spelling) -> str:
         after = words[n + 1] if n + 1 < len(words) else None
         if before is not None and not binds and _is_apart(before, word):
             parts.append(" ")
-        parts.append(_spelled(word, after, spelling))
+        glued = _is_glued(before, word) or _is_glued(word, after)
+        parts.append(word.text if glued else _spelled(word, after, spelling))
         binds = word.text in ("(", "[", "$") or (word.text in ("+", "-") and _is_unary(before))
         before = word
     return "".join(parts)
@@ -87,13 +90,20 @@ def joined_words(words: Sequence[PascalWord], spelling: Spelling) -> str:
 
 def _is_apart(before: PascalWord, word: PascalWord) -> bool:
     """Whether a blank stands between two words."""
-    if "other" in (before.kind, word.kind) or before.kind == word.kind == "number":
+    if "other" in (before.kind, word.kind) or {before.kind, word.kind} <= _TEXTS:
         return word.begin > before.end
     if word.text in (")", "]", ",", ";", ":"):
         return False
     if word.text in ("(", "["):
         return before.kind != "name" or (before.low in KEYWORDS and before.low != "boolean")
     return True
+
+
+def _is_glued(before: PascalWord | None, word: PascalWord | None) -> bool:
+    """Whether two words stand together that no language has so: whatever they are, they stay."""
+    if before is None or word is None or word.begin > before.end:
+        return False
+    return {before.kind, word.kind} <= _TEXTS
 
 
 def _is_unary(before: PascalWord | None) -> bool:

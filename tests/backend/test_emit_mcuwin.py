@@ -15,6 +15,7 @@ from hypothesis import strategies as st
 from support.goldens import ROOT
 
 from gproof.backend.emit.mcuwin import emit
+from gproof.backend.emit.pascal_words import Spelling, joined_words, words_of
 from gproof.cli.main import main
 from gproof.frontend.machine_file import load_machine
 from gproof.frontend.mcuwin.load import load_alone, load_program
@@ -185,6 +186,8 @@ FORM = [
     ("$", "$"),
     ("{ $DinStart }", "{$DINSTART}"),
     ("X.zeroOffset := 5.", "X.zeroOffset := 5."),
+    (" CD600:={ a }36 ", " CD600:={ a }36"),
+    (" x({ a }36)y.5", " x({ a }36)y.5"),
 ]  # fmt: skip
 
 
@@ -192,6 +195,12 @@ FORM = [
 def test_form_of_a_line(tmp_path: Path, line: str, becomes: str) -> None:
     before = b"G90\n"
     assert formatted(tmp_path, before + line.encode()) == before + becomes.encode() + b"\n"
+
+
+def test_words_without_a_blank_between_them_stay() -> None:
+    """In a command of which nothing is known, ``Y40.008`` is not Y40 and 0.008."""
+    words = list(words_of("x.5 Y40.008,5AND .5"))
+    assert joined_words(words, Spelling()) == "x.5 Y40.008, 5AND 0.5"
 
 
 def files_of(shop: Path) -> list[Path]:
