@@ -13,6 +13,7 @@ from gproof.ir import codes
 from gproof.ir.dialects.mcuwin import DECLARED
 from gproof.ir.din import VERSIONS
 from gproof.ir.finding import Refusal, Span
+from gproof.ir.machine import Axis
 from gproof.ir.program import (
     BlockTable,
     Call,
@@ -36,6 +37,8 @@ from gproof.passes.frames import Frame, Lap, Path
 from gproof.passes.modal import Modal
 from gproof.passes.values import Unknown, Value, bounds
 
+AWAY_PASSES = 64
+"""So many passes of a loop between two looks at whether it leads out of the machine."""
 MAX_NESTED = 200
 """Blocks within blocks, those of calls counted in; a program that nests deeper is not followed."""
 
@@ -131,6 +134,8 @@ class Flow(Branches):
         if lap is None:
             lap = self._laps[place] = Lap()
         lap.count += 1
+        if lap.count % AWAY_PASSES == 0:
+            self._stop_away(span)
         s = self.modal
         same = lap.modal is not None and lap.modal.parameters == s.parameters
         if same:
@@ -151,6 +156,33 @@ class Flow(Branches):
             lap.modal, lap.key = s.copy(), self._state_key(place)
         elif lap.section >= 0:
             self._laps[place] = Lap()
+
+    def _pass_by(self, place: object, span: Span) -> None:
+        """One more pass of a loop of which nobody knows how often it runs."""
+        if not self.program.rules.source_order:
+            return
+        lap = self._laps.setdefault(place, Lap())
+        lap.count += 1
+        if lap.count % AWAY_PASSES == 0:
+            self._stop_away(span)
+
+    def _stop_away(self, span: Span) -> None:
+        """ProgramEnd where a loop has led an axis out of the machine by its whole length, and goes on with it."""
+        self._run_pending()
+        for axis in self.machine.axes:
+            low, high = _outermost(axis)
+            place = self.modal.position[axis.index]
+            if low is None or high is None or place.form:
+                continue
+            if low - (high - low) <= place.value <= high + (high - low):
+                continue
+            # The rows that led there are told past their limits; those to come would say the same for ever.
+            what = f"a loop that leads {axis.word} further and further out of the machine"
+            finding = codes.UNSUPPORTED_CODE.at(span, code=what)
+            self.refused = True
+            self._fail(finding)
+            self._end_section(Wait.UNKNOWN, finding.message, -1, span.line)
+            raise ProgramEnd
 
     def _not_spooled(self, span: Span, code: str) -> None:
         """GP513: before 2.5.3.41 jumps, calls, returns and labels ended a contour (14)."""
@@ -179,6 +211,7 @@ class Flow(Branches):
                 self._undecided(("for", id(node)), node.span, cause)
                 leaving = self.modal.copy()
                 self._after_for(frame, node, leaving)
+            self._pass_by((id(node), "loop"), node.span)
             self._split(node, frame, leaving)
             goes_on = True
         elif goes_on and not isinstance(node, For):
@@ -358,6 +391,13 @@ class Flow(Branches):
         self._fail(finding)
         self._end_section(Wait.UNKNOWN, finding.message, -1, span.line)
         raise ProgramEnd
+
+
+def _outermost(axis: Axis) -> tuple[float | None, float | None]:
+    """As far as an axis goes, end stops counted in."""
+    lows = [value for value in (axis.lower, axis.travel_lower) if value is not None]
+    highs = [value for value in (axis.upper, axis.travel_upper) if value is not None]
+    return min(lows, default=None), max(highs, default=None)
 
 
 def _has_label(body: tuple[Statement, ...], name: str) -> bool:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+from typing import Any
 
 import pytest
 from passes.din_programs import labels, machine, run
@@ -78,3 +79,23 @@ def test_a_library_of_subprograms_says_that_it_is_no_job() -> None:
     _, findings = run(["G90 G00 X5", "M17"])
     (found,) = [finding for finding in findings.kept if finding.code.label == "GP113"]
     assert "$I" in found.hint
+
+
+@pytest.mark.parametrize(
+    "lines",
+    [
+        ["G91", "L1", "G00 X30", "M96 L1"],
+        ["G91", ("while", "1 == 1", ["G00 X30"])],
+        ["G91", ("repeat", ["G00 X30"], "1 == 2")],
+        ["G91", ("repeat", ["G00 X30"], "IN101")],
+    ],
+)
+def test_a_loop_that_leads_away_for_ever_is_not_run_for_ever(lines: list[Any]) -> None:
+    trace, findings = run(lines, on=_ended(), budget=200_000)
+    assert "GP113" in labels(findings)
+    assert sum(len(section.rows) for section in trace.sections) < 2000
+
+
+def test_a_long_loop_within_the_machine_runs_to_its_end() -> None:
+    lines = ["G91", "CI601 := 0", ("while", "CI601 < 500", ["G00 X30", "G00 X-30", "CI601 := CI601 + 1"])]
+    assert labels(run(lines, on=_ended())[1]) == []
