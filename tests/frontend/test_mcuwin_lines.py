@@ -64,7 +64,7 @@ def test_lines(tmp_path: Path, text: str, nodes: str) -> None:
 @pytest.mark.parametrize(
     ("text", "state"),
     [
-        # 3.1: the line before in the source; 14 (2.5.3.94): M codes keep it; open-questions: labels, assignments too
+        # 3.1: the line before in the source; 14 (2.5.3.94): M codes keep it; labels and assignments too
         ("G1 X1 F1\n", "G1"),
         ("G2 X1 I1 J1\nM8\nL5\nCD600 := 1\nF100\nS5\nT1\n", "G2"),
         ("G0 X1\nM96 L5\nL5\n", "G0"),
