@@ -12,7 +12,7 @@ from pathlib import Path
 
 import click
 
-from gproof.cli.files import require_place
+from gproof.cli.files import require_picture, require_place
 from gproof.cli.judge import NOT_JUDGED, Judgement, judge
 from gproof.cli.lengths import CHOICES, MM, LengthUnit, unit_of
 from gproof.cli.report import coloured, distinct, finding_json, print_findings
@@ -35,6 +35,7 @@ def run_check(
     """Judge a job, print the report in ``units``, write the picture; returns the exit code."""
     if picture is not None:
         require_place(picture, "picture", (job, machine, setup))
+        require_picture(picture)
     session = open_session(job, machine=machine, setup=setup, dialect=dialect, call=running.call)
     drawing = None
     if picture is not None:
@@ -123,6 +124,12 @@ def _condition_parts(condition: Condition, length: LengthUnit) -> tuple[str, str
     return describe(condition.terms), f"{low:>9} ... {high:>9} {unit}"
 
 
+def unit_of_report(session: Session, judgement: Judgement) -> LengthUnit:
+    """The unit of the machine file, or without one that of the job."""
+    named = session.machine.unit if session.machine_given else judgement.summary.unit
+    return unit_of(session.machine.unit if named is None else named)
+
+
 def print_summary(
     session: Session, judgement: Judgement, *, findings: bool = False, unit: LengthUnit | None = None
 ) -> None:
@@ -131,8 +138,7 @@ def print_summary(
     unit: None: that of the machine file, or without one that of the job.
     """
     if unit is None:
-        named = session.machine.unit if session.machine_given else judgement.summary.unit
-        unit = unit_of(session.machine.unit if named is None else named)
+        unit = unit_of_report(session, judgement)
     if findings:
         print_findings(judgement.findings, unit=unit)
     colour = coloured()
@@ -152,7 +158,7 @@ def print_summary(
             _row("" if n else result.name, (" " * 9 if n else first) + detail)
     _row("not judged", ", ".join(NOT_JUDGED))
     assumed = [*judgement.assumptions, *(a for r in judgement.properties for a in r.assumptions)]
-    _rows("assuming", list(dict.fromkeys(assumed)))
+    _rows("assuming", [unit.sentence(one) for one in dict.fromkeys(assumed)])
     _row("machine", session.machine.name)
     _row("dialect", f"{session.dialect} ({session.dialect_reason})")
     if session.program is not None:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from gproof.cli.check import print_summary
+from gproof.cli.check import print_summary, unit_of_report
 from gproof.cli.files import require_file, require_place
 from gproof.cli.judge import NOT_JUDGED, Judgement, judge
 from gproof.cli.main import UsageError
@@ -98,7 +98,7 @@ def run_compile(
     if report.verdict is not Verdict.SAFE:
         return _refuse(session, judgement, report.verdict, "the stream checker refuses the stream")
     digest, signer = _write(session, judgement, lowered, report, output, key, unsigned)
-    print_findings(findings)
+    print_findings(findings, unit=unit_of_report(session, judgement))
     seconds = sum(s.duration for s in lowered.stream.sections) / lowered.stream.tick_frequency
     count = len(lowered.stream.sections)
     sections = f"{count} section{'s' if count > 1 else ''}"
@@ -124,7 +124,7 @@ def _quiet_lower(session: Session, running: Running) -> Lowered:
 
 
 def _refuse(session: Session, judgement: Judgement, verdict: Verdict, why: str) -> int:
-    print_findings(session.findings)
+    print_findings(session.findings, unit=unit_of_report(session, judgement))
     print_summary(session, judgement)
     click.echo(f"gproof: nothing was written: {why}", err=True)
     return verdict.exit_code

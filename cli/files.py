@@ -7,12 +7,24 @@ from pathlib import Path
 
 from gproof.cli.main import UsageError
 
+SETTINGS = {
+    "cnc.ini": "the settings of Eding CNC; --machine takes it",
+    "wincnc.ini": "the settings of WinCNC; --machine takes it",
+    "mcuwin.ini": "the settings of McuWIN; --machine takes it",
+    "toolcomp.ini": "the tool table of McuWIN; tool_file of a machine file names it",
+}
+"""What files of controllers are that stand beside programs, by name in lower case."""
+
+OTHER_PICTURES = (".png", ".jpg", ".jpeg", ".gif", ".pdf", ".webp", ".bmp")
+
 
 def require_file(path: Path, what: str) -> None:
     """UsageError for what is not a readable file.
 
     Pipes and devices are refused: a job is read more than once, and half of one must not be judged.
     """
+    if str(path) == "-" and not path.exists():
+        raise UsageError(f"{what} -: is read from a file, not from standard input")
     if not path.exists():
         raise UsageError(f"{what} {path}: no such file")
     if path.is_dir():
@@ -24,6 +36,21 @@ def require_file(path: Path, what: str) -> None:
             pass
     except OSError as error:
         raise UsageError(f"{what} {path}: {error.strerror}") from None
+
+
+def require_program(path: Path, what: str) -> None:
+    """UsageError for what is no readable file, or by its name is one of settings: it would fail line by line."""
+    require_file(path, what)
+    if path.name.lower() in SETTINGS:
+        raise UsageError(f"{what} {path}: is no program but {SETTINGS[path.name.lower()]}")
+    if path.suffix.lower() == ".toml":
+        raise UsageError(f"{what} {path}: is no program; --machine and --setup take files of this kind")
+
+
+def require_picture(path: Path) -> None:
+    """UsageError for the extension of another kind of picture: what is written is SVG."""
+    if path.suffix.lower() in OTHER_PICTURES:
+        raise UsageError(f"picture {path}: pictures are SVG; {path.with_suffix('.svg').name} can be written")
 
 
 def require_place(path: Path, what: str, inputs: tuple[Path | str | None, ...] = ()) -> None:

@@ -16,7 +16,7 @@ from pathlib import Path
 import click
 
 from gproof.backend.emit.eding import emit
-from gproof.cli.files import require_file
+from gproof.cli.files import require_file, require_program
 from gproof.cli.main import UsageError
 from gproof.cli.report import print_findings
 from gproof.cli.session import READ, dialect_of
@@ -207,7 +207,7 @@ def _with_folders(files: tuple[Path, ...]) -> Iterator[Path]:
             if EXTENSIONS.get(file.suffix.lower()) in READ and file.suffix.lower() != ".txt" and file.is_file()
         ]  # fmt: skip
         if not programs:
-            raise UsageError(f"folder {path}: there is no program in it")
+            raise UsageError(f"folder {path}: there is no program in it; folders inside it are not searched")
         yield from programs
 
 
@@ -224,7 +224,7 @@ def _require(files: tuple[Path, ...], forms: Forms, *, only_check: bool, diff: b
     for path in files:
         if path == STANDARD_INPUT:
             continue
-        require_file(path, "file")
+        require_program(path, "file")
         forms.of(path, path)
         folder = Path(os.path.realpath(path)).parent
         if not (only_check or diff or to_stdout) and not os.access(folder, os.W_OK):

@@ -6,6 +6,7 @@ otherwise. Angles stay degrees, rates are not converted.
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass
 from decimal import ROUND_CEILING, ROUND_FLOOR, Decimal
 
@@ -16,6 +17,10 @@ IN_MESSAGES = frozenset((
     "start", "end", "off", "allowed", "chord", "radius",
 ))  # fmt: skip
 """Names of values that are lengths in messages of the properties limits and arcs."""
+
+
+_BETWEEN = re.compile(r"(-?\d+\.\d{4}) and (-?\d+\.\d{4}) mm\b")
+"""How an assumption names two bounds."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,6 +53,17 @@ class LengthUnit:
         """A bound, rounded to the side on which it still holds; behind nine decimals there is noise of arithmetic."""
         exact = round(Decimal(repr(millimetres)), 9) / (self.mm if axis_unit == "mm" else 1)
         return str(exact.quantize(Decimal("0.0001"), ROUND_CEILING if up else ROUND_FLOOR))
+
+    def sentence(self, assumption: str) -> str:
+        """An assumption, the bounds that it names in this unit."""
+        if self.mm == 1:
+            return assumption
+
+        def bounds(found: re.Match[str]) -> str:
+            low, high = (self.of(float(number)) for number in found.groups())
+            return f"{low:.4f} and {high:.4f} {self.name}"
+
+        return _BETWEEN.sub(bounds, assumption)
 
     def message(self, finding: Finding) -> str:
         """The message of a finding, its lengths in this unit where it names theirs."""

@@ -174,7 +174,7 @@ def verify(package: Path, machine: Path | None, trust: tuple[Path, ...]) -> int:
     return run_verify(package, machine=machine, trust=trust)
 
 
-@cli.command()
+@cli.command(short_help="Run a certified stream on a board.")
 @click.argument("package", type=click.Path(path_type=Path))
 @click.option("--board", type=click.Choice(["virtual"]), required=True, help="Where to run it.")
 @click.option("--record", type=click.Path(path_type=Path), help="Write the execution record (JSON) here.")
@@ -196,7 +196,7 @@ def run(
     )  # fmt: skip
 
 
-@cli.command()
+@cli.command(short_help="Format programs and macro files.")
 @click.argument("files", metavar="FILE...", nargs=-1, required=True, type=click.Path(path_type=Path, allow_dash=True))
 @click.option("--check", "only_check", is_flag=True, help="Write nothing; exit 1 when a file would change.")
 @click.option("--diff", is_flag=True, help="Write nothing; show what would change.")

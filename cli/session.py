@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TypedDict, TypeVar
 
-from gproof.cli.files import require_file
+from gproof.cli.files import require_file, require_program
 from gproof.cli.main import UsageError
 from gproof.ir import codes
 from gproof.ir.finding import Findings, Span
@@ -90,7 +90,7 @@ def open_session(
     job: Path, *, machine: Path | None, setup: str | None, dialect: str | None, call: str | None = None
 ) -> Session:
     """Read everything; UsageError (exit 3) for files that can not be read at all."""
-    require_file(job, "job")
+    require_program(job, "job")
     findings = Findings()
     inputs: list[tuple[str, str, str]] = []
     the_machine, the_setup = NO_MACHINE, NOTHING

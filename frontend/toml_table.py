@@ -24,6 +24,13 @@ LARGEST = Fraction(10**12)
 TINIEST = Fraction(1, 10**12)
 """Numbers outside have no meaning in a machine; they would only overflow later."""
 
+OPTIONS = {"gproof-machine/1": "--machine", "gproof-setup/1": "--setup"}
+"""The option that takes the files of a schema."""
+
+_NO_TOML = {
+    "gproof-machine/1": "a machine file is gproof's (TOML), or the controller's: WINCNC.INI, McuWIN.ini, cnc.ini",
+    "gproof-setup/1": "a setup file is gproof's (TOML)",
+}
 _HEADER = re.compile(r"\s*\[\[?\s*([^\[\]]+?)\s*\]\]?\s*(?:#.*)?$")
 _KEY = re.compile(r"""\s*((?:[A-Za-z0-9_-]+|"[^"]*"|'[^']*')(?:\s*\.\s*(?:[A-Za-z0-9_-]+|"[^"]*"|'[^']*'))*)\s*=""")
 _AT_LINE = re.compile(r"\(at line (\d+), column (\d+)\)")
@@ -38,6 +45,7 @@ class TomlFile:
         self.findings = findings
         self.sha256 = ""
         self.errors = 0
+        self.schema = schema
         self.unknown: list[tuple[str, str]] = []
         self.root: TomlTable | None = None
         self._lines: dict[str, int] = {}
@@ -87,7 +95,8 @@ class TomlFile:
             lines = text.count("\n") + (not text.endswith("\n"))
             span = Span(self.name, int(place[1]), int(place[2])) if place else Span(self.name, max(lines, 1))
             what = f"this is not TOML: {_AT_LINE.sub('', str(error)).strip() or type(error).__name__}"
-            self.add_at(codes.FILE_UNREADABLE, span, what=what)
+            hint = "" if self.path.suffix.lower() == ".toml" else _NO_TOML.get(self.schema, "")
+            self.add_at(codes.FILE_UNREADABLE, span, what=what, hint=hint)
             return None
         self._lines = _lines_of_keys(text)
         return parsed
@@ -98,7 +107,12 @@ class TomlFile:
         if stated is None and "schema" not in self.root.values:
             self.add(codes.MISSING_KEY, "", key="schema", hint=f'schema = "{schema}"')
         elif stated is not None and stated != schema:
-            self.add(codes.BAD_VALUE, "schema", key="schema", what=f"{stated!r}; this gproof reads {schema!r}")
+            option = OPTIONS.get(stated, "")
+            hint = f"{option} takes this file" if option else ""
+            what = f"{stated!r}; this gproof reads {schema!r}"
+            self.add(codes.BAD_VALUE, "schema", key="schema", what=what, hint=hint)
+            if option:
+                self.root = None  # none of its keys is one of this kind of file
 
 
 def _lines_of_keys(text: str) -> dict[str, int]:

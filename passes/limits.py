@@ -519,7 +519,8 @@ class Limits(Check):
                     continue
                 low, high = low - span.low, high - span.high
             if len(rest) == 1 and rest[0][0].startswith("start."):
-                said = f"{describe(rest)} lies within {low:.4f} and {high:.4f} (machine coordinates)"
+                where = f"between {low:.4f} and {high:.4f} {offset.axis.unit}"
+                said = f"{describe(rest)} lies {where} (machine coordinates)"
                 self._assumptions.append(said)
             before = rooms.get(rest, (-math.inf, math.inf))
             rooms[rest] = max(before[0], low), min(before[1], high)

@@ -15,7 +15,7 @@ import numpy.typing as npt
 from gproof.ir import codes
 from gproof.ir.columns import Columns
 from gproof.ir.finding import Findings, Severity, Span
-from gproof.ir.machine import AXIS_NAMES, Machine
+from gproof.ir.machine import AXIS_NAMES, NO_MACHINE, Machine
 from gproof.ir.setup import Setup
 from gproof.ir.trace import HEIGHT_MAP, UNKNOWN, Affine, Chunk, Op, Plane
 from gproof.ir.verdict import Condition, PropertyResult, Verdict
@@ -191,9 +191,11 @@ class ToolChangeArea(Check):
             verdict = Verdict.UNSAFE
         elif self.findings.has(Severity.UNKNOWN, (self.name,)):
             verdict = Verdict.UNKNOWN
-        assumptions = (
-            () if self.machine.tool_change_area is not None else ("the machine file names no tool change area",)
-        )
+        assumptions: tuple[str, ...] = ()
+        if self.machine.name == NO_MACHINE.name:
+            assumptions = ("no tool change area is stated",)
+        elif self.machine.tool_change_area is None:
+            assumptions = ("the machine file names no tool change area",)
         return PropertyResult(name=self.name, verdict=verdict, assumptions=assumptions, conditions=conditions)
 
     def _best_face(self) -> tuple[Condition, ...] | None:

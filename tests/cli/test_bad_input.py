@@ -377,6 +377,41 @@ def test_a_setup_file_that_can_not_be_read(folder: Path, gproof: Run) -> None:
     bad_file(gproof("check", "job.cnc", "--machine", "setup.toml"), "machine", "gproof-setup/1")
 
 
+def test_files_given_as_each_other(folder: Path, gproof: Run) -> None:
+    """One finding that names the right option, and not one for each key."""
+    for option, role, name, other in (
+        ("--machine", "machine", "setup.toml", "--setup"), ("--setup", "setup", "machine.toml", "--machine"),
+    ):  # fmt: skip
+        done = gproof("check", "job.cnc", option, name)
+        bad_file(done, role, f"hint: {other} takes this file")
+        assert "GP602" not in done.err
+    bad_file(gproof("check", "job.cnc", "--machine", "job.cnc"), "machine", "hint: a machine file is", "WINCNC.INI")
+    bad_file(gproof("check", "job.cnc", "--setup", "job.cnc"), "setup", "hint: a setup file is")
+
+
+@pytest.mark.parametrize("name", ["WINCNC.INI", "cnc.ini", "McuWIN.ini", "ToolComp.INI", "machine.toml", "setup.toml"])
+@pytest.mark.parametrize(
+    "words", [["check"], ["dump", "--stage", "trace"], ["compile", "-o", "out.gpx"], ["fmt"]], ids=" ".join
+)
+def test_settings_are_no_program(words: list[str], name: str, folder: Path, gproof: Run) -> None:
+    """One line, and not a finding for each of theirs."""
+    if not (folder / name).exists():
+        (folder / name).write_text("[GENERAL]\nunit=IN\n")
+    refused(gproof(*words, name), f"{name}: is no program")
+
+
+def test_standard_input_is_no_job(folder: Path, gproof: Run) -> None:
+    refused(gproof("check", "-"), "job -: is read from a file, not from standard input")
+    (folder / "-").write_text(JOB)
+    assert judged(gproof, "-")[0] == "UNKNOWN"
+
+
+def test_a_picture_is_svg(folder: Path, gproof: Run) -> None:
+    refused(gproof("check", "job.cnc", "--picture", "job.png"), "pictures are SVG; job.svg can be written")
+    assert gproof("check", "job.cnc", "--machine", "machine.toml", "--picture", "job").exit != 3
+    assert (folder / "job").read_text().startswith("<")
+
+
 # -- options and arguments
 
 
@@ -428,6 +463,12 @@ def test_a_setup_file_that_can_not_be_read(folder: Path, gproof: Run) -> None:
 )
 def test_arguments_that_make_no_sense(words: list[str], what: str, folder: Path, gproof: Run) -> None:
     refused(gproof(*words), what)
+
+
+def test_the_list_of_commands_is_not_cut_short(gproof: Run) -> None:
+    commands = gproof("--help").out.partition("Commands:")[2]
+    assert "  fmt " in commands
+    assert "..." not in commands
 
 
 def test_no_arguments_show_the_help(gproof: Run) -> None:

@@ -115,7 +115,7 @@ def test_stdout_and_standard_input(gproof, monkeypatch: pytest.MonkeyPatch) -> N
         ([], "Missing argument"),
         (["missing.cnc"], "missing.cnc: no such file"),
         (["ugly.cnc", "missing.cnc"], "missing.cnc: no such file"),
-        (["empty"], "there is no program in it"),
+        (["empty"], "there is no program in it; folders inside it are not searched"),
         (["--stdout", "ugly.cnc", "nice.cnc"], "one file"),
         (["--stdout", "--check", "ugly.cnc"], "--check"),
         (["--stdout", "--diff", "ugly.cnc"], "--diff"),

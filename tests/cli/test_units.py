@@ -78,6 +78,30 @@ def test_conditions_are_rounded_to_the_side_that_holds(shop: Path, capsys: pytes
     assert "G92 X offset is   -1.9000 ...   40.4000 inch" in shown
 
 
+def test_assumptions_count_like_the_rest(shop: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Without a setup, where the job starts is assumed: inside the limits, in the report's unit."""
+    words = "fits.tap", "--machine", "WINCNC.INI"
+    assert "the start position of X lies between -0.4000 and 50.4000 inch (machine" in report(capsys, *words)
+    between = "the start position of X lies between -10.1600 and 1280.1600 mm (machine"
+    assert between in report(capsys, *words, "--units", "mm")
+    assert between in report(capsys, *words, "--format", "json")
+
+
+def test_compiling_counts_as_checking_does(shop: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["compile", "job.tap", "--machine", "WINCNC.INI", "--setup", "setup.toml", "-o", "job.gpx"]) == 1
+    shown = capsys.readouterr().out
+    assert "X would reach 60.0000 inch, 9.6000 past its upper limit 50.4000" in shown
+    assert " mm" not in shown
+
+
+def test_without_a_machine_file_none_is_quoted(shop: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Nothing is said of what the machine file names when there is none."""
+    assert "the machine file names" in report(capsys, "job.tap", "--machine", "WINCNC.INI")
+    shown = report(capsys, "job.tap")
+    assert "no tool change area is stated" in shown
+    assert "the machine file names" not in shown
+
+
 def test_json_stays_in_millimetres(shop: Path, capsys: pytest.CaptureFixture[str]) -> None:
     words = "job.tap", "--machine", "WINCNC.INI", "--setup", "setup.toml", "--format", "json"
     made = json.loads(report(capsys, *words))
