@@ -18,7 +18,7 @@ from gproof.ir.program import PARAMETER, Named
 from gproof.ir.rules import CodeRule
 from gproof.ir.rules import Function as F
 from gproof.ir.trace import Op, Wait
-from gproof.passes.din_modes import correct
+from gproof.passes.din_compensation import correct
 from gproof.passes.din_motion import Handler
 from gproof.passes.din_origins import end_contour
 from gproof.passes.din_state import din_of, has_tools, own_unit
@@ -323,6 +323,7 @@ def _record(ex: Motion, line: Part, number: int) -> None:
     if s.din.idle:
         correct(ex, line, s.din.idle)
     elif s.din.side:
+        s.din = s.din.but(corrected=None)
         what = f"T{number} while the tool radius is corrected"
         raise Refusal(codes.UNSUPPORTED_CODE.at(line.where("T"), code=what))
     if tools is None:

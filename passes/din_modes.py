@@ -14,6 +14,7 @@ from gproof.ir.finding import Refusal
 from gproof.ir.rules import CodeRule
 from gproof.ir.rules import Function as F
 from gproof.ir.trace import Op, Plane
+from gproof.passes.din_compensation import correct, correction
 from gproof.passes.din_motion import Handler
 from gproof.passes.din_state import din_of, has_tools, mirror_columns
 from gproof.passes.modal import INCH
@@ -164,36 +165,6 @@ def interpolation_axes(ex: Motion, line: Part, rule: CodeRule) -> None:
     again = din_of(ex.machine).version == VERSIONS[1] and (din.programmed_axes or ex._moves)
     doubtful = (old ^ new) | (din.doubtful - (old & new)) if again else frozenset()
     s.din = din.but(interpolating=new | old if doubtful else new, doubtful=doubtful, programmed_axes=True)
-
-
-def correction(ex: Motion, line: Part, rule: CodeRule) -> None:
-    """G40 to G42: radius correction with a record of the tool table (2.7); entry and corners are not described."""
-    s = ex.modal
-    if rule.function is F.COMPENSATION_OFF:
-        # The tool comes back to the contour with the next move.
-        s.din = s.din.but(side=0, idle=0)
-        return
-    tools = din_of(ex.machine).tools
-    if tools is not None and not tools:
-        hint = "a tool table with contents must be loaded (2.7)"
-        raise Refusal(
-            codes.NOT_ENABLED.at(line.code_span(), code=rule.text, device="tools", key="tool_file", hint=hint)
-        )
-    correct(ex, line, 1 if rule.function is F.COMPENSATION_LEFT else -1)
-
-
-def correct(ex: Motion, line: Part, side: int) -> None:
-    """The tool goes beside the contour from here, as far as its record has a radius in the plane."""
-    s = ex.modal
-    section = {Plane.XY: "xy", Plane.XZ: "zx"}.get(s.plane, "yz")
-    found = [t for t in din_of(ex.machine).tools or () if t.number == s.din.tool and t.plane == section]
-    if found and all(t.radius == 0.0 for t in found) and not s.din.plane_open:
-        s.din = s.din.but(side=0, idle=side)
-        return
-    s.din = s.din.but(side=side, idle=0)
-    code = "G41" if side > 0 else "G42"
-    cause = f"{code}: entry, corners and exit of the corrected path, which are not described (2.7)"
-    ex._fail(codes.COMPENSATION_UNKNOWN.at(line.code_span(), cause=cause))
 
 
 HANDLERS: dict[F, Handler] = {

@@ -18,6 +18,7 @@ from gproof.ir.rules import CodeRule
 from gproof.ir.rules import Function as F
 from gproof.ir.trace import Op, Plane
 from gproof.passes.cycles import AXES_OF_PLANE
+from gproof.passes.din_compensation import before, contour_place, follow, no_arc
 from gproof.passes.din_state import SAME, din_of, factor, has_tools, own_unit
 from gproof.passes.modal import ZERO
 from gproof.passes.single_kernels import ZERO_RADIUS, distance
@@ -125,15 +126,18 @@ def move(ex: Motion, line: Part, rule: CodeRule) -> None:
     if not words and not (arc and line.values):
         return
     _referenced(ex, line)
-    if s.din.side:
-        _corrected(ex, line, rule)
-        return
     target = aim(ex, line, own=rule.function is F.TRAVERSE)
+    if s.din.side:
+        target = follow(ex, target)
     if rule.function is F.TRAVERSE:
         if target == s.position and tell_way(ex, line):
             ex.findings.add(codes.NO_WAY.at(Span(line.span.file, line.span.line), code=rule.text))
         s.din = s.din.but(contour=False)
+        before(ex, Op.TRAVERSE, line, target)
         ex.move(Op.TRAVERSE, target, line.span)
+    elif arc and s.din.side and s.din.corrected is None:
+        # Which circle it is counts nothing where nobody knows where the tool goes.
+        _straight(ex, line, rule, target)
     elif arc:
         _arc(ex, line, rule, target)
     else:
@@ -172,19 +176,6 @@ def _interpolated(ex: Motion, line: Part, rule: CodeRule) -> None:
         raise Refusal(codes.ILLEGAL_VALUE.at(line.where(letter), word=letter, what=what))
 
 
-def _corrected(ex: Motion, line: Part, rule: CodeRule) -> None:
-    """A move of the tool beside the contour (2.7): the axes of the plane may stand anywhere around it."""
-    s = ex.modal
-    rapid = rule.function is F.TRAVERSE
-    target = aim(ex, line, own=rapid)
-    first, second, _ = AXES_OF_PLANE[s.plane]
-    to = [NOWHERE if axis in (first, second) else place for axis, place in enumerate(target)]
-    if not rapid:
-        _use_feed(ex, line, rule, to)
-    ex.move(Op.TRAVERSE if rapid else Op.FEED, to, line.span)
-    ex._moved = True
-
-
 def _straight(ex: Motion, line: Part, rule: CodeRule, target: list[Position]) -> None:
     s = ex.modal
     if s.din.spline:
@@ -193,6 +184,7 @@ def _straight(ex: Motion, line: Part, rule: CodeRule, target: list[Position]) ->
         ex.findings.add(codes.NO_WAY.at(Span(line.span.file, line.span.line), code=rule.text))
     _use_feed(ex, line, rule, target)
     s.din = s.din.but(contour=True)
+    before(ex, Op.FEED, line, target)
     ex.move(Op.FEED, target, line.span)
 
 
@@ -261,6 +253,7 @@ def _arc(ex: Motion, line: Part, rule: CodeRule, target: list[Position]) -> None
     if abs(abs(factors[0]) - abs(factors[1])) > SAME:
         names = f"{_word(ex, first)} and {_word(ex, second)}"
         raise Refusal(codes.ARC_SCALED.at(line.span, axes=f"{names} unequally", code="G39"))
+    no_arc(ex, line)
     start, end = (s.position[first], s.position[second]), (target[first], target[second])
     for a, b, axis in zip(start, end, (first, second), strict=True):
         difference = b.minus(a)
@@ -293,6 +286,7 @@ def _arc(ex: Motion, line: Part, rule: CodeRule, target: list[Position]) -> None
         return
     _use_feed(ex, line, rule, target)
     s.din = s.din.but(contour=True)
+    before(ex, Op.ARC, line, target, whole, turns)
     ex.move(Op.ARC, target, line.span, center=whole, turns=turns, plane=s.plane)
 
 
@@ -329,7 +323,7 @@ def _center(
         if by != 1.0 and origin != ZERO:
             what = f"whether {_word(ex, axis)} is reflected about the zero offset or about the machine's zero"
             raise Refusal(codes.TRANSFORM_OPEN.at(line.span, what=what))
-        if origin.form != at.form:
+        if origin.form != contour_place(at).form:
             raise Refusal(codes.ARC_UNKNOWN.at(line.span, cause=describe(origin.minus(at).form)))
         places.append(origin.value + by * value)
     if s.din.centers_absolute is None and any(abs(a - b) > SAME for a, b in zip(places, relative, strict=True)):

@@ -15,6 +15,7 @@ from gproof.ir.columns import Columns
 from gproof.ir.finding import Span
 from gproof.ir.machine import AXES, AXIS_NAMES
 from gproof.ir.trace import Op, Plane
+from gproof.passes.din_compensation import is_beside
 from gproof.passes.din_state import SAME, DinState, own_unit
 from gproof.passes.single_state import letters_of
 from gproof.passes.values import NOWHERE
@@ -60,7 +61,7 @@ def is_plain(ex: Emitter) -> bool:
         and all(s.linear[axis] for axis in own)
         and all(letters.get(AXIS_NAMES[axis].upper()) == axis for axis in own)
         and not any(letter in letters and letters[letter] > 2 for letter in "XYZ")
-        and not any(place == NOWHERE for place in s.position)
+        and not any(place == NOWHERE or is_beside(place) for place in s.position)
         and (not ex.setup.homed or all(AXIS_NAMES[axis] in ex.setup.homed for axis in own))
     )
 

@@ -19,6 +19,7 @@ from gproof.passes.single_state import Pairs, letters_of
 from gproof.passes.values import NOWHERE, Position
 
 if TYPE_CHECKING:
+    from gproof.passes.din_compensation import Correction
     from gproof.passes.modal import Modal
 
 
@@ -56,10 +57,10 @@ class DinState:
     feed: mm/min of linear moves, NaN: not known, for feed_cause; given: an F has come; asked: the code behind which F
     must be given anew (3.21, 3.22, 3.28); time_unit: seconds, None: not stated; constant_speed: G96. center: I and J
     of the last arc in mm. side: of the radius compensation that is on, 1 left, -1 right, 0 off; idle: the same while
-    the tool's radius is 0; tool: the record that is selected. lower, upper: software limits now, None: those of the
-    machine's file; limits_open: columns whose limits are not known. saved: values that the job saved (M901, M903), by
-    the variable's number. contour: a move that can be joined was the last one. stored: offsets by column that G153
-    read. told: what is told once.
+    the tool's radius is 0; corrected: what is known of the compensation, None: nothing; tool: the record that is
+    selected. lower, upper: software limits now, None: those of the machine's file; limits_open: columns whose limits
+    are not known. saved: values that the job saved (M901, M903), by the variable's number. contour: a move that can be
+    joined was the last one. stored: offsets by column that G153 read. told: what is told once.
     """
 
     mode_open: bool = False
@@ -81,6 +82,7 @@ class DinState:
     center: tuple[float, float] | None = None
     side: int = 0
     idle: int = 0
+    corrected: Correction | None = None
     tool: int | None = None
     lower: tuple[float | None, ...] | None = None
     upper: tuple[float | None, ...] | None = None

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from itertools import takewhile
 
 from gproof.ir.machine import AXES, AXIS_NAMES
 from gproof.ir.trace import UNKNOWN, Affine, Frame
@@ -80,7 +81,7 @@ NOWHERE = Position(0.0, UNKNOWN)
 
 def describe(form: Affine) -> str:
     """A form in words: ``G54 X offset + tool 3 length``."""
-    kinds = ("work", "g92", "tool", "head", "start", "probe", "home", "value")
+    kinds = ("work", "g92", "tool", "head", "start", "probe", "home", "value", "beside")
     ordered = sorted(form, key=lambda term: kinds.index(k) if (k := term[0].split(".")[0]) in kinds else len(kinds))
     return " + ".join(describe_symbol(s) if c == 1 else f"{c} x {describe_symbol(s)}" for s, c in ordered)
 
@@ -103,6 +104,9 @@ def describe_symbol(symbol: str) -> str:
         return f"the place of {rest[1].upper()} after homing {rest[0]}"
     if kind == "head":
         return f"head {rest[0]} {rest[1].upper()} offset"
+    if kind == "beside":
+        tool = "".join(takewhile(str.isdigit, rest[0]))
+        return f"where the corrected tool {tool} is beside its contour in {rest[1].upper()}"
     if kind == "value":
         return f"the value {rest[0]} of {rest[1].upper()}"
     return "a value that nobody stated"

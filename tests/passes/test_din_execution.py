@@ -71,17 +71,23 @@ def _tools(*records: tuple[str, int, float, float]) -> tuple[RadiusTool, ...]:
 def test_radius_correction() -> None:
     plain = machine(tools=_tools(("xy", 0, 0.0, 0.0), ("xy", 1, 5.0, 0.0), ("zx", 0, 2.0, 0.0)))
     assert labels(run(["G41", "G01 X5 F100", "G40"], on=plain)[1]) == []
-    assert labels(run(["T1", "G42", "G01 X5 F100"], on=plain)[1]) == ["GP256"]
+
     # A correction by nothing becomes one when the tool or the plane does.
-    assert labels(run(["G41", "T1", "G01 X5 F100"], on=plain)[1]) == ["GP256"]
-    assert labels(run(["G41", "G18", "G01 X5 F100"], on=plain)[1]) == ["GP256"]
-    assert labels(run(["G41", "G40", "T1", "G01 X5 F100"], on=plain)[1]) == []
+    def is_exact(*lines: str) -> bool:
+        trace, findings = run(list(lines), on=plain)
+        assert labels(findings) == []
+        return all(frame == ((),) * 6 for frame in trace.frames)
+
+    assert not is_exact("T1", "G42", "G01 X5 F100")
+    assert not is_exact("G41", "T1", "G01 X5 F100")
+    assert not is_exact("G41", "G18", "G01 X5 F100")
+    assert is_exact("G41", "G40", "T1", "G01 X5 F100")
     trace, _ = run(["T1", "G42", "G01 X5 Z3 F100", "G40", "G01 X7 Y7"], on=plain)
     rows = trace.sections[-1].rows
     frames = [trace.frames[int(rows["frame"][n])] for n in range(len(rows)) if rows["op"][n] == Op.FEED]
-    assert [f[:3] for f in frames] == [(UNKNOWN, UNKNOWN, ()), ((), (), ())]
+    assert [[form == () for form in frame[:3]] for frame in frames] == [[False, False, True]] * 2 + [[True] * 3]
     assert labels(run(["G41"], on=machine(tools=()))[1]) == ["GP285"]
-    assert labels(run(["T1", "G41", "G54"], on=plain)[1]) == ["GP256", "GP113"]
+    assert labels(run(["T1", "G41", "G54"], on=plain)[1]) == ["GP113"]
 
 
 def test_lengths_of_tools() -> None:

@@ -1,0 +1,189 @@
+"""Tool radius correction of controllers of DIN blocks with Pascal inside: G40, G41, G42, and moves beside a contour.
+
+APCI-8001 G-code manual 2.7, 3.14 to 3.16, 5.5, 14 (2.5.3.89, .100). Entry, exit and corners are not described. So the
+centre of the tool is known within an envelope of the contour that holds what the usual strategies do: in the axes of
+the plane a place is that of the contour plus an unknown of four tool radii each way (docs/trace.md). Where strategies
+differ by more, GP256.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+from gproof.ir import codes
+from gproof.ir.din import VERSIONS
+from gproof.ir.finding import Refusal
+from gproof.ir.machine import AXIS_NAMES
+from gproof.ir.rules import CodeRule
+from gproof.ir.rules import Function as F
+from gproof.ir.setup import Interval
+from gproof.ir.trace import Op, Plane
+from gproof.passes.din_contour import REACH, Element, judge
+from gproof.passes.din_state import SAME, din_of, factor
+from gproof.passes.values import NOWHERE, Position
+
+if TYPE_CHECKING:
+    from gproof.passes.din import Part
+    from gproof.passes.motion import Motion
+
+_SECTIONS = {Plane.XY: "xy", Plane.XZ: "zx", Plane.YZ: "yz"}
+_RIGHT_HANDED = {Plane.XY: (0, 1), Plane.XZ: (2, 0), Plane.YZ: (1, 2)}
+_PREFIX = "beside."
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Correction:
+    """The correction that is on, or of which places are left behind G40.
+
+    side: 1 left, -1 right; radius: mm; name: of record, side and radius, ``2xy+1,5``, in symbols; last: the element of
+    the contour that ends where the tool is now, None: at the begin; at: where that is.
+    """
+
+    side: int
+    radius: float
+    name: str
+    last: Element | None = None
+    at: tuple[Position, Position] | None = None
+
+
+def correction(ex: Motion, line: Part, rule: CodeRule) -> None:
+    """G40 to G42: radius correction with a record of the tool table (2.7)."""
+    s = ex.modal
+    if rule.function is F.COMPENSATION_OFF:
+        # The tool comes back to the contour with the next move.
+        left = s.din.corrected
+        s.din = s.din.but(side=0, idle=0, corrected=None if left is None else replace(left, last=None, at=None))
+        return
+    tools = din_of(ex.machine).tools
+    if tools is not None and not tools:
+        hint = "a tool table with contents must be loaded (2.7)"
+        raise Refusal(
+            codes.NOT_ENABLED.at(line.code_span(), code=rule.text, device="tools", key="tool_file", hint=hint)
+        )
+    correct(ex, line, 1 if rule.function is F.COMPENSATION_LEFT else -1)
+
+
+def correct(ex: Motion, line: Part, side: int) -> None:
+    """The tool goes beside the contour from here, as far as its record has a radius in the plane."""
+    s = ex.modal
+    section = _SECTIONS[s.plane]
+    found = [t for t in din_of(ex.machine).tools or () if t.number == s.din.tool and t.plane == section]
+    if found and all(t.radius == 0.0 for t in found) and not s.din.plane_open:
+        s.din = s.din.but(side=0, idle=side)
+        return
+    now = s.din.corrected
+    if now is not None and now.side == side == s.din.side:
+        return
+    crossing = now is not None and now.side != side and (s.din.side or any(is_beside(place) for place in s.position))
+    s.din = s.din.but(side=side, idle=0, corrected=None)
+    radius = found[0].radius if len(found) == 1 else None
+    code = "G41" if side > 0 else "G42"
+    cause = ""
+    if radius is None or radius < 0.0 or s.din.plane_open:
+        cause = f"{code}: the radius of the tool, which nobody stated"
+    elif crossing:
+        cause = f"{code} before the tool is back from its other side"
+    elif s.plane is not Plane.XY and din_of(ex.machine).version != VERSIONS[0]:
+        cause = f"{code} out of the X-Y plane, which this version does not do well (14 (2.5.3.100))"
+    elif not all(s.linear[axis] for axis in _RIGHT_HANDED[s.plane]):
+        cause = f"{code} in a plane whose axes turn"
+    if cause:
+        ex._fail(codes.COMPENSATION_UNKNOWN.at(line.code_span(), cause=cause))
+        return
+    assert radius is not None
+    name = f"{s.din.tool}{section}{'+' if side > 0 else '-'}{radius!r}".replace(".", ",")
+    s.din = s.din.but(corrected=Correction(side=side, radius=radius, name=name))
+    ex.assumed[
+        f"the centre of a tool beside a contour stays within {REACH:g} of its radii of it: entry, exit and corners "
+        "are not described (2.7)"
+    ] = None
+
+
+def is_beside(place: Position) -> bool:
+    """Whether a place rests on where a corrected tool is beside its contour."""
+    return any(symbol.startswith(_PREFIX) for symbol, _ in place.form)
+
+
+def contour_place(place: Position) -> Position:
+    """The place of the contour, of one beside it."""
+    return Position(place.value, tuple(term for term in place.form if not term[0].startswith(_PREFIX)))
+
+
+def follow(ex: Motion, target: list[Position]) -> list[Position]:
+    """The ends of a move beside the contour: those of the plane anywhere around it."""
+    s = ex.modal
+    axes = _RIGHT_HANDED[s.plane]
+    if s.din.corrected is None:
+        return [NOWHERE if axis in axes else place for axis, place in enumerate(target)]
+    return [_around(ex, s.din.corrected, axis, place) if axis in axes else place for axis, place in enumerate(target)]
+
+
+def _around(ex: Motion, now: Correction, axis: int, place: Position) -> Position:
+    symbol = f"{_PREFIX}{now.name}.{AXIS_NAMES[axis]}"
+    if any(name == symbol for name, _ in place.form):
+        return place
+    # The same one for each place: a row then has the envelope around its whole path.
+    off = REACH * now.radius + ex.modal.arc_tolerance()
+    ex.trace.symbols[symbol] = Interval(-off, off)
+    return place.plus(Position(0.0, ((symbol, 1),)))
+
+
+def no_arc(ex: Motion, line: Part) -> None:
+    """Refusal GP256 for an arc on which the tool would come to the contour or leave it."""
+    s = ex.modal
+    now = s.din.corrected
+    places = [s.position[axis] for axis in _RIGHT_HANDED[s.plane]]
+    if s.din.side and now is not None:
+        axes = _RIGHT_HANDED[s.plane]
+        if all(_around(ex, now, axis, place) == place for axis, place in zip(axes, places, strict=True)):
+            return
+        cause = "an arc as the first move of a correction, which is not described (2.7)"
+    elif not any(is_beside(place) for place in places):
+        return
+    else:
+        cause = "an arc on which the tool leaves the contour, which is not described (2.7)"
+    raise Refusal(codes.COMPENSATION_UNKNOWN.at(line.span, cause=cause, hint="a line before"))
+
+
+def before(
+    ex: Motion, op: Op, line: Part, target: list[Position], center: list[float] | None = None, turns: int = 0
+) -> None:  # fmt: skip
+    """Rows before a move beside the contour: to the envelope at the begin, anywhere at corners nobody can bound."""
+    s = ex.modal
+    now = s.din.corrected
+    if not s.din.side or now is None:
+        return
+    row = Op.TRAVERSE if op is Op.TRAVERSE else Op.FEED
+    start = follow(ex, s.position)
+    if start != s.position:
+        ex.move(row, start, line.span)
+    u, v = _RIGHT_HANDED[s.plane]
+    here = contour_place(start[u]), contour_place(start[v])
+    there = contour_place(target[u]), contour_place(target[v])
+    problem = ""
+    reflected = [axis for axis in (u, v) if axis in s.din.reflected]
+    ways = [b.minus(a) for a, b in zip(here, there, strict=True)]
+    new: Element | None = None
+    if any(way.form for way in ways):
+        problem = "the direction of a move, which is not known"
+    elif any(abs(factor(s, axis)) != 1.0 for axis in reflected):
+        problem = "whether a factor of G39 changes the radius as well"
+    elif now.at is not None and now.at != here:
+        problem = "where the contour goes on, which is not known"
+    elif op is Op.ARC or any(abs(way.value) >= SAME for way in ways):
+        middle = None if center is None or op is not Op.ARC else (center[u], center[v])
+        new = Element((here[0].value, here[1].value), (there[0].value, there[1].value), middle, turns)
+        # Seen from which side, and whether a mirror image has its tool on the other side, is open.
+        sides = (1, -1) if reflected or s.plane is not Plane.XY else (now.side,)
+        problem, new = judge(now.last, new, sides, now.radius)
+    else:
+        new = now.last
+    if problem:
+        what = f"{problem} (radius {now.radius:g}, 2.7)" if "radius" not in problem else f"{problem} (2.7)"
+        ex._fail(codes.COMPENSATION_UNKNOWN.at(line.span, cause=what))
+        lost = [NOWHERE if axis in (u, v) else place for axis, place in enumerate(s.position)]
+        ex.move(row, lost, line.span)
+        ex.move(row, start, line.span)
+        new = None
+    s.din = s.din.but(corrected=replace(now, last=new, at=None if new is None else there))
