@@ -21,7 +21,7 @@ from gproof.ir.setup import Interval
 from gproof.ir.trace import Op, Plane
 from gproof.passes.din_contour import REACH, Element, judge
 from gproof.passes.din_state import SAME, din_of, factor
-from gproof.passes.values import NOWHERE, Position
+from gproof.passes.values import BESIDE, NOWHERE, Position
 
 if TYPE_CHECKING:
     from gproof.passes.din import Part
@@ -29,7 +29,6 @@ if TYPE_CHECKING:
 
 _SECTIONS = {Plane.XY: "xy", Plane.XZ: "zx", Plane.YZ: "yz"}
 _RIGHT_HANDED = {Plane.XY: (0, 1), Plane.XZ: (2, 0), Plane.YZ: (1, 2)}
-_PREFIX = "beside."
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -102,12 +101,12 @@ def correct(ex: Motion, line: Part, side: int) -> None:
 
 def is_beside(place: Position) -> bool:
     """Whether a place rests on where a corrected tool is beside its contour."""
-    return any(symbol.startswith(_PREFIX) for symbol, _ in place.form)
+    return any(symbol.startswith(BESIDE) for symbol, _ in place.form)
 
 
 def contour_place(place: Position) -> Position:
     """The place of the contour, of one beside it."""
-    return Position(place.value, tuple(term for term in place.form if not term[0].startswith(_PREFIX)))
+    return Position(place.value, tuple(term for term in place.form if not term[0].startswith(BESIDE)))
 
 
 def follow(ex: Motion, target: list[Position]) -> list[Position]:
@@ -120,7 +119,7 @@ def follow(ex: Motion, target: list[Position]) -> list[Position]:
 
 
 def _around(ex: Motion, now: Correction, axis: int, place: Position) -> Position:
-    symbol = f"{_PREFIX}{now.name}.{AXIS_NAMES[axis]}"
+    symbol = f"{BESIDE}{now.name}.{AXIS_NAMES[axis]}"
     if any(name == symbol for name, _ in place.form):
         return place
     # The same one for each place: a row then has the envelope around its whole path.

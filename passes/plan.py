@@ -20,12 +20,12 @@ from gproof.ir.columns import Columns
 from gproof.ir.finding import Findings, Span
 from gproof.ir.machine import AXES, AXIS_NAMES, Axis, Machine
 from gproof.ir.plan import PLAN_ROW, Plan, PlanSection
-from gproof.ir.trace import Chunk, Frame, Op, PathMode, State, Trace, TraceSection, Wait
+from gproof.ir.trace import UNKNOWN, Chunk, Frame, Op, PathMode, State, Trace, TraceSection, Wait
 from gproof.passes import plan_kernels as k
 from gproof.passes.backlash import left_for_axis
 from gproof.passes.check import row_span
 from gproof.passes.pitch import steepest
-from gproof.passes.values import describe
+from gproof.passes.values import BESIDE, describe
 
 assert (Op.TRAVERSE, Op.ARC, Op.PROBE, Op.DWELL) == (k.TRAVERSE, k.ARC, k.PROBE, k.DWELL)
 assert (Op.SPINDLE, Op.HOME, Op.OFFSET, Op.SETPOINT) == (k.SPINDLE, k.HOME, k.OFFSET, k.SETPOINT)
@@ -133,7 +133,8 @@ class _Tables:
             self.chords = np.concatenate([self.chords, np.array(more, dtype=np.float64)])
 
     def _number(self, frame: Frame) -> int:
-        if any(symbol == "?" for form in frame for symbol, _ in form):
+        # Places beside a contour are not apart by what their contour is.
+        if any(symbol == UNKNOWN[0][0] or symbol.startswith(BESIDE) for form in frame for symbol, _ in form):
             return -1
         return self._numbers.setdefault(frame, len(self._numbers))
 

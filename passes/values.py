@@ -78,6 +78,9 @@ class Position:
 
 NOWHERE = Position(0.0, UNKNOWN)
 
+BESIDE = "beside."
+"""How the symbols of places beside a contour begin (docs/trace.md, Frames)."""
+
 
 def describe(form: Affine) -> str:
     """A form in words: ``G54 X offset + tool 3 length``."""
