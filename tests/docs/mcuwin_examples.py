@@ -236,8 +236,8 @@ EXAMPLES: dict[str, Example] = {
 }
 
 OPEN: dict[str, tuple[tuple[str, Example], ...]] = {
-    "G41": (("sharp corners, inside corners without room", _E("T1\nG41\nG01 X5 F100\nX0 Y1\nG40\n")),),
-    "G42": (("sharp corners, inside corners without room", _E("T1\nG42\nG01 X5 F100\nX0 Y1\nG40\n")),),
+    "G41": (("sharp corners, inside corners without room", _E("T1\nG41\nG01 X40 Y20 F500\nG01 X60\nG01 X40")),),
+    "G42": (("sharp corners, inside corners without room", _E("T1\nG42\nG01 X40 Y20 F500\nG01 X60\nG01 X40")),),
     "G01": (("words behind G91 without a code", _E("G01 X20 F500\nG91\nX10")),),
     "G18": (("I in place of K", _E("G18\nG01 X30 F500\nG03 X40 Z15 I10 J0")),),
     "G22": (("back behind G24 with factors set before", _E("G22\nG39 X2\nG24\nG22\nG01 X20 F500")),),
