@@ -17,7 +17,7 @@ from gproof.cli.judge import NOT_JUDGED, Judgement, judge
 from gproof.cli.lengths import CHOICES, MM, LengthUnit, unit_of
 from gproof.cli.report import coloured, distinct, finding_json, print_findings
 from gproof.cli.session import Running, Session, open_session
-from gproof.ir.codes import CODES
+from gproof.ir.codes import CODES, SYNTAX
 from gproof.ir.machine import Axis
 from gproof.ir.trace import UNKNOWN, Chunk
 from gproof.ir.verdict import Condition, Verdict
@@ -130,6 +130,15 @@ def unit_of_report(session: Session, judgement: Judgement) -> LengthUnit:
     return unit_of(session.machine.unit if named is None else named)
 
 
+def _looks_otherwise(session: Session) -> None:
+    """A line for a job with syntax errors whose text or folder speaks for another controller than it was read for."""
+    from gproof.frontend.guess import guess_dialect
+
+    dialect, reason = guess_dialect(session.job)
+    if dialect != session.dialect and " in " in reason:
+        _row("", f"the job looks like one for {dialect}: {reason}")
+
+
 def print_summary(
     session: Session, judgement: Judgement, *, findings: bool = False, unit: LengthUnit | None = None
 ) -> None:
@@ -161,6 +170,8 @@ def print_summary(
     _rows("assuming", [unit.sentence(one) for one in dict.fromkeys(assumed)])
     _row("machine", session.machine.name)
     _row("dialect", f"{session.dialect} ({session.dialect_reason})")
+    if judgement.findings.counts.get(SYNTAX.number):
+        _looks_otherwise(session)
     if session.program is not None:
         _figures(session, judgement, unit)
 

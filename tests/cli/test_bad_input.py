@@ -400,6 +400,17 @@ def test_settings_are_no_program(words: list[str], name: str, folder: Path, gpro
     refused(gproof(*words, name), f"{name}: is no program")
 
 
+def test_a_job_for_another_controller(folder: Path, gproof: Run) -> None:
+    """Only where it has lines that can not be read, and says itself whose it is."""
+    hint = "the job looks like one for mcuwin: DIN section in line 2"
+    (folder / "job.src").write_text("x = ;\n{$DINSTART}\nN10 G00 X1\nN20 M30\n")
+    assert hint in gproof("check", "job.src", "--dialect", "eding").out
+    assert "looks like" not in gproof("check", "job.src", "--dialect", "mcuwin").out
+    (folder / "job.src").write_text("x = ;\n")
+    assert "looks like" not in gproof("check", "job.src", "--dialect", "eding").out
+    assert "looks like" not in gproof("check", "job.cnc", "--dialect", "wincnc").out
+
+
 def test_standard_input_is_no_job(folder: Path, gproof: Run) -> None:
     refused(gproof("check", "-"), "job -: is read from a file, not from standard input")
     (folder / "-").write_text(JOB)
