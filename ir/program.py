@@ -546,7 +546,8 @@ class Program:
     A macro file alone is a Program of ``Definition`` nodes, which stand in nothing else.
     head, tail: the first and the last statements of the body, which the machine's settings put there; the tail also
     runs where the job ends itself before; abort: what runs where it aborts itself. around_files: head and tail run
-    around each subprogram that is a file, too; None: nobody said so, and it would make a difference.
+    around each subprogram that is a file, too; None: nobody said so, and it would make a difference. open_codes: a file
+    that was not given may define codes that the language does not have.
     """
 
     dialect: str
@@ -559,6 +560,7 @@ class Program:
     head: tuple[Statement, ...] = ()
     tail: tuple[Statement, ...] = ()
     around_files: bool | None = False
+    open_codes: bool = False
     abort: tuple[Statement, ...] = ()
     scan: Scan | None = field(default=None, compare=False, repr=False)
     annotate: Annotate | None = field(default=None, compare=False, repr=False)

@@ -151,9 +151,16 @@ def run(
         _execute(ex, line)
     except Refusal as refusal:
         # A line with an error stops the controller: nobody asks where the axes would have gone.
-        if line is not None and moves == ex._moves and refusal.finding.severity is not Severity.ERROR:
+        finding = refusal.finding
+        if finding.code is codes.UNKNOWN_CODE and ex.program.open_codes:
+            what = f"{finding.message.split()[0]}, which only a macro file would define,"
+            hint = "CNC.MAC may define it: --machine WINCNC.INI, with CNC.MAC beside it"
+            finding = codes.UNSUPPORTED_CODE.at(finding.span, code=what, hint=hint)
+            single_motion.lose_places(ex)
+            ex.modal.jumped = True
+        elif line is not None and moves == ex._moves and finding.severity is not Severity.ERROR:
             _recover(ex, line)
-        ex._refuse(refusal.finding)
+        ex._refuse(finding)
     finally:
         if ex.modal.single.absolute_once is not None:
             ex.modal.single = ex.modal.single.but(absolute_once=None)

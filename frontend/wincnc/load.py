@@ -271,6 +271,7 @@ class _Loader:
                 self.macros = dict(read_macros(source, self.findings, self.controls.lexical))
                 self.macro_source = source
                 return
+        self.program.open_codes = True
         if self.machine_file is not None:
             name = self.machine_file.name
             self.findings.add(

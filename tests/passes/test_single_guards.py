@@ -112,3 +112,16 @@ def test_an_arc_from_anywhere_makes_no_error_of_the_next(tmp_path: Path, text: s
     )  # fmt: skip
     found = judge(session, running=Running())
     assert not [f for f in found.findings.kept if f.code.label in {"GP203", "GP401"}], found.findings.kept
+
+
+@pytest.mark.parametrize("code", ["M3 S1000", "M6", "G200 X1", "L77"])
+def test_codes_of_a_macro_file_that_was_not_given(tmp_path: Path, code: str) -> None:
+    """Without CNC.MAC nobody knows what it would define: not an error, and nobody knows where the axes are then."""
+    job = tmp_path / "job.tap"
+    job.write_text(f"G90\nG0 X1\n{code}\nG91\nG0 X1\n")
+    session = open_session(job, machine=None, setup="zero", dialect="wincnc")
+    found = judge(session, running=Running())
+    assert found.verdict is Verdict.UNKNOWN
+    assert "GP112" not in {finding.code.label for finding in found.findings.kept}
+    assert any("CNC.MAC" in finding.hint for finding in found.findings.kept)
+    assert answer(tmp_path, f"G90\n{code}\n")[1] >= {"GP112"}
