@@ -1,15 +1,14 @@
-"""Every job of the corpus through the real command line ends as its `expect.toml` and its markers say."""
+"""Every job of the corpus through the command line ends as its `expect.toml` and its markers say."""
 
 from __future__ import annotations
 
 import importlib.util
-import subprocess
-import sys
 import tomllib
 from pathlib import Path
 
 import pytest
 from corpus.expectations import JUDGED, ROOT, findings, markers, misplaced, readme_tables, report_of
+from support.command import in_own_process, in_this_process
 
 CORPUS = ROOT / "corpus"
 JOBS = sorted(path.parent for path in CORPUS.glob("*/*/job.cnc"))
@@ -24,30 +23,35 @@ def expectation(folder: Path) -> dict:
     return tomllib.loads((folder / "expect.toml").read_text(encoding="utf-8"))
 
 
+def words_for(folder: Path) -> list[str]:
+    """The command that judges a job, with a report in JSON."""
+    expect = expectation(folder)
+    words = ["check", str(folder / "job.cnc"), "--machine", str(folder / expect["machine"]), "--format", "json"]
+    if "setup" in expect:
+        setup = expect["setup"]
+        words += ["--setup", setup if setup == "zero" else str(folder / setup)]
+    return words
+
+
 @pytest.mark.parametrize("folder", JOBS, ids=name_of)
 def test_job_ends_as_expected(folder: Path) -> None:
     expect = expectation(folder)
-    command = ["check", str(folder / "job.cnc"), "--machine", str(folder / expect["machine"])]
-    if "setup" in expect:
-        setup = expect["setup"]
-        command += ["--setup", setup if setup == "zero" else str(folder / setup)]
-    done = subprocess.run(
-        [sys.executable, "-m", "gproof.cli.main", *command, "--format", "json"],
-        cwd=ROOT,
-        stdin=subprocess.DEVNULL,
-        capture_output=True,
-        text=True,
-        check=False,
-    )
-    assert "Traceback" not in done.stderr, done.stderr
-    report = report_of(done.stdout or done.stderr)
+    done = in_this_process(words_for(folder), ROOT)
+    assert "Traceback" not in done.err, done.err
+    report = report_of(done.out or done.err)
     found = findings(report)
     assert {one.code for one in found if one.severity in JUDGED} == set(expect["findings"]), found
     assert report["verdict"] == expect["verdict"]
-    assert done.returncode == expect["exit"]
+    assert done.exit == expect["exit"]
     verdicts = {name: report["properties"][name]["verdict"] for name in expect.get("properties", {})}
     assert verdicts == expect.get("properties", {})
     assert misplaced(found, folder / "job.cnc") == []
+
+
+@pytest.mark.parametrize("verdict", EXIT)
+def test_a_process_of_its_own_says_the_same(verdict: str) -> None:
+    folder = next(folder for folder in JOBS if expectation(folder)["verdict"] == verdict)
+    assert in_own_process(words_for(folder), ROOT) == in_this_process(words_for(folder), ROOT)
 
 
 @pytest.mark.parametrize("folder", JOBS, ids=name_of)

@@ -1,14 +1,13 @@
-"""Every job of the McuWIN machines through the real command line ends as its `.toml` and its markers say."""
+"""Every job of the McuWIN machines through the command line ends as its `.toml` and its markers say."""
 
 from __future__ import annotations
 
-import subprocess
-import sys
 import tomllib
 from pathlib import Path
 
 import pytest
 from corpus.expectations import JUDGED, ROOT, findings, markers, misplaced, readme_tables, report_of
+from support.command import in_own_process, in_this_process
 
 SHOPS = ROOT / "corpus" / "mcuwin"
 JOBS = sorted(path.with_suffix(".src") for path in SHOPS.glob("*/jobs/*.toml"))
@@ -23,30 +22,35 @@ def expectation(job: Path) -> dict:
     return tomllib.loads(job.with_suffix(".toml").read_text(encoding="utf-8"))
 
 
+def words_for(job: Path) -> list[str]:
+    """The command that judges a job, with a report in JSON."""
+    expect = expectation(job)
+    words = ["check", str(job), "--machine", str(job.parent / expect["machine"]), "--format", "json"]
+    if "setup" in expect:
+        setup = expect["setup"]
+        words += ["--setup", setup if setup == "zero" else str(job.parent / setup)]
+    return words
+
+
 @pytest.mark.parametrize("job", JOBS, ids=name_of)
 def test_job_ends_as_expected(job: Path) -> None:
     expect = expectation(job)
-    command = ["check", str(job), "--machine", str(job.parent / expect["machine"])]
-    if "setup" in expect:
-        setup = expect["setup"]
-        command += ["--setup", setup if setup == "zero" else str(job.parent / setup)]
-    done = subprocess.run(
-        [sys.executable, "-m", "gproof.cli.main", *command, "--format", "json"],
-        cwd=ROOT,
-        stdin=subprocess.DEVNULL,
-        capture_output=True,
-        text=True,
-        check=False,
-    )
-    assert "Traceback" not in done.stderr, done.stderr
-    report = report_of(done.stdout or done.stderr)
+    done = in_this_process(words_for(job), ROOT)
+    assert "Traceback" not in done.err, done.err
+    report = report_of(done.out or done.err)
     found = findings(report)
     assert {one.code for one in found if one.severity in JUDGED} == set(expect["findings"]), found
     assert report["verdict"] == expect["verdict"]
-    assert done.returncode == expect["exit"]
+    assert done.exit == expect["exit"]
     verdicts = {name: report["properties"][name]["verdict"] for name in expect.get("properties", {})}
     assert verdicts == expect.get("properties", {})
     assert misplaced(found, job) == []
+
+
+@pytest.mark.parametrize("verdict", EXIT)
+def test_a_process_of_its_own_says_the_same(verdict: str) -> None:
+    job = next(job for job in JOBS if expectation(job)["verdict"] == verdict)
+    assert in_own_process(words_for(job), ROOT) == in_this_process(words_for(job), ROOT)
 
 
 @pytest.mark.parametrize("job", JOBS, ids=name_of)
