@@ -15,7 +15,7 @@ import functools
 import json
 import re
 import typing
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from fractions import Fraction
 from typing import Any
 
@@ -46,12 +46,20 @@ def _registry() -> tuple[dict[str, type], dict[str, type[enum.Enum]], dict[str, 
     return classes, enums, schemas
 
 
-def _fields(cls: type) -> list[dataclasses.Field[Any]]:
-    return [f for f in dataclasses.fields(cls) if f.compare]
+@functools.cache
+def _fields(cls: type) -> tuple[dataclasses.Field[Any], ...]:
+    return tuple(f for f in dataclasses.fields(cls) if f.compare)
+
+
+_PLAIN: dict[type, Callable[[Any], str]] = {float: repr, int: str, str: json.dumps}
+"""How values of exactly these types print: most of what has no parts."""
 
 
 def _atom(value: Any) -> str | None:
     """The text of a value that has no parts, or None."""
+    printed = _PLAIN.get(type(value))
+    if printed is not None:
+        return printed(value)
     if value is None:
         return "none"
     if isinstance(value, bool):

@@ -55,16 +55,22 @@ def as_written(row: dict[str, Any]) -> dict[str, Any]:
 @pytest.mark.parametrize("shop", sorted({path.parent for path in PROGRAMS}), ids=lambda path: path.name)
 def test_text_forms_parse_back(shop: Path) -> None:
     """Machine, Program and Trace of every program: the same text, the same value."""
+    machines: list[Any] = []  # all that differ: the programs of a shop share theirs
     for program in (path.with_suffix(".din") for path in PROGRAMS if path.parent == shop):
         session = session_of(program)
         if session.program is None:
             continue
         trace = execute(session.program, ZERO, session.machine, Findings())
         trace.verify()
-        for stage in (session.machine, session.program, trace):
+        stages = [session.program, trace]
+        if session.machine not in machines:
+            machines.append(session.machine)
+            stages.append(session.machine)
+        for stage in stages:
             text = print_ir(stage)
-            assert print_ir(parse_ir(text)) == text, program
-        assert parse_ir(print_ir(session.program)) == session.program, program
+            again = parse_ir(text)
+            assert print_ir(again) == text, program
+            assert stage is not session.program or again == stage, program
 
 
 @pytest.mark.parametrize("expected", PROGRAMS, ids=lambda path: f"{path.parent.name}/{path.stem}")

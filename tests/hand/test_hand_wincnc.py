@@ -60,16 +60,21 @@ TAPS = [path.with_suffix(".tap") for path in PROGRAMS]
 @pytest.mark.parametrize("shop", sorted({path.parent for path in TAPS}), ids=lambda path: path.name)
 def test_text_forms_parse_back(shop: Path) -> None:
     """Machine, Program and Trace of every program: the same text, the same value."""
+    machines: list[Any] = []  # all that differ: the programs of a shop share theirs
     for program in (path for path in TAPS if path.parent == shop):
         session = session_of(program)
         assert session.program is not None
         trace = execute(session.program, ZERO, session.machine, Findings())
         trace.verify()
-        for stage in (session.machine, session.program, trace):
+        stages = [session.program, trace]
+        if session.machine not in machines:
+            machines.append(session.machine)
+            stages.append(session.machine)
+        for stage in stages:
             text = print_ir(stage)
             again = parse_ir(text)
             assert print_ir(again) == text, program
-        assert parse_ir(print_ir(session.program)) == session.program, program
+            assert stage is not session.program or again == stage, program
 
 
 @pytest.mark.parametrize("expected", PROGRAMS, ids=lambda path: f"{path.parent.name}/{path.stem}")
