@@ -17,7 +17,7 @@ from gproof.frontend.mcuwin.notes import Annotator, FileNotes
 from gproof.frontend.mcuwin.scan import Scanner
 from gproof.frontend.mcuwin.size import judge_size
 from gproof.frontend.mcuwin.structure import does_something
-from gproof.frontend.mcuwin.text import Text
+from gproof.frontend.mcuwin.text import HELD_BLOCKS, Text
 from gproof.frontend.source import UTF8_MARK, decode, encoding_of, read_source
 from gproof.ir import codes
 from gproof.ir.columns import Columns
@@ -35,15 +35,15 @@ CHUNK = 1 << 16
 
 def load_program(
     path: Path, findings: Findings, machine: Machine = NO_MCUWIN, machine_file: Path | None = None, *,
-    tables: bool = True,
+    tables: bool = True, held: int | None = HELD_BLOCKS,
 ) -> Program | None:  # fmt: skip
     """The program in ``path`` with all it includes; None when the job's file is refused.
 
     machine: whose axes and settings say how lines are read; machine_file: beside which PreInclude and PostInclude lie;
-    tables: plain lines become tables, else blocks like all others. A line with a mistake is a finding and left out of
+    tables: plain lines become tables, else blocks like all others; held: see ``text.Text``. A line with a mistake is a finding and left out of
     the program.
     """
-    loader = _Loader(path, findings, machine, machine_file, tables=tables)
+    loader = _Loader(path, findings, machine, machine_file, tables=tables, held=held)
     before = sum(findings.counts.values())
     try:
         program = loader.job()
@@ -79,7 +79,7 @@ class _Loader:
 
     def __init__(
         self, path: Path, findings: Findings, machine: Machine, machine_file: Path | None, *, tables: bool,
-        alone: bool = False, name: str = "", folder: Path | None = None,
+        held: int | None = HELD_BLOCKS, alone: bool = False, name: str = "", folder: Path | None = None,
     ) -> None:  # fmt: skip
         self.path = path
         self.alone = alone
@@ -96,7 +96,8 @@ class _Loader:
         self.annotator = Annotator()
         self.program.scan = self.scanner.scan
         self.program.annotate = self.annotator.annotate
-        self.text = Text(self.program.rules, self.din, axes, findings, self._include_from, Span(self.name, 1))
+        first = Span(self.name, 1)
+        self.text = Text(self.program.rules, self.din, axes, findings, self._include_from, first, held=held)
         self.files: dict[Path, int] = {}
         self.stack: list[Path] = []
         self.held = 0

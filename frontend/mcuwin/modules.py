@@ -15,6 +15,7 @@ from gproof.ir.finding import Findings, Related, Span
 from gproof.ir.program import (
     Block,
     Call,
+    DeferredBlock,
     For,
     If,
     Jump,
@@ -243,7 +244,8 @@ def _ends(node: Statement) -> bool:
     """Whether a statement is M02, M30 or M17."""
     if isinstance(node, Return):
         return True
-    return isinstance(node, Block) and any(
+    # Blocks that are made when they run never end a module (``shapes.py``).
+    return isinstance(node, Block) and not isinstance(node, DeferredBlock) and any(
         word.letter == "M" and isinstance(word.value, Number) and word.value.value in ENDS for word in node.words
     )
 

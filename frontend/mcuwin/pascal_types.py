@@ -92,6 +92,10 @@ class Symbols:
         other._scopes = [dict(scope) for scope in self._scopes]
         return other
 
+    def same_names(self, other: Symbols) -> bool:
+        """Whether the same is declared here as there."""
+        return self._scopes == other._scopes
+
     def enter(self) -> None:
         """Names of a procedure begin."""
         self._scopes.append({})

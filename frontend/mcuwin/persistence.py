@@ -27,6 +27,11 @@ class Persistence:
     state: str = NONE
     distances: str = ""
 
+    @property
+    def in_force(self) -> tuple[str, str]:
+        """Code and distances."""
+        return self.state, self.distances
+
     def distances_of(self, words: tuple[Word, ...]) -> str:
         """The distance mode of a line by the order of the source, which decided before 2.5.3.78; "" since (14)."""
         if self._old:

@@ -8,7 +8,7 @@ before it.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 
 from gproof.frontend.mcuwin.names import label_name
 from gproof.frontend.mcuwin.pascal import (
@@ -31,7 +31,6 @@ from gproof.frontend.mcuwin.persistence import Persistence
 from gproof.ir import codes
 from gproof.ir.finding import Findings, Refusal, Span
 from gproof.ir.program import (
-    Block,
     Declare,
     Expr,
     For,
@@ -126,23 +125,28 @@ class Structure:
             self.findings.add(codes.UNBALANCED_BLOCK.at(span, what=f"this {kind} is not closed before the text ends"))
             self._close(None)
 
-    def pascal(self, text: str, at: int, file: str, line: int) -> None:
-        """A ``$`` line, from behind its sign; findings for its mistakes."""
+    def pascal(self, text: str, at: int, file: str, line: int, known: Dollar | None = None) -> Dollar | None:
+        """A ``$`` line, from behind its sign; findings for its mistakes. known: what it is, when that is known.
+
+        Returns what it is, None for a mistake. Whole statements the caller adds.
+        """
         place = Place(file, line)
+        found = None
         try:
-            self._line(parse_dollar(text, at, place, self.symbols))
+            found = known or parse_dollar(text, at, place, self.symbols)
+            self._line(found)
         except Refusal as refusal:
             self.findings.add(refusal.finding)
             self.section.broken = True
             self._keep_balance(Lexer([text], place, at))
-        self.persistence.doubt()
+            found = None
+        return found
 
     def _line(self, found: Dollar) -> None:
         span = found.span
         match found:
             case Simple():
-                state = self.persistence.state
-                self.add([replace(n, continued=state) if isinstance(n, Block) else n for n in found.statements])
+                pass
             case IfHead() | WhileHead():
                 self._push(_Open(_KINDS[type(found)], span, condition=found.condition))
             case RepeatHead():

@@ -7,7 +7,7 @@ What stands before the first percent sign may be declarations with ``$DINEND`` o
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 
 from gproof.frontend.mcuwin.expressions import Expressions
@@ -15,9 +15,10 @@ from gproof.frontend.mcuwin.include import INCLUDE
 from gproof.frontend.mcuwin.language import DinLine, Language
 from gproof.frontend.mcuwin.lines import CENTERS, VALUE_LETTERS, LineReader
 from gproof.frontend.mcuwin.notes import Found
-from gproof.frontend.mcuwin.pascal import Place, Symbols, parse_section
+from gproof.frontend.mcuwin.pascal import Dollar, Place, Simple, Symbols, parse_section
 from gproof.frontend.mcuwin.pascal_text import mode_sign, pascal_notes
 from gproof.frontend.mcuwin.persistence import Persistence
+from gproof.frontend.mcuwin.shapes import Shapes, continued
 from gproof.frontend.mcuwin.structure import Structure
 from gproof.ir import codes
 from gproof.ir.din import Din
@@ -38,14 +39,18 @@ PASCAL: Found = (0, NoteKind.PASCAL, 0, "")
 LineNotes = tuple[int, str, list[Found]]
 """Number, text and notes of a line."""
 
+HELD_BLOCKS = 2_000
+"""Blocks of a program that are made at once; later ones are made when they run."""
+
 
 class Text:
     """Takes lines in the order of the source. include: reads a file in the place of its ``$I``."""
 
     def __init__(
         self, rules: LanguageRules, din: Din, axes: str, findings: Findings, include: Callable[[str, Span], None],
-        span: Span,
+        span: Span, *, held: int | None = HELD_BLOCKS,
     ) -> None:  # fmt: skip
+        """held: how many blocks are made at once; None: all, and each line is read by itself."""
         self.findings = findings
         self.include = include
         self.numbered = din.line_numbers
@@ -54,7 +59,10 @@ class Text:
         language = Language(rules=rules, din=din, axes=axes, expressions=Expressions(self.symbols))
         self.old = language.old
         self.letters = axes + CENTERS + VALUE_LETTERS + "DGLMNO"
+        self.language = language
         self.reader = LineReader(language, self.persistence)
+        self.held = held or 0
+        self.shapes = Shapes(language, self.symbols) if held is not None else None
         self.structure = Structure(self.symbols, self.persistence, findings, span)
         self.procedures: list[Subprogram] = []
         self.doubtful: dict[str, str] = {}
@@ -88,7 +96,7 @@ class Text:
         self._read_section()
         self.structure.finish(depth)
 
-    def line(self, text: str, file: str, number: int) -> Iterator[LineNotes]:
+    def line(self, text: str, file: str, number: int) -> list[LineNotes]:
         """Take a line; gives its notes, and those of a section that it ends."""
         found: list[LineNotes] = []
         try:
@@ -97,7 +105,7 @@ class Text:
             self.findings.add(refusal.finding)
             self.structure.section.broken = True
             self.persistence.cut()
-        yield from found
+        return found
 
     def _line(self, text: str, file: str, number: int, found: list[LineNotes]) -> None:
         if "\r" in text:
@@ -153,6 +161,8 @@ class Text:
             self.structure.add(section.statements)
             self.procedures += section.subprograms
             self._refuse_words(section.statements)
+            if self.shapes is not None and not self.symbols.same_names(self.shapes.symbols):
+                self.shapes = Shapes(self.language, self.symbols)
         self.lines = []
 
     def _refuse_words(self, nodes: tuple[Statement, ...]) -> None:
@@ -178,11 +188,16 @@ class Text:
         self.pascal = False
 
     def _din(self, text: str, file: str, number: int, found: list[LineNotes], at: int = 0) -> None:
+        if at == 0 and self.shapes is not None and self._known(self.shapes, text, file, number, found):
+            return
+        before = self.persistence.in_force
+        findings = self._findings()
         line = self.reader.read(text, file, number, at)
         if line.notes or not text.isascii():
             found.append((number, text, line.notes))
         if self.numbered and not line.number and line.statements:
             self.findings.add(codes.LINE_NUMBER_MISSING.at(Span(file, number, 1, 2)))
+        dollar = None
         if line.module is not None and line.module_span is not None:
             self.structure.module(line.module, line.module_span)
         elif line.starts is not None:
@@ -191,11 +206,49 @@ class Text:
             self._start(Span(file, number, begin + 1, end + 1))
             self._din(text, file, number, found, end)
         elif line.pascal >= 0:
-            self._dollar(text, line, file, number, found)
+            dollar = self._dollar(text, line, file, number, found)
         self._refuse_doubtful(line.statements)
         if line.number and "N" in self.doubtful:
             self._doubt("N", Span(file, number, at + 1, len(text) + 1))
-        self.structure.add(line.statements)
+        nodes: Sequence[Statement] = line.statements
+        if isinstance(dollar, Simple):
+            nodes = continued(dollar.statements, before[0])
+        if at == 0 and self.shapes is not None:
+            if findings == self._findings():
+                notes = [note for _, _, notes in found for note in notes]
+                self.shapes.learn(text, file, number, before, self.persistence.in_force, line, dollar, notes)
+            blocks = sum(isinstance(node, Block) for node in nodes)
+            if blocks and self.held <= 0:
+                nodes = self.shapes.deferred(nodes, text.encode(), file, number, before)
+            self.held -= blocks
+        self.structure.add(nodes)
+
+    def _findings(self) -> int:
+        """How many there are."""
+        return sum(self.findings.counts.values())
+
+    def _known(self, shapes: Shapes, text: str, file: str, number: int, found: list[LineNotes]) -> bool:
+        """Take a line whose shape is known; False when it must be read."""
+        before = self.persistence.in_force
+        line = shapes.find(text, before)
+        if line is None:
+            return False
+        known = line.known
+        if self.numbered and not known.number and known.says:
+            return False
+        if self.doubtful and ("N" in self.doubtful or not known.letters.isdisjoint(self.doubtful)):
+            return False
+        if known.notes or not text.isascii():
+            found.append((number, text, line.notes()))
+        if known.dollar == "head":
+            self.structure.pascal(text, text.index("$") + 1, file, number, line.nodes(file, number)[0])
+        elif self.held > 0:
+            self.structure.add(line.nodes(file, number))
+            self.held -= sum(known.blocks)
+        else:
+            self.structure.add(shapes.deferred_known(line, text.encode(), file, number, before))
+        self.persistence.state, self.persistence.distances = known.after
+        return True
 
     def _refuse_doubtful(self, nodes: list[Statement]) -> None:
         """Words whose letter is a declared name too."""
@@ -209,7 +262,8 @@ class Text:
         what = f"{letter} of a DIN line, where {name!r} is a name that is declared,"
         self.findings.add(codes.PASCAL_OPEN.at(span, what=what, hint="choose a longer name"))
 
-    def _dollar(self, text: str, line: DinLine, file: str, number: int, found: list[LineNotes]) -> None:
+    def _dollar(self, text: str, line: DinLine, file: str, number: int, found: list[LineNotes]) -> Dollar | None:
+        """A ``$`` line; what it is of rw_SymPas, None for a mistake and for what it says to the compiler."""
         at = line.pascal
         end, include = DINEND.match(text, at), INCLUDE.match(text, at)
         if end is not None:
@@ -233,4 +287,7 @@ class Text:
             self.persistence.doubt()
         else:
             found.append((number, text, [PASCAL, *pascal_notes(text, at + 1, opened=False)]))
-            self.structure.pascal(text, at + 1, file, number)
+            dollar = self.structure.pascal(text, at + 1, file, number)
+            self.persistence.doubt()
+            return dollar
+        return None
