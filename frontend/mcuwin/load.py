@@ -40,8 +40,8 @@ def load_program(
     """The program in ``path`` with all it includes; None when the job's file is refused.
 
     machine: whose axes and settings say how lines are read; machine_file: beside which PreInclude and PostInclude lie;
-    tables: plain lines become tables, else blocks like all others; held: see ``text.Text``. A line with a mistake is a finding and left out of
-    the program.
+    tables: plain lines become tables, else blocks like all others; held: see ``text.Text``. A line with a mistake is a
+    finding and left out of the program.
     """
     loader = _Loader(path, findings, machine, machine_file, tables=tables, held=held)
     before = sum(findings.counts.values())

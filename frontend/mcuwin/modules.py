@@ -244,8 +244,9 @@ def _ends(node: Statement) -> bool:
     """Whether a statement is M02, M30 or M17."""
     if isinstance(node, Return):
         return True
-    # Blocks that are made when they run never end a module (``shapes.py``).
-    return isinstance(node, Block) and not isinstance(node, DeferredBlock) and any(
+    if not isinstance(node, Block) or isinstance(node, DeferredBlock):
+        return False  # blocks that are made when they run never end a module (``shapes.py``)
+    return any(
         word.letter == "M" and isinstance(word.value, Number) and word.value.value in ENDS for word in node.words
     )
 

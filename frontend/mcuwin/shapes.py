@@ -12,7 +12,7 @@ import functools
 import re
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from gproof.frontend.mcuwin.expressions import Expressions
 from gproof.frontend.mcuwin.language import DinLine, Language
@@ -104,8 +104,15 @@ class Line(NamedTuple):
 
     def nodes(self, file: str, line: int) -> list[Statement]:
         """Its statements."""
-        found = self.known.pattern.nodes(self.text, file, line, self.before, comment_of(self.text, self.comment))
+        return self._nodes(file, line)
+
+    def dollar(self, file: str, line: int) -> Dollar:
+        """What it is of rw_SymPas."""
+        found: Dollar = self._nodes(file, line)[0]
         return found
+
+    def _nodes(self, file: str, line: int) -> list[Any]:
+        return self.known.pattern.nodes(self.text, file, line, self.before, comment_of(self.text, self.comment))
 
     def notes(self) -> list[Found]:
         """Its notes."""
@@ -169,9 +176,7 @@ class Shapes:
         self._fixed[parts.shape] = tuple(sorted(fixed))
         self._known[parts.shape, tuple([parts.runs[i] for i in sorted(fixed)]), state] = known
 
-    def deferred(
-        self, nodes: Sequence[Statement], raw: bytes, file: str, line: int, state: State
-    ) -> list[Statement]:
+    def deferred(self, nodes: Sequence[Statement], raw: bytes, file: str, line: int, state: State) -> list[Statement]:
         """The statements of a line, those that are blocks to be made when they run."""
         return [
             DeferredBlock(self._maker(index, state), raw, file, line) if can_wait(node) else node
@@ -216,7 +221,7 @@ class Shapes:
     def _read(self, text: str, file: str, line: int, state: State) -> Sequence[Statement]:
         """The statements of a line, read again."""
         persistence = Persistence(self.language.din, *state)
-        findings = self.symbols.findings = Findings()
+        self.symbols.findings = Findings()
         din = LineReader(self.language, persistence).read(text, file, line)
         dollar = parse_dollar(text, din.pascal + 1, Place(file, line), self.symbols) if din.pascal >= 0 else None
         nodes: Sequence[Statement] = din.statements

@@ -241,7 +241,7 @@ class Text:
         if known.notes or not text.isascii():
             found.append((number, text, line.notes()))
         if known.dollar == "head":
-            self.structure.pascal(text, text.index("$") + 1, file, number, line.nodes(file, number)[0])
+            self.structure.pascal(text, text.index("$") + 1, file, number, line.dollar(file, number))
         elif self.held > 0:
             self.structure.add(line.nodes(file, number))
             self.held -= sum(known.blocks)
