@@ -106,6 +106,9 @@ PROGRAM_TOO_LARGE = code(
     "the compiled program has {low} bytes at the least, by estimate; the controller takes {allowed} (error 21)",
 )
 LINE_NUMBER_MISSING = code(148, "line-number-missing", _E, "this machine asks for a line number, and the line has none")
+LOOP_VARIABLE = code(
+    149, "loop-variable", _W, "{name} is read behind its for loop, where it holds its last value, or one beyond it"
+)
 
 # 2xx meaning
 AXIS_WORDS_MISSING = code(201, "axis-words-missing", _E, "{code} without axis words")

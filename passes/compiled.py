@@ -15,7 +15,7 @@ from typing import Any
 
 from gproof.ir.program import Binary, Block, Constant, DeferredBlock, Expr, Number, Unary, Variable
 from gproof.ir.rules import LanguageRules
-from gproof.passes.expressions import BINARY_FUNCTIONS, LEAST_WHOLE, MOST_WHOLE, UNARY_FUNCTIONS
+from gproof.passes.expressions import BINARY_FUNCTIONS, LEAST_WHOLE, MOST_WHOLE, UNARY_FUNCTIONS, open_rem
 
 HOT_LETTERS = frozenset("GFXYZABCIJKR")
 """Words of lines that ``execute_kernels.run_lines`` may take."""
@@ -113,13 +113,19 @@ def _guarded(compute: Callable[..., float]) -> Callable[..., float]:
     return guarded
 
 
+def _sure_rem(x: float, y: float) -> float:
+    if open_rem(x, y) is not None:
+        raise Slow
+    return BINARY_FUNCTIONS["rem"](x, y)
+
+
 _OPERATORS: dict[str, Callable[..., float]] = {
     **{op: BINARY_FUNCTIONS[op] for op in ("and", "or", "xor", ">", ">=", "<", "<=", "atan")},
     **{op: _compare(op) for op in ("==", "<>")},
     "**": _guarded(math.pow),
     "mod": _guarded(BINARY_FUNCTIONS["mod"]),
     "div": _guarded(BINARY_FUNCTIONS["div"]),
-    "rem": _guarded(BINARY_FUNCTIONS["rem"]),
+    "rem": _sure_rem,
     "*": _guarded(BINARY_FUNCTIONS["*"]),
     "/": _guarded(BINARY_FUNCTIONS["/"]),
 }

@@ -22,7 +22,7 @@ from gproof.passes.ranges import Range
 from gproof.passes.rows import RowBuffer
 from gproof.passes.spindle import commanded_rpm, own_ramp, told
 from gproof.passes.transform_codes import at_start
-from gproof.passes.values import FrameTable, Position, Unknown, Value
+from gproof.passes.values import FrameTable, Position, Unknown, Value, behind_loop
 
 if TYPE_CHECKING:
     from gproof.passes.single_plain import PlainLines
@@ -75,6 +75,7 @@ class Emitter:
         self._texts: dict[str, int] = {}
         self._state_index = -1
         self._warned: set[int] = set()
+        self._loop_variables: set[tuple[int, Span]] = set()
         self._moved = False
         self._moves = 0
         self._nesting = 0
@@ -232,10 +233,15 @@ class Emitter:
     def _read(self, number: float, span: Span) -> Value:
         value = self.modal.read(number, span)
         whole = round(number)
-        own = self.program.rules.name_of(whole)
-        if not isinstance(value, Unknown) or value.cause != own:
+        if not isinstance(value, Unknown):
             return value
+        own = self.program.rules.name_of(whole)
         name = self.evaluator.names.get(whole, own)
+        if value.cause == behind_loop(name) and (whole, span) not in self._loop_variables:
+            self._loop_variables.add((whole, span))
+            self.findings.add(codes.LOOP_VARIABLE.at(span, name=name, hint="use a variable of its own behind the loop"))
+        if value.cause != own:
+            return value
         if whole not in self._warned:
             self._warned.add(whole)
             self.findings.add(codes.UNSET_PARAMETER.at(span, name=name))

@@ -18,6 +18,12 @@ _COMPARISONS = ("==", "<>", ">", ">=", "<", "<=")
 _LARGEST = 2.0**53
 LEAST_WHOLE, MOST_WHOLE = -(2.0**31), 2.0**31 - 1.0
 """Whole numbers of 32 bits."""
+_BITS = 32.0
+_SHOWN = {
+    "rasin": "arcsin", "racos": "arccos", "ratan": "arctan", "rsin": "sin", "rcos": "cos", "rtan": "tan",
+    "nearest": "round", "rem": "mod", "band": "and", "bor": "or", "bxor": "xor", "bnot": "not",
+}  # fmt: skip
+"""How messages name operators that have the name of another one in a program."""
 
 
 def _fail(span: Span, what: str) -> Refusal:
@@ -59,6 +65,18 @@ def _rem(x: float, y: float) -> float:
     """Whole numbers, the remainder with the sign of the first."""
     a, b = _integer(x), _integer(y)
     return float(abs(a) % abs(b) * (-1 if a < 0 else 1))
+
+
+def open_rem(x: float, y: float) -> tuple[float, float] | None:
+    """The remainders between which that of a negative number, or by one, lies; None where all rules give the same.
+
+    With the sign of the first, with that of the second, or never negative: Pascals differ.
+    """
+    rest = _rem(x, y)
+    if (x >= 0 and y > 0) or rest == 0:
+        return None
+    other = rest - math.copysign(abs(y), rest)
+    return min(rest, other), max(rest, other)
 
 
 def _of_32_bits(expr: Unary | Binary, found: ranges.Range) -> ranges.Range:
@@ -182,7 +200,8 @@ class Evaluator:
         try:
             return self._result(expr, UNARY_FUNCTIONS[expr.operator](x))
         except (ValueError, OverflowError):
-            raise _fail(expr.span, f"{expr.operator}[{x:g}] has no value") from None
+            shown = _SHOWN.get(expr.operator, expr.operator)
+            raise _fail(expr.span, f"{shown} of {x:g} has no value") from None
 
     def _binary(self, expr: Binary) -> Value:
         # A chain of operators of one group is a deep left spine: walked, not recursed.
@@ -191,13 +210,25 @@ class Evaluator:
             spine.append(spine[-1].left)
         value = self.value(spine[-1].left)
         for node in reversed(spine):
-            value = self._apply(node, value, self.value(node.right))
+            value = self._apply(node, value, self._right(node, value))
         return value
+
+    def _right(self, node: Binary, left: Value) -> Value:
+        """What stands on the right. Where the left side decides, a controller may pass it over: no error then."""
+        if isinstance(left, Unknown) or node.operator != ("or" if left else "and"):
+            return self.value(node.right)
+        try:
+            return self.value(node.right)
+        except Refusal as refusal:
+            if refusal.finding.code != codes.ARITHMETIC:
+                raise
+            self._doubt(node.right.span, f"the right side of {node.operator}", "it")
+            return 0.0
 
     def _apply(self, expr: Binary, x: Value, y: Value) -> Value:
         if expr.doubtful:
             self._tell(codes.PRECEDENCE.number, expr.span, lambda: codes.PRECEDENCE.at(
-                expr.span, operators=" and ".join(sorted(set(_operators(expr)))),
+                expr.span, operators=" and ".join(sorted({_SHOWN.get(one, one) for one in _operators(expr)})),
                 hint="brackets say what is meant",
             ))  # fmt: skip
         if isinstance(x, Unknown) or isinstance(y, Unknown):
@@ -212,7 +243,11 @@ class Evaluator:
             ))  # fmt: skip
         if expr.operator == "shr" and x < 0:
             return Unknown("what shr makes of a negative number")
-        return self._result(expr, self._compute(expr, x, y))
+        if expr.whole and expr.operator in ("<<", "shr") and y >= _BITS:
+            return Unknown(f"a shift by {y:g} bits")
+        result = self._result(expr, self._compute(expr, x, y))
+        either = open_rem(x, y) if expr.operator == "rem" else None
+        return result if either is None else Unknown("mod of or by a negative number", *either)
 
     def _result(self, expr: Unary | Binary, x: float) -> float:
         x = self._finite(x, expr.span)
@@ -231,7 +266,7 @@ class Evaluator:
                 return math.pow(x, y)
             return BINARY_FUNCTIONS[operator](x, y)
         except (ValueError, OverflowError, ZeroDivisionError):
-            raise _fail(expr.span, f"{x:g} {operator} {y:g} has no value") from None
+            raise _fail(expr.span, f"{x:g} {_SHOWN.get(operator, operator)} {y:g} has no value") from None
 
     def _bits(self, expr: Binary, x: float, y: float) -> float:
         a, b = _whole(x, expr.span, expr.operator), _whole(y, expr.span, expr.operator)

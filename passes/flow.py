@@ -35,7 +35,7 @@ from gproof.passes.din_state import din_of
 from gproof.passes.emitter import ProgramEnd
 from gproof.passes.frames import Frame, Lap, Path
 from gproof.passes.modal import Modal
-from gproof.passes.values import Unknown, Value, bounds
+from gproof.passes.values import Unknown, Value, behind_loop, bounds
 
 AWAY_PASSES = 64
 """So many passes of a loop between two looks at whether it leads out of the machine."""
@@ -247,7 +247,8 @@ class Flow(Branches):
         if not first:
             self._run_pending()
             if self.modal.parameters.get(number) != frame.counter:
-                what = f"a for loop whose variable {node.variable.name or number} its body changes"
+                name = node.variable.name or self.program.rules.name_of(number)
+                what = f"a for loop whose variable {name} its body changes"
                 raise Refusal(codes.UNSUPPORTED_CODE.at(node.span, code=what))
         low, high = bounds(frame.last)
         if isinstance(frame.last, Unknown) and frame.last.bounded:
@@ -273,7 +274,7 @@ class Flow(Branches):
         """What the variable holds behind the loop: its last value, or one more, as Pascal leaves it open (8.3)."""
         number = self._number(node.variable)
         name = node.variable.name or self.program.rules.name_of(number)
-        cause = f"{name} behind its loop"
+        cause = behind_loop(name)
         if frame.cell == 0:
             # No pass: as it was, or the first value.
             before: Value = modal.parameters.get(number, Unknown(cause))

@@ -28,6 +28,11 @@ class Unknown:
 Value = float | Unknown
 
 
+def behind_loop(name: str) -> str:
+    """The cause of what the variable of a counted loop holds behind it."""
+    return f"{name} behind its loop"
+
+
 def bounds(value: Value) -> Range:
     """The least and the greatest number that a value can be."""
     return (value.low, value.high) if isinstance(value, Unknown) else (value, value)

@@ -268,7 +268,7 @@ class SectionParser(StatementParser):
 
 _ARITHMETIC: dict[str, Callable[[float, float], float]] = {
     "+": operator.add, "-": operator.sub, "*": operator.mul, "/": operator.truediv,
-    "div": lambda a, b: float(math.trunc(a / b)), "rem": math.fmod,
+    "div": lambda a, b: float(math.trunc(a / b)), "rem": lambda a, b: math.fmod(a, b) if a >= 0 < b else math.nan,
     "and": lambda a, b: float(bool(a) and bool(b)), "or": lambda a, b: float(bool(a) or bool(b)),
     "==": operator.eq, "<>": operator.ne, "<": operator.lt, "<=": operator.le, ">": operator.gt, ">=": operator.ge,
 }  # fmt: skip
@@ -296,11 +296,19 @@ def constant_value(node: Expr) -> float | None:
         value = constant_value(node.operand)
         if value is None:
             return None
-        return {"neg": -value, "pos": value, "not": float(not value)}[node.operator]
+        return _in_range(node, {"neg": -value, "pos": value, "not": float(not value)}[node.operator])
     if isinstance(node, Binary) and node.operator in _ARITHMETIC:
         left, right = constant_value(node.left), constant_value(node.right)
         if left is None or right is None or (right == 0 and node.operator in ("/", "div", "rem")):
             return None
-        value = float(_ARITHMETIC[node.operator](left, right))
-        return value if math.isfinite(value) else None
+        try:
+            return _in_range(node, float(_ARITHMETIC[node.operator](left, right)))
+        except (ValueError, OverflowError):
+            return None
     return None
+
+
+def _in_range(node: Unary | Binary, value: float) -> float | None:
+    """The value of a part of a constant; None for what is no number, and for a whole number of more than 32 bits."""
+    limit = float(LARGEST_INTEGER) if node.whole else math.inf
+    return value if math.isfinite(value) and abs(value) <= limit else None

@@ -35,7 +35,7 @@ LEVEL = (
 )
 """Binary operator of the IR -> its level; the higher one is performed first. A sign stands before a whole product."""
 
-SIGN_MATTERS = frozenset(("band", "shr"))
+SIGN_MATTERS = frozenset(("band", "rem", "shr"))
 """Products that differ by whether a sign before them is performed first, which the manual leaves open."""
 
 FUNCTIONS = {

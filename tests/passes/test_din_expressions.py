@@ -14,8 +14,9 @@ from gproof.ir.program import Binary, Constant, Expr, Number, Unary, Variable
 from gproof.ir.rules import BINARY, UNARY
 from gproof.ir.setup import Setup
 from gproof.passes import ranges
-from gproof.passes.compiled import compile_condition
+from gproof.passes.compiled import Slow, compile_condition
 from gproof.passes.expressions import BINARY_FUNCTIONS, UNARY_FUNCTIONS, Evaluator
+from gproof.passes.values import Unknown
 
 HERE = Span("job.src", 1)
 
@@ -49,7 +50,12 @@ def test_functions(operator: str, x: float, result: float) -> None:
                                                     (6, 3, 2, 0)])  # fmt: skip
 def test_division_of_whole_numbers_is_towards_zero(x: float, y: float, div: float, rem: float) -> None:
     assert two(x, "div", y) == div
-    assert two(x, "rem", y) == rem
+    rest = two(x, "rem", y)
+    if x < 0 or y < 0:  # Pascals differ in its sign: both are followed.
+        assert isinstance(rest, Unknown)
+        assert (rest.low, rest.high) == (-abs(rem), abs(y) - abs(rem))
+    else:
+        assert rest == rem
 
 
 NO_VALUE = [
@@ -91,6 +97,10 @@ def test_compiled_functions_give_the_same() -> None:
             wanted = evaluator.value(expr)
         except Refusal:
             with pytest.raises((ValueError, ZeroDivisionError, OverflowError, TypeError, KeyError)):
+                made[0](known)
+            continue
+        if isinstance(wanted, Unknown):
+            with pytest.raises((ValueError, Slow)):
                 made[0](known)
             continue
         assert made[0](known) == wanted
