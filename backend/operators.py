@@ -11,7 +11,10 @@ from gproof.ir.trace import Wait
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class WaitRequest:
-    """A section has ended and waits. text: what is waited for; outcomes: the answers there are."""
+    """A section has ended and waits. text: what is waited for; outcomes: the answers there are.
+
+    file: the source file of ``line`` where it is another than the job.
+    """
 
     wait: Wait
     section: int
@@ -19,6 +22,7 @@ class WaitRequest:
     text: str
     outcomes: tuple[str, ...]
     optional: bool = False
+    file: str = ""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -80,7 +84,8 @@ class Terminal:
 
     def wait(self, request: WaitRequest) -> str | None:
         """Enter takes the only outcome; several are numbered; q ends the job."""
-        self.tell(f"line {request.line}: {request.text}")
+        where = f"{request.file}, " if request.file else ""
+        self.tell(f"{where}line {request.line}: {request.text}")
         if len(request.outcomes) == 1:
             answer = self._read(f"Enter: {request.outcomes[0]}, q: end the job here: ")
             return None if answer is None else request.outcomes[0]

@@ -380,6 +380,7 @@ def _request(trace: Trace, section: TraceSection) -> WaitRequest:
         wait=edge.wait,
         section=section.number,
         line=edge.line,
+        file=trace.files[edge.file] if edge.file else "",
         text=text,
         outcomes=tuple(edge.outcome for edge in section.edges),
         optional=optional,

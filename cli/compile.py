@@ -55,7 +55,7 @@ def lower(session: Session, running: Running, stage: str) -> Lowered:
     followed.trace.verify()
     from gproof.passes.plan import plan
 
-    planned = plan(followed.trace, followed.machine, session.findings, followed.joined)
+    planned = plan(followed.trace, followed.machine, session.findings, followed.joined, session.program.rules)
     if planned is None:
         return lowered
     planned.verify()

@@ -281,7 +281,8 @@ class LanguageRules:
     argument_missing: what the variable of a letter holds that the line does not have.
     one_command: a line has one command and companions of it, not any number of words; variables: the named ones and
     what they are. source_order: what a line without a code goes on with follows the order of the source, and stands in
-    its block (``Block.continued``); a line may have several codes, each with the words behind it.
+    its block (``Block.continued``); a line may have several codes, each with the words behind it. arcs_keep_feed: the F
+    of arcs may be kept apart from that of lines (``Controls.arcs_share_feed``).
     """
 
     name: str
@@ -300,6 +301,7 @@ class LanguageRules:
     argument_missing: float = -1e10
     one_command: bool = False
     source_order: bool = False
+    arcs_keep_feed: bool = False
     variables: dict[str, str] = field(default_factory=dict, repr=False)
 
     def name_of(self, number: int) -> str:

@@ -227,12 +227,16 @@ class Wait(enum.Enum):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Edge:
-    """From a section to what follows one outcome of its wait; target -1: the program is over or not followed."""
+    """From a section to what follows one outcome of its wait; target -1: the program is over or not followed.
+
+    line: of the statement that waits; file: index in ``Trace.files``.
+    """
 
     wait: Wait
     outcome: str
     target: int
     line: int = 0
+    file: int = 0
 
 
 @dataclass(slots=True, kw_only=True)
@@ -272,6 +276,8 @@ class Trace:
             for edge in section.edges:
                 if not -1 <= edge.target < len(self.sections):
                     raise ValueError(f"{where}: edge to section {edge.target}, which does not exist")
+                if not 0 <= edge.file < max(1, len(self.files)):
+                    raise ValueError(f"{where}: edge at a line of file {edge.file}, which does not exist")
             verify_rows(section.rows, self, where)
 
 

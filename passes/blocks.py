@@ -227,7 +227,7 @@ class Blocks(Origins):
             self._fail(codes.UNSUPPORTED_CODE.at(line.span, code="M6 on a machine that changes tools by itself"))
         else:
             self._note_stop(line, "M6")
-            self._end_section(Wait.TOOL_CHANGE, "tool changed", None, line.span.line)
+            self._end_section(Wait.TOOL_CHANGE, "tool changed", None, line.span)
 
     def _coolant(self, line: Line) -> None:
         s = self.modal
@@ -260,7 +260,7 @@ class Blocks(Origins):
         read = Unknown(f"input {channel:g}", 0.0, 1.0) if digital is not None else Unknown(f"analog input {channel:g}")
         # Without Q a wait may be endless or not: both answers are possible, as with it.
         self.modal.parameters[5399] = self.modal.stated_range(5399, read)
-        self._end_section(Wait.INPUT, "read" if not wait else "come or timed out", None, line.span.line)
+        self._end_section(Wait.INPUT, "read" if not wait else "come or timed out", None, line.span)
 
     def _dwell(self, line: Line) -> None:
         rule = line.find(F.DWELL)
@@ -332,7 +332,7 @@ class Blocks(Origins):
             optional = rule.function is F.OPTIONAL_STOP
             self.event(Op.STOP, line.span, arg=(float(optional), 0.0))
             self._note_stop(line, rule.text)
-            self._end_section(Wait.OPERATOR, "cycle start", None, line.span.line)
+            self._end_section(Wait.OPERATOR, "cycle start", None, line.span)
             return
         if rule.function is F.END_RESET:
             if s.spindle_direction:
@@ -343,5 +343,5 @@ class Blocks(Origins):
                 self.event(Op.COOLANT, line.span)
         self.event(Op.END, line.span)
         self._end = rule.text, line.span.line
-        self._end_section(Wait.END, "end", -1, line.span.line)
+        self._end_section(Wait.END, "end", -1, line.span)
         raise ProgramEnd

@@ -66,9 +66,7 @@ class Branches(Loops):
         names = (("true", yes), ("false", no))
         if isinstance(node, Repeat):
             names = (("false", yes), ("true", no))
-        edges = tuple(
-            Edge(wait=Wait.BRANCH, outcome=outcome, target=target, line=node.span.line) for outcome, target in names
-        )
+        edges = tuple(self._edge(Wait.BRANCH, outcome, target, node.span) for outcome, target in names)
         self._seen[self._key] = edges
         self._close(edges)
         if loop is not None and loop.group is None:

@@ -47,14 +47,14 @@ def _home(ex: Emitter, node: Device) -> None:
         ex.modal.position[axis] = ex.unknown_place("home", axis, (-math.inf, math.inf), Position(0.0))
     ex.assumed["homing moves do not leave the machine"] = None
     ex.findings.add(codes.HOMING.at(node.span, axes=" ".join(name.upper() for name in names)))
-    ex._end_section(Wait.HOME, "homed", None, node.span.line)
+    ex._end_section(Wait.HOME, "homed", None, node.span)
 
 
 def _align(ex: Emitter, node: Device) -> None:
     """The second motor goes to the place of the first: the axis stays where it is (2.10.3)."""
     names = [part.value for part in node.arguments if isinstance(part, Text)]
     ex.event(Op.HOME, node.span, text=ex._text(" ".join(names)))
-    ex._end_section(Wait.HOME, "aligned", None, node.span.line)
+    ex._end_section(Wait.HOME, "aligned", None, node.span)
 
 
 def _laf_angle(ex: Emitter, node: Device) -> None:

@@ -29,14 +29,16 @@ def on_surface(trace: Trace, machine: Machine, setup: Setup) -> tuple[Trace, Mac
     cylinder = setup.cylinder
     assert cylinder is not None
     turned, across = machine.axis("a"), machine.axis("y")
-    for missing, what in (
-        (not cylinder.radius, "the radius of the cylinder"),
-        (cylinder.y is None, "the Y of its axis of rotation"),
-        (cylinder.zero is None, "the Y at which A is 0"),
-        (turned is None or across is None, "an axis Y and an axis A"),
+    stated = "{} of [cylinder] in the setup file states it"
+    for missing, what, hint in (
+        (not cylinder.radius, "the radius of the cylinder", stated.format("radius")),
+        (cylinder.y is None, "the Y of its axis of rotation", stated.format("y")),
+        (cylinder.zero is None, "the Y at which A is 0", stated.format("zero")),
+        (turned is None or across is None, "an axis Y and an axis A", "[axes.y] and [axes.a] of the machine file"),
     ):
         if missing:
-            raise Refusal(codes.NOT_STEPPED.at(Span(trace.files[0], 0), what=f"Y is mapped onto A without {what}"))
+            what = f"Y is mapped onto A without {what}"
+            raise Refusal(codes.NOT_STEPPED.at(Span(trace.files[0], 0), what=what, hint=hint))
     assert turned is not None
     assert across is not None
     mm = mm_per_degree(cylinder)
@@ -89,7 +91,8 @@ def _refuse_another_start(trace: Trace, setup: Setup, cylinder: Cylinder, mm: fl
     angle = (trace.sections[0].start[Y] - cylinder.zero) / mm
     if not stated.low - _ALIKE <= angle <= stated.high + _ALIKE:
         what = f"A is stated to start at {stated.low:g} and the mapping has it at {angle:.4f}"
-        raise Refusal(codes.NOT_STEPPED.at(Span(trace.files[0], 0), what=what))
+        hint = "start and zero of [cylinder] in the setup file must agree"
+        raise Refusal(codes.NOT_STEPPED.at(Span(trace.files[0], 0), what=what, hint=hint))
 
 
 def _scaled(axis: Axis, mm: float, *, name: str, kind: AxisKind, tip_feed: bool) -> Axis:

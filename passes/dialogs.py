@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 from gproof.ir import codes
 from gproof.ir.finding import Refusal
 from gproof.ir.program import Message, Text
-from gproof.ir.trace import Edge, Wait
+from gproof.ir.trace import Wait
 from gproof.passes.emitter import ProgramEnd
 from gproof.passes.frames import Path
 from gproof.passes.values import Unknown, Value, between, bounds, hull
@@ -58,7 +58,7 @@ def run_dialog(ex: Branches, node: Message) -> None:
             _fork(ex, node, key, [(ANSWER, OK), *typed], [(ANSWER, CANCEL), *kept])
             return
     _set(ex, node, [(ANSWER, between(_CAUSE, pressed)), *(typed if alike or pressed[0] > 0 else kept)])
-    ex._end_section(Wait.OPERATOR, "dialog answered", None, node.span.line)
+    ex._end_section(Wait.OPERATOR, "dialog answered", None, node.span)
 
 
 def _set(ex: Branches, node: Message, values: Iterable[tuple[float, Value]]) -> None:
@@ -72,8 +72,7 @@ def _fork(ex: Branches, node: Message, key: object, ok: Settings, cancelled: Set
     ex.branches += 2
     first, second = ex.rows.new_section(), ex.rows.new_section()
     edges = tuple(
-        Edge(wait=Wait.OPERATOR, outcome=outcome, target=target, line=node.span.line)
-        for outcome, target in (("OK", first), ("Cancel", second))
+        ex._edge(Wait.OPERATOR, outcome, target, node.span) for outcome, target in (("OK", first), ("Cancel", second))
     )
     ex._seen[key] = edges
     ex._close(edges)

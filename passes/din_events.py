@@ -71,7 +71,7 @@ def act(ex: Motion, line: Part, rule: CodeRule, stated: TaskCode | None, action:
             ex._state_changed()
             ex.event(Op.TOOL_CHANGE, line.span, arg=(math.nan if tool is None else float(tool), 0.0))
             ex._note_stop(line, rule.text)
-            ex._end_section(Wait.TOOL_CHANGE, "tool changed", None, line.span.line)
+            ex._end_section(Wait.TOOL_CHANGE, "tool changed", None, line.span)
         case "stop":
             _stop(ex, line, rule)
         case "end":
@@ -99,13 +99,13 @@ def _stop(ex: Motion, line: Part, rule: CodeRule) -> None:
     optional = rule.function is F.OPTIONAL_STOP
     ex.event(Op.STOP, line.span, arg=(float(optional), 0.0))
     ex._note_stop(line, rule.text)
-    ex._end_section(Wait.OPERATOR, "cycle start", None, line.span.line)
+    ex._end_section(Wait.OPERATOR, "cycle start", None, line.span)
 
 
 def _end(ex: Motion, line: Part, rule: CodeRule) -> None:
     ex.event(Op.END, line.span)
     ex._end = rule.text, line.span.line
-    ex._end_section(Wait.END, "end", -1, line.span.line)
+    ex._end_section(Wait.END, "end", -1, line.span)
     raise ProgramEnd
 
 
@@ -119,7 +119,7 @@ def _home(ex: Motion, line: Part) -> None:
         s.position[axis.index] = NOWHERE if axis.home_place is None else Position(axis.home_place)
     ex.assumed["homing moves do not leave the machine"] = None
     ex.findings.add(codes.HOMING.at(line.span, axes=" ".join(axis.word for axis in axes)))
-    ex._end_section(Wait.HOME, "homed", None, line.span.line)
+    ex._end_section(Wait.HOME, "homed", None, line.span)
 
 
 def optional_stop(ex: Motion, line: Part, rule: CodeRule) -> None:
@@ -310,7 +310,7 @@ def tool(ex: Motion, line: Part) -> None:
         ex._state_changed()
         ex.event(Op.TOOL_CHANGE, line.span, arg=(float(number), 0.0))
         ex._note_stop(line, "T")
-        ex._end_section(Wait.TOOL_CHANGE, "tool changed", None, line.span.line)
+        ex._end_section(Wait.TOOL_CHANGE, "tool changed", None, line.span)
     else:
         ex.event(Op.DEVICE, line.span, text=ex._text(f"T{number}"))
 

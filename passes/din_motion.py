@@ -210,7 +210,17 @@ def _use_feed(ex: Motion, line: Part, rule: CodeRule, target: list[Position]) ->
     if turning and not cause:
         s.feed, cause = _with_rotary(ex, target, turning)
     if cause and tell_once(ex, f"feed {cause}"):
-        ex.findings.add(codes.FEED_UNKNOWN.at(line.span, code=rule.text, cause=cause))
+        hint = next((hint for words, hint in _FEED_HINTS if words in cause), "")
+        ex.findings.add(codes.FEED_UNKNOWN.at(line.span, code=rule.text, cause=cause, hint=hint))
+
+
+_FEED_HINTS = (
+    ("initialization", "an F on this line or before it"),
+    ("minute or a second", 'time_unit = "min" or "s" under [din] of the machine file says it; G94 before F does too'),
+    ("G96", "G97 before"),
+    ("effective radius", "G51 with a radius for the axis, before"),
+)
+"""By words of the cause of a feed that is not known, what helps."""
 
 
 def _with_rotary(ex: Motion, target: list[Position], turning: list[int]) -> tuple[float, str]:

@@ -127,10 +127,10 @@ class Emitter:
             if self.failed is None:
                 self.failed = finding
             if finding.code in (codes.UNKNOWN_CONDITION, codes.RECURSION, codes.STEP_BUDGET):
-                self._end_section(Wait.UNKNOWN, finding.message, -1, finding.span.line)
+                self._end_section(Wait.UNKNOWN, finding.message, -1, finding.span)
                 raise ProgramEnd
             if self.stop_at_error:
-                self._end_section(Wait.UNKNOWN, "error", -1, finding.span.line)
+                self._end_section(Wait.UNKNOWN, "error", -1, finding.span)
                 raise ProgramEnd
 
     def _refuse(self, finding: Finding) -> None:
@@ -149,11 +149,14 @@ class Emitter:
     def _note_stop(self, line: Line, text: str) -> None:
         self.findings.add(codes.OPERATOR_STOP.at(line.span, code=text))
 
-    def _end_section(self, wait: Wait, outcome: str, target: int | None, number: int) -> None:
+    def _edge(self, wait: Wait, outcome: str, target: int, span: Span) -> Edge:
+        return Edge(wait=wait, outcome=outcome, target=target, line=span.line, file=self._file_of(span))
+
+    def _end_section(self, wait: Wait, outcome: str, target: int | None, span: Span) -> None:
         """Close the section; target None: the next one."""
         if target is None:
             target = self.rows.new_section()
-        self._close((Edge(wait=wait, outcome=outcome, target=target, line=number),))
+        self._close((self._edge(wait, outcome, target, span),))
         if target >= 0:
             self._begin(target)
 

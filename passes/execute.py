@@ -97,7 +97,7 @@ class Executor(Flow):
             with contextlib.suppress(ProgramEnd):
                 self._run_pending()
                 self._refuse(refusal.finding)
-                self._end_section(Wait.UNKNOWN, refusal.finding.message, -1, refusal.finding.span.line)
+                self._end_section(Wait.UNKNOWN, refusal.finding.message, -1, refusal.finding.span)
         if not self._ended:
             if self.failed is None:
                 self.event(Op.END, Span(self.trace.files[self._file], self.program.line_count))
@@ -327,7 +327,7 @@ class Executor(Flow):
                 self.end_with(self.program.tail)
                 return
             self.event(Op.END, span)
-            self._end_section(Wait.END, "end", -1, span.line)
+            self._end_section(Wait.END, "end", -1, span)
             raise ProgramEnd
         gone = self._stack[place + 1 :]
         self._nesting -= sum(frame.node is not None and not isinstance(frame.node, BlockTable) for frame in gone)
@@ -447,7 +447,7 @@ class Executor(Flow):
         self.event(Op.MESSAGE, node.span, text=self._text(text))
         if node.kind in ("ok", "run_next", "skip_next"):
             self.findings.add(codes.OPERATOR_STOP.at(node.span, code="a question"))
-            self._end_section(Wait.OPERATOR, "answered", None, node.span.line)
+            self._end_section(Wait.OPERATOR, "answered", None, node.span)
         if node.kind in ("abort", "continue"):
             self.findings.add(codes.OPERATOR_STOP.at(node.span, code="a question"))
             going, ending = ("no", "yes") if node.kind == "abort" else ("yes", "no")
@@ -456,15 +456,15 @@ class Executor(Flow):
                 ends = (stated != 0) == (ending == "yes")
                 outcome = ending if ends else going
                 behind = bool(self.program.abort)
-                self._end_section(Wait.OPERATOR, outcome, -1 if ends and not behind else None, node.span.line)
+                self._end_section(Wait.OPERATOR, outcome, -1 if ends and not behind else None, node.span)
                 if ends and not self.aborted():
                     raise ProgramEnd
                 return
             target = self.rows.new_section()
             end = self.rows.new_section() if self.program.abort else -1
             self._close((
-                Edge(wait=Wait.OPERATOR, outcome=going, target=target, line=node.span.line),
-                Edge(wait=Wait.OPERATOR, outcome=ending, target=end, line=node.span.line),
+                self._edge(Wait.OPERATOR, going, target, node.span),
+                self._edge(Wait.OPERATOR, ending, end, node.span),
             ))  # fmt: skip
             if end >= 0:
                 self._waiting.append(Path([Frame(self.program.abort)], self.modal.copy(), end, (0, 0, [], False, 0)))
@@ -473,10 +473,10 @@ class Executor(Flow):
             run_dialog(self, node)
         if node.kind == "warning":
             # The manual's tool setter waits behind each of its warnings until RUN is pressed (2.13).
-            self._end_section(Wait.OPERATOR, "warning read", None, node.span.line)
+            self._end_section(Wait.OPERATOR, "warning read", None, node.span)
         if node.kind == "error":
             self.findings.add(codes.ERROR_MESSAGE.at(node.span, text=text))
-            self._end_section(Wait.OPERATOR, "error message", -1, node.span.line)
+            self._end_section(Wait.OPERATOR, "error message", -1, node.span)
             raise ProgramEnd
 
     def _block(self, node: Block) -> None:

@@ -144,11 +144,11 @@ class Flow(Branches):
         if same:
             if lap.section >= 0:
                 self.findings.add(codes.ENDLESS_LOOP.at(span))
-                self._close((Edge(wait=Wait.BRANCH, outcome="", target=lap.section, line=span.line),))
+                self._close((self._edge(Wait.BRANCH, "", lap.section, span),))
                 raise ProgramEnd
             # Once more round, from a section that an edge can lead to.
             lap.section = self.rows.new_section()
-            self._close((Edge(wait=Wait.BRANCH, outcome="", target=lap.section, line=span.line),))
+            self._close((self._edge(Wait.BRANCH, "", lap.section, span),))
             self._begin(lap.section)
         elif lap.count >= lap.next and lap.section < 0:
             self._run_pending()
@@ -181,7 +181,7 @@ class Flow(Branches):
             finding = codes.UNSUPPORTED_CODE.at(span, code=what)
             self.refused = True
             self._fail(finding)
-            self._end_section(Wait.UNKNOWN, finding.message, -1, span.line)
+            self._end_section(Wait.UNKNOWN, finding.message, -1, span)
             raise ProgramEnd
 
     def _not_spooled(self, span: Span, code: str) -> None:
@@ -390,7 +390,7 @@ class Flow(Branches):
         finding = codes.MODULE_END.at(span, name=name)
         self.refused = True
         self._fail(finding)
-        self._end_section(Wait.UNKNOWN, finding.message, -1, span.line)
+        self._end_section(Wait.UNKNOWN, finding.message, -1, span)
         raise ProgramEnd
 
 

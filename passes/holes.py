@@ -112,7 +112,7 @@ def _bore_manual(ex: Motion, line: Line, hole: Hole) -> None:
     ex.modal.position[hole.drill] = NOWHERE
     axis = AXIS_NAMES[hole.drill].upper()
     ex.assumed[f"{hole.rule.text}: the operator moves {axis} only, within its limits"] = None
-    ex._end_section(Wait.OPERATOR, "retracted by hand", None, line.span.line)
+    ex._end_section(Wait.OPERATOR, "retracted by hand", None, line.span)
     _turn(ex, line, turns)
 
 

@@ -26,6 +26,7 @@ from gproof.ir.trace import HEIGHT_MAP, TRACE_ROW, Op, Plane, State, Trace, Trac
 from gproof.passes import lift_kernels as k
 from gproof.passes.check import row_span
 from gproof.passes.cylinder import on_surface, with_machines_motors
+from gproof.passes.motion_hints import ON_ITS_CONTROLLER
 from gproof.passes.plan_kernels import arc_shapes
 
 assert (Op.ARC, Op.DWELL) == (k.ARC, k.DWELL)
@@ -75,7 +76,9 @@ def follow(trace: Trace, setup: Setup, machine: Machine, findings: Findings) -> 
         if setup.cylinder is not None:
             if lifts.any() or on_at_start:
                 where = Span(trace.files[0], 0)
-                raise Refusal(codes.NOT_STEPPED.at(where, what="a height map is followed on a cylinder"))
+                raise Refusal(
+                    codes.NOT_STEPPED.at(where, what="a height map is followed on a cylinder", hint=ON_ITS_CONTROLLER)
+                )
             trace, machine = on_surface(trace, machine, setup)
             return Followed(trace=trace, machine=machine)
         if height_map is None or not (lifts.any() or on_at_start):
@@ -200,14 +203,16 @@ class _Lift:
             at, used = int(kept[k.K_ROW]), int(kept[k.K_USED])
             if kept[k.K_JUMPED]:
                 where = row_span(self.trace, rows, at)
-                raise Refusal(codes.HEIGHT_JUMP.at(where, jump=abs(float(jump[0]))))
+                hint = "Z up before the map is switched, or to where the map is 0"
+                raise Refusal(codes.HEIGHT_JUMP.at(where, jump=abs(float(jump[0])), hint=hint))
             if not kept[k.K_FULL]:
                 return out_to[:used], out_row[:used], out_chord[:used]
             kept[k.K_FULL] = 0
             size = 2 * len(out_row)
             if size > MOST_ROWS:
                 what = "Z follows a height map that is too fine here"
-                raise Refusal(codes.NOT_STEPPED.at(row_span(self.trace, rows, at), what=what))
+                where, hint = row_span(self.trace, rows, at), "a map with a larger mesh"
+                raise Refusal(codes.NOT_STEPPED.at(where, what=what, hint=hint))
             out_to, out_row, out_chord = (
                 np.concatenate([column[:used], np.empty((size - used, *column.shape[1:]), column.dtype)])
                 for column in (out_to, out_row, out_chord)

@@ -327,7 +327,7 @@ class Motion(Emitter):
         if s.jumped:
             # No row says how the axes came from the last one to here.
             s.jumped = False
-            self._end_section(Wait.UNKNOWN, "line refused", None, span.line)
+            self._end_section(Wait.UNKNOWN, "line refused", None, span)
         if s.clamped or s.drives_were_off or s.not_programmed:
             look_at(self, target, span)
         if any(a.value != b.value for a, b in zip(target[3:], s.position[3:], strict=True)):

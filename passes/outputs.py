@@ -146,7 +146,7 @@ def _temperature(ex: Motion, line: Line, rule: CodeRule) -> None:
         _set(ex, line, name, 0.0, value)
     if waits:
         ex._note_stop(line, rule.text)
-        ex._end_section(Wait.INPUT, f"{name.replace('_', ' ')} reached", None, line.span.line)
+        ex._end_section(Wait.INPUT, f"{name.replace('_', ' ')} reached", None, line.span)
 
 
 def _fan(ex: Motion, line: Line, rule: CodeRule) -> None:

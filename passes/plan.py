@@ -20,12 +20,14 @@ from gproof.ir.columns import Columns
 from gproof.ir.finding import Findings, Span
 from gproof.ir.machine import AXES, AXIS_NAMES, Axis, Machine
 from gproof.ir.plan import PLAN_ROW, Plan, PlanSection
-from gproof.ir.trace import UNKNOWN, Chunk, Frame, Op, PathMode, State, Trace, TraceSection, Wait
+from gproof.ir.rules import LanguageRules
+from gproof.ir.trace import UNKNOWN, Chunk, Frame, Op, PathMode, State, Trace
 from gproof.passes import plan_kernels as k
 from gproof.passes.backlash import left_for_axis
 from gproof.passes.check import row_span
 from gproof.passes.pitch import steepest
-from gproof.passes.values import BESIDE, describe
+from gproof.passes.plan_refusals import Refusals
+from gproof.passes.values import BESIDE
 
 assert (Op.TRAVERSE, Op.ARC, Op.PROBE, Op.DWELL) == (k.TRAVERSE, k.ARC, k.PROBE, k.DWELL)
 assert (Op.SPINDLE, Op.HOME, Op.OFFSET, Op.SETPOINT) == (k.SPINDLE, k.HOME, k.OFFSET, k.SETPOINT)
@@ -91,10 +93,10 @@ def allowed_acceleration(axis: Axis, machine: Machine, *, stepped: bool = False)
     return min(allowed)
 
 
-def _limits(machine: Machine, *, stepped: bool) -> tuple[npt.NDArray[np.float64], list[str]]:
+def _limits(machine: Machine, *, stepped: bool) -> tuple[npt.NDArray[np.float64], list[tuple[str, ...]]]:
     """(2, 6) 1 / velocity and 1 / acceleration, and for each axis what the machine file does not say."""
     limits = np.full((2, AXES), _NOT_LIMITED)
-    missing = ["axis"] * AXES
+    missing: list[tuple[str, ...]] = [("axis",)] * AXES
     for axis in machine.axes:
         velocity = allowed_velocity(axis, machine, stepped=stepped)
         acceleration = allowed_acceleration(axis, machine, stepped=stepped)
@@ -103,7 +105,7 @@ def _limits(machine: Machine, *, stepped: bool) -> tuple[npt.NDArray[np.float64]
         if acceleration is not None:
             limits[1, axis.index] = 1.0 / acceleration
         absent = [("maximum velocity", velocity), ("maximum acceleration", axis.max_acceleration)]
-        missing[axis.index] = " and no ".join(name for name, value in absent if value is None)
+        missing[axis.index] = tuple(name for name, value in absent if value is None)
     return limits, missing
 
 
@@ -191,7 +193,7 @@ class _Measure:
         """The first rows of the section with a note of that kind, from the last ``feed``."""
         yield from self.notes[kind, : min(int(self.counts[kind]), k.KEPT)].tolist()
 
-    def lacking(self) -> list[tuple[str, str]]:
+    def lacking(self) -> list[tuple[str, tuple[str, ...]]]:
         """(axis name, what the machine file does not say) of axes that moved."""
         return [(AXIS_NAMES[i], self.missing[i]) for i in range(AXES) if self.moved[i] and self.missing[i]]
 
@@ -279,15 +281,18 @@ class MotionEstimate:
 
 
 def plan(
-    trace: Trace, machine: Machine, findings: Findings, joined: Sequence[npt.NDArray[np.uint8]] = ()
-) -> Plan | None:
+    trace: Trace, machine: Machine, findings: Findings, joined: Sequence[npt.NDArray[np.uint8]] = (),
+    rules: LanguageRules | None = None,
+) -> Plan | None:  # fmt: skip
     """The Trace with time; None after findings GP503 (positions or feeds unknown) or GP504 (no data of an axis).
 
     joined: by section, 1 for rows that are one move with the row before them (``lift.Followed``): no stop between.
+    rules: of the job's language, for the hints of findings.
     """
     measure = _Measure(machine, stepped=True)
     expected = sum(len(section.rows) for section in trace.sections)
     sections = []
+    refusals = Refusals(trace, machine, findings, rules)
     sound = True
     slow: set[str] = set()
     for section in trace.sections:
@@ -299,7 +304,7 @@ def plan(
         measure.moved[:] = 0
         measure.carry[:] = 0.0
         measure.feed(chunk, joined[section.number] if joined else NOTHING_JOINED)
-        sound = _judge(measure, chunk, findings) and _is_open_loop(section, trace, findings) and sound
+        sound = refusals.section(chunk, section, measure) and sound
         slow |= {AXIS_NAMES[i] for i in range(AXES) if measure.moved[i]}
         if not sound:
             continue
@@ -310,25 +315,9 @@ def plan(
         columns["row"] = columns["row"].astype(np.int64)
         rows = Columns(PLAN_ROW, columns)
         sections.append(PlanSection(number=section.number, rows=rows, duration=float(totals[k.T_TIME])))
+    refusals.finish()
     _report_rates(machine, slow, Span(trace.files[0], 0), findings)
     return Plan(sections=sections) if sound else None
-
-
-_MEASURED = {
-    Wait.BRANCH: "which way it goes depends on an input",
-    Wait.INPUT: "an input is read here",
-    Wait.PROBE: "a probe ends a move here",
-    Wait.HOME: "the axes are homed here",
-}
-
-
-def _is_open_loop(section: TraceSection, trace: Trace, findings: Findings) -> bool:
-    """True when nothing but the operator ends the section; GP503 for what a stream of steps can not follow."""
-    for edge in section.edges:
-        if edge.wait in _MEASURED:
-            findings.add(codes.PLAN_NEEDS_NUMBERS.at(Span(trace.files[0], edge.line), cause=_MEASURED[edge.wait]))
-            return False
-    return True
 
 
 def _report_rates(machine: Machine, moved: set[str], where: Span, findings: Findings) -> None:
@@ -348,55 +337,3 @@ def _report_rates(machine: Machine, moved: set[str], where: Span, findings: Find
                         allowed=step_rate(machine), hint=f"it is planned with {allowed:g} {axis.unit}/s",
                     )
                 )  # fmt: skip
-
-
-def _judge(measure: _Measure, chunk: Chunk, findings: Findings) -> bool:
-    """True when the section has all that a plan needs; findings otherwise."""
-    trace, rows = chunk.trace, chunk.rows
-    sound = True
-
-    def needs(at: int, cause: str) -> None:
-        nonlocal sound
-        sound = False
-        findings.add(codes.PLAN_NEEDS_NUMBERS.at(row_span(trace, rows, at), cause=cause))
-
-    unknown = _first_unknown(chunk, measure.machine)
-    if unknown is not None:
-        needs(*unknown)
-    else:
-        for at in measure.noted(k.N_UNKNOWN):
-            needs(at, "the length of this move is not a usable number")
-    for at in measure.noted(k.N_FEED):
-        feed = float(rows["feed"][at])
-        needs(at, f"a feed of {feed:g} never ends this move" if feed >= 0 else "the feed of this move is not known")
-    for at in measure.noted(k.N_DWELL):
-        needs(at, "the time of this dwell is not known")
-    for name, missing in measure.lacking():
-        sound = False
-        at = _first_move(chunk, AXIS_NAMES.index(name))
-        findings.add(codes.NO_MOTOR_DATA.at(row_span(trace, rows, at), axis=name.upper(), missing=missing))
-    return sound
-
-
-def _first_unknown(chunk: Chunk, machine: Machine) -> tuple[int, str] | None:
-    """The first motion row, and why, that begins or ends where an axis of the machine is not known."""
-    trace, rows = chunk.trace, chunk.rows
-    known = np.array([all(not frame[axis.index] for axis in machine.axes) for frame in trace.frames])
-    if known.all():
-        return None
-    before = chunk.start_frames()
-    moves = (rows["op"] < Op.DWELL) & ((rows["frame"] != before) | (rows["to"] != chunk.starts()).any(axis=1))
-    bad = np.flatnonzero(moves & ~(known[rows["frame"]] & known[before]))
-    if not len(bad):
-        return None
-    row = int(bad[0])
-    frame = trace.frames[int((rows["frame"] if not known[rows["frame"][row]] else before)[row])]
-    causes = [f"{axis.word} depends on {describe(frame[axis.index])}" for axis in machine.axes if frame[axis.index]]
-    return row, ", ".join(causes)
-
-
-def _first_move(chunk: Chunk, axis: int) -> int:
-    """The first motion row that moves an axis (0 when none does by its ends: a full circle)."""
-    rows = chunk.rows
-    moving = (rows["op"] < Op.DWELL) & ((rows["to"][:, axis] != chunk.starts()[:, axis]) | (rows["op"] == Op.ARC))
-    return int(np.argmax(moving))

@@ -56,7 +56,7 @@ def run_probe(ex: Motion, line: Line, rule: CodeRule, target: list[Position]) ->
     # Drawn back a little: between the contact and the start.
     back = [(min(0.0, low), max(0.0, high)) for low, high in reach]
     s.position = [_somewhere(ex, axis, start[axis], target[axis], back[axis]) for axis in range(AXES)]
-    ex._end_section(Wait.PROBE, "stopped", None, line.span.line)
+    ex._end_section(Wait.PROBE, "stopped", None, line.span)
 
 
 def _reach(ex: Motion, axis: int, start: Position, end: Position) -> Range:

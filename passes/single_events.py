@@ -45,7 +45,7 @@ def dwell(ex: Motion, line: Command, rule: CodeRule) -> None:
             ex.event(Op.MESSAGE, line.span, text=ex._text(line.comment))
         ex.event(Op.STOP, line.span)
         ex.findings.add(codes.OPERATOR_STOP.at(line.span, code=rule.text))
-        ex._end_section(Wait.OPERATOR, "cycle start", None, line.span.line)
+        ex._end_section(Wait.OPERATOR, "cycle start", None, line.span)
         return
     if seconds < 0:
         raise Refusal(codes.DWELL_NEGATIVE.at(line.where(letter), seconds=seconds))
@@ -108,7 +108,7 @@ def wait(ex: Motion, line: Command, rule: CodeRule) -> None:
     """M17 and M18: until an input is on or off."""
     number = channel(ex, line, rule, ex.machine.controller.controls.inputs, "input")
     ex.event(Op.INPUT_WAIT, line.span, arg=(float(number), float(rule.function is F.WAIT_ON)))
-    ex._end_section(Wait.INPUT, "come", None, line.span.line)
+    ex._end_section(Wait.INPUT, "come", None, line.span)
 
 
 def virtual(ex: Motion, line: Command, rule: CodeRule) -> None:
@@ -628,7 +628,7 @@ def abort(ex: Motion, line: Command, rule: CodeRule) -> None:
         return
     ex.event(Op.END, line.span)
     ex._end = rule.text, line.span.line
-    ex._end_section(Wait.END, "aborted", -1, line.span.line)
+    ex._end_section(Wait.END, "aborted", -1, line.span)
     raise ProgramEnd
 
 

@@ -356,7 +356,7 @@ def until_limit(ex: Motion, line: Command, op: Op, target: list[Position], compa
             ends = _stated_contact(ex, axis, start[axis], (min(0.0, way.value), max(0.0, way.value)))
             s.position[axis] = ex.unknown_place("home", axis, ends, start[axis])
     s.single = s.single.but(touched=frozenset(touched))
-    ex._end_section(Wait.PROBE, "stopped", None, line.span.line)
+    ex._end_section(Wait.PROBE, "stopped", None, line.span)
 
 
 def _stated_contact(ex: Motion, axis: int, start: Position, ends: tuple[float, float]) -> tuple[float, float]:

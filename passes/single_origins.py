@@ -359,7 +359,7 @@ def home(ex: Motion, line: Command, rule: CodeRule) -> None:
         ex.assumed["local coordinates (G92) outlive homing"] = None
     letters = {axis.index: axis.word for axis in ex.machine.axes}
     ex.findings.add(codes.HOMING.at(line.span, axes=" ".join(letters.get(axis, "?") for axis in axes)))
-    ex._end_section(Wait.HOME, "homed", None, line.span.line)
+    ex._end_section(Wait.HOME, "homed", None, line.span)
 
 
 def _warn_kept(ex: Motion, line: Command, rule: CodeRule, axes: list[int]) -> None:
@@ -382,7 +382,7 @@ def set_machine(ex: Motion, line: Command, rule: CodeRule) -> None:
             ex._fail(codes.MACHINE_ZERO_MOVED.at(line.span, code=rule.text))
         s.position[axis] = _distance(ex, axis, value)
     s.single = s.single.but(touched=s.single.touched - set(line.axes()))
-    ex._end_section(Wait.HOME, "position set", None, line.span.line)
+    ex._end_section(Wait.HOME, "position set", None, line.span)
 
 
 def wrap_rotary(ex: Motion, line: Command, rule: CodeRule) -> None:
@@ -397,7 +397,7 @@ def wrap_rotary(ex: Motion, line: Command, rule: CodeRule) -> None:
         changed = changed or new != place
         s.position[axis.index] = new
     if changed:
-        ex._end_section(Wait.HOME, "position set", None, line.span.line)
+        ex._end_section(Wait.HOME, "position set", None, line.span)
 
 
 def store_home(ex: Motion, line: Command, rule: CodeRule) -> None:

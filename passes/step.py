@@ -18,7 +18,7 @@ import numpy.typing as npt
 
 from gproof.ir import codes
 from gproof.ir.columns import Columns
-from gproof.ir.finding import Findings, Refusal, Span
+from gproof.ir.finding import Finding, Findings, Refusal, Span
 from gproof.ir.machine import AXIS_NAMES, Axis, Drive, Machine, PitchTable
 from gproof.ir.plan import Plan, PlanSection
 from gproof.ir.stream import EVENT, Motor, StepStream, StreamSection
@@ -26,6 +26,7 @@ from gproof.ir.trace import HEIGHT_MAP, KNIFE, Op, Plane, Trace, TraceSection
 from gproof.passes import step_kernels as k
 from gproof.passes.backlash import backlash_steps
 from gproof.passes.check import row_span
+from gproof.passes.motion_hints import ON_ITS_CONTROLLER, TOO_FAR, TOO_FAST, of_forms, of_motor
 from gproof.passes.pitch import exact_motor_position, motor_positions
 from gproof.passes.plan import shortest_interval
 from gproof.passes.plan_kernels import SPINDLE_UNSEEN, arc_shapes
@@ -59,7 +60,7 @@ def step(
     """
     try:
         _refuse_what_has_no_steps(trace, machine)
-        stream = _Stepper(trace, plan, machine).stream()
+        stream = _Stepper(trace, plan, machine, findings).stream()
     except Refusal as refusal:
         findings.add(refusal.finding)
         return None
@@ -90,7 +91,8 @@ def _refuse_what_has_no_steps(trace: Trace, machine: Machine) -> None:
                 found = moving & (rows["to"][:, axis.index] != section.start[axis.index])
                 what = f"the feed of {axis.word} is that of the tool over the material"
         if found.any():
-            raise Refusal(codes.NOT_STEPPED.at(row_span(trace, rows, int(np.argmax(found))), what=what))
+            where = row_span(trace, rows, int(np.argmax(found)))
+            raise Refusal(codes.NOT_STEPPED.at(where, what=what, hint=ON_ITS_CONTROLLER))
 
 
 def nearest_count(position: float, steps_per_unit: Fraction, pitch: PitchTable | None = None) -> int:
@@ -114,7 +116,8 @@ def nearest_counts(positions: Floats, steps_per_unit: Fraction, pitch: PitchTabl
 class _Stepper:
     """What all sections share: motors and the machine's times in ticks."""
 
-    def __init__(self, trace: Trace, plan: Plan, machine: Machine) -> None:
+    def __init__(self, trace: Trace, plan: Plan, machine: Machine, findings: Findings) -> None:
+        self.findings = findings
         self.trace = trace
         self.plan = plan
         self.machine = machine
@@ -126,21 +129,27 @@ class _Stepper:
         self.axes = self._axes()
 
     def _axes(self) -> list[Axis]:
-        """Axes with a motor: those with steps per unit; GP504 for one that moves and has none."""
+        """Axes with a motor: those with steps per unit; GP504 for each that moves and has none."""
+        lacking: dict[int, Finding] = {}
         for section, planned in zip(self.trace.sections, self.plan.sections, strict=True):
             rows, moving = section.rows, planned.rows["row"][planned.rows["length"] > 0]
             for index, name in enumerate(AXIS_NAMES):
                 axis = self.machine.axis(name)
-                if axis is not None and all(drive.steps_per_unit is not None for drive in axis.drives()):
+                stepped = axis is not None and all(drive.steps_per_unit is not None for drive in axis.drives())
+                if stepped or index in lacking:
                     continue
                 moves = (rows["to"][moving, index] != section.start[index]) | _in_plane(rows, moving, index)
                 if moves.any():
-                    raise Refusal(
-                        codes.NO_MOTOR_DATA.at(
-                            row_span(self.trace, rows, int(moving[np.argmax(moves)])), axis=name.upper(),
-                            missing="axis" if axis is None else "steps per unit",
-                        )
+                    missing = "axis" if axis is None else "steps per unit"
+                    lacking[index] = codes.NO_MOTOR_DATA.at(
+                        row_span(self.trace, rows, int(moving[np.argmax(moves)])), axis=name.upper(),
+                        missing=missing, hint=of_motor(axis, name, [missing]),
                     )  # fmt: skip
+        if lacking:
+            *others, last = lacking.values()
+            for finding in others:
+                self.findings.add(finding)
+            raise Refusal(last)
         return [axis for axis in self.machine.axes if all(d.steps_per_unit is not None for d in axis.drives())]
 
     def stream(self) -> StepStream:
@@ -181,12 +190,13 @@ class _Section:
             if form:
                 cause = f"{axis.word} depends on {describe(form)}"
                 where = row_span(trace, self.rows, 0) if len(self.rows) else Span(trace.files[0], 0)
-                raise Refusal(codes.PLAN_NEEDS_NUMBERS.at(where, cause=cause))
+                raise Refusal(codes.PLAN_NEEDS_NUMBERS.at(where, cause=cause, hint=of_forms([form])))
         self._open_loop()
         if planned.duration * stepper.frequency > _FARTHEST:
             at = int(planned.rows["row"][np.argmax(planned.rows["duration"])])
             cause = f"the section takes {planned.duration:.3g} s, more than ticks can count"
-            raise Refusal(codes.PLAN_NEEDS_NUMBERS.at(row_span(trace, self.rows, at), cause=cause))
+            where = row_span(trace, self.rows, at)
+            raise Refusal(codes.PLAN_NEEDS_NUMBERS.at(where, cause=cause, hint="a higher F, or a shorter dwell"))
         op = self.rows["op"]
         self.events = np.flatnonzero(((op >= Op.DWELL) & (op <= Op.HOME)) | (op == Op.SETPOINT))
         timed = planned.rows
@@ -215,7 +225,7 @@ class _Section:
         ):
             if found.any():
                 where = row_span(trace, rows, int(np.argmax(found)))
-                raise Refusal(codes.SYNCHRONISED_STREAM.at(where, what=what))
+                raise Refusal(codes.SYNCHRONISED_STREAM.at(where, what=what, hint=ON_ITS_CONTROLLER))
 
     def _shapes(self) -> Floats:
         """(arcs, 4): start angle, sweep, start radius, end radius."""
@@ -288,7 +298,9 @@ class _Section:
             row = int(self.events[unknown[0]])
             name = Op(int(self.rows["op"][row])).name.lower().replace("_", " ")
             where = row_span(self.stepper.trace, self.rows, row)
-            raise Refusal(codes.PLAN_NEEDS_NUMBERS.at(where, cause=f"an argument of this {name} is not known"))
+            hint = "a plain number in the job, or what it depends on in [parameters] of the setup file"
+            cause = f"an argument of this {name} is not known"
+            raise Refusal(codes.PLAN_NEEDS_NUMBERS.at(where, cause=cause, hint=hint))
         arrays = {
             "tick": ticks,
             "row": self.events.astype(np.int64),
@@ -314,7 +326,8 @@ class _Steps:
         if len(far):
             at = min(max(int(far[0]) - 1, 0), len(section.moving) - 1)
             where = row_span(self.stepper.trace, section.rows, int(section.moving[at]) if at >= 0 else 0)
-            raise Refusal(codes.PLAN_NEEDS_NUMBERS.at(where, cause="the position is too far away to count steps"))
+            cause = "the position is too far away to count steps"
+            raise Refusal(codes.PLAN_NEEDS_NUMBERS.at(where, cause=cause, hint=TOO_FAR))
         self.start = nearest_count(section.section.start[index], exact, drive.pitch)
         self.end = nearest_count(section.last[index], exact, drive.pitch)
         self.knots = np.zeros((0, 2))
@@ -403,7 +416,7 @@ class _Steps:
         raise Refusal(
             codes.STEP_FREQUENCY.at(
                 where, axis=self.drive.name, velocity=needed / abs(self.rate), unit=self.axis.unit,
-                needed=needed, allowed=s.frequency / s.spacing.near,
+                needed=needed, allowed=s.frequency / s.spacing.near, hint=TOO_FAST,
             )
         )  # fmt: skip
 

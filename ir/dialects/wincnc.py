@@ -246,5 +246,6 @@ WINCNC = LanguageRules(
     peck_clearance_mm=1.27,  # G Codes: G73, G83
     call_depth=20,
     one_command=True,
+    arcs_keep_feed=True,  # Parameters: Feed Velocity
     variables=VARIABLES,
 )

@@ -1,0 +1,70 @@
+"""Where a job of the corpus has its machine and its setup, and the job as a stream that the validator has accepted.
+
+Names are ``eding/drilled-plate``, ``wincnc/plasma/flange`` and ``mcuwin/engraver/wave``.
+"""
+
+from __future__ import annotations
+
+import tomllib
+from pathlib import Path
+
+from corpus.expectations import ROOT
+
+from gproof.backend.job import Job
+from gproof.cli.compile import Lowered, lower
+from gproof.cli.session import Running, Session, open_session
+from gproof.ir.verdict import Verdict
+from gproof.verify.stream import validate
+
+CORPUS = ROOT / "corpus"
+_SUFFIX = {"wincnc": "tap", "mcuwin": "src"}
+
+
+def job_of(name: str) -> tuple[Path, dict]:
+    """The program, and what its ``.toml`` says of it."""
+    dialect, shop, *job = name.split("/")
+    if dialect == "eding":
+        program = CORPUS / dialect / shop / "job.cnc"
+        told = program.with_name("expect.toml")
+    else:
+        program = CORPUS / dialect / shop / "jobs" / f"{job[0]}.{_SUFFIX[dialect]}"
+        told = program.with_suffix(".toml")
+    return program, tomllib.loads(told.read_text(encoding="utf-8"))
+
+
+def all_jobs(verdict: str = "SAFE") -> list[str]:
+    """Names of the jobs that are expected to end so."""
+    names = [f"eding/{path.parent.name}" for path in CORPUS.glob("eding/*/expect.toml")]
+    for dialect in _SUFFIX:
+        names += [f"{dialect}/{path.parents[1].name}/{path.stem}" for path in CORPUS.glob(f"{dialect}/*/jobs/*.toml")]
+    return sorted(name for name in names if job_of(name)[1].get("verdict") == verdict)
+
+
+def lowered(name: str) -> tuple[Session, Lowered]:
+    """A job's session and stages, as far as it gets."""
+    program, expected = job_of(name)
+    setup = expected.get("setup", "zero")
+    session = open_session(
+        program,
+        machine=program.parent / expected["machine"],
+        setup=setup if setup == "zero" else str(program.parent / setup),
+        dialect=name.split("/", maxsplit=1)[0],
+    )
+    return session, lower(session, Running(1_000_000), "stream")
+
+
+def compiled(name: str) -> Job | None:
+    """None: there is no stream that the validator accepts (offsets that nobody stated, say)."""
+    session, stages = lowered(name)
+    if stages.stream is None:
+        return None
+    if validate(stages.stream, stages.trace, session.machine, session.setup).verdict is not Verdict.SAFE:
+        return None
+    return Job(
+        name=name.rsplit("/", maxsplit=1)[-1],
+        certificate="00" * 32,
+        trace=stages.trace,
+        machine=session.machine,
+        setup=session.setup,
+        stream=stages.stream,
+    )
