@@ -202,8 +202,13 @@ def test_a_pipe_is_never_half_a_job(folder: Path, gproof: Run) -> None:
 
 def run_process(*words: str, text: str = "", more: dict[str, str] | None = None) -> Done:
     """The command in a process of its own."""
+    return run_python("-m", "gproof.cli.main", *words, text=text, more=more)
+
+
+def run_python(*words: str, text: str = "", more: dict[str, str] | None = None) -> Done:
+    """A fresh Python in the working directory."""
     done = subprocess.run(
-        [sys.executable, "-m", "gproof.cli.main", *words],
+        [sys.executable, *words],
         input=text.encode(),
         capture_output=True,
         check=False,
@@ -589,18 +594,29 @@ def test_a_job_that_is_not_safe_is_not_compiled(folder: Path, gproof: Run) -> No
 
 
 def test_any_file_name_can_be_printed(folder: Path) -> None:
+    """Whatever the terminal's encoding: one process for each, which checks one file after the other."""
+    paths = []
     for name in (b"\xff\xe9.cnc", "ø “x”.cnc".encode(), b"a\nb.cnc", b"-job.cnc", b"%s {0}.cnc"):
-        path = os.path.join(os.fsencode(folder), name)
-        with open(path, "wb") as file:
+        paths.append(os.path.join(os.fsencode(folder), name))
+        with open(paths[-1], "wb") as file:
             file.write(JOB.encode())
-        shown = os.fsdecode(path)
-        for encoding in ("utf-8", "ascii", "latin-1"):
-            words = ["check", shown, "--machine", str(folder / "machine.toml"), "--setup", "zero"]
-            done = run_process(*words, "--picture", str(folder / "p.svg"), more={"PYTHONIOENCODING": encoding})
-            assert (done.exit, done.err) == (0, ""), (name, encoding, done)
-            if encoding == "utf-8":
-                report = json.loads(run_process(*words, "--format", "json").out)
-                assert report["verdict"] == "SAFE"
+    script = """
+import os, sys
+from gproof.cli.main import main
+codes = [main(["check", os.fsdecode(path), *sys.argv[2:]]) for path in bytes.fromhex(sys.argv[1]).split(bytes(1))]
+sys.exit(max(codes))
+"""
+    around = [b"\0".join(paths).hex(), *WITH_MACHINE]
+    for encoding in ("utf-8", "ascii", "latin-1"):
+        words = [*around, "--picture", "p.svg"]
+        done = run_python("-c", script, *words, more={"PYTHONIOENCODING": encoding})
+        assert (done.exit, done.err) == (0, ""), (encoding, done)
+        assert done.out.count(": SAFE\n") == len(paths), (encoding, done)
+    done = run_python("-c", script, *around, "--format", "json", more={"PYTHONIOENCODING": "utf-8"})
+    reports = json.loads("[" + done.out.replace("}\n{", "},{") + "]")
+    assert [report["verdict"] for report in reports] == ["SAFE"] * len(paths)
+    done = run_process("check", os.fsdecode(paths[0]), *WITH_MACHINE, more={"PYTHONIOENCODING": "ascii"})
+    assert (done.exit, done.err) == (0, "")
 
 
 def test_a_reader_that_goes_away(folder: Path) -> None:

@@ -16,6 +16,7 @@ from pathlib import Path
 from types import FrameType
 
 import pytest
+from support.campaigns import seeds
 from support.wild import ROOT, corpus_jobs, mutated, random_bytes, wild_program
 
 from gproof.cli.check import print_summary, report_json
@@ -33,7 +34,7 @@ from gproof.passes.execute import Executor
 BUDGET = 1500
 SECONDS = 30
 GROUP = 50
-DEFAULT, SOAK = 1_000, 10_000
+DEFAULT, MORE, SOAK = 300, 1_000, 10_000
 
 MACHINE = """schema = "gproof-machine/1"
 units = "mm"
@@ -147,10 +148,6 @@ def survive(group: int, folder: Path, make: Callable[[random.Random], bytes]) ->
             raise
 
 
-def groups(count: int) -> range:
-    return range(count // GROUP)
-
-
 CORPUS = corpus_jobs()
 
 
@@ -158,24 +155,24 @@ def from_bytes(rng: random.Random) -> bytes:
     return random_bytes(rng) if rng.random() < 0.4 else mutated(rng, CORPUS)
 
 
-@pytest.mark.parametrize("group", groups(DEFAULT))
+@pytest.mark.parametrize("group", seeds(DEFAULT // GROUP, MORE // GROUP))
 def test_any_bytes(group: int, folder: Path) -> None:
     survive(group, folder, from_bytes)
 
 
-@pytest.mark.parametrize("group", groups(DEFAULT))
+@pytest.mark.parametrize("group", seeds(DEFAULT // GROUP, MORE // GROUP))
 def test_any_program(group: int, folder: Path) -> None:
     survive(group, folder, wild_program)
 
 
 @pytest.mark.soak
-@pytest.mark.parametrize("group", groups(SOAK))
+@pytest.mark.parametrize("group", range(SOAK // GROUP))
 def test_any_bytes_for_long(group: int, folder: Path) -> None:
     survive(10_000 + group, folder, from_bytes)
 
 
 @pytest.mark.soak
-@pytest.mark.parametrize("group", groups(SOAK))
+@pytest.mark.parametrize("group", range(SOAK // GROUP))
 def test_any_program_for_long(group: int, folder: Path) -> None:
     survive(10_000 + group, folder, wild_program)
 
@@ -183,7 +180,7 @@ def test_any_program_for_long(group: int, folder: Path) -> None:
 def test_the_generator_makes_programs_of_every_kind(folder: Path) -> None:
     """A fuzzer whose programs all fail at once finds nothing."""
     job, seen, found = folder / "job.cnc", set(), set()
-    for seed in range(200):
+    for seed in range(100):
         job.write_bytes(wild_program(random.Random(seed)))
         judgement = answers(job, folder / "machine.toml", "zero" if seed % 2 else None)
         seen.add(judgement.verdict)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import random
 from decimal import Decimal
 
 import pytest
@@ -107,10 +108,11 @@ def test_a_written_expression_reads_back_as_the_same_tree(expression: Expr) -> N
 
 
 @settings(max_examples=300, deadline=None)
-@given(EXPRESSIONS, st.data())
-def test_blanks_and_case_change_nothing(expression: Expr, data: st.DataObject) -> None:
+@given(EXPRESSIONS, st.integers(0, 2**32))
+def test_blanks_and_case_change_nothing(expression: Expr, seed: int) -> None:
+    rng = random.Random(seed)  # one choice of hypothesis, not two a character
     text = f"n10g1x{operand(expression)}#3=[{render(expression)}](c)y#3"
-    spaced = "".join(c if data.draw(st.booleans()) else c + data.draw(st.sampled_from([" ", "\t", "  "])) for c in text)
+    spaced = "".join(c + rng.choice(["", "", "", " ", "\t", "  "]) for c in text)
     assert without_places(block(spaced.swapcase()))  # no error
     assert without_places(block(spaced)).words == without_places(block(text)).words
     assert without_places(block(spaced)).assigns == without_places(block(text)).assigns

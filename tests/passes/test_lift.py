@@ -15,6 +15,7 @@ import numpy as np
 import pytest
 from passes.reference_motion import PAIRS, Motion, expand
 from passes.traces import Path, machine
+from support.campaigns import seeds
 
 from gproof.ir.finding import Findings
 from gproof.ir.machine import Machine, PitchTable
@@ -31,11 +32,6 @@ from gproof.verify.stream import validate
 ON = (HEIGHT_MAP,)
 ALLOWED = 0.05
 """Steps between what is followed and the row with the map's height (docs/stream.md)."""
-
-
-def seeds(usual: int, soak: int) -> list[object]:
-    """So many seeds always, and more in a soak."""
-    return [*range(usual), *(pytest.param(n, marks=pytest.mark.soak) for n in range(usual, soak))]
 
 
 WEDGE = HeightMap(x=0.0, y=0.0, size=10.0, heights=((5.0, 5.1, 5.1), (5.0, 5.1, 5.1), (5.0, 5.1, 5.1)))

@@ -11,8 +11,9 @@ from itertools import pairwise
 import numpy as np
 import pytest
 from passes.reference_motion import expand
-from passes.test_lift import MACHINES, ON, WEDGE, Raised, a_map, a_path, lowered, seeds, using
+from passes.test_lift import MACHINES, ON, WEDGE, Raised, a_map, a_path, lowered, using
 from passes.traces import Path, machine
+from support.campaigns import seeds
 from verify.path_oracle import FINE, follows
 from verify.reference_stepper import Stepped
 from verify.test_stream import damaged

@@ -3,6 +3,7 @@
 import random
 
 import pytest
+from support.campaigns import sizes
 from verify.mutations import TABLE, Case, Mutation, clean
 from verify.reference_stepper import machine, stream_of
 
@@ -11,7 +12,6 @@ from gproof.ir.verdict import Verdict
 from gproof.verify.stream import validate
 from gproof.verify.stream_report import StreamReport
 
-PLACES = 12
 _cache: dict[str, Case] = {}
 
 
@@ -28,12 +28,13 @@ def judge(case: Case) -> StreamReport:
     return validate(stream_of(case.done, machine()), case.job.trace(), case.on, NOTHING)
 
 
+@pytest.mark.parametrize("places", sizes(range(4), range(4, 40)))
 @pytest.mark.parametrize("mutation", TABLE, ids=lambda m: m.__name__)
-def test_every_spoilt_stream_is_refused(mutation: Mutation) -> None:
+def test_every_spoilt_stream_is_refused(mutation: Mutation, places: range) -> None:
     names, codes = TABLE[mutation]
     for name in names:
         assert judge(fresh(name)).verdict is Verdict.SAFE
-        for seed in range(PLACES):
+        for seed in places:
             case = fresh(name)
             mutation(case, random.Random(f"{mutation.__name__} {name} {seed}"))
             report = judge(case)
