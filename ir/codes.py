@@ -92,7 +92,7 @@ NO_MODULE_END = code(141, "no-module-end", _E, "{what} has none of M02, M30 and 
 DUPLICATE_LABEL = code(142, "duplicate-label", _E, "label {name!r} stands twice")
 UNKNOWN_LABEL = code(143, "unknown-label", _E, "there is no label {name!r}")
 JUMP_INTO_BLOCK = code(144, "jump-into-block", _U, "{what}: the manual does not say what it does")
-INCLUDE_CYCLE = code(145, "include-cycle", _E, "{name!r} is included within itself: {chain}")
+INCLUDE_CYCLE = code(145, "include-cycle", _E, "{name!r} {what}: {chain}")
 PROGRAM_SIZE = code(
     146,
     "program-size",

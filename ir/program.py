@@ -450,7 +450,7 @@ class Unsupported:
     """A statement that the manual has and gproof does not model; what follows is unknown.
 
     text: the statement as written, without comments; "" when there is more of it than a line. deleted: the line
-    began with a slash. line: see Call.
+    began with a slash. line: see Call. told: a finding of the frontend says already what is wrong here.
     """
 
     what: str
@@ -458,6 +458,7 @@ class Unsupported:
     text: str = ""
     deleted: bool = False
     line: Block | None = None
+    told: bool = False
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -547,7 +548,8 @@ class Program:
     head, tail: the first and the last statements of the body, which the machine's settings put there; the tail also
     runs where the job ends itself before; abort: what runs where it aborts itself. around_files: head and tail run
     around each subprogram that is a file, too; None: nobody said so, and it would make a difference. open_codes: a file
-    that was not given may define codes that the language does not have.
+    that was not given may define codes that the language does not have. unended: subprograms, "" for the body, of which
+    a finding of the frontend says that they have no end.
     """
 
     dialect: str
@@ -562,6 +564,7 @@ class Program:
     around_files: bool | None = False
     open_codes: bool = False
     abort: tuple[Statement, ...] = ()
+    unended: frozenset[str] = field(default=frozenset(), compare=False, repr=False)
     scan: Scan | None = field(default=None, compare=False, repr=False)
     annotate: Annotate | None = field(default=None, compare=False, repr=False)
 

@@ -121,8 +121,10 @@ class Emitter:
         if self.blocks > self.budget:
             raise Refusal(codes.STEP_BUDGET.at(span, budget=self.budget, hint="--max-blocks raises it"))
 
-    def _fail(self, finding: Finding) -> None:
-        self.findings.add(finding)
+    def _fail(self, finding: Finding, *, told: bool = False) -> None:
+        """Report a finding, unless another one that says as much is ``told`` already, and end what it ends."""
+        if not told:
+            self.findings.add(finding)
         if finding.severity in (Severity.ERROR, Severity.UNKNOWN):
             if self.failed is None:
                 self.failed = finding
@@ -133,10 +135,10 @@ class Emitter:
                 self._end_section(Wait.UNKNOWN, "error", -1, finding.span)
                 raise ProgramEnd
 
-    def _refuse(self, finding: Finding) -> None:
+    def _refuse(self, finding: Finding, *, told: bool = False) -> None:
         """The line or statement of a Refusal did nothing, or half: what follows is not the job's path any more."""
         self.refused = self.refused or finding.severity in (Severity.ERROR, Severity.UNKNOWN)
-        self._fail(finding)
+        self._fail(finding, told=told)
 
     def _leave_file(self, span: Span) -> None:
         """End the file that runs: back to its caller, or the end of the job."""

@@ -440,7 +440,7 @@ class Executor(Flow):
                 # Nothing that a program may hold is passed over because nobody has thought of it here.
                 raise Refusal(codes.UNSUPPORTED_CODE.at(node.span, code=type(node).__name__.lower()))  # type: ignore[union-attr]
         except Refusal as refusal:
-            self._refuse(refusal.finding)
+            self._refuse(refusal.finding, told=isinstance(node, Unsupported) and node.told)
 
     def _message(self, node: Message) -> None:
         text = describe_parts(node.parts, self.evaluator)

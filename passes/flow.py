@@ -389,7 +389,7 @@ class Flow(Branches):
         span = Span(self.trace.files[self._file], line or self.program.line_count)
         finding = codes.MODULE_END.at(span, name=name)
         self.refused = True
-        self._fail(finding)
+        self._fail(finding, told=(node.name if isinstance(node, Subprogram) else "") in self.program.unended)
         self._end_section(Wait.UNKNOWN, finding.message, -1, span)
         raise ProgramEnd
 

@@ -109,7 +109,7 @@ class _Loader:
         made = assemble(
             self.text.structure.sections, self.text.procedures, self.name, self.findings, old=self.text.old
         )  # fmt: skip
-        program.body, program.subprograms = made.body, made.subprograms
+        program.body, program.subprograms, program.unended = made.body, made.subprograms, made.unended
         size = judge_size(program, self.text.structure.sections, self.text.procedures, self.din.program_size)
         if size is not None:
             self.findings.add(size)
@@ -189,8 +189,12 @@ class _Loader:
             return
         path = found[0]
         if path.resolve() in self.stack or len(self.stack) >= DEEPEST:
-            chain = " -> ".join(p.name for p in (*self.stack, path))
-            self.findings.add(codes.INCLUDE_CYCLE.at(span, name=name, chain=chain))
+            chain = [p.name for p in (*self.stack, path)]
+            what = "is included within itself"
+            if path.resolve() not in self.stack:
+                what = f"would be the {len(chain) - 1}th include within another, and gproof reads {DEEPEST - 1}"
+                chain = [*chain[:3], "...", *chain[-2:]]
+            self.findings.add(codes.INCLUDE_CYCLE.at(span, name=name, what=what, chain=" -> ".join(chain)))
             return
         what = ""
         if len(found) > 1 and differ(found):

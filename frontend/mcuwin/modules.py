@@ -53,10 +53,11 @@ class _Unit:
 
 @dataclass(frozen=True, slots=True)
 class Modules:
-    """What a program is made of."""
+    """What a program is made of. unended: see ``Program``."""
 
     body: Body
     subprograms: dict[str, Subprogram]
+    unended: frozenset[str] = frozenset()
 
 
 def assemble(
@@ -107,6 +108,7 @@ class _Assembly:
         self.places: dict[str, tuple[_Unit, Span]] = {}
         self.named: dict[str, _Unit] = {}
         self.called: dict[str, _Unit] = {}
+        self.unended: set[str] = set()
 
     def modules(self) -> Modules:
         for unit in self.units:
@@ -123,7 +125,9 @@ class _Assembly:
             if name not in subprograms:
                 span = self.places[name][1]
                 subprograms[name] = Subprogram(name=name, body=_tail(unit, name), span=span)
-        return Modules(main.body, subprograms)
+                if unit.key in self.unended:
+                    self.unended.add(name)
+        return Modules(main.body, subprograms, frozenset(self.unended))
 
     def _duplicate(self, name: str, span: Span, earlier: Span) -> None:
         related = (Related(earlier, "it stands here too"),)
@@ -199,8 +203,18 @@ class _Assembly:
             return self._open(f"the jump to label {name} within a block", node.span)
         if name in self.places or (name in self.named and not self.old):
             return self._open(f"the jump to {name} in another module", node.span)
-        self.findings.add(codes.UNKNOWN_LABEL.at(node.span, name=name))
-        return Unsupported(what=f"the jump to {name}", span=node.span)
+        if not self._undeclared(node.span):
+            self.findings.add(codes.UNKNOWN_LABEL.at(node.span, name=name))
+        return Unsupported(what=f"the jump to {name}", span=node.span, told=True)
+
+    def _undeclared(self, span: Span) -> bool:
+        """Whether the label of a goto, which is nowhere, is reported as one that is not declared."""
+        return any(
+            told.code is codes.UNDECLARED_NAME
+            and (told.span.file, told.span.line) == (span.file, span.line)
+            and span.column <= told.span.column < span.end_column
+            for told in self.findings.kept
+        )
 
     def _call(self, node: Call) -> Statement:
         name = self._known(node.name)
@@ -209,7 +223,7 @@ class _Assembly:
             return replace(node, name=module.key)
         if name not in self.places:
             self.findings.add(codes.UNKNOWN_SUBPROGRAM.at(node.span, name=name))
-            return Unsupported(what=f"the call of {name}", span=node.span)
+            return Unsupported(what=f"the call of {name}", span=node.span, told=True)
         unit, _ = self.places[name]
         if unit.labels[name]:
             return self._open(f"the call of label {name} within a block", node.span)
@@ -218,7 +232,7 @@ class _Assembly:
 
     def _open(self, what: str, span: Span) -> Statement:
         self.findings.add(codes.JUMP_INTO_BLOCK.at(span, what=what))
-        return Unsupported(what=what, span=span)
+        return Unsupported(what=what, span=span, told=True)
 
     def _end(self, unit: _Unit) -> None:
         """Compiler error 190 for a module without an end (14, 2.5.3.90); the older version had none."""
@@ -230,6 +244,7 @@ class _Assembly:
         if not self.old:
             what = f"module {unit.name}" if unit.name else "the program" if not unit.key else "this module"
             self.findings.add(codes.NO_MODULE_END.at(unit.span, what=what))
+            self.unended.add(unit.key)
         elif not unit.key:
             self.findings.add(codes.NO_PROGRAM_END.at(unit.span))
 
