@@ -10,7 +10,7 @@ from gproof.ir.machine import AXES
 from gproof.ir.rules import CodeRule
 from gproof.ir.rules import Function as F
 from gproof.ir.trace import Op, PathMode, Plane, Wait
-from gproof.passes import compensated, feed_override, heads, single, spindle
+from gproof.passes import compensated, feed_override, heads, spindle
 from gproof.passes.cycles import AXES_OF_PLANE, CYCLES
 from gproof.passes.emitter import ProgramEnd
 from gproof.passes.line import Line, check_unused, gather
@@ -25,9 +25,6 @@ class Blocks(Origins):
     """What the codes of a line do to the state, each step of the table a method."""
 
     def _line(self, span: Span, words: list[tuple[str, Value, Span]]) -> None:
-        if self.program.rules.one_command:
-            single.run(self, span, words)
-            return
         line: Line | None = None
         moves = self._moves
         try:

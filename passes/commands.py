@@ -81,6 +81,12 @@ def _nesting(ex: Emitter, node: Device) -> None:
     ex.findings.add(codes.NESTING_PRESET.at(node.span))
 
 
+def _wait(ex: Emitter, node: Device) -> None:
+    from gproof.passes.din_events import wait
+
+    wait(ex, ex.evaluator.value(node.arguments[0]), node.span)
+
+
 HANDLERS: dict[str, Handler] = {
     "home": _home,
     "home_tandem": _home,
@@ -91,6 +97,7 @@ HANDLERS: dict[str, Handler] = {
     "store_position": _note,
     "log_file": _note,
     "nesting": _nesting,
+    "wait": _wait,
     **DEVICES,
 }
 """What each command of ``rules.DEVICES`` does."""

@@ -376,7 +376,7 @@ def read_named(ex: Emitter, node: Named) -> Value:
     return Unknown(node.name)
 
 
-def wait(ex: Motion, seconds: Value, span: Span) -> None:
+def wait(ex: Emitter, seconds: Value, span: Span) -> None:
     """wt: in the unit of the machine's file."""
     if isinstance(seconds, Unknown):
         raise Refusal(codes.UNKNOWN_VALUE.at(span, word="wt", cause=seconds.cause))

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
 
 from gproof.ir import codes
 from gproof.ir.finding import Finding, Findings, Refusal, Severity, Span
@@ -17,15 +16,13 @@ from gproof.passes.din_state import whole_numbers
 from gproof.passes.expressions import Evaluator
 from gproof.passes.frames import Frame, Lap, Path, Pending
 from gproof.passes.line import Line
+from gproof.passes.manner import manner_of
 from gproof.passes.modal import Modal
 from gproof.passes.ranges import Range
 from gproof.passes.rows import RowBuffer
 from gproof.passes.spindle import commanded_rpm, own_ramp, told
 from gproof.passes.transform_codes import at_start
 from gproof.passes.values import FrameTable, Position, Unknown, Value, behind_loop
-
-if TYPE_CHECKING:
-    from gproof.passes.single_plain import PlainLines
 
 DEFAULT_BUDGET = 100_000_000
 DEFAULT_BRANCHES = 4096
@@ -100,7 +97,7 @@ class Emitter:
         self._came_back = False
         self._places: dict[int, dict[str, int]] = {}
         self._whole = whole_numbers(program) if program.rules.source_order else frozenset[int]()
-        self._plain_lines: PlainLines | None = None
+        self._manner = manner_of(program.rules)
         self.rows = RowBuffer(self.trace, [p.value for p in self.modal.position], self._frame(), program.line_count)
 
     def _start_system(self, setup: Setup) -> None:
@@ -227,13 +224,7 @@ class Emitter:
             self.event(Op.DWELL, line.span, arg=(wait, 0.0))
 
     def _read_other(self, node: Named | Input) -> Value:
-        from gproof.passes import din_events, single_events
-
-        if isinstance(node, Named) and self.program.rules.source_order:
-            return din_events.read_named(self, node)
-        if isinstance(node, Named):
-            return single_events.read_named(self, node)
-        return single_events.read_input(self, node, self.evaluator)
+        return self._manner.named(self, node) if isinstance(node, Named) else self._manner.input(self, node)
 
     def _read(self, number: float, span: Span) -> Value:
         value = self.modal.read(number, span)

@@ -11,7 +11,6 @@ from __future__ import annotations
 
 import contextlib
 from collections.abc import Iterator
-from dataclasses import replace
 
 from gproof.ir import codes
 from gproof.ir.columns import Columns
@@ -47,16 +46,14 @@ from gproof.ir.program import (
 )
 from gproof.ir.setup import Setup
 from gproof.ir.trace import Chunk, Edge, Op, Trace, TraceSection, Wait
-from gproof.passes import din, din_events, single
 from gproof.passes.arrays import back_from_file, begin_array, next_cell
 from gproof.passes.branches import LOOPS
 from gproof.passes.commands import run_command
 from gproof.passes.dialogs import run_dialog
-from gproof.passes.din_state import fits
 from gproof.passes.emitter import DEFAULT_BRANCHES, DEFAULT_BUDGET, ProgramEnd
 from gproof.passes.expressions import describe_parts
 from gproof.passes.flow import Flow
-from gproof.passes.frames import Caller, Frame, Kept, Path
+from gproof.passes.frames import Caller, Frame, Path
 from gproof.passes.knife import follow_knife
 from gproof.passes.overrides import Words, replaced
 from gproof.passes.values import Unknown, Value
@@ -188,7 +185,7 @@ class Executor(Flow):
         elif kind is Call:
             assert isinstance(node, Call)
             self.spend(node.span)
-            self._call_with(node)
+            self._manner.call(self, node)
         elif kind is Replaced:
             assert isinstance(node, Replaced)
             if node.body:
@@ -257,34 +254,6 @@ class Executor(Flow):
                 self._ask(node)
         elif isinstance(head, Message):
             self._guarded(head)
-
-    def _call_with(self, node: Call) -> None:
-        """Run a subprogram with the words of its call."""
-        if self.program.rules.source_order:
-            self._not_spooled(node.span, f"M98 L{node.name}")
-            count = self._count(node)
-            back = self._bind(node)
-            depth = len(self._stack)
-            self._called(node.name, node.span)
-            if len(self._stack) > depth:
-                frame = self._stack[-1]
-                frame.again = count - 1
-                assert frame.caller is not None
-                frame.caller = replace(frame.caller, back=back)
-            return
-        if not self.program.rules.one_command:
-            self._called(node.name, node.span)
-            return
-        arguments = tuple((word.letter, self.evaluator.value(word.value)) for word in node.arguments)
-        s = self.modal
-        kept = Kept(tuple(s.g92), s.single.keep_local, s.single.arguments)
-        depth = len(self._stack)
-        self._called(node.name, node.span)
-        if len(self._stack) > depth:
-            frame = self._stack[-1]
-            assert frame.caller is not None
-            frame.caller = replace(frame.caller, before=kept)
-            s.single = s.single.but(arguments=arguments, keep_local=False)
 
     def _with_settings(self, sub: Subprogram, span: Span) -> tuple[Statement, ...]:
         """What runs for a subprogram: a file may have around it what the machine runs around the job."""
@@ -423,15 +392,12 @@ class Executor(Flow):
                 self.modal.guards_off = tuple(sorted(guards))
                 self._state_changed()
                 self.event(Op.GUARD, node.span, arg=(float(node.on), 0.0), text=self._text(node.name))
-            elif isinstance(node, Device) and node.name == "wait":
-                din_events.wait(self, self.evaluator.value(node.arguments[0]), node.span)
             elif isinstance(node, Device):
                 run_command(self, node)
             elif isinstance(node, Mistake):
                 raise Refusal(Finding(codes.CODES[node.code], node.span, node.message))
             elif isinstance(node, Unsupported):
-                if self.program.rules.source_order:
-                    din_events.lose_all(self, node.what)
+                self._manner.unsupported(self, node)
                 raise Refusal(codes.UNSUPPORTED_CODE.at(node.span, code=node.what))
             elif isinstance(node, Definition):
                 what = f"the definition of {node.name} in a file that is run as a job"
@@ -485,29 +451,7 @@ class Executor(Flow):
             if self.block_delete:
                 return
         words = [(w.letter, self.evaluator.value(w.value), w.span) for w in node.words]
-        if self.program.rules.one_command:
-            bare = frozenset(w.letter for w in node.words if w.bare)
-            single.run(self, node.span, words, texts=node.texts, comment=node.comment, bare=bare)
-            return
-        if self.program.rules.source_order:
-            settings = [self._setting(a) for a in node.assigns]
-            for number, value, span in settings:
-                if not fits(round(number), value, self._whole):
-                    name = self.evaluator.names.get(round(number)) or self.program.rules.name_of(round(number))
-                    what = f"{name} is a whole number of 32 bits; {value!r} is none"
-                    raise Refusal(codes.ARITHMETIC.at(span, what=what))
-                self.modal.write(number, value, span)
-            if words:
-                bare = frozenset(w.letter for w in node.words if w.bare)
-                din.run(self, node.span, words, bare=bare, continued=node.continued, distances=node.distances)
-            return
-        settings = [self._setting(a) for a in node.assigns]
-        # Settings take effect once every value of the line is found, before anything moves (3.2.3).
-        for number, value, span in settings:
-            self.modal.write(number, value, span)
-            self._table_written(round(number), span)
-        if words:
-            self._line(node.span, words)
+        self._manner.block(self, node, words)
 
     def _setting(self, node: Assign) -> tuple[float, Value, Span]:
         number = self.evaluator.value(node.target.number)

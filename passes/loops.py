@@ -115,7 +115,7 @@ class Loops(Straight):
         while at < count:
             before = self.rows.count
             blocks = self.blocks
-            at = self._hot(run, columns[0], columns[1], columns[2], count, at, compiled)
+            at = self._hot(run, columns, count, at, compiled)
             self.blocks = blocks  # they are counted already
             made = self.rows.arrays["line"][before : self.rows.count]
             made[:] = lines[made]

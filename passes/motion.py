@@ -10,7 +10,7 @@ from gproof.ir.machine import AXES, AXIS_NAMES
 from gproof.ir.rules import CodeRule
 from gproof.ir.rules import Function as F
 from gproof.ir.trace import KNIFE, Op, Plane, Wait
-from gproof.passes import compensated, single_knife
+from gproof.passes import compensated
 from gproof.passes import execute_kernels as k
 from gproof.passes.cycles import AXES_OF_PLANE, CYCLES, run_cycle
 from gproof.passes.emitter import Emitter
@@ -300,7 +300,12 @@ class Motion(Emitter):
         length: mm that an inverse time feed counts, where the row is part of a longer move; programmed: the point of
         the contour that a compensated row belongs to; without it Refusal GP256 while compensation is on.
         """
-        mode = single_knife.follows(self) if KNIFE in self.modal.following else None
+        if KNIFE not in self.modal.following:
+            self.go(op, target, span, center=center, turns=turns, plane=plane, length=length, programmed=programmed)
+            return
+        from gproof.passes import single_knife
+
+        mode = single_knife.follows(self)
         if mode is None:
             self.go(op, target, span, center=center, turns=turns, plane=plane, length=length, programmed=programmed)
             return

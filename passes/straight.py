@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import bisect
 from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
@@ -11,19 +10,16 @@ import numpy as np
 
 from gproof.ir.columns import Columns
 from gproof.ir.finding import Span
-from gproof.ir.kernel import Kernel
 from gproof.ir.machine import AXES
 from gproof.ir.program import FLAG_BARE, FLAG_DELETE, BlockTable
 from gproof.ir.trace import TRACE_ROW
-from gproof.passes import compensated, din, din_plain, single
+from gproof.passes import compensated
 from gproof.passes import compensation_kernels as c
 from gproof.passes import execute_kernels as k
 from gproof.passes.blocks import Blocks
 from gproof.passes.frames import Frame
 from gproof.passes.outputs import CLAMPED
-from gproof.passes.single_kernels import run_moves
-from gproof.passes.single_plain import PlainLines
-from gproof.passes.values import Position, Value
+from gproof.passes.values import Position
 
 CHUNK_BYTES = 1 << 20
 _State = tuple[Any, Any, Any, Any]
@@ -32,8 +28,6 @@ _FIRST_BATCH, _BATCH = 4, 1 << 13
 
 _UTF8_MARK = b"\xef\xbb\xbf"
 
-_COLD = np.array([chr(letter) not in "XYZABCIJKRFG" for letter in range(256)])
-"""Letters that ``run_lines`` hands back."""
 _COLUMNS = "line", "letter", "value", "flags"
 """Of words, as ``Frame.columns`` has them for the kernels."""
 
@@ -45,7 +39,7 @@ class Straight(Blocks):
         """Go on with the lines of a table until it ends, rows are ready, or a line has called a subprogram."""
         table = frame.node
         assert isinstance(table, BlockTable)
-        run = self._kernel().pick(table.last_line - table.first_line + 1)
+        run = self._manner.kernel.pick(table.last_line - table.first_line + 1)
         while self._stack[-1] is frame and not self.rows.ready:
             if frame.words is None:
                 if frame.next_byte >= table.end:
@@ -64,32 +58,23 @@ class Straight(Blocks):
                 keep = (words["flags"] & FLAG_DELETE) == 0
                 words = Columns(words.schema, {n: a[keep] for n, a in words.arrays.items()})
         frame.words, frame.at = words, 0
-        # Of one command a line a kernel hands back what is rare.
-        rules = self.program.rules
-        if rules.source_order:
-            frame.cold = din_plain.cold_lines(words, self.modal.din)
-            frame.stops = np.flatnonzero(np.isin(words["line"], np.array(sorted(frame.cold), dtype=np.int64))).tolist()
-        else:
-            frame.cold = set() if rules.one_command else _cold_lines(words)
+        frame.cold = self._manner.cold(self, frame, words)
         columns = tuple(words[name] for name in _COLUMNS)
-        kernel = self._kernel()
+        kernel = self._manner.kernel
         is_python = kernel.pick(table.last_line - table.first_line + 1) is kernel.python
         frame.columns = tuple(c.tolist() for c in columns) if is_python else columns
 
     def _words(self, frame: Frame, table: BlockTable, run: object) -> None:
         assert frame.words is not None
-        compiled = run is not self._kernel().python
+        compiled = run is not self._manner.kernel.python
         if compiled and isinstance(frame.columns[0], list):
             # Picked plain when the table was opened, compiled now that it is entered again.
             frame.columns = tuple(frame.words[name] for name in _COLUMNS)
         line = frame.words["line"]
-        lines, letters, values, _ = frame.columns
         count = len(frame.words)
         while frame.at < count:
-            if self._plain_lines is not None:
-                frame.at = self._plain_lines.run(self, run, frame.columns, count, frame.at, compiled)
-            elif not frame.cold or int(line[frame.at]) not in frame.cold:
-                frame.at = self._hot(run, lines, letters, values, count, frame.at, compiled)
+            if not frame.cold or int(line[frame.at]) not in frame.cold:
+                frame.at = self._manner.hot(self, run, frame.columns, count, frame.at, compiled)
             at = frame.at
             if at < count and self.rows.count < self.rows.capacity:
                 end, here = at + 1, line[at]
@@ -105,66 +90,30 @@ class Straight(Blocks):
                 return
         frame.words = None
 
-    def _kernel(self) -> Kernel[Any, Any]:
-        """What runs lines of a table."""
-        if not self.program.rules.one_command:
-            return k.run_lines
-        if self._plain_lines is None:
-            self._plain_lines = PlainLines(self)
-        return run_moves
-
-    def _hot(
-        self, run: object, line: object, letter: object, value: object, count: int, at: int, compiled: bool
-    ) -> int:
-        """Run lines in the kernel from word ``at``; returns the first word it left over."""
+    def _hot(self, run: Any, columns: tuple[Any, ...], count: int, at: int, compiled: bool) -> int:
+        """Run lines of many commands in the kernel from word ``at``; returns the first word it left over."""
         s = self.modal
-        if self.program.rules.one_command:
-            # Tables of such programs go through ``single_plain``; nothing else has lines for this kernel.
-            return at
-        if self.program.rules.source_order:
-            return self._din_lines(run, line, letter, value, count, at, compiled)
         if not self._moved or s.feed_unit != s.unit or not 1 <= s.motion <= 4 or s.feed_mode != 94:
             # The first motion notes what it assumes; a motion mode must be set: Python path.
             return at
         if s.compensation is not None:
-            return self._along_contour(run, line, letter, value, count, at, compiled)
+            return self._along_contour(run, columns, count, at, compiled)
         if not s.plain_motion:
             return at
         state = self._packed([p.value for p in s.position], compiled)
-        before = self.rows.count
-        at, self.rows.count = _run(
-            run, (line, letter, value, count, at), state, self.rows.arrays, before, self.rows.capacity
-        )
-        self.blocks += self.rows.count - before
+        at = self.run_kernel(run, columns, state, count, at)
         self._unpack(state)
         return at
 
-    def _din_lines(
-        self, run: object, line: object, letter: object, value: object, count: int, at: int, compiled: bool
-    ) -> int:
-        """``_hot`` of DIN blocks, where the source decides what a line goes on with."""
-        s, frame = self.modal, self._stack[-1]
-        if not self._moved or not s.plain_motion or not din_plain.begin(self, frame.continued):
-            return at
-        start = [p.value for p in s.position]
-        stop = bisect.bisect_left(frame.stops, at)
-        count = frame.stops[stop] if stop < len(frame.stops) else count
-        state = self._packed(start, compiled)
-        state[0][k.ARC_ABSOLUTE] = int(not din_plain.arcs_are_plain(self))
-        state[0][k.ACTIVE_AXES] &= 7
-        before, first = self.rows.count, at
-        at, self.rows.count = _run(
-            run, (line, letter, value, count, at), state, self.rows.arrays, before, self.rows.capacity
-        )
-        self.blocks += self.rows.count - before
-        self._unpack(state)
-        frame.continued = din_plain.taken(self, start, before, (line, letter, value), first, at)
-        s.motion = 0
+    def run_kernel(self, run: Any, columns: tuple[Any, ...], state: _State, count: int, at: int) -> int:
+        """Run ``run_lines`` on the words from ``at`` to ``count``; returns the first word it left over."""
+        rows = self.rows
+        before = rows.count
+        at, rows.count = _run(run, (*columns[:3], count, at), state, rows.arrays, before, rows.capacity)
+        self.blocks += rows.count - before
         return at
 
-    def _along_contour(
-        self, run: object, line: object, letter: object, value: object, count: int, at: int, compiled: bool
-    ) -> int:
+    def _along_contour(self, run: Any, columns: tuple[Any, ...], count: int, at: int, compiled: bool) -> int:
         """``_hot`` while the path is compensated: rows as programmed, and from them those of the tool."""
         s, rows = self.modal, self.rows
         comp = s.compensation
@@ -184,7 +133,7 @@ class Straight(Blocks):
         while going:
             there = TRACE_ROW.empty(batch)
             before = _copied(state)
-            stop, made = _run(run, (line, letter, value, count, at), state, there, 0, batch)
+            stop, made = _run(run, (*columns[:3], count, at), state, there, 0, batch)
             out = rows.arrays
             offset = c.offset_rows.pick(made)
             if offset is not c.offset_rows.python:
@@ -199,7 +148,7 @@ class Straight(Blocks):
                 # As far as the tool follows: the lines of these rows once more, from the same state.
                 state = before
                 if done:
-                    stop, _ = _run(run, (line, letter, value, count, at), state, there, 0, done)
+                    stop, _ = _run(run, (*columns[:3], count, at), state, there, 0, done)
                 else:
                     stop = at
             self.blocks += done
@@ -265,25 +214,9 @@ class Straight(Blocks):
         values: list[float] = words["value"][begin:end].tolist()
         span = Span(name, number, spans[0].column, spans[-1].end_column)
         self.spend(span)
-        if self.program.rules.one_command:
-            bare = frozenset(
-                letter for letter, flags in zip(letters, words["flags"][begin:end].tolist(), strict=True)
-                if flags & FLAG_BARE
-            )  # fmt: skip
-            single.run(self, span, list(zip(letters, values, spans, strict=True)), bare=bare)
-            return
-        words_of_line: list[tuple[str, Value, Span]] = list(zip(letters, values, spans, strict=True))
-        if self.program.rules.source_order:
-            frame = self._stack[-1]
-            flags = words["flags"][begin:end].tolist()
-            bare = frozenset(letter for letter, flag in zip(letters, flags, strict=True) if flag & FLAG_BARE)
-            continued = frame.continued
-            for letter, value in zip(letters, values, strict=True):
-                if letter == "G":
-                    frame.continued = f"G{value:g}"
-            din.run(self, span, words_of_line, bare=bare, continued=continued)
-            return
-        self._line(span, words_of_line)
+        flags = words["flags"][begin:end].tolist()
+        bare = frozenset(letter for letter, flag in zip(letters, flags, strict=True) if flag & FLAG_BARE)
+        self._manner.line(self, span, list(zip(letters, values, spans, strict=True)), bare)
 
 
 def _run(
@@ -300,15 +233,6 @@ def _run(
 def _copied(state: _State) -> _State:
     ints, floats, form, offset_form = state
     return ints.copy(), floats.copy(), form, offset_form
-
-
-def _cold_lines(words: Columns) -> set[int]:
-    """Lines with a word that the kernel certainly leaves to the Python path: not worth a call."""
-    letter, value = words["letter"], words["value"]
-    cold = _COLD[letter]
-    g = np.flatnonzero(letter == ord("G"))
-    cold[g] = ~np.isin(value[g], (0.0, 1.0, 2.0, 3.0))
-    return set(words["line"][cold].tolist())
 
 
 def _word_end(data: bytes, start: int, column: int, stop: int) -> int:

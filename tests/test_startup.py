@@ -9,6 +9,8 @@ import pytest
 
 ROOT = Path(__file__).resolve().parent.parent
 PLATE = "corpus/eding/drilled-plate"
+GASKET = "corpus/wincnc/knife-twohead/jobs/gasket.tap"
+DOTS = "corpus/mcuwin/engraver/jobs/dots.src"
 NEVER_FOR_SMALL_JOBS = {"numba", "llvmlite", "z3", "shapely", "serial"}
 NOT_AT_START = NEVER_FOR_SMALL_JOBS | {"cryptography", "lark", "rich"}
 RUN = """
@@ -24,7 +26,12 @@ assert not code, code
 
 def modules_after(statements: str, *arguments: str) -> set[str]:
     """Top-level names in ``sys.modules`` of a fresh Python that ran the statements."""
-    report = "\nimport sys; print('modules:', *{name.partition('.')[0] for name in sys.modules})"
+    return {name.partition(".")[0] for name in all_modules_after(statements, *arguments)}
+
+
+def all_modules_after(statements: str, *arguments: str) -> set[str]:
+    """Names in ``sys.modules`` of a fresh Python that ran the statements."""
+    report = "\nimport sys; print('modules:', *sys.modules)"
     environment = {name: value for name, value in os.environ.items() if name != "GPROOF_KERNELS"}
     done = subprocess.run(
         [sys.executable, "-c", statements + report, *arguments],
@@ -55,3 +62,22 @@ def test_a_small_job_is_checked_without_heavy_libraries() -> None:
     job = [f"{PLATE}/job.cnc", "--machine", f"{PLATE}/machine.toml", "--setup", "zero"]
     loaded = modules_after(RUN, "check", *job)
     assert sorted(loaded & NEVER_FOR_SMALL_JOBS) == []
+
+
+@pytest.mark.parametrize(
+    ("job", "machine", "setup", "others"),
+    [
+        (f"{PLATE}/job.cnc", "machine.toml", "zero", {"din", "din_motion", "single", "single_motion", "single_knife"}),
+        (GASKET, "../machine.toml", "../setup.toml", {"din", "din_motion", "din_events"}),
+        (DOTS, "../machine.toml", "../setup.toml", {"single", "single_origins", "single_knife"}),
+    ],
+    ids=["eding", "wincnc", "mcuwin"],
+)
+def test_a_job_of_one_dialect_needs_no_passes_of_another(job: str, machine: str, setup: str, others: set[str]) -> None:
+    beside = Path(job).parent
+    stated = setup if setup == "zero" else str(beside / setup)
+    loaded = all_modules_after(RUN, "check", job, "--machine", str(beside / machine), "--setup", stated)
+    assert "gproof.passes.execute" in loaded
+    assert sorted(loaded & {f"gproof.passes.{name}" for name in others}) == []
+    dialects = {"gproof.frontend.eding.load", "gproof.frontend.wincnc.load", "gproof.frontend.mcuwin.load"}
+    assert len(loaded & dialects) == 1

@@ -7,13 +7,13 @@ its code and place. lark is imported and the grammar built when the first such l
 from __future__ import annotations
 
 import functools
-import re
 from pathlib import Path
 from typing import TYPE_CHECKING, cast
 
 from gproof.frontend.eding.build import Builder, Parsed
 from gproof.frontend.eding.diagnose import diagnose
 from gproof.frontend.eding.prepare import STRUCTURE, LineError, prepare
+from gproof.frontend.grammar import parser
 from gproof.frontend.source import decode
 
 if TYPE_CHECKING:
@@ -23,20 +23,8 @@ if TYPE_CHECKING:
 @functools.cache
 def _grammar() -> tuple[Builder, Lark]:
     """The parser and the object whose methods are its actions."""
-    from lark import Lark
-
-    text = Path(__file__).with_name("grammar.lark").read_text("utf-8")
     builder = Builder()
-    lark = Lark(
-        text,
-        parser="lalr",
-        lexer="contextual",
-        start=["block", "flow"],
-        g_regex_flags=re.IGNORECASE | re.ASCII,
-        maybe_placeholders=False,
-        transformer=builder,
-    )
-    return builder, lark
+    return builder, parser(Path(__file__).with_name("grammar.lark"), ("block", "flow"), builder)
 
 
 def parse_line(raw: bytes, file: str, number: int) -> list[Parsed]:

@@ -26,6 +26,7 @@ from gproof.ir.text import print_ir
 from gproof.passes import single_kernels as k
 from gproof.passes import single_plain
 from gproof.passes.execute import Executor, collect
+from gproof.passes.single_manner import SingleManner
 
 RANDOM = settings(deadline=None, max_examples=150, suppress_health_check=list(HealthCheck))
 CONSTANT = ("rules", "setup", "machine", "ranges")
@@ -273,13 +274,15 @@ def refused(text: str, **changes: Any) -> list[str]:
         words = program.scan(text.encode(), 0, len(text), 1, 1000)[0] if program.scan else None
     assert words is not None
     columns = tuple(words[name].tolist() for name in ("line", "letter", "value", "flags"))
-    assert ex._plain_lines is not None
+    manner = ex._manner
+    assert isinstance(manner, SingleManner)
+    assert manner.plain is not None
     rows = ex.rows.count
-    at = ex._plain_lines.run(ex, k.run_moves.python, columns, len(words), 0, False)
+    at = manner.plain.run(ex, k.run_moves.python, columns, len(words), 0, False)
     assert (at, ex.rows.count) == (0, rows)
     after = state_of(ex)
     compiled = tuple(words[name] for name in ("line", "letter", "value", "flags"))
-    assert ex._plain_lines.run(ex, k.run_moves.compiled(), compiled, len(words), 0, True) == 0
+    assert manner.plain.run(ex, k.run_moves.compiled(), compiled, len(words), 0, True) == 0
     assert state_of(ex) == after
     assert not any(ex.rows.arrays[name][rows:].any() for name in ex.rows.arrays)
     assert before == after

@@ -1,0 +1,71 @@
+"""Lines of controllers that take one command a line: see ``manner``."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
+
+from gproof.ir.columns import Columns
+from gproof.ir.finding import Span
+from gproof.ir.program import Block, Call, Input, Named
+from gproof.passes import single
+from gproof.passes.frames import Frame, Kept
+from gproof.passes.manner import Manner
+from gproof.passes.single_events import read_input, read_named
+from gproof.passes.single_kernels import run_moves
+from gproof.passes.single_plain import PlainLines
+from gproof.passes.values import Value
+
+if TYPE_CHECKING:
+    from gproof.passes.emitter import Emitter
+    from gproof.passes.execute import Executor
+    from gproof.passes.straight import Straight
+
+
+class SingleManner(Manner):
+    """Lines of one command. plain: what the kernel needs of the machine, made when a table is entered first."""
+
+    kernel = run_moves
+
+    def __init__(self) -> None:
+        self.plain: PlainLines | None = None
+
+    def block(self, ex: Executor, node: Block, words: list[tuple[str, Value, Span]]) -> None:
+        """Execute a line."""
+        bare = frozenset(w.letter for w in node.words if w.bare)
+        single.run(ex, node.span, words, texts=node.texts, comment=node.comment, bare=bare)
+
+    def line(self, ex: Straight, span: Span, words: list[tuple[str, Value, Span]], bare: frozenset[str]) -> None:
+        """Execute a line of a table."""
+        single.run(ex, span, words, bare=bare)
+
+    def cold(self, ex: Straight, frame: Frame, words: Columns) -> set[int]:
+        """None: of one command a line the kernel hands back what is rare."""
+        return set()
+
+    def hot(self, ex: Straight, run: Any, columns: tuple[Any, ...], count: int, at: int, compiled: bool) -> int:
+        """Run lines in the kernel from word ``at``; returns the first word it left over."""
+        if self.plain is None:
+            self.plain = PlainLines(ex)
+        return self.plain.run(ex, run, columns, count, at, compiled)
+
+    def named(self, ex: Emitter, node: Named) -> Value:
+        """What the controller holds under a name."""
+        return read_named(ex, node)
+
+    def input(self, ex: Emitter, node: Input) -> Value:
+        """An input of the controller."""
+        return read_input(ex, node, ex.evaluator)
+
+    def call(self, ex: Executor, node: Call) -> None:
+        """Run a file with the words of its call; local coordinates are the caller's again behind it."""
+        arguments = tuple((word.letter, ex.evaluator.value(word.value)) for word in node.arguments)
+        s = ex.modal
+        kept = Kept(tuple(s.g92), s.single.keep_local, s.single.arguments)
+        depth = len(ex._stack)
+        ex._called(node.name, node.span)
+        if len(ex._stack) > depth:
+            frame = ex._stack[-1]
+            assert frame.caller is not None
+            frame.caller = replace(frame.caller, before=kept)
+            s.single = s.single.but(arguments=arguments, keep_local=False)
