@@ -11,6 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from gproof.ir.columns import occurring
 from gproof.ir.trace import Affine, Chunk, Op, Plane, Trace
 
 MOST = 60_000
@@ -76,7 +77,7 @@ class PathPoints:
         starts, ends = chunk.starts()[moving, :3], rows["to"][moving, :3]
         frame, before = frames[rows["frame"][moving]], frames[chunk.start_frames()[moving]]
         states = rows["state"][moving]
-        self.tools.update(trace.states[i].tool for i in np.unique(states[feed]).tolist())
+        self.tools.update(trace.states[i].tool for i in occurring(states[feed]))
         diameter = wide[states]
         self._plunges(starts, ends, feed & (frame == before), diameter, frame)
         repeat = np.ones(len(moving), dtype=np.int64)

@@ -38,8 +38,6 @@ _BUILT_IN_M = (1, 17, 26, 27, 80, 96, 98, 150, 901, 902, 903, 904, 910, 911)
 def with_din(root: TomlTable, machine: Machine, unit: Fraction) -> tuple[Machine, Files]:
     """The machine with what the table states, and the files read for it; lengths of the table are in ``unit`` mm."""
     table = root.table("din")
-    if table is None and machine.controller.dialect != "mcuwin":
-        return machine, []
     table = table or TomlTable(root.file, ("din",), {})
     base = Path(str(root.values.get("base") or "")).parent
     before = _moved(machine.controller.din or NO_DIN, base)

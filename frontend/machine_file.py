@@ -13,7 +13,6 @@ from pathlib import Path
 from typing import Any
 
 from gproof.frontend.controls_table import controls_from
-from gproof.frontend.din_table import with_din
 from gproof.frontend.mcuwin.machine import with_axes
 from gproof.frontend.toml_table import MILLIMETRES, TomlFile, TomlTable
 from gproof.ir import codes
@@ -111,8 +110,12 @@ def _load_toml(path: Path, findings: Findings, depth: int) -> tuple[Machine | No
         machine = replace(
             machine, not_modelled=(*machine.not_modelled, Unmodelled(f"kinematics = {machine.kinematics}"))
         )
-    machine, more = with_din(root, _areas(root, machine, unit), unit)
-    files = files + more
+    machine = _areas(root, machine, unit)
+    if "din" in root.values or machine.controller.dialect == "mcuwin":
+        from gproof.frontend.din_table import with_din
+
+        machine, more = with_din(root, machine, unit)
+        files = files + more
     root.finish()
     if file.errors:
         return None, files

@@ -90,3 +90,12 @@ def concatenate(schema: Schema, parts: list[Columns]) -> Columns:
     if not parts:
         return Columns(schema)
     return Columns(schema, {c.name: np.concatenate([p[c.name] for p in parts]) for c in schema.columns})
+
+
+def occurring(indexes: Array) -> list[int]:
+    """Which of the numbers 0, 1, … a column of indexes holds, in order.
+
+    Counting is faster than ``np.unique``, which sorts, and for which numpy imports its masked arrays.
+    """
+    numbers: list[int] = np.flatnonzero(np.bincount(indexes)).tolist()
+    return numbers

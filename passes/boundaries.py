@@ -14,6 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from gproof.ir import codes
+from gproof.ir.columns import occurring
 from gproof.ir.finding import Findings, Related, Severity, Span
 from gproof.ir.machine import AXES, Machine
 from gproof.ir.setup import Setup
@@ -103,7 +104,7 @@ class Boundaries(Check):
             self._trace, self._first = trace, Span(trace.files[0], 0)
         if not len(rows):
             return
-        keys = {_key(trace.states[index]) for index in np.unique(rows["state"]).tolist()}
+        keys = {_key(trace.states[index]) for index in occurring(rows["state"])}
         for key in sorted(keys, key=repr):
             if key[0]:
                 self._walk(chunk, key)

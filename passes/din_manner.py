@@ -17,7 +17,6 @@ from gproof.passes import execute_kernels as k
 from gproof.passes.din_state import fits
 from gproof.passes.frames import Frame
 from gproof.passes.manner import Manner
-from gproof.passes.single_events import read_input
 from gproof.passes.values import Value
 
 if TYPE_CHECKING:
@@ -94,6 +93,8 @@ class DinManner(Manner):
 
     def input(self, ex: Emitter, node: Input) -> Value:
         """An input of the controller."""
+        from gproof.passes.single_events import read_input
+
         return read_input(ex, node, ex.evaluator)
 
     def unsupported(self, ex: Executor, node: Unsupported) -> None:

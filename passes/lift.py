@@ -16,7 +16,7 @@ import numpy as np
 import numpy.typing as npt
 
 from gproof.ir import codes
-from gproof.ir.columns import Columns
+from gproof.ir.columns import Columns, occurring
 from gproof.ir.finding import Findings, Refusal, Span
 from gproof.ir.machine import Machine
 from gproof.ir.plan import Plan
@@ -95,7 +95,7 @@ def _known(trace: Trace) -> bool:
     """True when X, Y and Z are known wherever the job is."""
     used = {section.start_frame for section in trace.sections}
     for section in trace.sections:
-        used.update(np.unique(section.rows["frame"]).tolist())
+        used.update(occurring(section.rows["frame"]))
     return all(trace.frames[frame][:3] == ((), (), ()) for frame in used)
 
 

@@ -16,6 +16,7 @@ import numpy as np
 import numpy.typing as npt
 
 from gproof.ir import codes
+from gproof.ir.columns import occurring
 from gproof.ir.finding import Findings, Severity, Span
 from gproof.ir.machine import AXES, AXIS_NAMES, Axis, Machine
 from gproof.ir.setup import Setup
@@ -214,11 +215,12 @@ class Limits(Check):
         rows = chunk.rows
         moved = rows["to"] != np.array(self._start)
         moved[:, :3] |= (rows["op"] == Op.ARC)[:, np.newaxis]
-        used, which = np.unique(rows["frame"], return_inverse=True)
-        frames = [chunk.trace.frames[frame] for frame in used.tolist()]
+        used = [chunk.trace.frames[frame] for frame in occurring(rows["frame"])]
         for index in range(AXES):
-            other = np.array([frame[index] != self._start_forms[index] for frame in frames], dtype=bool)
-            moved[:, index] |= other[which.reshape(-1)]
+            if all(frame[index] == self._start_forms[index] for frame in used):
+                continue
+            others = np.array([frame[index] != self._start_forms[index] for frame in chunk.trace.frames], dtype=bool)
+            moved[:, index] |= others[rows["frame"]]
         if self._heights is not None:
             moved[:, 2] = True  # Z goes up and down with X and Y
         moved[:1] |= self._moved

@@ -13,7 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 from gproof.ir import codes
-from gproof.ir.columns import Columns
+from gproof.ir.columns import Columns, occurring
 from gproof.ir.finding import Findings, Severity, Span
 from gproof.ir.machine import AXIS_NAMES, NO_MACHINE, Machine
 from gproof.ir.setup import Setup
@@ -154,7 +154,7 @@ class ToolChangeArea(Check):
                 self._row(chunk, row, self._box)
             elif guards[rows["state"][row]] == 0:
                 self._widen(was, befores[row, :3], befores[row, :3])
-        for frame in np.unique(rows["frame"]).tolist():
+        for frame in occurring(rows["frame"]):
             if not known[frame] and high[2 * frame, 0] >= low[2 * frame, 0]:
                 self._widen(frame, low[2 * frame, :3], high[2 * frame, :3])
         # A known frame that meets an unknown one needs its own extent beside the same face, arcs their bulge as well.
