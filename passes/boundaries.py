@@ -179,7 +179,7 @@ class Boundaries(Check):
                     form, low, high = tuple((symbol, -c) for symbol, c in form), -high, -low
                 conditions.append(Condition(terms=form, low=low, high=high))
         verdict = Verdict.SAFE
-        if self._errors:
+        if self._errors or self.findings.has(Severity.ERROR, (self.name,)):
             verdict = Verdict.UNSAFE
         elif self.findings.has(Severity.UNKNOWN, (self.name,)):
             verdict = Verdict.UNKNOWN

@@ -165,6 +165,9 @@ def _taker(line: Gathered, owner: Part | None, columns: dict[str, int], letter: 
         return owner
     if letter in columns or letter in "IJK":
         return line.motion
+    if rule is not None and rule.function is F.EFFECTIVE_RADIUS and letter == "D":
+        # An axis in the manual's own example (3.17); elsewhere D is a word by itself.
+        raise Refusal(codes.AXIS_NOT_THERE.at(where, axis=letter))
     if letter in "FSTD":
         assert line.settings is not None
         return line.settings
@@ -266,7 +269,7 @@ def _continued(ex: Motion, line: Gathered, continued: str) -> CodeRule | None:
     if not motion.values:
         return None
     others = [part.rule for part in line.parts if part.rule is not None and part.rule.letter == "G"]
-    keeps = din_of(ex.machine).keeps_over_codes
+    keeps = din_of(ex.machine).keeps_over_codes and not any(rule.function is F.DWELL for rule in others)
     if continued == "?" or (others and not keeps):
         why = f"{others[0].text} on their line" if others else "another command before them"
         what = f"axis words with {why} (whether the last motion goes on is not documented, 3.1)"
@@ -275,6 +278,9 @@ def _continued(ex: Motion, line: Gathered, continued: str) -> CodeRule | None:
         raise Refusal(codes.AXIS_WORDS_UNUSED.at(motion.span, why="no command is in force"))
     rule = ex.program.rules.codes[continued[0], int(continued[1:]) * 10]
     if rule.function is F.ZERO_OFFSET_SET:
+        for letter in "IJK":
+            if letter in motion.values:
+                raise Refusal(codes.UNUSED_WORD.at(motion.where(letter), word=letter))
         ex.findings.add(codes.MAINTAINED_OFFSET.at(motion.span, code=rule.text))
         din_origins.zero_offset(ex, motion, rule)
         return None

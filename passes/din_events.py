@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 from gproof.ir import codes
 from gproof.ir.dialects.mcuwin import COMMON, DECLARED, PROTECTED
-from gproof.ir.din import TaskCode
+from gproof.ir.din import VERSIONS, TaskCode
 from gproof.ir.finding import Refusal, Span
 from gproof.ir.program import PARAMETER, Named
 from gproof.ir.rules import CodeRule
@@ -129,7 +129,12 @@ def optional_stop(ex: Motion, line: Part, rule: CodeRule) -> None:
 
 
 def end(ex: Motion, line: Part, rule: CodeRule) -> None:
-    """M02, M30: nothing of the job comes behind, whatever Task 0 does then."""
+    """M02, M30: nothing of the job comes behind; Task 0 is called, in V 2.5.3.32 not for M02 (4.3, 5.3 there)."""
+    stated = din_of(ex.machine).task(rule.text)
+    quiet = rule.function is F.END and din_of(ex.machine).version == VERSIONS[1]
+    if stated is not None and stated.action == "unknown" and not quiet:
+        hint = f'[din.task0] {rule.text} = "..." in the machine file says it'
+        ex._fail(codes.TASK_UNKNOWN.at(line.code_span(), code=rule.text, hint=hint))
     _end(ex, line, rule)
 
 

@@ -253,6 +253,13 @@ def _arc(ex: Motion, line: Part, rule: CodeRule, target: list[Position]) -> None
         if axis > 2:
             word = _word(ex, axis)
             raise Refusal(codes.UNSUPPORTED_CODE.at(line.where(word), code=f"{word} beside an arc"))
+    for letter, axis in line.columns.items():
+        if axis in (first, second) and axis not in din.interpolating:
+            what = "an arc goes through it, and it is none of the interpolation axes (G60)"
+            raise Refusal(codes.ILLEGAL_VALUE.at(line.span, word=letter, what=what))
+        if axis in (first, second) and axis in din.doubtful:
+            what = f"an arc through {letter} after another G60 (whether a second one counts is not documented)"
+            raise Refusal(codes.UNSUPPORTED_CODE.at(line.span, code=what))
     letters = _CENTERS[s.plane]
     for letter in "IJK":
         if letter in line.values and letter not in letters:

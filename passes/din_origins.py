@@ -10,15 +10,16 @@ from typing import TYPE_CHECKING
 
 from gproof.ir import codes
 from gproof.ir.dialects.mcuwin import OFFSETS_AT
+from gproof.ir.din import VERSIONS
 from gproof.ir.finding import Refusal
-from gproof.ir.machine import AXES, Axis
+from gproof.ir.machine import AXES, AXIS_NAMES, Axis
 from gproof.ir.rules import CodeRule
 from gproof.ir.rules import Function as F
 from gproof.ir.trace import Op
 from gproof.passes.din_motion import Handler, note_assumptions
-from gproof.passes.din_state import din_of, own_unit
+from gproof.passes.din_state import SAME, din_of, own_unit
 from gproof.passes.modal import ZERO
-from gproof.passes.values import NOWHERE, Position, Unknown, Value
+from gproof.passes.values import NOWHERE, Position, Unknown, Value, bounds, describe
 
 if TYPE_CHECKING:
     from gproof.passes.din import Part
@@ -74,11 +75,15 @@ def offset_off(ex: Motion, line: Part, rule: CodeRule) -> None:
 
 
 def offset_record(ex: Motion, line: Part, rule: CodeRule) -> None:
-    """G54 to G58: the offsets of a record of the table, for the interpolation axes."""
+    """G54 to G58: the offsets of a record of the table, for the interpolation axes, in V 2.5.3.32 for all (4.19)."""
     _no_correction(ex, line, rule)
     s = ex.modal
-    for axis in _interpolating(ex):
-        _set(ex, axis, s.work_offsets[rule.value, axis])
+    if din_of(ex.machine).version == VERSIONS[1]:
+        for each in ex.machine.axes:
+            s.g92[each.index] = s.work_offsets[rule.value, each.index]
+    else:
+        for axis in _interpolating(ex):
+            _set(ex, axis, s.work_offsets[rule.value, axis])
     s.stated.add("work")
     _changed(ex, line, rule.text, rule.value)
 
@@ -124,21 +129,35 @@ def _number(ex: Motion, line: Part, axis: int, value: Value) -> Position:
     return ex.unknown_place("value", axis, (value.low * scale, value.high * scale), ZERO)
 
 
+def _number_open(ex: Motion, axis: int) -> bool:
+    """Whether it is open in which unit CD50 and on hold an offset: that of IniCfg, of G70 or along G51 (3.33)."""
+    s = ex.modal
+    if s.linear[axis]:
+        return s.unit != (din_of(ex.machine).position_unit or 1.0)
+    return axis in dict(s.din.radii) or own_unit(ex.machine, axis) != 1.0
+
+
 def read_offset(ex: Motion, line: Part, rule: CodeRule) -> None:
     """G153: the offsets of all axes into CD 50 and on, in interpolation units."""
     s = ex.modal
+    told: list[tuple[Value, Position]] = []
     for number, axis in enumerate(ex.machine.axes):
-        value: Value = s.plain(s.g92[axis.index], s.unit if s.linear[axis.index] else 1.0, OFFSETS_AT + number)
+        place = s.g92[axis.index]
+        value: Value = s.plain(place, s.unit if s.linear[axis.index] else 1.0, OFFSETS_AT + number)
         if isinstance(value, Unknown):
             value = Unknown(f"the zero offset of {axis.word}", value.low, value.high)
+        elif place != ZERO and _number_open(ex, axis.index):
+            value = Unknown(f"the unit of {axis.word}'s zero offset in CD{OFFSETS_AT + number}")
         s.parameters[OFFSETS_AT + number] = value
-    s.din = s.din.but(told=s.din.told | {"offsets read"}, stored=tuple(s.g92))
+        told.append((value, place))
+    s.din = s.din.but(told=s.din.told | {"offsets read"}, stored=tuple(told))
 
 
 def restore_offset(ex: Motion, line: Part, rule: CodeRule) -> None:
     """G154: the offsets of all axes from CD 50 and on, as G153 has left them or as the job has set them."""
     _no_correction(ex, line, rule)
     s = ex.modal
+    stored = s.din.stored
     for number, axis in enumerate(ex.machine.axes):
         value = s.parameters.get(OFFSETS_AT + number)
         if value is None:
@@ -146,18 +165,16 @@ def restore_offset(ex: Motion, line: Part, rule: CodeRule) -> None:
             ex.findings.add(codes.UNKNOWN_VALUE.at(
                 line.span, word=f"the zero offset of {axis.word}", cause=f"CD{OFFSETS_AT + number}"))  # fmt: skip
         elif isinstance(value, Unknown):
-            same = s.din.stored is not None and value == _stored(ex, number, s.din.stored[axis.index])
-            s.g92[axis.index] = s.din.stored[axis.index] if same and s.din.stored is not None else NOWHERE
+            # The very value that the last G153 left there, not one of the same description.
+            same = stored is not None and value is stored[number][0]
+            s.g92[axis.index] = stored[number][1] if same and stored is not None else NOWHERE
+        elif value != 0.0 and _number_open(ex, axis.index):
+            s.g92[axis.index] = NOWHERE
+            cause = f"the unit in which CD{OFFSETS_AT + number} counts"
+            ex.findings.add(codes.UNKNOWN_VALUE.at(line.span, word=f"the zero offset of {axis.word}", cause=cause))
         else:
             s.g92[axis.index] = Position(value * (s.unit if s.linear[axis.index] else 1.0))
     _changed(ex, line, rule.text, 0)
-
-
-def _stored(ex: Motion, number: int, place: Position) -> Value:
-    s = ex.modal
-    axis = ex.machine.axes[number]
-    value = s.plain(place, s.unit if s.linear[axis.index] else 1.0, OFFSETS_AT + number)
-    return Unknown(f"the zero offset of {axis.word}", value.low, value.high) if isinstance(value, Unknown) else value
 
 
 def limit(ex: Motion, line: Part, rule: CodeRule) -> None:
@@ -196,6 +213,7 @@ def limit(ex: Motion, line: Part, rule: CodeRule) -> None:
                 hint=f"it lies past that of the machine file, where {key} of [axes] says how far the axis goes",
             ))  # fmt: skip
         side[axis] = value * scale
+        _stands(ex, line, axis, value * scale, left=left)
     s.din = s.din.but(lower=tuple(lower), upper=tuple(upper), limits_open=frozenset(unsure))
     _use_limits(ex)
 
@@ -204,6 +222,28 @@ def _past_all(axis: Axis, place: float, *, left: bool) -> bool:
     """Whether a limit lies past the one of the machine's file and nobody stated the end stop behind it."""
     soft, travel = (axis.lower, axis.travel_lower) if left else (axis.upper, axis.travel_upper)
     return travel is None and soft is not None and (place < soft if left else place > soft)
+
+
+def _stands(ex: Motion, line: Part, axis: int, limit: float, *, left: bool) -> None:
+    """GP301 where the axis stands past its new limit, which the controller watches at once (13.1.1.7); else GP304."""
+    at, word = ex.modal.position[axis], ex.machine.word(axis)
+    if at == NOWHERE:
+        return
+    here = ex.modal.plain(at, 1.0, 0)
+    if isinstance(here, Unknown) and not here.bounded:
+        ex.assumed[f"{word} stands within the limits that G98 and G99 set where they set them"] = None
+        return
+    low, high = bounds(here)
+    nearest, furthest = (high, low) if left else (low, high)
+    sign = 1.0 if left else -1.0
+    if (limit - nearest) * sign > SAME:
+        known = ex.machine.axis(AXIS_NAMES[axis])
+        ex._fail(codes.SOFT_LIMIT.at(
+            line.where(word), axis=word, reached=nearest, unit="mm" if known is None else known.unit,
+            over=abs(limit - nearest), side="lower" if left else "upper", limit=limit, hint="it stands there already",
+        ))  # fmt: skip
+    elif (limit - furthest) * sign > SAME:
+        ex._fail(codes.POSITION_UNKNOWN.at(line.where(word), axis=word, cause=describe(at.form)))
 
 
 def _use_limits(ex: Motion) -> None:

@@ -16,7 +16,7 @@ from gproof.ir.machine import AXES, AXIS_NAMES, Machine
 from gproof.ir.program import Declare, Program
 from gproof.ir.trace import Boundary
 from gproof.passes.single_state import Pairs, letters_of
-from gproof.passes.values import NOWHERE, Position
+from gproof.passes.values import NOWHERE, Position, Value
 
 if TYPE_CHECKING:
     from gproof.passes.din_compensation import Correction
@@ -60,7 +60,8 @@ class DinState:
     the tool's radius is 0; corrected: what is known of the compensation, None: nothing; tool: the record that is
     selected. lower, upper: software limits now, None: those of the machine's file; limits_open: columns whose limits
     are not known. saved: values that the job saved (M901, M903), by the variable's number. contour: a move that can be
-    joined was the last one. stored: offsets by column that G153 read. told: what is told once.
+    joined was the last one. stored: by axis what the last G153 left in CD50 and on,
+    and the offset it stands for. told: what is told once.
     """
 
     mode_open: bool = False
@@ -89,7 +90,7 @@ class DinState:
     limits_open: frozenset[int] = frozenset()
     saved: Pairs = ()
     contour: bool = False
-    stored: tuple[Position, ...] | None = None
+    stored: tuple[tuple[Value, Position], ...] | None = None
     told: frozenset[str] = frozenset()
 
     def but(self, **changes: Any) -> DinState:

@@ -338,7 +338,7 @@ class Limits(Check):
         results = self._conditions(offsets)
         needed = tuple(Condition(terms=form, low=low, high=high) for form, (low, high) in sorted(self._needed.items()))
         verdict = Verdict.SAFE
-        if self._errors:
+        if self._errors or self.findings.has(Severity.ERROR, (self.name,)):
             verdict = Verdict.UNSAFE
         elif self.findings.has(Severity.UNKNOWN, (self.name,)):
             verdict = Verdict.UNKNOWN

@@ -217,16 +217,22 @@ class _Line:
         if self.words:
             span = Span(self.file, self.line, self.words[0].span.column, self.words[-1].span.end_column)
             words = tuple(self.words)
-            self.found.statements.append(
-                Block(
-                    words=words,
-                    assigns=(),
-                    span=span,
-                    comment=self.comment,
-                    continued=self.persistence.state,
-                    distances=self.persistence.distances_of(words),
-                )
+            before = self._out_of_order()
+            block = Block(
+                words=words,
+                assigns=(),
+                span=span,
+                comment=self.comment,
+                continued=self.persistence.state,
+                distances=self.persistence.distances_of(words),
             )
+            if before is None:
+                self.found.statements.append(block)
+            else:
+                # In front of it: behind a jump or a return nobody would come by.
+                text = self.text[span.column - 1 : span.end_column - 1]
+                what = "words behind a jump, a call, a return or other words on their line"
+                self.found.statements.insert(before, Unsupported(what=what, span=span, text=text))
             for word in words:
                 if word.letter in "GM" and isinstance(word.value, Number):
                     self.persistence.code(word.letter, int(word.value.value))
@@ -234,6 +240,13 @@ class _Line:
         self.code = None
         if behind is not None:
             self.found.statements.append(behind)
+
+    def _out_of_order(self) -> int | None:
+        """Which statement of the line stands before words of which nobody knows whether they act in that order."""
+        for at, node in enumerate(self.found.statements):
+            if isinstance(node, (Jump, Call, Return)) or (isinstance(node, Block) and node.words):
+                return at
+        return None
 
     def _assignment(self) -> None:
         begin = self.at

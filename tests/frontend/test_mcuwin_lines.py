@@ -55,6 +55,13 @@ def body(folder: Path, text: str) -> str:
         ("L 0114\nM96 L 114", "L114:; jump 114"),
         ("M98 L7 O5\nM98L7O CI600\nM98 L7\nM30\nL7\nM17", "call 7 x 5; call 7 x #1600; call 7; M30; L7:; return"),
         ("N1 G4 1 G0 X1 M3", "G4 @1 G0 X1 M3"),
+        # words whose turn is open stand in front as what is not followed
+        ("M96 L5 G0 X1\nL5", "Unsupported; jump 5; L5:"),
+        ("G0 X1 M96 L5\nL5", "G0 X1; jump 5; L5:"),
+        ("M98 L7 F100\nM30\nL7 G0 X1 M17", "Unsupported; call 7; M30; L7:; G0 X1; return"),
+        ("L7 M17 G0 X1", "L7:; Unsupported; return"),
+        ("G0 X1 CD600 := 1 Y2", "Unsupported; G0 X1; #600 := 1 | G0"),
+        ("CD600 := 1 CD601 := 2 G0 X1", "#600 := 1; #601 := 2; G0 X1"),
     ],
 )
 def test_lines(tmp_path: Path, text: str, nodes: str) -> None:

@@ -6,10 +6,13 @@ import dataclasses
 from typing import Any
 
 import pytest
-from passes.din_programs import labels, machine, run
+from passes.din_programs import labels, machine, moves, program, run
 
-from gproof.ir.din import RadiusTool
+from gproof.ir.din import RadiusTool, TaskCode
+from gproof.ir.finding import Findings
 from gproof.ir.machine import Machine
+from gproof.ir.setup import Setup
+from gproof.passes.execute import Executor, collect
 
 TOOLS = tuple(
     RadiusTool(number=number, plane=plane, radius=radius, length=0.0)
@@ -99,3 +102,67 @@ def test_a_loop_that_leads_away_for_ever_is_not_run_for_ever(lines: list[Any]) -
 def test_a_long_loop_within_the_machine_runs_to_its_end() -> None:
     lines = ["G91", "CI601 := 0", ("while", "CI601 < 500", ["G00 X30", "G00 X-30", "CI601 := CI601 + 1"])]
     assert labels(run(lines, on=_ended())[1]) == []
+
+
+@pytest.mark.parametrize(
+    ("lines", "expected"),
+    [
+        (["G00 X10", "G98 X20", "G00 X30"], ["GP301"]),
+        (["G00 X10", "G99 X5"], ["GP301"]),
+        (["G00 X10", "G98 X10", "G99 X10", "G00 Y5"], []),
+        (["G92 X10", "G00 X0", "G98 X5", "G00 X1"], []),
+        (["G91", "G00 X10", "G90", "G98 X5 Y1"], ["GP301"]),
+    ],
+)
+def test_an_axis_stands_within_the_limits_that_the_program_sets(lines: list[str], expected: list[str]) -> None:
+    assert labels(run(["G90", *lines], on=_ended())[1]) == expected
+
+
+def test_a_start_that_nobody_stated_is_taken_to_be_within_new_limits() -> None:
+    ex = Executor(program(["G90", "G98 X5", "G00 X6", "M30"]), Setup(), _ended(), Findings())
+    collect(ex)
+    assert any("G98 and G99" in text for text in ex.assumed)
+
+
+def test_records_of_the_table_set_the_offsets_of_all_axes_in_the_older_version() -> None:
+    def last(version: str) -> tuple[float, ...]:
+        trace, _ = run(["G60 X Y", "G90", "G54", "G00 X0 Y0 Z0"], on=machine(version=version))
+        return moves(trace)[-1][1:]
+
+    assert last("2.5.3.133") == (10.0, 20.0, 0.0)
+    assert last("2.5.3.32") == (10.0, 20.0, 30.0)
+
+
+def test_an_arc_through_an_axis_that_does_not_interpolate() -> None:
+    assert labels(run(["F100", "G60 X Z", "G02 X10 I5 J0"])[1]) == ["GP129"]
+    assert labels(run(["F100", "G60 X Y", "G02 X10 I5 J0"])[1]) == []
+    old = machine(version="2.5.3.32")
+    assert labels(run(["F100", "G60 X Z", "G60 X Y", "G02 X10 I5 J0"], on=old)[1]) == ["GP113"]
+
+
+def test_axis_d_of_the_manual_is_no_tool_table() -> None:
+    assert labels(run(["G51 C20 D40"])[1]) == ["GP296"]
+    assert labels(run(["G51 C20", "D40"])[1]) == []
+
+
+def test_centre_words_behind_a_maintained_g92() -> None:
+    assert labels(run(["G92 X5", "X6 I3"])[1]) == ["GP121"]
+
+
+def test_what_g153_reads_of_a_cylinder_is_in_no_known_unit() -> None:
+    table = ((0.0, 0.0, 0.0, 0.0, 0.0, 45.0),)
+    lines = ["F100", "G54", "G51 C20", "G153", "G01 C(CD55)"]
+    assert "GP225" in labels(run(lines, on=machine(zero_offsets=table))[1])
+    back = ["F100", "G54", "G51 C20", "G153", "G53", "G154", "G90 G00 C0"]
+    trace, findings = run(back, on=machine(zero_offsets=table))
+    assert moves(trace, 6)[-1][1:] == (0.0, 0.0, 0.0, 0.0, 0.0, 45.0)
+    assert labels(findings) == []
+
+
+def test_an_end_of_which_task_0_is_not_known() -> None:
+    def ended(version: str) -> list[str]:
+        tasks = (TaskCode(code="M2", action="unknown"),)
+        return labels(run(["G00 X1", "M2"], on=machine(version=version, tasks=tasks))[1])
+
+    assert "GP514" in ended("2.5.3.133")
+    assert "GP514" not in ended("2.5.3.32")
