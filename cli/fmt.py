@@ -46,13 +46,15 @@ class Form:
 
     load: (path, findings, name) -> program; None when refused. others: (file as it is, file as printed) -> what would
     be another program then, of the files that are read with this one's help; "" for nothing. emit_less: prints what
-    changes none of them, as far as that can be.
+    changes none of them, as far as that can be. judge: (program, program of what was printed) -> what else shows that
+    they are not the same; "" for nothing.
     """
 
     load: Callable[[Path, Findings, str], Program | None]
     emit: Callable[[Program], Iterable[bytes]]
     others: Callable[[Path, Path], str] = lambda before, after: ""
     emit_less: Callable[[Program], Iterable[bytes]] | None = None
+    judge: Callable[[Program, Program], str] = lambda before, after: ""
 
 
 class Forms:
@@ -122,6 +124,7 @@ def _wincnc(machine: Machine, folders: list[Path], own: Path | None) -> Form:
 
 def _mcuwin(machine: Machine, machine_file: Path | None, folder: Path | None) -> Form:
     from gproof.backend.emit.mcuwin import emit as emit_mcuwin
+    from gproof.cli.fmt_mcuwin import said_otherwise
     from gproof.frontend.mcuwin.load import load_alone as load_mcuwin
     from gproof.frontend.mcuwin.machine import NO_MCUWIN
     from gproof.ir.din import NO_DIN
@@ -132,6 +135,7 @@ def _mcuwin(machine: Machine, machine_file: Path | None, folder: Path | None) ->
             path, findings, name, machine=known, machine_file=machine_file, folder=folder
         ),
         lambda program: emit_mcuwin(program, known.controller.din or NO_DIN),
+        judge=lambda before, after: said_otherwise(before, after, known),
     )
 
 
@@ -289,7 +293,7 @@ def _printed(
     if again is None or findings.has(Severity.ERROR):
         what = next((f"{f.message} (line {f.span.line})" for f in findings.kept), "it can not be read")
     else:
-        what = difference(program, again) or ""
+        what = difference(program, again) or form.judge(program, again)
     if what:
         return codes.FORMAT_DIFFERS.at(Span(name, 0), what=what)
     others = form.others(source, scratch)

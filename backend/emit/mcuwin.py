@@ -11,8 +11,9 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator, Sequence
 
+from gproof.backend.emit.eding_expressions import Unprintable
 from gproof.backend.emit.line_printer import JOB, PIECE_LINES, UTF8_MARK, LinePrinter, Note, padded
-from gproof.backend.emit.numbers import number_text
+from gproof.backend.emit.mcuwin_parts import WrittenParts
 from gproof.backend.emit.pascal_words import (
     PascalWord,
     SectionLayout,
@@ -28,37 +29,24 @@ from gproof.ir.din import Din
 from gproof.ir.finding import Span
 from gproof.ir.notes import NoteKind, Notes
 from gproof.ir.program import (
-    PARAMETER,
     WORD,
-    Block,
     BlockTable,
-    Call,
     Declare,
     DeferredBlock,
     For,
     If,
-    Include,
-    Jump,
-    Label,
-    Message,
-    Number,
     Program,
     Repeat,
-    Return,
     Statement,
     Unsupported,
     While,
-    Word,
 )
 
 LINE_LIMIT = 1000
 """Characters of a line that is read as a plain one at most: no line becomes longer, or shorter, than that."""
 INDENT = "  "
 
-_LITERAL = re.compile(r"[-+]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)", re.ASCII)
 _NUMBERED = re.compile(r"[ \t]*(?:[Nn][ \t]*(?P<digits>[0-9]+)[ \t]*)?", re.ASCII)
-_CODE = re.compile(r"[Mm][ \t]*[0-9]+[ \t]*", re.ASCII)
-_TARGET = re.compile(r"[Ll][ \t]*(?P<digits>[0-9]+)|(?P<name>[A-Za-z_][A-Za-z0-9_]*)", re.ASCII)
 
 
 def emit(program: Program, din: Din) -> Iterator[bytes]:
@@ -80,7 +68,6 @@ class _Printer(LinePrinter):
         self.section: SectionLayout | None = None
         self.section_line = 0
         self.opened = False
-        self.stays = False
         self.as_is: set[int] = set()
         names: list[str] = []
         for node in self._statements():
@@ -155,11 +142,14 @@ class _Printer(LinePrinter):
         written = self._written(span)
         encoding = _encoding(notes)
         text = written.decode(encoding)
-        self.stays = False
-        items = [item for node in sorted(nodes, key=lambda n: _span(n).column) for item in self._items(node, text)]
+        found = WrittenParts(text, self.spelling)
+        try:
+            items = [item for node in sorted(nodes, key=lambda n: _span(n).column) for item in found.parts(node)]
+        except Unprintable as error:
+            raise self.refusal(span, str(error)) from error
         self.next = span.line + 1
         out = _composed(INDENT * self.depth, items, notes, encoding)
-        if self.stays or len(out) > self.limit or len(written) > self.limit:
+        if found.stays or len(out) > self.limit or len(written) > self.limit:
             out = written.rstrip(b" \t")
         yield out + self.newline
 
@@ -172,66 +162,6 @@ class _Printer(LinePrinter):
     def as_written(self, line: int, length: int) -> bytes:
         """As it stands in the source, without blanks at its end."""
         return super().as_written(line, length).rstrip(b" \t")
-
-    # words
-
-    def _items(self, node: Statement, text: str) -> list[str]:
-        """The parts of a statement of a line."""
-        span = _span(node)
-        own = text[span.column - 1 : span.end_column - 1]
-        if isinstance(node, Block):
-            if node.words:
-                return [self._word(word, text) for word in node.words]
-            return [self._words(own)]
-        if isinstance(node, Label):
-            return ["L" + own[1:].strip(" \t")]
-        if isinstance(node, Return):
-            return ["M17"]
-        if isinstance(node, Jump | Call):
-            return [self._jump(own, node)]
-        if isinstance(node, Message):
-            return [self._words(own)]
-        if isinstance(node, Include):
-            return [f"$I {node.name}"]
-        if isinstance(node, Unsupported) and own:
-            return [own.strip(" \t")]
-        raise self.refusal(span, f"a {type(node).__name__} in a line of words")
-
-    def _word(self, word: Word, text: str) -> str:
-        """``G01``, ``X5.0``, ``X``, ``X(CD600 + 1)``, ``102``."""
-        if word.letter in "GM" and isinstance(word.value, Number):
-            return f"{word.letter}{int(word.value.value):02d}"
-        if word.bare:
-            return word.letter
-        own = text[word.span.column - 1 : word.span.end_column - 1]
-        if word.letter == PARAMETER:
-            return self._value(own, bracketed=False)
-        return word.letter + self._value(own[1:])
-
-    def _value(self, own: str, *, bracketed: bool = True) -> str:
-        """A value as it is written, its words apart; bracketed: what is no literal gets brackets if it has none."""
-        own = own.strip(" \t")
-        if _LITERAL.fullmatch(own):
-            return number_text(float(own), "." in own)
-        text = self._words(own)
-        return f"({text})" if bracketed and not _is_bracketed(own) else text
-
-    def _words(self, own: str) -> str:
-        words = list(words_of(own))
-        # A comment of rw_SymPas within an expression is no note of the line.
-        self.stays = self.stays or any(word.kind == "comment" for word in words)
-        return joined_words(words, self.spelling)
-
-    def _jump(self, own: str, node: Jump | Call) -> str:
-        code = _CODE.match(own)
-        target = _TARGET.match(own, code.end()) if code is not None else None
-        if code is None or target is None:
-            raise self.refusal(node.span, "a jump of another language")
-        name = f"L{target['digits']}" if target["digits"] else target["name"]
-        if isinstance(node, Jump):
-            return f"M96 {name}"
-        count = own[target.end() :].strip(" \t")
-        return f"M98 {name}" + (f" O{self._value(count[1:])}" if count else "")
 
     # rw_SymPas
 
@@ -333,16 +263,6 @@ def _column(before: bytes) -> int:
     """Of a comment behind these bytes, when more than one blank sets it apart, else 0; as in NOTE."""
     column = len(before.expandtabs(8))
     return column if column - len(before.rstrip(b" \t").expandtabs(8)) > 1 else 0
-
-
-def _is_bracketed(text: str) -> bool:
-    """Whether one pair of brackets encloses all of it."""
-    depth = 0
-    for n, word in enumerate(found := list(words_of(text))):
-        depth += {"(": 1, ")": -1}.get(word.text, 0)
-        if depth == 0:
-            return word.text == ")" and n == len(found) - 1
-    return False
 
 
 def _composed(indent: str, items: Sequence[str], notes: Sequence[Note], encoding: str) -> bytes:

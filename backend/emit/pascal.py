@@ -1,7 +1,7 @@
 """rw_SymPas as text: statements, declarations and whole sections.
 
-A tree that the frontend made is printed so that it makes the same again, ``Binary.doubtful`` included. Statements are
-printed as pieces, each with the line that it belongs to, so that a caller can keep the lines of the source.
+A tree that the frontend made is printed so that it makes the same again, ``Binary.doubtful`` included. Nothing here
+asks for the text that a tree came from: where procedures stand is told by the numbers of their variables.
 Source: McuWIN manual 5.7, 7, 8, 10 to 12; the grouping of operators stands in ``ir/dialects/mcuwin_pascal.py``.
 """
 
@@ -12,11 +12,9 @@ from typing import NamedTuple
 
 from gproof.backend.emit.eding_expressions import Unprintable
 from gproof.backend.emit.pascal_expressions import ExpressionPrinter, Style, variable_text
-from gproof.ir.finding import Span
 from gproof.ir.program import (
     Assign,
     Block,
-    BlockTable,
     Call,
     Declare,
     Device,
@@ -35,9 +33,8 @@ from gproof.ir.program import (
 
 
 class Piece(NamedTuple):
-    """A part of a statement that stands on one line. line: of the source; depth: how many blocks are open there."""
+    """A part of a statement that stands on one line. depth: how many blocks are open there."""
 
-    line: int
     depth: int
     text: str
 
@@ -61,21 +58,6 @@ class Printer(ExpressionPrinter):
             yield from self._pieces(node, depth, ";", again=again)
             before = node
 
-    def section(self, statements: Sequence[Statement], procedures: Iterable[Subprogram]) -> Iterator[Piece]:
-        """A whole section: its procedures stand among the statements by their lines."""
-        waiting = sorted(procedures, key=lambda sub: (sub.span.line, sub.span.column))
-        run: list[Statement] = []
-        for node in statements:
-            span = _span(node)
-            while waiting and (waiting[0].span.line, waiting[0].span.column) < (span.line, span.column):
-                yield from self.pieces(run)
-                yield from self.procedure(waiting.pop(0))
-                run = []
-            run.append(node)
-        yield from self.pieces(run)
-        for sub in waiting:
-            yield from self.procedure(sub)
-
     def procedure(self, node: Subprogram) -> Iterator[Piece]:
         """procedure name(parameters); declarations; begin ... end;"""
         texts = []
@@ -83,15 +65,12 @@ class Printer(ExpressionPrinter):
             word = "var " if type_.startswith("var ") else ""
             texts.append(f"{word}{name}: {type_.removeprefix('var ')}")
         brackets = f"({'; '.join(texts)})" if texts else ""
-        yield Piece(node.span.line, 0, f"procedure {node.text or node.name}{brackets};")
+        yield Piece(0, f"procedure {node.text or node.name}{brackets};")
         count = next((n for n, one in enumerate(node.body) if not isinstance(one, Declare)), len(node.body))
-        line = node.span.line
-        for piece in self.pieces(node.body[:count], 1):
-            yield piece
-            line = piece.line
-        yield Piece(line, 0, "begin")
+        yield from self.pieces(node.body[:count], 1)
+        yield Piece(0, "begin")
         yield from self.pieces(node.body[count:], 1)
-        yield Piece(node.end_span.line if node.end_span else line, 0, "end;")
+        yield Piece(0, "end;")
 
     def _pieces(self, node: Statement, depth: int, end: str, *, again: bool = False) -> Iterator[Piece]:
         """One statement; end: the semicolon behind it, or nothing; again: a declaration that goes on."""
@@ -100,41 +79,39 @@ class Printer(ExpressionPrinter):
         elif isinstance(node, While | For):
             yield from self._loop(node, depth, end)
         elif isinstance(node, Repeat):
-            yield Piece(node.span.line, depth, "repeat")
+            yield Piece(depth, "repeat")
             yield from self.pieces(node.body, depth + 1)
-            last = node.end_span or node.span
-            yield Piece(last.line, depth, f"until {self.expression(node.condition)}{end}")
+            yield Piece(depth, f"until {self.condition(node.condition)}{end}")
         elif isinstance(node, Label):
-            yield Piece(node.span.line, depth, f"{self.labels.get(node.name, node.name)}:")
+            yield Piece(depth, f"{self.labels.get(node.name, node.name)}:")
         elif isinstance(node, Declare):
             word, text = self._declaration(node)
-            line = node.value.span.line if node.value is not None else node.span.line
-            if word and not again:
-                text = f"{word} {text}" if line == node.span.line else text
-                if line != node.span.line:
-                    yield Piece(node.span.line, depth, word)
-            yield Piece(line, depth, text + end)
+            yield Piece(depth + again, text + end if again else f"{word} {text}{end}")
         else:
-            yield Piece(_span(node).line, depth, self._simple(node) + end)
+            yield Piece(depth, self.simple(node) + end)
+
+    def condition(self, node: Expr) -> str:
+        """A condition in brackets, as the manual writes each of them (7, 8)."""
+        return f"({self.expression(node)})"
 
     def head(self, node: If | While | For) -> str:
         """``if ... then``, ``while ... do``, ``for ... do``."""
         if isinstance(node, If):
-            return f"if {self.expression(node.condition)} then"
+            return f"if {self.condition(node.condition)} then"
         if isinstance(node, While):
-            return f"while {self.expression(node.condition)} do"
+            return f"while {self.condition(node.condition)} do"
         way = "downto" if node.down else "to"
         bounds = f"{self.expression(node.first)} {way} {self.expression(node.last)}"
         return f"for {variable_text(node.variable)} := {bounds} do"
 
     def _loop(self, node: While | For, depth: int, end: str) -> Iterator[Piece]:
         if node.end_span is None and _is_single(node.body):
-            yield Piece(node.span.line, depth, self.head(node))
-            yield from self._single(node.body, depth + 1, end, node.span.line)
+            yield Piece(depth, self.head(node))
+            yield from self._single(node.body, depth + 1, end)
             return
-        yield Piece(node.span.line, depth, f"{self.head(node)} begin")
+        yield Piece(depth, f"{self.head(node)} begin")
         yield from self.pieces(node.body, depth + 1)
-        yield Piece((node.end_span or node.span).line, depth, f"end{end}")
+        yield Piece(depth, f"end{end}")
 
     def _if(self, node: If, depth: int, end: str) -> Iterator[Piece]:
         has_else = bool(node.otherwise) or node.else_span is not None
@@ -142,30 +119,28 @@ class Printer(ExpressionPrinter):
         plain = node.end_span is None and _is_single(node.then) and (chained or _is_single(node.otherwise))
         if has_else and _takes_else(node.then):
             plain = False
-        line, last = node.span.line, (node.end_span or node.span).line
-        divider = (node.else_span or node.span).line
-        yield Piece(line, depth, self.head(node) if plain else f"{self.head(node)} begin")
+        yield Piece(depth, self.head(node) if plain else f"{self.head(node)} begin")
         if plain:
-            yield from self._single(node.then, depth + 1, "" if has_else else end, line)
+            yield from self._single(node.then, depth + 1, "" if has_else else end)
         else:
             yield from self.pieces(node.then, depth + 1)
         if not has_else:
             if not plain:
-                yield Piece(last, depth, f"end{end}")
+                yield Piece(depth, f"end{end}")
             return
         closing = "" if plain else "end "
         if chained:
-            yield Piece(divider, depth, f"{closing}else")
+            yield Piece(depth, f"{closing}else")
             yield from self._pieces(node.otherwise[0], depth, end)
         elif plain:
-            yield Piece(divider, depth, "else")
-            yield from self._single(node.otherwise, depth + 1, end, divider)
+            yield Piece(depth, "else")
+            yield from self._single(node.otherwise, depth + 1, end)
         else:
-            yield Piece(divider, depth, "end else begin")
+            yield Piece(depth, "end else begin")
             yield from self.pieces(node.otherwise, depth + 1)
-            yield Piece(last, depth, f"end{end}")
+            yield Piece(depth, f"end{end}")
 
-    def _single(self, body: Sequence[Statement], depth: int, end: str, line: int) -> Iterator[Piece]:
+    def _single(self, body: Sequence[Statement], depth: int, end: str) -> Iterator[Piece]:
         """A statement without ``begin``: labels and one more, or none at all."""
         last = body[-1] if body and not isinstance(body[-1], Label) else None
         for node in body[: len(body) - (last is not None)]:
@@ -173,11 +148,12 @@ class Printer(ExpressionPrinter):
         if last is not None:
             yield from self._pieces(last, depth, end)
         elif end:
-            yield Piece(_span(body[-1]).line if body else line, depth, end)
+            yield Piece(depth, end)
 
-    def _simple(self, node: Statement) -> str:
-        if isinstance(node, Block) and node.assigns and not node.words:
-            return "; ".join(self.assignment(one) for one in node.assigns)
+    def simple(self, node: Statement) -> str:
+        """A statement that has no others in it, without its semicolon; Unprintable for what stands in no rw_SymPas."""
+        if isinstance(node, Block) and len(node.assigns) == 1 and not node.words:
+            return self.assignment(node.assigns[0])
         if isinstance(node, Jump):
             return f"goto {self.labels.get(node.name, node.name)}"
         if isinstance(node, Call):
@@ -185,14 +161,14 @@ class Printer(ExpressionPrinter):
             name = node.text or node.name
             return f"{name}({values})" if values else name
         if isinstance(node, Message) and node.kind in ("write", "writeln"):
-            return " ".join([node.kind.upper(), *self._parts(node.parts)])
+            return " ".join([node.kind.upper(), *self.values(node.parts)])
         if isinstance(node, Device) and node.name == "wait":
             return f"wt({self.expression(node.arguments[0])})"
         if isinstance(node, Unsupported) and node.text:
             return node.text
         raise Unprintable(node.what if isinstance(node, Unsupported) else f"a {type(node).__name__} in rw_SymPas")
 
-    def _parts(self, parts: Sequence[Expr]) -> Iterator[str]:
+    def values(self, parts: Sequence[Expr]) -> Iterator[str]:
         """Values of WRITE, apart by blanks: one that begins with a sign would go on with the one before it."""
         for node in parts:
             text = self.expression(node)
@@ -212,31 +188,22 @@ class Printer(ExpressionPrinter):
         return node.kind, f"{', '.join(node.names)}{f': {node.type}' if node.type else ''}"
 
 
-def _span(node: Statement) -> Span:
-    """The span of a statement; tables of plain lines do not stand in rw_SymPas."""
-    if isinstance(node, BlockTable):
-        raise Unprintable("lines of words in rw_SymPas")
-    return node.span
-
-
 def layout(pieces: Iterable[Piece], indent: str = "  ") -> list[str]:
     """Each piece on its own line."""
     return [indent * piece.depth + piece.text for piece in pieces]
 
 
-def at_lines(pieces: Iterable[Piece], first: int, last: int) -> list[str]:
-    """The text of each line from ``first`` to ``last``, where the pieces stand on the lines of the source.
+def first_number(node: Statement | Subprogram) -> int | None:
+    """The lowest number of the variables that a procedure, or a declaration outside of them, makes; None without any.
 
-    Unprintable where a piece would have to stand before the one that precedes it.
+    Numbers are given in the order of the text, so that they tell where a procedure stands.
     """
-    lines: list[list[str]] = [[] for _ in range(first, last + 1)]
-    before = first
-    for piece in pieces:
-        if not before <= piece.line <= last:
-            raise Unprintable("a statement that lies before another one, and stands behind it")
-        lines[piece.line - first].append(piece.text)
-        before = piece.line
-    return [" ".join(texts) for texts in lines]
+    if isinstance(node, Declare):
+        return node.number if node.kind == "var" else None
+    if not isinstance(node, Subprogram):
+        return None
+    inner = [first_number(one) for one in node.body]
+    return min((n for n in (*(number for _, _, number in node.parameters), *inner) if n is not None), default=None)
 
 
 def _is_single(body: Sequence[Statement]) -> bool:

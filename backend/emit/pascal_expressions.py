@@ -193,11 +193,6 @@ class ExpressionPrinter:
         return "'" + node.value.replace("'", "''") + "'"
 
 
-def expression_text(node: Expr, style: Style | None = None) -> str:
-    """An expression as it stands in an assignment or between brackets."""
-    return ExpressionPrinter(style).expression(node)
-
-
 def variable_text(node: Variable) -> str:
     """The name, or CD n, CI n."""
     if node.name:

@@ -13,9 +13,9 @@ from gproof.frontend.mcuwin.comments import QUOTE, round_comment
 from gproof.frontend.mcuwin.language import DinLine, Language
 from gproof.frontend.mcuwin.names import LABEL, NAME, label_name
 from gproof.frontend.mcuwin.pascal_text import MODE
-from gproof.frontend.mcuwin.persistence import Persistence
 from gproof.ir import codes
 from gproof.ir.dialects.mcuwin import has_code
+from gproof.ir.dialects.mcuwin_persistence import Persistence
 from gproof.ir.din import FIRST_USER_CODE, LAST_USER_CODE
 from gproof.ir.finding import Code, Refusal, Span
 from gproof.ir.notes import NoteKind

@@ -27,8 +27,8 @@ from gproof.frontend.mcuwin.pascal import (
     parse_dollar,
 )
 from gproof.frontend.mcuwin.pascal_lexer import Lexer
-from gproof.frontend.mcuwin.persistence import Persistence
 from gproof.ir import codes
+from gproof.ir.dialects.mcuwin_persistence import Persistence
 from gproof.ir.finding import Findings, Refusal, Span
 from gproof.ir.program import (
     Declare,

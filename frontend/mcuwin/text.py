@@ -17,10 +17,10 @@ from gproof.frontend.mcuwin.lines import CENTERS, VALUE_LETTERS, LineReader
 from gproof.frontend.mcuwin.notes import Found
 from gproof.frontend.mcuwin.pascal import Dollar, Place, Simple, Symbols, parse_section
 from gproof.frontend.mcuwin.pascal_text import mode_sign, pascal_notes
-from gproof.frontend.mcuwin.persistence import Persistence
 from gproof.frontend.mcuwin.shapes import Shapes, continued
 from gproof.frontend.mcuwin.structure import Structure
 from gproof.ir import codes
+from gproof.ir.dialects.mcuwin_persistence import Persistence
 from gproof.ir.din import Din
 from gproof.ir.finding import Findings, Refusal, Span
 from gproof.ir.notes import NoteKind

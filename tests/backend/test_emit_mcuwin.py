@@ -13,6 +13,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from support.goldens import ROOT
+from support.mcuwin_lines import HEAD, random_line
 
 from gproof.backend.emit.mcuwin import emit
 from gproof.backend.emit.pascal_words import Spelling, joined_words, words_of
@@ -396,116 +397,51 @@ def test_a_library_alone(tmp_path: Path) -> None:
 # -- anything
 
 
-def random_line(rng: random.Random) -> str:
-    """A line of McuWIN, mostly right, in some spelling."""
-
-    def number() -> str:
-        texts = ["0", "1", "12.5", ".25", "-3", "-.5", "+4", "007", "5.", "-0", "100000.000100", "0.1234567890123"]
-        return rng.choice(["", " "]) + rng.choice(texts)
-
-    def value() -> str:
-        if rng.random() < 0.7:
-            return number()
-        texts = ["2*CD620", "(CD601 - y.rp)", "-cd600", " step", "( 1.50+SIN (Step/2) )", "(5)", "-(ci600 div 2)"]
-        return rng.choice([*texts, " CD600", "((.5))", "- 5", "1e3", "(2)*(3)", "round( CD600)"])
-
-    def words(letters: str) -> list[str]:
-        return [letter + value() for letter in rng.sample(letters, rng.randint(0, min(4, len(letters))))]
-
-    def condition() -> str:
-        texts = ["CI600<1", "(flag)", "( X.DIGIB.5 )AND not Flag", "BOOLEAN (ci600)", "(CD600>=1.50)or(step<>-2)"]
-        return rng.choice(texts)
-
-    def block(depth: int = 2) -> str:
-        """A whole block of ``$`` lines on lines of their own."""
-        head, tail = rng.choice([
-            (f"$if {condition()} then begin", "$end"), (f"$WHILE {condition()} do Begin", "$end ;"),
-            ("$repeat begin", f"$end until {condition()};"), ("$ repeat", f"$until({condition()})"),
-            ("$for CI601:=1 to  10 do begin", "$end;"), ("$for ci602 := N downto -1 do begin // down", "$END"),
-        ])  # fmt: skip
-        inner = [random_line(rng) if depth else "x1" for _ in range(rng.randint(0, 3))]
-        if head.startswith("$if") and rng.random() < 0.6:
-            inner += [rng.choice(["$end else begin", f"$end else if {condition()} begin", "$END\n$else Begin"]), "y.5"]
-        return "\n".join([head, *inner, tail])
-
-    kinds = [
-        lambda: words("XYZABCIJKF"),
-        lambda: [rng.choice(["G0", "G01", "G 2", "g3", "G000"]), *words("XYZIJKF")],
-        lambda: [rng.choice(["G90", "G91 ", "G17", "g60 x y z", "G92", "G39", "G53", "G161"]), *words("XYZ")],
-        lambda: [rng.choice(["G04", "G4 ", "M26", "M201 ", "G210"]), value()],
-        lambda: [rng.choice(["M3", "M05", "m00", "M08 M03", "M100", "T1 M6", "S1000 M3", "D 2", "f step", "TCI600"])],
-        lambda: [rng.choice(["m98 L7 O5", "M98 l007", "M98 Sub O (ci600+1)", "M96 L7", "M17", "m30", "M02"])],
-        lambda: [rng.choice(["step := ", "CD600:=", "Step:=step+"]), value()],
-        lambda: ["WRITE ", rng.choice(['"a (b"', '"" step', "CD600, CI600", '"x", -1', ""])],
-        lambda: ["writeln", rng.choice([' "it\'s"', '"a"CD600"b"', " X.RP"])],
-        lambda: [rng.choice(["$ wt( 500 );", "$CD600:=SQRT(step)*2.50 ;", "$halt;", "$sta( x,1.50 );", "$", "$;"])],
-        lambda: [rng.choice(["$bore(1.,ci600);", "$ goto again;", "$if flag then begin ci600:=1 end;"])],
-        lambda: [rng.choice(["$I lib.inc", "$i  missing.SRC", "%", "% Sub", "{$DINSTART}", "L7", "X.zeroOffset := 5"])],
-        lambda: [block()],
-        lambda: ["$DINEND\n  ci600 := 1 ;{ a\n  b }step:=.5\n { $DINSTART }"],
-        list,
-    ]  # fmt: skip
-    parts = [part for part in rng.choice(kinds)() if part]
-    line = "".join(parts) if rng.random() < 0.5 else "  ".join(parts)
-    line = rng.choice([line, line, line, "  " + line, line + "\t "])
-    if not line.lstrip().startswith(("%", "{")) and rng.random() < 0.3:
-        line = f"N{rng.randint(1, 99):03d}" + rng.choice(["", " ", "  "]) + line
-    pascal = line.rpartition("\n")[2].lstrip("N0123456789 \t").startswith("$") and "$I" not in line.upper()
-    signs = (
-        ["// rest ", "{ a }", "{b}{c}//d", "{\u00e4}"]
-        if pascal
-        else ["(a)", "(b c)(d)", "' rest ", "(\u00e4)", "'x(y", "()"]
-    )
-    if rng.random() < 0.3:
-        line += rng.choice(["", " ", "     ", "\t"]) + rng.choice(signs)
-    return line
-
-
-HEAD = """$DINEND
-var step, Depth: double; N: integer; flag: boolean;
-label again;
-procedure bore(a: double; var k: integer);
-begin
- again: k:=round(a) ;
-end;
-{$DINSTART}
-%MAIN
-"""
 SETTINGS = [{}, {"case_sensitive": False}, {"case_sensitive": False, "keeps_over_codes": True}, {"version": "2.5.3.32"}]
 
 
 @pytest.mark.parametrize("seed", range(4))
 def test_random_programs(tmp_path: Path, seed: int) -> None:
+    random_programs(tmp_path, seed, lines=60, programs=2)
+
+
+@pytest.mark.soak
+@pytest.mark.parametrize("seed", range(4, 16))
+def test_many_random_programs(tmp_path: Path, seed: int) -> None:
+    random_programs(tmp_path, seed, lines=600, programs=30)
+
+
+def random_programs(folder: Path, seed: int, *, lines: int, programs: int) -> None:
+    """Lines one by one, then programs of those that have no mistake."""
     rng = random.Random(seed)
-    (tmp_path / "lib.inc").write_bytes(b"g90\n")
-    machine = with_settings(**SETTINGS[seed])
+    (folder / "lib.inc").write_bytes(b"g90\n")
+    settings_ = SETTINGS[seed % len(SETTINGS)]
+    machine = with_settings(**settings_)
     good = []
-    for _ in range(400):
+    for _ in range(lines):
         line = random_line(rng)
-        data = (HEAD + line + "\nG0 X1\n").encode()
-        if (seed < 3 or rng.random() < 0.4) and formatted(tmp_path, data, machine) is not None:
+        if formatted(folder, (HEAD + line + "\nG0 X1\n").encode(), machine) is not None:
             good.append(line)
-    assert len(good) > 100
-    for _ in range(15):
-        lines = HEAD.splitlines() + [line for entry in rng.sample(good, 40) for line in entry.split("\n")]
-        data = rng.choice(["\n", "\r\n"]).join(lines).encode(rng.choice(["utf-8", "utf-8", "cp1252"]))
-        assert formatted(tmp_path, data, machine) is not None
+    assert len(good) > lines // 4
+    for _ in range(programs):
+        text = HEAD.splitlines() + [line for entry in rng.choices(good, k=40) for line in entry.split("\n")]
+        data = rng.choice(["\n", "\r\n"]).join(text).encode(rng.choice(["utf-8", "utf-8", "cp1252"]))
+        formatted(folder, data, machine)
 
 
 @pytest.mark.parametrize("seed", range(3))
 def test_random_bytes(tmp_path: Path, seed: int) -> None:
     rng = random.Random(seed)
     alphabet = b"GLMNXYCDI0123.-+*:=<(){}$%;,'/\"# \t\r\n\n\xe4\x93\x07\xa0ab\x1a"
-    for _ in range(300):
+    for _ in range(120):
         data = bytes(rng.choice(alphabet) for _ in range(rng.randint(1, 60)))
         formatted(tmp_path, data, with_settings(**SETTINGS[seed]))
 
 
-@pytest.mark.parametrize("seed", range(2))
-def test_both_speeds_print_the_same_bytes(tmp_path: Path, seed: int, monkeypatch: pytest.MonkeyPatch) -> None:
-    rng = random.Random(seed)
+def test_both_speeds_print_the_same_bytes(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    rng = random.Random(1)
     good = []
-    while len(good) < 150:
+    while len(good) < 60:
         line = random_line(rng)
         if read(tmp_path, (HEAD + line + "\nG0 X1\n").encode(), NO_MCUWIN) is not None:
             good.append(line)
@@ -525,7 +461,7 @@ pascal_words = st.lists(st.sampled_from(PASCAL_WORDS.split()), max_size=14)
 blanks = st.sampled_from(["", " ", "  ", "\t"])
 
 
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=60, deadline=None)
 @given(st.lists(st.tuples(pascal_words, blanks), min_size=1, max_size=4), st.booleans())
 def test_any_words_of_pascal(tmp_path_factory: pytest.TempPathFactory, parts: Any, section: bool) -> None:
     """Words in any order, most of them nonsense: what is read is printed as itself."""

@@ -10,8 +10,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from gproof.backend.emit.pascal import Printer, Style, at_lines, layout
-from gproof.backend.emit.pascal_expressions import expression_text
+from gproof.backend.emit.pascal import Printer, first_number, layout
+from gproof.backend.emit.pascal_expressions import ExpressionPrinter, Style
 from gproof.frontend.mcuwin.pascal import Place, Simple, Symbols, parse_dollar, parse_expression, parse_section
 from gproof.ir import program as p
 from gproof.ir.finding import Findings, Severity, Span
@@ -126,7 +126,7 @@ expressions = st.one_of(INTEGERS, DOUBLES, BOOLEANS)
 @given(expressions)
 def test_expressions_are_read_again(node: Any) -> None:
     names = symbols()
-    text = expression_text(node, Style("XYZC"))
+    text = ExpressionPrinter(Style("XYZC")).expression(node)
     again, _, end = parse_expression(text, 0, Place("job", 1), names)
     assert (bare(again), end) == (node, len(text)), text
     assert complaints(names) == []
@@ -272,7 +272,10 @@ def test_sections_are_read_again(body: tuple[Any, ...], inner: tuple[Any, ...]) 
     )  # fmt: skip
     label = p.Declare(kind="label", names=("Third", "0020"), span=Span("", 0, 3))
     ends = (p.Label(name="third", span=Span("", 0, 4)), p.Jump(name="20", span=Span("", 0, 5)))
-    printed = layout(Printer(Style("XYZC")).section((head, label, *ends, *body), (sub,)))
+    printer = Printer(Style("XYZC"))
+    parts = (printer.pieces((head,)), printer.procedure(sub), printer.pieces((label, *ends, *body)))
+    printed = [line for pieces in parts for line in layout(pieces)]
+    assert [first_number(node) for node in (head, sub, label)] == [2009, 2010, None]
     found = parse_section(printed, Place("job", 1), names)
     jumps = {node.name for node in p.lost_jumps(inner)}
     assert bare(found.statements) == bare((head, label, *ends, *body)), printed
@@ -310,51 +313,3 @@ def test_sections_are_read_again(body: tuple[Any, ...], inner: tuple[Any, ...]) 
 def test_brackets_are_those_that_are_needed(written: str, printed: str) -> None:
     node, _, _ = parse_expression(written, 0, Place("job", 1), symbols())
     assert Printer().expression(node) == printed
-
-
-def test_pieces_keep_their_lines() -> None:
-    lines = [
-        "if flag then begin",
-        "  alpha := 1;",
-        "end",
-        "else if ready then",
-        "  stop",
-        "else begin",
-        "end;",
-        "stop;",
-    ]
-    names = symbols()
-    found = parse_section(lines, Place("job", 11), names).statements
-    pieces = list(Printer().pieces(found))
-    assert [(piece.line, piece.text) for piece in pieces] == [
-        (11, "if flag then begin"), (12, "alpha := 1;"), (14, "end else"), (14, "if ready then begin"), (15, "stop;"),
-        (16, "end else begin"), (17, "end;"), (18, "stop;"),
-    ]  # fmt: skip
-
-
-@settings(max_examples=60)
-@given(bodies, st.lists(st.booleans(), min_size=20, max_size=20))
-def test_sections_keep_their_lines(body: tuple[Any, ...], breaks: list[bool]) -> None:
-    """However a section is cut into lines between the parts of its statements."""
-    head = ["var", "alpha: integer;", "const", "Here", "=", "4;", "There = 5;", "label", "la, 7;"]
-    procedure = [
-        "procedure",
-        "own(a: integer)",
-        ";",
-        "var",
-        "k: integer;",
-        "begin",
-        "if a = 1 then",
-        "stop",
-        "else",
-        "k := 2;",
-        "end;",
-    ]
-    words = [*head, *procedure, *(piece.text for piece in Printer(Style("XYZC")).pieces(body))]
-    text = "".join(f"{word}\n" if breaks[n % len(breaks)] else f"{word} " for n, word in enumerate(words))
-    lines = text.split("\n")
-    found = parse_section(lines, Place("job", 1), symbols())
-    printed = at_lines(Printer(Style("XYZC")).section(found.statements, found.subprograms), 1, len(lines))
-    again = parse_section(printed, Place("job", 1), symbols())
-    assert bare(again.statements, lines=True) == bare(found.statements, lines=True), (lines, printed)
-    assert bare(again.subprograms, lines=True) == bare(found.subprograms, lines=True), (lines, printed)

@@ -16,10 +16,10 @@ from gproof.frontend.mcuwin.expressions import Expressions
 from gproof.frontend.mcuwin.language import Language
 from gproof.frontend.mcuwin.lines import LineReader
 from gproof.frontend.mcuwin.pascal import Symbols
-from gproof.frontend.mcuwin.persistence import Persistence
 from gproof.frontend.mcuwin.scan import Scanner
 from gproof.frontend.source import decode
 from gproof.ir.dialects import rules_named
+from gproof.ir.dialects.mcuwin_persistence import Persistence
 from gproof.ir.din import NO_DIN
 from gproof.ir.finding import Findings, Refusal
 from gproof.ir.machine import Machine
