@@ -20,8 +20,8 @@ from gproof.frontend.mcuwin.lines import LineReader
 from gproof.frontend.mcuwin.notes import Found
 from gproof.frontend.mcuwin.pascal import Dollar, Place, Simple, Symbols, parse_dollar
 from gproof.frontend.mcuwin.patterns import Pattern, UnfitError, lengths, pattern_of, place_of
-from gproof.frontend.mcuwin.persistence import Persistence
 from gproof.frontend.source import decode
+from gproof.ir.dialects.mcuwin_persistence import Persistence
 from gproof.ir.finding import Findings
 from gproof.ir.notes import NoteKind
 from gproof.ir.program import Block, DeferredBlock, Number, Statement
@@ -36,7 +36,7 @@ LONGEST_RUN = 9
 """Digits of a number that is surely one of 32 bits."""
 
 State = tuple[str, str]
-"""What the source has in force before or behind a line: code and distances, see ``persistence.py``."""
+"""What the source has in force before or behind a line: code and distances, see ``mcuwin_persistence.py``."""
 
 _RUN = re.compile(r"([0-9]+)")
 _COMMENT = re.compile(r"'|//")
