@@ -366,9 +366,14 @@ SETTINGS = {"F": feed, "S": speed, "T": tool, "D": correction_table}
 
 
 def read_named(ex: Emitter, node: Named) -> Value:
-    """An axis qualifier: ``X.TP`` (target), ``X.RP`` (real place), ``X.ZEROOFFSET``; unknown where readings differ."""
+    """An axis qualifier: ``X.TP`` (target), ``X.RP`` (real place), ``X.ZEROOFFSET``; unknown where readings differ.
+
+    A name without a qualifier is one of which nobody knows the value, a finding of the frontend.
+    """
     s = ex.modal
-    letter, _, what = node.name.upper().partition(".")
+    letter, point, what = node.name.upper().partition(".")
+    if not point:
+        return Unknown(node.name)
     axis = letters_of(ex.machine).get(letter)
     if axis is None:
         raise Refusal(codes.BAD_EXPRESSION.at(node.span, what=f"{node.name}: the machine has no axis {letter}"))

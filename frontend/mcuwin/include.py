@@ -9,6 +9,8 @@ from pathlib import Path
 INCLUDE = re.compile(r"\$[Ii](?=[ \t]|\Z)[ \t]*(?P<name>[^ \t('\"]*)")
 DEEPEST = 64
 """Files within one another that are read."""
+MOST = 1000
+"""Inclusions that are followed in a job: a few files that each include the next one twice would never end."""
 
 
 def find(name: str, folders: Sequence[Path]) -> list[Path]:

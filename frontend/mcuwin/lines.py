@@ -37,7 +37,7 @@ from gproof.ir.program import (
 
 _BLANKS = re.compile(r"[ \t]*")
 _LINE_NUMBER = re.compile(r"[Nn][ \t]*([0-9]*)")
-_ASSIGNED = re.compile(r"[A-Za-z_][A-Za-z0-9_]*(?:\.[A-Za-z0-9_]+)*(?=[ \t]*:=)", re.ASCII)
+_ASSIGNED = re.compile(r"[A-Za-z_][A-Za-z0-9_]*(?:\.[A-Za-z0-9_]+)*(?=[ \t]*(?:\[[^\]]*\][ \t]*)?:=)", re.ASCII)
 _NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_]*", re.ASCII)
 _QUALIFIER = re.compile(r"[A-Za-z]+\.[A-Za-z_]", re.ASCII)
 _CALCULATION = re.compile(r"C[DI][0-9]", re.ASCII | re.IGNORECASE)

@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
-from gproof.frontend.mcuwin.include import DEEPEST, differ, find
+from gproof.frontend.mcuwin.include import DEEPEST, MOST, differ, find
 from gproof.frontend.mcuwin.machine import NO_MCUWIN
 from gproof.frontend.mcuwin.modules import assemble
 from gproof.frontend.mcuwin.notes import Annotator, FileNotes
@@ -101,6 +101,7 @@ class _Loader:
         self.files: dict[Path, int] = {}
         self.stack: list[Path] = []
         self.held = 0
+        self.included = 0
 
     def job(self) -> Program:
         """Everything, put together."""
@@ -177,6 +178,9 @@ class _Loader:
     def _include(self, name: str, span: Span, folders: Sequence[Path]) -> None:
         """Read a file in its place; findings for one that is not there or includes itself."""
         found = find(name, folders)
+        self.included += 1
+        if self.alone and self.included > MOST:
+            return
         if self.alone:
             itself = (self.folder / Path(self.name).name).resolve()
             if found and len(self.stack) < DEEPEST and found[0].resolve() not in (itself, *self.stack):
@@ -195,6 +199,10 @@ class _Loader:
                 what = f"would be the {len(chain) - 1}th include within another, and gproof reads {DEEPEST - 1}"
                 chain = [*chain[:3], "...", *chain[-2:]]
             self.findings.add(codes.INCLUDE_CYCLE.at(span, name=name, what=what, chain=" -> ".join(chain)))
+            return
+        if self.included > MOST:
+            what = f"a job with more than {MOST} inclusions"
+            self.text.structure.add([Unsupported(what=what, span=span)])
             return
         what = ""
         if len(found) > 1 and differ(found):

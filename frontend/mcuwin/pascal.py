@@ -17,7 +17,7 @@ from gproof.frontend.mcuwin.pascal_types import Symbol, Symbols, Type
 from gproof.ir import codes
 from gproof.ir.dialects.mcuwin_pascal import FUNCTIONS
 from gproof.ir.finding import Span
-from gproof.ir.program import Assign, Expr, Statement, Variable
+from gproof.ir.program import Assign, Expr, Statement, Unsupported, Variable
 
 __all__ = [
     "Dollar", "Else", "ElseIf", "End", "ForHead", "IfHead", "PascalError", "Place", "RepeatHead", "Section",
@@ -179,10 +179,22 @@ class _DollarLine:
             return self._else(closes=False)
         if word == "until":
             return self._until()
+        if word in ("var", "const", "label"):
+            return self._declared()
+        if word == "begin" and self.lexer.peek(1).kind == "end":
+            what = "a block without a condition, of the lines behind this one"
+            raise self.lexer.error(codes.PASCAL_OPEN, self.first, what=what, hint="leave it out, and its end")
         if word in ("if", "while", "for", "repeat") and self._is_head(word):
             return {"if": self._if, "while": self._while, "for": self._for, "repeat": self._repeat}[word]()
         statements = self.parser.line_statements()
         return Simple(statements, self.span)
+
+    def _declared(self) -> Dollar:
+        """Declarations behind one ``$``: the manual has them in sections only (10), so the names alone are taken."""
+        text = self.lexer.lines[0][self.first.begin :].rstrip()
+        self.parser.section()
+        what = "a declaration behind a single $ (a section between $DINEND and {$DINSTART} has them, 10)"
+        return Simple((Unsupported(what=what, span=self.span, text=text),), self.span)
 
     def _is_head(self, word: str) -> bool:
         """Whether the line ends with what opens a block: all that it opens is then on further lines."""

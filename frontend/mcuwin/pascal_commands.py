@@ -47,6 +47,7 @@ class CommandParser(ExpressionParser):
             at = self.lexer.last if token.kind == "end" else token
             raise self.lexer.error(codes.SYNTAX, at, what=f"a variable that can be {what} is missing here")
         self.lexer.take()
+        self.no_element(token)
         if COMMON.match(token.low):
             node, type_ = self.common(token)
             if isinstance(node, Variable) and type_ is Type.DOUBLE and int(token.text[2:]) in _SYSTEM_POSITIONS:
@@ -58,11 +59,9 @@ class CommandParser(ExpressionParser):
             self.undeclared(token)
             return None, Type.UNKNOWN
         if symbol.kind != "var":
-            self.report(
-                codes.TYPE_MISMATCH,
-                token,
-                what=f"the {symbol.kind} {symbol.name!r} is no variable and can not be {what}",
-            )
+            if not (symbol.kind == "function" and symbol.open):  # its value, and its head has a finding
+                wrong = f"the {symbol.kind} {symbol.name!r} is no variable and can not be {what}"
+                self.report(codes.TYPE_MISMATCH, token, what=wrong)
             return None, Type.UNKNOWN
         span = self.lexer.span(token)
         return Variable(Number(float(symbol.number), span), span, symbol.name), symbol.type

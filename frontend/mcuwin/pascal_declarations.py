@@ -8,12 +8,12 @@ from __future__ import annotations
 import math
 import operator
 from collections.abc import Callable, Iterator
-from dataclasses import fields, is_dataclass
+from dataclasses import fields, is_dataclass, replace
 from typing import NamedTuple
 
 from gproof.frontend.mcuwin.pascal_expressions import LARGEST_INTEGER
 from gproof.frontend.mcuwin.pascal_lexer import PascalError, Token
-from gproof.frontend.mcuwin.pascal_statements import StatementParser, label_name
+from gproof.frontend.mcuwin.pascal_statements import DECLARING, StatementParser, label_name
 from gproof.frontend.mcuwin.pascal_types import DECLARABLE, Parameter, Symbols, Type
 from gproof.ir import codes
 from gproof.ir.dialects.mcuwin_pascal import KEYWORDS
@@ -34,8 +34,6 @@ from gproof.ir.program import (
     Variable,
     lost_jumps,
 )
-
-_HEADS = ("var", "const", "label", "procedure", "function")
 
 
 class Section(NamedTuple):
@@ -58,12 +56,12 @@ class SectionParser(StatementParser):
         declaration: Span | None = None
         while self.lexer.peek().kind != "end":
             token = self.lexer.peek()
-            if token.low in _HEADS and token.kind == "name":
+            if token.low in DECLARING and token.kind == "name":
                 declaration = declaration or self.lexer.span(token)
                 found += self._declarations(subprograms)
                 continue
             begin = self.lexer.index
-            part = self.statements(*_HEADS)
+            part = self.statements(*DECLARING)
             if part:
                 statement = statement or self.lexer.span(token)
                 found += part
@@ -72,7 +70,7 @@ class SectionParser(StatementParser):
         return Section(tuple(found), tuple(subprograms), statement, declaration)
 
     def _declarations(self, subprograms: list[Subprogram]) -> list[Statement]:
-        """What a word of _HEADS opens."""
+        """What a word of DECLARING opens."""
         first = self.lexer.peek()
         before = self.lexer.index
         readers: dict[str, Callable[[], list[Statement]]] = {
@@ -88,7 +86,7 @@ class SectionParser(StatementParser):
                 self._procedure(subprograms)
         except PascalError as error:
             self.symbols.report(error.finding)
-            self._pass_mistake(before, _HEADS)
+            self._pass_mistake(before, DECLARING)
         return found
 
     def _name_to_declare(self) -> Token:
@@ -145,7 +143,7 @@ class SectionParser(StatementParser):
                 self.separator(())
             except PascalError as error:
                 self.symbols.report(error.finding)
-                self._pass_mistake(before, _HEADS)
+                self._pass_mistake(before, DECLARING)
             word = None
         return found
 
@@ -199,42 +197,66 @@ class SectionParser(StatementParser):
         self.separator(())
         return [Declare(kind="label", names=tuple(names), span=span)]
 
-    def _procedure(self, subprograms: list[Subprogram]) -> None:
+    def _procedure(self, subprograms: list[Subprogram], within: str = "") -> None:
+        """procedure name (parameters); declarations, begin ... end; within: name of the one around it, if any.
+
+        Functions, procedures within procedures and ``forward`` are not in the manual: UNKNOWN, and read on.
+        """
         first = self.lexer.take()
         name = self._name_to_declare()
         is_function = first.low == "function"
+        if is_function or within:
+            inside = f", declared within {within!r}" if within else ""
+            self.report(codes.PASCAL_OPEN, first, name, what=f"the {first.low} {name.text!r}{inside}")
+        made: Subprogram | None = None
+        is_new = False
         self.symbols.enter()
         try:
             parameters = self._parameters()
-            head = self.lexer.span(first, self.lexer.last)
+            span = self.lexer.span(first, self.lexer.last)
+            is_new = self.symbols.declare_around(name.text, parameters, self.lexer.span(name), first.low)
+            made = Subprogram(
+                name=name.text.lower(), body=(Unsupported(what=f"the procedure {name.text!r}", span=span),), span=span,
+                parameters=tuple((p.name, p.written, p.number) for p in parameters), text=name.text,
+            )  # fmt: skip
             if is_function:
-                self.report(codes.PASCAL_OPEN, first, name, what=f"the function {name.text!r}")
                 self.expect(":", "behind the parameters")
                 self._type()
             self.expect(";", "behind the head")
-            is_new = self.symbols.declare_around(name.text, parameters, self.lexer.span(name), first.low)
-            local: list[Statement] = []
-            while self.lexer.peek().low in ("var", "const", "label"):
-                local += self._declarations(subprograms)
-            token = self.lexer.peek()
-            if token.low != "begin":
-                at = name if token.kind == "end" else token
-                hint = "procedures within procedures, and 'forward', are not in the manual"
-                raise self.lexer.error(codes.SYNTAX, at, what=f"'begin' of {name.text!r} is missing", hint=hint)
-            body, close = self.compound()
-            if any(self._lost(body)):
-                body = (Unsupported(what=f"the procedure {name.text!r}, with a jump out of it", span=head),)
+            if self.lexer.peek().low == "forward":
+                self.report(codes.PASCAL_OPEN, self.lexer.take(), what=f"a body of {name.text!r} that comes later")
+                made = None
+            else:
+                made = self._body(made, name, subprograms)
         finally:
             self.symbols.leave()
-        self.symbols.close_procedure(name.text, frozenset(_numbers(body, self.symbols)))
+            self.symbols.close_procedure(
+                name.text, None if made is None else frozenset(_numbers(made.body, self.symbols))
+            )
+            if made is not None and is_new and not is_function and not within:
+                subprograms.append(made)
         self.separator(())
-        if is_new and not is_function:
-            subprograms.append(
-                Subprogram(
-                    name=name.text.lower(), body=(*local, *body), span=head, end_span=self.lexer.span(close),
-                    parameters=tuple((p.name, p.written, p.number) for p in parameters), text=name.text,
-                )
-            )  # fmt: skip
+
+    def _body(self, made: Subprogram, name: Token, subprograms: list[Subprogram]) -> Subprogram:
+        """The declarations of a procedure, and its statements."""
+        local: list[Statement] = []
+        nested = False
+        while self.lexer.peek().low in DECLARING:
+            if self.lexer.peek().low in ("procedure", "function"):
+                nested = True
+                self._procedure(subprograms, name.text)
+            else:
+                local += self._declarations(subprograms)
+        token = self.lexer.peek()
+        if token.low != "begin":
+            at = name if token.kind == "end" else token
+            raise self.lexer.error(codes.SYNTAX, at, what=f"'begin' of {name.text!r} is missing")
+        body, close = self.compound()
+        lost = any(self._lost(body))
+        if lost or nested:
+            what = "a jump out of it" if lost else "another one in it"
+            body = (Unsupported(what=f"the procedure {name.text!r}, with {what}", span=made.span),)
+        return replace(made, body=(*local, *body), end_span=self.lexer.span(close))
 
     def _lost(self, body: tuple[Statement, ...]) -> Iterator[Jump]:
         """Jumps of a procedure that do not stay in it, or go into a block; each is reported."""

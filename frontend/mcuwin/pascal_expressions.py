@@ -239,6 +239,7 @@ class ExpressionParser:
     def _name(self, token: Token) -> tuple[Expr, Type]:
         """A variable, a constant or a function call."""
         span = self.lexer.span(token)
+        self.no_element(token)
         if COMMON.match(token.low):
             return self.common(token)
         symbol = self.symbols.resolve(token.text, span)
@@ -258,14 +259,22 @@ class ExpressionParser:
             return Constant(token.low, value, span), type_
         if self.lexer.peek().text == "(":
             return self._call(token, declared=symbol is not None)
-        if token.low in ("cd", "ci") and self.lexer.peek().text == "[":
-            raise self.lexer.error(
-                codes.PASCAL_OPEN, token, self.lexer.peek(), what=f"{token.text} with a number that is computed",
-                hint=f"write {token.text.upper()}600 to {token.text.upper()}699",
-            )  # fmt: skip
         if symbol is None:
             self.undeclared(token)
         return Named(token.text.upper(), span), Type.UNKNOWN
+
+    def no_element(self, token: Token) -> None:
+        """Raises where a bracket follows a name: an element of a list, which the manual does not have."""
+        bracket = self.lexer.peek()
+        if bracket.text != "[":
+            return
+        what, hint = f"an element of {token.text!r}", ""
+        if token.low in ("cd", "ci"):
+            what, hint = (
+                f"{token.text} with a number that is computed",
+                f"write {token.text.upper()}600 to {token.text.upper()}699",
+            )
+        raise self.lexer.error(codes.PASCAL_OPEN, token, bracket, what=what, hint=hint)
 
     def undeclared(self, token: Token) -> None:
         """Reports a name that nothing declares."""

@@ -27,6 +27,8 @@ from gproof.ir.program import (
 )
 
 MAX_DEPTH = 40
+DECLARING = ("var", "const", "label", "procedure", "function")
+"""Words that begin declarations: no statement does."""
 
 
 class StatementParser(CommandParser):
@@ -113,6 +115,8 @@ class StatementParser(CommandParser):
             return self._assignment()
         if token.kind == "axis":
             return self._unknown(f"the command {token.text!r}")
+        if token.kind == "name" and after.text == "[" and token.low not in KEYWORDS:
+            return self._unknown(f"an element of {token.text!r}")
         if token.kind in ("name", "number") and after.text == ":" and token.low not in KEYWORDS:
             return self._label()
         if token.kind == "name" and token.low not in KEYWORDS:
@@ -125,7 +129,7 @@ class StatementParser(CommandParser):
     def compound(self) -> tuple[Statements, Token]:
         """begin ... end, and its ``end``."""
         opening = self.lexer.take()
-        body = self.statements("end")
+        body = self.statements("end", *DECLARING)
         if self.lexer.peek().low != "end":
             raise self.lexer.error(codes.UNBALANCED_BLOCK, opening, what=f"{opening.text!r} has no end")
         return body, self.lexer.take()

@@ -132,10 +132,11 @@ class Symbols:
         self._scopes.append(inner)
         return not known
 
-    def close_procedure(self, name: str, uses: frozenset[int]) -> None:
-        """The body of a procedure was read, whose scope is left."""
-        key = self._key(name)
-        self._scopes[-1][key] = self._scopes[-1][key]._replace(uses=uses, open=False)
+    def close_procedure(self, name: str, uses: frozenset[int] | None) -> None:
+        """The body of a procedure was read, whose scope is left; uses: None where it has none, nor then the name."""
+        symbol = self._scopes[-1].pop(self._key(name), None)
+        if symbol is not None and uses is not None:
+            self._scopes[-1][self._key(name)] = symbol._replace(uses=uses, open=False)
 
     def uses(self, name: str) -> frozenset[int]:
         """Numbers of the variables that a procedure uses."""

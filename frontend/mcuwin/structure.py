@@ -44,6 +44,7 @@ from gproof.ir.program import (
 )
 
 _KINDS: dict[type, str] = {IfHead: "if", WhileHead: "while"}
+_HEADS = ("if", "while", "for", "repeat")
 
 
 @dataclass(slots=True)
@@ -69,7 +70,9 @@ def does_something(node: Statement) -> bool:
 
 @dataclass(slots=True)
 class _Open:
-    """A block that is open. kind: its first word; body: what stands in it now; then: of an if, its first part."""
+    """A block that is open. kind: its first word, "" where a mistake leaves it open; body: what stands in it now;
+    then: of an if, its first part.
+    """
 
     kind: str
     span: Span
@@ -95,6 +98,8 @@ class Structure:
         self.findings = findings
         self.sections = [Section("", span)]
         self.open: list[_Open] = []
+        self.unopened = 0
+        """Heads with a mistake, of which nobody knows whether they open a block."""
 
     @property
     def section(self) -> Section:
@@ -121,7 +126,7 @@ class Structure:
         """Close what is open beyond ``depth`` where the text ends: each is a finding."""
         while len(self.open) > depth:
             span = self.open[-1].span
-            kind = self.open[-1].kind
+            kind = self.open[-1].kind or "block"
             self.findings.add(codes.UNBALANCED_BLOCK.at(span, what=f"this {kind} is not closed before the text ends"))
             self._close(None)
 
@@ -172,11 +177,14 @@ class Structure:
 
     def _innermost(self, word: str, span: Span, kinds: tuple[str, ...]) -> _Open:
         """The innermost block, which must be one that ``word`` closes."""
+        if self.unopened and not (self.open and self.open[-1].kind in ("", *kinds)):
+            self.unopened -= 1
+            self._push(_Open("", span))
         if not self.open:
             what = f"there is no block that this {word} could close"
             raise Refusal(codes.UNBALANCED_BLOCK.at(span, what=what))
         frame = self.open[-1]
-        if frame.kind not in kinds:
+        if frame.kind and frame.kind not in kinds:
             what = f"this {word} does not close the {frame.kind} of line {frame.span.line}"
             raise Refusal(codes.UNBALANCED_BLOCK.at(span, what=what))
         return frame
@@ -212,7 +220,9 @@ class Structure:
         elif opens and first.low == "end" and self.open and self.open[-1].kind == "if":
             self.open[-1].then, self.open[-1].body = self.open[-1].body, []
         elif opens and first.low not in ("end", "else"):
-            self._push(_Open(first.low, span))
+            self._push(_Open(first.low if first.low in _HEADS else "", span))
+        elif first.low in _HEADS:
+            self.unopened += 1
 
     def _close(self, span: Span | None) -> None:
         """Make the node of the innermost block, and of those that it is an ``else if`` of."""
@@ -243,4 +253,4 @@ class Structure:
         if head is not None and head.variable is not None:
             return [For(variable=head.variable, first=head.first, last=head.last, down=head.down, body=body,
                         span=frame.span, end_span=span)]  # fmt: skip
-        return body
+        return [*(frame.then or ()), *body]

@@ -348,6 +348,18 @@ DECLARATIONS = [
     ("var g: integer;\nvar h: integer\nconst a = 1;", [("GP101", 3, 1, 6)]),
     ("{ open\nvar a: integer;", [("GP101", 2, 15, 16)]),
     ("procedure p; begin end; procedure p; begin end;", [("GP137", 1, 35, 36)]),
+    # what the manual does not have is open, and nothing behind it is wrong for that
+    ("procedure p; procedure q; begin end; begin q end;\nbegin p end", [("GP139", 1, 14, 25)]),
+    ("procedure p(a: integer); forward;\nprocedure p(a: integer); begin end;\nbegin p(1) end", [("GP139", 1, 26, 33)]),
+    ("function f(a: double): double; begin f := a end;\nbegin CD600 := f(1) end",
+     [("GP139", 1, 1, 11), ("GP139", 2, 16, 17)]),
+    ("var a: array[1..3] of double;\nbegin CD600 := a[2] end", [("GP139", 1, 8, 13), ("GP139", 2, 16, 18)]),
+    ("const a = -7 mod 2;", [("GP139", 1, 14, 17), ("GP139", 1, 11, 19)]),
+    ("const a = 100000 * 100000 div 100000;", [("GP139", 1, 11, 37)]),
+    ("const a = 2147483647 - 5 + 5;", []),
+    # a procedure with a mistake is known all the same, and what follows it is read
+    ("procedure p; begin wt(1);\nvar a: integer;\nbegin p; a := 1 end", [("GP114", 1, 14, 19)]),
+    ("procedure p begin end;\nvar a: integer;\nbegin p; a := 1 end", [("GP101", 1, 13, 18)]),
 ]  # fmt: skip
 
 

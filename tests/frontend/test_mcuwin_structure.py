@@ -9,7 +9,7 @@ from frontend.mcuwin_programs import OLD, found, listed, load, machine, program_
 
 from gproof.frontend.mcuwin.load import load_alone
 from gproof.ir.finding import Findings
-from gproof.ir.program import If, Include, Label
+from gproof.ir.program import If, Include, Label, Unsupported
 
 
 def shown(folder: Path, text: str) -> str:
@@ -151,6 +151,21 @@ def test_mistakes_of_blocks(tmp_path: Path, text: str, finding: tuple[str, int, 
     assert found(tmp_path, text + "M30\n")[:1] == [finding]
 
 
+@pytest.mark.parametrize(
+    "head",
+    ["if q then", "if q", "if (q) begin", "if (q then begin", "if ) then begin", "while q do", "while q begin",
+     "for CI600 := 1 to", "for CI600 := 1 to 3", "for CI600 := 1 to 3 begin", "for := 1 to 3 do begin", "begin"],
+)  # fmt: skip
+@pytest.mark.parametrize("inner", [True, False])
+def test_a_mistake_in_a_head_is_one_mistake(tmp_path: Path, head: str, inner: bool) -> None:
+    text = f"var q : boolean;\n%1\n$while (CI601 < 3) do begin\n$DINEND\n{{$DINSTART}}\n${head}\nM8\n$end\n$end\nM30\n"
+    if not inner:
+        text = f"var q : boolean;\n%1\n\n\n\n${head}\nM8\n$end\nM9\nM30\n"
+    assert [line for _, line, _, _ in found(tmp_path, text)] == [6]
+    behind = found(tmp_path, text.replace("M30", "$end\nG99999\nM30"))
+    assert [line for _, line, _, _ in behind] == [6, 10, 11]
+
+
 MODULES = """%MAIN (the main program)
 N1 M98 L107 O2
 N2 M98 UP114
@@ -266,6 +281,18 @@ def test_two_files_of_one_name_that_differ(tmp_path: Path) -> None:
     assert listed(program_of(tmp_path, "$I lib/a.inc\nM30\n").body) == "Include; Include; Unsupported; M8; M30"
     (tmp_path / "up1.src").write_text("M8\n")
     assert listed(program_of(tmp_path, "$I lib/a.inc\nM30\n").body) == "Include; Include; M8; M30"
+
+
+def test_files_that_double_one_another(tmp_path: Path) -> None:
+    """Each includes the next one twice: 2 to the 30 inclusions, of which some are followed."""
+    for n in range(30):
+        (tmp_path / f"a{n}.inc").write_text(f"$I a{n + 1}.inc\n$I a{n + 1}.inc\n")
+    (tmp_path / "a30.inc").write_text("M8\n")
+    program, findings = load(tmp_path, "$I a0.inc\nM30\n")
+    assert program is not None
+    assert findings.kept == []
+    assert any(isinstance(node, Unsupported) for node in program.body)
+    assert load_alone(tmp_path / "job.din", Findings()) is not None
 
 
 def test_files_that_include_one_another(tmp_path: Path) -> None:
