@@ -113,8 +113,8 @@ class StatementParser(CommandParser):
         after = self.lexer.peek(1)
         if token.kind == "name" and after.text == ":=" and token.low not in KEYWORDS:
             return self._assignment()
-        if token.kind == "axis":
-            return self._unknown(f"the command {token.text!r}")
+        if token.kind == "axis":  # in any case of letters it is the same one
+            return self._unknown(f"the command '{token.text[0].upper()}{token.low[1:]}'")
         if token.kind == "name" and after.text == "[" and token.low not in KEYWORDS:
             return self._unknown(f"an element of {token.text!r}")
         if token.kind in ("name", "number") and after.text == ":" and token.low not in KEYWORDS:
