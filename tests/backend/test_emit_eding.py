@@ -378,7 +378,7 @@ def test_lines_as_people_write_them(tmp_path: Path) -> None:
 
 def test_many_lines_with_expressions(tmp_path: Path) -> None:
     """More than a Program keeps as trees."""
-    data = b"".join(b"G1 X[#1 + %d] ; c\n" % n for n in range(7000))
+    data = b"".join(b"G1 X[#1 + %d] ; c\n" % n for n in range(2500))
     assert formatted(tmp_path, data) == data
 
 

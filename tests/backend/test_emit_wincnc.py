@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from support.campaigns import sizes
 from support.goldens import ROOT
 
 from gproof.backend.emit.wincnc import emit
@@ -340,13 +341,14 @@ LEXICALS = [Lexical(), Lexical(comment_signs=";'", comma=True), Lexical(skips=((
 
 
 @pytest.mark.parametrize("macros", [False, True], ids=["no-macros", "macros"])
+@pytest.mark.parametrize("programs", sizes(12, 120))
 @pytest.mark.parametrize("seed", range(4))
-def test_random_programs(tmp_path: Path, seed: int, macros: bool) -> None:
+def test_random_programs(tmp_path: Path, seed: int, macros: bool, programs: int) -> None:
     rng = random.Random(seed)
     if macros:
         (tmp_path / "CNC.MAC").write_bytes(MACROS + b"BACK=G0 X0\n")
     done = 0
-    for _ in range(40):
+    for _ in range(programs):
         machine = with_lexical(rng.choice(LEXICALS))
         good = []
         for _ in range(30):
@@ -355,7 +357,7 @@ def test_random_programs(tmp_path: Path, seed: int, macros: bool) -> None:
                 good.append(line)
         data = rng.choice(["\n", "\r\n"]).join(good).encode(rng.choice(["utf-8", "utf-8", "cp1252"]))
         done += formatted(tmp_path, data, machine) is not None
-    assert done > 25
+    assert done > 0.6 * programs
 
 
 @pytest.mark.parametrize("seed", range(3))

@@ -13,6 +13,7 @@ from pathlib import Path
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from support.campaigns import examples
 from support.goldens import ROOT
 
 from gproof.backend.emit.wincnc import emit
@@ -302,12 +303,12 @@ M2
 )
 
 
+@examples(50, 1000)
 @given(
     lines=st.lists(macro_lines(), max_size=8), newline=st.sampled_from(["\n", "\r\n"]),
     last=st.sampled_from(["", "\n", "\x1a"]), encoding=st.sampled_from(["utf-8", "cp1252", "utf-8-sig"]),
     lexical=st.sampled_from([Lexical(), Lexical(comment_signs=";")]),
 )  # fmt: skip
-@settings(deadline=None, max_examples=150)
 def test_any_macro_file(
     tmp_path_factory: pytest.TempPathFactory, lines: list[str], newline: str, last: str, encoding: str, lexical: Lexical
 ) -> None:

@@ -9,6 +9,7 @@ import pytest
 from frontend.mcuwin_programs import OLD, load, machine
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
+from support.campaigns import examples
 
 from gproof.frontend.mcuwin.load import load_program
 from gproof.ir.finding import Findings, Severity
@@ -59,7 +60,7 @@ PIECES = st.sampled_from(
 )  # fmt: skip
 
 
-@settings(max_examples=1500, deadline=None)
+@examples(400, 4000)
 @given(st.lists(PIECES, max_size=25), st.sampled_from(MACHINES), st.booleans())
 @example(["$if ", "(", "\n", "$end else if (true) begin", "\n", "$end"], MACHINES[0], True)
 @example(["var ", "step", "{", "\n", "%7", "\n", "}", "%7"], MACHINES[0], True)

@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from support.campaigns import examples
 
 from gproof.frontend import lines
 from gproof.frontend.eding import scan
@@ -150,7 +151,7 @@ FILES = st.builds(
 )
 
 
-@settings(max_examples=600, deadline=None)
+@examples(200, 4000)
 @given(FILES)
 def test_index_and_scan_equal_the_slow_tokenizer(data: bytes) -> None:
     assert_same(data)

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
+from support.campaigns import examples
 
 from gproof.frontend.source import decode
 from gproof.frontend.wincnc.line import LineError, LineReader
@@ -113,7 +114,7 @@ LEXICALS = st.one_of(
 )  # fmt: skip
 
 
-@settings(max_examples=1200, deadline=None)
+@examples(400, 4000)
 @given(LINES, LEXICALS)
 @example("[a] X1", Lexical(comment_signs="["))
 @example("[a] X1", Lexical(comment_signs="]"))

@@ -387,7 +387,7 @@ MACHINES = (
 )
 
 
-@pytest.mark.parametrize("seed", seeds(30, 400))
+@pytest.mark.parametrize("seed", seeds(12, 400))
 def test_what_is_followed_stays_close_to_z_and_height(seed: int) -> None:
     rng = random.Random(seed)
     area, on = a_map(rng, steep=rng.choice([0.001, 0.01, 0.2])), MACHINES[seed % 3]

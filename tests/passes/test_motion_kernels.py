@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import random
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -25,14 +25,6 @@ from gproof.passes.step import step
 
 RANDOM = settings(deadline=None, max_examples=25, suppress_health_check=list(HealthCheck))
 FAST = 16_000_000
-
-
-@pytest.fixture(scope="module", autouse=True)
-def fresh_cache(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
-    """Compiled kernels of these tests go to a folder of their own."""
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setenv("GPROOF_CACHE_DIR", str(tmp_path_factory.mktemp("kernels")))
-        yield
 
 
 def everything(trace: Trace) -> str:

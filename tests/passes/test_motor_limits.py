@@ -15,6 +15,7 @@ from fractions import Fraction
 import numpy as np
 import pytest
 from passes.traces import Path
+from support.campaigns import seeds
 
 from gproof.ir.finding import Findings
 from gproof.ir.machine import Area, Axis, AxisKind, Machine, PitchTable, Slave
@@ -238,7 +239,7 @@ def a_path(rng: random.Random, lifted: bool) -> Trace:
     return path.done()
 
 
-@pytest.mark.parametrize("seed", range(400))
+@pytest.mark.parametrize("seed", seeds(120, 2000))
 def test_safe_means_that_no_motor_can_be_outside(seed: int) -> None:
     rng = random.Random(seed)
     machine = a_machine(rng)

@@ -6,14 +6,14 @@ import dataclasses
 import math
 import random
 import tempfile
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import HealthCheck, given, settings
+from hypothesis import HealthCheck, given
 from hypothesis import strategies as st
+from support.campaigns import examples
 
 from gproof.frontend.wincnc.load import load_program
 from gproof.frontend.wincnc.machine import NO_SHOP
@@ -28,16 +28,8 @@ from gproof.passes import single_plain
 from gproof.passes.execute import Executor, collect
 from gproof.passes.single_manner import SingleManner
 
-RANDOM = settings(deadline=None, max_examples=150, suppress_health_check=list(HealthCheck))
+RANDOM = examples(60, 1000, suppress_health_check=list(HealthCheck))
 CONSTANT = ("rules", "setup", "machine", "ranges")
-
-
-@pytest.fixture(scope="module", autouse=True)
-def fresh_cache(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
-    """Compiled kernels of these tests go to a folder of their own."""
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setenv("GPROOF_CACHE_DIR", str(tmp_path_factory.mktemp("kernels")))
-        yield
 
 
 def state_of(ex: Executor) -> list[str]:

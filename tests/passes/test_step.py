@@ -13,6 +13,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from passes.reference_motion import Motion, expand, paths
 from passes.traces import Path, machine
+from support.campaigns import examples
 
 from gproof.ir.columns import Columns
 from gproof.ir.finding import Findings
@@ -26,7 +27,7 @@ from gproof.passes.plan import plan, shortest_interval
 from gproof.passes.step import nearest_count, nearest_counts, step
 from gproof.verify.stream import validate
 
-RANDOM = settings(deadline=None, max_examples=50)
+RANDOM = examples(30, 500)
 SECOND = 16_000_000
 TURN = 128
 

@@ -2,7 +2,14 @@
 
 from __future__ import annotations
 
+import os
+from collections.abc import Callable
+from typing import Any
+
 import pytest
+from hypothesis import settings
+
+SOAK = bool(os.environ.get("GPROOF_SOAK"))
 
 
 def seeds(usual: int, soak: int) -> list[object]:
@@ -11,5 +18,12 @@ def seeds(usual: int, soak: int) -> list[object]:
 
 
 def sizes(usual: object, soak: object) -> list[object]:
-    """One campaign in two sizes: the small one always, the whole in a soak."""
-    return [pytest.param(usual, id="few"), pytest.param(soak, id="soak", marks=pytest.mark.soak)]
+    """One campaign in two sizes: the small one always, the whole in a soak; a tuple is several arguments."""
+    few, many = (value if isinstance(value, tuple) else (value,) for value in (usual, soak))
+    return [pytest.param(*few, id="few"), pytest.param(*many, id="soak", marks=pytest.mark.soak)]
+
+
+def examples(usual: int, soak: int, **more: Any) -> Callable[[Any], Any]:
+    """So many examples of hypothesis in every run; in a soak the test is run with as many as that asks for."""
+    sized = settings(max_examples=soak if SOAK else usual, deadline=None, **more)
+    return lambda test: pytest.mark.soak(sized(test)) if SOAK else sized(test)
