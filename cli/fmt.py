@@ -9,7 +9,6 @@ import sys
 import tempfile
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass
 from itertools import zip_longest
 from pathlib import Path
 
@@ -17,6 +16,7 @@ import click
 
 from gproof.backend.emit.eding import emit
 from gproof.cli.files import require_file, require_program
+from gproof.cli.fmt_form import Form
 from gproof.cli.main import UsageError
 from gproof.cli.report import print_findings
 from gproof.cli.session import READ, dialect_of
@@ -38,23 +38,6 @@ CONTEXT = 3
 """Lines around a change that ``--diff`` shows."""
 LONGEST_RUN = 1000
 """Changed lines that ``--diff`` shows before their new forms."""
-
-
-@dataclass(frozen=True, slots=True)
-class Form:
-    """How the files of a folder are read and printed.
-
-    load: (path, findings, name) -> program; None when refused. others: (file as it is, file as printed) -> what would
-    be another program then, of the files that are read with this one's help; "" for nothing. emit_less: prints what
-    changes none of them, as far as that can be. judge: (program, program of what was printed) -> what else shows that
-    they are not the same; "" for nothing.
-    """
-
-    load: Callable[[Path, Findings, str], Program | None]
-    emit: Callable[[Program], Iterable[bytes]]
-    others: Callable[[Path, Path], str] = lambda before, after: ""
-    emit_less: Callable[[Program], Iterable[bytes]] | None = None
-    judge: Callable[[Program, Program], str] = lambda before, after: ""
 
 
 class Forms:
@@ -86,7 +69,9 @@ class Forms:
         if dialect == "eding":
             return Form(load_alone, emit)
         if dialect == "mcuwin":
-            return _mcuwin(machine, machine_file, folder)
+            from gproof.cli.fmt_mcuwin import mcuwin_form
+
+            return mcuwin_form(machine, machine_file, folder, path)
         return _wincnc(machine, [file.parent for file in (machine_file,) if file is not None], folder)
 
     def _beside(self, folder: Path | None) -> dict[str, Path]:
@@ -119,23 +104,6 @@ def _wincnc(machine: Machine, folders: list[Path], own: Path | None) -> Form:
     return Form(
         lambda path, findings, name: load_wincnc(path, findings, name, machine=machine, folders=where),
         lambda program: emit_wincnc(program, lexical),
-    )
-
-
-def _mcuwin(machine: Machine, machine_file: Path | None, folder: Path | None) -> Form:
-    from gproof.backend.emit.mcuwin import emit as emit_mcuwin
-    from gproof.cli.fmt_mcuwin import said_otherwise
-    from gproof.frontend.mcuwin.load import load_alone as load_mcuwin
-    from gproof.frontend.mcuwin.machine import NO_MCUWIN
-    from gproof.ir.din import NO_DIN
-
-    known = NO_MCUWIN if machine is NO_MACHINE else machine
-    return Form(
-        lambda path, findings, name: load_mcuwin(
-            path, findings, name, machine=known, machine_file=machine_file, folder=folder
-        ),
-        lambda program: emit_mcuwin(program, known.controller.din or NO_DIN),
-        judge=lambda before, after: said_otherwise(before, after, known),
     )
 
 
@@ -261,22 +229,52 @@ def _scratch(source: Path, in_place: bool) -> Iterator[Path]:
 
 
 def _format(form: Form, source: Path, scratch: Path, name: str) -> bool:
-    """Print the formatted text of ``source`` into ``scratch``; False, with findings shown, when there is none."""
-    findings = Findings()
+    """Print the formatted text of ``source`` into ``scratch``; False, with findings shown, when there is none.
+
+    Where the file has mistakes as it is, the other ways to read it count: each of them that finds none must give the
+    same text.
+    """
     Kernel.forecast(source.stat().st_size * SECONDS_A_BYTE)
+    failed = _tried(form, source, scratch, name)
+    if failed is None:
+        return True
+    done: Form | None = None
+    others = form.instead() if all(f.code is not codes.FORMAT_DIFFERS for f in failed.kept) else ()
+    for number, other in enumerate(others):
+        with _scratch(source, in_place=False) as more:
+            findings = _tried(other, source, more, name)
+            if findings is not None:
+                failed = findings if number == 0 else failed
+            elif done is None:
+                shutil.copyfile(more, scratch)
+                done = other
+            elif not filecmp.cmp(more, scratch, shallow=False):
+                click.echo(f"{name}: {done.what} and {other.what} read it in different ways", err=True)
+                return False
+    if done is None:
+        print_findings(failed, err=True)
+        return False
+    if done.said():
+        click.echo(f"{name}: {done.said()}", err=True)
+    return True
+
+
+def _tried(form: Form, source: Path, scratch: Path, name: str) -> Findings | None:
+    """Print ``source`` into ``scratch``; what was found when that can not be done."""
+    findings = Findings()
     program = form.load(source, findings, name)
-    if program is not None and not findings.has(Severity.ERROR):
-        try:
-            finding = _printed(form, form.emit, program, source, scratch, name)
-            if finding is not None and finding.code is codes.NOT_PRINTABLE and form.emit_less is not None:
-                finding = _printed(form, form.emit_less, program, source, scratch, name)
-        except Refusal as refusal:
-            finding = refusal.finding
-        if finding is None:
-            return True
-        findings.add(finding)
-    print_findings(findings, err=True)
-    return False
+    if program is None or findings.has(Severity.ERROR):
+        return findings
+    try:
+        finding = _printed(form, form.emit, program, source, scratch, name)
+        if finding is not None and finding.code is codes.NOT_PRINTABLE and form.emit_less is not None:
+            finding = _printed(form, form.emit_less, program, source, scratch, name)
+    except Refusal as refusal:
+        finding = refusal.finding
+    if finding is None:
+        return None
+    findings.add(finding)
+    return findings
 
 
 def _printed(

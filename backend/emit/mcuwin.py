@@ -49,25 +49,27 @@ INDENT = "  "
 _NUMBERED = re.compile(r"[ \t]*(?:[Nn][ \t]*(?P<digits>[0-9]+)[ \t]*)?", re.ASCII)
 
 
-def emit(program: Program, din: Din) -> Iterator[bytes]:
+def emit(program: Program, din: Din, *, as_is: frozenset[int] = frozenset()) -> Iterator[bytes]:
     """The text of the program's own file, piece by piece, each of whole lines.
 
-    din: settings of the machine that the file was read with. The file must have been read alone, without mistakes: a
-    line with one is not in the Program. Refusal (GP702) where the Program holds what McuWIN has no text for.
+    din: settings of the machine that the file was read with; as_is: lines that stay as they are. The file must have
+    been read alone, the other lines without mistakes: one with a mistake is not in the Program. Refusal (GP702) where
+    the Program holds what McuWIN has no text for.
     """
-    yield from _Printer(program, din).run()
+    yield from _Printer(program, din, as_is).run()
 
 
 class _Printer(LinePrinter):
     two_digits = True
 
-    def __init__(self, program: Program, din: Din) -> None:
+    def __init__(self, program: Program, din: Din, as_is: frozenset[int]) -> None:
         super().__init__(program)
         self.limit = LINE_LIMIT
         self.depth = 0
         self.section: SectionLayout | None = None
         self.section_line = 0
         self.opened = False
+        self.untouched = as_is
         self.as_is: set[int] = set()
         names: list[str] = []
         for node in self._statements():
@@ -115,9 +117,12 @@ class _Printer(LinePrinter):
             last = min(line - 1, self.next + PIECE_LINES - 1)
             notes = self.notes.take(self.next, last)
             kinds, numbers = notes.table["kind"], notes.table["line"]
-            for number in dict.fromkeys(numbers[kinds == NoteKind.PASCAL].tolist()):
+            pascal = set(numbers[kinds == NoteKind.PASCAL].tolist())
+            for number in sorted(pascal.union(n for n in self.untouched if self.next <= n <= last)):
                 yield from self._quiet(number - 1, notes)
-                yield self._pascal(number, list(notes.lines(number, number))) + self.newline
+                text = self._pascal(number, list(notes.lines(number, number))) if number in pascal else b""
+                whole = self._written(Span(self.source.name, number)) if number in self.untouched else text
+                yield whole + self.newline
                 self.next = number + 1
             yield from self._quiet(last, notes)
 
@@ -151,7 +156,7 @@ class _Printer(LinePrinter):
         out = _composed(INDENT * self.depth, items, notes, encoding)
         if found.stays or len(out) > self.limit or len(written) > self.limit:
             out = written.rstrip(b" \t")
-        yield out + self.newline
+        yield (written if span.line in self.untouched else out) + self.newline
 
     def _written(self, span: Span) -> bytes:
         written = self.written.line(span.line)

@@ -57,21 +57,28 @@ def load_program(
 
 def load_alone(
     path: Path, findings: Findings, name: str = "", *, machine: Machine = NO_MCUWIN, machine_file: Path | None = None,
-    folder: Path | None = None,
+    folder: Path | None = None, within: Path | None = None,
 ) -> Program | None:  # fmt: skip
     """One file as a program to be printed again; None when it is refused.
 
     Its body has the statements of all its modules as they stand, its subprograms are the declared procedures: labels,
     calls and ends of modules are not judged, and jumps may lead nowhere. Files that it includes give the names that
     they declare and nothing else, and missing ones are no mistakes. name: of the file in findings, when it is not
-    ``path``; folder: where its includes are, when that is not its own.
+    ``path``; folder: where its includes are, when that is not its own; within: a job that includes it, of which the
+    names count that it declares before that.
     """
-    loader = _Loader(path, findings, machine, machine_file, tables=True, alone=True, name=name, folder=folder)
+    loader = _Loader(
+        path, findings, machine, machine_file, tables=True, alone=True, name=name, folder=folder, within=within
+    )
     try:
         return loader.file_alone()
     except Refusal as refusal:
         findings.add(refusal.finding)
         return None
+
+
+class _ReachedError(Exception):
+    """The place of the file that is read within a job."""
 
 
 class _Loader:
@@ -80,11 +87,15 @@ class _Loader:
     def __init__(
         self, path: Path, findings: Findings, machine: Machine, machine_file: Path | None, *, tables: bool,
         held: int | None = HELD_BLOCKS, alone: bool = False, name: str = "", folder: Path | None = None,
+        within: Path | None = None,
     ) -> None:  # fmt: skip
         self.path = path
         self.alone = alone
         self.name = name or str(path)
         self.folder = folder or path.parent
+        self.itself = (self.folder / Path(self.name).name).resolve()
+        self.within = within
+        self.awaited = False
         self.findings = findings
         self.machine_file = machine_file
         self.din = machine.controller.din or NO_DIN
@@ -133,11 +144,24 @@ class _Loader:
         whole = Span(self.name, 0)
         if self.din.pre_include:
             self._include(self.din.pre_include, whole, self._machine_folders())
+        if self.within is not None:
+            self._names_before(self.within)
         self._file(self.path, number)
         program.line_count = program.files[number].line_count
         if self.din.post_include:
             self._include(self.din.post_include, whole, self._machine_folders())
         self.text.finish()
+
+    def _names_before(self, job: Path) -> None:
+        """Read a job up to the place where it includes this file, for the names that it declares."""
+        folder, self.folder, self.awaited = self.folder, job.parent, True
+        try:
+            with self.text.aside():
+                self._read(job)
+        except _ReachedError:
+            self.text.pascal = False
+        self.folder, self.awaited = folder, False
+        self.stack.clear()
 
     def _machine_folders(self) -> list[Path]:
         folders = [self.machine_file.parent] if self.machine_file is not None else []
@@ -172,7 +196,8 @@ class _Loader:
             folders = [self.machine_file.parent]
         else:
             own = self.stack[-1].parent if len(self.stack) > 1 else self.folder
-            folders = list(dict.fromkeys((own, self.folder)))
+            around = [self.within.parent] if self.within is not None else []
+            folders = list(dict.fromkeys((own, self.folder, *around)))
         self._include(name, span, folders)
 
     def _include(self, name: str, span: Span, folders: Sequence[Path]) -> None:
@@ -182,8 +207,9 @@ class _Loader:
         if self.alone and self.included > MOST:
             return
         if self.alone:
-            itself = (self.folder / Path(self.name).name).resolve()
-            if found and len(self.stack) < DEEPEST and found[0].resolve() not in (itself, *self.stack):
+            if self.awaited and found and found[0].resolve() == self.itself:
+                raise _ReachedError
+            if found and len(self.stack) < DEEPEST and found[0].resolve() not in (self.itself, *self.stack):
                 with self.text.aside():
                     self._read(found[0])
             return

@@ -128,8 +128,75 @@ def test_a_text_that_differs_is_never_written(folder: Path, gproof, monkeypatch:
         ("I subs", "I sub"),
     ):
         text = NICE.replace(one, two).encode()
-        monkeypatch.setattr("gproof.backend.emit.mcuwin.emit", lambda program, din, text=text: [text])
+        monkeypatch.setattr("gproof.cli.fmt_mcuwin.emit", lambda program, din, text=text: [text])
         code, out, err = gproof("job.din")
         assert (code, out) == (1, "")
         assert "GP701" in err
         assert (folder / "job.din").read_text() == UGLY
+
+
+JOB = "var depth, Step: double;\n%MAIN\ng1 z(depth) f100\nm98 l7\nm30\n$I {}\n"
+LIBRARY = "%7 (bore)\ng1  z(-depth*2)  ' down\ndepth:=depth+step\n$if (depth<5) then begin\nx1\n$end\nm17\n"
+NICE_LIBRARY = """%7 (bore)
+G01 Z(-depth * 2) ' down
+depth := depth + step
+$if (depth < 5) then begin
+  X1
+$end
+M17
+"""
+
+
+def test_an_include_file_is_read_within_the_jobs_that_include_it(folder: Path, gproof) -> None:
+    (folder / "part.din").write_text(JOB.format("lib.inc"))
+    (folder / "lib.inc").write_text(LIBRARY)
+    assert gproof("lib.inc") == (0, "lib.inc: formatted\n", "")
+    assert (folder / "lib.inc").read_text() == NICE_LIBRARY
+    assert gproof("--check", "lib.inc") == (0, "lib.inc: unchanged\n", "")
+
+
+def test_within_a_job_by_way_of_another_include_and_of_a_folder(folder: Path, gproof) -> None:
+    """The job lies one folder up, and includes the file through another one; a second job does not declare names."""
+    (folder / "lib").mkdir()
+    (folder / "part.din").write_text(JOB.format("lib\\\\all.inc"))
+    (folder / "other.din").write_text("%A\nM30\n$I lib\\lib.inc\n")
+    (folder / "lib" / "all.inc").write_text("$i LIB.INC\n")
+    (folder / "lib" / "lib.inc").write_text(LIBRARY)
+    assert gproof("lib") == (0, "lib/all.inc: formatted\nlib/lib.inc: formatted\n", "")
+    assert (folder / "lib" / "lib.inc").read_text() == NICE_LIBRARY
+
+
+def test_names_that_are_declared_behind_the_include_do_not_count(folder: Path, gproof) -> None:
+    (folder / "part.din").write_text("$I lib.inc\nvar depth, step: double;\n%MAIN\nM30\n")
+    (folder / "lib.inc").write_text("%7\ng1 z(depth)\nm17\n")
+    code, out, err = gproof("lib.inc")
+    assert (code, out) == (1, "")
+    assert "'depth' is not declared" in err
+
+
+def test_an_include_file_of_no_job_keeps_lines_that_use_what_it_does_not_declare(folder: Path, gproof) -> None:
+    (folder / "lib.inc").write_text(LIBRARY)
+    said = (
+        "lib.inc: lines 2, 3, 4 stay as they are, with names that only a job which includes the file can declare; "
+        "no file here does\n"
+    )
+    assert gproof("--check", "lib.inc") == (1, "lib.inc: would be formatted\n", said)
+    assert gproof("lib.inc") == (0, "lib.inc: formatted\n", said)
+    kept = LIBRARY.splitlines()
+    assert (folder / "lib.inc").read_text().splitlines() == ["%7 (bore)", *kept[1:4], "  X1", "$end", "M17"]
+    assert gproof("--check", "lib.inc") == (0, "lib.inc: unchanged\n", said)
+    # Other mistakes are mistakes, and a job declares its names itself.
+    (folder / "lib.inc").write_text(LIBRARY + "G7 X1\n")
+    assert gproof("lib.inc")[:2] == (1, "")
+    (folder / "lib.src").write_text(LIBRARY)
+    assert gproof("lib.src")[:2] == (1, "")
+    assert (folder / "lib.src").read_text() == LIBRARY
+
+
+def test_jobs_that_read_an_include_file_in_two_ways(folder: Path, gproof) -> None:
+    """In one of them it has a mistake: the other says what it means."""
+    (folder / "one.din").write_text("var depth: double;\n%A\nM30\n$I lib.inc\n")
+    (folder / "two.din").write_text("var depth: integer;\n%A\nM30\n$I lib.inc\n")
+    (folder / "lib.inc").write_text("%7\ng1 z(depth and 1)\nm17\n")
+    assert gproof("lib.inc") == (0, "lib.inc: formatted\n", "")
+    assert (folder / "lib.inc").read_text() == "%7\nG01 Z(depth and 1)\nM17\n"
