@@ -99,6 +99,14 @@ def correct(ex: Motion, line: Part, side: int) -> None:
     ] = None
 
 
+def unfollowed(ex: Motion, line: Part, code: str) -> None:
+    """GP256 for what happens while a correction is on: nobody knows on which side, or from where, it goes on."""
+    s = ex.modal
+    if s.din.side:
+        s.din = s.din.but(corrected=None)
+        ex._fail(codes.COMPENSATION_UNKNOWN.at(line.code_span(), cause=f"{code} while the tool radius is corrected"))
+
+
 def is_beside(place: Position) -> bool:
     """Whether a place rests on where a corrected tool is beside its contour."""
     return any(symbol.startswith(BESIDE) for symbol, _ in place.form)

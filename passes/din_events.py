@@ -18,7 +18,7 @@ from gproof.ir.program import PARAMETER, Named
 from gproof.ir.rules import CodeRule
 from gproof.ir.rules import Function as F
 from gproof.ir.trace import Op, Wait
-from gproof.passes.din_compensation import correct
+from gproof.passes.din_compensation import correct, unfollowed
 from gproof.passes.din_motion import Handler
 from gproof.passes.din_origins import end_contour
 from gproof.passes.din_state import din_of, has_tools, own_unit
@@ -114,6 +114,7 @@ def _home(ex: Motion, line: Part) -> None:
     s = ex.modal
     named = set(line.axes()) or {axis.index for axis in ex.machine.axes}
     axes = [axis for axis in ex.machine.axes if axis.index in named]
+    unfollowed(ex, line, "the reference run")
     ex.event(Op.HOME, line.span, text=ex._text(" ".join(axis.name for axis in axes)))
     for axis in axes:
         s.position[axis.index] = NOWHERE if axis.home_place is None else Position(axis.home_place)

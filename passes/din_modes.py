@@ -14,7 +14,7 @@ from gproof.ir.finding import Refusal
 from gproof.ir.rules import CodeRule
 from gproof.ir.rules import Function as F
 from gproof.ir.trace import Op, Plane
-from gproof.passes.din_compensation import correct, correction
+from gproof.passes.din_compensation import correct, correction, unfollowed
 from gproof.passes.din_motion import Handler
 from gproof.passes.din_state import din_of, has_tools, mirror_columns
 from gproof.passes.modal import INCH
@@ -53,12 +53,17 @@ def reflect(ex: Motion, line: Part, rule: CodeRule) -> None:
             if column is None:
                 raise Refusal(codes.AXIS_NOT_THERE.at(line.code_span(), axis=letter))
             new.add(column)
+    if new != s.din.reflected:
+        # The other side of the contour, from here on, or not.
+        unfollowed(ex, line, rule.text)
     s.din = s.din.but(reflected=frozenset(new))
 
 
 def reflect_off(ex: Motion, line: Part, rule: CodeRule) -> None:
     """G24: whether factors are kept for the next reflection is open."""
     s = ex.modal
+    if s.din.reflected:
+        unfollowed(ex, line, rule.text)
     factors = tuple(by if by == -1.0 else math.nan for by in s.din.factors)
     s.din = s.din.but(reflected=frozenset(), factors=(factors[0], factors[1]))
 

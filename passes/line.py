@@ -10,6 +10,7 @@ from dataclasses import dataclass, field
 
 from gproof.ir import codes
 from gproof.ir.finding import Refusal, Span
+from gproof.ir.program import PARAMETER
 from gproof.ir.rules import CodeRule, Function, LanguageRules
 from gproof.passes.values import AXIS_INDEX, Unknown, Value
 
@@ -19,6 +20,11 @@ LARGEST = 1e12
 
 ARGUMENTS = "DEHIJKLPQR"
 LETTERS = frozenset("ABCDEFGHIJKLMPQRSTXYZ")
+
+
+def _named(letter: str) -> str:
+    """A word in a message: a number behind a code has no letter."""
+    return "the number" if letter == PARAMETER else letter
 
 
 @dataclass(slots=True)
@@ -65,7 +71,7 @@ class Line:
         self.used.add(letter)
         value = self.values.get(letter)
         if isinstance(value, Unknown):
-            raise Refusal(codes.UNKNOWN_VALUE.at(self.where(letter), word=letter, cause=value.cause))
+            raise Refusal(codes.UNKNOWN_VALUE.at(self.where(letter), word=_named(letter), cause=value.cause))
         return value
 
     def whole(self, letter: str, tolerance: float) -> int | None:
@@ -74,7 +80,7 @@ class Line:
         if value is None:
             return None
         if abs(value - round(value)) > tolerance:
-            raise Refusal(codes.NOT_AN_INTEGER.at(self.where(letter), word=letter, value=value))
+            raise Refusal(codes.NOT_AN_INTEGER.at(self.where(letter), word=_named(letter), value=value))
         return round(value)
 
     def axes(self) -> dict[int, Value]:

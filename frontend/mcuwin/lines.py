@@ -345,6 +345,9 @@ class _Line:
         self.code = None
         if self._begins_value(self.at):
             value = self._value()
+            if letter == "T" and self.language.old and not isinstance(value, Number):
+                what = "this version takes only a number behind T (14, 2.5.3.108)"
+                raise self._error(codes.BAD_EXPRESSION, begin, self.at, what=what)
             self.words.append(Word(letter, value, self._span(begin)))
             return
         if letter not in self.language.axes:

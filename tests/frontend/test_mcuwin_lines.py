@@ -208,6 +208,8 @@ def test_small_letters(tmp_path: Path) -> None:
         ("G0 X1 (a (b) c)\nM30", []),
         ("M26 102 // output\nM30", []),
         ("G04 CD600\nM30", [("GP107", 1, 5, 10)]),
+        ("T CD600\nM30", [("GP107", 1, 1, 8)]),
+        ("T2\nM30", []),
         # 14: what came later
         ("M901 600\nM30", [("GP112", 1, 1, 5)]),
         ("M80 X 4\nM30", [("GP112", 1, 1, 4)]),

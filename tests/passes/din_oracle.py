@@ -499,7 +499,7 @@ def random_program(rand: random.Random, shop: Shop, size: int = 25) -> list[str]
     """Lines; nearly all of them, as the interpreter runs them, have a meaning."""
     text = ["%1", rand.choice(["G90", "G91"]), "F100", "CD600 := 1.5", "CD601 := -4", "CD602 := 2", "CI600 := 1"]
     subs: list[str] = []
-    names = iter(range(10, 99))
+    names = iter(range(10, 9999))
     tries = 0
 
     def fits(more: list[str], library: list[str]) -> bool:

@@ -166,3 +166,17 @@ def test_an_end_of_which_task_0_is_not_known() -> None:
 
     assert "GP514" in ended("2.5.3.133")
     assert "GP514" not in ended("2.5.3.32")
+
+
+@pytest.mark.parametrize("line", ["G21", "G23", "G74 X", "G74"])
+def test_what_turns_a_contour_over_while_it_is_corrected(line: str) -> None:
+    around = ["G90 F100", "T1", "G41", "G01 X10 Y10", line, "G01 X20", "G40", "G24", "G00 X0 Y0 Z0"]
+    assert "GP256" in labels(run(around, on=machine(tools=TOOLS))[1])
+    before = ["G90", line, "G00 X0 Y0 Z0", *(other for other in around if other != line)]
+    assert "GP256" not in labels(run(before, on=machine(tools=TOOLS))[1])
+
+
+def test_a_reflection_that_is_on_already_changes_no_side() -> None:
+    lines = ["G90 F100", "T1", "G21", "G41", "G01 X10 Y10", "G21", "G01 X20"]
+    assert labels(run(lines, on=machine(tools=TOOLS))[1]) == []
+    assert "GP256" in labels(run([*lines, "G24", "G01 X30"], on=machine(tools=TOOLS))[1])
