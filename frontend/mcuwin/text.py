@@ -24,7 +24,7 @@ from gproof.ir.dialects.mcuwin_persistence import Persistence
 from gproof.ir.din import Din
 from gproof.ir.finding import Findings, Refusal, Span
 from gproof.ir.notes import NoteKind
-from gproof.ir.program import Block, Declare, Include, Mode, Statement, Subprogram
+from gproof.ir.program import Block, Call, Declare, Include, Jump, Mode, Statement, Subprogram
 from gproof.ir.rules import LanguageRules
 
 DECLARES = re.compile(
@@ -66,6 +66,8 @@ class Text:
         self.structure = Structure(self.symbols, self.persistence, findings, span)
         self.procedures: list[Subprogram] = []
         self.doubtful: dict[str, str] = {}
+        self.spelled: dict[str, str] = {}
+        """How names of modules are written, by the name in lower case."""
         self.pascal = False
         self.implied = False
         self.opened = False
@@ -198,7 +200,12 @@ class Text:
         if self.numbered and not line.number and line.statements:
             self.findings.add(codes.LINE_NUMBER_MISSING.at(Span(file, number, 1, 2)))
         dollar = None
+        for node in line.statements:
+            if isinstance(node, Jump | Call):
+                for name in (node.name, node.name.removeprefix("l")):  # ``M98 LUP1`` is ``M98 UP1`` too
+                    self._spelled(name, text[: node.span.end_column - 1], node.span)
         if line.module is not None and line.module_span is not None:
+            self._spelled(line.module.lower(), line.module, line.module_span)
             self.structure.module(line.module, line.module_span)
         elif line.starts is not None:
             begin, end = line.starts
@@ -222,6 +229,22 @@ class Text:
                 nodes = self.shapes.deferred(nodes, text.encode(), file, number, before)
             self.held -= blocks
         self.structure.add(nodes)
+
+    def _spelled(self, name: str, text: str, span: Span) -> None:
+        """The name of a module at the end of a text: written otherwise elsewhere it may be that of another one."""
+        at = text.lower().rfind(name) if not name.isdigit() else -1
+        if at < 0:
+            return
+        written = text[at : at + len(name)]
+        other = self.spelled.setdefault(name, written)
+        if other != written and self.symbols.case_sensitive is not False:
+            why = (
+                "and modules and calls are compared here in any case"
+                if self.symbols.case_sensitive
+                else "which is a setting"
+            )
+            what = f"{written!r} and {other!r} differ only in case, {why}"
+            self.findings.add(codes.PASCAL_OPEN.at(span, what=what, hint="write names alike"))
 
     def _findings(self) -> int:
         """How many there are."""

@@ -244,6 +244,19 @@ def test_mistakes_of_modules(tmp_path: Path, text: str, findings: list[tuple[str
     assert found(tmp_path, text) == findings
 
 
+@pytest.mark.parametrize(
+    ("text", "line"), [("%1\nM98 UP\nM30\n%Up\nM17\n%\n", 4), ("%1\nM98 LUP\nM30\n%Up\nM17\n%\n", 4),
+                       ("%Up\nM96 UP\nM30\n%\n", 2)],
+)  # fmt: skip
+def test_names_of_modules_in_two_ways(tmp_path: Path, text: str, line: int) -> None:
+    """Where nobody says that case does not matter, it may be another module that is meant, or none."""
+    for setting in (None, True):
+        told = found(tmp_path, text, machine(case_sensitive=setting))
+        assert [one[:2] for one in told] == [("GP139", line)]
+    assert found(tmp_path, text, machine(case_sensitive=False)) == []
+    assert found(tmp_path, text.replace("%Up", "%UP"), machine(case_sensitive=True)) == []
+
+
 def test_names_of_modules_are_no_labels_in_the_older_version(tmp_path: Path) -> None:
     assert found(tmp_path, "M98 L107\nM30\n%\n%107\nM17\n%\n", OLD) == [("GP115", 1, 1, 9)]
     text = "M98 L107\nM30\n%\n%107\nM8\nL107\nM9\nM17\n%\n"
