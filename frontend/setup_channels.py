@@ -16,6 +16,7 @@ from gproof.ir.machine import AXIS_NAMES, AxisKind, Machine
 from gproof.ir.setup import Interval, Setup, StoredPosition
 
 HIGHEST_CHANNEL = 64
+_DIGITAL = re.compile(r"([a-z])\.digib\.([1-9]\d?)", re.ASCII)
 _PLACE = re.compile(r"[PHT]\d{1,4}", re.ASCII)
 _TURNING = "abc"
 Columns = Mapping[str, tuple[str, bool]]
@@ -47,12 +48,20 @@ def axes_of(table: TomlTable | None, unit: Fraction, columns: Columns) -> dict[s
     return found
 
 
-def with_channels(setup: Setup, root: TomlTable, unit: Fraction, columns: Columns) -> Setup:
+def digital_inputs(machine: Machine) -> dict[str, int]:
+    """By axis word in small letters, the channel before the first of its digital inputs, as programs have them.
+
+    ``X.digib.5`` is channel 5 of the first axis of the machine: 105 (McuWIN manual 4.11, 7).
+    """
+    return {axis.word.lower(): 100 * place for place, axis in enumerate(machine.axes, 1)}
+
+
+def with_channels(setup: Setup, root: TomlTable, unit: Fraction, columns: Columns, machine: Machine) -> Setup:
     """The setup with what these tables state."""
     return replace(
         setup,
         positions=_positions(root.table("positions"), unit, columns),
-        inputs=_states(root.table("inputs")),
+        inputs=_states(root.table("inputs"), digital_inputs(machine)),
         outputs=_states(root.table("outputs")),
         virtual=_states(root.table("virtual_inputs")),
         answers=_answers(root),
@@ -84,19 +93,32 @@ def _positions(table: TomlTable | None, unit: Fraction, columns: Columns) -> dic
     return found
 
 
-def _states(table: TomlTable | None) -> dict[int, float]:
-    """Channels that are on (1 or true) or off (0 or false)."""
+def _states(table: TomlTable | None, digital: Mapping[str, int] | None = None) -> dict[int, float]:
+    """Channels that are on (1 or true) or off (0 or false). digital: see ``digital_inputs``."""
     found: dict[int, float] = {}
     for name in table.values if table else ():
         assert table is not None
         value = table.take(name)
-        if small_number(name, 1, HIGHEST_CHANNEL) is None:
-            table.bad(name, f"{name!r} is not a channel from 1 to {HIGHEST_CHANNEL}")
+        channel = _channel(name, digital or {})
+        if channel is None:
+            or_axis = "" if digital is None else ', or the input of an axis as programs have it, in quotes: "X.digib.1"'
+            table.bad(name, f"{name!r} is not a channel from 1 to {HIGHEST_CHANNEL}{or_axis}")
         elif value not in (0, 1):
             table.bad(name, f"{show(value)} is not 0 or 1")
+        elif channel in found:
+            table.bad(name, f"{name!r} is stated twice")
         else:
-            found[int(name)] = float(value)
+            found[channel] = float(value)
     return found
+
+
+def _channel(name: str, digital: Mapping[str, int]) -> int | None:
+    """The number of a channel, or of an axis's digital input."""
+    written = _DIGITAL.fullmatch(name.lower())
+    if written is None:
+        return small_number(name, 1, HIGHEST_CHANNEL)
+    first = digital.get(written[1])
+    return None if first is None else first + int(written[2])
 
 
 def _answers(root: TomlTable) -> dict[int, float]:

@@ -66,7 +66,7 @@ def load_setup(path: Path, findings: Findings, machine: Machine = NO_MACHINE) ->
         heads=heads,
         transform=_transform(root.table("transform"), unit),
     )
-    setup = with_channels(setup, root, unit, columns)
+    setup = with_channels(setup, root, unit, columns, machine)
     root.finish()
     return (None if file.errors else setup), file.files + more
 

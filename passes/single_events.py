@@ -211,6 +211,9 @@ def read_input(ex: Emitter, node: Input, evaluator: Evaluator) -> Value:
     if known is not None:
         return known
     names = {"output": "output", "virtual": "virtual input", "input": "input", "answer": "the operator's answer"}
+    axes = ex.machine.axes
+    if ex.program.rules.source_order and 0 < number // 100 <= len(axes):
+        return Unknown(f"input {axes[number // 100 - 1].word}.digib.{number % 100}", 0.0, 1.0)
     return Unknown(f"{names[node.kind]} {number}", 0.0, 1.0)
 
 

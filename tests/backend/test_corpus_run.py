@@ -21,7 +21,7 @@ SAMPLE = (
     "eding/slots-with-g92", "eding/engraved-cylinder",
 )  # fmt: skip
 ONCE = (
-    "mcuwin/engraver/wave", "mcuwin/engraver/between-clamps", "mcuwin/rotary-mill/band",
+    "mcuwin/engraver/wave", "mcuwin/dispenser/lid-bead", "mcuwin/rotary-mill/band",
     "mcuwin/rotary-mill/inch-drawing", "wincnc/knife-twohead/coupled-heads",
 )  # fmt: skip
 """Of the other dialects, from the text to the board and no further."""

@@ -45,6 +45,9 @@ def test_job_ends_as_expected(job: Path) -> None:
     verdicts = {name: report["properties"][name]["verdict"] for name in expect.get("properties", {})}
     assert verdicts == expect.get("properties", {})
     assert misplaced(found, job) == []
+    box = {one["axis"]: (one["low"], one["high"]) for one in report["summary"]["box"] if not one["relative_to"]}
+    for axis, ends in expect.get("reaches", {}).items():
+        assert box[axis] == pytest.approx(ends, abs=2e-4), axis
 
 
 @pytest.mark.parametrize("verdict", EXIT)
@@ -76,7 +79,7 @@ def test_readme_lists_every_job_under_its_verdict() -> None:
 
 def test_every_machine_is_whole() -> None:
     shops = sorted(path for path in SHOPS.iterdir() if path.is_dir())
-    assert len(shops) >= 2
+    assert len(shops) >= 3
     for shop in shops:
         assert {"McuWIN.ini", "machine.toml", "setup.toml"} <= {path.name for path in shop.iterdir()}
 

@@ -86,6 +86,14 @@ def test_every_key(tmp_path: Path) -> None:
     assert parse_ir(print_ir(setup)) == setup
 
 
+def test_digital_inputs_of_axes_go_by_the_names_that_programs_have(tmp_path: Path) -> None:
+    """McuWIN manual 4.11, 7: by the place of the axis in the machine; the second head is the fourth one here."""
+    setup, found = load(tmp_path, f'{HEAD}[inputs]\n"X.digib.5" = 1\n"w.digib.12" = 0\n')
+    assert found == []
+    assert setup is not None
+    assert setup.inputs == {105: 1.0, 412: 0.0}
+
+
 def test_measures_are_those_in_force_at_the_start() -> None:
     setup = Setup(measures={"z": Interval(-5.0, -5.0)}, tool_lengths={3: Interval(-6.0, -6.0)})
     assert setup.interval("tool.0.z") == Interval(-5.0, -5.0)
@@ -111,6 +119,11 @@ def test_without_a_machine_axes_go_by_their_columns() -> None:
         ("[inputs]\n65 = 1", "3 GP603 inputs.65"),
         ("[inputs]\n0 = 1", "3 GP603 inputs.0"),
         ("[inputs]\n3 = 2", "3 GP603 inputs.3"),
+        ('[inputs]\n"V.digib.1" = 1', "3 GP603 inputs.V.digib.1"),
+        ('[inputs]\n"X.digib.0" = 1', "3 GP603 inputs.X.digib.0"),
+        ('[inputs]\n"X.digib.1" = 1\n"x.DIGIB.1" = 1', "4 GP603 inputs.x.DIGIB.1"),
+        ('[outputs]\n"X.digib.1" = 1', "3 GP603 outputs.X.digib.1"),
+        ("[inputs]\nx.digib.1 = 1", "3 GP603 inputs.x"),
         ('[outputs]\n3 = "on"', "3 GP603 outputs.3"),
         ("[virtual_inputs]\nx = 1", "3 GP603 virtual_inputs.x"),
         ("[positions.X4]\nx = 1.0", "2 GP603 positions.X4"),

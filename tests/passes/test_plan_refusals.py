@@ -33,7 +33,7 @@ def told(name: str) -> list[tuple[str, str, int, str]]:
         ("mcuwin/engraver/three-planes", [("three-planes.src", 12)], [("tool 2 is beside", "radius 0")]),
         (
             "mcuwin/engraver/which-fixture",
-            [("which-fixture.src", 18), ("which-fixture.src", 20), ("which-fixture.src", 22)],
+            [("fixtures.inc", 2), ("fixtures.inc", 4), ("fixtures.inc", 6)],
             [("which way it goes", "[inputs]")] * 3,
         ),
         (
