@@ -490,6 +490,12 @@ HEIGHT_JUMP = code(
 )
 
 ENDLESS_LOOP = code(506, "endless-loop", _W, "the program comes by here in the same state again: it never ends")
+ALIKE_PASSES = code(
+    522,
+    "alike-passes",
+    _N,
+    "from pass {done} on one pass of this loop is as the other: as there are too many to follow, it may end behind any",
+)
 CONTOUR_BREAK = code(513, "contour-break", _N, "{code} ends the contour: the axes stop before it", "motion")
 TASK_UNKNOWN = code(
     514,

@@ -8,22 +8,30 @@ other, and those in the same state go on as one. docs/dialects/eding.md says wha
 from __future__ import annotations
 
 import copy
+from functools import cached_property
 
 from gproof.ir import codes
 from gproof.ir.finding import Refusal, Span
-from gproof.ir.program import Expr, For, If, Repeat, While
+from gproof.ir.program import Expr, For, If, Repeat, Subprogram, While
 from gproof.ir.trace import Edge, Wait
 from gproof.passes.emitter import ProgramEnd
 from gproof.passes.frames import EXACT, Frame, Group, Path, Pending, merged
+from gproof.passes.idle import Idle, idle_variables
 from gproof.passes.loops import Loops
-from gproof.passes.modal import Modal
+from gproof.passes.modal import NO_NUMBERS, Modal
 from gproof.passes.values import Unknown
 
 LOOPS = (While, Repeat, For)
+FEW = 16
+"""Outcomes that are followed before anybody looks for variables that have no part in what happens."""
 
 
 class Branches(Loops):
     """Splitting and joining of runs."""
+
+    @cached_property
+    def _idle(self) -> Idle:
+        return idle_variables(self.program)
 
     def _holds(self, condition: Expr, place: tuple[str, int]) -> bool | None:
         """Whether a condition is true; None when the outcomes are to be explored. ProgramEnd where that is done."""
@@ -51,15 +59,21 @@ class Branches(Loops):
             raise Refusal(codes.UNKNOWN_CONDITION.at(span, cause=cause, hint=hint))
         self._key = key
 
-    def _state_key(self, place: object) -> object:
+    def _state_key(self, place: object, without: frozenset[int] | None = None) -> object:
+        """Equal where all that follows is the same; without: variables that have no part in it."""
+        if without is None:
+            without = self._idle.unread if self.branches >= FEW else NO_NUMBERS
         # What is left of a calling line belongs to it: its words are values of that moment.
         stack = tuple((id(f.body), f.at, id(f.node), f.position(), repr(f.caller)) for f in self._stack)
-        return place, stack, tuple(self._depth), self.modal.key()
+        return place, stack, tuple(self._depth), self.modal.key(without=without)
 
-    def _split(self, node: If | While | Repeat | For, loop: Frame | None, leaving: Modal | None = None) -> None:
+    def _split(
+        self, node: If | While | Repeat | For | Subprogram, loop: Frame | None, leaving: Modal | None = None
+    ) -> None:
         """Follow the outcome that goes into a block now and the other later, each in a section of its own.
 
-        leaving: the state of the other outcome, where it is not the one that is.
+        node: a subprogram where it is open whether it runs once more. leaving: the state of the other outcome, where it
+        is not the one that is.
         """
         self.branches += 2
         yes, no = self.rows.new_section(), self.rows.new_section()
@@ -83,8 +97,13 @@ class Branches(Loops):
             nesting = self._nesting
         else:
             loop.at = 0
-            other[-1] = Frame((), group=loop.group)
-            nesting = self._nesting - 1
+            if isinstance(node, Subprogram):
+                # It still has to go back to its caller.
+                other[-1].again, other[-1].at = 0, len(loop.body) + 1
+                nesting = self._nesting
+            else:
+                other[-1] = Frame((), group=loop.group)
+                nesting = self._nesting - 1
         place = self._file, self._call, list(self._depth), self._moved, nesting
         self._waiting.append(Path(other, leaving or self.modal.copy(), no, place))
         self._begin(yes)

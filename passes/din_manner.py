@@ -84,6 +84,7 @@ class DinManner(Manner):
         if len(ex._stack) > depth:
             frame = ex._stack[-1]
             frame.again = count - 1
+            ex._counted.pop((id(frame.node), "call"), None)
             assert frame.caller is not None
             frame.caller = replace(frame.caller, back=back)
 

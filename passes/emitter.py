@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 
 from gproof.ir import codes
-from gproof.ir.finding import Finding, Findings, Refusal, Severity, Span
+from gproof.ir.finding import Finding, Findings, Refusal, Related, Severity, Span
 from gproof.ir.machine import AXIS_NAMES, Machine
 from gproof.ir.program import Input, Named, Program, Statement
 from gproof.ir.rules import CodeRule
@@ -25,6 +26,8 @@ from gproof.passes.transform_codes import at_start
 from gproof.passes.values import FrameTable, Position, Unknown, Value, behind_loop
 
 DEFAULT_BUDGET = 100_000_000
+BEAT = 1 << 16
+"""Blocks between two signs of life."""
 DEFAULT_BRANCHES = 4096
 """Outcomes that are explored, of conditions that rest on what nobody knows before the job runs."""
 
@@ -47,6 +50,9 @@ class Emitter:
         self.findings = findings
         self.block_delete = block_delete
         self.budget = budget
+        # Who wants to hear how far it is: (blocks executed, place).
+        self.on_beat: Callable[[int, Span], None] | None = None
+        self._alarm = min(budget + 1, BEAT)
         self.stop_at_error = stop_at_error
         self.max_branches = max_branches
         self.modal = Modal(program.rules, setup, machine)
@@ -94,6 +100,8 @@ class Emitter:
         self._pending = Pending()
         self._loops = 0
         self._laps: dict[object, Lap] = {}
+        self._counted: dict[object, Lap] = {}
+        self._passes: dict[object, int] = {}
         self._came_back = False
         self._places: dict[int, dict[str, int]] = {}
         self._whole = whole_numbers(program) if program.rules.source_order else frozenset[int]()
@@ -115,8 +123,20 @@ class Emitter:
     def spend(self, span: Span) -> None:
         """Count one executed block; Refusal GP233 when the budget is used up."""
         self.blocks += 1
+        if self.blocks >= self._alarm:
+            self._ring(span)
+
+    def _ring(self, span: Span) -> None:
         if self.blocks > self.budget:
-            raise Refusal(codes.STEP_BUDGET.at(span, budget=self.budget, hint="--max-blocks raises it"))
+            longest = max(self._laps.values(), key=lambda lap: lap.count, default=None)
+            related: tuple[Related, ...] = ()
+            if longest is not None:
+                related = (Related(longest.span, f"the loop here has come to pass {longest.count}"),)
+            hint = "--max-blocks raises it"
+            raise Refusal(codes.STEP_BUDGET.at(span, budget=self.budget, hint=hint, related=related))
+        self._alarm = min(self.budget + 1, self.blocks + BEAT)
+        if self.on_beat is not None:
+            self.on_beat(self.blocks, span)
 
     def _fail(self, finding: Finding, *, told: bool = False) -> None:
         """Report a finding, unless another one that says as much is ``told`` already, and end what it ends."""

@@ -214,9 +214,7 @@ class Executor(Flow):
                 return
         elif self._falls_off(frame):
             self._module_end(frame)
-        if frame.again:
-            frame.again -= 1
-            frame.at = 0
+        if frame.again and self._again(frame):
             return
         if frame.cells is not None and next_cell(self, frame):
             return

@@ -1,8 +1,6 @@
-"""Jumps, labels, returns, counted loops and calls of languages that have them, and programs that never end.
+"""Jumps, labels, returns, counted loops and calls of languages that have them.
 
 A jump goes to a label in its own list of statements or in one around it, within its subprogram (``ir.program.Jump``).
-A run that comes by a place in the state in which it was there before never ends: the section that began in that state
-is where its edge leads. States are compared in Brent's way, so that a loop of a million passes keeps one of them.
 """
 
 from __future__ import annotations
@@ -13,7 +11,6 @@ from gproof.ir import codes
 from gproof.ir.dialects.mcuwin import DECLARED
 from gproof.ir.din import VERSIONS
 from gproof.ir.finding import Refusal, Span
-from gproof.ir.machine import Axis
 from gproof.ir.program import (
     BlockTable,
     Call,
@@ -30,20 +27,20 @@ from gproof.ir.program import (
     While,
 )
 from gproof.ir.trace import Edge, Wait
-from gproof.passes.branches import LOOPS, Branches
+from gproof.passes.branches import LOOPS
 from gproof.passes.din_state import din_of
 from gproof.passes.emitter import ProgramEnd
-from gproof.passes.frames import Frame, Lap, Path
+from gproof.passes.endless import Endless
+from gproof.passes.frames import ANY, Frame, Path
 from gproof.passes.modal import Modal
 from gproof.passes.values import Unknown, Value, behind_loop, bounds
 
-AWAY_PASSES = 64
-"""So many passes of a loop between two looks at whether it leads out of the machine."""
+_OFTEN = "how often the loop runs"
 MAX_NESTED = 200
 """Blocks within blocks, those of calls counted in; a program that nests deeper is not followed."""
 
 
-class Flow(Branches):
+class Flow(Endless):
     """What changes the order of statements."""
 
     def _enter(self, span: Span) -> None:
@@ -124,66 +121,6 @@ class Flow(Branches):
             self._arrived(around, 1)
         raise ProgramEnd
 
-    # ---- programs that never end
-
-    def _lap(self, place: object, span: Span) -> None:
-        """The run comes by a place again: ProgramEnd where it is in the state of an earlier time."""
-        if not self.program.rules.source_order:
-            return
-        lap = self._laps.get(place)
-        if lap is None:
-            lap = self._laps[place] = Lap()
-        lap.count += 1
-        if lap.count % AWAY_PASSES == 0:
-            self._stop_away(span)
-        s = self.modal
-        same = lap.modal is not None and lap.modal.parameters == s.parameters
-        if same:
-            self._run_pending()
-            same = lap.modal is not None and lap.modal.position == s.position and lap.key == self._state_key(place)
-        if same:
-            if lap.section >= 0:
-                self.findings.add(codes.ENDLESS_LOOP.at(span))
-                self._close((self._edge(Wait.BRANCH, "", lap.section, span),))
-                raise ProgramEnd
-            # Once more round, from a section that an edge can lead to.
-            lap.section = self.rows.new_section()
-            self._close((self._edge(Wait.BRANCH, "", lap.section, span),))
-            self._begin(lap.section)
-        elif lap.count >= lap.next and lap.section < 0:
-            self._run_pending()
-            lap.next *= 2
-            lap.modal, lap.key = s.copy(), self._state_key(place)
-        elif lap.section >= 0:
-            self._laps[place] = Lap()
-
-    def _pass_by(self, place: object, span: Span) -> None:
-        """One more pass of a loop of which nobody knows how often it runs."""
-        if not self.program.rules.source_order:
-            return
-        lap = self._laps.setdefault(place, Lap())
-        lap.count += 1
-        if lap.count % AWAY_PASSES == 0:
-            self._stop_away(span)
-
-    def _stop_away(self, span: Span) -> None:
-        """ProgramEnd where a loop has led an axis out of the machine by its whole length, and goes on with it."""
-        self._run_pending()
-        for axis in self.machine.axes:
-            low, high = _outermost(axis)
-            place = self.modal.position[axis.index]
-            if low is None or high is None or place.form:
-                continue
-            if low - (high - low) <= place.value <= high + (high - low):
-                continue
-            # The rows that led there are told past their limits; those to come would say the same for ever.
-            what = f"a loop that leads {axis.word} further and further out of the machine"
-            finding = codes.UNSUPPORTED_CODE.at(span, code=what)
-            self.refused = True
-            self._fail(finding)
-            self._end_section(Wait.UNKNOWN, finding.message, -1, span)
-            raise ProgramEnd
-
     def _not_spooled(self, span: Span, code: str) -> None:
         """GP513: before 2.5.3.41 jumps, calls, returns and labels ended a contour (14)."""
         if not self.program.rules.source_order or din_of(self.machine).version != VERSIONS[1]:
@@ -207,7 +144,7 @@ class Flow(Branches):
         if goes_on is None:
             leaving = None
             if isinstance(node, For):
-                cause = frame.last.cause if isinstance(frame.last, Unknown) else ""
+                cause = frame.last.cause if isinstance(frame.last, Unknown) else _OFTEN
                 self._undecided(("for", id(node)), node.span, cause)
                 leaving = self.modal.copy()
                 self._after_for(frame, node, leaving)
@@ -224,6 +161,23 @@ class Flow(Branches):
                 self._after_for(frame, node, self.modal)
         return goes_on
 
+    def _again(self, frame: Frame) -> bool:
+        """Behind a cycle of a call that has several: whether another one follows, or nobody counts them any more."""
+        node = frame.node
+        assert isinstance(node, Subprogram)
+        if frame.again > 0 and self._is_alike((id(node), "call"), node.span, -1, frame.again, sure=True):
+            frame.again = ANY
+        if frame.again == ANY:
+            self._run_pending()
+            self._undecided(("call", id(node)), node.span, _OFTEN)
+            self._split(node, frame)
+            return True
+        if frame.again:
+            frame.again -= 1
+            frame.at = 0
+            return True
+        return False
+
     def _begin_for(self, node: For) -> None:
         """Both bounds once; then the first pass, or none."""
         self._run_pending()
@@ -236,6 +190,7 @@ class Flow(Branches):
                 raise Refusal(codes.NOT_AN_INTEGER.at(node.span, word="a bound of a for loop", value=value))
         self._enter(node.span)
         self._loops += 1
+        self._counted.pop((id(node), "for"), None)
         step = -1.0 if node.down else 1.0
         self._stack.append(Frame(node.body, node, len(node.body), counter=first - step, last=last))
 
@@ -246,28 +201,44 @@ class Flow(Branches):
         first = frame.cell == 0
         if not first:
             self._run_pending()
-            if self.modal.parameters.get(number) != frame.counter:
+            if self.modal.parameters.get(number) != self._counted_value(frame, node):
                 name = node.variable.name or self.program.rules.name_of(number)
                 what = f"a for loop whose variable {name} its body changes"
                 raise Refusal(codes.UNSUPPORTED_CODE.at(node.span, code=what))
+        if frame.is_open:
+            return None
+        least, most = self._ends(frame, node)
+        there = (frame.counter + step) * step
+        if there > most:
+            return False
+        goes_on = True if there <= least else None
+        if not first and self._is_alike((id(node), "for"), node.span, number, most - there, sure=least == most):
+            frame.is_open = True
+            return None
+        return goes_on
+
+    def _ends(self, frame: Frame, node: For) -> tuple[float, float]:
+        """The least and the greatest that the last value of the variable may be; both negative where it falls."""
         low, high = bounds(frame.last)
         if isinstance(frame.last, Unknown) and frame.last.bounded:
             # Bounds are whole numbers, and rounding has widened the range.
             low, high = float(math.ceil(low)), float(math.floor(high))
-        following = frame.counter + step
-        least, most = (-high, -low) if node.down else (low, high)
-        there = following * step
-        if there > most:
-            return False
-        if there <= least:
-            return True
-        return None
+        return (-high, -low) if node.down else (low, high)
+
+    def _counted_value(self, frame: Frame, node: For) -> Value:
+        """What the variable holds during a pass."""
+        if not frame.is_open:
+            return frame.counter
+        most = self._ends(frame, node)[1]
+        low, high = (-most, frame.counter) if node.down else (frame.counter, most)
+        return Unknown(_OFTEN, low, high)
 
     def _pass(self, frame: Frame, node: For) -> None:
         """One more pass."""
-        frame.counter += -1.0 if node.down else 1.0
+        if not frame.is_open:
+            frame.counter += -1.0 if node.down else 1.0
         frame.cell = 1
-        self.modal.parameters[self._number(node.variable)] = frame.counter
+        self.modal.parameters[self._number(node.variable)] = self._counted_value(frame, node)
         frame.at = 0
 
     def _after_for(self, frame: Frame, node: For, modal: Modal) -> None:
@@ -275,22 +246,17 @@ class Flow(Branches):
         number = self._number(node.variable)
         name = node.variable.name or self.program.rules.name_of(number)
         cause = behind_loop(name)
+        step = -1.0 if node.down else 1.0
         if frame.cell == 0:
             # No pass: as it was, or the first value.
             before: Value = modal.parameters.get(number, Unknown(cause))
             low, high = bounds(before)
-            start = frame.counter + (-1.0 if node.down else 1.0)
+            start = frame.counter + step
             # (``counter`` is still one before the first value.)
             modal.parameters[number] = Unknown(cause, min(low, start), max(high, start))
             return
-        beyond = frame.counter + (-1.0 if node.down else 1.0)
-        modal.parameters[number] = Unknown(cause, min(frame.counter, beyond), max(frame.counter, beyond))
-
-    def _number(self, variable: Variable) -> int:
-        number = self.evaluator.value(variable.number)
-        if isinstance(number, Unknown):
-            raise Refusal(codes.UNKNOWN_CONDITION.at(variable.span, cause=number.cause))
-        return round(number)
+        low, high = bounds(self._counted_value(frame, node))
+        modal.parameters[number] = Unknown(cause, min(low, low + step), max(high, high + step))
 
     # ---- subprograms
 
@@ -392,13 +358,6 @@ class Flow(Branches):
         self._fail(finding, told=(node.name if isinstance(node, Subprogram) else "") in self.program.unended)
         self._end_section(Wait.UNKNOWN, finding.message, -1, span)
         raise ProgramEnd
-
-
-def _outermost(axis: Axis) -> tuple[float | None, float | None]:
-    """As far as an axis goes, end stops counted in."""
-    lows = [value for value in (axis.lower, axis.travel_lower) if value is not None]
-    highs = [value for value in (axis.upper, axis.travel_upper) if value is not None]
-    return min(lows, default=None), max(highs, default=None)
 
 
 def _has_label(body: tuple[Statement, ...], name: str) -> bool:

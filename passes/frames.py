@@ -75,6 +75,10 @@ class Caller:
     back: tuple[tuple[int, int], ...] = ()
 
 
+ANY = -1
+"""Of a call: it runs its subprogram any number of times more."""
+
+
 @dataclass(slots=True)
 class Frame:
     """Statements that are being executed: those of ``body`` from ``at`` on, or the words of a table from ``at`` on.
@@ -83,7 +87,8 @@ class Frame:
     it; cells, cell: of an array, and which of them it is. For tables: the words of the piece that was loaded, in
     columns for the kernel, lines that it must not run and where their words stand, and where the next piece begins;
     continued: what a line of it without a code goes on with.
-    again: how often a subprogram runs once more; counter, last: of a counted loop, its variable's value and its end.
+    again: how often a subprogram runs once more, ``ANY`` where that is left open; counter, last: of a counted loop, its
+    variable's value and its end; is_open: how often it runs is left open.
     """
 
     body: tuple[Statement, ...]
@@ -105,10 +110,14 @@ class Frame:
     again: int = 0
     counter: float = 0.0
     last: Value = 0.0
+    is_open: bool = False
 
     def position(self) -> tuple[object, ...]:
         """The place in a table, in an array, in what is repeated."""
-        return self.base, self.next_byte, self.cell, self.cells, self.continued, self.again, self.counter, self.last
+        return (
+            self.base, self.next_byte, self.cell, self.cells, self.continued, self.again, self.counter, self.last,
+            self.is_open,
+        )  # fmt: skip
 
     def next_line(self) -> int:
         """The line of a table that comes next, 0 behind its end."""
@@ -141,15 +150,24 @@ class Path:
 class Lap:
     """A place that a run comes by again and again: in which state it was there, at its nth visit, of how many.
 
-    modal, stack: of the visit that is remembered, which doubles its distance each time (Brent's way to find a cycle);
-    section: that began in this state, -1 while there is none.
+    saved, modal, key: of the visit that is remembered, twice as far each time (Brent's way to find a cycle);
+    section: that began in this state, -1 while there is none; until: the visit at which it is to be the same again.
+    full: a counter of 32 bits, its value and its change in a pass.
+    witness: a variable that differed when last asked. blocks, branches: of the run at the first visit; span: the loop.
     """
 
+    span: Span
+    blocks: int = 0
+    branches: int = 0
     count: int = 0
     next: int = 1
+    saved: int = 0
     modal: Modal | None = None
     key: object = None
+    witness: int | None = None
     section: int = -1
+    until: int = 0
+    full: tuple[int, float, float] | None = None
 
 
 NO_PLACE = Span("", 0)

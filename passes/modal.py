@@ -30,6 +30,8 @@ NO_OFFSET = [ZERO] * AXES
 _PARK_DEFAULTS = {"park_1": 5161, "park_2": 5181}
 TOOL_LENGTH, TOOL_DIAMETER, TOOL_X_OFFSET, TOOL_ORIENTATION = 5400, 5500, 5600, 5700
 _CONSTANT = ("rules", "setup", "machine", "axis_there", "linear", "ranges")
+_OTHER = frozenset((*_CONSTANT, "parameters"))
+NO_NUMBERS = frozenset[int]()
 
 
 class Modal:
@@ -438,13 +440,13 @@ class Modal:
                 setattr(other, name, value.copy())
         return other
 
-    def key(self, *, parameters: bool = True) -> object:
-        """Equal for equal states: all that can change in a run, in a fixed order; with or without the variables."""
-        return tuple(
-            _fixed(value)
-            for name, value in sorted(vars(self).items())
-            if name not in _CONSTANT and (parameters or name != "parameters")
-        )
+    def key(self, *, parameters: bool = True, without: frozenset[int] = NO_NUMBERS) -> object:
+        """Equal for equal states: all that can change in a run, in a fixed order; with or without (some of) the
+        variables."""
+        found = [_fixed(value) for name, value in sorted(vars(self).items()) if name not in _OTHER]
+        if parameters:
+            found.append(frozenset(item for item in self.parameters.items() if item[0] not in without))
+        return tuple(found)
 
     def park_position(self, kind: str, axis: int) -> Position:
         """The G28 or G30 point of an axis in machine coordinates; parameters are in the machine's unit."""

@@ -142,7 +142,7 @@ def test_the_machine_runs_it_not_the_drawing(tmp_path: Path) -> None:
     assert [xs(way) for way in ways(trace)] == [[1.0, 1.0]]
 
 
-def test_endless_loop_without_unknowns_still_meets_the_budget(tmp_path: Path) -> None:
+def test_a_loop_that_goes_on_elsewhere_meets_the_budget(tmp_path: Path) -> None:
     from passes.programs import load_program
 
     from gproof.ir.finding import Findings
@@ -150,12 +150,14 @@ def test_endless_loop_without_unknowns_still_meets_the_budget(tmp_path: Path) ->
     from gproof.passes.execute import execute
 
     job = tmp_path / "job.cnc"
-    job.write_text("while [1 == 1]\nG4 P1\nendwhile\nM30\n")
+    job.write_text("G21 G91\nwhile [1 == 1]\nG0 X0.1\nendwhile\nM30\n")
     findings = Findings()
     program = load_program(job, findings)
     assert program is not None
     execute(program, ZERO, NO_MACHINE, findings, budget=1000).verify()
     assert labels(findings)[-1] == "GP233"
+    assert findings.kept[-1].related[0].span.line == 2
+    assert "pass 5" in findings.kept[-1].related[0].message
 
 
 def test_random_programs_agree_with_runs_that_know_the_inputs(tmp_path: Path) -> None:

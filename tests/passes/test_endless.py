@@ -1,0 +1,236 @@
+"""Loops of more passes than anybody follows: counters without a part, passes that are alike, and the block budget."""
+
+from __future__ import annotations
+
+import random
+from pathlib import Path
+from typing import Any
+
+import pytest
+from passes.din_programs import labels, moves, run
+from passes.test_din_flow import Maker, _without_calls
+
+from gproof.ir.finding import Findings
+from gproof.ir.trace import Op, Trace
+from passes import programs
+
+BUDGET = 2_000
+MANY = "2000000000"
+Way = list[tuple[float, ...]]
+
+
+def all_labels(findings: Findings) -> list[str]:
+    """Codes in order, notes too."""
+    return [f.code.label for f in findings.kept]
+
+
+def steps(trace: Trace) -> dict[int, Way]:
+    """Places of each section, in order."""
+    return {
+        s.number: [tuple(s.rows["to"][n][:3].tolist()) for n in range(len(s.rows)) if s.rows["op"][n] < Op.DWELL]
+        for s in trace.sections
+    }
+
+
+def some_way(trace: Trace, rng: random.Random) -> Way | None:
+    """Places of one run to its end; None where that is too far."""
+    made, at, way = steps(trace), 0, Way()
+    edges = {s.number: s.edges for s in trace.sections}
+    for _ in range(3_000):
+        way += made[at]
+        at = rng.choice(edges[at]).target
+        if at < 0:
+            return way
+    return None
+
+
+def has_way(trace: Trace, way: Way) -> bool:
+    """Whether a run of the graph makes these places and ends behind them."""
+    made = steps(trace)
+    edges = {s.number: [edge.target for edge in s.edges] for s in trace.sections}
+    todo, seen = [(0, 0)], set[tuple[int, int]]()
+    while todo:
+        section, done = todo.pop()
+        if (section, done) in seen:
+            continue
+        seen.add((section, done))
+        own = made[section]
+        if way[done : done + len(own)] != own:
+            continue
+        done += len(own)
+        for target in edges[section]:
+            if target < 0 and done == len(way):
+                return True
+            if target >= 0:
+                todo.append((target, done))
+    return False
+
+
+def alike_program(rng: random.Random) -> tuple[list[Any], list[Any], dict[str, list[Any]]]:
+    """What is in front of a loop and its body, which ends where it began; subprograms."""
+    maker = Maker(rng.randrange(10**6), inputs=rng.random() < 0.5)
+    body = [f"G00 X{rng.randint(1, 3)}", *maker.body(1, [], size=3), "G00 X0"]
+    if rng.random() < 0.7:
+        body += ["CI600 := 0", "CI601 := 1", "CI602 := 2"]
+    if rng.random() < 0.4:
+        body.append("CI603 := CI603 + 1")
+    subs = {name: _without_calls([*maker.body(0, [], size=2), "M17"]) for name in ("900", "901")}
+    return ["G90", "CI600 := 0", "CI601 := 1", "CI602 := 2", "CI603 := 0"], body, subs
+
+
+def looped(kind: str, count: str, body: list[Any]) -> tuple[list[Any], dict[str, list[Any]]]:
+    if kind == "call":
+        return [f"M98 L7 O{count}"], {"7": [*_without_calls(body), "M17"]}
+    return [("for", "V0", "1", count, False, body) if kind == "for" else ("for", "V0", count, "1", True, body)], {}
+
+
+def test_a_loop_that_is_left_open_holds_the_loop_of_any_count() -> None:
+    opened = 0
+    for seed in range(30):
+        rng = random.Random(seed)
+        head, body, subs = alike_program(rng)
+        kind = rng.choice(["call", "for", "downto"])
+        loop, more = looped(kind, MANY, body)
+        many, findings = run([*head, *loop, "G00 X77"], *subs.items(), *more.items(), max_branches=100, budget=BUDGET)
+        if "GP522" not in all_labels(findings) or {"GP232", "GP233"} & set(labels(findings)):
+            continue
+        opened += 1
+        for count in (17, 24):
+            loop, more = looped(kind, str(count), body)
+            some, _ = run([*head, *loop, "G00 X77"], *subs.items(), *more.items(), max_branches=400)
+            for _ in range(3):
+                way = some_way(some, rng)
+                assert way is None or has_way(many, way), (seed, kind, count, head, body, subs, way)
+    assert opened > 10
+
+
+@pytest.mark.parametrize("kind", ["call", "for", "downto"])
+def test_alike_passes_are_told_and_all_that_follows_is_judged(kind: str) -> None:
+    loop, more = looped(kind, MANY, ["G90 G00 X5", "CI601 := CI601 + 1", "G00 X0"])
+    trace, findings = run(["CI601 := 0", *loop, "G00 X9"], *more.items(), budget=BUDGET)
+    assert all_labels(findings).count("GP522") == 1
+    assert labels(findings) == []
+    assert 9 in {move[1] for move in moves(trace)}
+
+
+def test_a_loop_of_few_passes_is_followed_to_its_end() -> None:
+    trace, findings = run(["G90", ("for", "V0", "1", "400", False, ["G00 X5", "X0"])], budget=BUDGET)
+    assert all_labels(findings) == []
+    assert len(moves(trace)) == 800
+
+
+def test_a_variable_that_counts_alike_passes_is_anything_it_may_be() -> None:
+    body = ["G90 G00 X(V0)", "X0"]
+    trace, findings = run([("for", "V0", "1", MANY, False, body), "G00 X9"], budget=BUDGET)
+    assert "GP522" in all_labels(findings)
+    symbol = next(reversed(trace.symbols.values()))
+    assert symbol.low <= 17
+    assert symbol.high == 2e9
+
+
+# ---- counters that have no part in what happens
+
+
+@pytest.mark.parametrize("more", [
+    [], ["CI601 := 5 - CI602"], ["CD600 := CD600 + 0.25"], ["CI602 := CI601 - 1000"],
+])  # fmt: skip
+def test_a_counter_does_not_keep_a_loop_from_being_endless(more: list[str]) -> None:
+    items = ["CI601 := 0", "CI602 := 0", "CD600 := 0", "L1", "G90 G00 X1", "X0", "CI601 := CI601 + 1", *more, "M96 L1"]
+    assert labels(run(items, budget=BUDGET)[1]) == ["GP506"]
+
+
+def test_a_counter_of_32_bits_is_told_when_it_is_full() -> None:
+    _, findings = run(["CI601 := 0", "L1", "CI601 := CI601 + 1000", "M96 L1"], budget=BUDGET)
+    assert findings.kept[0].hint == "CI601 counts passes, and leaves its 32 bits after 2147466 of them"
+
+
+@pytest.mark.parametrize("body", [
+    # It ends the loop; where it goes; in a subprogram; what it becomes grows by itself; a count of a call.
+    [("if", "CI601 > 999", ["M96 L2"])],
+    ["G00 X(CI601)"],
+    ["M98 L7"],
+    ["CI603 := CI601 * 2", "CI604 := CI603 + 1", ("if", "CI604 > 1999", ["M96 L2"])],
+    ["M901 601"],
+])  # fmt: skip
+def test_a_counter_that_has_a_part_keeps_passes_apart(body: list[Any]) -> None:
+    items = ["CI601 := 0", "L1", "G90 G00 X1", "X0", "CI601 := CI601 + 1", *body, "M96 L1", "L2", "G00 X9"]
+    _, findings = run(items, ("7", [("if", "CI601 > 999", ["G00 X3"]), "M17"]), budget=BUDGET)
+    assert "GP506" not in labels(findings)
+    assert "GP233" in labels(findings)
+
+
+def test_a_number_that_doubles_is_no_counter() -> None:
+    """It leaves its 32 bits in the 32nd pass, which is an error."""
+    assert "GP228" in labels(run(["CI601 := 1", "L1", "CI601 := CI601 * 2", "M96 L1"], budget=BUDGET)[1])
+
+
+def test_alike_passes_that_fill_a_counter_are_followed() -> None:
+    loop = ("for", "V0", "1", MANY, False, ["CI601 := CI601 + 2"])
+    assert labels(run(["CI601 := 0", loop], budget=BUDGET)[1]) == ["GP233"]
+
+
+@pytest.mark.parametrize("loop", [
+    ["L1", "CI601 := CI601 + 1", ("if", "IN5 == 1", ["M96 L2"]), "M96 L1", "L2"],
+    [("while", "IN5 == 1", ["CI601 := CI601 + 1"])],
+    [("repeat", ["CI601 := CI601 + 1", "G04 5"], "IN5 == 1")],
+    [("for", "V0", "1", "5000", False, [("if", "IN5 == 1", ["G00 X1"], ["G00 X2"]), "X0"])],
+])  # fmt: skip
+def test_counting_while_one_waits_for_an_input(loop: list[Any]) -> None:
+    trace, findings = run(["G90", "CI601 := 0", *loop, "G00 X9"], max_branches=400)
+    assert labels(findings) == []
+    assert 9 in {move[1] for move in moves(trace)}
+    assert len(trace.sections) < 200
+
+
+# ---- other ways to write a loop
+
+
+def same(items: list[Any], others: list[Any], *subs: tuple[str, list[Any]]) -> None:
+    one, first = run(items, *subs)
+    other, second = run(others, *subs)
+    assert moves(one) == moves(other)
+    assert set(labels(first)) == set(labels(second)) <= {"GP519"}
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_a_loop_is_its_passes_one_behind_the_other(seed: int) -> None:
+    rng = random.Random(seed)
+    maker = Maker(seed, inputs=False)
+    count = rng.randint(2, 5)
+    body = [*maker.body(0, [], size=3), "G00 X(CI601)"]
+    head = ["G91", "CI600 := 0", "CI601 := 1", "CI602 := 2", "CI605 := 0"]
+    plain = [item for item in _without_calls(body) if item[0] != "L" and "M96" not in str(item)]
+    passes = [line for _ in range(count) for line in plain]
+    same([*head, *passes], [*head, ("for", "V0", "1", str(count), False, plain)])
+    same([*head, *passes], [*head, ("for", "V0", str(count), "1", True, plain)])
+    counting = [*plain, "CI605 := CI605 + 1"]
+    same([*head, *passes], [*head, ("while", f"CI605 < {count}", counting)])
+    same([*head, *passes], [*head, ("repeat", counting, f"CI605 >= {count}")])
+    same([*head, *passes], [*head, "L50", *counting, ("if", f"CI605 < {count}", ["M96 L50"])])
+    same([*head, *passes], [*head, "L50", ("if", f"CI605 == {count}", ["M96 L51"]), *counting, "M96 L50", "L51"])
+    same([*head, *passes], [*head, f"M98 L7 O{count}"], ("7", [*plain, "M17"]))
+
+
+# ---- the same in programs of Eding
+
+
+def test_an_endless_loop_of_eding_is_told(tmp_path: Path) -> None:
+    text = '#1 = 0\nwhile [1 == 1]\nG1 X1 F100\nX0\n#1 = [#1 + 1]\nmsg "part " #1\nendwhile\nM30\n'
+    _, findings = programs.run(tmp_path, text)
+    assert [f.code.label for f in findings.kept if f.severity.name != "NOTE"][-1:] == ["GP506"]
+
+
+def test_eding_counts_while_it_waits(tmp_path: Path) -> None:
+    text = "#1 = 0\nM56 P3\nwhile [#5399 == 1]\n#1 = [#1 + 1]\nM56 P3\nendwhile\nG0 X9\nM30\n"
+    trace, findings = programs.run(tmp_path, text, max_branches=200)
+    assert not {"GP232", "GP233"} & set(all_labels(findings))
+    assert len(trace.sections) < 200
+
+
+@pytest.mark.parametrize(
+    "use", ["G1 X[#1 / 100]", "#[#2] = #1", "if [#1 > 500]\nG1 X3\nendif", "#3 = [1 / [500 - #1]]"]
+)
+def test_a_counter_of_eding_that_has_a_part(tmp_path: Path, use: str) -> None:
+    text = f"#1 = 0\n#2 = 7\nM56 P3\nwhile [#5399 == 1]\n#1 = [#1 + 1]\nG1 X0 F100\n{use}\nM56 P3\nendwhile\nM30\n"
+    _, findings = programs.run(tmp_path, text, max_branches=200)
+    assert "GP232" in all_labels(findings)
