@@ -128,11 +128,12 @@ class Emitter:
 
     def _ring(self, span: Span) -> None:
         if self.blocks > self.budget:
-            longest = max(self._laps.values(), key=lambda lap: lap.count, default=None)
-            related: tuple[Related, ...] = ()
+            laps = [*self._laps.values(), *self._counted.values()]
+            longest = max(laps, key=lambda lap: lap.count, default=None)
+            hint, related = "--max-blocks raises it", tuple[Related, ...]()
             if longest is not None:
-                related = (Related(longest.span, f"the loop here has come to pass {longest.count}"),)
-            hint = "--max-blocks raises it"
+                hint = f"the loop here has come to pass {longest.count}; {hint}"
+                span, related = longest.span, (Related(span, "here the last one of them was executed"),)
             raise Refusal(codes.STEP_BUDGET.at(span, budget=self.budget, hint=hint, related=related))
         self._alarm = min(self.budget + 1, self.blocks + BEAT)
         if self.on_beat is not None:
