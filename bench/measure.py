@@ -42,8 +42,13 @@ class Runs:
         return {**out, "problem": self.problem} if self.problem else out
 
 
-def run_once(command: Sequence[str], environment: Mapping[str, str], into: Runs) -> str:
-    """Run a command and note its figures; returns its standard output. What fails is ``problem``."""
+def run_once(
+    command: Sequence[str], environment: Mapping[str, str], into: Runs, accepted: Sequence[int] = (0,)
+) -> str:  # fmt: skip
+    """Run a command and note its figures; returns its standard output. What fails is ``problem``.
+
+    accepted: exit codes that are no failure.
+    """
     with tempfile.TemporaryFile() as out, tempfile.TemporaryFile() as err:
         actions = [
             (os.POSIX_SPAWN_OPEN, 0, os.devnull, os.O_RDONLY, 0),
@@ -60,7 +65,7 @@ def run_once(command: Sequence[str], environment: Mapping[str, str], into: Runs)
         err.seek(0)
         text = out.read().decode(errors="replace")
         code = os.waitstatus_to_exitcode(status)
-        if code != 0 and not into.problem:
+        if code not in accepted and not into.problem:
             last = (err.read().decode(errors="replace") + text).strip().splitlines()
             into.problem = f"exit code {code}: {last[-1] if last else 'no output'}"
     return text

@@ -2,8 +2,8 @@
 
 Coordinates are whole tenths of a micrometre until they are printed, from a counter and integer arithmetic:
 no random numbers, no sines. Every program is valid for the Eding controller and for LinuxCNC: G21 G90 G17
-G54 G94 at the top, F and S given, M30 at the end, X and Y within 0 ... 500 mm, Z within -50 ... 50 mm; WinCNC reads
-the lines between.
+G54 G94 at the top, F and S given, M30 at the end, X and Y within 0 ... 500 mm, Z within -50 ... 50 mm; WinCNC and
+McuWIN read the lines between.
 """
 
 from __future__ import annotations
@@ -18,6 +18,13 @@ TAIL = ("G0 Z5", "M30")
 TAP_HEAD = ("[benchmark]", "G22", "G90", "G0 Z5", "G0 X0 Y0", "G1 Z0 F1500")
 TAP_TAIL = ("G0 Z5", "[end]")
 """As many lines around the same path, for WinCNC."""
+
+DIN_HEAD = ("'benchmark", "%1", "G90", "G00 Z5", "G00 X1 Y1", "G01 Z0 F1500")
+DIN_TAIL = ("G00 Z5", "M30")
+"""As many lines around the same path, for McuWIN."""
+
+AROUND = {".tap": (TAP_HEAD, TAP_TAIL), ".din": (DIN_HEAD, DIN_TAIL)}
+"""Of other programs than those of Eding, by suffix."""
 
 # Sixteen points of the unit circle times 10000, rounded: an arc's radii at its ends differ a little, as in CAM output.
 _RING = (
@@ -110,13 +117,13 @@ SHAPES: dict[str, Callable[[], Iterator[str]]] = {
 }  # fmt: skip
 
 
-TAP_SHAPES = ("raster", "arcs", "modal")
-"""Shapes whose lines mean the same to WinCNC."""
+COMMON_SHAPES = ("raster", "arcs", "modal")
+"""Shapes whose lines mean the same to WinCNC and McuWIN."""
 
 
 def write_program(shape: str, lines: int, path: Path) -> None:
-    """A program of exactly so many lines; for WinCNC when the file's name ends so (.tap)."""
-    head, tail = (TAP_HEAD, TAP_TAIL) if path.suffix == ".tap" else (HEAD, TAIL)
+    """A program of exactly so many lines; for WinCNC or McuWIN when the file's name ends so (.tap, .din)."""
+    head, tail = AROUND.get(path.suffix, (HEAD, TAIL))
     body = lines - len(head) - len(tail)
     with path.open("w", encoding="ascii", newline="\n") as file:
         file.writelines(f"{line}\n" for line in head)

@@ -478,7 +478,7 @@ class BlockTable:
     The words are not held here but scanned when they run (``Program.load``), so that a table of millions of
     lines costs nothing before. first_line, last_line: inclusive; begin, end: byte range of the file;
     words: WORD columns with offsets from ``begin`` when the table is small or was loaded, else None.
-    continued: see Block, for its first line.
+    continued: see Block, for its first line; distances: see Block, for all of them.
     """
 
     file: int
@@ -488,6 +488,7 @@ class BlockTable:
     end: int
     words: Columns | None = None
     continued: str = ""
+    distances: str = ""
 
 
 Statement = (

@@ -106,8 +106,8 @@ class _Pair:
         self.line = left.first_line
         if (left.first_line, left.last_line) != (right.first_line, right.last_line):
             return self._differs(f"lines to {left.last_line} and to {right.last_line}")
-        if left.continued != right.continued:
-            return self._differs_in(left.continued, right.continued)
+        if (left.continued, left.distances) != (right.continued, right.distances):
+            return self._differs_in((left.continued, left.distances), (right.continued, right.distances))
         for mine, other in _side_by_side(_words(self.left, left), _words(self.right, right), left.last_line):
             if len(mine) != len(other):
                 return self._differs(f"{len(mine)} and {len(other)} words")

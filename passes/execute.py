@@ -157,6 +157,8 @@ class Executor(Flow):
             assert isinstance(node, BlockTable)
             self._run_pending()
             self._file = node.file
+            if node.distances:
+                self.modal.absolute = node.distances == "G90"
             self._stack.append(Frame((), node, next_byte=node.begin, line=node.first_line, continued=node.continued))
         elif kind is If:
             assert isinstance(node, If)

@@ -22,7 +22,7 @@ from gproof.frontend.source import UTF8_MARK, decode, encoding_of, read_source
 from gproof.ir import codes
 from gproof.ir.columns import Columns
 from gproof.ir.dialects import rules_named
-from gproof.ir.din import NO_DIN, VERSIONS
+from gproof.ir.din import NO_DIN
 from gproof.ir.finding import Findings, Refusal, Span
 from gproof.ir.machine import Machine
 from gproof.ir.program import BlockTable, Program, SourceFile, Statement, Unsupported
@@ -99,8 +99,7 @@ class _Loader:
         self.findings = findings
         self.machine_file = machine_file
         self.din = machine.controller.din or NO_DIN
-        # Blocks say which distances are in force where the source decides that too (14, 2.5.3.78), tables do not.
-        self.tables = tables and self.din.version != VERSIONS[1]
+        self.tables = tables
         axes = "".join(axis.word for axis in machine.axes)
         self.program = Program(dialect="mcuwin", rules=rules_named("mcuwin"))
         self.scanner = Scanner(axes, small=not self.din.case_sensitive, numbered=self.din.line_numbers)
@@ -122,7 +121,9 @@ class _Loader:
             self.text.structure.sections, self.text.procedures, self.name, self.findings, old=self.text.old
         )  # fmt: skip
         program.body, program.subprograms, program.unended = made.body, made.subprograms, made.unended
-        size = judge_size(program, self.text.structure.sections, self.text.procedures, self.din.program_size)
+        size = judge_size(
+            program, self.text.structure.sections, self.text.procedures, self.din.program_size, self.text.deferred
+        )
         if size is not None:
             self.findings.add(size)
         return program
@@ -299,12 +300,13 @@ class _Walk:
         if last - first < HELD_LINES and self.loader.held + last - first < HELD_IN_ALL:
             self.loader.held += last - first + 1
             words, _, _ = self.loader.scanner.scan(self.data, begin, end, first, end - begin)
-        state = self.text.persistence.state
-        table: Statement = BlockTable(
-            file=self.number, first_line=first, last_line=last, begin=begin, end=end, words=words, continued=state
-        )  # fmt: skip
         if words is not None and not len(words):
             return
+        persistence = self.text.persistence
+        table: Statement = BlockTable(
+            file=self.number, first_line=first, last_line=last, begin=begin, end=end, words=words,
+            continued=persistence.state, distances=persistence.distances_of(()),
+        )  # fmt: skip
         self.text.structure.add([table])
         motion = _last_motion(words) if words is not None else self._search_motion(begin, end)
         if motion is not None:

@@ -7,7 +7,7 @@ what is no token has the kind ``other``, so that an expression can end where tex
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 from gproof.ir.finding import Code, Finding, Refusal, Span
@@ -69,23 +69,17 @@ class Lexer:
         self.comments: list[Comment] = []
         self.index = 0
         self._tokens: list[Token] = []
-        self._source = self._scan(at)
+        self._row, self._at = 0, at
+        self._opened = self._ended = False
 
     def peek(self, ahead: int = 0) -> Token:
         """The token that many behind the next one; the last has the kind ``end``."""
-        try:
-            return self._tokens[self.index + ahead]
-        except IndexError:
-            return self._more(self.index + ahead)
-
-    def _more(self, wanted: int) -> Token:
-        tokens = self._tokens
-        while len(tokens) <= wanted:
-            token = next(self._source, None)
-            if token is None:
-                return tokens[-1]
-            tokens.append(token)
-        return tokens[wanted]
+        index = self.index + ahead
+        while index >= len(self._tokens):
+            if self._ended:
+                return self._tokens[-1]
+            self._scan()
+        return self._tokens[index]
 
     def take(self) -> Token:
         """The next token, which is passed."""
@@ -99,35 +93,43 @@ class Lexer:
         """The token that was taken last."""
         return self._tokens[max(self.index - 1, 0)]
 
-    def _scan(self, at: int) -> Iterator[Token]:
-        opened = False
-        for row, line in enumerate(self.lines):
-            if opened:
-                close = line.find("}")
-                at = len(line) if close < 0 else close + 1
-                opened = close < 0
-                self.comments.append(Comment(line[:at], row, 0, at))
-            while True:
-                found = _TOKEN.match(line, at)
-                if found is None:
-                    break
-                kind = found.lastgroup or ""
-                begin, at = found.span(kind)
-                text = line[begin:at]
-                if kind != "comment":
-                    yield Token(kind, text, text.lower(), row, begin, at)
-                    continue
-                if text.startswith("{$") or (text[0] == "{" and text[-1] != "}" and row == len(self.lines) - 1):
-                    yield Token("other", text, text.lower(), row, begin, at)
-                    continue
-                self.comments.append(Comment(text, row, begin, at))
-                opened = text[0] == "{" and text[-1] != "}"
-            at = 0
-        last = len(self.lines) - 1
-        size = len(self.lines[last].rstrip()) if self.lines else 0
-        if opened:
-            yield Token("other", "{", "{", last, max(size - 1, 0), size)
-        yield Token("end", "", "", max(last, 0), size, size)
+    def _scan(self) -> None:
+        """Make one more token."""
+        lines = self.lines
+        while self._row < len(lines):
+            found = _TOKEN.match(lines[self._row], self._at)
+            if found is None:
+                self._next_row()
+                continue
+            kind = found.lastgroup or ""
+            begin, self._at = found.span(kind)
+            text = found[kind]
+            if kind != "comment":
+                self._tokens.append(Token(kind, text, text.lower(), self._row, begin, self._at))
+                return
+            if text.startswith("{$") or (text[0] == "{" and text[-1] != "}" and self._row == len(lines) - 1):
+                self._tokens.append(Token("other", text, text.lower(), self._row, begin, self._at))
+                return
+            self.comments.append(Comment(text, self._row, begin, self._at))
+            self._opened = text[0] == "{" and text[-1] != "}"
+        last = len(lines) - 1
+        size = len(lines[last].rstrip()) if lines else 0
+        if self._opened:
+            self._opened = False
+            self._tokens.append(Token("other", "{", "{", last, max(size - 1, 0), size))
+            return
+        self._tokens.append(Token("end", "", "", max(last, 0), size, size))
+        self._ended = True
+
+    def _next_row(self) -> None:
+        """Go on with the next line, behind a comment that is open."""
+        self._row, self._at = self._row + 1, 0
+        if self._opened and self._row < len(self.lines):
+            line = self.lines[self._row]
+            close = line.find("}")
+            self._at = len(line) if close < 0 else close + 1
+            self._opened = close < 0
+            self.comments.append(Comment(line[: self._at], self._row, 0, self._at))
 
     def span(self, first: Token, last: Token | None = None) -> Span:
         """From a token to another; to the end of its own line when the other stands in a further one."""

@@ -20,6 +20,7 @@ from gproof.frontend.mcuwin.lines import LineReader
 from gproof.frontend.mcuwin.notes import Found
 from gproof.frontend.mcuwin.pascal import Dollar, Place, Simple, Symbols, parse_dollar
 from gproof.frontend.mcuwin.patterns import Pattern, UnfitError, lengths, pattern_of, place_of
+from gproof.frontend.mcuwin.size import size_of
 from gproof.frontend.source import decode
 from gproof.ir.dialects.mcuwin_persistence import Persistence
 from gproof.ir.finding import Findings
@@ -81,7 +82,7 @@ class Known:
     """What lines of a shape are. after: what is in force behind; letters: of their words; number: whether they have a
     line number; says: there are statements; dollar: "" for a line of blocks, ``simple`` for whole statements of
     rw_SymPas, ``head`` for another ``$`` line; notes: each with the place where it begins; blocks:
-    which of the statements are blocks that can be made when they run."""
+    which of the statements are blocks that can be made when they run; size: of these, see ``size.py``."""
 
     pattern: Pattern
     after: State
@@ -91,6 +92,7 @@ class Known:
     dollar: str
     notes: tuple[tuple[int, NoteKind, tuple[int, int], str | None], ...]
     blocks: tuple[bool, ...]
+    size: tuple[int, int]
 
 
 class Line(NamedTuple):
@@ -279,4 +281,11 @@ def _known(
             for place, kind, begin, written in notes
         ),
         blocks=tuple(can_wait(node) for node in nodes),
+        size=size_of_deferred(nodes),
     )
+
+
+def size_of_deferred(nodes: Sequence[object]) -> tuple[int, int]:
+    """Words and nodes of the statements that are made when they run."""
+    sizes = [size_of(node) for node in nodes if isinstance(node, Block) and can_wait(node)]
+    return sum(words for words, _ in sizes), sum(count for _, count in sizes)

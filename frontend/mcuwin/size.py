@@ -17,6 +17,7 @@ from gproof.ir.program import (
     Binary,
     Block,
     BlockTable,
+    DeferredBlock,
     Expr,
     For,
     If,
@@ -34,18 +35,23 @@ CHUNK = 1 << 16
 
 
 def judge_size(
-    program: Program, sections: Sequence[Section], procedures: Sequence[Subprogram], allowed: int
+    program: Program, sections: Sequence[Section], procedures: Sequence[Subprogram], allowed: int,
+    deferred: tuple[int, int] = (0, 0),
 ) -> Finding | None:  # fmt: skip
-    """A finding where the compiled program is, or may be, larger than what the controller loads."""
+    """A finding where the compiled program is, or may be, larger than what the controller loads.
+
+    deferred: words and nodes of the blocks that are made when they run.
+    """
     lines = sum(source.line_count for source in program.files)
     size = sum(len(source.data) for source in program.files)
     # A node takes a character of the source at the least.
     if size * MOST_NODE + lines * MOST_LINE <= allowed:
         return None
     counter = _Counter(program, allowed)
+    counter.words, counter.nodes = deferred
     for body in (*(section.body for section in sections), *(sub.body for sub in procedures)):
         counter.take(body)
-    low, high = counter.words * LEAST_WORD, counter.nodes * MOST_NODE + lines * MOST_LINE
+    low, high = min(counter.words, counter.enough) * LEAST_WORD, counter.nodes * MOST_NODE + lines * MOST_LINE
     whole = Span(program.files[0].name, 0)
     hint = "state program_size when SZTSK3 is set to a higher value"
     if low > allowed:
@@ -56,7 +62,7 @@ def judge_size(
 
 
 class _Counter:
-    """Words, and nodes of their expressions; counting words of tables stops where they are too many already."""
+    """Words, and nodes of their expressions; counting stops where there are too many already."""
 
     def __init__(self, program: Program, allowed: int) -> None:
         self.program = program
@@ -72,9 +78,9 @@ class _Counter:
                 self._table(node)
                 continue
             if isinstance(node, Block):
-                values = [word.value for word in node.words] + [assign.value for assign in node.assigns]
-                self.words += len(values)
-                self.nodes += sum(_nodes(value) + 1 for value in values)
+                words, nodes = (0, 0) if isinstance(node, DeferredBlock) else size_of(node)
+                self.words += words
+                self.nodes += nodes
                 continue
             self.words += 1
             self.nodes += 1 + sum(_nodes(value) for value in _values(node))
@@ -90,6 +96,12 @@ class _Counter:
             words, at, line = self.program.load(table, at, line, CHUNK)
             self.words += len(words)
             self.nodes += 2 * len(words)
+
+
+def size_of(block: Block) -> tuple[int, int]:
+    """Its words, and the nodes of their expressions."""
+    values = [word.value for word in block.words] + [assign.value for assign in block.assigns]
+    return len(values), sum(_nodes(value) + 1 for value in values)
 
 
 def _values(node: Any) -> list[Expr]:

@@ -17,7 +17,7 @@ from gproof.frontend.mcuwin.lines import CENTERS, VALUE_LETTERS, LineReader
 from gproof.frontend.mcuwin.notes import Found
 from gproof.frontend.mcuwin.pascal import Dollar, Place, Simple, Symbols, parse_section
 from gproof.frontend.mcuwin.pascal_text import mode_sign, pascal_notes
-from gproof.frontend.mcuwin.shapes import Shapes, continued
+from gproof.frontend.mcuwin.shapes import Shapes, continued, size_of_deferred
 from gproof.frontend.mcuwin.structure import Structure
 from gproof.ir import codes
 from gproof.ir.dialects.mcuwin_persistence import Persistence
@@ -50,7 +50,10 @@ class Text:
         self, rules: LanguageRules, din: Din, axes: str, findings: Findings, include: Callable[[str, Span], None],
         span: Span, *, held: int | None = HELD_BLOCKS,
     ) -> None:  # fmt: skip
-        """held: how many blocks are made at once; None: all, and each line is read by itself."""
+        """held: how many blocks are made at once; None: all, and each line is read by itself.
+
+        Behind the text ``deferred`` has the words and nodes of the others.
+        """
         self.findings = findings
         self.include = include
         self.numbered = din.line_numbers
@@ -63,6 +66,7 @@ class Text:
         self.reader = LineReader(language, self.persistence)
         self.held = held or 0
         self.shapes = Shapes(language, self.symbols) if held is not None else None
+        self.deferred = (0, 0)
         self.structure = Structure(self.symbols, self.persistence, findings, span)
         self.procedures: list[Subprogram] = []
         self.doubtful: dict[str, str] = {}
@@ -226,6 +230,7 @@ class Text:
                 self.shapes.learn(text, file, number, before, self.persistence.in_force, line, dollar, notes)
             blocks = sum(isinstance(node, Block) for node in nodes)
             if blocks and self.held <= 0:
+                self._count(size_of_deferred(nodes))
                 nodes = self.shapes.deferred(nodes, text.encode(), file, number, before)
             self.held -= blocks
         self.structure.add(nodes)
@@ -245,6 +250,10 @@ class Text:
             )
             what = f"{written!r} and {other!r} differ only in case, {why}"
             self.findings.add(codes.PASCAL_OPEN.at(span, what=what, hint="write names alike"))
+
+    def _count(self, size: tuple[int, int]) -> None:
+        """Add to the words and nodes of deferred blocks."""
+        self.deferred = self.deferred[0] + size[0], self.deferred[1] + size[1]
 
     def _findings(self) -> int:
         """How many there are."""
@@ -269,6 +278,7 @@ class Text:
             self.structure.add(line.nodes(file, number))
             self.held -= sum(known.blocks)
         else:
+            self._count(known.size)
             self.structure.add(shapes.deferred_known(line, text.encode(), file, number, before))
         self.persistence.state, self.persistence.distances = known.after
         return True

@@ -33,7 +33,7 @@ class Persistence:
         return self.state, self.distances
 
     def distances_of(self, words: tuple[Word, ...]) -> str:
-        """The distance mode of a line by the order of the source, which decided before 2.5.3.78; "" since (14)."""
+        """The distance mode of lines by the order of the source, which decided before 2.5.3.78; "" since (14)."""
         if self._old:
             codes = [w.value.value for w in words if w.letter == "G" and isinstance(w.value, Number)]
             modes = [f"G{code:g}" for code in codes if code in (90.0, 91.0)]

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from frontend.mcuwin_programs import load, machine
+from frontend.mcuwin_programs import OLD, load, machine
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
@@ -140,7 +140,7 @@ def expanded(program: Program, body: tuple[Statement, ...]) -> list[object]:
         if isinstance(node, BlockTable):
             found += table_blocks(program, node)
         elif isinstance(node, Block) and node.words and all(isinstance(w.value, Number) for w in node.words):
-            found.append((node.span.line, words_of(node), node.continued))
+            found.append((node.span.line, words_of(node), node.continued, node.distances))
         elif isinstance(node, If):
             found.append(("if", expanded(program, node.then), expanded(program, node.otherwise)))
         elif isinstance(node, While | Repeat | For):
@@ -161,7 +161,7 @@ def table_blocks(program: Program, table: BlockTable) -> list[object]:
             rows = [row for row in columns.rows() if row[0] == number]
             start = data.rfind(b"\n", 0, base + rows[0][1]) + 1
             words = [(chr(r[2]), bits(r[4]), bool(r[3] & FLAG_POINT), base + r[1] - start) for r in rows]
-            found.append((number, words, state))
+            found.append((number, words, state, table.distances))
             codes = [int(row[4]) for row in rows if chr(row[2]) == "G"]
             state = f"G{codes[-1]}" if codes else state
         at, line = after, next_line
@@ -175,6 +175,7 @@ def random_text(random_: random.Random, lines: int) -> str:
         "' note",
         "M8",
         "G90",
+        "G91",
         "G4 1",
         "L{}",
         "CD600 := 1",
@@ -199,8 +200,9 @@ def random_text(random_: random.Random, lines: int) -> str:
 @pytest.mark.parametrize("seed", range(25))
 def test_tables_stand_for_the_same_blocks(tmp_path: Path, seed: int) -> None:
     text = random_text(random.Random(seed), 60)
-    with_tables, first = load(tmp_path, text)
-    without, second = load(tmp_path, text, tables=False)
+    on = OLD if seed % 2 else machine()
+    with_tables, first = load(tmp_path, text, on)
+    without, second = load(tmp_path, text, on, tables=False)
     assert [str(f) for f in first.kept] == [str(f) for f in second.kept], text
     assert with_tables is not None and without is not None
     assert expanded(with_tables, with_tables.body) == expanded(without, without.body), text
@@ -269,7 +271,7 @@ def test_large_tables_are_read_when_they_run(tmp_path: Path) -> None:
     tail = program.body[2]
     assert isinstance(tail, BlockTable) and tail.continued == "?"
     assert table_blocks(program, table)[-1] == (
-        9001, [("X", bits(8999.5), True, 0), ("Y", bits(-8999.0), False, 8)], "G1",
+        9001, [("X", bits(8999.5), True, 0), ("Y", bits(-8999.0), False, 8)], "G1", "",
     )  # fmt: skip
 
 

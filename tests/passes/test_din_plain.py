@@ -11,7 +11,9 @@ from passes.din_programs import machine
 
 from gproof.frontend.mcuwin.load import load_program
 from gproof.ir.finding import Findings
+from gproof.ir.program import BlockTable, Repeat
 from gproof.ir.setup import ZERO
+from gproof.ir.trace import Op
 from gproof.passes import din_plain
 from gproof.passes.execute import Executor, collect
 
@@ -42,10 +44,12 @@ def text_of(seed: int) -> str:
     return "\n".join([*lines, "M30", "%"]) + "\n"
 
 
-def outcome(path: Path, seconds: float | None) -> tuple[list[tuple], list[str], object]:
-    on = machine(time_unit=seconds)
+def outcome(
+    path: Path, seconds: float | None, *, version: str = "2.5.3.133", tables: bool = True
+) -> tuple[list[tuple], list[str], object]:
+    on = machine(time_unit=seconds, version=version)
     findings = Findings()
-    program = load_program(path, findings, on)
+    program = load_program(path, findings, on, tables=tables)
     assert program is not None
     ex = Executor(program, ZERO, on, findings)
     trace = collect(ex)
@@ -64,6 +68,37 @@ def test_the_kernel_does_what_the_lines_say(seed: int, tmp_path: Path, monkeypat
         patch.setattr(din_plain, "is_plain", lambda ex: False)
         slow = outcome(path, seconds)
     assert repr(fast) == repr(slow), path.read_text()
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_tables_of_the_older_version(seed: int, tmp_path: Path) -> None:
+    """Where the order of the source decides between places and distances, tables do what their blocks do."""
+    rand = random.Random(seed)
+    lines = text_of(seed).splitlines()
+    first, last = sorted(rand.sample(range(2, len(lines) - 2), 2))
+    lines.insert(last, rand.choice(["$end", "$end\nG91", "$end\nG01 X1\nM98 L5"]))
+    lines.insert(first, rand.choice(["G90\n", "G91\n", ""]) + "$for CI600 := 1 to 2 do begin")
+    lines += ["%", "L5", "G01 Y2", "X3", rand.choice(["G90", "G91"]), "G01 Y1", "M17", "%"]
+    path = tmp_path / "job.src"
+    path.write_text("\n".join(lines) + "\n")
+    found = [outcome(path, 60.0, version="2.5.3.32", tables=tables) for tables in (True, False)]
+    assert repr(found[0]) == repr(found[1]), path.read_text()
+
+
+def test_tables_of_the_older_version_hold_distances(tmp_path: Path) -> None:
+    """The second pass begins behind a G91 that the first one ran, and in the source behind a G90 (14, 2.5.3.78)."""
+    path = tmp_path / "job.src"
+    lines = ["%1", "G90", "G00 X10", "F300", "CI600 := 0", "$repeat begin", "G01 X5", "CI600 := CI600 + 1", "G01 X7"]
+    path.write_text("\n".join([*lines, "G91", "G01 X1", "$end until (CI600 = 2);", "M30", "%", ""]))
+    on = machine(version="2.5.3.32")
+    program = load_program(path, Findings(), on)
+    assert program is not None
+    loop = next(node for node in program.body if isinstance(node, Repeat))
+    assert [node.distances for node in loop.body if isinstance(node, BlockTable)] == ["G90", "G90", "G91"]
+    trace = collect(Executor(program, ZERO, on, Findings()))
+    rows = trace.sections[0].rows
+    moved = [float(rows["to"][n][0]) for n in range(len(rows)) if rows["op"][n] < Op.DWELL]
+    assert moved == [10, 5, 7, 8, 5, 7, 8]
 
 
 def test_the_kernel_is_used(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
