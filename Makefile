@@ -6,8 +6,11 @@ BIN := .venv/bin
 LOCKED := .venv/locked
 READY := .venv/ready
 
+# Processes that tests start would read every module anew where the environment forbids to keep bytecode.
+export PYTHONDONTWRITEBYTECODE :=
+
 .DEFAULT_GOAL := help
-.PHONY: help demo test lint types goldens soak bench replay lock clean
+.PHONY: help demo test lint types kernels goldens soak bench replay lock clean
 
 help: ## List these targets
 	@grep -hE '^[a-z]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/^([a-z]+):.*## (.*)/  make \1	\2/' | expand -t 17
@@ -15,7 +18,8 @@ help: ## List these targets
 demo: $(READY) ## Check, compile, verify and run one job of the corpus on the virtual board
 	bash scripts/demo.sh
 
-test: lint types ## Everything CI runs: lint, types, import contracts, all tests (under 12 minutes)
+test: $(READY) ## Everything CI runs: lint, types, import contracts, all tests (under 12 minutes)
+	@$(MAKE) --no-print-directory -j2 --output-sync=target lint types kernels
 	$(BIN)/pytest -n 2
 
 lint: $(READY) ## ruff (rules and format) and the import contracts between the folders
@@ -25,6 +29,9 @@ lint: $(READY) ## ruff (rules and format) and the import contracts between the f
 
 types: $(READY) ## mypy --strict over all packages
 	MYPYPATH=.typing $(BIN)/mypy --namespace-packages --explicit-package-bases -p gproof
+
+kernels: $(READY) # Compiled once, beside mypy, and not by each process of the tests that waits for one
+	$(BIN)/python scripts/kernels.py
 
 goldens: $(READY) ## Rewrite the expected texts of golden tests; never the `; expect:` markers
 	$(BIN)/pytest tests --refresh-goldens

@@ -1,0 +1,63 @@
+"""Compile the kernels into the cache (GPROOF_CACHE_DIR, else the user's), so that no test waits for the compiler.
+
+Runs a job of each kind through the stages with `GPROOF_KERNELS=numba`: what they call is compiled and kept. Where the
+copies are there already it is done in seconds. Nothing depends on it but the time that tests take.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import io
+import os
+import sys
+import tempfile
+from pathlib import Path
+
+CORPUS = Path(__file__).resolve().parents[1] / "corpus"
+EDING = ("drilled-plate", "pcb-height-map", "cutter-compensation")
+RUN = "drilled-plate"
+SHOPS = {"wincnc": "*/jobs/*.tap", "mcuwin": "*/jobs/*.src"}
+
+
+def commands(folder: Path) -> list[list[str]]:
+    """What to run, one after the other."""
+    out = []
+    for name in EDING:
+        job = CORPUS / "eding" / name
+        machine = next(path for path in (job / "machine.toml", job / "cnc.ini") if path.is_file())
+        setup = job / "setup.toml"
+        around = ["--machine", str(machine), "--setup", str(setup) if setup.is_file() else "zero"]
+        out.append(["dump", str(job / "job.cnc"), *around, "--stage", "stream"])
+        out.append(["fmt", "--stdout", str(job / "job.cnc")])
+        if name == RUN:
+            made = str(folder / "made.gpx")
+            out.append(["compile", str(job / "job.cnc"), *around, "--unsigned", "-o", made])
+            out.append(["run", made, "--board", "virtual", "--override", "0.5"])
+    for dialect, jobs in SHOPS.items():
+        job = sorted((CORPUS / dialect).glob(jobs))[0]
+        out.append(["check", str(job), "--dialect", dialect])
+        out.append(["fmt", "--stdout", "--dialect", dialect, str(job)])
+    return out
+
+
+def main() -> None:
+    """Run them; what they print is thrown away."""
+    os.environ["GPROOF_KERNELS"] = "numba"
+    from gproof.cli.main import COULD_NOT_RUN
+    from gproof.cli.main import main as gproof
+    from gproof.ir.kernel import cache_root
+
+    with tempfile.TemporaryDirectory() as folder:
+        for words in commands(Path(folder)):
+            said = [io.TextIOWrapper(io.BytesIO(), encoding="utf-8") for _ in range(2)]
+            with contextlib.redirect_stdout(said[0]), contextlib.redirect_stderr(said[1]):
+                code = gproof(words)
+            if code == COULD_NOT_RUN:
+                said[1].seek(0)
+                sys.exit(f"gproof {' '.join(words)} could not run: {said[1].read()}")
+    count = sum(1 for _ in (cache_root() / "kernels").glob("*/*.nbc"))
+    print(f"{count} compiled copies in {cache_root()}")
+
+
+if __name__ == "__main__":
+    main()
