@@ -18,6 +18,7 @@ from gproof.cli.lengths import CHOICES, MM, LengthUnit, unit_of
 from gproof.cli.report import coloured, distinct, finding_json, print_findings
 from gproof.cli.session import Running, Session, open_session
 from gproof.ir.codes import CODES, SYNTAX
+from gproof.ir.finding import Span
 from gproof.ir.machine import Axis
 from gproof.ir.trace import UNKNOWN, Chunk
 from gproof.ir.verdict import Condition, Verdict
@@ -45,7 +46,8 @@ def run_check(
     progress = progress_bar(session)
     observe = _observers(progress, drawing.add if drawing is not None else None)
     try:
-        judgement = judge(session, running=running, strict=strict, observe=observe)
+        beat = None if progress is None else progress.beat
+        judgement = judge(session, running=running, strict=strict, observe=observe, beat=beat)
     finally:
         if progress is not None:
             progress.stop()
@@ -81,8 +83,19 @@ class Progress:
 
     def __call__(self, chunk: Chunk) -> None:
         """Move the bar to the chunk's last line."""
-        if not len(chunk.rows) or time.monotonic() - self.began < 1.0:
-            return
+        if len(chunk.rows) and self._is_long():
+            self.bar.update(self.task, completed=int(chunk.rows["line"][-1]))  # type: ignore[attr-defined]
+
+    def beat(self, blocks: int, span: Span) -> None:
+        """A loop goes round: tell where, and how many blocks that has come to."""
+        if self._is_long():
+            told = f"checking, {blocks:,} blocks executed"
+            self.bar.update(self.task, completed=span.line, description=told)  # type: ignore[attr-defined]
+
+    def _is_long(self) -> bool:
+        """Whether there is a bar by now."""
+        if time.monotonic() - self.began < 1.0:
+            return False
         if self.bar is None:
             from rich.console import Console
             from rich.progress import Progress as Bar
@@ -90,7 +103,7 @@ class Progress:
             bar = Bar(console=Console(stderr=True), transient=True)
             self.bar, self.task = bar, bar.add_task("checking", total=self.lines)
             bar.start()
-        self.bar.update(self.task, completed=int(chunk.rows["line"][-1]))  # type: ignore[attr-defined]
+        return True
 
     def stop(self) -> None:
         """Take the bar away."""

@@ -34,6 +34,7 @@ _LEAVES_THE_PATH_OPEN = (
 """Unknowns that the limits report, and that leave open for every property where the tool goes."""
 
 Observer = Callable[[Chunk], None]
+Beat = Callable[[int, Span], None]
 
 
 @dataclass(slots=True, kw_only=True)
@@ -69,8 +70,14 @@ class Judgement:
     findings: Findings
 
 
-def judge(session: Session, *, running: Running, strict: bool = False, observe: Observer | None = None) -> Judgement:
-    """Judge the job under the default policy; ``observe`` sees every chunk of the first pass."""
+def judge(
+    session: Session, *, running: Running, strict: bool = False, observe: Observer | None = None,
+    beat: Beat | None = None,
+) -> Judgement:  # fmt: skip
+    """Judge the job under the default policy; ``observe`` sees every chunk of the first pass.
+
+    beat: hears from time to time how many blocks are executed, and where, chunks or none.
+    """
     findings = session.findings
     _machine_findings(session)
     if session.program is None:
@@ -81,10 +88,10 @@ def judge(session: Session, *, running: Running, strict: bool = False, observe: 
             findings=findings,
         )  # fmt: skip
     setting = session.setup.block_delete
-    results, summary, assumed, met = _pass(session, findings, bool(setting), running, observe)
+    results, summary, assumed, met = _pass(session, findings, bool(setting), running, observe, beat)
     if met and setting is None:
         other = Findings(limit=findings.limit)
-        second, _, more, _ = _pass(session, other, True, running, None)
+        second, _, more, _ = _pass(session, other, True, running, None, beat)
         results = [_both(session, findings, a, b) for a, b in zip(results, second, strict=True)]
         seen = {(f.code.number, f.span) for f in findings.kept}
         for f in other.kept:
@@ -105,11 +112,13 @@ def judge(session: Session, *, running: Running, strict: bool = False, observe: 
 
 
 def _pass(
-    session: Session, findings: Findings, block_delete: bool, running: Running, observe: Observer | None
-) -> tuple[list[PropertyResult], Summary, list[str], bool]:
+    session: Session, findings: Findings, block_delete: bool, running: Running, observe: Observer | None,
+    beat: Beat | None,
+) -> tuple[list[PropertyResult], Summary, list[str], bool]:  # fmt: skip
     assert session.program is not None
     machine, setup = session.machine, session.setup
     ex = Executor(session.program, setup, machine, findings, block_delete=block_delete, **session.options(running))
+    ex.on_beat = beat
     limits, area = Limits(machine, setup, findings), ToolChangeArea(machine, setup, findings)
     checks = [limits, area, ArcRadius(machine, setup, findings)]
     edges = Boundaries(machine, setup, findings)

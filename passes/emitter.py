@@ -26,7 +26,7 @@ from gproof.passes.transform_codes import at_start
 from gproof.passes.values import FrameTable, Position, Unknown, Value, behind_loop
 
 DEFAULT_BUDGET = 100_000_000
-BEAT = 1 << 16
+BEAT = 1 << 12
 """Blocks between two signs of life."""
 DEFAULT_BRANCHES = 4096
 """Outcomes that are explored, of conditions that rest on what nobody knows before the job runs."""

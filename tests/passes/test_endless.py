@@ -234,3 +234,18 @@ def test_a_counter_of_eding_that_has_a_part(tmp_path: Path, use: str) -> None:
     text = f"#1 = 0\n#2 = 7\nM56 P3\nwhile [#5399 == 1]\n#1 = [#1 + 1]\nG1 X0 F100\n{use}\nM56 P3\nendwhile\nM30\n"
     _, findings = programs.run(tmp_path, text, max_branches=200)
     assert "GP232" in all_labels(findings)
+
+
+def test_a_long_loop_gives_signs_of_life() -> None:
+    from passes.din_programs import program
+
+    from gproof.ir.machine import NO_MACHINE
+    from gproof.ir.setup import ZERO
+    from gproof.passes.execute import Executor
+
+    items = ["CD600 := 1", ("while", "CD600 > 0", ["CD600 := CD600 + CD600 / CD600"]), "M30"]
+    ex = Executor(program(items), ZERO, NO_MACHINE, Findings(), budget=20_000)
+    heard: list[int] = []
+    ex.on_beat = lambda blocks, span: heard.append(blocks)
+    list(ex.run())
+    assert heard == [4096, 8192, 12288, 16384]
