@@ -7,9 +7,8 @@ are those of the manual of V 2.5.3.133: words and codes 3 to 5, comments 6, para
 from __future__ import annotations
 
 import re
-from typing import Any
 
-from gproof.frontend.mcuwin.comments import QUOTE, round_comment
+from gproof.frontend.mcuwin.cursor import ASSIGNED, QUALIFIER, LineCursor
 from gproof.frontend.mcuwin.language import DinLine, Language
 from gproof.frontend.mcuwin.names import LABEL, NAME, label_name
 from gproof.frontend.mcuwin.pascal_text import MODE
@@ -17,7 +16,7 @@ from gproof.ir import codes
 from gproof.ir.dialects.mcuwin import has_code
 from gproof.ir.dialects.mcuwin_persistence import Persistence
 from gproof.ir.din import FIRST_USER_CODE, LAST_USER_CODE
-from gproof.ir.finding import Code, Refusal, Span
+from gproof.ir.finding import Span
 from gproof.ir.notes import NoteKind
 from gproof.ir.program import (
     PARAMETER,
@@ -35,20 +34,12 @@ from gproof.ir.program import (
     Word,
 )
 
-_BLANKS = re.compile(r"[ \t]*")
 _LINE_NUMBER = re.compile(r"[Nn][ \t]*([0-9]*)")
-_ASSIGNED = re.compile(r"[A-Za-z_][A-Za-z0-9_]*(?:\.[A-Za-z0-9_]+)*(?=[ \t]*(?:\[[^\]]*\][ \t]*)?:=)", re.ASCII)
 _NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_]*", re.ASCII)
-_QUALIFIER = re.compile(r"[A-Za-z]+\.[A-Za-z_]", re.ASCII)
 _CALCULATION = re.compile(r"C[DI][0-9]", re.ASCII | re.IGNORECASE)
 _WRITE = re.compile(r"write(?:ln)?(?![A-Za-z0-9_])", re.ASCII | re.IGNORECASE)
 _DIGITS = re.compile(r"[0-9]+", re.ASCII)
 _STRING = re.compile(r'"([^"]*)"')
-_LITERAL = re.compile(
-    r"[-+]?(?:[0-9]+(?P<point>\.[0-9]*)?|(?P<bare>\.[0-9]+))"
-    r"(?![0-9.]|[eE][-+0-9])(?=[ \t]*(?:\Z|['(]|//|(?!(?:div|mod|and|or|xor|shl|shr)(?![A-Za-z0-9_]))[A-Za-z]))",
-    re.ASCII | re.IGNORECASE,
-)
 VALUE_LETTERS = "FST"
 CENTERS = "IJK"
 
@@ -62,22 +53,13 @@ class LineReader:
 
     def read(self, text: str, file: str, line: int, at: int = 0) -> DinLine:
         """A line from character ``at``; Refusal for a mistake."""
-        return _Line(self, text, file, line, at).read()
+        return _Line(self.language, self.persistence, text, file, line, at).read()
 
 
-class _Line:
-    def __init__(self, reader: LineReader, text: str, file: str, line: int, at: int) -> None:
-        self.language = reader.language
-        self.persistence = reader.persistence
-        self.text = text
-        self.file = file
-        self.line = line
-        self.at = at
-        self.found = DinLine()
-        self.words: list[Word] = []
-        self.code: tuple[str, int] | None = None
-        self.comment = ""
-        self.items = 0
+class _Line(LineCursor):
+    def __init__(self, language: Language, persistence: Persistence, text: str, file: str, line: int, at: int) -> None:
+        super().__init__(language, text, file, line, at)
+        self.persistence = persistence
 
     def read(self) -> DinLine:
         self._blanks()
@@ -104,29 +86,14 @@ class _Line:
         self._flush()
         return self.found
 
-    def _blanks(self) -> None:
-        found = _BLANKS.match(self.text, self.at)
-        assert found is not None
-        self.at = found.end()
-
-    def _span(self, begin: int, end: int | None = None) -> Span:
-        return Span(self.file, self.line, begin + 1, (self.at if end is None else end) + 1)
-
-    def _error(self, code: Code, begin: int, end: int, /, *, hint: str = "", **values: Any) -> Refusal:
-        end = max(begin + 1, begin + len(self.text[begin:end].rstrip()))
-        return Refusal(code.at(self._span(begin, end), hint=hint, **values))
-
     def _line_number(self) -> None:
         found = _LINE_NUMBER.match(self.text, self.at)
-        if found is None or _ASSIGNED.match(self.text, self.at):
+        if found is None or ASSIGNED.match(self.text, self.at):
             return
         if not found[1]:
             raise self._error(codes.SYNTAX, self.at, found.end(), what="a line number is N and digits")
         self.found.number, self.at = found[1], found.end()
         self._note(NoteKind.LINE_NUMBER, found.start(), found[1])
-
-    def _note(self, kind: NoteKind, begin: int, text: str) -> None:
-        self.found.notes.append((self.items, kind, begin, text))
 
     def _module(self) -> None:
         begin = self.at
@@ -140,38 +107,9 @@ class _Line:
         self.found.module_span = self._span(begin)
         self._note(NoteKind.MARK, begin, self.found.module)
 
-    def _comments(self) -> bool:
-        """Pass blanks and comments; True when something follows."""
-        while True:
-            self._blanks()
-            if self.at >= len(self.text):
-                return False
-            sign = self.text[self.at]
-            if sign == QUOTE or (self.language.old and self.text.startswith("//", self.at)):
-                self.comment = self.text[self.at + (1 if sign == QUOTE else 2) :].strip()
-                self._note(NoteKind.SIGNED, self.at, self.text[self.at :].rstrip(" \t"))
-                self.at = len(self.text)
-            elif sign == "(" and not self._is_parameter():
-                end = round_comment(self.text, self.at, self.file, self.line, nests=self.language.old)
-                self.comment = self.text[self.at + 1 : end - 1].strip()
-                self._note(NoteKind.SIGNED, self.at, self.text[self.at : end])
-                self.at = end
-            else:
-                return True
-
-    def _is_parameter(self) -> bool:
-        """Whether a bracket here is one of a parameter: behind codes that may have one (4, 6)."""
-        if self.code is None or self.language.old:
-            return False
-        letter, number = self.code
-        if letter == "M":
-            return True
-        has_one = bool(self.words) and self.words[-1].letter == PARAMETER
-        return (number == 4 and not has_one) or FIRST_USER_CODE <= number <= LAST_USER_CODE
-
     def _item(self) -> None:
         char = self.text[self.at]
-        if _ASSIGNED.match(self.text, self.at):
+        if ASSIGNED.match(self.text, self.at):
             self._assignment()
         elif _WRITE.match(self.text, self.at):
             self._message()
@@ -185,32 +123,6 @@ class _Line:
             if self.text.startswith("//", self.at):
                 what = "two slashes begin a comment in lines of rw_SymPas only"
             raise self._error(codes.SYNTAX, self.at, end, what=what)
-
-    def _begins_value(self, at: int) -> bool:
-        """Whether a value begins at ``at``, not the next word."""
-        found = _BLANKS.match(self.text, at)
-        assert found is not None
-        at = found.end()
-        char = self.text[at : at + 1]
-        if char and (char in "0123456789+-(" or (char == "." and self.text[at + 1 : at + 2].isdigit())):
-            return True
-        if _QUALIFIER.match(self.text, at):
-            return True
-        if _ASSIGNED.match(self.text, at):
-            return False
-        return self.language.expressions.begins(self.text, at)
-
-    def _value(self) -> Expr:
-        """The expression at the next character that is not blank."""
-        self._blanks()
-        literal = _LITERAL.match(self.text, self.at)
-        begin = self.at
-        if literal is not None:
-            self.at = literal.end()
-            point = literal["point"] is not None or literal["bare"] is not None
-            return Number(float(literal[0]), self._span(begin), point)
-        value, self.at = self.language.expressions.number(self.text, begin, self.file, self.line)
-        return value
 
     def _flush(self, behind: Statement | None = None) -> None:
         """End the block of the words so far; then ``behind``."""
@@ -251,7 +163,7 @@ class _Line:
     def _assignment(self) -> None:
         begin = self.at
         self._flush()
-        if _QUALIFIER.match(self.text, begin):
+        if QUALIFIER.match(self.text, begin):
             self._axis_assignment()
             return
         assign, self.at = self.language.expressions.assignment(self.text, begin, self.file, self.line)
@@ -262,7 +174,7 @@ class _Line:
     def _axis_assignment(self) -> None:
         """To a variable of an axis, such as X.zerooffset (3.26): what it does, the manual does not say."""
         begin = self.at
-        name = _ASSIGNED.match(self.text, begin)
+        name = ASSIGNED.match(self.text, begin)
         assert name is not None
         self.at = self.text.index(":=", begin) + 2
         self._value()
@@ -296,12 +208,6 @@ class _Line:
         self._flush(Message(kind=kind[0].lower(), parts=tuple(parts), span=self._span(begin)))
         self.persistence.doubt()
 
-    def _no_comment(self, code: str) -> None:
-        """A bracket where a parameter may stand must hold an expression (6)."""
-        if self.text[self.at : self.at + 1] == "(" and not self.language.expressions.fits(self.text, self.at):
-            hint = "a comment here begins with a single quote"
-            raise self._error(codes.BRACKET_PARAMETER, self.at, len(self.text), code=code, hint=hint)
-
     def _parameter(self) -> None:
         assert self.code is not None
         begin = self.at
@@ -324,7 +230,7 @@ class _Line:
             raise self._error(codes.SYNTAX, begin, begin + 1, what=what)
         if _CALCULATION.match(self.text, begin):
             raise self._error(codes.SYNTAX, begin, len(self.text), what="a calculation parameter without := behind it")
-        if _QUALIFIER.match(self.text, begin):
+        if QUALIFIER.match(self.text, begin):
             raise self._error(codes.SYNTAX, begin, len(self.text), what="a value without a word before it")
         if letter in "GM":
             self._code(letter)
@@ -423,7 +329,7 @@ class _Line:
         else:
             name, count = self._target("M98", begin), None
             self._blanks()
-            if self.text[self.at : self.at + 1] in ("O", "o") and not _ASSIGNED.match(self.text, self.at):
+            if self.text[self.at : self.at + 1] in ("O", "o") and not ASSIGNED.match(self.text, self.at):
                 start = self.at
                 self.at += 1
                 if not self._begins_value(self.at):

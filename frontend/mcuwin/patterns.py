@@ -17,7 +17,7 @@ from typing import Any
 
 from gproof.frontend.mcuwin.names import label_name
 from gproof.ir.finding import Span
-from gproof.ir.program import Block, Call, Jump, Label, Number, Word
+from gproof.ir.program import Block, Call, Jump, Label, Number, Unsupported, Word
 
 Part = Callable[[Sequence[Span], Sequence[Any]], Any]
 """Makes a node of the spans and values of a line."""
@@ -96,7 +96,7 @@ def pattern_of(
     """
     maker = _Maker(text, file, line, runs, comment, labels)
     parts = tuple([maker.part(node) for node in nodes])
-    free = frozenset({*maker.free, number} - {-1})
+    free = frozenset({*maker.free, number} - {-1} - maker.fixed)
     for a, i, b, j in maker.spans.values():
         for at, count in ((a + maker.before[i] - 1, i), (b + maker.before[j] - 1, j)):
             if count in free and at > runs[count][0]:
@@ -115,6 +115,7 @@ class _Maker:
         self.comment = comment
         self.labels = labels
         self.free: set[int] = set()
+        self.fixed: set[int] = set()
         self.spans: dict[Span, tuple[int, int, int, int]] = {}
         self.places: dict[Span, int] = {}
         self.values: list[Value] = []
@@ -146,6 +147,9 @@ class _Maker:
 
     def _field(self, node: Any, name: str) -> Part:
         value = getattr(node, name)
+        if name == "text" and isinstance(node, Unsupported) and value:
+            begin, end = node.span.column - 1, node.span.end_column - 1
+            self.fixed.update(i for i, run in enumerate(self.runs) if begin <= run[0] and run[1] <= end)
         if name == "value" and isinstance(node, Word) and node.letter in "GM":
             return self.part(value, free=False)
         if name == "comment" and isinstance(node, Block) and value and value == self.comment:

@@ -1,0 +1,116 @@
+"""Where reading stands in a line of DIN 66025 blocks of McuWIN: blanks, comments, values (manual 3, 6, 11)."""
+
+from __future__ import annotations
+
+import re
+from typing import Any
+
+from gproof.frontend.mcuwin.comments import QUOTE, round_comment
+from gproof.frontend.mcuwin.language import DinLine, Language
+from gproof.ir import codes
+from gproof.ir.din import FIRST_USER_CODE, LAST_USER_CODE
+from gproof.ir.finding import Code, Refusal, Span
+from gproof.ir.notes import NoteKind
+from gproof.ir.program import PARAMETER, Expr, Number, Word
+
+_BLANKS = re.compile(r"[ \t]*")
+ASSIGNED = re.compile(r"[A-Za-z_][A-Za-z0-9_]*(?:\.[A-Za-z0-9_]+)*(?=[ \t]*(?:\[[^\]]*\][ \t]*)?:=)", re.ASCII)
+QUALIFIER = re.compile(r"[A-Za-z]+\.[A-Za-z_]", re.ASCII)
+_LITERAL = re.compile(
+    r"[-+]?(?:[0-9]+(?P<point>\.[0-9]*)?|(?P<bare>\.[0-9]+))"
+    r"(?![0-9.]|[eE][-+0-9])(?=[ \t]*(?:\Z|['(]|//|(?!(?:div|mod|and|or|xor|shl|shr)(?![A-Za-z0-9_]))[A-Za-z]))",
+    re.ASCII | re.IGNORECASE,
+)
+
+
+class LineCursor:
+    """A line and the character that is next in it. code: the letter and number that a parameter would belong to;
+    comment: the last one that was passed; items: how many words and statements were."""
+
+    def __init__(self, language: Language, text: str, file: str, line: int, at: int) -> None:
+        self.language = language
+        self.text = text
+        self.file = file
+        self.line = line
+        self.at = at
+        self.found = DinLine()
+        self.words: list[Word] = []
+        self.code: tuple[str, int] | None = None
+        self.comment = ""
+        self.items = 0
+
+    def _blanks(self) -> None:
+        found = _BLANKS.match(self.text, self.at)
+        assert found is not None
+        self.at = found.end()
+
+    def _span(self, begin: int, end: int | None = None) -> Span:
+        return Span(self.file, self.line, begin + 1, (self.at if end is None else end) + 1)
+
+    def _error(self, code: Code, begin: int, end: int, /, *, hint: str = "", **values: Any) -> Refusal:
+        end = max(begin + 1, begin + len(self.text[begin:end].rstrip()))
+        return Refusal(code.at(self._span(begin, end), hint=hint, **values))
+
+    def _note(self, kind: NoteKind, begin: int, text: str) -> None:
+        self.found.notes.append((self.items, kind, begin, text))
+
+    def _comments(self) -> bool:
+        """Pass blanks and comments; True when something follows."""
+        while True:
+            self._blanks()
+            if self.at >= len(self.text):
+                return False
+            sign = self.text[self.at]
+            if sign == QUOTE or (self.language.old and self.text.startswith("//", self.at)):
+                self.comment = self.text[self.at + (1 if sign == QUOTE else 2) :].strip()
+                self._note(NoteKind.SIGNED, self.at, self.text[self.at :].rstrip(" \t"))
+                self.at = len(self.text)
+            elif sign == "(" and not self._is_parameter():
+                end = round_comment(self.text, self.at, self.file, self.line, nests=self.language.old)
+                self.comment = self.text[self.at + 1 : end - 1].strip()
+                self._note(NoteKind.SIGNED, self.at, self.text[self.at : end])
+                self.at = end
+            else:
+                return True
+
+    def _is_parameter(self) -> bool:
+        """Whether a bracket here is one of a parameter: behind codes that may have one (4, 6)."""
+        if self.code is None or self.language.old:
+            return False
+        letter, number = self.code
+        if letter == "M":
+            return True
+        has_one = bool(self.words) and self.words[-1].letter == PARAMETER
+        return (number == 4 and not has_one) or FIRST_USER_CODE <= number <= LAST_USER_CODE
+
+    def _begins_value(self, at: int) -> bool:
+        """Whether a value begins at ``at``, not the next word."""
+        found = _BLANKS.match(self.text, at)
+        assert found is not None
+        at = found.end()
+        char = self.text[at : at + 1]
+        if char and (char in "0123456789+-(" or (char == "." and self.text[at + 1 : at + 2].isdigit())):
+            return True
+        if QUALIFIER.match(self.text, at):
+            return True
+        if ASSIGNED.match(self.text, at):
+            return False
+        return self.language.expressions.begins(self.text, at)
+
+    def _value(self) -> Expr:
+        """The expression at the next character that is not blank."""
+        self._blanks()
+        literal = _LITERAL.match(self.text, self.at)
+        begin = self.at
+        if literal is not None:
+            self.at = literal.end()
+            point = literal["point"] is not None or literal["bare"] is not None
+            return Number(float(literal[0]), self._span(begin), point)
+        value, self.at = self.language.expressions.number(self.text, begin, self.file, self.line)
+        return value
+
+    def _no_comment(self, code: str) -> None:
+        """A bracket where a parameter may stand must hold an expression (6)."""
+        if self.text[self.at : self.at + 1] == "(" and not self.language.expressions.fits(self.text, self.at):
+            hint = "a comment here begins with a single quote"
+            raise self._error(codes.BRACKET_PARAMETER, self.at, len(self.text), code=code, hint=hint)
