@@ -27,7 +27,7 @@ class Stop(Exception):
 
 @dataclass
 class Shop:
-    """Settings of a machine: see docs/machine-files.md."""
+    """Settings of a machine: see docs/machine-files.md. own_x: mm in the unit that mcfg has for X."""
 
     version: str = "2.5.3.133"
     inch: bool = False
@@ -36,6 +36,7 @@ class Shop:
     axes: str = AXES
     keep: bool = False
     tools: bool = True
+    own_x: float = 1.0
     table: tuple[tuple[float, ...], ...] = ((10.0, 20.0, -5.0, 45.0), (-4.0, 7.5, 0.0, 0.0))
 
 
@@ -169,7 +170,13 @@ class Oracle:
         for axis in AXES:
             if f"{axis}.tp" in text:
                 # Only where all readings of "target" are one.
-                if self.zero[axis] or axis in self.mirror or axis in self.radius or self.unit != 1.0:
+                if (
+                    self.zero[axis]
+                    or axis in self.mirror
+                    or axis in self.radius
+                    or self.unit != 1.0
+                    or self.own(axis) != 1.0
+                ):
                     raise Stop(n, "long", "tp")
                 text = text.replace(f"{axis}.tp", f"tp_{axis}")
                 names[f"tp_{axis}"] = self.at[axis]
@@ -274,21 +281,24 @@ class Oracle:
                 self.absolute, self.mode_open = number == 90, False
             case 92:
                 for axis, value in values.items():
-                    doubt = self.unit != 1.0 if axis != "C" else axis in self.radius
+                    doubt = self.unit != self.own(axis) if axis != "C" else axis in self.radius
                     if value and (doubt or axis in self.mirror):
                         raise Stop(n, "open", "G92 counts how")
                     if self.mode_open and self.zero[axis]:
                         raise Stop(n, "open", "G92 behind G53")
-                    self.zero[axis] = value if self.absolute or self.mode_open else self.zero[axis] + value
+                    base = 0.0 if self.absolute or self.mode_open else self.zero[axis]
+                    self.zero[axis] = base + value * self.own(axis)
             case 94:
                 self.ask = self.ask or (self.seconds != 60.0 and self.feed is not None)
                 self.seconds = 60.0
             case 98 | 99:
                 for axis, value in values.items():
-                    if not self.absolute or axis in self.mirror or (self.unit != 1.0 if axis != "C" else self.radius):
+                    doubt = self.unit != self.own(axis) if axis != "C" else axis in self.radius
+                    if not self.absolute or axis in self.mirror or doubt:
                         raise Stop(n, "open", "limit")
-                    (self.low if number == 98 else self.high)[axis] = value
-                    if value > self.at[axis] + 1e-9 if number == 98 else value < self.at[axis] - 1e-9:
+                    limit = value * self.own(axis)
+                    (self.low if number == 98 else self.high)[axis] = limit
+                    if limit > self.at[axis] + 1e-9 if number == 98 else limit < self.at[axis] - 1e-9:
                         self.outside.append(n)
             case 153:
                 if self.unit != (25.4 if self.shop.inch else 1.0) or self.radius:
@@ -307,6 +317,10 @@ class Oracle:
             case 162:
                 self.centre, self.last_centre = False, None
 
+    def own(self, axis: str) -> float:
+        """mm or degrees in the axis's own unit (3.1)."""
+        return self.shop.own_x if axis == "X" else 1.0
+
     def by(self, axis: str) -> float:
         """What a word of an axis is multiplied by (3.9 to 3.13)."""
         return self.factor[axis] if axis in self.mirror else 1.0
@@ -314,7 +328,7 @@ class Oracle:
     def scale(self, axis: str, *, rapid: bool) -> float | None:
         """mm or degrees in one of a word (3.1, 3.17, 3.21)."""
         if rapid:
-            return 1.0
+            return self.own(axis)
         if axis != "C":
             return self.unit
         if axis not in self.radius:
@@ -489,7 +503,7 @@ def _line(rand: random.Random, o: Oracle) -> str:
         "G17", "G18", "G19", "G21", "G22", "G23", "G24", f"G39 X{_number(rand, 3)}", "G39 X-2 Y-2", "G39 X2 Y-2", "G39",
         "G51 C20", "G51 C12.5", "G53", "G54", "G55", "G60 X Y Z", "G60 X Y Z C", "G60 X Z C", "G70", "G71", "G90",
         "G91", "G90", "G91", f"G92 {words}", f"G92 {words}", f"G92 C{_number(rand)}", "G94", f"G98 {words}",
-        f"G99 {words}", "G98 X-60 Y-60 Z-60", "G99 X60 Y60 Z60", "G153", "G154", "G161", "G162", "G04 1", "M26 102",
+        f"G99 {words}", "G98 X-9 Y-60 Z-12", "G99 X60 Y9 Z12", "G153", "G154", "G161", "G162", "G04 1", "M26 102",
         "F200", "F60", "M08", f"G90 G00 {words}", f"G91 G01 {words}", f"G54 G00 {words}", f"G70 G01 {words} F10",
         "G71 F90", "G150", "G40",
     ])  # fmt: skip
@@ -509,7 +523,7 @@ def random_program(rand: random.Random, shop: Shop, size: int = 25) -> list[str]
             return False
         if any(abs(p) > 300 for row in o.rows for p in row[2]):
             return False
-        if o.outside and rand.random() < 0.8:
+        if o.outside and rand.random() < 0.4:
             return False
         return stop is None or rand.random() < 0.03
 

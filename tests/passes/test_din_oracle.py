@@ -36,7 +36,8 @@ def machine_of(shop: Shop) -> Machine:
         absolute_centers=shop.absolute, interpolation_axes=shop.axes, zero_offsets=table, keeps_over_codes=shop.keep,
         tools=TOOLS if shop.tools else (), tasks=TASKS, line_numbers=False, case_sensitive=True, unstated=(),
     )  # fmt: skip
-    return dataclasses.replace(on, axes=tuple(axis for axis in on.axes if axis.word in AXES))
+    axes = (dataclasses.replace(axis, position_unit=shop.own_x if axis.word == "X" else 1.0) for axis in on.axes)
+    return dataclasses.replace(on, axes=tuple(axis for axis in axes if axis.word in AXES))
 
 
 def shop_of(rand: random.Random) -> Shop:
@@ -44,6 +45,7 @@ def shop_of(rand: random.Random) -> Shop:
         version=OLD if rand.random() < 0.15 else "2.5.3.133", inch=rand.random() < 0.15,
         seconds=rand.choice([60.0, 60.0, 1.0]), absolute=rand.choice([False, False, True, None]),
         axes=rand.choice([AXES, AXES, "XYZ"]), keep=rand.random() < 0.5, tools=rand.random() < 0.8,
+        own_x=25.4 if rand.random() < 0.15 else 1.0,
     )  # fmt: skip
 
 
