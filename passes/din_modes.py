@@ -148,7 +148,8 @@ def spline(ex: Motion, line: Part, rule: CodeRule) -> None:
     on = rule.function is F.SPLINE_ON
     ex.modal.din = ex.modal.din.but(spline=on)
     if on:
-        ex._fail(codes.UNSUPPORTED_CODE.at(line.code_span(), code=f"{rule.text} (the path between points)"))
+        what = f"{rule.text} (the path between points)"
+        ex._fail(codes.UNSUPPORTED_CODE.at(line.code_span(), code=what, hint="without it, points are joined by lines"))
 
 
 def centers(ex: Motion, line: Part, rule: CodeRule) -> None:

@@ -21,6 +21,7 @@ from gproof.passes.cycles import AXES_OF_PLANE
 from gproof.passes.din_compensation import before, contour_place, follow, no_arc
 from gproof.passes.din_state import SAME, din_of, factor, has_tools, own_unit
 from gproof.passes.modal import ZERO
+from gproof.passes.motion_hints import of_value
 from gproof.passes.single_kernels import ZERO_RADIUS, distance
 from gproof.passes.values import NOWHERE, Position, Unknown, Value, describe
 
@@ -99,7 +100,8 @@ def _placed(ex: Motion, line: Part, axis: int, value: Value, scale: float, origi
         return Position(value * scale + origin.value, origin.form)
     if not value.bounded or origin == NOWHERE:
         word = _word(ex, axis)
-        ex.findings.add(codes.UNKNOWN_VALUE.at(line.where(word), word=word, cause=value.cause))
+        hint = of_value(value.cause)
+        ex.findings.add(codes.UNKNOWN_VALUE.at(line.where(word), word=word, cause=value.cause, hint=hint))
         return NOWHERE
     ends = value.low * scale, value.high * scale
     return ex.unknown_place("value", axis, (min(ends), max(ends)), origin)
@@ -201,7 +203,7 @@ def _use_feed(ex: Motion, line: Part, rule: CodeRule, target: list[Position]) ->
         hint = f"{din.asked} came behind the last F: whether its number or its speed is kept is not documented"
         raise Refusal(codes.FEED_MISSING.at(line.span, code=rule.text, hint=hint))
     if din.feed == 0.0:
-        raise Refusal(codes.VELOCITY_ZERO.at(line.span, code=rule.text))
+        raise Refusal(codes.VELOCITY_ZERO.at(line.span, code=rule.text, hint="an F above 0 before"))
     s.feed = din.feed
     cause = din.feed_cause if math.isnan(din.feed) else ""
     if din.constant_speed:

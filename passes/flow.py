@@ -353,7 +353,8 @@ class Flow(Endless):
         elif last is not None:
             line = (getattr(last, "end_span", None) or last.span).line
         span = Span(self.trace.files[self._file], line or self.program.line_count)
-        finding = codes.MODULE_END.at(span, name=name)
+        hint = "M17 at its end" if isinstance(node, Subprogram) else "M30 or M02 at its end"
+        finding = codes.MODULE_END.at(span, name=name, hint=hint)
         self.refused = True
         self._fail(finding, told=(node.name if isinstance(node, Subprogram) else "") in self.program.unended)
         self._end_section(Wait.UNKNOWN, finding.message, -1, span)

@@ -13,6 +13,7 @@ from passes.traces import machine as bench
 from gproof.cli.compile import lower
 from gproof.cli.session import Running, open_session
 from gproof.ir.finding import Finding, Findings
+from gproof.passes.motion_hints import of_value
 from gproof.passes.plan import plan
 from gproof.passes.step import step
 
@@ -56,14 +57,14 @@ def test_jobs_of_the_corpus(name: str, places: list[tuple[str, int]], words: lis
         assert hint in text.split(" | ")[1]
 
 
-def job(tmp_path: Path, machine: str, text: str) -> list[Finding]:
+def job(tmp_path: Path, machine: str, text: str, stated: str = "") -> list[Finding]:
     """The findings of a McuWIN program on its way to steps."""
     path = tmp_path / "machine.toml"
     path.write_text(f'schema = "gproof-machine/1"\nunits = "mm"\n{machine}\n')
     setup = tmp_path / "setup.toml"
     setup.write_text(
         'schema = "gproof-setup/1"\nhomed = ["x", "y", "z"]\nstart = {x = 0.0, y = 0.0, z = 0.0}\n'
-        "g92 = {x = 0.0, y = 0.0, z = 0.0}\n"
+        f"g92 = {{x = 0.0, y = 0.0, z = 0.0}}\n{stated}"
     )
     program = tmp_path / "job.src"
     program.write_text(text)
@@ -129,3 +130,28 @@ def test_steps_need_motors_of_all_axes_that_move() -> None:
     assert planned is not None
     assert step(trace, planned, machine, findings) is None
     assert [f.message[0] for f in findings.kept] == ["X", "Y"]
+
+
+@pytest.mark.parametrize(
+    ("cause", "hint"),
+    [
+        ("CD601", "601 = ... under [parameters]"),
+        ("CI603", "1603 = ... under [parameters]"),
+        ("X.RP", "X.tp"),
+        ("what an earlier job kept of CI601", "in place of M902"),
+        ("input X.digib.3", "[inputs]"),
+        ("#100", ""),
+    ],
+)
+def test_values_of_programs_name_where_they_are_stated(cause: str, hint: str) -> None:
+    text = of_value(cause)
+    assert hint in text
+    assert bool(text) == bool(hint)
+
+
+def test_what_is_stated_in_the_setup_needs_no_hint(tmp_path: Path) -> None:
+    """McuWIN manual 11: CD and CI are variables of their own; the setup counts CI from 1000."""
+    steps = AXES.replace("min =", "steps_per_unit = 100\nmin =")
+    text = "%A\nG90 G00 X(CD601) Y(CI602)\nM30\n%\n"
+    assert [f.code.label for f in job(tmp_path, f"{steps}[din]\n", text, "[parameters]\n601 = 5.5\n1602 = 7\n")] == []
+    assert [f.code.label for f in job(tmp_path, f"{steps}[din]\n", text)] == ["GP503"]
