@@ -127,7 +127,7 @@ def move(ex: Motion, line: Part, rule: CodeRule) -> None:
         _interpolated(ex, line, rule)
     if not words and not (arc and line.values):
         return
-    _referenced(ex, line)
+    _referenced(ex, line, {*words, *(AXES_OF_PLANE[s.plane][:2] if arc or s.din.side else ())})
     target = aim(ex, line, own=rule.function is F.TRAVERSE)
     if s.din.side:
         target = follow(ex, target)
@@ -152,13 +152,13 @@ def tell_way(ex: Motion, line: Part) -> bool:
     return all(place != NOWHERE for place in (ex.modal.position[axis] for axis in line.axes()))
 
 
-def _referenced(ex: Motion, line: Part) -> None:
-    """GP304 for axes of which the setup says that they had no reference run: nobody watches their limits (2.4)."""
+def _referenced(ex: Motion, line: Part, axes: set[int]) -> None:
+    """GP304 for axes that move, by words or in a plane, without a reference run: no limit of theirs is watched (2.4)."""
     homed = ex.setup.homed
     if not homed:
         ex.assumed["every axis has had its reference run"] = None
         return
-    for axis in line.axes():
+    for axis in sorted(axes):
         if AXIS_NAMES[axis] not in homed and tell_once(ex, f"homed {axis}"):
             cause = "its reference run, which the setup does not say it has had"
             ex._fail(codes.POSITION_UNKNOWN.at(line.span, axis=_word(ex, axis), cause=cause))

@@ -11,7 +11,7 @@ from passes.din_programs import labels, machine, moves, program, run
 from gproof.ir.din import RadiusTool, TaskCode
 from gproof.ir.finding import Findings
 from gproof.ir.machine import Machine
-from gproof.ir.setup import Setup
+from gproof.ir.setup import ZERO, Setup
 from gproof.passes.execute import Executor, collect
 
 TOOLS = tuple(
@@ -180,3 +180,18 @@ def test_a_reflection_that_is_on_already_changes_no_side() -> None:
     lines = ["G90 F100", "T1", "G21", "G41", "G01 X10 Y10", "G21", "G01 X20"]
     assert labels(run(lines, on=machine(tools=TOOLS))[1]) == []
     assert "GP256" in labels(run([*lines, "G24", "G01 X30"], on=machine(tools=TOOLS))[1])
+
+
+@pytest.mark.parametrize(
+    ("lines", "expected"),
+    [
+        (["G02 X10 I5 J0"], ["GP304"]),
+        (["G02 I5 J0", "G01 X1"], ["GP304"]),
+        (["G01 X10"], []),
+        (["T1", "G41", "G01 X10"], ["GP304"]),
+        (["T1", "G41", "G40", "G01 X10"], []),
+    ],
+)
+def test_axes_that_an_arc_or_a_correction_moves_have_had_a_reference_run(lines: list[str], expected: list[str]) -> None:
+    some = dataclasses.replace(ZERO, homed=("x", "z"))
+    assert labels(run(["G90 F100", *lines], on=machine(tools=TOOLS), setup=some)[1]) == expected
