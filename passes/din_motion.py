@@ -153,7 +153,7 @@ def tell_way(ex: Motion, line: Part) -> bool:
 
 
 def _referenced(ex: Motion, line: Part, axes: set[int]) -> None:
-    """GP304 for axes that move, by words or in a plane, without a reference run: no limit of theirs is watched (2.4)."""
+    """GP304 for axes that move, by words or in a plane, without a reference run: no limit is watched (2.4)."""
     homed = ex.setup.homed
     if not homed:
         ex.assumed["every axis has had its reference run"] = None
