@@ -156,6 +156,8 @@ class _Printer(LinePrinter):
         out = _composed(INDENT * self.depth, items, notes, encoding)
         if found.stays or len(out) > self.limit or len(written) > self.limit:
             out = written.rstrip(b" \t")
+            if len(out) <= self.limit < len(written):
+                out = written  # without the blanks at its end it would be a plain line
         yield (written if span.line in self.untouched else out) + self.newline
 
     def _written(self, span: Span) -> bytes:

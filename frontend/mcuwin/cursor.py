@@ -91,10 +91,10 @@ class LineCursor:
         char = self.text[at : at + 1]
         if char and (char in "0123456789+-(" or (char == "." and self.text[at + 1 : at + 2].isdigit())):
             return True
-        if QUALIFIER.match(self.text, at):
-            return True
         if ASSIGNED.match(self.text, at):
             return False
+        if QUALIFIER.match(self.text, at):
+            return True
         return self.language.expressions.begins(self.text, at)
 
     def _value(self) -> Expr:

@@ -377,6 +377,13 @@ def test_a_line_that_would_be_too_long_stays(tmp_path: Path) -> None:
         assert formatted(tmp_path, f"g0x1\n {line} \ng0x2\n".encode()) == f"G00 X1\n {line}\nG00 X2\n".encode()
 
 
+@pytest.mark.parametrize("line", ["G00 X1", "  g0x1 ' a", "M26 (200+CI600)", "x(cd600)"])
+def test_a_line_that_is_too_long_for_its_blanks_stays(tmp_path: Path, line: str) -> None:
+    """Without them it would be read otherwise: as one of the plain lines around it."""
+    text = f"G00 X1\n{line}{' ' * 1000}\nG00 X2\n".encode()
+    assert formatted(tmp_path, text) == text
+
+
 def test_words_behind_a_mode_stay(tmp_path: Path) -> None:
     data = b"$DINEND ci600:=1; {$DINSTART}  n10 g0x1 ' a\n  {$DINSTART}n5  g90\n x1\n$DINEND\n {c\n d} {$DINSTART}x1\n"
     expected = data.replace(b"\n x1", b"\nX1").replace(b"\n  {", b"\n{").replace(b"\n {c", b"\n{c")

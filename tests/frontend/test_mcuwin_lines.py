@@ -136,6 +136,7 @@ def test_what_the_older_version_goes_on_with(tmp_path: Path, text: str, state: s
         # 14 (2.5.3.100): compiler error 2075
         ("G04", ("GP275", 1, 1, 4)),
         ("G04 ' nothing", ("GP275", 1, 1, 4)),
+        ("G04 X.zerooffset := 5", ("GP275", 1, 1, 4)),
         # 13.1.1.1: error 1
         ("G59", ("GP112", 1, 1, 4)),
         ("N5 M77 X1", ("GP112", 1, 4, 7)),
