@@ -218,6 +218,8 @@ def test_small_letters(tmp_path: Path) -> None:
         ('WRITE "a"\nM30', [("GP101", 1, 1, 10)]),
         # no error 190
         ("G0 X1", [("GP118", 1, 0, 0)]),
+        ("G04 (wait)\nM30\n", [("GP275", 1, 1, 4)]),
+        ("G04 (wait) 3\nM30\n", []),
     ],
 )
 def test_the_older_version(tmp_path: Path, text: str, findings: list[tuple[str, int, int, int]]) -> None:
