@@ -40,9 +40,7 @@ class LineCursor:
         self.items = 0
 
     def _blanks(self) -> None:
-        found = _BLANKS.match(self.text, self.at)
-        assert found is not None
-        self.at = found.end()
+        self.at = self._behind_blanks(self.at)
 
     def _span(self, begin: int, end: int | None = None) -> Span:
         return Span(self.file, self.line, begin + 1, (self.at if end is None else end) + 1)
@@ -83,11 +81,21 @@ class LineCursor:
         has_one = bool(self.words) and self.words[-1].letter == PARAMETER
         return (number == 4 and not has_one) or FIRST_USER_CODE <= number <= LAST_USER_CODE
 
-    def _begins_value(self, at: int) -> bool:
-        """Whether a value begins at ``at``, not the next word."""
+    def _behind_comments(self) -> int:
+        """Where the line goes on; only the older version has comments in brackets behind codes (7 of its manual)."""
+        at = self._behind_blanks(self.at)
+        while self.language.old and self.text.startswith("(", at):
+            at = self._behind_blanks(round_comment(self.text, at, self.file, self.line, nests=True))
+        return at
+
+    def _behind_blanks(self, at: int) -> int:
         found = _BLANKS.match(self.text, at)
         assert found is not None
-        at = found.end()
+        return found.end()
+
+    def _begins_value(self, at: int) -> bool:
+        """Whether a value begins at ``at``, not the next word."""
+        at = self._behind_blanks(at)
         char = self.text[at : at + 1]
         if char and (char in "0123456789+-(" or (char == "." and self.text[at + 1 : at + 2].isdigit())):
             return True

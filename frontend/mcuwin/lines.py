@@ -44,12 +44,6 @@ VALUE_LETTERS = "FST"
 CENTERS = "IJK"
 
 
-def _blanks_end(text: str, at: int) -> int:
-    found = _BLANKS.match(text, at)
-    assert found is not None
-    return found.end()
-
-
 class LineReader:
     """Reads the lines of a program in the order of the source."""
 
@@ -291,13 +285,6 @@ class _Line(LineCursor):
         if self.code == ("G", 4) and not self._begins_value(self._behind_comments()):
             needed = "its time (compiler error 2075)"
             raise self._error(codes.WORD_MISSING, begin, self.at, code=name, needed=needed)
-
-    def _behind_comments(self) -> int:
-        """Where the line goes on; only the older version has comments in brackets behind codes (7 of its manual)."""
-        at = self.at
-        while self.language.old and (begin := _blanks_end(self.text, at)) < len(self.text) and self.text[begin] == "(":
-            at = round_comment(self.text, begin, self.file, self.line, nests=True)
-        return at
 
     def _known(self, letter: str, number: int, name: str, begin: int) -> None:
         """Error 1 of the manual (13.1.1.1) for a code that neither it nor the machine file has."""
