@@ -16,6 +16,7 @@ from gproof.passes.compiled import Condition, FastBlock
 from gproof.passes.din_state import whole_numbers
 from gproof.passes.expressions import Evaluator
 from gproof.passes.frames import Frame, Lap, Path, Pending
+from gproof.passes.leaps import Leap
 from gproof.passes.line import Line
 from gproof.passes.manner import manner_of
 from gproof.passes.modal import Modal
@@ -102,6 +103,7 @@ class Emitter:
         self._laps: dict[object, Lap] = {}
         self._counted: dict[object, Lap] = {}
         self._passes: dict[object, int] = {}
+        self._leaps: dict[int, Leap | None] = {}
         self._came_back = False
         self._places: dict[int, dict[str, int]] = {}
         self._whole = whole_numbers(program) if program.rules.source_order else frozenset[int]()

@@ -15,13 +15,14 @@ from collections.abc import Iterator
 from gproof.ir import codes
 from gproof.ir.finding import Refusal, Span
 from gproof.ir.machine import Axis
-from gproof.ir.program import For, Variable
+from gproof.ir.program import For, Repeat, Variable, While
 from gproof.ir.trace import Wait
 from gproof.passes.branches import FEW, Branches
 from gproof.passes.din_state import fits
 from gproof.passes.emitter import ProgramEnd
-from gproof.passes.expressions import MOST_WHOLE
+from gproof.passes.expressions import LEAST_WHOLE, MOST_WHOLE
 from gproof.passes.frames import Lap
+from gproof.passes.leaps import leap_of
 from gproof.passes.modal import NO_NUMBERS
 from gproof.passes.values import Unknown
 
@@ -125,7 +126,7 @@ class Endless(Branches):
             value, old = now.get(number), before.get(number)
             if not isinstance(value, float) or not isinstance(old, float) or value == old:
                 continue
-            if self.program.rules.source_order and not fits(number, MOST_WHOLE + 1.0, self._whole):
+            if self._is_whole(number):
                 yield number, value, (value - old) / (lap.count - lap.saved)
 
     def _any(self, number: int) -> Unknown:
@@ -174,6 +175,31 @@ class Endless(Branches):
         self._let_go(lap)
         self.findings.add(codes.ALIKE_PASSES.at(span, done=lap.count))
         return True
+
+    # ---- loops that only count
+
+    def _leap(self, node: While | Repeat | For, passes: float = math.inf) -> float:
+        """Over how many passes of a loop that only counts it goes at once, of at most ``passes``."""
+        key = id(node)
+        if key not in self._leaps:
+            self._leaps[key] = leap_of(node, self.program.rules)
+        leap = self._leaps[key]
+        if leap is None or passes < FIRST_LOOK:
+            return 0.0
+        held = self.modal.parameters
+        ends = {number: (LEAST_WHOLE, MOST_WHOLE) for number, _ in leap.steps if self._is_whole(number)}
+        count = min(leap.passes(held, ends), passes)
+        if count < FIRST_LOOK or math.isinf(count):
+            return 0.0
+        for number, step in leap.steps:
+            value = held[number]
+            assert isinstance(value, float)
+            held[number] = value + count * step
+        return count
+
+    def _is_whole(self, number: int) -> bool:
+        """Whether a variable holds whole numbers of 32 bits."""
+        return self.program.rules.source_order and not fits(number, MOST_WHOLE + 1.0, self._whole)
 
     # ---- loops that lead away
 

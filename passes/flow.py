@@ -32,6 +32,7 @@ from gproof.passes.din_state import din_of
 from gproof.passes.emitter import ProgramEnd
 from gproof.passes.endless import Endless
 from gproof.passes.frames import ANY, Frame, Path
+from gproof.passes.leaps import LEFT
 from gproof.passes.modal import Modal
 from gproof.passes.values import Unknown, Value, behind_loop, bounds
 
@@ -154,6 +155,9 @@ class Flow(Endless):
         elif goes_on and not isinstance(node, For):
             frame.at = 0
             self._lap((id(node), "loop"), node.span)
+            if self._passes[id(node), "loop"] > 1:
+                # A pass has told what there is to tell.
+                self._leap(node)
         if isinstance(node, For):
             if goes_on:
                 self._pass(frame, node)
@@ -212,6 +216,9 @@ class Flow(Endless):
         if there > most:
             return False
         goes_on = True if there <= least else None
+        if not first and least == most:
+            frame.counter += step * self._leap(node, most - there - LEFT)
+            there = (frame.counter + step) * step
         if not first and self._is_alike((id(node), "for"), node.span, number, most - there, sure=least == most):
             frame.is_open = True
             return None

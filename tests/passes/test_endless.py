@@ -165,7 +165,7 @@ def test_a_number_that_doubles_is_no_counter() -> None:
 
 
 def test_alike_passes_that_fill_a_counter_are_followed() -> None:
-    loop = ("for", "V0", "1", MANY, False, ["CI601 := CI601 + 2"])
+    loop = ("for", "V0", "1", MANY, False, ["G04 5", "CI601 := CI601 + 2"])
     assert labels(run(["CI601 := 0", loop], budget=BUDGET)[1]) == ["GP233"]
 
 
@@ -180,6 +180,68 @@ def test_counting_while_one_waits_for_an_input(loop: list[Any]) -> None:
     assert labels(findings) == []
     assert 9 in {move[1] for move in moves(trace)}
     assert len(trace.sections) < 200
+
+
+# ---- loops that only count, at once
+
+
+def counted(operator: str, value: int, steps: int, goal: int) -> int | None:
+    """What a while loop that adds ``steps`` leaves; None where it does not end soon."""
+    holds = {"<": lambda a: a < goal, "<=": lambda a: a <= goal, ">": lambda a: a > goal, ">=": lambda a: a >= goal,
+             "!=": lambda a: a != goal, "==": lambda a: a == goal}[operator]  # fmt: skip
+    for _ in range(3_000):
+        if not holds(value):
+            return value
+        value += steps
+    return None
+
+
+def test_a_loop_that_counts_holds_what_its_passes_make() -> None:
+    rng = random.Random(5)
+    opposite = {"<": ">=", "<=": ">", ">": "<=", ">=": "<", "!=": "==", "==": "!="}
+    ended = 0
+    for _ in range(150):
+        operator = rng.choice(sorted(opposite))
+        step, passes = rng.choice([-7, -2, -1, 1, 3, 10]), rng.randint(0, 300)
+        value = rng.randint(-50, 50)
+        goal = value + step * passes + rng.choice([0, 0, 0, 1, -1])
+        wanted = counted(operator, value, step, goal)
+        sign = "+" if step > 0 else "-"
+        body = [f"CI601 := CI601 {sign} {abs(step)}", "CI602 := 2 + CI602"]
+        head = [f"CI601 := {value}", "CI602 := 0", f"CI603 := {goal}", "G90"]
+        test = rng.choice([f"CI601 {operator} {goal}", f"CI601 {operator} CI603"])
+        trace, findings = run([*head, ("while", test, body), "G00 X(CI601) Y(CI602)"], budget=100)
+        if wanted is None:
+            assert {"GP228", "GP233"} & set(labels(findings))
+            continue
+        ended += 1
+        place = ("TRAVERSE", wanted, 2 * (wanted - value) // step, 0)
+        assert (moves(trace) or [("TRAVERSE", 0, 0, 0)]) == [place], (operator, value, step, goal)
+        if wanted != value:
+            test = test.replace(operator, opposite[operator], 1)
+            trace, _ = run([*head, ("repeat", body, test), "G00 X(CI601) Y(CI602)"], budget=100)
+            assert moves(trace) == [place]
+    assert ended > 60
+
+
+@pytest.mark.parametrize(("first", "last", "down"), [(1, 1_000_000, False), (500, -499_500, True)])
+def test_a_counted_loop_that_counts(first: int, last: int, down: bool) -> None:
+    loop = ("for", "V0", str(first), str(last), down, ["CI601 := CI601 + 3", "CD600 := CD600 - 1"])
+    trace, findings = run(["CI601 := 7", "CD600 := 0", loop, "G90 G00 X(CI601) Y(CD600)"], budget=200)
+    passes = abs(last - first) + 1
+    assert moves(trace) == [("TRAVERSE", 7 + 3 * passes, -passes, 0)]
+    assert all_labels(findings) == []
+
+
+def test_counting_past_32_bits_is_found_at_its_end() -> None:
+    found = run(["CI601 := 5", ("while", "CI601 > 0", ["CI601 := CI601 + 1"]), "G00 X9"], budget=300)[1]
+    assert labels(found)[0] == "GP228"
+
+
+def test_eding_counts_to_two_thousand_millions(tmp_path: Path) -> None:
+    trace, findings = programs.run(tmp_path, "#1 = 0\nwhile [#1 < 2000000000]\n#1 = [#1 + 3]\nendwhile\nG0 X#1\nM30\n")
+    assert trace.sections[0].rows["to"][-1][0] == 2000000001
+    assert not {"GP233", "GP522"} & set(all_labels(findings))
 
 
 # ---- other ways to write a loop
