@@ -177,9 +177,9 @@ def test_unknown_parameter_in_motion_is_reported(tmp_path: Path) -> None:
     assert codes_of(findings) == ["GP234", "GP225"]
 
 
-def test_endless_loop_is_unknown(tmp_path: Path) -> None:
+def test_a_loop_beyond_the_budget_is_unknown(tmp_path: Path) -> None:
     job = tmp_path / "job.cnc"
-    job.write_text(HEAD + "#1=1\nwhile [#1 == 1]\nG0 X1\nendwhile\nM30\n")
+    job.write_text(HEAD + "G91\n#1=1\nwhile [#1 == 1]\nG0 X1\nendwhile\nM30\n")
     findings = Findings()
     program = load_program(job, findings)
     assert program is not None
