@@ -39,7 +39,7 @@ def fits(number: int, value: object, whole: frozenset[int]) -> bool:
     """Whether a variable can hold a value: CI n, and those of ``whole``, are integers of 32 bits (11)."""
     if not (COMMON <= number < DECLARED or number in whole) or not isinstance(value, float):
         return True
-    return value == math.floor(value) and -(2.0**31) <= value < 2.0**31
+    return -(2.0**31) <= value < 2.0**31 and value == math.floor(value)
 
 
 SAME = 1e-9

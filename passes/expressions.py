@@ -38,7 +38,8 @@ def _whole(value: float, span: Span, operator: str) -> int:
 
 def _round(x: float) -> float:
     """To the nearest whole number, halves away from zero."""
-    return math.copysign(math.floor(abs(x) + 0.5), x)
+    whole = math.floor(abs(x))
+    return math.copysign(whole + (abs(x) - whole >= 0.5), x)
 
 
 def _nearest(x: float) -> float:
@@ -196,7 +197,7 @@ class Evaluator:
                 self._doubt(expr.span, expr.operator, x.cause)
             return between(x.cause, _of_32_bits(expr, ranges.unary(expr.operator, bounds(x))))
         if expr.operator == "nearest" and x - math.floor(x) == 0.5:
-            return Unknown("how a half is rounded", math.floor(x), math.ceil(x))
+            return between("how a half is rounded", _of_32_bits(expr, (math.floor(x), math.ceil(x))))
         try:
             return self._result(expr, UNARY_FUNCTIONS[expr.operator](x))
         except (ValueError, OverflowError):

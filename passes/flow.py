@@ -190,7 +190,7 @@ class Flow(Endless):
         if isinstance(first, Unknown):
             raise Refusal(codes.UNKNOWN_CONDITION.at(node.span, cause=first.cause))
         for value in (first, last):
-            if not isinstance(value, Unknown) and value != round(value):
+            if not isinstance(value, Unknown) and (math.isinf(value) or value != round(value)):
                 raise Refusal(codes.NOT_AN_INTEGER.at(node.span, word="a bound of a for loop", value=value))
         self._enter(node.span)
         self._loops += 1
@@ -274,7 +274,7 @@ class Flow(Endless):
         value = self.evaluator.value(node.count)
         if isinstance(value, Unknown):
             raise Refusal(codes.UNKNOWN_CONDITION.at(node.span, cause=value.cause))
-        if value != round(value):
+        if math.isinf(value) or value != round(value):
             raise Refusal(codes.NOT_AN_INTEGER.at(node.span, word="O", value=value))
         if value < 0:
             raise Refusal(codes.ILLEGAL_VALUE.at(node.span, word="O", what=f"{value:g} cycles of a subprogram"))

@@ -6,6 +6,7 @@ raises ``PascalError``.
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Callable
 
@@ -162,6 +163,9 @@ class ExpressionParser:
         if "e" in token.low:
             self.report(codes.PASCAL_OPEN, token, what=f"{token.text} has an exponent", hint="write it without")
         value = float(token.text)
+        if math.isinf(value):
+            self.report(codes.BAD_EXPRESSION, token, what="a number that is too large for a double")
+            value = 0.0
         type_ = Type.DOUBLE if point or "e" in token.low else Type.INTEGER
         if type_ is Type.INTEGER and value > LARGEST_INTEGER:
             what = f"the whole number {token.text} has more than 32 bits"

@@ -62,3 +62,32 @@ def test_what_nobody_knows_stays_within_them(tmp_path: Path) -> None:
     # An input is 0 or 1: nothing here is beyond 32 bits, whichever it is.
     lines = "$if (X.digib.1) then begin\nCI600 := 40000\n$end else begin\nCI600 := 2\n$end\nCD601 := CI600 * 2"
     assert "GP228" not in found(tmp_path, lines)
+
+
+HUGE = "9" * 400
+"""Larger than every double."""
+
+
+@pytest.mark.parametrize(
+    ("lines", "codes"),
+    [
+        (f"CD600 := {HUGE}.0", {"GP107"}),
+        (f"CI600 := {HUGE}", {"GP107"}),
+        (f"$for CI600 := 1 to {HUGE} do begin\n$end;", {"GP107"}),
+        (f"G01 X{HUGE}", {"GP228"}),
+        (f"G01 X({HUGE}.5 - 1)", {"GP107"}),
+        (f"M98 L5 O{HUGE}\nL5 M30", {"GP229"}),
+        (f"G04 {HUGE}", {"GP228"}),
+        (f"$wt({HUGE}.0);", {"GP107"}),
+        (f"M26 {HUGE}", {"GP228"}),
+        (f"S{HUGE}", {"GP228"}),
+    ],
+)
+def test_numbers_that_no_computer_holds(tmp_path: Path, lines: str, codes: set[str]) -> None:
+    assert codes & set(found(tmp_path, lines)) == codes
+
+
+def test_rounding_just_beside_a_half(tmp_path: Path) -> None:
+    """0.49999999999999994 + 0.5 is 1 in floating point, and the nearest whole number is 0 all the same."""
+    assert "GP228" in found(tmp_path, "CI601 := 1 div round(0.49999999999999994)")
+    assert "GP228" not in found(tmp_path, "CI601 := 1 div round(0.50000000000000011)")
