@@ -6,6 +6,7 @@ A file that jobs include may use names that they declare: it is read within each
 from __future__ import annotations
 
 import hashlib
+import mmap
 import re
 from collections.abc import Iterable, Iterator
 from itertools import zip_longest
@@ -115,10 +116,10 @@ def _programs(folder: Path) -> list[Path]:
 def _included(path: Path) -> set[str]:
     """Names of the files that a file includes, without folders, in lower case."""
     try:
-        data = path.read_bytes()
-    except OSError:
+        with path.open("rb") as file, mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ) as data:
+            return {_LAST_PART.split(found[1].decode("latin-1"))[-1].lower() for found in _INCLUDE.finditer(data)}
+    except (OSError, ValueError):  # an empty file has no map
         return set()
-    return {_LAST_PART.split(found[1].decode("latin-1"))[-1].lower() for found in _INCLUDE.finditer(data)}
 
 
 def said_otherwise(before: Program, after: Program, machine: Machine) -> str:

@@ -46,10 +46,6 @@ class Printer(ExpressionPrinter):
         super().__init__(style)
         self.labels: dict[str, str] = {}
 
-    def line(self, statements: Sequence[Statement]) -> str:
-        """Statements on one line, as behind ``$``."""
-        return " ".join(piece.text for piece in self.pieces(statements))
-
     def pieces(self, statements: Sequence[Statement], depth: int = 0) -> Iterator[Piece]:
         """Statements one after the other, each with its semicolon."""
         before: Statement | None = None
@@ -161,14 +157,14 @@ class Printer(ExpressionPrinter):
             name = node.text or node.name
             return f"{name}({values})" if values else name
         if isinstance(node, Message) and node.kind in ("write", "writeln"):
-            return " ".join([node.kind.upper(), *self.values(node.parts)])
+            return " ".join([node.kind.upper(), *self._values(node.parts)])
         if isinstance(node, Device) and node.name == "wait":
             return f"wt({self.expression(node.arguments[0])})"
         if isinstance(node, Unsupported) and node.text:
             return node.text
         raise Unprintable(node.what if isinstance(node, Unsupported) else f"a {type(node).__name__} in rw_SymPas")
 
-    def values(self, parts: Sequence[Expr]) -> Iterator[str]:
+    def _values(self, parts: Sequence[Expr]) -> Iterator[str]:
         """Values of WRITE, apart by blanks: one that begins with a sign would go on with the one before it."""
         for node in parts:
             text = self.expression(node)

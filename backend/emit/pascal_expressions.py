@@ -36,12 +36,10 @@ _SIGNS = {"neg": "-", "pos": "+"}
 
 
 class Style(NamedTuple):
-    """What the text depends on beside the tree: letters of the machine's axes, in its order; the unit of angles;
-    single_quotes: texts may stand in them (where they do not begin a comment)."""
+    """What the text depends on beside the tree: letters of the machine's axes, in its order; the unit of angles."""
 
     axes: str = "XYZ"
     angle_unit: str = "radians"
-    single_quotes: bool = True
 
 
 def _level(node: Expr) -> int:
@@ -188,8 +186,6 @@ class ExpressionPrinter:
         """A text in double quotes; in single ones where it has a double one in it."""
         if '"' not in node.value:
             return f'"{node.value}"'
-        if not self.style.single_quotes:
-            raise Unprintable("a text with a double quote in it")
         return "'" + node.value.replace("'", "''") + "'"
 
 

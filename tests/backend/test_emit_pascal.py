@@ -252,7 +252,7 @@ bodies = lists(2)
 @given(bodies)
 def test_statements_are_read_again_on_one_line(body: tuple[Any, ...]) -> None:
     names = symbols()
-    text = Printer(Style("XYZC")).line(body)
+    text = " ".join(piece.text for piece in Printer(Style("XYZC")).pieces(body))
     found = parse_dollar(text, 0, Place("job", 1), names)
     assert isinstance(found, Simple)
     assert bare(found.statements) == body, text
