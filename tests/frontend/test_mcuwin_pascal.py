@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from gproof.frontend.mcuwin.pascal import (
@@ -419,6 +419,7 @@ words = st.sampled_from(
 )  # fmt: skip
 
 
+@settings(deadline=None)
 @given(st.lists(st.lists(words | st.text(max_size=3), max_size=12).map(" ".join), max_size=4))
 def test_any_text_ends_in_findings(lines: list[str]) -> None:
     names = symbols()
