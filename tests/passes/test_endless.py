@@ -311,3 +311,40 @@ def test_a_long_loop_gives_signs_of_life() -> None:
     ex.on_beat = lambda blocks, span: heard.append(blocks)
     list(ex.run())
     assert heard == [4096, 8192, 12288, 16384]
+
+
+# ---- arrays of WinCNC
+
+
+def wincnc(folder: Path, text: str, budget: int) -> tuple[Trace, Findings]:
+    from gproof.frontend.wincnc.load import load_program
+    from gproof.frontend.wincnc.machine import NO_SHOP
+    from gproof.ir.setup import ZERO
+    from gproof.passes.execute import execute
+
+    job = folder / "job.tap"
+    job.write_text(text)
+    findings = Findings()
+    made = load_program(job, findings, NO_SHOP)
+    assert made is not None
+    trace = execute(made, ZERO, NO_SHOP, findings, budget=budget)
+    trace.verify()
+    return trace, findings
+
+
+PART = ("G0 X1 Y2", "G1 X3 F10", "X1 Y5", "G91", "X1 Y1", "G90")
+
+
+def test_an_array_of_wincnc_is_its_cells_one_behind_the_other(tmp_path: Path) -> None:
+    lines = ["G90", "G0 X0 Y0"]
+    array, _ = wincnc(tmp_path, "\n".join([*lines, "L10 C3 X7 E", "G92 X0 Y0", *PART, "L10", "G92", ""]), 1000)
+    cells = [line for n in range(3) for line in (f"G0 X{7 * n} Y0", "G92 X0 Y0", *PART, "G92")]
+    other, _ = wincnc(tmp_path, "\n".join([*lines, *cells, ""]), 1000)
+    feeds = [row[1:] for row in moves(array) if row[0] == "FEED"]
+    assert feeds == [row[1:] for row in moves(other) if row[0] == "FEED"]
+    assert len(feeds) == 9
+
+
+def test_an_array_of_too_many_cells_ends_with_the_budget(tmp_path: Path) -> None:
+    _, findings = wincnc(tmp_path, "\n".join(["G90", "G0 X0 Y0", "L10 C1000000 X.001", *PART, "L10", ""]), 500)
+    assert labels(findings)[-1] == "GP233"
