@@ -2,38 +2,128 @@
 
 from __future__ import annotations
 
+import contextlib
+import io
 import json
 import math
 import os
 import sys
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 
 import click
 
-from gproof.cli.files import require_picture, require_place
+from gproof.cli.files import require_picture, require_place, write_text
+from gproof.cli.jobs import find_jobs, is_several
 from gproof.cli.judge import NOT_JUDGED, Judgement, judge
 from gproof.cli.lengths import CHOICES, MM, LengthUnit, unit_of
+from gproof.cli.main import UsageError
+from gproof.cli.many import How, judge_all, print_text, with_progress
+from gproof.cli.outcome import Outcome, closing_line, exit_code
 from gproof.cli.report import coloured, distinct, finding_json, print_findings
 from gproof.cli.session import Running, Session, open_session
 from gproof.ir.codes import CODES, SYNTAX
 from gproof.ir.finding import Span
 from gproof.ir.machine import Axis
-from gproof.ir.trace import UNKNOWN, Chunk
+from gproof.ir.trace import UNKNOWN, Affine, Chunk
 from gproof.ir.verdict import Condition, Verdict
 from gproof.passes.values import describe
 
 SCHEMA = "gproof-check/1"
+SCHEMA_OF_SEVERAL = "gproof-check-several/1"
 _NOWHERE = describe(UNKNOWN)
 _SHADES = {Verdict.SAFE: "green", Verdict.UNSAFE: "red", Verdict.UNKNOWN: "magenta"}
 
 
 def run_check(
-    job: Path, *, machine: Path | None, setup: str | None, dialect: str | None, running: Running, form: str,
-    strict: bool, picture: Path | None, units: str | None = None,
+    names: Sequence[str], *, machine: Path | None, setup: str | None, dialect: str | None, running: Running, form: str,
+    strict: bool, picture: Path | None, units: str | None, output: Path | None, quiet: bool, workers: int | None,
+    exclude: Sequence[str],
 ) -> int:  # fmt: skip
-    """Judge a job, print the report in ``units``, write the picture; returns the exit code."""
+    """Judge jobs, print or write the report in ``units``, write the picture; returns the exit code."""
+    if output is not None:
+        require_place(output, "report", (*names, machine, setup))
+    if form in ("text", "json") and not is_several(names) and not exclude:
+        with _into(output):
+            return _check_one(
+                Path(names[0]), machine=machine, setup=setup, dialect=dialect, running=running, form=form,
+                strict=strict, picture=picture, units=units, quiet=quiet,
+            )  # fmt: skip
+    if picture is not None:
+        raise UsageError("--picture is drawn of one program, not of several jobs or a report for other programs")
+    if running.call is not None and is_several(names):
+        raise UsageError("--call judges a subprogram of one program")
+    return _check_several(
+        names, machine=machine, setup=setup, dialect=dialect, output=output, workers=workers, exclude=exclude,
+        how=How(running=running, strict=strict, form=form, units=units, quiet=quiet, tty=output is None and coloured()),
+    )  # fmt: skip
+
+
+def _check_several(
+    names: Sequence[str], *, machine: Path | None, setup: str | None, dialect: str | None, output: Path | None,
+    workers: int | None, exclude: Sequence[str], how: How,
+) -> int:  # fmt: skip
+    jobs = find_jobs(names, machine=machine, setup=setup, dialect=dialect, exclude=exclude)
+    outcomes = with_progress(judge_all(jobs, how, workers), len(jobs))
+    if how.form == "text":
+        with _into(output):
+            kept = print_text(outcomes)
+            if len(kept) > 1:
+                click.echo(closing_line(kept))
+        return exit_code(kept)
+    kept = list(outcomes)
+    for outcome in kept:
+        if outcome.problem:
+            click.echo(f"gproof: error: {outcome.problem}", err=True)
+    with _into(output):
+        click.echo(_document(kept, how.form))
+    return exit_code(kept)
+
+
+def _document(outcomes: list[Outcome], form: str) -> str:
+    if form == "sarif":
+        from gproof.cli.sarif import sarif
+
+        return sarif(outcomes)
+    if form == "junit":
+        from gproof.cli.junit import junit
+
+        return junit(outcomes)
+    if form == "github":
+        from gproof.cli.github import workflow_commands
+
+        return workflow_commands(outcomes)
+    if form == "markdown":
+        from gproof.cli.markdown import markdown
+
+        return markdown(outcomes)
+    answers = [
+        outcome.report if outcome.report is not None else {"job": outcome.job, "problem": outcome.problem}
+        for outcome in outcomes
+    ]
+    counts = dict.fromkeys(("SAFE", "UNSAFE", "UNKNOWN", "not_judged"), 0)
+    for outcome in outcomes:
+        counts[outcome.verdict.value if outcome.verdict else "not_judged"] += 1
+    return json.dumps({"schema": SCHEMA_OF_SEVERAL, "counts": counts, "jobs": answers}, indent=2, ensure_ascii=False)
+
+
+@contextlib.contextmanager
+def _into(output: Path | None) -> Iterator[None]:
+    """What is printed inside goes to a file, whole or not at all."""
+    if output is None:
+        yield
+        return
+    text = io.StringIO()
+    with contextlib.redirect_stdout(text):
+        yield
+    write_text(output, text.getvalue(), "report")
+
+
+def _check_one(
+    job: Path, *, machine: Path | None, setup: str | None, dialect: str | None, running: Running, form: str,
+    strict: bool, picture: Path | None, units: str | None, quiet: bool,
+) -> int:  # fmt: skip
     if picture is not None:
         require_place(picture, "picture", (job, machine, setup))
         require_picture(picture)
@@ -55,9 +145,33 @@ def run_check(
         drawing.write(picture, session, judgement)
     if form == "json":
         click.echo(json.dumps(report_json(session, judgement), indent=2, ensure_ascii=False))
+    elif quiet:
+        print_brief(session, judgement, units, quiet=True)
     else:
         print_summary(session, judgement, findings=True, unit=None if units is None else CHOICES[units])
     return judgement.verdict.exit_code
+
+
+def print_brief(session: Session, judgement: Judgement, units: str | None, *, quiet: bool) -> None:
+    """One of several jobs: findings other than notes, its verdict, and what a SAFE rests on; quiet: the verdict."""
+    unit = unit_of_report(session, judgement) if units is None else CHOICES[units]
+    if not quiet:
+        print_findings(judgement.findings, unit=unit, notes=False)
+    click.echo(f"{session.job}: {_shade(judgement.verdict)}")
+    if quiet or judgement.verdict is not Verdict.SAFE:
+        return
+    bounds: dict[Affine, tuple[float, float]] = {}
+    for condition in (c for r in judgement.properties for c in r.conditions if not _is_start(c)):
+        low, high = bounds.get(condition.terms, (-math.inf, math.inf))
+        bounds[condition.terms] = max(low, condition.low), min(high, condition.high)
+    parts = [_condition_parts(Condition(terms=terms, low=a, high=b), unit) for terms, (a, b) in bounds.items()]
+    width = max((len(name) for name, _ in parts), default=0)
+    for name, ends in parts:
+        click.echo(f"  if {name:<{width}} is {ends}")
+
+
+def _shade(verdict: Verdict) -> str:
+    return click.style(verdict.value, fg=_SHADES[verdict], bold=True) if coloured() else verdict.value
 
 
 def _observers(progress: Progress | None, draw: Callable[[Chunk], None] | None) -> Callable[[Chunk], None] | None:
@@ -163,19 +277,14 @@ def print_summary(
         unit = unit_of_report(session, judgement)
     if findings:
         print_findings(judgement.findings, unit=unit)
-    colour = coloured()
-
-    def shade(verdict: Verdict) -> str:
-        return click.style(verdict.value, fg=_SHADES[verdict], bold=True) if colour else verdict.value
-
     if judgement.findings.kept:
         click.echo()
-    click.echo(f"{session.job}: {shade(judgement.verdict)}")
+    click.echo(f"{session.job}: {_shade(judgement.verdict)}")
     for result in judgement.properties:
         parts = [_condition_parts(c, unit) for c in result.conditions if not _is_start(c)]
         parts = parts if result.verdict is Verdict.SAFE else []
         width = max((len(name) for name, _ in parts), default=0)
-        first = shade(result.verdict) + " " * (9 - len(result.verdict.value))
+        first = _shade(result.verdict) + " " * (9 - len(result.verdict.value))
         for n, detail in enumerate([f"if {name:<{width}} is {bounds}" for name, bounds in parts] or [""]):
             _row("" if n else result.name, (" " * 9 if n else first) + detail)
     _row("not judged", ", ".join(NOT_JUDGED))

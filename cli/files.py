@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
 from pathlib import Path
 
@@ -66,3 +67,15 @@ def require_place(path: Path, what: str, inputs: tuple[Path | str | None, ...] =
     for name in inputs:
         if name is not None and path.exists() and Path(name).exists() and path.samefile(name):
             raise UsageError(f"{what} {path}: would overwrite an input")
+
+
+def write_text(path: Path, text: str, what: str) -> None:
+    """Write a file in one step; UsageError, and no part of it, when that can not be done."""
+    draft = path.with_name(f".{path.name}.{os.getpid()}")
+    try:
+        draft.write_text(text, encoding="utf-8")
+        os.replace(draft, path)
+    except OSError as error:
+        with contextlib.suppress(OSError):
+            draft.unlink()
+        raise UsageError(f"{what} {path}: {error.strerror or error}") from None

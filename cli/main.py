@@ -86,26 +86,40 @@ def _job_options(command: Any) -> Any:
 
 
 @cli.command()
-@_JOB
+@click.argument("jobs", metavar="JOB...", nargs=-1, required=True)
 @_job_options
-@click.option("--format", "form", type=click.Choice(["text", "json"]), default="text", help="Report as text or JSON.")
+@click.option(
+    "--format",
+    "form",
+    type=click.Choice(["text", "json", "sarif", "junit", "github", "markdown"]),
+    default="text",
+    help="Report as text, or for other programs.",
+)
+@click.option("--output", type=click.Path(path_type=Path), help="Write the report to this file.")
+@click.option("-q", "--quiet", is_flag=True, help="Only the verdicts.")
+@click.option("-j", "--jobs", "workers", type=click.IntRange(1), help="Jobs judged at once; by default what pays.")
+@click.option("--exclude", multiple=True, metavar="PATTERN", help="Jobs to leave out of folders and patterns.")
 @click.option("--strict", is_flag=True, help="Conditional answers count as UNKNOWN.")
 @click.option("--picture", type=click.Path(path_type=Path), help="Write a picture of the path (SVG).")
 @click.option(
     "--units", type=click.Choice(["mm", "inch"]), help="Lengths of the text report; those of the machine file else."
 )
 def check(
-    job: Path, machine: Path | None, setup: str | None, dialect: str | None, max_blocks: int | None,
+    jobs: tuple[str, ...], machine: Path | None, setup: str | None, dialect: str | None, max_blocks: int | None,
     max_branches: int, call: str | None, render: bool, form: str, strict: bool, picture: Path | None,
-    units: str | None,
+    units: str | None, output: Path | None, quiet: bool, workers: int | None, exclude: tuple[str, ...],
 ) -> int:  # fmt: skip
-    """Prove or refute that JOB is safe on a machine."""
+    """Prove or refute that each JOB is safe on a machine.
+
+    A JOB is a program, a folder of them, a pattern such as "*.cnc", or a job file, which says what to judge with.
+    """
     from gproof.cli.check import run_check
     from gproof.cli.session import Running
 
     return run_check(
-        job, machine=machine, setup=setup, dialect=dialect, running=Running(max_blocks, max_branches, render, call),
-        form=form, strict=strict, picture=picture, units=units,
+        jobs, machine=machine, setup=setup, dialect=dialect, running=Running(max_blocks, max_branches, render, call),
+        form=form, strict=strict, picture=picture, units=units, output=output, quiet=quiet, workers=workers,
+        exclude=exclude,
     )  # fmt: skip
 
 

@@ -109,8 +109,10 @@ def _excerpt(span: Span, text: str) -> list[str]:
     return out
 
 
-def print_findings(findings: Findings, *, err: bool = False, unit: LengthUnit = MM) -> None:
-    """All kept findings by place, with what was left out counted at the end."""
+def print_findings(
+    findings: Findings, *, err: bool = False, unit: LengthUnit = MM, notes: bool = True
+) -> None:  # fmt: skip
+    """All kept findings by place, with what was left out counted at the end; notes: those too."""
     colour = coloured(err)
     by_file: dict[str, set[int]] = {}
     for f in findings.kept:
@@ -118,10 +120,14 @@ def print_findings(findings: Findings, *, err: bool = False, unit: LengthUnit = 
             by_file.setdefault(f.span.file, set()).add(f.span.line)
     texts = {name: source_lines(name, lines) for name, lines in by_file.items()}
     for finding, times in distinct(findings):
+        if finding.severity is Severity.NOTE and not notes:
+            continue
         text = texts.get(finding.span.file, {}).get(finding.span.line)
         for line in format_finding(finding, text, colour, times, unit):
             click.echo(line, err=err)
     for number in sorted(findings.counts):
+        if CODES[number].severity is Severity.NOTE and not notes:
+            continue
         hidden = findings.hidden(CODES[number])
         if hidden:
             click.echo(f"... and {hidden} more {CODES[number].label} [{CODES[number].name}]", err=err)

@@ -1,0 +1,52 @@
+"""Reports as workflow commands of GitHub Actions, which put findings beside the lines of a change."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+from gproof.cli.outcome import LEVELS, Outcome, closing_line
+
+_COMMANDS = {"error": "error", "unknown": "error", "warning": "warning", "note": "notice"}
+
+
+def workflow_commands(outcomes: Sequence[Outcome]) -> str:
+    """Commands, the weightiest first because only some are shown, then a line for each job and one for all."""
+    lines: list[str] = []
+    found = [finding for outcome in outcomes for finding in outcome.findings if "suppressed" not in finding]
+    for finding in sorted(found, key=lambda finding: -LEVELS.index(finding["severity"])):
+        lines.append(_command(finding))
+    for outcome in outcomes:
+        if outcome.problem:
+            lines.append(f"::error title=gproof::{_data(outcome.problem)}")
+    for outcome in outcomes:
+        # A path may begin with what would be a command.
+        lines.append(f"gproof: {_data(outcome.job)}: {outcome.verdict.value if outcome.verdict else 'not judged'}")
+    lines.append(closing_line(list(outcomes)))
+    return "\n".join(lines)
+
+
+def _command(finding: dict[str, Any]) -> str:
+    places = {"file": finding["file"]}
+    if finding["line"]:
+        places["line"] = str(finding["line"])
+        if finding["column"]:
+            places["col"] = str(finding["column"])
+        if finding["end_column"] > finding["column"] > 0:
+            places["endColumn"] = str(finding["end_column"] - 1)
+    places["title"] = f"{finding['code']} {finding['name']}"
+    shown = ",".join(f"{key}={_property(value)}" for key, value in places.items())
+    text = finding["message"]
+    if finding["severity"] == "unknown":
+        text = f"unknown: {text}"
+    if finding.get("hint"):
+        text += f"\nhint: {finding['hint']}"
+    return f"::{_COMMANDS[finding['severity']]} {shown}::{_data(text)}"
+
+
+def _data(text: str) -> str:
+    return text.replace("%", "%25").replace("\r", "%0D").replace("\n", "%0A")
+
+
+def _property(text: str) -> str:
+    return _data(text).replace(":", "%3A").replace(",", "%2C")

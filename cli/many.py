@@ -1,0 +1,137 @@
+"""``gproof check`` of several jobs: each in turn or some at once, always in the order they were named."""
+
+from __future__ import annotations
+
+import contextlib
+import io
+import os
+import sys
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import click
+
+from gproof.cli.jobs import Job
+from gproof.cli.main import UsageError
+from gproof.cli.outcome import Outcome
+from gproof.cli.session import Running
+
+WORTH_A_PROCESS = 3_000_000
+"""Bytes of programs below which another process costs more than it saves: it imports everything first."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class How:
+    """How jobs are judged and told. form: of the report; units: of a text; tty: whether the text goes to a terminal."""
+
+    running: Running
+    strict: bool = False
+    form: str = "text"
+    units: str | None = None
+    quiet: bool = False
+    tty: bool = False
+
+
+class _Text(io.StringIO):
+    """A text that is a terminal where the standard output is one, so that it is coloured alike."""
+
+    def __init__(self, tty: bool) -> None:
+        super().__init__()
+        self._tty = tty
+
+    def isatty(self) -> bool:
+        return self._tty
+
+
+def judge_one(job: Job, how: How) -> Outcome:
+    """Judge a job; one that can not be judged is an outcome too."""
+    from gproof.cli.check import print_brief, report_json
+    from gproof.cli.judge import judge
+    from gproof.cli.session import open_session
+
+    text, errors = _Text(how.tty), _Text(False)
+    try:
+        with contextlib.redirect_stdout(text), contextlib.redirect_stderr(errors):
+            session = open_session(job.path, machine=job.machine, setup=job.setup, dialect=job.dialect)
+            judgement = judge(session, running=how.running, strict=how.strict)
+            if how.form == "text":
+                print_brief(session, judgement, how.units, quiet=how.quiet)
+    except UsageError as error:
+        told = errors.getvalue().strip()
+        return Outcome(job=str(job.path), problem=error.message, text=tuple(told.splitlines()))
+    return Outcome(job=str(job.path), report=report_json(session, judgement), text=tuple(text.getvalue().splitlines()))
+
+
+def judge_all(jobs: Sequence[Job], how: How, workers: int | None) -> Iterator[Outcome]:
+    """The outcome of each job, in order, as soon as it and those before it are there.
+
+    workers: processes at most; None: as many as there are processors, where the jobs are worth it.
+    """
+    count = _workers(jobs) if workers is None else min(workers, len(jobs))
+    if count <= 1:
+        yield from (judge_one(job, how) for job in jobs)
+        return
+    from concurrent.futures import ProcessPoolExecutor
+    from concurrent.futures.process import BrokenProcessPool
+    from multiprocessing import get_context
+
+    # Forked children would share whatever threads and locks this process has.
+    with ProcessPoolExecutor(count, mp_context=get_context("spawn")) as pool:
+        waiting = [pool.submit(judge_one, job, how) for job in jobs]
+        try:
+            for job, future in zip(jobs, waiting, strict=True):
+                try:
+                    yield future.result()
+                except BrokenProcessPool:
+                    problem = f"{job.path}: a process ended before its answer (out of memory?); --jobs 1 uses one"
+                    yield Outcome(job=str(job.path), problem=problem)
+        finally:
+            for future in waiting:
+                future.cancel()
+
+
+def _workers(jobs: Sequence[Job]) -> int:
+    size = 0
+    for job in jobs:
+        with contextlib.suppress(OSError):
+            size += job.path.stat().st_size
+    most = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+    return max(1, min(most, len(jobs), 1 + size // WORTH_A_PROCESS))
+
+
+def with_progress(outcomes: Iterator[Outcome], count: int) -> Iterator[Outcome]:
+    """The outcomes, with a bar on standard error where that is a terminal and it takes longer than a second."""
+    if not sys.stderr.isatty() or os.environ.get("CI"):
+        yield from outcomes
+        return
+    import time
+
+    began, done, bar = time.monotonic(), 0, None
+    try:
+        for outcome in outcomes:
+            done += 1
+            if bar is None and time.monotonic() - began > 1.0 and done < count:
+                from rich.console import Console
+                from rich.progress import Progress
+
+                bar = Progress(console=Console(stderr=True), transient=True)
+                task = bar.add_task("checking", total=count)
+                bar.start()
+            if bar is not None:
+                bar.update(task, completed=done, description=f"checking {outcome.job}")
+            yield outcome
+    finally:
+        if bar is not None:
+            bar.stop()
+
+
+def print_text(outcomes: Iterator[Outcome]) -> list[Outcome]:
+    """Print each outcome as it comes; all of them."""
+    kept = []
+    for outcome in outcomes:
+        for line in outcome.text:
+            click.echo(line)
+        if outcome.problem:
+            click.echo(f"gproof: error: {outcome.problem}", err=True)
+        kept.append(outcome)
+    return kept

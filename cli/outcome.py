@@ -1,0 +1,88 @@
+"""What ``check`` found out about each of several jobs, as plain data: reports of every format are made from it."""
+
+from __future__ import annotations
+
+import hashlib
+import re
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, field
+from typing import Any
+
+from gproof.cli.main import COULD_NOT_RUN
+from gproof.cli.report import source_lines
+from gproof.ir.verdict import Verdict
+
+LEVELS = ("note", "warning", "unknown", "error")
+"""Severities of findings, the lightest first."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Outcome:
+    """Of one job. report: as docs/check-json.md defines it, None where the job could not be judged; problem: why.
+
+    text: the report as text, lines.
+    """
+
+    job: str
+    report: dict[str, Any] | None = None
+    problem: str = ""
+    text: tuple[str, ...] = ()
+
+    @property
+    def verdict(self) -> Verdict | None:
+        """The verdict of the policy, None without a report."""
+        return None if self.report is None else Verdict(self.report["verdict"])
+
+    @property
+    def exit_code(self) -> int:
+        """0 SAFE, 1 UNSAFE, 2 UNKNOWN, 3 could not be judged."""
+        return COULD_NOT_RUN if self.verdict is None else self.verdict.exit_code
+
+    @property
+    def findings(self) -> list[dict[str, Any]]:
+        """Its findings, by place."""
+        return [] if self.report is None else list(self.report["findings"])
+
+
+def exit_code(outcomes: Iterable[Outcome]) -> int:
+    """Of all jobs together: 3 if one could not be judged, else UNSAFE over UNKNOWN over SAFE."""
+    codes = {outcome.exit_code for outcome in outcomes}
+    return next((code for code in (COULD_NOT_RUN, 1, 2) if code in codes), 0)
+
+
+def counted(number: int, what: str) -> str:
+    """``1 job``, ``2 jobs``."""
+    return f"{number} {what}{'' if number == 1 else 's'}"
+
+
+def closing_line(outcomes: list[Outcome]) -> str:
+    """``7 jobs: 5 SAFE, 1 UNSAFE, 1 UNKNOWN``."""
+    names = [*(verdict.value for verdict in Verdict), "not judged"]
+    said = [outcome.verdict.value if outcome.verdict else "not judged" for outcome in outcomes]
+    parts = [f"{said.count(name)} {name}" for name in names if name in said]
+    return f"{counted(len(outcomes), 'job')}: {', '.join(parts) or 'none'}"
+
+
+@dataclass(slots=True)
+class Fingerprints:
+    """Names for findings that stay when lines move: file, code, the text of the line, and which one of its like.
+
+    A line's text counts without its white space and line number (N word), which programs get anew each time.
+    """
+
+    _texts: dict[str, dict[int, str]] = field(default_factory=dict)
+    _met: dict[tuple[str, str, str], int] = field(default_factory=dict)
+
+    def of(self, findings: list[dict[str, Any]]) -> Iterator[str]:
+        """The fingerprint of each."""
+        wanted: dict[str, set[int]] = {}
+        for finding in findings:
+            wanted.setdefault(finding["file"], set()).add(finding["line"])
+        for name, lines in wanted.items():
+            self._texts.setdefault(name, {}).update(source_lines(name, lines - {0}))
+        for finding in findings:
+            text = self._texts[finding["file"]].get(finding["line"], "")
+            text = re.sub(r"^[Nn]\d+", "", re.sub(r"\s+", "", text))
+            key = finding["file"], finding["code"], text
+            self._met[key] = number = self._met.get(key, 0) + 1
+            yield hashlib.sha256(f"{finding['code']}\0{text}\0{number}".encode()).hexdigest()[:32]
