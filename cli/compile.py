@@ -9,12 +9,12 @@ from typing import TYPE_CHECKING
 
 import click
 
-from gproof.cli.check import print_summary, unit_of_report
 from gproof.cli.files import require_file, require_place
 from gproof.cli.judge import NOT_JUDGED, Judgement, judge
 from gproof.cli.main import UsageError
 from gproof.cli.report import print_findings
 from gproof.cli.session import Running, Session, open_session
+from gproof.cli.summary import print_summary, unit_of_report
 from gproof.ir.finding import Severity
 from gproof.ir.plan import Plan
 from gproof.ir.stream import StepStream

@@ -28,6 +28,7 @@ class Job:
     machine: Path | None = None
     setup: str | None = None
     dialect: str | None = None
+    policy: Path | None = None
     source: Path | None = None
 
 
@@ -58,7 +59,9 @@ def find_jobs(
 
 def is_several(names: Sequence[str]) -> bool:
     """Whether names may stand for more, or for something else, than one file with a program."""
-    return len(names) != 1 or Path(names[0]).is_dir() or not Path(names[0]).exists() or _is_job_file(Path(names[0]))
+    path = Path(names[0])
+    is_pattern = glob.has_magic(names[0]) and not path.exists()
+    return len(names) != 1 or is_pattern or path.is_dir() or _is_job_file(path)
 
 
 def _of_name(name: str) -> Iterator[Job]:
@@ -162,7 +165,7 @@ def _named(table: TomlTable, key: str, source: Path, name: str, settings: Job) -
 
 
 def _settings(table: TomlTable, source: Path, base: Job) -> Job:
-    machine, setup = table.text("machine"), table.text("setup")
+    machine, setup, policy = table.text("machine"), table.text("setup"), table.text("policy")
     dialect = table.text("dialect", ("wincnc", "eding", "mcuwin"))
     folder = source.parent
     return replace(
@@ -170,4 +173,5 @@ def _settings(table: TomlTable, source: Path, base: Job) -> Job:
         machine=base.machine if machine is None else folder / machine,
         setup=base.setup if setup is None else setup if setup == "zero" else str(folder / setup),
         dialect=base.dialect if dialect is None else dialect,
+        policy=base.policy if policy is None else folder / policy,
     )

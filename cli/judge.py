@@ -12,7 +12,7 @@ import numpy as np
 from gproof.cli.offsets import contradiction
 from gproof.cli.session import Running, Session
 from gproof.ir import codes
-from gproof.ir.finding import Findings, Severity, Span
+from gproof.ir.finding import Finding, Findings, Severity, Span
 from gproof.ir.machine import Machine
 from gproof.ir.trace import Affine, Chunk, Frame, Op, Wait, verify_rows
 from gproof.ir.verdict import DEFAULT_POLICY, Condition, PropertyResult, Verdict, worst
@@ -61,13 +61,17 @@ class Summary:
 
 @dataclass(slots=True, kw_only=True)
 class Judgement:
-    """The answer of ``check``: the verdict of the policy, each property, assumptions of the whole."""
+    """The answer of ``check``: the verdict of the policy, each property, assumptions of the whole.
+
+    accepted: findings that a comment or a baseline accepts, each with how (SARIF's word) and the reason.
+    """
 
     verdict: Verdict
     properties: list[PropertyResult]
     assumptions: list[str]
     summary: Summary
     findings: Findings
+    accepted: dict[Finding, tuple[str, str]] = field(default_factory=dict)
 
 
 def judge(

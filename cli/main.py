@@ -98,6 +98,13 @@ def _job_options(command: Any) -> Any:
 @click.option("--output", type=click.Path(path_type=Path), help="Write the report to this file.")
 @click.option("-q", "--quiet", is_flag=True, help="Only the verdicts.")
 @click.option("-j", "--jobs", "workers", type=click.IntRange(1), help="Jobs judged at once; by default what pays.")
+@click.option("--policy", type=click.Path(path_type=Path), help="What the shop asks of its jobs (TOML).")
+@click.option(
+    "--fail-on", type=click.Choice(["unknown", "warning", "note"]), help="Findings that fail a check; unknown else."
+)
+@click.option("--warnings-as-errors", "warnings_are_errors", is_flag=True, help="Warnings make a job UNSAFE.")
+@click.option("--baseline", type=click.Path(path_type=Path), help="Findings that are known and fail no check.")
+@click.option("--write-baseline", "new_baseline", type=click.Path(path_type=Path), help="Write what is found as known.")
 @click.option("--exclude", multiple=True, metavar="PATTERN", help="Jobs to leave out of folders and patterns.")
 @click.option("--strict", is_flag=True, help="Conditional answers count as UNKNOWN.")
 @click.option("--picture", type=click.Path(path_type=Path), help="Write a picture of the path (SVG).")
@@ -108,6 +115,8 @@ def check(
     jobs: tuple[str, ...], machine: Path | None, setup: str | None, dialect: str | None, max_blocks: int | None,
     max_branches: int, call: str | None, render: bool, form: str, strict: bool, picture: Path | None,
     units: str | None, output: Path | None, quiet: bool, workers: int | None, exclude: tuple[str, ...],
+    policy: Path | None, fail_on: str | None, warnings_are_errors: bool, baseline: Path | None,
+    new_baseline: Path | None,
 ) -> int:  # fmt: skip
     """Prove or refute that each JOB is safe on a machine.
 
@@ -119,7 +128,8 @@ def check(
     return run_check(
         jobs, machine=machine, setup=setup, dialect=dialect, running=Running(max_blocks, max_branches, render, call),
         form=form, strict=strict, picture=picture, units=units, output=output, quiet=quiet, workers=workers,
-        exclude=exclude,
+        exclude=exclude, policy=policy, fail_on=fail_on, warnings_are_errors=warnings_are_errors, baseline=baseline,
+        new_baseline=new_baseline,
     )  # fmt: skip
 
 

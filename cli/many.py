@@ -7,13 +7,15 @@ import io
 import os
 import sys
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import click
 
+from gproof.cli.conclude import Asked, conclude, with_options
 from gproof.cli.jobs import Job
 from gproof.cli.main import UsageError
 from gproof.cli.outcome import Outcome
+from gproof.cli.policy import load_policy
 from gproof.cli.session import Running
 
 WORTH_A_PROCESS = 3_000_000
@@ -25,7 +27,7 @@ class How:
     """How jobs are judged and told. form: of the report; units: of a text; tty: whether the text goes to a terminal."""
 
     running: Running
-    strict: bool = False
+    asked: Asked
     form: str = "text"
     units: str | None = None
     quiet: bool = False
@@ -45,21 +47,33 @@ class _Text(io.StringIO):
 
 def judge_one(job: Job, how: How) -> Outcome:
     """Judge a job; one that can not be judged is an outcome too."""
-    from gproof.cli.check import print_brief, report_json
-    from gproof.cli.judge import judge
     from gproof.cli.session import open_session
+    from gproof.cli.summary import print_brief, report_json
 
     text, errors = _Text(how.tty), _Text(False)
     try:
         with contextlib.redirect_stdout(text), contextlib.redirect_stderr(errors):
             session = open_session(job.path, machine=job.machine, setup=job.setup, dialect=job.dialect)
-            judgement = judge(session, running=how.running, strict=how.strict)
+            judgement, code, known = conclude(session, _asked(job, how.asked), running=how.running)
             if how.form == "text":
-                print_brief(session, judgement, how.units, quiet=how.quiet)
+                print_brief(session, judgement, code, how.units, quiet=how.quiet)
     except UsageError as error:
         told = errors.getvalue().strip()
         return Outcome(job=str(job.path), problem=error.message, text=tuple(told.splitlines()))
-    return Outcome(job=str(job.path), report=report_json(session, judgement), text=tuple(text.getvalue().splitlines()))
+    return Outcome(
+        job=str(job.path), report=report_json(session, judgement, code), text=tuple(text.getvalue().splitlines()),
+        code=code, known=known,
+    )  # fmt: skip
+
+
+def _asked(job: Job, asked: Asked) -> Asked:
+    """What is asked of a job: a policy of the command line goes before that of its job file."""
+    if job.policy is None or asked.policy.name:
+        return asked
+    policy = with_options(
+        load_policy(job.policy), fail_on=asked.fail_on, warnings_are_errors=asked.policy.warnings_are_errors
+    )
+    return replace(asked, policy=policy)
 
 
 def judge_all(jobs: Sequence[Job], how: How, workers: int | None) -> Iterator[Outcome]:

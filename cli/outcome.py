@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import re
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -20,23 +20,20 @@ LEVELS = ("note", "warning", "unknown", "error")
 class Outcome:
     """Of one job. report: as docs/check-json.md defines it, None where the job could not be judged; problem: why.
 
-    text: the report as text, lines.
+    text: the report as text, lines; code: the exit code; known: of its findings, what a baseline says.
     """
 
     job: str
     report: dict[str, Any] | None = None
     problem: str = ""
     text: tuple[str, ...] = ()
+    code: int = COULD_NOT_RUN
+    known: dict[str, list[dict[str, str]]] = field(default_factory=dict)
 
     @property
     def verdict(self) -> Verdict | None:
         """The verdict of the policy, None without a report."""
         return None if self.report is None else Verdict(self.report["verdict"])
-
-    @property
-    def exit_code(self) -> int:
-        """0 SAFE, 1 UNSAFE, 2 UNKNOWN, 3 could not be judged."""
-        return COULD_NOT_RUN if self.verdict is None else self.verdict.exit_code
 
     @property
     def findings(self) -> list[dict[str, Any]]:
@@ -46,7 +43,7 @@ class Outcome:
 
 def exit_code(outcomes: Iterable[Outcome]) -> int:
     """Of all jobs together: 3 if one could not be judged, else UNSAFE over UNKNOWN over SAFE."""
-    codes = {outcome.exit_code for outcome in outcomes}
+    codes = {outcome.code for outcome in outcomes}
     return next((code for code in (COULD_NOT_RUN, 1, 2) if code in codes), 0)
 
 
@@ -73,16 +70,16 @@ class Fingerprints:
     _texts: dict[str, dict[int, str]] = field(default_factory=dict)
     _met: dict[tuple[str, str, str], int] = field(default_factory=dict)
 
-    def of(self, findings: list[dict[str, Any]]) -> Iterator[str]:
-        """The fingerprint of each."""
+    def of(self, places: Sequence[tuple[str, int, str]]) -> Iterator[str]:
+        """The fingerprint of each finding. places: file, line, label of the code."""
         wanted: dict[str, set[int]] = {}
-        for finding in findings:
-            wanted.setdefault(finding["file"], set()).add(finding["line"])
+        for file, line, _ in places:
+            wanted.setdefault(file, set()).add(line)
         for name, lines in wanted.items():
             self._texts.setdefault(name, {}).update(source_lines(name, lines - {0}))
-        for finding in findings:
-            text = self._texts[finding["file"]].get(finding["line"], "")
+        for file, line, label in places:
+            text = self._texts[file].get(line, "")
             text = re.sub(r"^[Nn]\d+", "", re.sub(r"\s+", "", text))
-            key = finding["file"], finding["code"], text
+            key = file, label, text
             self._met[key] = number = self._met.get(key, 0) + 1
-            yield hashlib.sha256(f"{finding['code']}\0{text}\0{number}".encode()).hexdigest()[:32]
+            yield hashlib.sha256(f"{label}\0{text}\0{number}".encode()).hexdigest()[:32]

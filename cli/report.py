@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import sys
+from collections.abc import Mapping
 
 import click
 
@@ -18,6 +19,8 @@ COLOURS = {
     Severity.NOTE: "cyan",
 }
 _LONGEST = 160
+Accepted = Mapping[Finding, tuple[str, str]]
+"""How findings were accepted, and why: see ``cli.accept``."""
 _ORDER = [Severity.ERROR, Severity.UNKNOWN, Severity.WARNING, Severity.NOTE]
 
 
@@ -110,9 +113,11 @@ def _excerpt(span: Span, text: str) -> list[str]:
 
 
 def print_findings(
-    findings: Findings, *, err: bool = False, unit: LengthUnit = MM, notes: bool = True
+    findings: Findings, *, err: bool = False, unit: LengthUnit = MM, notes: bool = True,
+    accepted: Accepted | None = None,
 ) -> None:  # fmt: skip
-    """All kept findings by place, with what was left out counted at the end; notes: those too."""
+    """All kept findings by place, with what was left out counted at the end; notes: those too; accepted: marked so."""
+    accepted = accepted or {}
     colour = coloured(err)
     by_file: dict[str, set[int]] = {}
     for f in findings.kept:
@@ -123,8 +128,12 @@ def print_findings(
         if finding.severity is Severity.NOTE and not notes:
             continue
         text = texts.get(finding.span.file, {}).get(finding.span.line)
+        if finding in accepted and not notes:
+            continue
         for line in format_finding(finding, text, colour, times, unit):
             click.echo(line, err=err)
+        if finding in accepted:
+            click.echo(f"      = accepted: {accepted[finding][1]}", err=err)
     for number in sorted(findings.counts):
         if CODES[number].severity is Severity.NOTE and not notes:
             continue
@@ -133,7 +142,9 @@ def print_findings(
             click.echo(f"... and {hidden} more {CODES[number].label} [{CODES[number].name}]", err=err)
 
 
-def finding_json(finding: Finding, times: int = 1) -> dict[str, object]:
+def finding_json(
+    finding: Finding, times: int = 1, accepted: tuple[str, str] | None = None
+) -> dict[str, object]:  # fmt: skip
     """One finding of ``check --format json``."""
     out: dict[str, object] = {
         "code": finding.code.label,
@@ -149,6 +160,8 @@ def finding_json(finding: Finding, times: int = 1) -> dict[str, object]:
     }
     if finding.hint:
         out["hint"] = finding.hint
+    if accepted is not None:
+        out["suppressed"] = {"kind": accepted[0], "reason": accepted[1]}
     if finding.related:
         out["related"] = [
             {"file": r.span.file, "line": r.span.line, "column": r.span.column, "message": r.message}

@@ -29,7 +29,9 @@ def sarif(outcomes: Sequence[Outcome]) -> str:
     results: list[dict[str, Any]] = []
     for outcome in outcomes:
         findings = outcome.findings
-        for finding, mark in zip(findings, marks.of(findings), strict=True):
+        for finding, mark in zip(
+            findings, marks.of([(f["file"], f["line"], f["code"]) for f in findings]), strict=True
+        ):
             results.append(_result(finding, rules, mark))
     code = exit_code(outcomes)
     problems = [outcome.problem for outcome in outcomes if outcome.problem]

@@ -534,6 +534,10 @@ MACRO_FILE_MISSING = code(
     "files",
 )
 
+BAD_ALLOWANCE = code(608, "bad-allowance", _W, "this comment to gproof {what}; it accepts nothing", "policy")
+UNUSED_ALLOWANCE = code(609, "unused-allowance", _W, "nothing here is {codes}: the comment accepts nothing", "policy")
+ERROR_NOT_ALLOWED = code(610, "error-not-allowed", _W, "{code} is an error here, which no comment accepts", "policy")
+
 # 7xx printing and translation
 FORMAT_DIFFERS = code(
     701, "format-differs", _E, "the formatted text would be another program: {what}; nothing was written", "printing"

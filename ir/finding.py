@@ -121,5 +121,5 @@ class Findings:
 
     def hidden(self, code: Code) -> int:
         """How many findings of a code were counted but not kept."""
-        shown = sum(times for finding, times in self.times.items() if finding.code is code)
+        shown = sum(times for finding, times in self.times.items() if finding.code.number == code.number)
         return max(0, self.counts.get(code.number, 0) - shown)

@@ -19,12 +19,12 @@ import pytest
 from support.campaigns import seeds
 from support.wild import ROOT, corpus_jobs, mutated, random_bytes, wild_program
 
-from gproof.cli.check import print_summary, report_json
 from gproof.cli.dump import loaded
 from gproof.cli.jsonl import chunk_lines
 from gproof.cli.judge import Judgement, judge
 from gproof.cli.report import print_findings
 from gproof.cli.session import Running, open_session
+from gproof.cli.summary import print_summary, report_json
 from gproof.ir.codes import CODES
 from gproof.ir.finding import Findings, Severity
 from gproof.ir.text import print_lines

@@ -81,13 +81,13 @@ def test_sarif_of_marks_and_suppressions() -> None:
 def test_fingerprints_stay_when_lines_move(tmp_path: Path) -> None:
     job = tmp_path / "a.cnc"
     job.write_text("N10 G1 X5\nN20 G1 X9000\nN30 G1 X9000\n", encoding="utf-8")
-    before = list(Fingerprints().of([finding(file=str(job), line=n) for n in (2, 3)]))
+    before = list(Fingerprints().of([(str(job), n, "GP301") for n in (2, 3)]))
     job.write_text("(new)\n\nN5 G1 X5\nN100 G1   X9000\nN105 G1 X9000 \n", encoding="utf-8")
-    after = list(Fingerprints().of([finding(file=str(job), line=n) for n in (4, 5)]))
+    after = list(Fingerprints().of([(str(job), n, "GP301") for n in (4, 5)]))
     assert before == after
     assert len(set(before)) == 2
     job.write_text("G1 X9001\n", encoding="utf-8")
-    assert next(Fingerprints().of([finding(file=str(job), line=1)])) not in before
+    assert next(Fingerprints().of([(str(job), 1, "GP301")])) not in before
 
 
 def test_junit_counts_and_escapes() -> None:

@@ -178,6 +178,21 @@ def test_a_job_file_says_what_is_judged_with(shop: Shop, capsys: pytest.CaptureF
     assert out.splitlines()[-1] == "3 jobs: 1 SAFE, 1 UNSAFE, 1 UNKNOWN"
 
 
+def test_a_job_file_names_a_policy(shop: Shop, capsys: pytest.CaptureFixture[str]) -> None:
+    stop = SAFE.replace("G1 X10", "M0\nG1 X10")
+    (shop / "jobs" / "stops.cnc").write_text(stop, encoding="utf-8")
+    head = 'schema = "gproof-job/1"\nmachine = "../mill.toml"\nsetup = "zero"\njob = "stops.cnc"\n'
+    (shop / "jobs" / "plain.toml").write_text(head, encoding="utf-8")
+    (shop / "jobs" / "strict.toml").write_text(head + 'policy = "strict-policy.toml"\n', encoding="utf-8")
+    for name, level in (("strict", "error"), ("mild", "warning")):
+        text = f'schema = "gproof-policy/1"\n[severity]\noperator-stop = "{level}"\n'
+        (shop / "jobs" / f"{name}-policy.toml").write_text(text, encoding="utf-8")
+    assert checked(capsys, "jobs/plain.toml", "-q")[:2] == (0, "jobs/stops.cnc: SAFE\n")
+    assert checked(capsys, "jobs/strict.toml", "-q")[:2] == (1, "jobs/stops.cnc: UNSAFE\n")
+    mild = checked(capsys, "jobs/strict.toml", "-q", "--policy", "jobs/mild-policy.toml", "--fail-on", "warning")
+    assert mild[:2] == (1, "jobs/stops.cnc: SAFE (and findings that fail the check)\n")
+
+
 @pytest.mark.parametrize(
     ("text", "said"),
     [

@@ -1,0 +1,185 @@
+"""Findings that somebody has looked at and accepts: by a comment in the program with a reason, or by a baseline.
+
+Accepted findings stay in every report, marked; a verdict never changes by them. A comment accepts notes, warnings and
+unknowns; an error it can not accept.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+from gproof.cli.files import require_file, write_text
+from gproof.cli.judge import Judgement
+from gproof.cli.main import UsageError
+from gproof.cli.outcome import Fingerprints
+from gproof.cli.report import distinct
+from gproof.ir import codes
+from gproof.ir.codes import CODES
+from gproof.ir.finding import Finding, Findings, Severity, Span
+from gproof.ir.notes import NoteKind
+from gproof.ir.program import Program, SourceFile
+
+SCHEMA = "gproof-baseline/1"
+IN_SOURCE, EXTERNAL = "inSource", "external"
+"""How a finding was accepted, in the words of SARIF."""
+MANY = 100_000
+"""Findings of a code that are kept while some may be accepted: those left out could not be."""
+
+Known = dict[str, list[dict[str, str]]]
+"""Findings as a baseline has them, by file."""
+
+_SIGN = re.compile(rb"gproof:", re.I)
+_ALLOW = re.compile(
+    r"gproof:\s*allow(?P<whole>-file)?\s+(?P<codes>[\w-]+(?:\s*,\s*[\w-]+)*)\s*(?::|--)?\s*(?P<reason>.*)", re.I | re.S
+)
+_COMMENTS = (NoteKind.COMMENT, NoteKind.REMARK, NoteKind.SIGNED)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Allowed:
+    """A comment that accepts findings. numbers: of codes; line: where they are accepted, 0: in the whole file."""
+
+    span: Span
+    numbers: frozenset[int]
+    line: int
+    reason: str
+
+
+def may_accept(program: Program | None) -> bool:
+    """Whether a file of the program may hold such a comment."""
+    return program is not None and any(_SIGN.search(file.data) for file in program.files)
+
+
+def comments(program: Program, findings: Findings) -> Iterator[Allowed]:
+    """The comments of a program that accept findings; GP608 for one that says it in no right way."""
+    for index, file in enumerate(program.files):
+        for found in _SIGN.finditer(file.data):
+            begin = file.data.rfind(b"\n", 0, found.start()) + 1
+            number = file.data.count(b"\n", 0, begin) + 1
+            notes, _, _ = program.load_notes(index, begin, number, 1)
+            for line, _, kind, _, text in notes.lines(number, number):
+                if line == number and kind in _COMMENTS and _SIGN.search(text):
+                    yield from _allowed(file, begin, number, found.start() - begin, text, findings)
+
+
+def _allowed(
+    file: SourceFile, begin: int, number: int, at: int, text: bytes, findings: Findings
+) -> Iterator[Allowed]:  # fmt: skip
+    raw = file.data[begin : (file.data.find(b"\n", begin) + 1 or len(file.data))]
+    plain = text.decode("utf-8", "replace").strip()
+    column = len(raw[:at].decode("utf-8", "replace")) + 1
+    span = Span(file.name, number, column, column + len(plain[plain.lower().index("gproof:") :].rstrip(" )]}")))
+    stated = _ALLOW.search(plain)
+    if stated is None:
+        findings.add(codes.BAD_ALLOWANCE.at(span, what="says nothing that gproof knows"))
+        return
+    by_name = {code.name: code.number for code in CODES.values()} | {c.label.lower(): c.number for c in CODES.values()}
+    names = [name.strip().lower() for name in stated["codes"].split(",")]
+    for name in names:
+        if name not in by_name:
+            findings.add(codes.BAD_ALLOWANCE.at(span, what=f"names {name!r}, which is no finding"))
+            return
+    reason = stated["reason"].rstrip(" \t)]}").strip()
+    if not reason:
+        findings.add(codes.BAD_ALLOWANCE.at(span, what="gives no reason"))
+        return
+    # Alone on its line a comment speaks of the next one.
+    place = raw.find(text)
+    rest = raw[place + len(text) :].strip().lstrip(b")]}").strip()
+    alone = not rest and not re.search(rb"[^\s()\[\]{};'/]", raw[:place])
+    line = 0 if stated["whole"] else number + 1 if alone else number
+    yield Allowed(span=span, numbers=frozenset(by_name[name] for name in names), line=line, reason=reason)
+
+
+def accept_comments(program: Program, judgement: Judgement) -> list[Finding]:
+    """Mark what comments accept; what is to tell of them themselves: GP608, GP609, GP610."""
+    findings, told = judgement.findings, Findings()
+    for allowed in comments(program, told):
+        met = [
+            finding
+            for finding in findings.kept
+            if finding.code.number in allowed.numbers
+            and finding.span.file == allowed.span.file
+            and allowed.line in (0, finding.span.line)
+        ]
+        if not met:
+            told.add(codes.UNUSED_ALLOWANCE.at(allowed.span, codes=_labels(allowed.numbers)))
+        for finding in met:
+            if finding.severity is Severity.ERROR:
+                told.add(codes.ERROR_NOT_ALLOWED.at(allowed.span, code=finding.code.label))
+            else:
+                judgement.accepted[finding] = IN_SOURCE, allowed.reason
+    return told.kept
+
+
+def _labels(numbers: frozenset[int]) -> str:
+    return ", ".join(CODES[number].label for number in sorted(numbers))
+
+
+# ---- baselines
+
+
+def _places(findings: Findings) -> Iterator[tuple[Finding, str]]:
+    """The findings by place, each with its fingerprint."""
+    kept = [finding for finding, _ in distinct(findings)]
+    marks = Fingerprints().of([(f.span.file, f.span.line, f.code.label) for f in kept])
+    yield from zip(kept, marks, strict=True)
+
+
+def _file_key(name: str, folder: Path) -> str:
+    return Path(os.path.relpath(os.path.abspath(name), folder.resolve())).as_posix()
+
+
+@dataclass(slots=True)
+class Baseline:
+    """Findings that are known. known: fingerprints by file, seen from the folder of the baseline."""
+
+    path: Path
+    known: dict[str, set[str]]
+
+    def accept(self, judgement: Judgement) -> None:
+        """Mark the findings that are known."""
+        for finding, mark in _places(judgement.findings):
+            if mark in self.known.get(_file_key(finding.span.file, self.path.parent), ()):
+                judgement.accepted.setdefault(finding, (EXTERNAL, f"in the baseline {self.path}"))
+
+
+def read_baseline(path: Path) -> Baseline:
+    """A baseline file; UsageError for what is none."""
+    require_file(path, "baseline")
+    try:
+        data = json.loads(path.read_text(encoding="utf-8"))
+        if data["schema"] != SCHEMA:
+            raise UsageError(f"baseline {path}: schema {data['schema']!r}; this gproof reads {SCHEMA!r}")
+        known = {str(name): {str(entry["fingerprint"]) for entry in found} for name, found in data["files"].items()}
+    except (OSError, ValueError, KeyError, TypeError, AttributeError):
+        raise UsageError(f"baseline {path}: is no baseline; --write-baseline writes one") from None
+    return Baseline(path, known)
+
+
+def known_findings(judgement: Judgement, folder: Path) -> Known:
+    """What a baseline in ``folder`` says of a job: its findings but those that comments accept."""
+    out: Known = {}
+    for finding, mark in _places(judgement.findings):
+        kind, _ = judgement.accepted.get(finding, ("", ""))
+        if kind != IN_SOURCE:
+            entry = {"fingerprint": mark, "code": finding.code.label, "message": finding.message}
+            out.setdefault(_file_key(finding.span.file, folder), []).append(entry)
+    return out
+
+
+def write_baseline(path: Path, found: list[Known]) -> int:
+    """Write what is found now as known; returns how many findings."""
+    files: dict[str, dict[str, dict[str, str]]] = {}
+    for job in found:
+        for name, entries in job.items():
+            files.setdefault(name, {}).update({entry["fingerprint"]: entry for entry in entries})
+    known = {name: [files[name][mark] for mark in sorted(files[name])] for name in sorted(files)}
+    text = json.dumps({"schema": SCHEMA, "files": known}, indent=2, ensure_ascii=False) + "\n"
+    write_text(path, text, "baseline")
+    return sum(map(len, known.values()))

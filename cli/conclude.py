@@ -1,0 +1,111 @@
+"""From a judgement to what a check says in the end: the shop's policy, what somebody accepts, the exit code."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+from gproof.cli.accept import MANY, Baseline, Known, accept_comments, known_findings, may_accept
+from gproof.cli.judge import Beat, Judgement, Observer, judge
+from gproof.cli.policy import NO_POLICY, Policy, fails, under
+from gproof.cli.session import Running, Session
+from gproof.ir.finding import Finding, Findings, Severity
+from gproof.ir.verdict import Verdict
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Asked:
+    """What the user asks of a job besides its verdict.
+
+    new_baseline: the folder of a baseline that will be written, None: of none; fail_on: as the command line
+    says, which is in the policy already.
+    """
+
+    policy: Policy = NO_POLICY
+    baseline: Baseline | None = None
+    new_baseline: Path | None = None
+    fail_on: str | None = None
+    strict: bool = False
+
+
+def conclude(
+    session: Session, asked: Asked, *, running: Running, observe: Observer | None = None, beat: Beat | None = None
+) -> tuple[Judgement, int, Known]:
+    """Judge a job; the judgement with what is accepted, the exit code, and what a new baseline says of the job.
+
+    0 is SAFE without findings that fail the policy, or all that speaks against it is accepted.
+    """
+    limit = session.findings.limit
+    if asked.baseline is not None or asked.new_baseline is not None or may_accept(session.program):
+        session.findings.limit = MANY
+    judgement = judge(session, running=running, strict=asked.strict, observe=observe, beat=beat)
+    judgement = under(asked.policy, judgement, session.job)
+    if session.program is not None:
+        for finding in accept_comments(session.program, judgement):
+            weighed = asked.policy.weighed(finding)
+            if weighed is not None:
+                judgement.findings.add(weighed)
+    if asked.baseline is not None:
+        asked.baseline.accept(judgement)
+    code = _exit_code(judgement, asked.policy)
+    known = {} if asked.new_baseline is None else known_findings(judgement, asked.new_baseline)
+    judgement.findings = _shortened(judgement, limit)
+    return judgement, code, known
+
+
+def _exit_code(judgement: Judgement, policy: Policy) -> int:
+    findings, accepted = judgement.findings, judgement.accepted
+    left = [finding for finding in findings.kept if finding not in accepted]
+    if judgement.verdict is Verdict.SAFE:
+        return Verdict.UNSAFE.exit_code if fails(policy, left) else 0
+    if not accepted or not _all_accepted(judgement, policy, left):
+        return judgement.verdict.exit_code
+    return Verdict.UNSAFE.exit_code if fails(policy, left) else 0
+
+
+def _all_accepted(judgement: Judgement, policy: Policy, left: list[Finding]) -> bool:
+    """Whether all that keeps the verdict from SAFE is accepted: each finding, and no answer without one."""
+    weighty = (Severity.ERROR, Severity.UNKNOWN)
+    if any(finding.severity in weighty for finding in left):
+        return False
+    findings = judgement.findings
+    if any(findings.hidden(f.code) for f in judgement.accepted if f.severity in weighty):
+        return False
+    language = next(result for result in judgement.properties if result.name == "language")
+    if language.verdict is not Verdict.SAFE:
+        # The others rest on it.
+        return True
+    said = {finding.code.decides for finding in judgement.accepted if finding.severity in weighty}
+    return all(
+        result.verdict is Verdict.SAFE or result.name in said
+        for result in judgement.properties
+        if result.name in policy.properties
+    )
+
+
+def _shortened(judgement: Judgement, limit: int) -> Findings:
+    """The findings that are told: of each code the first ``limit``, and all that are accepted."""
+    findings = judgement.findings
+    if findings.limit == limit:
+        return findings
+    out = Findings(limit=limit)
+    out.counts = dict(findings.counts)
+    told: dict[int, int] = {}
+    for finding in findings.kept:
+        number = finding.code.number
+        if finding not in judgement.accepted:
+            told[number] = told.get(number, 0) + 1
+            if told[number] > limit:
+                continue
+        out.kept.append(finding)
+        out.times[finding] = findings.times[finding]
+    return out
+
+
+def with_options(policy: Policy, *, fail_on: str | None, warnings_are_errors: bool) -> Policy:
+    """A policy with what the command line says."""
+    return replace(
+        policy,
+        fail_on=fail_on or policy.fail_on,
+        warnings_are_errors=warnings_are_errors or policy.warnings_are_errors,
+    )

@@ -1,0 +1,262 @@
+"""What ``check`` says of a job: verdicts with their conditions and figures as text, and the JSON report."""
+
+from __future__ import annotations
+
+import math
+
+import click
+
+from gproof.cli.judge import NOT_JUDGED, Judgement
+from gproof.cli.lengths import CHOICES, MM, LengthUnit, unit_of
+from gproof.cli.report import coloured, distinct, finding_json, print_findings
+from gproof.cli.session import Session
+from gproof.ir.codes import CODES, SYNTAX
+from gproof.ir.machine import Axis
+from gproof.ir.trace import UNKNOWN, Affine
+from gproof.ir.verdict import Condition, Verdict
+from gproof.passes.values import describe
+
+SCHEMA = "gproof-check/1"
+_NOWHERE = describe(UNKNOWN)
+_SHADES = {Verdict.SAFE: "green", Verdict.UNSAFE: "red", Verdict.UNKNOWN: "magenta"}
+
+
+def condition_text(condition: Condition) -> str:
+    """``G54 X offset is 12.4000 ... 230.1000 mm``; bounds are rounded inwards."""
+    name, bounds = _condition_parts(condition, MM)
+    return f"{name} is {' '.join(bounds.split())}"
+
+
+def _condition_parts(condition: Condition, length: LengthUnit) -> tuple[str, str]:
+    """Name and bounds, the bounds in columns."""
+    axis = condition.terms[0][0].rpartition(".")[2] if condition.terms else "x"
+    own = "deg" if axis in "abc" else "mm"
+    low = length.inward(condition.low, own, up=True) if math.isfinite(condition.low) else None
+    high = length.inward(condition.high, own, up=False) if math.isfinite(condition.high) else None
+    unit = length.named(own)
+    if low is None or high is None:
+        side = f"at least {low}" if low is not None else f"at most {high}" if high is not None else "anything, in"
+        return describe(condition.terms), f"{side} {unit}"
+    return describe(condition.terms), f"{low:>9} ... {high:>9} {unit}"
+
+
+def unit_of_report(session: Session, judgement: Judgement) -> LengthUnit:
+    """The unit of the machine file, or without one that of the job."""
+    named = session.machine.unit if session.machine_given else judgement.summary.unit
+    return unit_of(session.machine.unit if named is None else named)
+
+
+def _looks_otherwise(session: Session) -> None:
+    """A line for a job with syntax errors whose text or folder speaks for another controller than it was read for."""
+    from gproof.frontend.guess import guess_dialect
+
+    dialect, reason = guess_dialect(session.job)
+    if dialect != session.dialect and " in " in reason:
+        _row("", f"the job looks like one for {dialect}: {reason}")
+
+
+def print_summary(
+    session: Session, judgement: Judgement, *, findings: bool = False, unit: LengthUnit | None = None,
+    code: int | None = None,
+) -> None:  # fmt: skip
+    """Verdicts with their conditions, what they stand on, then the figures of the job, lined up; findings: before them.
+
+    unit: None: that of the machine file, or without one that of the job; code: the exit code, None: the verdict's.
+    """
+    if unit is None:
+        unit = unit_of_report(session, judgement)
+    if findings:
+        print_findings(judgement.findings, unit=unit, accepted=judgement.accepted)
+    if judgement.findings.kept:
+        click.echo()
+    click.echo(_verdict_line(session, judgement, judgement.verdict.exit_code if code is None else code))
+    for result in judgement.properties:
+        parts = [_condition_parts(c, unit) for c in result.conditions if not _is_start(c)]
+        parts = parts if result.verdict is Verdict.SAFE else []
+        width = max((len(name) for name, _ in parts), default=0)
+        first = _shade(result.verdict) + " " * (9 - len(result.verdict.value))
+        for n, detail in enumerate([f"if {name:<{width}} is {bounds}" for name, bounds in parts] or [""]):
+            _row("" if n else result.name, (" " * 9 if n else first) + detail)
+    _row("not judged", ", ".join(NOT_JUDGED))
+    assumed = [*judgement.assumptions, *(a for r in judgement.properties for a in r.assumptions)]
+    _rows("assuming", [unit.sentence(one) for one in dict.fromkeys(assumed)])
+    _row("machine", session.machine.name)
+    _row("dialect", f"{session.dialect} ({session.dialect_reason})")
+    if judgement.findings.counts.get(SYNTAX.number):
+        _looks_otherwise(session)
+    if session.program is not None:
+        _figures(session, judgement, unit)
+
+
+def _row(label: str, text: str) -> None:
+    click.echo(f"  {label:<10}  {text}".rstrip())
+
+
+def _rows(label: str, texts: list[str]) -> None:
+    for n, text in enumerate(texts):
+        _row("" if n else label, text)
+
+
+def _figures(session: Session, judgement: Judgement, unit: LengthUnit) -> None:
+    summary = judgement.summary
+    blocks, sections = _count(summary.blocks, "block"), _count(summary.sections, "section")
+    ways = f", {summary.branches} outcomes of unknown conditions followed" if summary.branches else ""
+    _row("program", f"{_count(summary.lines, 'line')}, {blocks} executed in {sections}{ways}")
+    reaches = [r for r in summary.box if not (r[1].startswith("the start position") and r[2] == r[3])]
+    _rows("reaches", _lined_up([_reach(session, unit, *r) for r in reaches]))
+    moving = {axis for axis, *_ in summary.box}
+    for label, places in (("begins", summary.begin), ("ends", summary.end)):
+        shown = [
+            f"{axis.upper()} {_place(session, unit, axis, value)}" for axis, value in places.items() if axis in moving
+        ]
+        if shown:
+            _row(label, ", ".join(shown))
+    if summary.box:
+        _row("path", f"{unit.path(summary.path_length)}, {unit.path(summary.feed_length)} of it at feed")
+        if summary.branches:
+            _row("time", "not known: the way depends on inputs; the path is that of all outcomes together")
+        else:
+            _row("time", duration_text(summary.seconds, summary.at_least, session.machine_given))
+
+
+def _reach(session: Session, length: LengthUnit, axis: str, relative: str, low: float, high: float) -> tuple[str, ...]:
+    """The cells of one line: axis, range, what to compare it with."""
+    if relative == _NOWHERE:
+        return axis.upper(), "", "", f"{'and ' if low != high else ''}somewhere that is not known"
+    known = _axis(session, axis)
+    own = _counts_in(known, axis)
+    beside = f"from {relative}" if relative else ""
+    if not relative and known is not None and session.machine_given:
+        beside = f"(limits {_limit(known.lower, own, length)} ... {_limit(known.upper, own, length)})"
+    return axis.upper(), length.place(low, own), f"{length.place(high, own)} {length.named(own)}", beside
+
+
+def _axis(session: Session, letter: str) -> Axis | None:
+    return next((one for one in session.machine.axes if one.word.lower() == letter), None)
+
+
+def _counts_in(known: Axis | None, letter: str) -> str:
+    return known.unit if known is not None else "mm" if letter in "xyz" else "deg"
+
+
+def _place(session: Session, length: LengthUnit, letter: str, value: float) -> str:
+    return "not known" if math.isnan(value) else length.place(value, _counts_in(_axis(session, letter), letter))
+
+
+def _limit(value: float | None, own: str, length: LengthUnit) -> str:
+    return "not given" if value is None else f"{length.of(value, own):.4f}".rstrip("0").rstrip(".")
+
+
+def _lined_up(cells: list[tuple[str, ...]]) -> list[str]:
+    wide = [max((len(row[k]) for row in cells), default=0) for k in range(3)]
+    return [
+        f"{axis} {low:>{wide[1]}} {'...' if low else '   '} {high:>{wide[2]}}  {beside}".rstrip()
+        for axis, low, high, beside in cells
+    ]
+
+
+def _count(number: int, what: str) -> str:
+    return f"{number} {what}{'' if number == 1 else 's'}"
+
+
+def _is_start(condition: Condition) -> bool:
+    return len(condition.terms) == 1 and condition.terms[0][0].startswith("start.")
+
+
+def duration_text(seconds: float | None, at_least: bool, machine_given: bool = True) -> str:
+    """``about 3 min 12 s``, or why it is not known."""
+    if seconds is None:
+        missing = "the machine file gives no velocities and accelerations" if machine_given else "no machine file"
+        return f"not known: {missing}"
+    minutes, rest = divmod(round(seconds), 60)
+    hours, minutes = divmod(minutes, 60)
+    text = f"{seconds:.1f} s"
+    if hours or minutes:
+        text = f"{hours} h {minutes} min" if hours else f"{minutes} min {rest} s"
+    return f"{'at least' if at_least else 'about'} {text}, waits not counted"
+
+
+def report_json(session: Session, judgement: Judgement, code: int | None = None) -> dict[str, object]:
+    """The stable JSON report; docs/check-json.md defines it. code: the exit code, None: the verdict's."""
+    summary = judgement.summary
+    return {
+        "schema": SCHEMA,
+        "job": str(session.job),
+        "dialect": {"name": session.dialect, "reason": session.dialect_reason},
+        "machine": session.machine.name if session.machine_given else None,
+        "setup": session.setup.name,
+        "inputs": [{"file": name, "sha256": digest, "role": role} for name, digest, role in session.inputs],
+        "verdict": judgement.verdict.value,
+        "exit_code": judgement.verdict.exit_code if code is None else code,
+        "properties": {
+            r.name: {
+                "verdict": r.verdict.value,
+                "assumptions": list(r.assumptions),
+                "conditions": [
+                    {
+                        "text": condition_text(c),
+                        "terms": [{"symbol": s, "coefficient": k} for s, k in c.terms],
+                        "low": _finite(c.low),
+                        "high": _finite(c.high),
+                    }
+                    for c in r.conditions
+                ],
+            }
+            for r in judgement.properties
+        },
+        "not_judged": list(NOT_JUDGED),
+        "assumptions": judgement.assumptions,
+        "findings": [finding_json(f, n, judgement.accepted.get(f)) for f, n in distinct(judgement.findings)],
+        "counts": {CODES[n].label: count for n, count in sorted(judgement.findings.counts.items())},
+        "summary": {
+            "lines": summary.lines,
+            "blocks": summary.blocks,
+            "begin": {axis: _finite(value) for axis, value in summary.begin.items()},
+            "end": {axis: _finite(value) for axis, value in summary.end.items()},
+            "sections": summary.sections,
+            "branches": summary.branches,
+            "path_length_mm": _finite(summary.path_length),
+            "feed_length_mm": _finite(summary.feed_length),
+            "seconds": _finite(summary.seconds),
+            "seconds_at_least": summary.at_least,
+            "box": [
+                {"axis": axis, "relative_to": relative, "low": _finite(low), "high": _finite(high)}
+                for axis, relative, low, high in summary.box
+            ],
+        },
+    }
+
+
+def _finite(value: float | None) -> float | None:
+    """JSON has no infinities."""
+    return value if value is not None and math.isfinite(value) else None
+
+
+def print_brief(session: Session, judgement: Judgement, code: int, units: str | None, *, quiet: bool) -> None:
+    """One of several jobs: findings other than notes, its verdict, and what a SAFE rests on; quiet: the verdict."""
+    unit = unit_of_report(session, judgement) if units is None else CHOICES[units]
+    if not quiet:
+        print_findings(judgement.findings, unit=unit, notes=False, accepted=judgement.accepted)
+    click.echo(_verdict_line(session, judgement, code))
+    if quiet or judgement.verdict is not Verdict.SAFE:
+        return
+    bounds: dict[Affine, tuple[float, float]] = {}
+    for condition in (c for r in judgement.properties for c in r.conditions if not _is_start(c)):
+        low, high = bounds.get(condition.terms, (-math.inf, math.inf))
+        bounds[condition.terms] = max(low, condition.low), min(high, condition.high)
+    parts = [_condition_parts(Condition(terms=terms, low=a, high=b), unit) for terms, (a, b) in bounds.items()]
+    width = max((len(name) for name, _ in parts), default=0)
+    for name, ends in parts:
+        click.echo(f"  if {name:<{width}} is {ends}")
+
+
+def _verdict_line(session: Session, judgement: Judgement, code: int) -> str:
+    """``job.cnc: UNKNOWN (accepted)``: the verdict, and where the exit code says something else, why."""
+    said = ""
+    if code != judgement.verdict.exit_code:
+        said = " (accepted)" if code == 0 else " (and findings that fail the check)"
+    return f"{session.job}: {_shade(judgement.verdict)}{said}"
+
+
+def _shade(verdict: Verdict) -> str:
+    return click.style(verdict.value, fg=_SHADES[verdict], bold=True) if coloured() else verdict.value
