@@ -60,12 +60,16 @@ def find_jobs(
 def is_several(names: Sequence[str]) -> bool:
     """Whether names may stand for more, or for something else, than one file with a program."""
     path = Path(names[0])
+    if not names[0]:
+        return True
     is_pattern = glob.has_magic(names[0]) and not path.exists()
     return len(names) != 1 or is_pattern or path.is_dir() or _is_job_file(path)
 
 
 def _of_name(name: str) -> Iterator[Job]:
     path = Path(name)
+    if not name:
+        raise UsageError("an empty name is no job")
     if path.is_dir():
         jobs = sorted(_in_folder(path), key=lambda job: job.path.as_posix())
         if not jobs:

@@ -177,7 +177,9 @@ def test_a_job_that_can_not_be_read(command: str, folder: Path, gproof: Run) -> 
     (folder / "around").symlink_to(folder / "around")
     more = {"check": [], "compile": ["-o", "job.gpx"], "dump": ["--stage", "trace"]}[command]
     refused(gproof(command, "nothere.cnc", *more), "nothere.cnc", "no such file")
-    refused(gproof(command, "folder", *more), "folder", "is a directory")
+    refused(
+        gproof(command, "folder", *more), "folder", "no jobs in this folder" if command == "check" else "is a directory"
+    )
     refused(gproof(command, "folder/job.cnc", *more), "no such file")
     refused(gproof(command, "job.cnc/job.cnc", *more), "no such file")
     refused(gproof(command, "dangling", *more), "no such file")
@@ -437,7 +439,7 @@ def test_a_picture_is_svg(folder: Path, gproof: Run) -> None:
         (["--nonsense"], "--nonsense"),
         (["nonsense"], "nonsense"),
         (["check"], "JOB"),
-        (["check", "job.cnc", "other.cnc"], "other.cnc"),
+        (["check", "job.cnc", "other.cnc", "--call", "one"], "--call"),
         (["check", "job.cnc", "--nonsense"], "--nonsense"),
         (["check", "job.cnc", "--machine"], "--machine"),
         (["check", "job.cnc", "--format", "yaml"], "yaml"),
@@ -667,7 +669,7 @@ def test_streams_that_are_closed_or_full(name: str, folder: Path, gproof: Run) -
 @pytest.mark.parametrize(
     ("words", "where"),
     [
-        (["check", "job.cnc"], "gproof.cli.check.judge"),
+        (["check", "job.cnc"], "gproof.cli.conclude.judge"),
         (["dump", "job.cnc", "--stage", "trace"], "gproof.passes.execute.execute"),
         (["compile", "job.cnc", *WITH_MACHINE, "--unsigned", "-o", "new.gpx"], "gproof.passes.step.step"),
         (["compile", "job.cnc", *WITH_MACHINE, "--unsigned", "-o", "new.gpx"], "os.replace"),
@@ -697,7 +699,7 @@ def test_an_internal_error_is_no_verdict(folder: Path, capsys: pytest.CaptureFix
         raise ZeroDivisionError("of course")
 
     monkeypatch.delenv("GPROOF_TRACEBACK", raising=False)
-    monkeypatch.setattr("gproof.cli.check.judge", broken)
+    monkeypatch.setattr("gproof.cli.conclude.judge", broken)
     assert main(["check", "job.cnc"]) == 3
     captured = capsys.readouterr()
     assert captured.out == ""
