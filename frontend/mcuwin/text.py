@@ -117,6 +117,10 @@ class Text:
         if "\r" in text:
             at = text.index("\r")
             what = "a carriage return without a line feed within the line"
+            if self.pascal:
+                # The lines of a section are counted: one that can not be read is an empty one.
+                self.first = self.first if self.lines else Place(file, number)
+                self.lines.append("")
             raise Refusal(codes.SYNTAX.at(Span(file, number, at + 1, at + 2), what=what))
         if not self.pascal and self._may_declare() and DECLARES.match(text):
             self._begin_section(implied=True)

@@ -64,6 +64,7 @@ PIECES = st.sampled_from(
 @given(st.lists(PIECES, max_size=25), st.sampled_from(MACHINES), st.booleans())
 @example(["$if ", "(", "\n", "$end else if (true) begin", "\n", "$end"], MACHINES[0], True)
 @example(["var ", "step", "{", "\n", "%7", "\n", "}", "%7"], MACHINES[0], True)
+@example(["var ", "\n", "\r", "G0", "\n", "procedure p;"], MACHINES[0], True)
 def test_pieces(tmp_path_factory: pytest.TempPathFactory, pieces: list[str], on: Machine, tables: bool) -> None:
     folder = tmp_path_factory.getbasetemp()
     text = "".join(pieces)
