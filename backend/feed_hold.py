@@ -15,7 +15,6 @@ used. The result is a proposal: the runtime validates what comes of it and tries
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
@@ -23,6 +22,7 @@ import numpy.typing as npt
 from gproof.backend.runs import cut, done_by, expand
 from gproof.backend.time_map import MapBuilder, TimeMap
 from gproof.ir.machine import Machine
+from gproof.ir.record import record
 from gproof.ir.stream import Motor, StreamSection
 
 Floats = npt.NDArray[np.float64]
@@ -40,7 +40,7 @@ _AHEAD = 1.0  # seconds of motion that are measured at a time
 _NEAR = 4  # samples of the window on either side
 
 
-@dataclass(frozen=True, slots=True)
+@record(frozen=True, slots=True)
 class Hold:
     """A feed hold in a section: the map, the tick at which rest begins after it, and how long it lasts."""
 
@@ -49,7 +49,7 @@ class Hold:
     rest: int
 
 
-@dataclass(frozen=True, slots=True)
+@record(frozen=True, slots=True)
 class _Bounds:
     """Rates of change of q that all axes allow around each sample, times ``step`` apart from ``begin``.
 
@@ -146,7 +146,7 @@ def hold(
     return Hold(build.done(), begins, rest)
 
 
-@dataclass(frozen=True, slots=True)
+@record(frozen=True, slots=True)
 class _Ramp:
     """From tick ``begin`` at the latest to ``end``; q starts at ``q`` and goes the way of ``sign``."""
 

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
 
 from gproof.ir.finding import Finding
 from gproof.ir.machine import Machine
+from gproof.ir.record import record
 from gproof.ir.setup import Setup
 from gproof.ir.stream import StepStream
 from gproof.ir.trace import Trace
@@ -22,7 +22,7 @@ class RunRefused(Exception):
         self.findings = tuple(findings)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@record(frozen=True, slots=True, kw_only=True)
 class Job:
     """name: the source file; certificate: SHA-256 of the certificate's body; the rest is what it certifies."""
 

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import Protocol
 
+from gproof.ir.record import record
 from gproof.ir.trace import Wait
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@record(frozen=True, slots=True, kw_only=True)
 class WaitRequest:
     """A section has ended and waits. text: what is waited for; outcomes: the answers there are.
 
@@ -25,7 +25,7 @@ class WaitRequest:
     file: str = ""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@record(frozen=True, slots=True, kw_only=True)
 class HoldRequest:
     """The machine has come to rest in a feed hold, ``tick`` ticks after the section's start."""
 

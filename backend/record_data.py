@@ -13,7 +13,6 @@ import hashlib
 import json
 import os
 import tempfile
-from dataclasses import dataclass
 from fractions import Fraction
 from pathlib import Path
 from typing import Any
@@ -24,6 +23,7 @@ from gproof.backend.boards.board import Observed
 from gproof.backend.time_map import TimeMap
 from gproof.ir import codes
 from gproof.ir.finding import Finding, Span
+from gproof.ir.record import record
 
 SCHEMA = "gproof-record/1"
 
@@ -44,7 +44,7 @@ class Result(enum.Enum):
     REFUSED = "refused"
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@record(frozen=True, slots=True, kw_only=True)
 class Retiming:
     """One retiming of a section, applied to what the ones before it made.
 
@@ -76,7 +76,7 @@ class Retiming:
         return found
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@record(frozen=True, slots=True, kw_only=True)
 class SectionRecord:
     """One section as executed.
 
@@ -98,7 +98,7 @@ class SectionRecord:
     target: int = -1
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@record(frozen=True, slots=True, kw_only=True)
 class BoardRecord:
     """The board that ran the job; what ``Capabilities`` says of it."""
 
@@ -111,7 +111,7 @@ class BoardRecord:
     real_time: bool
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@record(frozen=True, slots=True, kw_only=True)
 class ExecutionRecord:
     """A whole run; see the module's text.
 

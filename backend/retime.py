@@ -9,7 +9,6 @@ every retimed section before it sends a step of it.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from fractions import Fraction
 
 import numpy as np
@@ -21,6 +20,7 @@ from gproof.backend.runs import Ints, cut, expand, join, table
 from gproof.backend.time_map import MapBuilder, TimeMap
 from gproof.ir.columns import Columns
 from gproof.ir.machine import Machine
+from gproof.ir.record import record
 from gproof.ir.stream import EVENT, RUN, StreamSection
 from gproof.ir.trace import Op
 
@@ -36,7 +36,7 @@ SHARE = 64
 LEAST_FACTOR, GREATEST_FACTOR = Fraction(1, 10), Fraction(1)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@record(frozen=True, slots=True, kw_only=True)
 class Spacing:
     """Ticks: shortest time between steps of a motor, before a step in the other direction, room for runs."""
 

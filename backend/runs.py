@@ -7,12 +7,12 @@ tick 0. Nothing here rounds: every cut gives exactly the same steps.
 from __future__ import annotations
 
 from bisect import bisect_right
-from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
 
 from gproof.ir.columns import Columns
+from gproof.ir.record import record
 from gproof.ir.stream import RUN, StreamSection
 
 Ints = npt.NDArray[np.int64]
@@ -43,7 +43,7 @@ def steps_within(first: int, add: int, count: int, span: int) -> int:
     return bisect_right(range(1, count + 1), span, key=lambda k: k * first + add * (k * (k - 1) // 2))
 
 
-@dataclass(frozen=True, slots=True)
+@record(frozen=True, slots=True)
 class Done:
     """What a motor has done by a tick: steps, their sum with direction, tick of the last (0: none)."""
 

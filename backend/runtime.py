@@ -13,7 +13,7 @@ import signal
 import threading
 import time
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from fractions import Fraction
 from types import FrameType
 
@@ -28,6 +28,7 @@ from gproof.backend.section_run import Pace, SectionRun
 from gproof.ir import codes
 from gproof.ir.finding import Finding, Span
 from gproof.ir.machine import Machine
+from gproof.ir.record import record
 from gproof.ir.setup import Setup
 from gproof.ir.stream import StreamSection
 from gproof.ir.trace import Edge, Op, Trace, TraceSection, Wait
@@ -54,7 +55,7 @@ class RunFailed(Exception):
         self.record = record
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@record(frozen=True, slots=True, kw_only=True)
 class Hold:
     """A feed hold planned before the run: ``at`` ticks of motion since the start, resting ``rest`` ticks."""
 

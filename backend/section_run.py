@@ -5,20 +5,20 @@ from __future__ import annotations
 import contextlib
 from collections.abc import Callable
 from concurrent.futures import Future, ThreadPoolExecutor
-from dataclasses import dataclass, field
 
 from gproof.backend.boards.board import Board, BoardError, BoardState, Capabilities, Status
 from gproof.backend.control import Control
 from gproof.backend.feed import Feeder
 from gproof.backend.operators import HoldRequest, Operator
 from gproof.backend.record_data import Result, Retiming
+from gproof.ir.record import field, record
 from gproof.ir.stream import StreamSection
 
 SLICE = 0.05
 """Seconds that a real board is left alone at most, so that requests are heard."""
 
 
-@dataclass(frozen=True, slots=True)
+@record(frozen=True, slots=True)
 class Prepared:
     """A retimed section that the validator accepted; ``again`` makes the same hold with another rest."""
 
@@ -31,7 +31,7 @@ Prepare = Callable[[StreamSection, int, int], Prepared | None]
 """A section, the tick of a feed hold and the ticks to rest; None: no retiming passed the validator."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@record(frozen=True, slots=True, kw_only=True)
 class Pace:
     """Ticks. lookahead: how far ahead runs are sent; lead: from opening a section to its tick 0;
     preparing: what working out a feed hold takes while a real board goes on."""
@@ -41,7 +41,7 @@ class Pace:
     preparing: int
 
 
-@dataclass(slots=True)
+@record(slots=True)
 class Ended:
     """How a section ended, after ``ticks`` of the section that was last valid."""
 

@@ -10,12 +10,13 @@ all motors is kept, and no interval becomes shorter.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from fractions import Fraction
 from itertools import pairwise
 
 import numpy as np
 import numpy.typing as npt
+
+from gproof.ir.record import record
 
 Ints = npt.NDArray[np.int64]
 
@@ -23,7 +24,7 @@ LONGEST_CELL = 2**28
 """Source ticks of a cell that is not a mere shift, so that products stay within 64 bits."""
 
 
-@dataclass(frozen=True, slots=True)
+@record(frozen=True, slots=True)
 class TimeMap:
     """See the module's text; both arrays begin with 0."""
 

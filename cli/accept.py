@@ -10,7 +10,6 @@ import json
 import os
 import re
 from collections.abc import Iterator
-from dataclasses import dataclass
 from pathlib import Path
 
 from gproof.cli.files import require_file, write_text
@@ -23,6 +22,7 @@ from gproof.ir.codes import CODES
 from gproof.ir.finding import Finding, Findings, Severity, Span
 from gproof.ir.notes import NoteKind
 from gproof.ir.program import Program, SourceFile
+from gproof.ir.record import record
 
 SCHEMA = "gproof-baseline/1"
 IN_SOURCE, EXTERNAL = "inSource", "external"
@@ -40,7 +40,7 @@ _ALLOW = re.compile(
 _COMMENTS = (NoteKind.COMMENT, NoteKind.REMARK, NoteKind.SIGNED)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@record(frozen=True, slots=True, kw_only=True)
 class Allowed:
     """A comment that accepts findings. numbers: of codes; line: where they are accepted, 0: in the whole file."""
 
@@ -135,7 +135,7 @@ def _file_key(name: str, folder: Path) -> str:
     return Path(os.path.relpath(os.path.abspath(name), folder.resolve())).as_posix()
 
 
-@dataclass(slots=True)
+@record(slots=True)
 class Baseline:
     """Findings that are known. known: fingerprints by file, seen from the folder of the baseline."""
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import datetime
-from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -17,6 +16,7 @@ from gproof.cli.session import Running, Session, open_session
 from gproof.cli.summary import print_summary, unit_of_report
 from gproof.ir.finding import Severity
 from gproof.ir.plan import Plan
+from gproof.ir.record import record
 from gproof.ir.stream import StepStream
 from gproof.ir.trace import Trace
 from gproof.ir.verdict import Verdict
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from gproof.verify.stream_report import StreamReport
 
 
-@dataclass(slots=True, kw_only=True)
+@record(slots=True, kw_only=True)
 class Lowered:
     """The stages of a job; None from the first one that could not be reached."""
 

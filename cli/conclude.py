@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 
 from gproof.cli.accept import MANY, Baseline, Known, accept_comments, known_findings, may_accept
@@ -10,10 +10,11 @@ from gproof.cli.judge import Beat, Judgement, Observer, judge
 from gproof.cli.policy import NO_POLICY, Policy, fails, under
 from gproof.cli.session import Running, Session
 from gproof.ir.finding import Finding, Findings, Severity
+from gproof.ir.record import record
 from gproof.ir.verdict import Verdict
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@record(frozen=True, slots=True, kw_only=True)
 class Asked:
     """What the user asks of a job besides its verdict.
 

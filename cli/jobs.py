@@ -5,7 +5,7 @@ from __future__ import annotations
 import glob
 import tomllib
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 
 from gproof.cli.files import require_file
@@ -13,6 +13,7 @@ from gproof.cli.main import UsageError
 from gproof.frontend.guess import EXTENSIONS
 from gproof.frontend.toml_table import TomlFile, TomlTable
 from gproof.ir.finding import Findings
+from gproof.ir.record import record
 
 SCHEMA = "gproof-job/1"
 _NEVER = {"macro.cnc", "user_macro.cnc"}
@@ -20,7 +21,7 @@ _NO_JOBS = {".mac", ".inc", ".txt", ".iso"}
 """Extensions of programs that folders are not searched for: macros, includes, and what may be anything."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@record(frozen=True, slots=True, kw_only=True)
 class Job:
     """A job and what it is judged with; source: the job file that says so, None for the command line."""
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 import dataclasses
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -14,6 +13,7 @@ from gproof.cli.session import Running, Session
 from gproof.ir import codes
 from gproof.ir.finding import Finding, Findings, Severity, Span
 from gproof.ir.machine import Machine
+from gproof.ir.record import field, record
 from gproof.ir.trace import Affine, Chunk, Frame, Op, Wait, verify_rows
 from gproof.ir.verdict import DEFAULT_POLICY, Condition, PropertyResult, Verdict, worst
 from gproof.passes.arc_radius import ArcRadius
@@ -37,7 +37,7 @@ Observer = Callable[[Chunk], None]
 Beat = Callable[[int, Span], None]
 
 
-@dataclass(slots=True, kw_only=True)
+@record(slots=True, kw_only=True)
 class Summary:
     """Figures of a job. box: (axis, relative to "" or unknown offsets, low, high), mm or degrees;
     seconds: estimated time without waits, None without machine data; at_least: some moves are not in it;
@@ -59,7 +59,7 @@ class Summary:
     box: list[tuple[str, str, float, float]] = field(default_factory=list)
 
 
-@dataclass(slots=True, kw_only=True)
+@record(slots=True, kw_only=True)
 class Judgement:
     """The answer of ``check``: the verdict of the policy, each property, assumptions of the whole.
 

@@ -7,10 +7,10 @@ otherwise. Angles stay degrees, rates are not converted.
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
 from decimal import ROUND_CEILING, ROUND_FLOOR, Decimal
 
 from gproof.ir.finding import Finding
+from gproof.ir.record import record
 
 IN_MESSAGES = frozenset((
     "reached", "over", "limit", "extent", "room", "wanted", "value",
@@ -23,7 +23,7 @@ _BETWEEN = re.compile(r"(-?\d+\.\d{4}) and (-?\d+\.\d{4}) mm\b")
 """How an assumption names two bounds."""
 
 
-@dataclass(frozen=True, slots=True)
+@record(frozen=True, slots=True)
 class LengthUnit:
     """name: as printed; mm: exact, in one of it; places: decimals of positions; rough: of lengths of paths."""
 

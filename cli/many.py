@@ -7,7 +7,7 @@ import io
 import os
 import sys
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import click
 
@@ -17,12 +17,13 @@ from gproof.cli.main import UsageError
 from gproof.cli.outcome import Outcome
 from gproof.cli.policy import load_policy
 from gproof.cli.session import Running
+from gproof.ir.record import record
 
 WORTH_A_PROCESS = 3_000_000
 """Bytes of programs below which another process costs more than it saves: it imports everything first."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@record(frozen=True, slots=True, kw_only=True)
 class How:
     """How jobs are judged and told. form: of the report; units: of a text; tty: whether the text goes to a terminal."""
 

@@ -5,18 +5,18 @@ from __future__ import annotations
 import hashlib
 import re
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass, field
 from typing import Any
 
 from gproof.cli.main import COULD_NOT_RUN
 from gproof.cli.report import source_lines
+from gproof.ir.record import field, record
 from gproof.ir.verdict import Verdict
 
 LEVELS = ("note", "warning", "unknown", "error")
 """Severities of findings, the lightest first."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@record(frozen=True, slots=True, kw_only=True)
 class Outcome:
     """Of one job. report: as docs/check-json.md defines it, None where the job could not be judged; problem: why.
 
@@ -60,7 +60,7 @@ def closing_line(outcomes: list[Outcome]) -> str:
     return f"{counted(len(outcomes), 'job')}: {', '.join(parts) or 'none'}"
 
 
-@dataclass(slots=True)
+@record(slots=True)
 class Fingerprints:
     """Names for findings that stay when lines move: file, code, the text of the line, and which one of its like.
 

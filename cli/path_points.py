@@ -7,11 +7,11 @@ Arcs become short chords here: for the eye only, no check reads them. Positions 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 
 import numpy as np
 
 from gproof.ir.columns import occurring
+from gproof.ir.record import record
 from gproof.ir.trace import Affine, Chunk, Op, Plane, Trace
 
 MOST = 60_000
@@ -23,7 +23,7 @@ _PAIRS = {Plane.XY: (0, 1), Plane.XZ: (2, 0), Plane.YZ: (1, 2)}
 Forms = tuple[Affine, ...]
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@record(frozen=True, slots=True, kw_only=True)
 class Points:
     """Columns of equal length; the move to point i starts at point i - 1.
 

@@ -13,7 +13,7 @@ import math
 import os
 import tempfile
 import xml.etree.ElementTree as ET
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -25,6 +25,7 @@ from gproof.cli.session import Session
 from gproof.ir.codes import CODES
 from gproof.ir.finding import Severity
 from gproof.ir.machine import AXIS_NAMES, Machine
+from gproof.ir.record import record
 from gproof.ir.trace import Chunk
 from gproof.ir.verdict import Verdict
 from gproof.passes.values import describe
@@ -65,7 +66,7 @@ class Drawing:
             raise
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@record(frozen=True, slots=True, kw_only=True)
 class _View:
     """A window on two axes: what it spans, where it stands on the page, pixels per mm."""
 

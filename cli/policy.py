@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Iterable
-from dataclasses import dataclass, field
 from pathlib import Path
 
 from gproof.cli.files import require_file
@@ -14,6 +13,7 @@ from gproof.frontend.toml_table import TomlFile, TomlTable
 from gproof.ir import codes
 from gproof.ir.codes import CODES
 from gproof.ir.finding import Finding, Findings, Severity, Span
+from gproof.ir.record import field, record
 from gproof.ir.verdict import DEFAULT_POLICY, PropertyResult, Verdict, worst
 
 SCHEMA = "gproof-policy/1"
@@ -22,7 +22,7 @@ _WEIGHTS = ("note", "warning", "unknown", "error")
 _OFF = "off"
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@record(frozen=True, slots=True, kw_only=True)
 class Policy:
     """properties: all of which must be SAFE; severity: by number of a code, "off": not told.
 

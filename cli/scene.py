@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -13,6 +12,7 @@ from gproof.cli.session import Session
 from gproof.ir.codes import SOFT_LIMIT
 from gproof.ir.finding import Finding, Severity
 from gproof.ir.machine import Machine
+from gproof.ir.record import record
 from gproof.ir.trace import Affine
 
 WEIGHT = {Severity.ERROR: "#d50000", Severity.UNKNOWN: "#8e24aa"}
@@ -23,7 +23,7 @@ _SLACK = 1e-3  # mm; points are single precision
 Pair = tuple[float, float]
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@record(frozen=True, slots=True, kw_only=True)
 class Mark:
     """Where a finding is: the moves to paint (indices of their ends), the place of its ring, what to write there."""
 
@@ -33,7 +33,7 @@ class Mark:
     colour: str
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@record(frozen=True, slots=True, kw_only=True)
 class Scene:
     """What there is to draw, in the frame that most of the cut stands in.
 

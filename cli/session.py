@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import dataclasses
-from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TypedDict, TypeVar
 
@@ -13,6 +12,7 @@ from gproof.ir import codes
 from gproof.ir.finding import Findings, Span
 from gproof.ir.machine import NO_MACHINE, Machine, Unmodelled
 from gproof.ir.program import Call, Program
+from gproof.ir.record import field, record
 from gproof.ir.setup import NOTHING, ZERO, Setup
 
 T = TypeVar("T")
@@ -24,7 +24,7 @@ PLAIN_SECONDS_A_BYTE = 1e-6
 """What ``check`` takes in plain Python for a byte of source, measured by bench/kernels.py."""
 
 
-@dataclass(frozen=True, slots=True)
+@record(frozen=True, slots=True)
 class Running:
     """How far a program is executed: see the options of the command line."""
 
@@ -42,7 +42,7 @@ class Options(TypedDict):
     render: bool
 
 
-@dataclass(slots=True, kw_only=True)
+@record(slots=True, kw_only=True)
 class Session:
     """A job with its surroundings. program is None when nothing of it could be read.
 

@@ -7,18 +7,18 @@ automaton goes two bytes at a time.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 from gproof.frontend import line_kernels as k
+from gproof.ir.record import record
 
 Ints = npt.NDArray[Any]
 
 
-@dataclass(frozen=True, slots=True)
+@record(frozen=True, slots=True)
 class Automaton:
     """Tables for ``index_lines``: class of a byte as the first and second of a pair, steps, verdicts."""
 
@@ -67,7 +67,7 @@ def automata(
     return plain, Automaton(row, column, flat, verdicts)
 
 
-@dataclass(frozen=True, slots=True)
+@record(frozen=True, slots=True)
 class LineIndex:
     """The lines of a file that are not plain, as columns, and totals.
 

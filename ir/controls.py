@@ -6,9 +6,8 @@ their column names (``ir/machine.py`` AXIS_NAMES).
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
-
 from gproof.ir.finding import Span
+from gproof.ir.record import field, record
 
 DEVICES = (
     "knife", "saw", "laser", "laserscan", "thc", "bevel", "pump", "da", "spindle", "autoaux", "probe", "axisadj",
@@ -19,7 +18,7 @@ HIGHEST_CHANNEL = 64
 """Of inputs and outputs, where no file says otherwise: the most that the manual has (Virtual AuxIn Indicators)."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@record(frozen=True, slots=True, kw_only=True)
 class Workspace:
     """A preconfigured workspace (WinCNC g54= ... g59=).
 
@@ -37,7 +36,7 @@ class Workspace:
     moves: bool | None = None
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@record(frozen=True, slots=True, kw_only=True)
 class Changer:
     """An automatic tool changer (WinCNC atc1=, atc2=).
 
@@ -53,7 +52,7 @@ class Changer:
     in_library: bool = False
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@record(frozen=True, slots=True, kw_only=True)
 class MeasureSwitch:
     """Tool measuring (WinCNC g37=): x, y and i, j: first and second switch; descent: rapid way down; feed: mm/s."""
 
@@ -65,7 +64,7 @@ class MeasureSwitch:
     feed: float | None = None
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@record(frozen=True, slots=True, kw_only=True)
 class DrillSettings:
     """Drilling cycles (WinCNC g81set=, g81dwell=).
 
@@ -79,7 +78,7 @@ class DrillSettings:
     lift: float | None = None
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@record(frozen=True, slots=True, kw_only=True)
 class HomingLine:
     """Axes that home together (one g28move= line of WinCNC; the lines in order are the order of homing).
 
@@ -97,7 +96,7 @@ class HomingLine:
     singly: bool = False
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@record(frozen=True, slots=True, kw_only=True)
 class KnifeMode:
     """A knife that turns with the path (WinCNC knifemode=, knifeangle=).
 
@@ -125,7 +124,7 @@ class KnifeMode:
     y: float = 0.0
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@record(frozen=True, slots=True, kw_only=True)
 class SawMode:
     """A saw that turns with the path (WinCNC sawmode=). axis: column; radius: mm; offset: degrees; lift: mm."""
 
@@ -135,7 +134,7 @@ class SawMode:
     lift: float | None = None
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@record(frozen=True, slots=True, kw_only=True)
 class TorchControl:
     """Torch height control (WinCNC thc=).
 
@@ -153,7 +152,7 @@ class TorchControl:
     lift: float | None = None
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@record(frozen=True, slots=True, kw_only=True)
 class Lexical:
     """How lines are read.
 
@@ -166,7 +165,7 @@ class Lexical:
     comma: bool = False
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@record(frozen=True, slots=True, kw_only=True)
 class Controls:
     """See the module's text.
 

@@ -6,7 +6,7 @@ those of the APCI-8001 G-code manual, McuWIN V 2.5.3.133.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from gproof.ir.record import record
 
 VERSIONS = ("2.5.3.133", "2.5.3.32")
 """Versions of McuWIN that gproof knows, the default first."""
@@ -29,7 +29,7 @@ USUAL = {
 """Settings of IniCfg that change a job and of which the usual value is taken when no file states them: what that is."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@record(frozen=True, slots=True, kw_only=True)
 class TaskCode:
     """What the application code in Task 0 does for one code (4, 5.2).
 
@@ -43,7 +43,7 @@ class TaskCode:
     parameters: int | None = None
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@record(frozen=True, slots=True, kw_only=True)
 class RadiusTool:
     """A record of ToolComp.INI (2.7). plane: ``xy``, ``yz`` or ``zx``; radius, length: mm, None: not in the file."""
 
@@ -53,7 +53,7 @@ class RadiusTool:
     length: float | None = None
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@record(frozen=True, slots=True, kw_only=True)
 class Din:
     """See the module's text.
 

@@ -8,7 +8,8 @@ from __future__ import annotations
 
 import enum
 from collections.abc import Iterable
-from dataclasses import dataclass, field
+
+from gproof.ir.record import field, record
 
 
 class Severity(enum.Enum):
@@ -20,7 +21,7 @@ class Severity(enum.Enum):
     NOTE = "note"
 
 
-@dataclass(frozen=True, slots=True)
+@record(frozen=True, slots=True)
 class Span:
     """A place in a source file.
 
@@ -34,7 +35,7 @@ class Span:
     end_column: int = 0
 
 
-@dataclass(frozen=True, slots=True)
+@record(frozen=True, slots=True)
 class Code:
     """A kind of finding: number (``GP301`` has 301), name, severity, message template, and the property it decides."""
 
@@ -54,7 +55,7 @@ class Code:
         return Finding(self, span, self.template.format(**values), hint, tuple(related), tuple(values.items()))
 
 
-@dataclass(frozen=True, slots=True)
+@record(frozen=True, slots=True)
 class Related:
     """A second place that explains a finding."""
 
@@ -62,7 +63,7 @@ class Related:
     message: str
 
 
-@dataclass(frozen=True, slots=True)
+@record(frozen=True, slots=True)
 class Finding:
     """One thing to tell the user; see ``Code``. values: those of the message, lengths in mm, for other units."""
 
@@ -87,7 +88,7 @@ class Refusal(Exception):
         self.finding = finding
 
 
-@dataclass(slots=True)
+@record(slots=True)
 class Findings:
     """A collector with a cap for each code, so that a million-line job does not print a million lines.
 

@@ -9,12 +9,12 @@ from __future__ import annotations
 import enum
 import itertools
 import math
-from dataclasses import dataclass, field
 from fractions import Fraction
 from typing import NamedTuple
 
 from gproof.ir.controls import NO_CONTROLS, Controls
 from gproof.ir.din import Din
+from gproof.ir.record import field, record
 
 AXIS_NAMES = ("x", "y", "z", "a", "b", "c")
 AXES = len(AXIS_NAMES)
@@ -27,7 +27,7 @@ class AxisKind(enum.Enum):
     ROTARY = "rotary"
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@record(frozen=True, slots=True, kw_only=True)
 class PitchTable:
     """Where the axis really is when its motor is meant to be at a position (Eding manual 2.3).
 
@@ -51,7 +51,7 @@ class PitchTable:
         return None
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@record(frozen=True, slots=True, kw_only=True)
 class Slave:
     """A further motor of an axis (gantry, Eding manual 2.1.3, 2.10.3), in the axis's own units.
 
@@ -88,7 +88,7 @@ class Drive(NamedTuple):
     pitch: PitchTable | None
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@record(frozen=True, slots=True, kw_only=True)
 class Axis:
     """One axis.
 
@@ -156,7 +156,7 @@ class Axis:
         return tuple(found)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@record(frozen=True, slots=True, kw_only=True)
 class Area:
     """A box in machine coordinates: ((lower, upper) for X, Y, Z); an unbounded side is infinite."""
 
@@ -164,7 +164,7 @@ class Area:
     box: tuple[tuple[float, float], tuple[float, float], tuple[float, float]]
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@record(frozen=True, slots=True, kw_only=True)
 class Tool:
     """A tool table entry; lengths in mm, ``None`` where the table does not say."""
 
@@ -175,7 +175,7 @@ class Tool:
     orientation: int | None = None
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@record(frozen=True, slots=True, kw_only=True)
 class Knife:
     """Tangential knife (Eding manual 2.1.9): an axis that turns about Z follows the direction of X-Y moves.
 
@@ -190,7 +190,7 @@ class Knife:
     blend_distance: float = 0.0
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@record(frozen=True, slots=True, kw_only=True)
 class Spindle:
     """A spindle, or another tool head (Eding manual 3.5.2, 3.5.6), by the number of ``Op.HEAD``.
 
@@ -208,7 +208,7 @@ class Spindle:
     pwm: tuple[tuple[float, float], ...] = ()
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@record(frozen=True, slots=True, kw_only=True)
 class Controller:
     """Settings of the controller that change what a job does.
 
@@ -245,7 +245,7 @@ class Controller:
     din: Din | None = None
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@record(frozen=True, slots=True, kw_only=True)
 class Board:
     """What the board needs between edges: seconds; ticks a second."""
 
@@ -255,7 +255,7 @@ class Board:
     direction_setup: float = 5e-6
 
 
-@dataclass(frozen=True, slots=True)
+@record(frozen=True, slots=True)
 class Unmodelled:
     """A setting that is on and that gproof can not follow.
 
@@ -277,7 +277,7 @@ class Unmodelled:
         return f"{self.what} ({self.why})" if self.why else self.what
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@record(frozen=True, slots=True, kw_only=True)
 class Machine:
     """A machine; ``axes`` holds those the machine has, in X Y Z A B C order.
 

@@ -11,11 +11,11 @@ from __future__ import annotations
 
 import enum
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
 
 import numpy as np
 
 from gproof.ir.columns import Column, Columns, Schema
+from gproof.ir.record import record
 
 
 class NoteKind(enum.IntEnum):
@@ -54,7 +54,7 @@ NoteKind; how many bytes of the line stand before it (tabs to the next multiple 
 more than one blank, else 0: comments below one another; place of its bytes in ``Notes.text``."""
 
 
-@dataclass(frozen=True, slots=True)
+@record(frozen=True, slots=True)
 class Notes:
     """Notes of successive lines. table: NOTE columns; text: the bytes they point into, as in the file."""
 

@@ -6,11 +6,10 @@ along the path, mm/s; for moves of rotary axes alone deg/s), or a dwell.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
-
 import numpy as np
 
 from gproof.ir.columns import Column, Columns, Schema
+from gproof.ir.record import field, record
 
 PLAN_ROW = Schema(
     "plan",
@@ -30,7 +29,7 @@ the section's start; length: path length
 TOLERANCE = 1e-6
 
 
-@dataclass(slots=True, kw_only=True)
+@record(slots=True, kw_only=True)
 class PlanSection:
     """The timed rows of trace section ``number``; it starts and ends at rest."""
 
@@ -39,7 +38,7 @@ class PlanSection:
     duration: float
 
 
-@dataclass(slots=True, kw_only=True)
+@record(slots=True, kw_only=True)
 class Plan:
     """All sections, in the numbering of the Trace."""
 

@@ -8,7 +8,6 @@ gives as data, so that the executor never asks where a program came from.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, field
 from typing import Any, get_args
 
 import numpy as np
@@ -16,6 +15,7 @@ import numpy as np
 from gproof.ir.columns import Column, Columns, Schema
 from gproof.ir.finding import Span
 from gproof.ir.notes import Annotate, Notes
+from gproof.ir.record import field, record
 from gproof.ir.rules import DEVICES, LanguageRules
 
 WORD = Schema(
@@ -37,7 +37,7 @@ FLAG_BARE = 4
 """The letter stands without a number, which counts as 0."""
 
 
-@dataclass(frozen=True, slots=True)
+@record(frozen=True, slots=True)
 class Number:
     """A literal. point: it was written with a decimal point, which some controllers read as another unit."""
 
@@ -46,7 +46,7 @@ class Number:
     point: bool = False
 
 
-@dataclass(frozen=True, slots=True)
+@record(frozen=True, slots=True)
 class Text:
     """A literal string in a message."""
 
@@ -54,7 +54,7 @@ class Text:
     span: Span
 
 
-@dataclass(frozen=True, slots=True)
+@record(frozen=True, slots=True)
 class Variable:
     """A numbered controller variable; its number may be computed. name: what it is called where it has a name."""
 
@@ -63,7 +63,7 @@ class Variable:
     name: str = ""
 
 
-@dataclass(frozen=True, slots=True)
+@record(frozen=True, slots=True)
 class Constant:
     """A value with a name: ``true``, or one that the program declares."""
 
@@ -72,7 +72,7 @@ class Constant:
     span: Span
 
 
-@dataclass(frozen=True, slots=True)
+@record(frozen=True, slots=True)
 class Named:
     """A variable of the controller with a name, in upper case, or the argument of the call with that letter.
 
@@ -83,7 +83,7 @@ class Named:
     span: Span
 
 
-@dataclass(frozen=True, slots=True)
+@record(frozen=True, slots=True)
 class Input:
     """The state of a channel of the machine: 1 on, 0 off.
 
@@ -98,7 +98,7 @@ class Input:
     simulated: float | None = None
 
 
-@dataclass(frozen=True, slots=True)
+@record(frozen=True, slots=True)
 class Unary:
     """operator: ``neg``, ``abs``, ``acos`` ... , see ir/rules.py UNARY. whole: as of Binary."""
 
@@ -108,7 +108,7 @@ class Unary:
     whole: bool = field(default=False, compare=False)
 
 
-@dataclass(frozen=True, slots=True)
+@record(frozen=True, slots=True)
 class Binary:
     """operator: ``+``, ``**``, ``mod``, ``atan`` (two-argument arc tangent, left over right) ..., see BINARY.
 
@@ -130,7 +130,7 @@ PARAMETER = "@"
 """Letter of a word that is a number without one: what the code before it is about (``G04 3``)."""
 
 
-@dataclass(frozen=True, slots=True)
+@record(frozen=True, slots=True)
 class Word:
     """A letter and its value, in a block that is not plain.
 
@@ -144,7 +144,7 @@ class Word:
     braced: bool = False
 
 
-@dataclass(frozen=True, slots=True)
+@record(frozen=True, slots=True)
 class Assign:
     """variable = value; takes effect after every value of its block is found."""
 
@@ -153,7 +153,7 @@ class Assign:
     span: Span
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@record(frozen=True, slots=True, kw_only=True)
 class Block:
     """One line of words and assignments with expressions in them.
 
@@ -216,7 +216,7 @@ class DeferredBlock(Block):
         return self.made().__reduce_ex__(4)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@record(frozen=True, slots=True, kw_only=True)
 class If:
     """condition is true when not zero.
 
@@ -234,7 +234,7 @@ class If:
     head: Statement | None = None
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@record(frozen=True, slots=True, kw_only=True)
 class Array:
     """Repeats what follows it over a grid of rows and columns (WinCNC L10).
 
@@ -249,7 +249,7 @@ class Array:
     line: Block | None = None
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@record(frozen=True, slots=True, kw_only=True)
 class Replaced:
     """A line whose command the machine's macro file replaces (WinCNC, CNC.MAC).
 
@@ -266,7 +266,7 @@ class Replaced:
     length: int = field(default=0, compare=False)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@record(frozen=True, slots=True, kw_only=True)
 class Definition:
     """A command that a machine's macro file defines, replaces or switches off (WinCNC, CNC.MAC).
 
@@ -283,7 +283,7 @@ class Definition:
     line: Block | None = None
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@record(frozen=True, slots=True, kw_only=True)
 class While:
     """Repeats while the condition is not zero. end_span: the line that closes it."""
 
@@ -293,7 +293,7 @@ class While:
     end_span: Span | None = None
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@record(frozen=True, slots=True, kw_only=True)
 class Repeat:
     """Runs its body until the condition is not zero, once at least. end_span: the line with the condition."""
 
@@ -303,7 +303,7 @@ class Repeat:
     end_span: Span | None = None
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@record(frozen=True, slots=True, kw_only=True)
 class For:
     """Runs its body for each whole number from first to last (down: falling), none when there are none.
 
@@ -319,7 +319,7 @@ class For:
     end_span: Span | None = None
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@record(frozen=True, slots=True, kw_only=True)
 class Label:
     """A place that jumps go to; name in lower case, as its digits without leading zeros where it is a number."""
 
@@ -327,7 +327,7 @@ class Label:
     span: Span
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@record(frozen=True, slots=True, kw_only=True)
 class Jump:
     """Goes on behind the label of that name: in the same list of statements or in one around it, never in another
     subprogram."""
@@ -336,7 +336,7 @@ class Jump:
     span: Span
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@record(frozen=True, slots=True, kw_only=True)
 class Return:
     """Ends the subprogram that runs. code: as written."""
 
@@ -350,7 +350,7 @@ TYPES = ("integer", "double", "boolean", "unknown")
 """Of parameters; ``var`` before one of them: what the procedure makes of it goes back into the variable it is given."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@record(frozen=True, slots=True, kw_only=True)
 class Declare:
     """Names with a type; does nothing when it runs, but that variables of a procedure begin without a value.
 
@@ -365,7 +365,7 @@ class Declare:
     number: int = 0
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@record(frozen=True, slots=True, kw_only=True)
 class Include:
     """The place of a file that is read in; its statements follow, with spans of their own file. name: as written."""
 
@@ -373,7 +373,7 @@ class Include:
     span: Span
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@record(frozen=True, slots=True, kw_only=True)
 class Mode:
     """Where the source goes over from one of its languages to the other. name: ``din`` or ``pascal``."""
 
@@ -381,7 +381,7 @@ class Mode:
     span: Span
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@record(frozen=True, slots=True, kw_only=True)
 class Call:
     """Runs a subprogram by its (lower-case) name.
 
@@ -401,7 +401,7 @@ class Call:
     count: Expr | None = None
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@record(frozen=True, slots=True, kw_only=True)
 class Message:
     """Text for the operator. kind: ``msg``, ``warning``, ``error`` (stops the program), ``log``, ``dialog``, ``write``
     and ``writeln`` (a line of text is still open behind it, or ends); a question
@@ -421,7 +421,7 @@ class Message:
     line: Block | None = None
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@record(frozen=True, slots=True, kw_only=True)
 class Guard:
     """Switches a guard: name ``tool_change_area`` or ``machine_area``. deleted: its line began with a slash."""
 
@@ -431,7 +431,7 @@ class Guard:
     deleted: bool = False
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@record(frozen=True, slots=True, kw_only=True)
 class Device:
     """A command to the controller that is no block of words: homing, height maps, a knife ...
 
@@ -445,7 +445,7 @@ class Device:
     deleted: bool = False
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@record(frozen=True, slots=True, kw_only=True)
 class Unsupported:
     """A statement that the manual has and gproof does not model; what follows is unknown.
 
@@ -461,7 +461,7 @@ class Unsupported:
     told: bool = False
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@record(frozen=True, slots=True, kw_only=True)
 class Mistake:
     """A line with a mistake that only matters when it runs. code: number of its finding; text: the line as written."""
 
@@ -471,7 +471,7 @@ class Mistake:
     text: str = ""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@record(frozen=True, slots=True, kw_only=True)
 class BlockTable:
     """Successive plain lines of one file.
 
@@ -498,7 +498,7 @@ Statement = (
 STATEMENTS = frozenset(get_args(Statement)) | {DeferredBlock}
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@record(frozen=True, slots=True, kw_only=True)
 class Subprogram:
     """A named list of statements; name in lower case; end_span: the line that closes it; text: the name of a procedure
     as written.
@@ -518,7 +518,7 @@ class Subprogram:
     text: str = ""
 
 
-@dataclass(slots=True, kw_only=True)
+@record(slots=True, kw_only=True)
 class SourceFile:
     """A file as read. name: as the user gave it; sha256: of ``data``; data: its bytes (may be a memory map).
 
@@ -539,7 +539,7 @@ Scan = Callable[[bytes, int, int, int, int], tuple[Columns, int, int]]
 """(data, begin, end, first line, limit) -> (words, next byte, next line); see ``Program.load``."""
 
 
-@dataclass(slots=True, kw_only=True)
+@record(slots=True, kw_only=True)
 class Program:
     """A whole job. body runs from the top; subprograms are called by name.
 

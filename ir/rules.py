@@ -7,7 +7,8 @@ knows functions, never dialects. Each rule names the section of the manual it st
 from __future__ import annotations
 
 import enum
-from dataclasses import dataclass, field
+
+from gproof.ir.record import field, record
 
 
 class Function(enum.IntEnum):
@@ -222,7 +223,7 @@ CHECKED_ONLY = frozenset(
 """Functions of which the words are checked and told in the Trace, and whose device nothing else depends on."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@record(frozen=True, slots=True, kw_only=True)
 class CodeRule:
     """One code. group: modal group, as the manual names it ("" for codes it lists in none);
     uses_axes: takes the line's axis words; value: argument of the function (coordinate system, head);
@@ -253,7 +254,7 @@ class CodeRule:
         return f"{self.letter}{whole}.{tenth}" if tenth else f"{self.letter}{whole}"
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@record(frozen=True, slots=True, kw_only=True)
 class ParameterRange:
     """Numbered variables first..last: meaning, whether a program may write them, section of the manual.
 
@@ -273,7 +274,7 @@ class ParameterRange:
     base: int = 0
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@record(frozen=True, slots=True, kw_only=True)
 class LanguageRules:
     """Everything the executor must know about a language; see the module's text.
 

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+
+from gproof.ir.record import field, record
 
 _STATED = ("start", "work", "g92", "tool", "head")
 """Kinds of symbols that a setup can state."""
 
 
-@dataclass(frozen=True, slots=True)
+@record(frozen=True, slots=True)
 class Interval:
     """low <= value <= high, in mm or degrees; exact when both are equal."""
 
@@ -22,7 +23,7 @@ class Interval:
         return self.low == self.high
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@record(frozen=True, slots=True, kw_only=True)
 class Cylinder:
     """Y is mapped onto A: the surface of a cylinder as if it were the X-Y plane (Eding manual 2.2.5.4).
 
@@ -35,7 +36,7 @@ class Cylinder:
     zero: float | None = None
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@record(frozen=True, slots=True, kw_only=True)
 class HeightMap:
     """Measured heights of a surface, to which Z is raised or lowered (Eding manual 2.2.5.5).
 
@@ -64,7 +65,7 @@ class HeightMap:
         return None
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@record(frozen=True, slots=True, kw_only=True)
 class InForce:
     """A rotation or a scaling of X and Y that is in force when the job begins (Eding manual 3.4.13, 3.4.18).
 
@@ -79,7 +80,7 @@ class InForce:
     y: float = 0.0
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@record(frozen=True, slots=True, kw_only=True)
 class StoredPosition:
     """A place that the controller has stored (WinCNC P#, H#, T#): machine mm or degrees by column name.
 
@@ -91,7 +92,7 @@ class StoredPosition:
     clearance: float | None = None
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@record(frozen=True, slots=True, kw_only=True)
 class Setup:
     """The stated part of the machine's state.
 

@@ -7,12 +7,12 @@ before each further step. Directions are +1 or -1 in steps. Sections begin at re
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
 from fractions import Fraction
 
 import numpy as np
 
 from gproof.ir.columns import Column, Columns, Schema
+from gproof.ir.record import field, record
 
 RUN = Schema("runs", Column("interval", "i8"), Column("count", "i8"), Column("add", "i8"), Column("direction", "i1"))
 
@@ -20,7 +20,7 @@ EVENT = Schema("events", Column("tick", "i8"), Column("row", "i8"), Column("op",
 """I/O events: tick; row of the trace section; op: trace Op; arg: the row's arguments in thousandths, rounded."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@record(frozen=True, slots=True, kw_only=True)
 class Motor:
     """A motor and the axis it drives; ``steps_per_unit`` is exact, its sign is the wiring."""
 
@@ -29,7 +29,7 @@ class Motor:
     steps_per_unit: Fraction
 
 
-@dataclass(slots=True, kw_only=True)
+@record(slots=True, kw_only=True)
 class StreamSection:
     """One section: start position in steps by motor, one run table a motor, events, duration in ticks."""
 
@@ -47,7 +47,7 @@ class StreamSection:
         )
 
 
-@dataclass(slots=True, kw_only=True)
+@record(slots=True, kw_only=True)
 class StepStream:
     """The whole stream; sections in the numbering of the Trace."""
 

@@ -10,12 +10,12 @@ from __future__ import annotations
 
 import enum
 from collections.abc import Iterator
-from dataclasses import dataclass, field
 
 import numpy as np
 
 from gproof.ir.columns import Column, Columns, Schema
 from gproof.ir.machine import AXES
+from gproof.ir.record import field, record
 from gproof.ir.setup import Interval
 
 
@@ -143,7 +143,7 @@ Frame = tuple[Affine, Affine, Affine, Affine, Affine, Affine]
 KNOWN_FRAME: Frame = ((), (), (), (), (), ())
 
 
-@dataclass(frozen=True, slots=True)
+@record(frozen=True, slots=True)
 class Boundary:
     """A boundary of the work for one axis: low <= machine position - (shift + form) <= high, mm or degrees.
 
@@ -159,7 +159,7 @@ class Boundary:
     limit: bool = False
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@record(frozen=True, slots=True, kw_only=True, eq=False)
 class State:
     """The slow part of the machine's state, shared by many rows.
 
@@ -225,7 +225,7 @@ class Wait(enum.Enum):
     UNKNOWN = "unknown"
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@record(frozen=True, slots=True, kw_only=True)
 class Edge:
     """From a section to what follows one outcome of its wait; target -1: the program is over or not followed.
 
@@ -239,7 +239,7 @@ class Edge:
     file: int = 0
 
 
-@dataclass(slots=True, kw_only=True)
+@record(slots=True, kw_only=True)
 class TraceSection:
     """Rows from rest to rest. start: position (6) and frame index at its beginning."""
 
@@ -250,7 +250,7 @@ class TraceSection:
     edges: tuple[Edge, ...] = ()
 
 
-@dataclass(slots=True, kw_only=True)
+@record(slots=True, kw_only=True)
 class Trace:
     """A whole evaluated program as a graph of sections; section 0 is where it begins.
 
@@ -309,7 +309,7 @@ def verify_rows(rows: Columns, trace: Trace, where: str = "rows") -> None:
         raise ValueError(f"{where}: text index out of range")
 
 
-@dataclass(slots=True, kw_only=True)
+@record(slots=True, kw_only=True)
 class Chunk:
     """Some successive rows of a section while a job streams by.
 

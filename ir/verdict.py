@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import enum
 from collections.abc import Iterable
-from dataclasses import dataclass
+
+from gproof.ir.record import record
 
 
 class Verdict(enum.Enum):
@@ -30,7 +31,7 @@ def worst(verdicts: Iterable[Verdict]) -> Verdict:
     return Verdict.SAFE
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@record(frozen=True, slots=True, kw_only=True)
 class PropertyResult:
     """The answer for one property.
 
@@ -45,7 +46,7 @@ class PropertyResult:
     needed: tuple[Condition, ...] = ()
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@record(frozen=True, slots=True, kw_only=True)
 class Condition:
     """low <= sum(coefficient * symbol) <= high, in mm or degrees, over unknown offsets.
 

@@ -9,7 +9,6 @@ inside. The answer belongs to the property ``limits``.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -17,6 +16,7 @@ from gproof.ir import codes
 from gproof.ir.columns import occurring
 from gproof.ir.finding import Findings, Related, Severity, Span
 from gproof.ir.machine import AXES, Machine
+from gproof.ir.record import record
 from gproof.ir.setup import Setup
 from gproof.ir.trace import UNKNOWN, Affine, Boundary, Chunk, State, Trace
 from gproof.ir.verdict import Condition, PropertyResult, Verdict
@@ -50,7 +50,7 @@ class _Box:
             self.high = np.vstack([self.high, np.full((short, AXES), -math.inf)])
 
 
-@dataclass(frozen=True, slots=True)
+@record(frozen=True, slots=True)
 class _End:
     """A boundary's number, of its axis, and the line that comes nearest to it."""
 

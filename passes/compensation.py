@@ -12,8 +12,9 @@ from __future__ import annotations
 
 import enum
 import math
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
+from gproof.ir.record import record
 from gproof.ir.trace import Plane
 from gproof.passes import compensation_kernels as k
 from gproof.passes.compensation_kernels import HAIR, TWO_PI
@@ -34,7 +35,7 @@ class Trouble(enum.Enum):
     ENTRY_ARC = "entry arc"
 
 
-@dataclass(frozen=True, slots=True)
+@record(frozen=True, slots=True)
 class Fault:
     """An error and its numbers: degrees of a corner, mm of distances and radii."""
 
@@ -43,7 +44,7 @@ class Fault:
     other: float = 0.0
 
 
-@dataclass(frozen=True, slots=True)
+@record(frozen=True, slots=True)
 class Piece:
     """One stretch of the path: a line, or with a centre an arc. corner: goes around a convex corner."""
 
@@ -56,7 +57,7 @@ class Piece:
 Path = tuple[list[Piece], Fault | None]
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@record(frozen=True, slots=True, kw_only=True)
 class Compensation:
     """Compensation while it is on.
 

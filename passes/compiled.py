@@ -10,10 +10,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import Any
 
 from gproof.ir.program import Binary, Block, Constant, DeferredBlock, Expr, Number, Unary, Variable
+from gproof.ir.record import record
 from gproof.ir.rules import LanguageRules
 from gproof.passes.expressions import BINARY_FUNCTIONS, LEAST_WHOLE, MOST_WHOLE, UNARY_FUNCTIONS, open_rem
 
@@ -30,7 +30,7 @@ class Slow(Exception):
     """Not for this way: the evaluator decides."""
 
 
-@dataclass(frozen=True, slots=True)
+@record(frozen=True, slots=True)
 class FastBlock:
     """run: variables -> values of the words, then of the settings; letters of the words; numbers that are set; reads:
     numbers of the variables; is_motion: only words that ``run_lines`` may take; node: the block."""

@@ -9,7 +9,6 @@ decides in source order (3.1). Source: APCI-8001 G-code manual, McuWIN V 2.5.3.1
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 from gproof.ir import codes
@@ -17,6 +16,7 @@ from gproof.ir.dialects.mcuwin import MOTION, USER, has_code
 from gproof.ir.din import FIRST_USER_CODE, LAST_USER_CODE
 from gproof.ir.finding import Refusal, Severity, Span
 from gproof.ir.program import PARAMETER
+from gproof.ir.record import field, record
 from gproof.ir.rules import CodeRule
 from gproof.ir.rules import Function as F
 from gproof.passes import din_events, din_modes, din_motion, din_origins
@@ -40,7 +40,7 @@ _NAMES_AXES = (F.INTERPOLATION_AXES, F.HOME, F.APPLICATION)
 """Functions of codes behind which a letter may stand alone."""
 
 
-@dataclass(slots=True)
+@record(slots=True)
 class Part(Line):
     """One code of a line with the words that belong to it.
 
@@ -61,7 +61,7 @@ class Part(Line):
         return self.code_spans[0] if self.code_spans else self.span
 
 
-@dataclass(slots=True)
+@record(slots=True)
 class Gathered:
     """motion: words that move, with the code of the line or none; parts: other codes in order; settings: F, S, T, D.
 

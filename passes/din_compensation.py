@@ -8,13 +8,14 @@ differ by more, GP256.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from gproof.ir import codes
 from gproof.ir.din import VERSIONS
 from gproof.ir.finding import Refusal
 from gproof.ir.machine import AXIS_NAMES
+from gproof.ir.record import record
 from gproof.ir.rules import CodeRule
 from gproof.ir.rules import Function as F
 from gproof.ir.setup import Interval
@@ -31,7 +32,7 @@ _SECTIONS = {Plane.XY: "xy", Plane.XZ: "zx", Plane.YZ: "yz"}
 _RIGHT_HANDED = {Plane.XY: (0, 1), Plane.XZ: (2, 0), Plane.YZ: (1, 2)}
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@record(frozen=True, slots=True, kw_only=True)
 class Correction:
     """The correction that is on, or of which places are left behind G40.
 

@@ -7,8 +7,8 @@ docs/dialects/mcuwin.md, Tool radius correction. Lengths mm, coordinates those o
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 
+from gproof.ir.record import record
 from gproof.passes.single_kernels import distance
 
 REACH = 4.0
@@ -21,7 +21,7 @@ _SLACK = 1e-9
 Point = tuple[float, float]
 
 
-@dataclass(frozen=True, slots=True)
+@record(frozen=True, slots=True)
 class Element:
     """A line or an arc of the contour in its plane.
 

@@ -7,13 +7,14 @@ are read. Values are immutable; a change is a new ``DinState``. Columns are thos
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from gproof.ir.dialects.mcuwin import COMMON, DECLARED
 from gproof.ir.din import NO_DIN, Din
 from gproof.ir.machine import AXES, AXIS_NAMES, Machine
 from gproof.ir.program import Declare, Program
+from gproof.ir.record import record
 from gproof.ir.trace import Boundary
 from gproof.passes.single_state import Pairs, letters_of
 from gproof.passes.values import NOWHERE, Position, Value
@@ -46,7 +47,7 @@ SAME = 1e-9
 """mm or degrees within which two places are one."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@record(frozen=True, slots=True, kw_only=True)
 class DinState:
     """Lengths mm, angles degrees.
 
@@ -161,9 +162,9 @@ def prepare(modal: Modal) -> None:
     modal.work = 0
     for axis in range(AXES):
         modal.work_offsets[0, axis] = Position(0.0)
-    for record in range(1, 6):
+    for number in range(1, 6):
         for axis in range(AXES):
-            modal.work_offsets[record, axis] = zero_offset_table(modal, record, axis)
+            modal.work_offsets[number, axis] = zero_offset_table(modal, number, axis)
     modal.tool = setup.tool
     modal.tool_offset = [Position(0.0)] * AXES
     if din.tools is None and setup.default_offset is None:

@@ -2,18 +2,18 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
 from typing import Any
 
 from gproof.ir.columns import Columns
 from gproof.ir.finding import Span
 from gproof.ir.program import Block, Statement
+from gproof.ir.record import field, record
 from gproof.passes.modal import Modal
 from gproof.passes.overrides import Words
 from gproof.passes.values import Position, Unknown, Value, bounds
 
 
-@dataclass(slots=True, eq=False)
+@record(slots=True, eq=False)
 class Group:
     """Outcomes of one question, which come together behind its block.
 
@@ -24,7 +24,7 @@ class Group:
     parked: list[Path] = field(default_factory=list)
 
 
-@dataclass(frozen=True, slots=True)
+@record(frozen=True, slots=True)
 class Kept:
     """Of a caller: its local coordinates, whether it keeps them (L92), the words it was called with itself."""
 
@@ -33,7 +33,7 @@ class Kept:
     arguments: tuple[tuple[str, Value], ...]
 
 
-@dataclass(frozen=True, slots=True)
+@record(frozen=True, slots=True)
 class Cells:
     """An array that is being cut: a grid of cells, and the way back from the last one.
 
@@ -60,7 +60,7 @@ class Cells:
         return cell // self.rows, cell % self.rows
 
 
-@dataclass(frozen=True, slots=True)
+@record(frozen=True, slots=True)
 class Caller:
     """Where a call came from; rest: words of its line that are executed when it is back.
 
@@ -79,7 +79,7 @@ ANY = -1
 """Of a call: it runs its subprogram any number of times more."""
 
 
-@dataclass(slots=True)
+@record(slots=True)
 class Frame:
     """Statements that are being executed: those of ``body`` from ``at`` on, or the words of a table from ``at`` on.
 
@@ -126,7 +126,7 @@ class Frame:
         return 0
 
 
-@dataclass(slots=True)
+@record(slots=True)
 class Pending:
     """Lines of motion that are evaluated and not executed yet: words in columns, ``line`` counts ``nodes``."""
 
@@ -136,7 +136,7 @@ class Pending:
     value: list[float] = field(default_factory=list)
 
 
-@dataclass(slots=True)
+@record(slots=True)
 class Path:
     """An outcome that waits to be followed: its frames, its state, its section, its place in the source."""
 
@@ -146,7 +146,7 @@ class Path:
     place: tuple[int, int, list[str], bool, int]
 
 
-@dataclass(slots=True)
+@record(slots=True)
 class Lap:
     """A place that a run comes by again and again: in which state it was there, at its nth visit, of how many.
 

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from gproof.ir import codes
 from gproof.ir.machine import AXIS_NAMES
+from gproof.ir.record import record
 from gproof.ir.rules import CodeRule
 from gproof.ir.rules import Function as F
 from gproof.ir.trace import Op, Wait
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from gproof.passes.motion import Motion
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@record(frozen=True, slots=True, kw_only=True)
 class Hole:
     """One line of a cycle, in machine coordinates.
 

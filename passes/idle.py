@@ -8,7 +8,7 @@ count go on as one.
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass, fields
+from dataclasses import fields
 from typing import cast
 
 from gproof.ir.dialects.mcuwin import COMMON, OFFSETS_AT
@@ -38,6 +38,7 @@ from gproof.ir.program import (
     Variable,
     Word,
 )
+from gproof.ir.record import record
 from gproof.ir.rules import LanguageRules
 
 MOST_STATEMENTS = 20_000
@@ -45,7 +46,7 @@ MOST_STATEMENTS = 20_000
 _KINDS = ("free", "persistent")
 
 
-@dataclass(frozen=True, slots=True)
+@record(frozen=True, slots=True)
 class Idle:
     """unread: what they hold nobody ever sees; told: those and what messages alone show. By their numbers."""
 

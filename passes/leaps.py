@@ -9,9 +9,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
 
 from gproof.ir.program import Binary, Block, Constant, Expr, For, Label, Mode, Number, Repeat, Unary, Variable, While
+from gproof.ir.record import record
 from gproof.ir.rules import LanguageRules
 from gproof.passes.values import Value
 
@@ -24,7 +24,7 @@ _TURNED = {"<": ">", "<=": ">=", ">": "<", ">=": "<=", "==": "==", "<>": "<>"}
 _NOT = {"<": ">=", "<=": ">", ">": "<=", ">=": "<", "==": "<>", "<>": "=="}
 
 
-@dataclass(frozen=True, slots=True)
+@record(frozen=True, slots=True)
 class Leap:
     """A loop that counts. steps: what a pass adds to variables, by number; it goes on while variable ``counter`` is
     ``operator`` ``goal``: a number, or where ``is_variable``, the number of a variable that no pass changes."""

@@ -10,7 +10,6 @@ Eding CNC manual 2.2.5.5; docs/kinematics.md has the readings.
 from __future__ import annotations
 
 import dataclasses
-from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
@@ -20,6 +19,7 @@ from gproof.ir.columns import Columns, occurring
 from gproof.ir.finding import Findings, Refusal, Span
 from gproof.ir.machine import Machine
 from gproof.ir.plan import Plan
+from gproof.ir.record import record
 from gproof.ir.setup import HeightMap, Setup
 from gproof.ir.stream import StepStream
 from gproof.ir.trace import HEIGHT_MAP, TRACE_ROW, Op, Plane, State, Trace, TraceSection
@@ -39,7 +39,7 @@ Ints = npt.NDArray[np.int64]
 Bytes = npt.NDArray[np.uint8]
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@record(frozen=True, slots=True, kw_only=True)
 class Followed:
     """trace: what motors follow, never with a height map; machine: with the motors of Y and A exchanged where Y is
     mapped onto A; by section, origin: the row of the job's Trace that each of its rows is part of; joined: 1 where a

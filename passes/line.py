@@ -6,11 +6,11 @@ Repeats, modal groups, counts and codes: Eding CNC manual 3.2.5 (item repeats), 
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
 
 from gproof.ir import codes
 from gproof.ir.finding import Refusal, Span
 from gproof.ir.program import PARAMETER
+from gproof.ir.record import field, record
 from gproof.ir.rules import CodeRule, Function, LanguageRules
 from gproof.passes.values import AXIS_INDEX, Unknown, Value
 
@@ -27,7 +27,7 @@ def _named(letter: str) -> str:
     return "the number" if letter == PARAMETER else letter
 
 
-@dataclass(slots=True)
+@record(slots=True)
 class Line:
     """Values of a line by letter; G and M codes by modal group; spans by letter on demand.
 

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 from gproof.ir import codes
 from gproof.ir.finding import Refusal, Span
 from gproof.ir.program import Program
+from gproof.ir.record import record
 from gproof.passes.values import Unknown, Value
 
 Words = tuple[str, Value, Span]
@@ -17,7 +16,7 @@ _FEED_MODES = (930, 940, 950)
 _BEFORE = "FST"
 
 
-@dataclass(frozen=True, slots=True)
+@record(frozen=True, slots=True)
 class Replaced:
     """A line that calls a subprogram.
 

@@ -8,16 +8,16 @@ the limits of A hold for Y. Eding CNC manual 2.1.3, 2.1.5, 2.3, 2.2.5.4; docs/ki
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 
 from gproof.ir.machine import Axis, Drive, Machine, PitchTable
+from gproof.ir.record import record
 from gproof.ir.setup import Setup
 from gproof.passes.pitch import axis_position, motor_position
 
 Range = tuple[float | None, float | None]
 
 
-@dataclass(frozen=True, slots=True)
+@record(frozen=True, slots=True)
 class Reach:
     """Ranges of an axis's programmed positions, with the guard on and with it off; None: a limit is not stated.
 

@@ -7,12 +7,12 @@ without a command is the active motion, a feed, or a speed. Source: WinCNC Users
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 from gproof.ir import codes
 from gproof.ir.finding import Refusal, Severity, Span
 from gproof.ir.program import Text
+from gproof.ir.record import field, record
 from gproof.ir.rules import CHECKED_ONLY, CodeRule, LanguageRules
 from gproof.ir.rules import Function as F
 from gproof.passes import single_cycles, single_events, single_motion, single_origins
@@ -30,7 +30,7 @@ _AXES = "XYZWUVABC"
 _MAPPINGS = (F.MAP_WORDS, F.MAP_HEADS, F.MAP_PULSES)
 
 
-@dataclass(slots=True)
+@record(slots=True)
 class Command(Line):
     """A line of one command. command: its rule, None for a line without one; columns: of the axis words.
 

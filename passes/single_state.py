@@ -7,11 +7,12 @@ immutable; a change is a new ``SingleState``.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from gproof.ir.controls import Workspace
 from gproof.ir.machine import AXES, AXIS_NAMES, AxisKind, Machine
+from gproof.ir.record import record
 from gproof.ir.trace import Boundary
 from gproof.passes.values import NOWHERE, Position, Unknown, Value
 
@@ -26,7 +27,7 @@ LEANING = "leaning knife"
 Pairs = tuple[tuple[int, Value], ...]
 
 
-@dataclass(frozen=True, slots=True)
+@record(frozen=True, slots=True)
 class KnifeNow:
     """Settings in force (L30.1): degrees beyond which it is lifted, mm up and down; None: nobody said."""
 
@@ -35,7 +36,7 @@ class KnifeNow:
     lowered: float | None
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@record(frozen=True, slots=True, kw_only=True)
 class SingleState:
     """Columns are those of ``AXIS_NAMES``; lengths mm.
 

@@ -9,12 +9,12 @@ from __future__ import annotations
 
 import itertools
 import math
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from gproof.ir import codes
 from gproof.ir.finding import Refusal
 from gproof.ir.machine import AXIS_NAMES
+from gproof.ir.record import record
 from gproof.ir.rules import CodeRule
 from gproof.ir.trace import Op, Plane
 from gproof.passes.cycles import MAX_MOVES
@@ -32,7 +32,7 @@ _MOVES_OF_A_PASS = 6
 _ENTRY, _EXIT = 1, 2
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@record(frozen=True, slots=True, kw_only=True)
 class _Thread:
     """One line, in mm. start, end: the drive line along Z; x: where it is; inward: +1 when the material lies at higher
     X; peak: from the drive line to the thread's peak; full: depth of the thread; slide: mm along Z for each

@@ -9,8 +9,8 @@ therefore follows the offsets that were in force when it was given: ``origin``.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
 
+from gproof.ir.record import field, record
 from gproof.passes import execute_kernels as k
 from gproof.passes.values import NOWHERE, Position, Unknown, Value
 
@@ -25,7 +25,7 @@ def cos_sin(angle: float) -> Pair:
     return exact if exact is not None else (math.cos(math.radians(turn)), math.sin(math.radians(turn)))
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@record(frozen=True, slots=True, kw_only=True)
 class Transform:
     """What is in force of G68 and G51.
 

@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from itertools import takewhile
 
 from gproof.ir.machine import AXES, AXIS_NAMES
+from gproof.ir.record import record
 from gproof.ir.trace import UNKNOWN, Affine, Frame
 from gproof.passes.ranges import Range
 
 
-@dataclass(frozen=True, slots=True)
+@record(frozen=True, slots=True)
 class Unknown:
     """A number that is not known but for its bounds; cause: what nobody stated, for the message."""
 
@@ -61,7 +61,7 @@ def add_forms(left: Affine, right: Affine, sign: int = 1) -> Affine:
     return tuple(sorted((s, c) for s, c in total.items() if c))
 
 
-@dataclass(frozen=True, slots=True)
+@record(frozen=True, slots=True)
 class Position:
     """A coordinate: a number of mm or degrees plus a sum of unknown offsets."""
 

@@ -11,13 +11,13 @@ import base64
 import hashlib
 import os
 from collections.abc import Iterable
-from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from gproof.ir import codes
 from gproof.ir.finding import Finding, Severity, Span
 from gproof.ir.machine import Machine
+from gproof.ir.record import record
 from gproof.ir.setup import Cylinder, HeightMap, Interval, Setup
 from gproof.ir.stream import StepStream
 from gproof.ir.text import print_ir
@@ -48,7 +48,7 @@ FORMAT = "gproof-certificate/1"
 TRACE_CHECKER = "gproof.passes"
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@record(frozen=True, slots=True, kw_only=True)
 class Check:
     """What ``check_package`` found. valid: every part holds, so that it may run; stream: the checker's report."""
 

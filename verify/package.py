@@ -18,7 +18,6 @@ import tempfile
 import zipfile
 import zlib
 from collections.abc import Iterator
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, BinaryIO
 
@@ -28,6 +27,7 @@ from gproof.ir import codes
 from gproof.ir.columns import Columns, Schema
 from gproof.ir.finding import Code, Finding, Span
 from gproof.ir.machine import Machine
+from gproof.ir.record import record
 from gproof.ir.setup import Setup
 from gproof.ir.stream import EVENT, RUN, StepStream
 from gproof.ir.text import parse_ir, print_ir
@@ -52,7 +52,7 @@ class CertificateError(Exception):
         super().__init__(what)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@record(frozen=True, slots=True, kw_only=True)
 class Package:
     """A package as read: its parts, the parsed body with its exact bytes, and the signature (None: unsigned)."""
 

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
-
 from gproof.ir.codes import (
     STREAM_ACCELERATION,
     STREAM_END,
@@ -17,6 +15,7 @@ from gproof.ir.codes import (
     STREAM_VELOCITY,
 )
 from gproof.ir.finding import Code, Finding
+from gproof.ir.record import field, record
 from gproof.ir.verdict import PropertyResult, Verdict, worst
 
 CHECKER = "gproof.verify.stream"
@@ -60,7 +59,7 @@ PROPERTIES: tuple[tuple[str, Code, str], ...] = (
 BOUNDS = {name: bound for name, _, bound in PROPERTIES}
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@record(frozen=True, slots=True, kw_only=True)
 class StreamReport:
     """The answer of ``validate``.
 
@@ -84,7 +83,7 @@ class StreamReport:
         return PropertyResult(name="stream", verdict=self.verdict, assumptions=tuple(assumptions))
 
 
-@dataclass(slots=True)
+@record(slots=True)
 class Collector:
     """Findings while the checker runs. open: properties that could not be judged to the end, and why."""
 

@@ -9,11 +9,11 @@ from __future__ import annotations
 
 import enum
 import math
-from dataclasses import dataclass
 from fractions import Fraction
 from typing import Protocol
 
 from gproof.ir.columns import Columns
+from gproof.ir.record import record
 
 
 def ticks_up(seconds: float, tick_frequency: int) -> int:
@@ -46,7 +46,7 @@ class BoardError(Exception):
     """The board does not answer, or refused what the host asked."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@record(frozen=True, slots=True, kw_only=True)
 class Capabilities:
     """What a board is.
 
@@ -64,7 +64,7 @@ class Capabilities:
     real_time: bool = True
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@record(frozen=True, slots=True, kw_only=True)
 class Status:
     """The board's answer at one moment.
 
@@ -84,7 +84,7 @@ class Status:
     reason: str = ""
 
 
-@dataclass(frozen=True, slots=True)
+@record(frozen=True, slots=True)
 class EventDone:
     """An event the board carried out: clock tick, trace row, op."""
 
@@ -93,7 +93,7 @@ class EventDone:
     op: int
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@record(frozen=True, slots=True, kw_only=True)
 class Observed:
     """What the board measured at its own outputs, by motor.
 

@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import time
 from collections import deque
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -27,13 +26,14 @@ from gproof.backend.boards.board import (
 from gproof.backend.runs import spans, table
 from gproof.ir.columns import Columns
 from gproof.ir.machine import Machine
+from gproof.ir.record import record
 
 FIFO_RUNS = 1024
 LONGEST = 2**61
 """Ticks that a run may last: sums stay within 64 bits."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@record(frozen=True, slots=True, kw_only=True)
 class HostDelay:
     """How late the host is: every wait ends ``latency`` ticks late, each ``every``-th one ``hiccup`` more."""
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from gproof.frontend.eding.prepare import Line, LineError
@@ -34,6 +34,7 @@ from gproof.ir.program import (
     Variable,
     Word,
 )
+from gproof.ir.record import record
 
 if TYPE_CHECKING:
     from lark import Token
@@ -45,7 +46,7 @@ Tokens = Any
 STRUCTURAL = frozenset("if else endif while endwhile sub endsub".split())
 
 
-@dataclass(frozen=True, slots=True)
+@record(frozen=True, slots=True)
 class Structural:
     """A line that opens, divides or closes a block of lines.
 
@@ -375,7 +376,7 @@ class Builder:
         return _COMMENT.sub("", line.text[line.keyword_at : line.places[-1]]).strip()
 
 
-@dataclass(frozen=True, slots=True)
+@record(frozen=True, slots=True)
 class Comment:
     """A comment in parentheses, and the message it holds."""
 

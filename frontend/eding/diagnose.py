@@ -7,12 +7,12 @@ below recognises one kind of mistake and gives None for the others; ``diagnose``
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from gproof.frontend.eding.prepare import FUNCTIONS, STRUCTURE, Line, LineError
 from gproof.ir import codes
 from gproof.ir.finding import Code
+from gproof.ir.record import record
 
 if TYPE_CHECKING:
     from lark.exceptions import UnexpectedInput
@@ -33,7 +33,7 @@ _OPERATOR_WORD = re.compile(r"mod|b?and|b?x?or", _FLAGS)
 _OPERATOR = re.compile(r"\*\*|[-+*/]|[<>=]+|(?:mod|b?and|b?x?or)(?![a-z])", _FLAGS)
 
 
-@dataclass(frozen=True, slots=True)
+@record(frozen=True, slots=True)
 class _Stop:
     """Where the grammar stopped in the code of a line.
 

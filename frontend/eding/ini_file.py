@@ -7,7 +7,6 @@ for a bad value with its finding.
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
 from fractions import Fraction
 from pathlib import Path
 from typing import Any
@@ -15,6 +14,7 @@ from typing import Any
 from gproof.frontend.toml_table import LARGEST, exact_ratio
 from gproof.ir import codes
 from gproof.ir.finding import Code, Findings, Span
+from gproof.ir.record import record
 
 _LINE = re.compile(
     r"\s*(?:\[(?P<section>[^\]]*)\]|(?P<key>[^=;#\[\]]+?)\s*=\s*(?P<value>\"[^\"]*\"|[^;#]*))\s*(?:[;#].*)?$"
@@ -23,7 +23,7 @@ NUMBERED = re.compile(r"(JOINT|SPINDLE|TOOL)_(\d{1,2})$")
 """Sections of which a file has several."""
 
 
-@dataclass(frozen=True, slots=True)
+@record(frozen=True, slots=True)
 class Value:
     """What stands behind a key: its text, its line, the key as written."""
 

@@ -7,11 +7,11 @@ with a map back to the columns; texts in quotes, and statements of chapter 4 tha
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
 from typing import Any
 
 from gproof.ir import codes
 from gproof.ir.finding import Code
+from gproof.ir.record import record
 
 FUNCTIONS = frozenset("abs acos asin atan cos exp fix fup int ln round sin sqrt tan not".split())
 STRUCTURE = frozenset("if else endif while endwhile sub endsub gosub then".split())
@@ -57,7 +57,7 @@ class LineError(Exception):
         self.values = values
 
 
-@dataclass(frozen=True, slots=True)
+@record(frozen=True, slots=True)
 class Line:
     """A prepared line.
 

@@ -6,15 +6,14 @@ closed, or closed without being open, is a finding, and what is inside it stays 
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
-
 from gproof.frontend.eding.build import Parsed, Structural
 from gproof.ir import codes
 from gproof.ir.finding import Findings, Related, Span
 from gproof.ir.program import Call, Expr, If, Number, Statement, Subprogram, Unsupported, While
+from gproof.ir.record import field, record
 
 
-@dataclass(slots=True)
+@record(slots=True)
 class _Open:
     """A block that is open: ``file``, ``sub``, ``if`` or ``while``."""
 

@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 from gproof.frontend.mcuwin.pascal import Place, Symbols, Type, begins_expression, parse_assignment, parse_expression
 from gproof.ir import codes
 from gproof.ir.finding import Refusal, Span
 from gproof.ir.program import Assign, Expr
+from gproof.ir.record import record
 
 
-@dataclass(slots=True)
+@record(slots=True)
 class Expressions:
     """Reads expressions with the names of a job. Mistakes of types are reported; what is no expression is a Refusal."""
 

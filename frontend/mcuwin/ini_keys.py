@@ -7,10 +7,11 @@ be set in IniCfg; ``SETTINGS`` are those. What a setting without a key is, ``[di
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
+
+from gproof.ir.record import record
 
 
-@dataclass(frozen=True, slots=True)
+@record(frozen=True, slots=True)
 class IniKey:
     """A key. shown: as the manual writes it, ``?`` for a digit, with its section where that is told."""
 
@@ -41,7 +42,7 @@ KEPT_SECTIONS = r"fehlertexte.*|errortexts.*"
 """Texts of error messages (14, 2.5.3.103 and 2.5.3.107)."""
 
 
-@dataclass(frozen=True, slots=True)
+@record(frozen=True, slots=True)
 class IniSetting:
     """A setting of IniCfg that the manual describes without a key.
 

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import hashlib
 import re
-from dataclasses import dataclass
 from fractions import Fraction
 from pathlib import Path
 from typing import Any
@@ -17,6 +16,7 @@ from gproof.frontend.source import UTF8_MARK, decode
 from gproof.frontend.toml_table import LARGEST
 from gproof.ir import codes
 from gproof.ir.finding import Code, Findings, Severity, Span
+from gproof.ir.record import record
 
 COMMENT_SIGNS = (";", "#", "//", "'")
 """Beginnings of lines that are passed over: no section and no key begins so."""
@@ -29,7 +29,7 @@ _NUMBER = re.compile(r"[-+]?(?:[0-9]+[.,]?[0-9]*|[.,][0-9]+)", re.ASCII)
 _MOST_DIGITS = 40
 
 
-@dataclass(frozen=True, slots=True)
+@record(frozen=True, slots=True)
 class Entry:
     """A line ``key=value``. section, key: as first written in the file; text: the value without blanks around it.
 

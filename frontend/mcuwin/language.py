@@ -2,17 +2,16 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
-
 from gproof.frontend.mcuwin.expressions import Expressions
 from gproof.frontend.mcuwin.notes import Found
 from gproof.ir.din import VERSIONS, Din
 from gproof.ir.finding import Span
 from gproof.ir.program import Statement
+from gproof.ir.record import field, record
 from gproof.ir.rules import LanguageRules
 
 
-@dataclass(slots=True)
+@record(slots=True)
 class DinLine:
     """A line that was read.
 
@@ -36,7 +35,7 @@ class DinLine:
         return bool(self.statements)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@record(frozen=True, slots=True, kw_only=True)
 class Language:
     """What decides how lines are read. axes: letters of the machine's axes, upper case."""
 

@@ -7,7 +7,7 @@ behind a label of its own module. What the manual does not have (a jump into a b
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 
 from gproof.frontend.mcuwin.structure import Section, does_something
 from gproof.ir import codes
@@ -28,6 +28,7 @@ from gproof.ir.program import (
     Unsupported,
     While,
 )
+from gproof.ir.record import field, record
 
 Body = tuple[Statement, ...]
 Path = tuple[tuple[int, str], ...]
@@ -36,7 +37,7 @@ Path = tuple[tuple[int, str], ...]
 ENDS = (2.0, 30.0)
 
 
-@dataclass(slots=True)
+@record(slots=True)
 class _Unit:
     """A module, or a procedure. key: its name among the subprograms, "" of the one that runs first; name: as labels
     have it; broken: a line of it was refused."""
@@ -51,7 +52,7 @@ class _Unit:
     labels: dict[str, Path] = field(default_factory=dict)
 
 
-@dataclass(frozen=True, slots=True)
+@record(frozen=True, slots=True)
 class Modules:
     """What a program is made of. unended: see ``Program``."""
 

@@ -7,7 +7,6 @@ before it (manual 6, 12); those of plain lines are read from the bytes when some
 from __future__ import annotations
 
 from bisect import bisect_left
-from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -16,6 +15,7 @@ from gproof.frontend.mcuwin import scan_kernels as k
 from gproof.frontend.source import UTF8_MARK
 from gproof.ir.columns import Columns
 from gproof.ir.notes import NOTE, NoteKind, Notes
+from gproof.ir.record import field, record
 
 Found = tuple[int, NoteKind, int, str]
 """Place, kind, character where it begins (from 0) and text of a note."""
@@ -23,7 +23,7 @@ Row = tuple[int, int, int, int, bytes]
 """Line, place, kind, column and bytes of a note."""
 
 
-@dataclass(slots=True)
+@record(slots=True)
 class FileNotes:
     """What one file has. plain: (first byte, end, number of the first line) of its plain lines, in order; rows: notes
     of all others, in order."""
@@ -47,7 +47,7 @@ def column_of(before: bytes) -> int:
     return column if column - len(before.rstrip(b" \t").expandtabs(8)) > 1 else 0
 
 
-@dataclass(slots=True)
+@record(slots=True)
 class Annotator:
     """Reads the notes of the files of a program."""
 

@@ -8,12 +8,12 @@ from __future__ import annotations
 
 import copy
 import enum
-from dataclasses import dataclass, field
 from typing import NamedTuple
 
 from gproof.ir import codes
 from gproof.ir.dialects.mcuwin_pascal import ANGULAR, BITWISE, FIRST_DECLARED, FUNCTIONS, PRODUCTS, RELATIONS, SUMS
 from gproof.ir.finding import Finding, Findings, Related, Span
+from gproof.ir.record import field, record
 
 
 class Type(enum.Enum):
@@ -65,7 +65,7 @@ class Symbol(NamedTuple):
     open: bool = False
 
 
-@dataclass(slots=True)
+@record(slots=True)
 class Symbols:
     """Declared names of a job, and the settings that decide how names and functions are read.
 

@@ -11,13 +11,13 @@ import dataclasses
 import re
 from bisect import bisect_right
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from itertools import accumulate
 from typing import Any
 
 from gproof.frontend.mcuwin.names import label_name
 from gproof.ir.finding import Span
 from gproof.ir.program import Block, Call, Jump, Label, Number, Unsupported, Word
+from gproof.ir.record import record
 
 Part = Callable[[Sequence[Span], Sequence[Any]], Any]
 """Makes a node of the spans and values of a line."""
@@ -43,7 +43,7 @@ def place_of(character: int, runs: Sequence[tuple[int, int]]) -> Place:
     return character - sum(end - begin for begin, end in runs[:count]), count
 
 
-@dataclass(frozen=True, slots=True)
+@record(frozen=True, slots=True)
 class Value:
     """What a line has at a place. kind: ``+`` or ``-`` and a number, ``label``, or ``comment``; begin, end: of it."""
 
@@ -60,7 +60,7 @@ class Value:
         return -value if self.kind == "-" else value
 
 
-@dataclass(frozen=True, slots=True)
+@record(frozen=True, slots=True)
 class Pattern:
     """The nodes of a line, to be made again. free: runs that other lines of its shape have other digits in."""
 

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import functools
 import re
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -19,6 +18,7 @@ from gproof.frontend.lines import Automata, LineIndex, automata, index_lines
 from gproof.frontend.mcuwin import scan_kernels as k
 from gproof.ir.columns import Columns
 from gproof.ir.program import FLAG_POINT, WORD
+from gproof.ir.record import record
 
 LONGEST_LINE = 1024
 """More bytes than a plain line has; longer ones are read one by one."""
@@ -31,7 +31,7 @@ _CLASSES = (
 """Classes of bytes; ``text`` is what only comments may hold."""
 
 
-@dataclass(frozen=True, slots=True)
+@record(frozen=True, slots=True)
 class Scanner:
     """The lines and words of files with the settings of one machine.
 

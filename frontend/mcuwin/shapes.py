@@ -11,7 +11,7 @@ from __future__ import annotations
 import functools
 import re
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any, NamedTuple
 
 from gproof.frontend.mcuwin.expressions import Expressions
@@ -26,6 +26,7 @@ from gproof.ir.dialects.mcuwin_persistence import Persistence
 from gproof.ir.finding import Findings
 from gproof.ir.notes import NoteKind
 from gproof.ir.program import Block, DeferredBlock, Number, Statement
+from gproof.ir.record import record
 
 KEPT_PATTERNS = 4_000
 """Patterns that are remembered, of several kilobytes each; when there are more it starts again."""
@@ -77,7 +78,7 @@ def comment_of(text: str, at: int) -> str:
     return "" if at < 0 else text[at + (1 if text[at] == "'" else 2) :].strip()
 
 
-@dataclass(frozen=True, slots=True)
+@record(frozen=True, slots=True)
 class Known:
     """What lines of a shape are. after: what is in force behind; letters: of their words; number: whether they have a
     line number; says: there are statements; dollar: "" for a line of blocks, ``simple`` for whole statements of

@@ -8,7 +8,6 @@ before it.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
 
 from gproof.frontend.mcuwin.names import label_name
 from gproof.frontend.mcuwin.pascal import (
@@ -42,12 +41,13 @@ from gproof.ir.program import (
     Statement,
     While,
 )
+from gproof.ir.record import field, record
 
 _KINDS: dict[type, str] = {IfHead: "if", WhileHead: "while"}
 _HEADS = ("if", "while", "for", "repeat")
 
 
-@dataclass(slots=True)
+@record(slots=True)
 class Section:
     """The text behind a percent sign. name: as labels have it, "" without; broken: a line of it was refused."""
 
@@ -68,7 +68,7 @@ def does_something(node: Statement) -> bool:
     return not isinstance(node, Declare | Include | Mode)
 
 
-@dataclass(slots=True)
+@record(slots=True)
 class _Open:
     """A block that is open. kind: its first word, "" where a mistake leaves it open; body: what stands in it now;
     then: of an if, its first part.

@@ -9,7 +9,6 @@ into letters with texts in quotes (``M"Door open"``).
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
 from fractions import Fraction
 from pathlib import Path
 from typing import Any
@@ -17,6 +16,7 @@ from typing import Any
 from gproof.frontend.toml_table import LARGEST
 from gproof.ir import codes
 from gproof.ir.finding import Code, Findings, Span
+from gproof.ir.record import record
 
 ENDS_OF_QUOTES = {'"': '"', "“": '”“"', "”": '”“"', "„": '”“"'}
 """What ends a text that begins with this mark: straight quotes, and those that editors make of them."""
@@ -32,7 +32,7 @@ LONGEST_LINE = 256
 """Characters that the controller reads of a line (Line Too Long)."""
 
 
-@dataclass(frozen=True, slots=True)
+@record(frozen=True, slots=True)
 class Word:
     """A letter and what stands behind it. letter: upper case; value: the number exactly, None for a text.
 
@@ -46,7 +46,7 @@ class Word:
     end_column: int
 
 
-@dataclass(frozen=True, slots=True)
+@record(frozen=True, slots=True)
 class Setting:
     """A line. key: lower case; shown: as written; text: its value without comments; value_column: where it begins.
 

@@ -19,16 +19,16 @@ Source: WinCNC manual, "System Configuration", by the heading and the key.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
 
 from gproof.ir.dialects import wincnc_keys
 from gproof.ir.dialects.wincnc_keys import Key
+from gproof.ir.record import field, record
 
 ONCE, EACH_AXIS, MANY = "once", "each axis", "many"
 """How often a key may stand in a file: with one value, with one for each axisspec= above it, as often as you like."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@record(frozen=True, slots=True, kw_only=True)
 class KeyRule:
     """A key.
 

@@ -8,7 +8,6 @@ Specification, Comment, Braces; Macro File Configuration for the tilde). What th
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass, field
 from typing import Any
 
 from gproof.frontend.wincnc.scan import CLOSING, COMMENT_SIGNS
@@ -16,6 +15,7 @@ from gproof.ir import codes
 from gproof.ir.controls import Lexical
 from gproof.ir.finding import Code, Finding, Span
 from gproof.ir.program import Binary, Expr, Named, Number, Text, Word
+from gproof.ir.record import field, record
 
 OPERATORS = "*/+-"
 _NUMBER = re.compile(r"[-+]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)")
@@ -43,7 +43,7 @@ class LineError(Exception):
         return self.code.at(Span(file, line, self.begin + 1, self.end + 1), **self.values)
 
 
-@dataclass(slots=True)
+@record(slots=True)
 class Items:
     """A line that was read.
 

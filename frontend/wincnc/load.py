@@ -42,6 +42,7 @@ from gproof.ir.program import (
     Subprogram,
     Unsupported,
 )
+from gproof.ir.record import record
 
 HELD_LINES = 2000
 HELD_IN_ALL = 200_000
@@ -510,7 +511,7 @@ class _Walk:
         return _Taken((parsed,))
 
 
-@dataclasses.dataclass(frozen=True, slots=True)
+@record(frozen=True, slots=True)
 class _Taken:
     """A line behind a condition: what runs when it does and when not; why: which line is meant is not known."""
 

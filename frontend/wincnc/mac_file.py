@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator
-from dataclasses import dataclass
 
 from gproof.frontend.source import UTF8_MARK, decode
 from gproof.frontend.wincnc.ini_file import ENDS_OF_QUOTES
@@ -18,6 +17,7 @@ from gproof.ir import codes
 from gproof.ir.controls import Lexical
 from gproof.ir.finding import Findings, Related, Span
 from gproof.ir.program import SourceFile
+from gproof.ir.record import record
 
 MACRO_FILE = "cnc.mac"
 """Its name, in lower case."""
@@ -33,7 +33,7 @@ _COMMAND = re.compile(r"~?[ \t]*[A-Za-z]", re.ASCII)
 _CONTROL = re.compile(r"[\x00-\x08\x0b-\x1f\x7f]")
 
 
-@dataclass(frozen=True, slots=True)
+@record(frozen=True, slots=True)
 class Macro:
     """A definition.
 

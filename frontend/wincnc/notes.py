@@ -7,7 +7,6 @@ Plain lines go through a kernel, the others through ``line_notes``.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -19,6 +18,7 @@ from gproof.frontend.wincnc.scan import CLOSING, Scanner, kinds_of
 from gproof.ir.columns import Columns
 from gproof.ir.controls import Lexical
 from gproof.ir.notes import NOTE, NoteKind, Notes
+from gproof.ir.record import record
 
 Found = tuple[int, NoteKind, int, bytes]
 """Place, kind, column and text of a note."""
@@ -30,7 +30,7 @@ def skip_count(text: str, lexical: Lexical) -> int:
     return next((count for signs, count in lexical.skips if first and first in signs.upper()), 0)
 
 
-@dataclass(frozen=True, slots=True)
+@record(frozen=True, slots=True)
 class Annotator:
     """Reads notes with the settings of one machine. limit: bytes that a plain line may have."""
 

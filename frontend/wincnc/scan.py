@@ -10,7 +10,6 @@ from __future__ import annotations
 import functools
 import re
 from collections.abc import Iterable
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -21,6 +20,7 @@ from gproof.frontend.wincnc import scan_kernels as k
 from gproof.ir.columns import Columns
 from gproof.ir.controls import Lexical
 from gproof.ir.program import FLAG_POINT, WORD
+from gproof.ir.record import record
 
 LONGEST_LINE = 1024
 """More bytes than a plain line can have."""
@@ -109,7 +109,7 @@ def _steps(codes: bool, open_names: bool) -> dict[str, dict[str, str]]:
     return steps
 
 
-@dataclass(frozen=True, slots=True)
+@record(frozen=True, slots=True)
 class Scanner:
     """The lines and words of a file with the settings of one machine.
 

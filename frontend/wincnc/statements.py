@@ -9,7 +9,6 @@ from __future__ import annotations
 import contextlib
 import dataclasses
 import re
-from dataclasses import dataclass
 from typing import Any, Protocol
 
 from gproof.frontend.wincnc.line import Items, LineError, LineReader
@@ -32,13 +31,14 @@ from gproof.ir.program import (
     Unary,
     Word,
 )
+from gproof.ir.record import record
 from gproof.ir.rules import CodeRule, LanguageRules
 from gproof.ir.rules import Function as F
 
 DEEPEST_MACRO = 20
 
 
-@dataclass(frozen=True, slots=True)
+@record(frozen=True, slots=True)
 class Head:
     """A line that decides whether the next one runs: then when it runs for a true condition, else for a false one."""
 
@@ -46,7 +46,7 @@ class Head:
     condition: Expr
 
 
-@dataclass(frozen=True, slots=True)
+@record(frozen=True, slots=True)
 class ArrayLine:
     """L10; without words it ends an array."""
 

@@ -6,17 +6,16 @@ more, of M codes (14, 2.5.3.94). Of other G codes and of ``$`` lines it says not
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 from gproof.ir.din import VERSIONS, Din
 from gproof.ir.program import Number, Word
+from gproof.ir.record import record
 
 NONE = ""
 OPEN = "?"
 MOTIONS = ("G0", "G1", "G2", "G3")
 
 
-@dataclass(slots=True)
+@record(slots=True)
 class Persistence:
     """Walks along the source.
 

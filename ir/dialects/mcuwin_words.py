@@ -6,10 +6,10 @@ What a code does to axes and modes is in the rules of the dialect. Source: APCI-
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from gproof.ir.record import record
 
 
-@dataclass(frozen=True, slots=True)
+@record(frozen=True, slots=True)
 class Entry:
     """One thing that a program may hold. name: as programs write it; section, old: of the two manuals, "" for none."""
 

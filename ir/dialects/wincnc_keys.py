@@ -6,12 +6,11 @@ the manual's order; ``default`` is the one that the manual gives, "" where it gi
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 from gproof.ir.dialects.wincnc_words import Parameter
+from gproof.ir.record import record
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@record(frozen=True, slots=True, kw_only=True)
 class Key:
     """One line of the machine file.
 
@@ -417,7 +416,7 @@ KEYS = {key.name: key for key in (*AXIS_KEYS, *OTHER_KEYS, *NAMED_ONLY)}
 """Every key by its name, in lower case."""
 
 
-@dataclass(frozen=True, slots=True)
+@record(frozen=True, slots=True)
 class Variable:
     """A name in braces that the controller defines; known: what its value comes from."""
 

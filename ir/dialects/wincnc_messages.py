@@ -6,13 +6,12 @@ running controller can give; ``why`` says what it depends on.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 from gproof.ir import codes
 from gproof.ir.finding import Code
+from gproof.ir.record import record
 
 
-@dataclass(frozen=True, slots=True)
+@record(frozen=True, slots=True)
 class ControllerMessage:
     """What the controller can say. codes: findings that say the same before the job runs; why: there is none."""
 

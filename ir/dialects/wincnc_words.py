@@ -8,7 +8,8 @@ Codes", "L Codes" or "M Codes". Ranges are those that the manual gives, and None
 from __future__ import annotations
 
 import enum
-from dataclasses import dataclass
+
+from gproof.ir.record import record
 
 
 class Axes(enum.Enum):
@@ -21,7 +22,7 @@ class Axes(enum.Enum):
     """Each letter has a number: a place, a distance, a rate, a factor."""
 
 
-@dataclass(frozen=True, slots=True)
+@record(frozen=True, slots=True)
 class Parameter:
     """A letter of a command: meaning, lowest and highest value, whether it must be there.
 
@@ -35,7 +36,7 @@ class Parameter:
     needed: bool = False
 
 
-@dataclass(frozen=True, slots=True)
+@record(frozen=True, slots=True)
 class Command:
     """One command. name: as programs write it; parameters: besides the axis words."""
 
