@@ -26,6 +26,10 @@ FEW = 16
 """Outcomes that are followed before anybody looks for variables that have no part in what happens."""
 
 
+NEAR = 2.0**24
+"""Counters of 32 bits that are farther from 0 keep states apart: they may leave their 32 bits, which is an error."""
+
+
 class Branches(Loops):
     """Splitting and joining of runs."""
 
@@ -62,10 +66,27 @@ class Branches(Loops):
     def _state_key(self, place: object, without: frozenset[int] | None = None) -> object:
         """Equal where all that follows is the same; without: variables that have no part in it."""
         if without is None:
-            without = self._idle.unread if self.branches >= FEW else NO_NUMBERS
+            without = self._without(self._idle.unread) if self.branches >= FEW else NO_NUMBERS
         # What is left of a calling line belongs to it: its words are values of that moment.
         stack = tuple((id(f.body), f.at, id(f.node), f.position(), repr(f.caller)) for f in self._stack)
         return place, stack, tuple(self._depth), self.modal.key(without=without)
+
+    def _without(self, idle: frozenset[int]) -> frozenset[int]:
+        """Those of idle variables that may differ between states now; that they stay what they are is assumed."""
+        counters = idle & self._idle.counters
+        if not counters:
+            return idle
+        far = {number for number in counters if self._is_far(number)}
+        for number in sorted(counters - far):
+            self.assumed[f"{self._name(number)}, which only counts, stays within its 32 bits (11)"] = None
+        return idle - far
+
+    def _is_far(self, number: int) -> bool:
+        value = self.modal.parameters.get(number)
+        return isinstance(value, float) and abs(value) > NEAR
+
+    def _name(self, number: int) -> str:
+        return self.evaluator.names.get(number) or self.program.rules.name_of(number)
 
     def _split(
         self, node: If | While | Repeat | For | Subprogram, loop: Frame | None, leaving: Modal | None = None

@@ -22,6 +22,7 @@ from gproof.passes.din_state import fits
 from gproof.passes.emitter import ProgramEnd
 from gproof.passes.expressions import LEAST_WHOLE, MOST_WHOLE
 from gproof.passes.frames import Lap
+from gproof.passes.idle import MOST_STEP
 from gproof.passes.leaps import leap_of
 from gproof.passes.modal import NO_NUMBERS
 from gproof.passes.values import Unknown
@@ -86,14 +87,26 @@ class Endless(Branches):
             return True
         for number in before.keys() | now.keys():
             differs = now.get(number) != before.get(number)
-            if differs and number != counter and (lap.count < FEW or number not in self._idle.told):
+            if differs and number != counter and (lap.count < FEW or not self._may_differ(lap, number)):
                 lap.witness = number
                 return False
         return True
 
+    def _may_differ(self, lap: Lap, number: int) -> bool:
+        """Whether it makes no difference what a variable holds."""
+        if number not in self._idle.told:
+            return False
+        if number not in self._idle.counters:
+            return True
+        assert lap.modal is not None
+        now, before = self.modal.parameters.get(number), lap.modal.parameters.get(number)
+        passes = lap.count - lap.saved
+        fast = isinstance(now, float) and isinstance(before, float) and abs(now - before) > MOST_STEP * passes
+        return not fast and not self._is_far(number)
+
     def _key_of(self, lap: Lap, place: object, counter: int | None) -> object:
         """``_state_key`` without what may differ."""
-        without = self._idle.told if lap.count >= FEW else NO_NUMBERS
+        without = self._without(self._idle.told) if lap.count >= FEW else NO_NUMBERS
         if counter is None:
             return self._state_key(place, without)
         frame = self._stack[-1]
@@ -110,7 +123,7 @@ class Endless(Branches):
             return
         now, before = self.modal.parameters, lap.modal.parameters
         for number in self._told():
-            if number in now and now[number] != before.get(number):
+            if number in now and now[number] != before.get(number) and not self._is_far(number):
                 now[number] = self._any(number)
 
     def _told(self) -> frozenset[int]:
@@ -131,9 +144,6 @@ class Endless(Branches):
 
     def _any(self, number: int) -> Unknown:
         return Unknown(f"{self._name(number)}, which counts passes,")
-
-    def _name(self, number: int) -> str:
-        return self.evaluator.names.get(number) or self.program.rules.name_of(number)
 
     def _full_counters(self, lap: Lap) -> str:
         """What becomes of a counter in a loop without an end, as a hint."""
@@ -171,6 +181,9 @@ class Endless(Branches):
             return False
         if sure and any(abs(value + each * passes) > MOST_WHOLE for _, value, each in self._growing(lap)):
             # A counter leaves its 32 bits before the loop is over.
+            return False
+        if sure and branches and self._idle.step * passes * blocks > lap.count * MOST_WHOLE:
+            # One may: what outcomes that have joined have counted is not known of each.
             return False
         self._let_go(lap)
         self.findings.add(codes.ALIKE_PASSES.at(span, done=lap.count))
@@ -210,7 +223,7 @@ class Endless(Branches):
             # Outcomes of the passes are to come together: what is told of counts would keep them apart.
             now = self.modal.parameters
             shown = self._told() - self._idle.unread
-            now.update({number: self._any(number) for number in shown if number in now})
+            now.update({number: self._any(number) for number in shown if number in now and not self._is_far(number)})
         if count % AWAY_PASSES == 0:
             self._stop_away(span)
 

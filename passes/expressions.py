@@ -80,13 +80,6 @@ def open_rem(x: float, y: float) -> tuple[float, float] | None:
     return min(rest, other), max(rest, other)
 
 
-def _of_32_bits(expr: Unary | Binary, found: ranges.Range) -> ranges.Range:
-    """The range of a result; where its type has 32 bits and some of the values do not, any that has them."""
-    if not expr.whole or LEAST_WHOLE <= found[0] <= found[1] <= MOST_WHOLE or not math.isfinite(found[1] - found[0]):
-        return found
-    return LEAST_WHOLE, MOST_WHOLE
-
-
 UNARY_FUNCTIONS: dict[str, Callable[[float], float]] = {
     "neg": lambda x: -x,
     "pos": lambda x: x,
@@ -195,9 +188,10 @@ class Evaluator:
         if isinstance(x, Unknown):
             if ranges.unary_may_fail(expr.operator, bounds(x)):
                 self._doubt(expr.span, expr.operator, x.cause)
-            return between(x.cause, _of_32_bits(expr, ranges.unary(expr.operator, bounds(x))))
+            return between(x.cause, self._of_32_bits(expr, ranges.unary(expr.operator, bounds(x)), x.cause))
         if expr.operator == "nearest" and x - math.floor(x) == 0.5:
-            return between("how a half is rounded", _of_32_bits(expr, (math.floor(x), math.ceil(x))))
+            cause = "how a half is rounded"
+            return between(cause, self._of_32_bits(expr, (math.floor(x), math.ceil(x)), cause))
         try:
             return self._result(expr, UNARY_FUNCTIONS[expr.operator](x))
         except (ValueError, OverflowError):
@@ -226,6 +220,14 @@ class Evaluator:
             self._doubt(node.right.span, f"the right side of {node.operator}", "it")
             return 0.0
 
+    def _of_32_bits(self, expr: Unary | Binary, found: ranges.Range, cause: str) -> ranges.Range:
+        """The range of a result; where its type has 32 bits and some of the values do not, those that have them."""
+        low, high = found
+        if not expr.whole or LEAST_WHOLE <= low <= high <= MOST_WHOLE or not math.isfinite(high - low):
+            return found
+        self._doubt(expr.span, _SHOWN.get(expr.operator, expr.operator), cause)
+        return LEAST_WHOLE, MOST_WHOLE
+
     def _apply(self, expr: Binary, x: Value, y: Value) -> Value:
         if expr.doubtful:
             self._tell(codes.PRECEDENCE.number, expr.span, lambda: codes.PRECEDENCE.at(
@@ -236,7 +238,7 @@ class Evaluator:
             cause = x.cause if isinstance(x, Unknown) else y.cause if isinstance(y, Unknown) else ""
             if ranges.binary_may_fail(expr.operator, bounds(x), bounds(y)):
                 self._doubt(expr.span, expr.operator, cause)
-            return between(cause, _of_32_bits(expr, ranges.binary(expr.operator, bounds(x), bounds(y))))
+            return between(cause, self._of_32_bits(expr, ranges.binary(expr.operator, bounds(x), bounds(y)), cause))
         if expr.operator in ("==", "<>") and not (x == math.floor(x) and y == math.floor(y)):
             self._tell(codes.INEXACT_COMPARISON.number, expr.span, lambda: codes.INEXACT_COMPARISON.at(
                 expr.span, left=x, right=y, operator=expr.operator,

@@ -40,18 +40,29 @@ from gproof.ir.program import (
 )
 from gproof.ir.record import record
 from gproof.ir.rules import LanguageRules
+from gproof.passes.din_state import fits, whole_numbers
+from gproof.passes.expressions import MOST_WHOLE
 
 MOST_STATEMENTS = 20_000
 """Programs with more are not looked through."""
+MOST_STEP = 1000.0
+"""What grows faster may leave its 32 bits while somebody looks on: that is an error, and a part in what happens."""
+MOST_REAL_STEP = 1e200
+"""The same of doubles, which stay finite with smaller ones."""
 _KINDS = ("free", "persistent")
 
 
 @record(frozen=True, slots=True)
 class Idle:
-    """unread: what they hold nobody ever sees; told: those and what messages alone show. By their numbers."""
+    """By their numbers. unread: what they hold nobody ever sees; told: those and what messages alone show.
+
+    counters: those of them that hold whole numbers of 32 bits and grow; step: by how much at most at once.
+    """
 
     unread: frozenset[int] = frozenset()
     told: frozenset[int] = frozenset()
+    counters: frozenset[int] = frozenset()
+    step: float = 0.0
 
 
 class _NotKnown(Exception):
@@ -62,7 +73,7 @@ def idle_variables(program: Program) -> Idle:
     """Those of a program; none where numbers of variables are computed, or where commands take variables by name."""
     if program.rules.one_command:
         return Idle()
-    reads = _Reads(program.rules)
+    reads = _Reads(program.rules, whole_numbers(program) if program.rules.source_order else frozenset())
     try:
         bodies: list[Iterable[Statement]] = [program.body, program.abort]
         bodies += [sub.body for sub in program.subprograms.values()]
@@ -73,14 +84,21 @@ def idle_variables(program: Program) -> Idle:
             reads.seen.update(number for _, _, number in sub.parameters)
     except _NotKnown:
         return Idle()
-    return Idle(reads.rest(reads.shown), reads.rest(set()))
+    told = reads.rest(set())
+    steps = {number: step for number, step in reads.steps.items() if number in told}
+    return Idle(reads.rest(reads.shown), told, frozenset(steps), max(steps.values(), default=0.0))
 
 
 class _Reads:
-    """What is read: ``seen`` by what makes a difference, ``shown`` by messages, ``into`` to set other variables."""
+    """What is read: ``seen`` by what makes a difference, ``shown`` by messages, ``into`` to set other variables.
 
-    def __init__(self, rules: LanguageRules) -> None:
+    steps: of variables of 32 bits that are set from others, what is added at most.
+    """
+
+    def __init__(self, rules: LanguageRules, whole: frozenset[int]) -> None:
         self.rules = rules
+        self.whole = whole
+        self.steps: dict[int, float] = {}
         # G154 reads its own.
         self.seen = set(range(OFFSETS_AT, OFFSETS_AT + 10)) if rules.source_order else set[int]()
         self.shown: set[int] = set()
@@ -139,8 +157,13 @@ class _Reads:
     def assign(self, node: Assign) -> None:
         target = self.number(node.target)
         reads = self.into.setdefault(target, set())
-        if _only_counts(node.value):
-            reads.update(self.numbers(node.value))
+        step = _only_counts(node.value)
+        is_whole = self.rules.source_order and not fits(target, MOST_WHOLE + 1.0, self.whole)
+        sources = set(self.numbers(node.value))
+        if step is not None and (step <= (MOST_STEP if is_whole else MOST_REAL_STEP) or not sources):
+            reads.update(sources)
+            if is_whole and sources:
+                self.steps[target] = max(step, self.steps.get(target, 0.0))
         else:
             # Whether it has a value, or for how long, may hang on what it reads.
             self.see(node.value)
@@ -191,18 +214,20 @@ def _parts(value: object) -> Iterable[object]:
     return value if isinstance(value, tuple) else (value,)
 
 
-def _only_counts(expr: Expr) -> bool:
-    """Whether a value is that of one variable and literals added to it: it grows alike every time."""
-    variables, todo = 0, [expr]
+def _only_counts(expr: Expr) -> float | None:
+    """What is added at most, where a value is that of one variable and literals: it grows alike every time."""
+    variables, step, todo = 0, 0.0, [expr]
     while todo:
         node = todo.pop()
         if isinstance(node, Binary) and node.operator in ("+", "-"):
             todo += [node.left, node.right]
         elif isinstance(node, Variable):
             variables += 1
-        elif not isinstance(node, Number | Constant):
-            return False
-    return variables <= 1
+        elif isinstance(node, Number | Constant):
+            step += abs(node.value)
+        else:
+            return None
+    return step if variables <= 1 else None
 
 
 def _is_plain_m(value: Expr) -> bool:

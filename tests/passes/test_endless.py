@@ -7,11 +7,14 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from passes.din_programs import labels, moves, run
+from passes.din_programs import labels, moves, program, run
 from passes.test_din_flow import Maker, _without_calls
 
 from gproof.ir.finding import Findings
+from gproof.ir.machine import NO_MACHINE
+from gproof.ir.setup import ZERO
 from gproof.ir.trace import Op, Trace
+from gproof.passes.execute import Executor
 from passes import programs
 
 BUDGET = 2_000
@@ -159,6 +162,32 @@ def test_a_counter_that_has_a_part_keeps_passes_apart(body: list[Any]) -> None:
     assert "GP233" in labels(findings)
 
 
+FAST = ["G04 1", "CI601 := CI601 + 100000000"]
+ASSUMED = "CI601, which only counts, stays within its 32 bits (11)"
+
+
+@pytest.mark.parametrize("loop", [
+    # It leaves its 32 bits in the 22nd pass.
+    [("while", "IN5 == 1", FAST)],
+    [("repeat", FAST, "IN5 == 1")],
+    ["L1", *FAST, "M96 L1"],
+    [("while", "1 == 1", FAST)],
+    [("while", "IN5 == 1", [("if", "IN6 == 1", FAST)])],
+    # And in the first ones, from near their end.
+    ["CI601 := 2147483600", ("while", "IN5 == 1", ["G04 1", "CI601 := CI601 + 2"])],
+    ["CI601 := 2147483600", "L1", "G04 1", "CI601 := CI601 + 2", "M96 L1"],
+])  # fmt: skip
+def test_a_counter_that_is_full_before_long_has_a_part(loop: list[Any]) -> None:
+    assert "GP228" in labels(run(["CI601 := 0", *loop, "G00 X9"], budget=BUDGET, max_branches=400)[1])
+
+
+def test_that_a_slow_counter_is_never_full_is_assumed() -> None:
+    for loop in (["L1", "G04 1", "CI601 := CI601 + 1", "M96 L1"], [("while", "IN5 == 1", ["CI601 := CI601 + 1"])]):
+        ex = Executor(program(["CI601 := 0", *loop, "M30"]), ZERO, NO_MACHINE, Findings(), max_branches=400)
+        list(ex.run())
+        assert ASSUMED in ex.assumed
+
+
 def test_a_number_that_doubles_is_no_counter() -> None:
     """It leaves its 32 bits in the 32nd pass, which is an error."""
     assert "GP228" in labels(run(["CI601 := 1", "L1", "CI601 := CI601 * 2", "M96 L1"], budget=BUDGET)[1])
@@ -299,12 +328,6 @@ def test_a_counter_of_eding_that_has_a_part(tmp_path: Path, use: str) -> None:
 
 
 def test_a_long_loop_gives_signs_of_life() -> None:
-    from passes.din_programs import program
-
-    from gproof.ir.machine import NO_MACHINE
-    from gproof.ir.setup import ZERO
-    from gproof.passes.execute import Executor
-
     items = ["CD600 := 1", ("while", "CD600 > 0", ["CD600 := CD600 + CD600 / CD600"]), "M30"]
     ex = Executor(program(items), ZERO, NO_MACHINE, Findings(), budget=20_000)
     heard: list[int] = []
