@@ -67,6 +67,8 @@ class Maker:
         body = self.block(3, rng.randint(1, 3))
         if not any(node[0] in ("while", "repeat", "for", "again", "call") for node in body):
             body.append(self.loop(2))
+        # What is left of each whole number is seen.
+        body += [("move", 0, {rng.choice("XY"): ("*", ("v", name), ("n", 0.1))}) for name in INTS if rng.random() < 0.7]
         body.append(("move", 0, {"X": ("n", float(rng.randint(-9, 9)))}))
         return Tale(start, body, self.subs, rng.choice([12.0, 30.0, 100.0, 400.0, 5000.0]))
 
@@ -93,8 +95,10 @@ class Maker:
             return self.set()
         if draw < 0.52:
             return self.move()
-        if draw < 0.60:
+        if draw < 0.56:
             return ("mode", rng.random() < 0.6)
+        if draw < 0.62:
+            return self.rare()
         if draw < 0.66:
             return ("shift", rng.choice("XY"), rng.choice([("n", 1.0), ("n", -0.5), self.value()]))
         if draw < 0.70:
@@ -115,6 +119,25 @@ class Maker:
             return ("if", self.test(), self.block(depth - 1, rng.randint(1, 2)), other)
         return self.set()
 
+    def rare(self) -> Tree:
+        """Arcs whose radii differ where a counter is not 0, zeros, units, procedures, values that are asked for."""
+        rng = self.rng
+        draw = rng.random()
+        if draw < 0.2:
+            return ("arc", ("v", rng.choice(["i4", "i5", *INTS])))
+        if draw < 0.4:
+            return ("zero", rng.randint(0, 1), rng.choice("XY"), self.value())
+        if draw < 0.6 and self.inputs:
+            return ("asked", rng.choice((*INTS, "i4")))
+        if not self.pascal:
+            return ("unit", rng.random() < 0.3)
+        by: Tree = (
+            ("v", rng.choice((*INTS, "i4"))) if rng.random() < 0.3 else ("n", float(rng.choice([1, 2, 50_000_000])))
+        )
+        if draw < 0.75:
+            return ("bump", rng.choice((*INTS, "i4", "i5")), by)
+        return ("half", rng.choice((*DOUBLES, "d3")), self.value()) if draw < 0.9 else ("tally",)
+
     def loop(self, depth: int) -> Tree:
         rng = self.rng
         counter = rng.choice(INTS)
@@ -126,7 +149,7 @@ class Maker:
         found: Tree
         if kind in ("for", "downto") and self.counted < 6:
             name, self.counted = "n" + "abcdef"[self.counted], self.counted + 1
-            body = self.block(depth, rng.randint(1, 3))
+            body = [self.count()] if rng.random() < 0.2 else self.block(depth, rng.randint(1, 3))
             if rng.random() < 0.3:
                 body.append(("move", 0, {rng.choice("XY"): ("*", ("v", name), ("n", 0.25))}))
             low, high = rng.choice([0, 1, -4]), 0
@@ -144,6 +167,8 @@ class Maker:
             if self.inputs and draw > 0.45:
                 test = ("input",) if rng.random() < 0.6 else ("both", ("input",), test)
             body = [*self.block(depth, rng.randint(0 if more else 1, 3)), *more]
+            if more and rng.random() < 0.2:
+                body = [self.count(), *more][rng.randint(0, 1) :]
             if kind == "repeat" and test[0] == "<":
                 # It ends where its test holds.
                 test = (">=", *test[1:])
@@ -167,7 +192,7 @@ class Maker:
         if draw < 0.7:
             return ("set", name, (rng.choice("++-"), ("v", name), step))
         if draw < 0.8:
-            return ("set", name, ("+", ("v", rng.choice(("i4", "i5"))), step))
+            return ("set", rng.choice([name, name, *INTS]), ("+", ("v", rng.choice(("i4", "i5"))), step))
         if draw < 0.9:
             return ("set", name, (rng.choice("*+"), ("v", rng.choice(INTS)), ("v", rng.choice((*INTS, "i4")))))
         return ("set", name, ("n", float(rng.choice([0, 0, 2_147_000_000]))))
@@ -237,7 +262,11 @@ def print_mcuwin(tale: Tale) -> str:
     names = {f"i{k}": f"CI{600 + k}" for k in range(10)} | {f"d{k}": f"CD{600 + k}" for k in range(10)}
     names |= {f"n{k}": f"n{k}" for k in "abcdef"}
     signs = {"==": "=", "both": "and"}
-    out = ["$DINEND", "var", "  na, nb, nc, nd, ne, nf : integer;", "{$DINSTART}", "%JOB", "G53", "G90", "G01 F100"]
+    out = ["$DINEND", "var", "  na, nb, nc, nd, ne, nf : integer;"]
+    out += ["procedure bump(var many : integer; by : integer);", "begin", "  many := many + by;", "end;"]
+    out += ["procedure half(var all : double; part : double);", "begin", "  all := all + part * 0.5;", "end;"]
+    out += ["procedure tally;", "begin", "  CI605 := CI605 + 3;", "end;"]
+    out += ["{$DINSTART}", "%JOB", "G17", "G54", "G90", "G01 F100"]
 
     def text(e: Tree) -> str:
         match e:
@@ -265,6 +294,17 @@ def print_mcuwin(tale: Tale) -> str:
                     out.append("G90" if absolute else "G91")
                 case ("shift", axis, value):
                     out.extend(["G91", f"G92 {axis}({text(value)})", "G90"])
+                case ("arc", wrong):
+                    out.extend(["G91", f"G02 X10 Y0 I(5 + {text(wrong)}) J0", "G90"])
+                case ("zero", number, _, _):
+                    out.append(f"G{54 + number}")
+                case ("asked", name):
+                    out.append("$if (X.digib.1) then begin")
+                    out.extend([f"{names[name]} := 1", "$end else begin", f"{names[name]} := 0", "$end;"])
+                case ("bump" | "half", name, value):
+                    out.append(f"${node[0]}({names[name]}, {text(value)});")
+                case ("tally",):
+                    out.append("$tally;")
                 case ("say", name):
                     out.append(f'WRITELN "{name} " {names[name]}')
                 case ("call", name, count):
@@ -372,6 +412,16 @@ def _eding(body: Body, names: dict[str, str]) -> list[str]:
                 out.append("G90" if absolute else "G91")
             case ("shift", axis, value):
                 out.extend([f"G92 {axis}[#{5001 + 'XY'.index(axis)} - {text(value)}]", "G90"])
+            case ("arc", wrong):
+                out.extend(["G91", f"G2 X10 Y0 I[5 + {text(wrong)}] J0", "G90"])
+            case ("zero", 0, _, _):
+                out.append("G54")
+            case ("zero", _, axis, value):
+                out.extend(["G54", f"G10 L2 P2 {axis}{wrapped(value)}", "G55"])
+            case ("unit", inch):
+                out.append("G20" if inch else "G21")
+            case ("asked", name):
+                out.extend(["M56 P3", f"{names[name]} = #5399"])
             case ("say", name):
                 out.append(f'msg "{name} " {names[name]}')
             case ("call", name, _):
@@ -428,7 +478,6 @@ class Run:
     low: dict[str, float] = field(default_factory=lambda: {"X": math.inf, "Y": math.inf})
     high: dict[str, float] = field(default_factory=lambda: {"X": -math.inf, "Y": -math.inf})
     steps: int = 0
-    moves: int = 0
 
     def go(self) -> str:
         """ "done", "wrong: ..." or "long"; extents are those of what was done."""
@@ -436,6 +485,7 @@ class Run:
         self.kept = dict(self.v)
         self.cells = {float(n): 0.0 for n in range(30, 60)}
         self.at, self.zero, self.absolute = {"X": 0.0, "Y": 0.0}, {"X": 0.0, "Y": 0.0}, True
+        self.work, self.second, self.unit = {"X": 0.0, "Y": 0.0}, {"X": 0.0, "Y": 0.0}, 1.0
         try:
             self.body(self.tale.body)
         except Wrong as wrong:
@@ -496,6 +546,38 @@ class Run:
             return one and other
         return COMPARE[e[0]](self.value(e[1]), self.value(e[2]))
 
+    def go_to(self, axis: str, place: float) -> None:
+        self.at[axis] = place
+        self.low[axis] = min(self.low[axis], place)
+        self.high[axis] = max(self.high[axis], place)
+
+    def arc(self, wrong: float) -> None:
+        """Half a circle clockwise of radius 5 over its upper side; the radii at its ends differ by twice ``wrong``."""
+        self.absolute = True
+        if abs(wrong) * 2 > 1:
+            if abs(abs(5 + wrong) - abs(5 - wrong)) < 1:
+                raise NotRead
+            raise Wrong("radii")
+        if wrong:
+            raise NotRead
+        x, y, size = self.at["X"], self.at["Y"], 5 * self.unit
+        for axis, place in (("X", x), ("Y", y + size), ("Y", y), ("X", x + 2 * size)):
+            self.go_to(axis, place)
+
+    def use_zero(self, number: int, axis: str, value: Tree) -> None:
+        """G54 or G55: of a table, in place of all other offsets, or G55 as G10 has set it, beside those of G92."""
+        if self.pascal:
+            self.zero = {"X": 3.0, "Y": -2.0} if number else {"X": 0.0, "Y": 0.0}
+            return
+        if number:
+            self.second[axis] = self.value(value) * self.unit
+        self.work = dict(self.second) if number else {"X": 0.0, "Y": 0.0}
+
+    def whole(self, value: float) -> float:
+        if not -(2**31) <= value < 2**31:
+            raise Wrong("too large")
+        return value
+
     def body(self, body: Body) -> None:
         for node in body:
             self.statement(node)
@@ -513,16 +595,28 @@ class Run:
             case ("poke", place, value):
                 self.cells[self.cell(place)] = self.value(value)
             case ("move", _, words):
-                for axis, to in {a: self.value(v) for a, v in words.items()}.items():
-                    self.at[axis] = to + (self.zero[axis] if self.absolute else self.at[axis])
-                    self.low[axis] = min(self.low[axis], self.at[axis])
-                    self.high[axis] = max(self.high[axis], self.at[axis])
-                self.moves += 1
+                for axis, to in {a: self.value(v) * self.unit for a, v in words.items()}.items():
+                    from_here = self.zero[axis] + self.work[axis] if self.absolute else self.at[axis]
+                    self.go_to(axis, to + from_here)
             case ("mode", absolute):
                 self.absolute = absolute
             case ("shift", axis, value):
-                self.zero[axis] += self.value(value)
+                self.zero[axis] += self.value(value) * self.unit
                 self.absolute = True
+            case ("arc", wrong):
+                self.arc(self.value(wrong))
+            case ("zero", number, axis, value):
+                self.use_zero(number, axis, value)
+            case ("unit", inch):
+                self.unit = 25.4 if inch else 1.0
+            case ("asked", name):
+                self.v[name] = float(self.answer())
+            case ("bump", name, value):
+                self.v[name] = self.whole(self.v[name] + self.value(value))
+            case ("half", name, value):
+                self.v[name] += self.value(value) * 0.5
+            case ("tally",):
+                self.v["i5"] = self.whole(self.v["i5"] + 3)
             case ("keep", name):
                 self.kept[name] = self.v[name]
             case ("bring", name):
