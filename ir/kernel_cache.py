@@ -18,7 +18,6 @@ import os
 import pickle
 import sys
 import types
-import uuid
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
@@ -134,7 +133,7 @@ def _arguments(signature: Any) -> tuple[Any, ...]:
 
 def write_whole(path: Path, content: bytes) -> None:
     """Write a file in one step, or not at all: the cache is never worth an error."""
-    draft = path.with_name(f"{path.name}.{uuid.uuid4().hex[:12]}")
+    draft = path.with_name(f"{path.name}.{os.urandom(6).hex()}")
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
         draft.write_bytes(content)
