@@ -137,15 +137,20 @@ def _file_key(name: str, folder: Path) -> str:
 
 @record(slots=True)
 class Baseline:
-    """Findings that are known. known: fingerprints by file, seen from the folder of the baseline."""
+    """Findings that are known. known: by file, seen from the folder of the baseline, messages by fingerprint."""
 
     path: Path
-    known: dict[str, set[str]]
+    known: dict[str, dict[str, str]]
 
     def accept(self, judgement: Judgement) -> None:
-        """Mark the findings that are known."""
+        """Mark the findings that are known.
+
+        An error, and what stands at no line, is known with its message alone: other numbers, another axis are new.
+        """
         for finding, mark in _places(judgement.findings):
-            if mark in self.known.get(_file_key(finding.span.file, self.path.parent), ()):
+            message = self.known.get(_file_key(finding.span.file, self.path.parent), {}).get(mark)
+            exactly = finding.severity is Severity.ERROR or not finding.span.line
+            if message is not None and (message == finding.message or not exactly):
                 judgement.accepted.setdefault(finding, (EXTERNAL, f"in the baseline {self.path}"))
 
 
@@ -156,7 +161,10 @@ def read_baseline(path: Path) -> Baseline:
         data = json.loads(path.read_text(encoding="utf-8"))
         if data["schema"] != SCHEMA:
             raise UsageError(f"baseline {path}: schema {data['schema']!r}; this gproof reads {SCHEMA!r}")
-        known = {str(name): {str(entry["fingerprint"]) for entry in found} for name, found in data["files"].items()}
+        known = {
+            str(name): {str(entry["fingerprint"]): str(entry["message"]) for entry in found}
+            for name, found in data["files"].items()
+        }
     except (OSError, ValueError, KeyError, TypeError, AttributeError):
         raise UsageError(f"baseline {path}: is no baseline; --write-baseline writes one") from None
     return Baseline(path, known)

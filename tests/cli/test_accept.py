@@ -120,6 +120,15 @@ def test_a_baseline_knows_what_was_found_and_nothing_else(check: Any) -> None:
     assert report["verdict"] == "UNSAFE"
 
 
+def test_a_known_error_that_gets_worse_is_new(check: Any) -> None:
+    program = HEAD + "#1=900\nG1 X[#1] F100\n" + TAIL
+    assert check(program, "--write-baseline", "known.json")[0] == 0
+    assert check(None, "--baseline", "known.json")[0] == 0
+    code, report = check(program.replace("#1=900", "#1=950"), "--baseline", "known.json")
+    assert (code, report["verdict"]) == (1, "UNSAFE")
+    assert "suppressed" not in of(report, "GP301")[0]
+
+
 def test_many_findings_of_a_code_are_all_known(check: Any) -> None:
     program = HEAD + "".join(f"G1 X{100000 + n} F100\nG1 X0\n" for n in range(50)) + TAIL
     assert check(program, "--write-baseline", "known.json")[0] == 0
