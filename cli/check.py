@@ -35,7 +35,7 @@ def run_check(
     names: Sequence[str], *, machine: Path | None, setup: str | None, dialect: str | None, running: Running, form: str,
     strict: bool, picture: Path | None, units: str | None, output: Path | None, quiet: bool, workers: int | None,
     exclude: Sequence[str], policy: Path | None, fail_on: str | None, warnings_are_errors: bool,
-    baseline: Path | None, new_baseline: Path | None,
+    baseline: Path | None, new_baseline: Path | None, also: tuple[str, ...] = (),
 ) -> int:  # fmt: skip
     """Judge jobs, print or write the report in ``units``, write picture and baseline; returns the exit code."""
     for place, what in ((output, "report"), (new_baseline, "baseline")):
@@ -46,11 +46,13 @@ def run_check(
             NO_POLICY if policy is None else load_policy(policy),
             fail_on=fail_on,
             warnings_are_errors=warnings_are_errors,
+            also=also,
         ),
         baseline=None if baseline is None else read_baseline(baseline),
         new_baseline=None if new_baseline is None else new_baseline.parent,
         fail_on=fail_on,
         strict=strict,
+        also=also,
     )
     if form in ("text", "json") and new_baseline is None and not is_several(names) and not exclude:
         with _into(output):

@@ -8,9 +8,12 @@ from typing import TYPE_CHECKING
 
 import click
 
+from gproof.cli.conclude import with_options
 from gproof.cli.files import require_file, require_place
-from gproof.cli.judge import NOT_JUDGED, Judgement, judge
+from gproof.cli.judge import Judgement, judge
 from gproof.cli.main import UsageError
+from gproof.cli.policy import NO_POLICY, under
+from gproof.cli.properties import not_judged
 from gproof.cli.report import print_findings
 from gproof.cli.session import Running, Session, open_session
 from gproof.cli.summary import print_summary, unit_of_report
@@ -73,7 +76,7 @@ def lower(session: Session, running: Running, stage: str) -> Lowered:
 
 def run_compile(
     job: Path, *, machine: Path | None, setup: str | None, dialect: str | None, running: Running, output: Path,
-    key: Path | None, unsigned: bool,
+    key: Path | None, unsigned: bool, also: tuple[str, ...] = (),
 ) -> int:  # fmt: skip
     """Judge, lower, validate, sign and write; a file appears only for a job that is SAFE all the way."""
     require_place(output, "output", (job, machine, setup, key))
@@ -82,7 +85,11 @@ def run_compile(
     if key is not None:
         require_file(key, "key")
     session = open_session(job, machine=machine, setup=setup, dialect=dialect, call=running.call)
-    judgement = judge(session, running=running)
+    policy = with_options(NO_POLICY, fail_on=None, warnings_are_errors=False, also=also)
+    judgement = under(policy, judge(session, running=running, properties=policy.properties), job)
+    for finding in judgement.findings.kept:
+        if finding not in session.findings.times:
+            session.findings.add(finding)
     if judgement.verdict is not Verdict.SAFE:
         return _refuse(session, judgement, judgement.verdict, "the job is not SAFE")
     lowered = _quiet_lower(session, running)
@@ -151,7 +158,8 @@ def _write(
     now = datetime.datetime.now(datetime.UTC).isoformat(timespec="seconds")
     digest = c.write_package(
         output, job=session.job.name, version=version("gproof"), inputs=session.inputs,
-        properties=judgement.properties, not_judged=NOT_JUDGED, assumptions=judgement.assumptions,
+        properties=judgement.properties, not_judged=not_judged(r.name for r in judgement.properties),
+        assumptions=judgement.assumptions,
         machine=session.machine, setup=session.setup, trace=lowered.trace, stream=lowered.stream, report=report,
         key=key, created=now,
     )  # fmt: skip

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
 from gproof.cli.accept import MANY, Baseline, Known, accept_comments, known_findings, may_accept
 from gproof.cli.judge import Beat, Judgement, Observer, judge
 from gproof.cli.policy import NO_POLICY, Policy, fails, under
+from gproof.cli.properties import ALL
 from gproof.cli.session import Running, Session
 from gproof.ir.finding import Finding, Findings, Severity
 from gproof.ir.record import record
@@ -18,6 +20,7 @@ from gproof.ir.verdict import Verdict
 class Asked:
     """What the user asks of a job besides its verdict.
 
+    also: properties that the command line asks for, which are in the policy already;
     new_baseline: the folder of a baseline that will be written, None: of none; fail_on: as the command line
     says, which is in the policy already.
     """
@@ -27,6 +30,7 @@ class Asked:
     new_baseline: Path | None = None
     fail_on: str | None = None
     strict: bool = False
+    also: tuple[str, ...] = ()
 
 
 def conclude(
@@ -39,7 +43,9 @@ def conclude(
     limit = session.findings.limit
     if asked.baseline is not None or asked.new_baseline is not None or may_accept(session.program):
         session.findings.limit = MANY
-    judgement = judge(session, running=running, strict=asked.strict, observe=observe, beat=beat)
+    judgement = judge(
+        session, running=running, properties=asked.policy.properties, strict=asked.strict, observe=observe, beat=beat
+    )
     judgement = under(asked.policy, judgement, session.job)
     if session.program is not None:
         for finding in accept_comments(session.program, judgement):
@@ -103,10 +109,13 @@ def _shortened(judgement: Judgement, limit: int) -> Findings:
     return out
 
 
-def with_options(policy: Policy, *, fail_on: str | None, warnings_are_errors: bool) -> Policy:
-    """A policy with what the command line says."""
+def with_options(
+    policy: Policy, *, fail_on: str | None, warnings_are_errors: bool, also: Sequence[str] = ()
+) -> Policy:  # fmt: skip
+    """A policy with what the command line, or a job file, says; also: properties beyond the policy's."""
     return replace(
         policy,
+        properties=tuple(dict.fromkeys((*policy.properties, *(ALL if "all" in also else also)))),
         fail_on=fail_on or policy.fail_on,
         warnings_are_errors=warnings_are_errors or policy.warnings_are_errors,
     )

@@ -10,6 +10,7 @@ from pathlib import Path
 
 from gproof.cli.files import require_file
 from gproof.cli.main import UsageError
+from gproof.cli.properties import ADDED
 from gproof.frontend.guess import EXTENSIONS
 from gproof.frontend.toml_table import TomlFile, TomlTable
 from gproof.ir.finding import Findings
@@ -23,13 +24,18 @@ _NO_JOBS = {".mac", ".inc", ".txt", ".iso"}
 
 @record(frozen=True, slots=True, kw_only=True)
 class Job:
-    """A job and what it is judged with; source: the job file that says so, None for the command line."""
+    """A job and what it is judged with.
+
+    also: properties asked for beyond the policy's; source: the job file that says so, None for
+    the command line.
+    """
 
     path: Path
     machine: Path | None = None
     setup: str | None = None
     dialect: str | None = None
     policy: Path | None = None
+    also: tuple[str, ...] = ()
     source: Path | None = None
 
 
@@ -169,6 +175,20 @@ def _named(table: TomlTable, key: str, source: Path, name: str, settings: Job) -
     return [replace(settings, path=file) for file in files if file.is_file()]
 
 
+def _also(table: TomlTable, base: Job) -> tuple[str, ...]:
+    """``also = ["cutting"]``: names of properties, or "all"."""
+    value = table.take("also")
+    if value is None:
+        return base.also
+    if not isinstance(value, list) or not all(isinstance(name, str) for name in value):
+        table.bad("also", "not a list of names of properties")
+        return base.also
+    for name in value:
+        if name not in (*ADDED, "all"):
+            table.bad("also", f"{name!r} is none of {', '.join(ADDED)}, all")
+    return tuple(value)
+
+
 def _settings(table: TomlTable, source: Path, base: Job) -> Job:
     machine, setup, policy = table.text("machine"), table.text("setup"), table.text("policy")
     dialect = table.text("dialect", ("wincnc", "eding", "mcuwin"))
@@ -179,4 +199,5 @@ def _settings(table: TomlTable, source: Path, base: Job) -> Job:
         setup=base.setup if setup is None else setup if setup == "zero" else str(folder / setup),
         dialect=base.dialect if dialect is None else dialect,
         policy=base.policy if policy is None else folder / policy,
+        also=_also(table, base),
     )

@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import dataclasses
+import functools
+import itertools
 import math
 from collections.abc import Callable, Sequence
 
 import numpy as np
 
 from gproof.cli.offsets import contradiction
+from gproof.cli.properties import added_checks, decided
 from gproof.cli.session import Running, Session
 from gproof.ir import codes
 from gproof.ir.finding import Finding, Findings, Severity, Span
@@ -24,9 +27,6 @@ from gproof.passes.limits import Limits
 from gproof.passes.plan import MotionEstimate
 from gproof.passes.tool_change_area import ToolChangeArea
 from gproof.passes.values import describe
-
-NOT_JUDGED = ("feeds", "gouges")
-"""Properties that no check of this version decides; named so in reports and certificates."""
 
 _LEAVES_THE_PATH_OPEN = (
     codes.NOT_MODELLED_SETTING, codes.MAPPED_AXIS, codes.HEIGHT_MAP_UNKNOWN, codes.KNIFE_UNKNOWN,
@@ -75,27 +75,29 @@ class Judgement:
 
 
 def judge(
-    session: Session, *, running: Running, strict: bool = False, observe: Observer | None = None,
-    beat: Beat | None = None,
+    session: Session, *, running: Running, properties: Sequence[str] = DEFAULT_POLICY, strict: bool = False,
+    observe: Observer | None = None, beat: Beat | None = None,
 ) -> Judgement:  # fmt: skip
-    """Judge the job under the default policy; ``observe`` sees every chunk of the first pass.
+    """Judge the job; ``observe`` sees every chunk of the first pass.
 
+    properties: those that the verdict asks for; the others of the default policy are answered too.
     beat: hears from time to time how many blocks are executed, and where, chunks or none.
     """
     findings = session.findings
     _machine_findings(session)
     if session.program is None:
-        properties = [PropertyResult(name="language", verdict=_language(findings))]
-        properties += [PropertyResult(name=n, verdict=Verdict.UNKNOWN) for n in DEFAULT_POLICY[1:]]
+        results = [PropertyResult(name="language", verdict=_language(findings))]
+        others = (*DEFAULT_POLICY[1:], *(n for n in properties if n not in DEFAULT_POLICY and decided(n)))
+        results += [PropertyResult(name=n, verdict=Verdict.UNKNOWN) for n in others]
         return Judgement(
-            verdict=worst(p.verdict for p in properties), properties=properties, assumptions=[], summary=Summary(),
-            findings=findings,
+            verdict=worst(r.verdict for r in results if r.name in properties), properties=results, assumptions=[],
+            summary=Summary(), findings=findings,
         )  # fmt: skip
     setting = session.setup.block_delete
-    results, summary, assumed, met = _pass(session, findings, bool(setting), running, observe, beat)
+    results, summary, assumed, met = _pass(session, findings, bool(setting), running, properties, observe, beat)
     if met and setting is None:
         other = Findings(limit=findings.limit)
-        second, _, more, _ = _pass(session, other, True, running, None, beat)
+        second, _, more, _ = _pass(session, other, True, running, properties, None, beat)
         results = [_both(session, findings, a, b) for a, b in zip(results, second, strict=True)]
         seen = {(f.code.number, f.span) for f in findings.kept}
         for f in other.kept:
@@ -111,13 +113,13 @@ def judge(
         ]
     if session.setup.name == "zero":
         assumed.insert(0, "setup zero: homed, at machine position 0, no offsets, parameters 0, tool 0")
-    verdict = worst(r.verdict for r in results if r.name in DEFAULT_POLICY)
+    verdict = worst(r.verdict for r in results if r.name in properties)
     return Judgement(verdict=verdict, properties=results, assumptions=assumed, summary=summary, findings=findings)
 
 
 def _pass(
-    session: Session, findings: Findings, block_delete: bool, running: Running, observe: Observer | None,
-    beat: Beat | None,
+    session: Session, findings: Findings, block_delete: bool, running: Running, properties: Sequence[str],
+    observe: Observer | None, beat: Beat | None,
 ) -> tuple[list[PropertyResult], Summary, list[str], bool]:  # fmt: skip
     assert session.program is not None
     machine, setup = session.machine, session.setup
@@ -126,6 +128,7 @@ def _pass(
     limits, area = Limits(machine, setup, findings), ToolChangeArea(machine, setup, findings)
     checks = [limits, area, ArcRadius(machine, setup, findings)]
     edges = Boundaries(machine, setup, findings)
+    added = added_checks(properties, session.program, machine, setup, findings)
     estimate = MotionEstimate(machine)
     sections, waits = 0, set[Wait]()
     begin: dict[str, float] = {}
@@ -143,7 +146,7 @@ def _pass(
         if unit is None and (named := np.flatnonzero(chunk.rows["op"] == Op.UNITS)).size:
             unit = float(chunk.rows["arg"][int(named[0]), 0])
         waits.update(edge.wait for edge in chunk.edges)
-        for check in (*checks, edges):
+        for check in (*checks, edges, *added):
             check.feed(chunk)
         estimate.feed(chunk)
         sections += chunk.last
@@ -153,6 +156,11 @@ def _pass(
     fits = _together(session, findings, limits.finish(), edges.finish())
     area.given(fits.conditions)
     results = [fits, *(check.finish() for check in checks[1:])]
+    for name, answers in itertools.groupby((check.finish() for check in added), key=lambda answer: answer.name):
+        first, *more = answers
+        results.append(
+            functools.reduce(lambda a, b: _both(session, findings, a, b, f"the checks of {name}"), more, first)
+        )
     if ex.refused or any(code.number in findings.counts for code in _LEAVES_THE_PATH_OPEN):
         results = [_not_proved(r) for r in results]
     language = PropertyResult(name="language", verdict=_language(findings))

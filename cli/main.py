@@ -18,6 +18,7 @@ import click
 COULD_NOT_RUN = 3
 _STDERR = 2
 _DIALECTS = ["wincnc", "eding", "mcuwin"]
+_ADDED = ["feeds", "cutting", "sense", "gouges", "collisions"]
 
 
 class UsageError(click.ClickException):
@@ -57,6 +58,12 @@ def cli() -> None:
 
 
 _JOB = click.argument("job", type=click.Path(path_type=Path))
+_ALSO = click.option(
+    "--also",
+    multiple=True,
+    type=click.Choice([*_ADDED, "all"]),
+    help="A property to judge beyond those of the policy; may be given again.",
+)
 
 
 def _job_options(command: Any) -> Any:
@@ -98,6 +105,7 @@ def _job_options(command: Any) -> Any:
 @click.option("--output", type=click.Path(path_type=Path), help="Write the report to this file.")
 @click.option("-q", "--quiet", is_flag=True, help="Only the verdicts.")
 @click.option("-j", "--jobs", "workers", type=click.IntRange(1), help="Jobs judged at once; by default what pays.")
+@_ALSO
 @click.option("--policy", type=click.Path(path_type=Path), help="What the shop asks of its jobs (TOML).")
 @click.option(
     "--fail-on", type=click.Choice(["unknown", "warning", "note"]), help="Findings that fail a check; unknown else."
@@ -116,7 +124,7 @@ def check(
     max_branches: int, call: str | None, render: bool, form: str, strict: bool, picture: Path | None,
     units: str | None, output: Path | None, quiet: bool, workers: int | None, exclude: tuple[str, ...],
     policy: Path | None, fail_on: str | None, warnings_are_errors: bool, baseline: Path | None,
-    new_baseline: Path | None,
+    new_baseline: Path | None, also: tuple[str, ...],
 ) -> int:  # fmt: skip
     """Prove or refute that each JOB is safe on a machine.
 
@@ -129,7 +137,7 @@ def check(
         jobs, machine=machine, setup=setup, dialect=dialect, running=Running(max_blocks, max_branches, render, call),
         form=form, strict=strict, picture=picture, units=units, output=output, quiet=quiet, workers=workers,
         exclude=exclude, policy=policy, fail_on=fail_on, warnings_are_errors=warnings_are_errors, baseline=baseline,
-        new_baseline=new_baseline,
+        new_baseline=new_baseline, also=also,
     )  # fmt: skip
 
 
@@ -173,9 +181,11 @@ def dump(
 @click.option("-o", "--output", type=click.Path(path_type=Path), required=True, help="The .gpx file to write.")
 @click.option("--key", type=click.Path(path_type=Path), help="Ed25519 private key (PEM) to sign with.")
 @click.option("--unsigned", is_flag=True, help="Write the certificate without a signature.")
+@_ALSO
 def compile_(
     job: Path, machine: Path | None, setup: str | None, dialect: str | None, max_blocks: int | None,
     max_branches: int, call: str | None, render: bool, output: Path, key: Path | None, unsigned: bool,
+    also: tuple[str, ...],
 ) -> int:  # fmt: skip
     """Compile JOB to a certified step stream."""
     from gproof.cli.compile import run_compile
@@ -183,7 +193,7 @@ def compile_(
 
     return run_compile(
         job, machine=machine, setup=setup, dialect=dialect, running=Running(max_blocks, max_branches, render, call),
-        output=output, key=key, unsigned=unsigned,
+        output=output, key=key, unsigned=unsigned, also=also,
     )  # fmt: skip
 
 

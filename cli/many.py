@@ -68,12 +68,14 @@ def judge_one(job: Job, how: How) -> Outcome:
 
 
 def _asked(job: Job, asked: Asked) -> Asked:
-    """What is asked of a job: a policy of the command line goes before that of its job file."""
-    if job.policy is None or asked.policy.name:
+    """What is asked of a job: a policy of the command line goes before that of its job file, ``also`` adds up."""
+    own = job.policy is not None and not asked.policy.name
+    if not own and not job.also:
         return asked
     policy = with_options(
-        load_policy(job.policy), fail_on=asked.fail_on, warnings_are_errors=asked.policy.warnings_are_errors
-    )
+        load_policy(job.policy) if own and job.policy is not None else asked.policy, fail_on=asked.fail_on,
+        warnings_are_errors=asked.policy.warnings_are_errors, also=(*asked.also, *job.also),
+    )  # fmt: skip
     return replace(asked, policy=policy)
 
 

@@ -7,8 +7,9 @@ from collections.abc import Iterable
 from pathlib import Path
 
 from gproof.cli.files import require_file
-from gproof.cli.judge import NOT_JUDGED, Judgement
+from gproof.cli.judge import Judgement
 from gproof.cli.main import UsageError
+from gproof.cli.properties import ALL, decided
 from gproof.frontend.toml_table import TomlFile, TomlTable
 from gproof.ir import codes
 from gproof.ir.codes import CODES
@@ -100,13 +101,12 @@ def _properties(root: TomlTable) -> tuple[str, ...]:
     value = root.take("properties")
     if value is None:
         return DEFAULT_POLICY
-    known = (*DEFAULT_POLICY, *NOT_JUDGED)
     if not isinstance(value, list) or not value or not all(isinstance(name, str) for name in value):
         root.bad("properties", "not a list of names of properties")
         return DEFAULT_POLICY
     for name in value:
-        if name not in known:
-            root.bad("properties", f"{name!r} is none of {', '.join(known)}")
+        if name not in ALL:
+            root.bad("properties", f"{name!r} is none of {', '.join(ALL)}")
     if "language" not in value:
         root.bad("properties", "language is not among them, on which every other answer stands")
     return tuple(dict.fromkeys(value))
@@ -130,7 +130,7 @@ def under(policy: Policy, judgement: Judgement, job: Path) -> Judgement:
     findings = _weighed(policy, judgement.findings)
     results = [_judged_again(result, findings) for result in judgement.properties]
     for name in policy.properties:
-        if name in NOT_JUDGED:
+        if not decided(name):
             what = f"{name}, which this version does not judge"
             findings.add(codes.UNSUPPORTED_CODE.at(Span(str(job), 0), code=what, hint="the policy asks for it"))
             results.append(PropertyResult(name=name, verdict=Verdict.UNKNOWN))
@@ -166,5 +166,5 @@ def fails(policy: Policy, findings: Iterable[Finding]) -> bool:
     What decides a property that the policy leaves out fails nothing.
     """
     least = _rank(policy.fail_on)
-    left_out = set(DEFAULT_POLICY) - set(policy.properties)
+    left_out = set(ALL) - set(policy.properties)
     return any(_rank(f.severity.value) >= least for f in findings if f.code.decides not in left_out)

@@ -6,8 +6,9 @@ import math
 
 import click
 
-from gproof.cli.judge import NOT_JUDGED, Judgement
+from gproof.cli.judge import Judgement
 from gproof.cli.lengths import CHOICES, MM, LengthUnit, unit_of
+from gproof.cli.properties import not_judged
 from gproof.cli.report import coloured, distinct, finding_json, print_findings
 from gproof.cli.session import Session
 from gproof.ir.codes import CODES, SYNTAX
@@ -77,7 +78,9 @@ def print_summary(
         first = _shade(result.verdict) + " " * (9 - len(result.verdict.value))
         for n, detail in enumerate([f"if {name:<{width}} is {bounds}" for name, bounds in parts] or [""]):
             _row("" if n else result.name, (" " * 9 if n else first) + detail)
-    _row("not judged", ", ".join(NOT_JUDGED))
+    left = not_judged(result.name for result in judgement.properties)
+    if left:
+        _row("not judged", ", ".join(left))
     assumed = [*judgement.assumptions, *(a for r in judgement.properties for a in r.assumptions)]
     _rows("assuming", [unit.sentence(one) for one in dict.fromkeys(assumed)])
     _row("machine", session.machine.name)
@@ -204,7 +207,7 @@ def report_json(session: Session, judgement: Judgement, code: int | None = None)
             }
             for r in judgement.properties
         },
-        "not_judged": list(NOT_JUDGED),
+        "not_judged": list(not_judged(result.name for result in judgement.properties)),
         "assumptions": judgement.assumptions,
         "findings": [finding_json(f, n, judgement.accepted.get(f)) for f, n in distinct(judgement.findings)],
         "counts": {CODES[n].label: count for n, count in sorted(judgement.findings.counts.items())},

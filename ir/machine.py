@@ -166,13 +166,36 @@ class Area:
 
 @record(frozen=True, slots=True, kw_only=True)
 class Tool:
-    """A tool table entry; lengths in mm, ``None`` where the table does not say."""
+    """A tool table entry; lengths in mm, ``None`` where the table does not say.
+
+    shape: one of ``SHAPES``; corner_radius: of a bull; tip_angle: degrees between the flanks of a vee or drill;
+    tip_diameter: of the flat at the tip of a vee; flute_length: from the tip to where cutting ends; shank_diameter:
+    above that; stickout: from the tip to the holder; holder: (diameter below, diameter above, height) of its parts from
+    there upwards. min_rpm, max_rpm, max_feed, max_plunge (mm/s) and max_depth (mm): what it may be used with.
+    """
 
     number: int
     length: float | None = None
     x_offset: float | None = None
     diameter: float | None = None
     orientation: int | None = None
+    shape: str | None = None
+    corner_radius: float | None = None
+    tip_angle: float | None = None
+    tip_diameter: float | None = None
+    flute_length: float | None = None
+    shank_diameter: float | None = None
+    stickout: float | None = None
+    holder: tuple[tuple[float, float, float], ...] = ()
+    min_rpm: float | None = None
+    max_rpm: float | None = None
+    max_feed: float | None = None
+    max_plunge: float | None = None
+    max_depth: float | None = None
+
+
+SHAPES = ("flat", "ball", "bull", "vee", "drill")
+"""Shapes of tools: end mill, ball nose, end mill with rounded corners, engraver, drill."""
 
 
 @record(frozen=True, slots=True, kw_only=True)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 
 from gproof.ir.record import field, record
+from gproof.ir.workpiece import Workpiece
 
 _STATED = ("start", "work", "g92", "tool", "head")
 """Kinds of symbols that a setup can state."""
@@ -107,6 +108,7 @@ class Setup:
     registers: H registers in the machine's unit; answers: 1 yes, 0 no, to the questions of the job in their order.
     measures: of tools, in force when the job begins, by axis (WinCNC M37): the machine position at which its
     workspace is 0; contacts: where a move may end that a switch ends, machine positions by axis.
+    workpiece: stock, part and fixtures, None where nothing is stated.
     """
 
     name: str = "(none)"
@@ -136,6 +138,7 @@ class Setup:
     answers: dict[int, float] = field(default_factory=dict)
     measures: dict[str, Interval] = field(default_factory=dict)
     contacts: dict[str, Interval] = field(default_factory=dict)
+    workpiece: Workpiece | None = None
 
     def interval(self, symbol: str) -> Interval | None:
         """What is stated of a symbol such as ``start.x``, ``work.1.x``, ``g92.x``, ``tool.3.z``.

@@ -29,12 +29,27 @@ WIDTH = 100
 @functools.cache
 def _registry() -> tuple[dict[str, type], dict[str, type[enum.Enum]], dict[str, Schema]]:
     """Dataclasses, enumerations and schemas of the IR modules, by name."""
-    from gproof.ir import controls, din, finding, machine, notes, plan, program, rules, setup, stream, trace, verdict
+    from gproof.ir import (
+        controls,
+        din,
+        finding,
+        machine,
+        notes,
+        plan,
+        program,
+        rules,
+        setup,
+        stream,
+        trace,
+        verdict,
+        workpiece,
+    )  # fmt: skip
 
     classes: dict[str, type] = {}
     enums: dict[str, type[enum.Enum]] = {}
     schemas: dict[str, Schema] = {}
-    for module in (controls, din, finding, machine, notes, plan, program, rules, setup, stream, trace, verdict):
+    modules = (controls, din, finding, machine, notes, plan, program, rules, setup, stream, trace, verdict, workpiece)
+    for module in modules:
         for name, value in vars(module).items():
             if isinstance(value, Schema):
                 schemas[value.name] = value
