@@ -211,3 +211,18 @@ def test_less_properties_judge_less(check: Any) -> None:
     code, report = check(HEAD + FAR + "\n" + TAIL, "--policy", "shop.toml")
     assert (report["verdict"], report["properties"]["limits"]["verdict"]) == ("SAFE", "UNSAFE")
     assert code == 0
+
+
+def test_a_comment_far_down_a_long_file_is_read(check: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Long files are mapped and searched in pieces: the sign may stand across the border of two of them."""
+    from gproof.cli import accept
+
+    monkeypatch.setattr("gproof.frontend.source.MAP_FROM", 100)
+    body = "(plain: text)\n" + "G1 X1 F100\nX2\n" * 40
+    text = HEAD + body + f"{OPEN} (GProof: allow GP113: it is a lamp)\n" + TAIL
+    for piece in (7, 64, text.lower().index("gproof:") + 3, 1 << 20):
+        monkeypatch.setattr(accept, "_PIECE", piece)
+        _, report = check(text)
+        (found,) = of(report, "GP113")
+        assert found["suppressed"]["reason"] == "it is a lamp", piece
+        assert found["line"] == text.count("\n", 0, text.index(OPEN)) + 1
