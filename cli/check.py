@@ -29,16 +29,20 @@ from gproof.ir.finding import Span
 from gproof.ir.trace import Chunk
 
 SCHEMA_OF_SEVERAL = "gproof-check-several/1"
+DOCUMENTS = ("json", "sarif", "junit", "github", "markdown")
+"""Forms that ``--report`` writes."""
 
 
 def run_check(
     names: Sequence[str], *, machine: Path | None, setup: str | None, dialect: str | None, running: Running, form: str,
     strict: bool, picture: Path | None, units: str | None, output: Path | None, quiet: bool, workers: int | None,
     exclude: Sequence[str], policy: Path | None, fail_on: str | None, warnings_are_errors: bool,
-    baseline: Path | None, new_baseline: Path | None, also: tuple[str, ...] = (),
+    baseline: Path | None, new_baseline: Path | None, also: tuple[str, ...] = (), reports: Sequence[str] = (),
 ) -> int:  # fmt: skip
-    """Judge jobs, print or write the report in ``units``, write picture and baseline; returns the exit code."""
-    for place, what in ((output, "report"), (new_baseline, "baseline")):
+    """Judge jobs, print or write reports in ``units``, write picture and baseline; returns the exit code."""
+    more = further_reports(reports, output)
+    places = [(output, "report"), (new_baseline, "baseline"), *((place, "report") for _, place in more)]
+    for place, what in places:
         if place is not None:
             require_place(place, what, (*names, machine, setup, policy))
     asked = Asked(
@@ -55,10 +59,10 @@ def run_check(
         also=also,
     )
     if form in ("text", "json") and new_baseline is None and not is_several(names) and not exclude:
-        with _into(output):
+        with _into(output), _written(more, names[0]) as told:
             return _check_one(
                 Path(names[0]), machine=machine, setup=setup, dialect=dialect, running=running, form=form,
-                asked=asked, picture=picture, units=units, quiet=quiet,
+                asked=asked, picture=picture, units=units, quiet=quiet, told=told,
             )  # fmt: skip
     if picture is not None:
         raise UsageError("--picture is drawn of one program, not of several jobs or a report for other programs")
@@ -70,6 +74,7 @@ def run_check(
     jobs = find_jobs(names, machine=machine, setup=setup, dialect=dialect, exclude=exclude)
     outcomes = with_progress(judge_all(jobs, how, workers), len(jobs))
     kept = _told(outcomes, form, output)
+    _write(more, kept)
     if new_baseline is None:
         return exit_code(kept)
     if any(outcome.problem for outcome in kept):
@@ -94,6 +99,46 @@ def _told(outcomes: Iterator[Outcome], form: str, output: Path | None) -> list[O
     with _into(output):
         click.echo(_document(kept, form))
     return kept
+
+
+def further_reports(names: Sequence[str], output: Path | None) -> list[tuple[str, Path]]:
+    """What each ``--report FORM=FILE`` asks for; UsageError for one that is none, and for a file named twice."""
+    asked: list[tuple[str, Path]] = []
+    for name in names:
+        form, _, file = name.partition("=")
+        if form not in DOCUMENTS or not file:
+            raise UsageError(f"--report {name}: is FORM=FILE, with FORM one of {', '.join(DOCUMENTS)}")
+        place = Path(file)
+        if place == output or any(place == other for _, other in asked):
+            raise UsageError(f"--report {name}: another report goes to this file")
+        asked.append((form, place))
+    return asked
+
+
+def _write(reports: Sequence[tuple[str, Path]], outcomes: list[Outcome], *, single: bool = False) -> None:
+    """Write further reports; single: of one job, as ``--format`` alone prints it."""
+    for form, place in reports:
+        (only, *_) = outcomes
+        if single and form == "json" and only.report is not None:
+            text = json.dumps(only.report, indent=2, ensure_ascii=False)
+        else:
+            text = _document(outcomes, form)
+        write_text(place, text + "\n", "report")
+
+
+@contextlib.contextmanager
+def _written(reports: Sequence[tuple[str, Path]], job: str) -> Iterator[list[Outcome] | None]:
+    """Where the outcome of a single job goes; its reports are written at the end, those of one not judged too."""
+    if not reports:
+        yield None
+        return
+    told: list[Outcome] = []
+    try:
+        yield told
+    except UsageError as error:
+        _write(reports, [Outcome(job=job, problem=error.message)])
+        raise
+    _write(reports, told, single=True)
 
 
 def _document(outcomes: list[Outcome], form: str) -> str:
@@ -137,7 +182,7 @@ def _into(output: Path | None) -> Iterator[None]:
 
 def _check_one(
     job: Path, *, machine: Path | None, setup: str | None, dialect: str | None, running: Running, form: str,
-    asked: Asked, picture: Path | None, units: str | None, quiet: bool,
+    asked: Asked, picture: Path | None, units: str | None, quiet: bool, told: list[Outcome] | None,
 ) -> int:  # fmt: skip
     if picture is not None:
         require_place(picture, "picture", (job, machine, setup))
@@ -158,8 +203,11 @@ def _check_one(
             progress.stop()
     if drawing is not None and picture is not None:
         drawing.write(picture, session, judgement)
+    report = report_json(session, judgement, code) if form == "json" or told is not None else None
+    if told is not None:
+        told.append(Outcome(job=str(job), report=report, code=code))
     if form == "json":
-        click.echo(json.dumps(report_json(session, judgement, code), indent=2, ensure_ascii=False))
+        click.echo(json.dumps(report, indent=2, ensure_ascii=False))
     elif quiet:
         print_brief(session, judgement, code, units, quiet=True)
     else:
