@@ -125,7 +125,7 @@ def check(
     max_branches: int, call: str | None, render: bool, form: str, strict: bool, picture: Path | None,
     units: str | None, output: Path | None, quiet: bool, workers: int | None, exclude: tuple[str, ...],
     policy: Path | None, fail_on: str | None, warnings_are_errors: bool, baseline: Path | None,
-    new_baseline: Path | None, also: tuple[str, ...], reports: tuple[str,
+    new_baseline: Path | None, also: tuple[str, ...], reports: tuple[str, ...],
 ) -> int:  # fmt: skip
     """Prove or refute that each JOB is safe on a machine.
 

@@ -47,8 +47,11 @@ for name in machine setup dialect policy baseline fail-on; do
     variable="INPUT_$(tr 'a-z-' 'A-Z_' <<<"$name")"
     if [ -n "${!variable}" ]; then options+=("--$name=${!variable}"); fi
 done
-lines "$INPUT_EXCLUDE"
-for pattern in ${words[@]+"${words[@]}"}; do options+=("--exclude=$pattern"); done
+for name in exclude also; do
+    variable="INPUT_$(tr 'a-z-' 'A-Z_' <<<"$name")"
+    lines "${!variable}"
+    for word in ${words[@]+"${words[@]}"}; do options+=("--$name=$word"); done
+done
 if yes INPUT_WARNINGS_AS_ERRORS; then options+=(--warnings-as-errors); fi
 if yes INPUT_STRICT; then options+=(--strict); fi
 if yes INPUT_ANNOTATIONS; then options+=(--format github); fi

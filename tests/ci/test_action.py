@@ -106,7 +106,9 @@ def commands(log: str) -> list[str]:
 
 
 @pytest.mark.parametrize(
-    ("schema", "path"), [("github-actions", ROOT / "action.yml"), ("github-workflows", WORKFLOW)], ids=["action", "workflow"]
+    ("schema", "path"),
+    [("github-actions", ROOT / "action.yml"), ("github-workflows", WORKFLOW)],
+    ids=["action", "workflow"],
 )
 def test_it_fits_the_public_schema(schema: str, path: Path) -> None:
     from importlib import resources
@@ -133,6 +135,17 @@ def test_nothing_is_pasted_into_a_script_and_every_expression_means_something() 
     found = {name for text in used for name in EXPRESSION.findall(str(text))}
     assert found <= known
     assert {name for name in known if name.startswith("inputs.")} <= found
+
+
+def test_the_page_names_every_input_and_output_and_shows_the_example() -> None:
+    page = (ROOT / "docs" / "ci.md").read_text(encoding="utf-8")
+    section = page[page.index("## In a GitHub workflow") : page.index("## Before each commit")]
+    cells = [re.findall("`([a-z-]+)`", line.split("|")[1]) for line in section.splitlines() if line.startswith("| `")]
+    assert [name for names in cells for name in names] == sorted(
+        [*INPUTS, *ACTION["outputs"]], key=[name for names in cells for name in names].index
+    )
+    shown = section[section.index("```yaml\n") + 8 :]
+    assert shown[: shown.index("```")] in WORKFLOW.read_text(encoding="utf-8")
 
 
 def test_shellcheck_has_nothing_to_say() -> None:
@@ -210,7 +223,13 @@ def test_other_inputs_reach_the_command(runner: Runner) -> None:
     )
     given = {"machine": "machine.toml", "setup": "zero", "dialect": "eding", "exclude": "b.*", "summary": "false"}
     assert runner("check", **given).exit == 0
-    assert runner("check", policy="policy.toml", fail_on="warning", strict="true", **given).exit == 1
+    (runner.workspace / "known.json").write_text('{"schema": "gproof-baseline/1", "findings": {}}', encoding="utf-8")
+    assert "known.json" in runner("check", baseline="nowhere/known.json", **given).log
+    done = runner("check", policy="policy.toml", also="feeds\n", fail_on="warning", strict="true", **given)
+    assert done.exit != 0
+    report = json.loads((runner.temp / "gproof-reports" / "check.json").read_text(encoding="utf-8"))
+    assert "feeds" in report["jobs"][0]["properties"]
+    assert "GP243" in done.log
 
 
 def test_the_workflow_of_the_page_runs_with_what_it_names(runner: Runner) -> None:

@@ -150,6 +150,34 @@ def test_the_report_goes_to_a_file_whole(shop: Shop, capsys: pytest.CaptureFixtu
     assert sorted(path.name for path in shop.iterdir()) == ["jobs", "mill.toml", "report"]
 
 
+def test_further_reports_are_those_that_the_forms_alone_give(shop: Shop, capsys: pytest.CaptureFixture[str]) -> None:
+    forms = ("json", "sarif", "junit", "github", "markdown")
+    for jobs in (["jobs"], ["jobs/a-unsafe.cnc"]):
+        asked = [word for form in forms for word in ("--report", f"{form}=out.{form}")]
+        plain = checked(capsys, *jobs, *WITH)
+        assert checked(capsys, *jobs, *WITH, *asked) == plain
+        for form in forms:
+            code, out, _ = checked(capsys, *jobs, *WITH, "--format", form)
+            assert (shop / f"out.{form}").read_text(encoding="utf-8") == out
+            assert code == plain[0]
+
+
+def test_a_job_that_can_not_be_judged_has_its_reports(shop: Shop, capsys: pytest.CaptureFixture[str]) -> None:
+    code, out, err = checked(capsys, "nowhere.cnc", "--report", "json=out.json")
+    assert (code, out) == (3, "")
+    assert "nowhere.cnc" in err
+    report = json.loads((shop / "out.json").read_text(encoding="utf-8"))
+    assert report["counts"]["not_judged"] == 1
+    assert "nowhere.cnc" in report["jobs"][0]["problem"]
+
+
+@pytest.mark.parametrize("word", ["json", "text=a", "json=", "=a", "sarif=jobs", "sarif=mill.toml", "json=b"])
+def test_a_report_that_can_not_be_written(shop: Shop, capsys: pytest.CaptureFixture[str], word: str) -> None:
+    code, out, err = checked(capsys, "jobs", *WITH, "--output", "b", "--report", word)
+    assert (code, out, err.count("\n")) == (3, "", 1)
+    assert not (shop / "b").exists()
+
+
 def test_a_file_name_with_marks_of_a_pattern(shop: Shop, capsys: pytest.CaptureFixture[str]) -> None:
     os.rename(shop / "jobs" / "b-safe.cnc", shop / "jobs" / "part[1].cnc")
     assert checked(capsys, "jobs/part[1].cnc", *WITH, "-q")[:2] == (0, "jobs/part[1].cnc: SAFE\n")
