@@ -43,7 +43,8 @@ class Summary:
     seconds: estimated time without waits, None without machine data; at_least: some moves are not in it;
     branches: outcomes of unknown conditions that were followed: with some, lengths are those of all of them together
     and the time is not known; begin, end: machine position before the job and behind it by axis, mm or degrees, NaN
-    where it is not known, end empty where it has several; unit: mm in the first unit that the job names, None: none."""
+    where it is not known, end empty where it has several; extents: the box with columns and forms; unit: mm
+    in the first unit that the job names, None: none."""
 
     lines: int = 0
     blocks: int = 0
@@ -57,6 +58,7 @@ class Summary:
     end: dict[str, float] = field(default_factory=dict)
     unit: float | None = None
     box: list[tuple[str, str, float, float]] = field(default_factory=list)
+    extents: list[tuple[int, Affine, float, float]] = field(default_factory=list)
 
 
 @record(slots=True, kw_only=True)
@@ -97,7 +99,8 @@ def judge(
     results, summary, assumed, met = _pass(session, findings, bool(setting), running, properties, observe, beat)
     if met and setting is None:
         other = Findings(limit=findings.limit)
-        second, _, more, _ = _pass(session, other, True, running, properties, None, beat)
+        second, switched, more, _ = _pass(session, other, True, running, properties, None, beat)
+        summary.extents += switched.extents
         results = [_both(session, findings, a, b) for a, b in zip(results, second, strict=True)]
         seen = {(f.code.number, f.span) for f in findings.kept}
         for f in other.kept:
@@ -168,8 +171,8 @@ def _pass(
         lines=session.program.line_count, blocks=ex.blocks, sections=max(1, sections),
         path_length=estimate.path_length_mm, feed_length=estimate.feed_length_mm,
         seconds=None if ex.branches else estimate.seconds, branches=ex.branches,
-        at_least=estimate.unknown_rows > 0, box=limits.box(), begin=begin, end=ends[0] if len(ends) == 1 else {},
-        unit=unit,
+        at_least=estimate.unknown_rows > 0, box=limits.box(), extents=limits.extents(),
+        begin=begin, end=ends[0] if len(ends) == 1 else {}, unit=unit,
     )  # fmt: skip
     return [language, *results], summary, [*ex.assumed, *_standing(session, waits)], ex.met_deleted
 

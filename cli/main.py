@@ -142,6 +142,30 @@ def check(
     )  # fmt: skip
 
 
+@cli.command(short_help="Say where the work zero may go.")
+@_JOB
+@_job_options
+@click.option("--format", "form", type=click.Choice(["text", "json"]), default="text", help="Report as text or JSON.")
+@click.option(
+    "--units", type=click.Choice(["mm", "inch"]), help="Lengths of the text report; those of the machine file else."
+)
+def fit(
+    job: Path, machine: Path | None, setup: str | None, dialect: str | None, max_blocks: int | None,
+    max_branches: int, call: str | None, render: bool, form: str, units: str | None,
+) -> int:  # fmt: skip
+    """Say for which work offsets JOB is SAFE, what to change now, and how large a machine it needs.
+
+    Exit codes: 0 SAFE with the offsets stated, or, where none are, with some; 1 UNSAFE; 2 UNKNOWN.
+    """
+    from gproof.cli.fit import run_fit
+    from gproof.cli.session import Running
+
+    return run_fit(
+        job, machine=machine, setup=setup, dialect=dialect, running=Running(max_blocks, max_branches, render, call),
+        form=form, units=units,
+    )  # fmt: skip
+
+
 @cli.command()
 @_JOB
 @_job_options

@@ -534,9 +534,9 @@ class Limits(Check):
                 out.append(Condition(terms=form, low=low, high=high))
         return tuple(out)
 
-    def box(self) -> list[tuple[str, str, float, float]]:
-        """(axis, what the numbers are relative to, low, high) of each axis that moves, for the summary."""
-        out: list[tuple[str, str, float, float]] = []
+    def extents(self) -> list[tuple[int, Affine, float, float]]:
+        """(axis, unknown offsets the numbers are relative to, low, high) of each axis that moves."""
+        out: list[tuple[int, Affine, float, float]] = []
         if self._trace is None:
             return out
         for index in range(AXES):
@@ -557,6 +557,9 @@ class Limits(Check):
                     least, most = least + known.low, most + known.high
                 seen = by_form.setdefault(form, [math.inf, -math.inf])
                 seen[0], seen[1] = min(seen[0], least), max(seen[1], most)
-            for form, (least, most) in by_form.items():
-                out.append((self.machine.word(index).lower(), describe(form), least, most))
+            out += [(index, form, least, most) for form, (least, most) in by_form.items()]
         return out
+
+    def box(self) -> list[tuple[str, str, float, float]]:
+        """The same for the summary: (letter of the axis, what the numbers are relative to, low, high)."""
+        return [(self.machine.word(n).lower(), describe(form), low, high) for n, form, low, high in self.extents()]

@@ -111,3 +111,12 @@ def _mapped(axis: Axis, turned: Reach | None, setup: Setup) -> Reach:
             high = [None if zero is None or from_[1] is None else zero + from_[1] * mm for zero in zeros]
             into.append((_least(low), _most(high)) if outer else (_most(low), _least(high)))
     return Reach(axis, (stated[0], stated[1]), (sure[0], sure[1]), "the mapping of Y onto A")
+
+
+def needed(drive: Drive, low: float, high: float, *, placed: bool) -> tuple[float, float]:
+    """The limits that leave a motor the axis positions from ``low`` to ``high``: the other way round than ``_reach``.
+
+    placed: they are machine positions; else only their distance counts, and a pitch table adds what is not known.
+    """
+    table = drive.pitch if placed else None
+    return min(_readings(table, low)) - drive.backlash, max(_readings(table, high)) + drive.backlash

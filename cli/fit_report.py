@@ -1,0 +1,230 @@
+"""What ``gproof fit`` says: a table for the machinist, or the JSON report of docs/fit.md."""
+
+from __future__ import annotations
+
+import math
+
+import click
+
+from gproof.cli.fit_answer import Fit, Range, Travel, smallest
+from gproof.cli.judge import Judgement
+from gproof.cli.lengths import CHOICES, LengthUnit, unit_of
+from gproof.cli.report import coloured, distinct, finding_json, print_findings
+from gproof.cli.session import Session
+from gproof.ir.finding import Findings, Severity
+from gproof.ir.record import record
+from gproof.ir.verdict import Verdict
+from gproof.passes.values import describe
+
+SCHEMA = "gproof-fit/1"
+_SHADES = {Verdict.SAFE: "green", Verdict.UNSAFE: "red", Verdict.UNKNOWN: "magenta"}
+
+
+@record(frozen=True, slots=True, kw_only=True)
+class Told:
+    """All that a report is made from. judgement: of the job with its offsets open; stated: with those stated."""
+
+    session: Session
+    judgement: Judgement
+    stated: Judgement | None
+    fit: Fit
+    travel: tuple[Travel, ...] | None
+
+
+def print_fit(told: Told, units: str | None) -> None:
+    """The answer as text: what is in the way, the ranges, the travel."""
+    fit = told.fit
+    unit = unit_of(told.session.machine.unit) if units is None else CHOICES[units]
+    blocking = blocking_findings(told)
+    if blocking.kept:
+        print_findings(blocking, unit=unit)
+        click.echo()
+    verdict = fit.verdict.value
+    if coloured():
+        verdict = click.style(verdict, fg=_SHADES[fit.verdict], bold=True)
+    click.echo(f"{told.session.job}: {verdict}, {headline(fit)}")
+    for label, lines in (
+        ("safe for", _range_lines(fit, unit)),
+        ("note", _notes(fit)),
+        ("needs", _travel_lines(told.travel, unit)),
+        ("smallest", _smallest_line(told.travel, unit)),
+        ("assuming", [unit.sentence(line) for line in assumptions(told)]),
+        ("machine", [told.session.machine.name]),
+        ("setup", [told.session.setup.name]),
+    ):
+        for n, line in enumerate(lines):
+            click.echo(f"  {'' if n else label:<9} {line}".rstrip())
+
+
+def headline(fit: Fit) -> str:
+    """What the answer comes to, in some words."""
+    moved = [one for one in fit.ranges if one.fits is False]
+    if fit.kind == "none":
+        return "and no work offset changes that" if fit.now is not Verdict.SAFE else "with the offsets as stated"
+    if fit.kind == "unknown":
+        if fit.now is Verdict.SAFE:
+            return "with the offsets as stated; where else the zero may be is not known"
+        return "where the zero may be is not known"
+    if not fit.ranges:
+        return "and no work offset of the setup moves this job"
+    if fit.open_sides:
+        return "because limits are missing"
+    if fit.now is None:
+        return "with the offsets in these ranges"
+    if moved:
+        worst = [f"{abs(one.short):.4g} {one.unit} short on {one.name}" for one in moved]
+        return f"the zero is {', '.join(worst)}"
+    return "the zero can stay where it is" if fit.now is Verdict.SAFE else "with the offsets as stated"
+
+
+def blocking_findings(told: Told) -> Findings:
+    """Errors and unknowns that no offset takes away: those of the job with its offsets open."""
+    out = Findings()
+    if told.fit.kind == "ranges" and not told.fit.open_sides:
+        return out
+    for finding in told.judgement.findings.kept:
+        if finding.severity in (Severity.ERROR, Severity.UNKNOWN):
+            out.add(finding)
+    return out
+
+
+def assumptions(told: Told) -> list[str]:
+    """What the ranges stand on."""
+    found = [*told.judgement.assumptions, *(a for r in told.judgement.properties for a in r.assumptions)]
+    return list(dict.fromkeys(one for one in found if not one.startswith("setup zero")))
+
+
+def _range_lines(fit: Fit, unit: LengthUnit) -> list[str]:
+    """A line for each offset, in columns: name, from, to, where it is now, what to change."""
+    rows = []
+    for one in fit.ranges:
+        low = unit.inward(one.low, one.unit, up=True) if math.isfinite(one.low) else "any"
+        high = unit.inward(one.high, one.unit, up=False) if math.isfinite(one.high) else "any"
+        rows.append((one.name, low, high, unit.named(one.unit), _now(one, unit), _change(one, unit)))
+    if not rows:
+        return []
+    wide = [max(len(row[n]) for row in rows) for n in range(6)]
+    return [
+        f"{name:<{wide[0]}}  {low:>{wide[1]}} ... {high:>{wide[2]}} {own:<{wide[3]}}  "
+        f"{'now ' + now if now else '':<{wide[4] + 4}}  {change}".rstrip()
+        for name, low, high, own, now, change in rows
+    ]
+
+
+def _now(one: Range, unit: LengthUnit) -> str:
+    if one.now is None:
+        return ""
+    if one.now.exact:
+        return unit.place(one.now.low, one.unit)
+    return f"{unit.place(one.now.low, one.unit)} to {unit.place(one.now.high, one.unit)}"
+
+
+def _change(one: Range, unit: LengthUnit) -> str:
+    """``3.2000 short: add 3.2000 ... 12.0000``, rounded so that it is enough."""
+    if one.now is None:
+        return ""
+    if one.fits:
+        return "fits"
+    by = unit.inward(abs(one.short), one.unit, up=True)
+    if one.move is None:
+        return f"{by} short, and its own range is too wide"
+    low, high = one.move
+    ends = [unit.inward(end, one.unit, up=up) for end, up in ((low, True), (high, False)) if math.isfinite(end)]
+    signed = [end if end.startswith("-") else f"+{end}" for end in ends]
+    return f"{by} short: move by {' ... '.join(signed)}"
+
+
+def _notes(fit: Fit) -> list[str]:
+    out = [f"{message[0].upper()}{message[1:]}: that side is open here" for message in fit.open_sides]
+    if fit.kind == "ranges" and not fit.complete:
+        out.append("there may be further offsets that are SAFE: these are on one side of what is in the way")
+    return out
+
+
+def _travel_lines(travel: tuple[Travel, ...] | None, unit: LengthUnit) -> list[str]:
+    """A line for each motor and what it moves with."""
+    if travel is None:
+        return ["not known: not all of the path is"]
+    rows = []
+    for one in travel:
+        low, high = one.limits
+        size = None if low is None or high is None else high - low
+        has = "not given" if size is None else f"{unit.place(size, one.unit)} {unit.named(one.unit)}"
+        beside = f"from {describe(one.relative)}" if one.relative else "machine coordinates"
+        more = ", more with its pitch table" if one.bends else ""
+        rows.append((
+            one.motor, unit.place(one.low, one.unit), unit.place(one.high, one.unit),
+            f"{unit.place(one.size, one.unit)} {unit.named(one.unit)}", has, beside + more,
+        ))  # fmt: skip
+    wide = [max((len(row[n]) for row in rows), default=0) for n in range(6)]
+    return [
+        f"{motor:<{wide[0]}}  {low:>{wide[1]}} ... {high:>{wide[2]}}  {size:>{wide[3]}} of {has:>{wide[4]}}  {beside}"
+        for motor, low, high, size, has, beside in rows
+    ]
+
+
+def _smallest_line(travel: tuple[Travel, ...] | None, unit: LengthUnit) -> list[str]:
+    """``X 293.000 x Y 193.000 x Z 95.800 mm``, rotary axes behind."""
+    if not travel:
+        return []
+    own = {one.motor: one.unit for one in travel}
+    sizes = smallest(travel)
+    lengths = " x ".join(f"{m} {unit.place(s, 'mm')}" for m, s in sizes.items() if own[m] == "mm")
+    turns = ", ".join(f"{m} {unit.place(s, 'deg')} deg" for m, s in sizes.items() if own[m] != "mm")
+    return [", ".join(part for part in (f"{lengths} {unit.name}" if lengths else "", turns) if part)]
+
+
+def report_json(told: Told) -> dict[str, object]:
+    """The stable JSON report; docs/fit.md defines it."""
+    session, fit = told.session, told.fit
+    return {
+        "schema": SCHEMA,
+        "job": str(session.job),
+        "dialect": {"name": session.dialect, "reason": session.dialect_reason},
+        "machine": session.machine.name,
+        "setup": session.setup.name,
+        "inputs": [{"file": name, "sha256": digest, "role": role} for name, digest, role in session.inputs],
+        "verdict": fit.verdict.value,
+        "exit_code": fit.verdict.exit_code,
+        "stated": None if fit.now is None else fit.now.value,
+        "kind": fit.kind,
+        "complete": fit.complete if fit.kind == "ranges" else False,
+        "offsets": [_range_json(one) for one in fit.ranges],
+        "travel": None if told.travel is None else [_travel_json(one) for one in told.travel],
+        "smallest_machine": {} if told.travel is None else smallest(told.travel),
+        "assumptions": assumptions(told),
+        "findings": [finding_json(f, n) for f, n in distinct(blocking_findings(told))],
+    }
+
+
+def _range_json(one: Range) -> dict[str, object]:
+    move = one.move
+    return {
+        "name": one.name,
+        "terms": [{"symbol": s, "coefficient": k} for s, k in one.terms],
+        "unit": one.unit,
+        "low": _finite(one.low),
+        "high": _finite(one.high),
+        "now": None if one.now is None else {"low": one.now.low, "high": one.now.high},
+        "fits": one.fits,
+        "short": one.short,
+        "move": None if move is None else {"low": _finite(move[0]), "high": _finite(move[1])},
+    }
+
+
+def _travel_json(one: Travel) -> dict[str, object]:
+    return {
+        "motor": one.motor,
+        "axis": one.axis,
+        "unit": one.unit,
+        "relative_to": [{"symbol": s, "coefficient": k} for s, k in one.relative],
+        "low": one.low,
+        "high": one.high,
+        "size": one.size,
+        "machine": {"low": one.limits[0], "high": one.limits[1]},
+    }
+
+
+def _finite(value: float) -> float | None:
+    """JSON has no infinities."""
+    return value if math.isfinite(value) else None

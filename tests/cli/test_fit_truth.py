@@ -1,0 +1,170 @@
+"""`gproof fit` says what `gproof check` says: inside its ranges every offset is SAFE, outside of them none is.
+
+The jobs are those of the metamorphic tests, random programs with limits close around them; offsets are tried inside,
+a millionth of a millimetre before and behind each end, and far outside.
+"""
+
+from __future__ import annotations
+
+import random
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import pytest
+from metamorphic import test_verdicts as eding
+from metamorphic import wincnc_jobs as wincnc
+from metamorphic.jobs import Job, Known
+from metamorphic.jobs import run as run_eding
+from metamorphic.programs import Can
+from metamorphic.test_wincnc_spelling import job_of, judged_near, random_job
+from metamorphic.test_wincnc_verdicts import CALM
+from metamorphic.wincnc_jobs import run as run_wincnc
+from support.judging import UNBOUNDED
+
+from gproof.cli.fit_answer import Fit, Range, fit_of
+from gproof.cli.fit_open import opened
+from gproof.cli.judge import judge
+from gproof.cli.session import Running, open_session
+from gproof.ir.verdict import Verdict
+
+EDGE = 1e-6
+FAST = 30
+SEEDS = [pytest.param(0, FAST, id="0")]
+MORE = [pytest.param(70_000 + n * 100, 100, id=f"soak-{n}", marks=pytest.mark.soak) for n in range(8)]
+seeds = pytest.mark.parametrize(("first", "count"), [*SEEDS, *MORE])
+
+
+def fit_job(folder: Path, machine: str = "machine.toml", job: str = "job.cnc", dialect: str = "eding") -> Fit:
+    """The answer for the files that lie in a folder."""
+    session = open_session(folder / job, machine=folder / machine, setup=str(folder / "setup.toml"), dialect=dialect)
+    other, asked = opened(session)
+    running = Running(UNBOUNDED)
+    judged = judge(other, running=running)
+    stated = judge(session, running=running) if asked.anything else None
+    return fit_of(session.machine, asked, judged, stated)
+
+
+def with_work(job: Job, values: dict[str, float]) -> Job:
+    """The job with these offsets stated, by symbol."""
+    work: dict[int, Known] = {n: dict(row) for n, row in job.work.items()}
+    for symbol, value in values.items():
+        _, number, axis = symbol.split(".")
+        work[int(number)][axis] = value
+    return replace(job, work=work)
+
+
+def within(rng: random.Random, one: Range) -> float:
+    """A value inside the range, or just inside of an end."""
+    low, high = max(one.low, -1e5), min(one.high, 1e5)
+    if high - low < 4 * EDGE:
+        return (low + high) / 2
+    return rng.choice((low + EDGE, high - EDGE, rng.uniform(low + EDGE, high - EDGE)))
+
+
+def outside(rng: random.Random, one: Range) -> float | None:
+    """A value just behind an end, or far behind it; None for a range without ends."""
+    ends = [end for end in ((one.low, -1.0), (one.high, 1.0)) if abs(end[0]) < 1e5]
+    if not ends:
+        return None
+    end, sign = rng.choice(ends)
+    return end + sign * rng.choice((EDGE, 0.1, 50.0))
+
+
+def single(fit: Fit) -> list[Range]:
+    """Ranges of one offset each; sums are tried by `test_bounded_offsets` and the like."""
+    return [one for one in fit.ranges if len(one.terms) == 1 and one.terms[0][1] == 1]
+
+
+@seeds
+def test_ranges_are_what_check_says(first: int, count: int, tmp_path: Path) -> None:
+    kinds: dict[str, int] = {}
+    for seed in range(first, first + count):
+        rng = random.Random(seed)
+        _, job = eding.known_job(rng, tmp_path, Can(offsets=rng.random() < 0.3, transforms=rng.random() < 0.3))
+        job = replace(job, area=None)
+        before = run_eding(tmp_path, job)
+        fit = fit_job(tmp_path)
+        kinds[fit.kind] = kinds.get(fit.kind, 0) + 1
+        where = f"seed {seed}\n{job.machine_text()}{job.setup_text()}{job.program}{fit.ranges}\n{before.told()}"
+        assert fit.verdict is before.verdict, where
+        agrees(rng, tmp_path, job, fit, where)
+    print(kinds)
+    assert kinds.get("ranges", 0) > count // 3
+    assert len(kinds) > 1
+
+
+def agrees(rng: random.Random, folder: Path, job: Job, fit: Fit, where: str) -> None:
+    """Offsets inside, at the ends, outside."""
+    if fit.kind == "none":
+        values = {f"work.{n}.{axis}": rng.uniform(-60, 60) for n in (1, 2, 3) for axis in "xyza"}
+        assert run_eding(folder, with_work(job, values)).verdict is not Verdict.SAFE, f"{values}\n{where}"
+    if fit.kind != "ranges" or len(single(fit)) != len(fit.ranges):
+        return
+    for _ in range(2):
+        values = {one.terms[0][0]: within(rng, one) for one in fit.ranges}
+        inside = run_eding(folder, with_work(job, values))
+        assert inside.verdict is Verdict.SAFE, f"{values}\n{inside.told()}\n{where}"
+        if not fit.ranges:
+            return
+        one = rng.choice(fit.ranges)
+        value = outside(rng, one)
+        if value is not None:
+            beyond = {**values, one.terms[0][0]: value}
+            assert run_eding(folder, with_work(job, beyond)).verdict is not Verdict.SAFE, f"{beyond}\n{where}"
+
+
+@seeds
+def test_ranges_of_local_coordinates_are_what_check_says(first: int, count: int, tmp_path: Path) -> None:
+    kinds: dict[str, int] = {}
+    for seed in range(first, first + count // 2):
+        rng = random.Random(seed)
+        program, _ = random_job(rng, CALM)
+        job = judged_near(tmp_path, rng, job_of(program))
+        before = run_wincnc(tmp_path, job)
+        name = next(path.name for path in tmp_path.iterdir() if path.suffix.lower() == ".tap")
+        fit = fit_job(tmp_path, job=name, dialect="wincnc")
+        kinds[fit.kind] = kinds.get(fit.kind, 0) + 1
+        where = f"seed {seed}\n{job.told()}{fit.ranges}\n{before.told()}"
+        assert fit.verdict is before.verdict, where
+        if fit.kind != "ranges" or len(single(fit)) != len(fit.ranges):
+            continue
+        values = {one.terms[0][0]: within(rng, one) for one in fit.ranges}
+        inside = run_wincnc(tmp_path, with_local(job, values))
+        assert inside.verdict is Verdict.SAFE, f"{values}\n{inside.told()}\n{where}"
+        if fit.ranges:
+            one = rng.choice(fit.ranges)
+            value = outside(rng, one)
+            if value is not None:
+                beyond = {**values, one.terms[0][0]: value}
+                assert run_wincnc(tmp_path, with_local(job, beyond)).verdict is not Verdict.SAFE, f"{beyond}\n{where}"
+    print(kinds)
+    assert kinds.get("ranges", 0) > count // 8
+
+
+def with_local(job: wincnc.Job, values: dict[str, float]) -> wincnc.Job:
+    """The job with these local coordinates stated; the column of W is a."""
+    local: dict[str, Any] = dict(job.local)
+    for symbol, value in values.items():
+        axis = symbol.split(".")[1]
+        local["w" if axis == "a" else axis] = value
+    return replace(job, local=local)
+
+
+def test_a_moved_job_has_moved_ranges(tmp_path: Path) -> None:
+    """All absolute words of X up by a number: the ranges of X down by it, all else the same."""
+    rng = random.Random(11)
+    job = Job(program="", limits={"x": (-50.0, 300.0), "y": (0.0, 200.0), "z": (-80.0, 20.0)})
+    for _ in range(20):
+        by = rng.randrange(-640, 640) / 16
+        lines = [(rng.randrange(-800, 800) / 16, rng.randrange(-640, 640) / 16) for _ in range(4)]
+        answers = []
+        for shift in (0.0, by):
+            body = "".join(f"G1 X{x + shift} Y{y} Z{-y / 8} F500\n" for x, y in lines)
+            run_eding(tmp_path, replace(job, program=f"G21 G90 G17 G94 G40 G49 G54\nG0 X{shift}\n{body}M30\n"))
+            answers.append(fit_job(tmp_path))
+        one, other = answers
+        assert one.kind == other.kind == "ranges"
+        for a, b in zip(one.ranges, other.ranges, strict=True):
+            down = by if a.name.endswith("X") else 0.0
+            assert (b.low, b.high) == (a.low - down, a.high - down)
