@@ -89,7 +89,6 @@ def test_ranges_are_what_check_says(first: int, count: int, tmp_path: Path) -> N
         where = f"seed {seed}\n{job.machine_text()}{job.setup_text()}{job.program}{fit.ranges}\n{before.told()}"
         assert fit.verdict is before.verdict, where
         agrees(rng, tmp_path, job, fit, where)
-    print(kinds)
     assert kinds.get("ranges", 0) > count // 3
     assert len(kinds) > 1
 
@@ -138,7 +137,6 @@ def test_ranges_of_local_coordinates_are_what_check_says(first: int, count: int,
             if value is not None:
                 beyond = {**values, one.terms[0][0]: value}
                 assert run_wincnc(tmp_path, with_local(job, beyond)).verdict is not Verdict.SAFE, f"{beyond}\n{where}"
-    print(kinds)
     assert kinds.get("ranges", 0) > count // 8
 
 

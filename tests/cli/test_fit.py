@@ -1,0 +1,200 @@
+"""`gproof fit`: values by hand, units, and one line for what can not be asked."""
+
+from __future__ import annotations
+
+import json
+import re
+from pathlib import Path
+from typing import Any
+
+import pytest
+from support.command import Done, in_this_process
+
+MACHINE = """schema = "gproof-machine/1"
+units = "mm"
+[axes.x]
+min = 0
+max = 100
+[axes.y]
+min = -20
+max = 60
+backlash = 0.5
+[[axes.y.slaves]]
+min = -10
+max = 60
+[axes.z]
+min = -50
+max = 0
+[axes.a]
+min = -90
+max = 90
+[tools.1]
+length = 12
+"""
+SETUP = """schema = "gproof-setup/1"
+homed = ["x", "y", "z", "a"]
+active_work = 1
+tool = 1
+start = {x = 0.0, y = 0.0, z = 0.0, a = 0.0}
+g92 = {x = 0.0, y = 0.0, z = 0.0, a = 0.0}
+"""
+JOB = "G21 G90 G17 G94 G40 G54 G43 H1\nG0 Z5\nG0 X-5 Y2\nG1 X30 Y-8 Z-1 F300\nG0 A45\nG0 Z5\nM30\n"
+ONE_LINE = re.compile(r"gproof(?: \w+)?: error: [^\n]+\n\Z")
+
+
+def put(folder: Path, job: str = JOB, machine: str = MACHINE, setup: str = SETUP) -> None:
+    for name, text in (("job.cnc", job), ("machine.toml", machine), ("setup.toml", setup)):
+        (folder / name).write_text(text, encoding="utf-8")
+
+
+def fit(folder: Path, *more: str) -> Done:
+    words = ["fit", "job.cnc", "--machine", "machine.toml", "--setup", "setup.toml", "--dialect", "eding"]
+    return in_this_process([*words, *more], folder)
+
+
+def report(folder: Path) -> dict[str, Any]:
+    return json.loads(fit(folder, "--format", "json").out)
+
+
+def test_ranges_by_hand(tmp_path: Path) -> None:
+    """X: -5 … 30 in 0 … 100. Y: -8 … 2 in -10 … 60 of the slave less 0.5. Z with a tool of 12: 11 … 17. A: 45."""
+    put(tmp_path, setup=SETUP + "[work.1]\nx = 3.0\ny = 0.0\nz = -20.0\na = 0.0\n")
+    told = report(tmp_path)
+    ranges = {one["name"]: (one["low"], one["high"]) for one in told["offsets"]}
+    assert ranges == {"G54 X": (5.0, 70.0), "G54 Y": (-1.5, 57.5), "G54 Z": (-61.0, -17.0), "G54 A": (-135.0, 45.0)}
+    assert (told["verdict"], told["kind"], told["complete"]) == ("UNSAFE", "ranges", True)
+    x = told["offsets"][0]
+    assert (x["fits"], x["short"], x["move"]) == (False, 2.0, {"low": 2.0, "high": 67.0})
+    needs = {one["motor"]: (one["low"], one["high"]) for one in told["travel"]}
+    # With the offsets as stated, from the start on: a motor with backlash needs as much more at both ends.
+    assert needs == {"X": (-2.0, 33.0), "Y": (-8.5, 2.5), "Y2": (-8.5, 2.5), "Z": (-9.0, 0.0), "A": (0.0, 45.0)}
+    assert told["smallest_machine"] == {"X": 35.0, "Y": 11.0, "Y2": 11.0, "Z": 9.0, "A": 45.0}
+
+
+def test_text_says_what_to_type(tmp_path: Path) -> None:
+    put(tmp_path, setup=SETUP + "[work.1]\nx = 3.0\ny = 0.0\nz = -20.0\na = 0.0\n")
+    lines = fit(tmp_path).out.split("\n")
+    assert lines[0] == "job.cnc: UNSAFE, the zero is 2 mm short on G54 X"
+    assert lines[1:5] == [
+        "  safe for  G54 X     5.0000 ...  70.0000 mm   now 3.000    2.0000 short: move by +2.0000 ... +67.0000",
+        "            G54 Y    -1.5000 ...  57.5000 mm   now 0.000    fits",
+        "            G54 Z   -61.0000 ... -17.0000 mm   now -20.000  fits",
+        "            G54 A  -135.0000 ...  45.0000 deg  now 0.000    fits",
+    ]
+
+
+def test_inches_are_rounded_inwards(tmp_path: Path) -> None:
+    put(tmp_path, setup=SETUP + "[work.1]\nx = 3.0\ny = 0.0\nz = -20.0\na = 0.0\n")
+    lines = fit(tmp_path, "--units", "inch").out.split("\n")
+    # 5 and 70 mm are 0.196850... and 2.755905... inches.
+    assert "G54 X     0.1969 ...  2.7559 inch  now 0.1181" in lines[1]
+
+
+def test_without_offsets_there_are_some(tmp_path: Path) -> None:
+    put(tmp_path)
+    told = report(tmp_path)
+    assert (told["verdict"], told["stated"], told["exit_code"]) == ("SAFE", None, 0)
+    assert all(one["now"] is None and one["fits"] is None for one in told["offsets"])
+    assert {tuple(t["symbol"] for t in one["relative_to"]) for one in told["travel"] if one["axis"] == "X"} == {
+        (), ("work.1.x",)
+    }  # fmt: skip
+
+
+def test_an_offset_that_is_a_range(tmp_path: Path) -> None:
+    put(tmp_path, setup=SETUP + "[work.1]\nx = [4.0, 80.0]\ny = [1.0, 2.0]\nz = -20.0\na = 0.0\n")
+    x, y, *_ = report(tmp_path)["offsets"]
+    assert (x["fits"], x["short"], x["move"]) == (False, 1.0, None)
+    assert (y["fits"], y["move"]) == (True, {"low": -2.5, "high": 55.5})
+
+
+def test_a_tool_length_that_is_a_range_holds_for_all_of_it(tmp_path: Path) -> None:
+    setup = SETUP + "[tools.2]\nlength = [10.0, 14.0]\n"
+    put(tmp_path, job=JOB.replace("H1", "H2"), setup=setup)
+    z = next(one for one in report(tmp_path)["offsets"] if one["name"] == "G54 Z")
+    assert (z["low"], z["high"]) == (-50.0 - 9.0, 0.0 - 19.0)
+
+
+def test_moves_in_machine_coordinates_are_fixed(tmp_path: Path) -> None:
+    put(tmp_path, job=JOB.replace("M30", "G53 G0 X90\nM30"))
+    told = report(tmp_path)
+    assert next((o["low"], o["high"]) for o in told["offsets"] if o["name"] == "G54 X") == (5.0, 70.0)
+    put(tmp_path, job=JOB.replace("M30", "G53 G0 X101\nM30"))
+    told = report(tmp_path)
+    assert (told["kind"], told["verdict"]) == ("none", "UNSAFE")
+    assert [f["code"] for f in told["findings"]] == ["GP301"]
+
+
+def test_a_path_that_depends_on_the_offset_is_unknown(tmp_path: Path) -> None:
+    job = JOB.replace("M30", "G53 G0 X[#5221 * 2]\nM30")
+    put(tmp_path, job=job)
+    told = report(tmp_path)
+    assert (told["kind"], told["verdict"], told["offsets"]) == ("unknown", "UNKNOWN", [])
+    assert "#5221" in told["findings"][0]["message"]
+    put(tmp_path, job=job, setup=SETUP + "[work.1]\nx = 10.0\ny = 0.0\nz = -20.0\na = 0.0\n")
+    told = report(tmp_path)
+    assert (told["kind"], told["verdict"], told["stated"]) == ("unknown", "SAFE", "SAFE")
+    assert fit(tmp_path).exit == 0
+    assert "where else the zero may be is not known" in fit(tmp_path).out
+
+
+def test_a_job_too_long_for_the_machine(tmp_path: Path) -> None:
+    put(tmp_path, job=JOB.replace("X30", "X96"))
+    told = report(tmp_path)
+    assert (told["kind"], told["verdict"], told["exit_code"]) == ("none", "UNSAFE", 1)
+    assert told["smallest_machine"]["X"] == 101.0
+    assert "and no work offset changes that" in fit(tmp_path).out
+
+
+def test_limits_that_are_not_given_are_open_and_named(tmp_path: Path) -> None:
+    put(tmp_path, machine=MACHINE.replace("min = 0\nmax = 100\n", "max = 100\n"))
+    told = report(tmp_path)
+    x = told["offsets"][0]
+    assert (told["verdict"], told["exit_code"], x["low"], x["high"]) == ("UNKNOWN", 2, None, 70.0)
+    out = fit(tmp_path).out
+    assert "UNKNOWN, because limits are missing" in out
+    assert re.search(r"G54 X +any \.\.\. +70\.0000 mm", out)
+    assert "The lower limit of X is not known: that side is open here" in out
+
+
+def test_a_switch_that_is_not_stated_is_judged_both_ways(tmp_path: Path) -> None:
+    put(tmp_path, job=JOB.replace("M30", "/G0 X60\nM30"))
+    told = report(tmp_path)
+    assert (told["offsets"][0]["low"], told["offsets"][0]["high"]) == (5.0, 40.0)
+    assert max(one["high"] for one in told["travel"] if one["relative_to"]) >= 60.0
+
+
+WRONG = [
+    (["fit", "job.cnc"], "--machine"),
+    (["fit", "missing.cnc", "--machine", "machine.toml"], "missing.cnc"),
+    (["fit", "job.cnc", "--machine", "missing.toml"], "missing.toml"),
+    (["fit", "job.cnc", "--machine", "."], "directory"),
+    (["fit", "job.cnc", "--machine", "job.cnc"], "job.cnc"),
+    (["fit", "job.cnc", "--machine", "machine.toml", "--setup", "nothing.toml"], "nothing.toml"),
+    (["fit", "job.cnc", "--machine", "machine.toml", "--setup", "."], "directory"),
+    (["fit", "job.cnc", "--machine", "machine.toml", "--dialect", "fanuc"], "fanuc"),
+    (["fit", "job.cnc", "--machine", "machine.toml", "--format", "sarif"], "sarif"),
+    (["fit", "job.cnc", "--machine", "machine.toml", "--units", "yards"], "yards"),
+    (["fit", "job.cnc", "--machine", "machine.toml", "--max-blocks", "0"], "0"),
+    (["fit", "job.cnc", "--machine", "machine.toml", "--call", "nothing"], "nothing"),
+    (["fit", "machine.toml", "--machine", "machine.toml"], "no program"),
+    (["fit", "--machine", "machine.toml"], "JOB"),
+    (["fit", "job.cnc", "job.cnc", "--machine", "machine.toml"], "job.cnc"),
+    (["fit", "job.cnc", "--machine", "machine.toml", "--where"], "--where"),
+]
+
+
+@pytest.mark.parametrize(("words", "named"), WRONG, ids=[" ".join(words) for words, _ in WRONG])
+def test_wrong_words_are_one_line(words: list[str], named: str, tmp_path: Path) -> None:
+    put(tmp_path)
+    done = in_this_process(words, tmp_path)
+    assert done.exit == 3
+    assert done.out == ""
+    assert ONE_LINE.search(done.err), done.err
+    assert named in done.err
+
+
+def test_a_job_that_can_not_be_read_as_a_program(tmp_path: Path) -> None:
+    put(tmp_path, job="")
+    told = report(tmp_path)
+    assert told["kind"] in ("none", "unknown")
+    assert told["exit_code"] in (1, 2)
