@@ -406,7 +406,30 @@ ARC_ILL_CONDITIONED = code(
     406,
     "arc-ill-conditioned",
     _W,
-    "a radius arc of {degrees:.2f} degrees: its centre is badly determined",
+    "a radius arc of {degrees:.2f} degrees: rounding to {digits} decimals moves its centre by up to {off:.4f} {unit}, "
+    "{factor:.0f} times as much",
+    "arcs",
+)
+ARC_UNDER_MINIMUM = code(
+    407,
+    "arc-under-minimum",
+    _N,
+    "radius {radius:.6f} {unit} is under the smallest one for an arc, {allowed:g}: the controller cuts a straight line",
+    "arcs",
+)
+ARC_CLOSES = code(
+    408,
+    "arc-nearly-closes",
+    _W,
+    "the arc ends {chord:.6f} {unit} from where it begins, after {degrees:.4f} degrees; rounded otherwise it would be "
+    "{other:.4f}",
+    "arcs",
+)
+ARC_HUGE = code(
+    409,
+    "arc-huge-radius",
+    _W,
+    "a radius of {radius:.0f} {unit}: over {chord:.4f} {unit} that is a line, within {off:.2g} {unit}",
     "arcs",
 )
 CONCAVE_CORNER = code(

@@ -127,8 +127,18 @@ def row_boxes(
     return bad
 
 
-@kernel(seconds_per_unit=1e-6, compile_seconds=0.2)
-def radius_errors(
+ROUNDED = 0.005
+"""mm: ends of an arc so near to each other may be one point, rounded differently."""
+MEANT_CLOSED = 1e-4
+"""mm: below every usual rounding; ends so near to each other were surely meant to be one point."""
+HUGE = 1e6
+"""mm: no machine tells an arc of such a radius from a line."""
+MISMATCH, CLOSES, IS_HUGE = 0, 1, 2
+"""What ``odd_arcs`` finds."""
+
+
+@kernel(seconds_per_unit=1e-6, compile_seconds=0.25)
+def odd_arcs(
     op: Any,
     to: Any,
     center: Any,
@@ -136,16 +146,22 @@ def radius_errors(
     plane: Any,
     state: Any,
     tolerance: Any,
+    made: Any,
     position: Any,
+    counts: Any,
     rows: Any,
     start: Any,
     end: Any,
-) -> int:
-    """Arcs whose start and end radius differ by more than ``tolerance[state]`` mm: rows with both radii.
+    chord: Any,
+) -> None:
+    """Arcs to tell of, by kind.
 
-    position: (6,) before the first row, updated. Returns their number, which may exceed the size of ``rows``.
+    MISMATCH: start and end radius differ by more than ``tolerance[state]`` mm; CLOSES: an arc of one turn at most whose
+    ends are not one point and nearer than rounding, in states with ``made`` 1 (the controller makes arcs) the long
+    way round only; IS_HUGE: its radius. position: (6,) before the first row, updated;
+    counts: (3,) how many of each kind, which may exceed the width of the other outputs; rows, start, end, chord: (3, n)
+    rows, both radii and the distance of the ends, mm.
     """
-    found = 0
     for row in range(len(op)):
         if op[row] == 3:
             p = plane[row]
@@ -154,16 +170,32 @@ def radius_errors(
             u0, v0 = position[u] - center[row, u], position[v] - center[row, v]
             u1, v1 = to[row, u] - center[row, u], to[row, v] - center[row, v]
             r0, r1 = math.sqrt(u0 * u0 + v0 * v0), math.sqrt(u1 * u1 + v1 * v1)
-            if abs(r0 - r1) > tolerance[state[row]]:
-                if found < len(rows):
-                    rows[found] = row
-                    start[found] = r0
-                    end[found] = r1
-                found += 1
+            apart = math.sqrt((u1 - u0) * (u1 - u0) + (v1 - v0) * (v1 - v0))
+            for kind in range(3):
+                if kind == 0:
+                    odd = abs(r0 - r1) > tolerance[state[row]]
+                elif kind == 1:
+                    # The long way round where rounding may be why, and the short one where nobody means so little.
+                    onward = (u0 * v1 - v0 * u1) * turns[row]
+                    odd = (
+                        0.0 < apart <= ROUNDED
+                        and abs(turns[row]) == 1
+                        and r0 > ROUNDED
+                        and (onward < 0.0 or (apart <= MEANT_CLOSED and made[state[row]] == 0))
+                    )
+                else:
+                    odd = r0 >= HUGE
+                if odd:
+                    found = counts[kind]
+                    if found < len(rows[kind]):
+                        rows[kind][found] = row
+                        start[kind][found] = r0
+                        end[kind][found] = r1
+                        chord[kind][found] = apart
+                    counts[kind] = found + 1
         if op[row] < 10:
             for axis in range(6):
                 position[axis] = to[row, axis]
-    return found
 
 
 @kernel(seconds_per_unit=3e-6, compile_seconds=0.3)

@@ -12,6 +12,7 @@ from gproof.ir.rules import Function as F
 from gproof.ir.trace import KNIFE, Op, Plane, Wait
 from gproof.passes import compensated
 from gproof.passes import execute_kernels as k
+from gproof.passes.arc_condition import radius_arc_warning
 from gproof.passes.cycles import AXES_OF_PLANE, CYCLES, run_cycle
 from gproof.passes.emitter import Emitter
 from gproof.passes.line import Line
@@ -259,12 +260,9 @@ class Motion(Emitter):
             raise Refusal(codes.ARC_SAME_POINT.at(line.span))
         if bad == k.RADIUS_UNREACHABLE:
             raise Refusal(codes.ARC_UNREACHABLE.at(line.where("R"), chord=chord, radius=abs(radius), unit="mm"))
-        degrees = 2 * math.degrees(math.asin(min(1.0, chord / (2 * abs(radius)))))
-        degrees = 360 - degrees if radius < 0 else degrees
-        if abs(degrees - 180) < 15 or degrees > 345:
-            self.findings.add(
-                codes.ARC_ILL_CONDITIONED.at(line.span, degrees=degrees, hint="give its centre with I, J, K")
-            )
+        warning = radius_arc_warning(line.span, chord, radius, self.modal.unit != 1.0)
+        if warning is not None:
+            self.findings.add(warning)
         return [y, x] if flip else [x, y]
 
     def _absolute_center(

@@ -13,7 +13,7 @@ from typing import Any
 
 from gproof.ir.kernel import kernel
 from gproof.ir.program import FLAG_BARE
-from gproof.passes.execute_kernels import LARGEST, radius_center
+from gproof.passes.execute_kernels import LARGEST, badly_conditioned, radius_center
 
 # Layout of the integer state; what a run leaves: RESET: a motion mode was set; USED: feeds of moves were taken;
 # NOTED: a line with a motion was executed; LINES: how many lines were.
@@ -267,7 +267,8 @@ def run_moves(
                 if seen & 192 or not vr > 0.0:
                     return word, row
                 c0, c1, bad = radius_center(p0, p1, t0, t1, vr * unit, 1 if motion == 4 else 0)
-                if bad != 0:
+                # Nearly half circles get a warning: Python path, as errors do.
+                if bad != 0 or badly_conditioned(p0, p1, p2, t0, t1, t2, 1, vr * unit) == 1:
                     return word, row
                 kept = 0
             else:
@@ -296,15 +297,12 @@ def run_moves(
                     return word, row
                 t0, t1 = p0, p1
             if radius < floats[SMALLEST]:
-                c0 = c1 = 0.0
-                rate = agreed(floats, feeds if shares else FEEDS, 3, ints[LINEAR])
-                if doubt == 1:
-                    rate = math.nan
-            else:
-                kind = 3
-                flat = 1
-                c2 = p2
-                turn = 1 if motion == 4 else -1
+                # A note says what the controller makes of it.
+                return word, row
+            kind = 3
+            flat = 1
+            c2 = p2
+            turn = 1 if motion == 4 else -1
         if t3 != p3 or t4 != p4 or t5 != p5:
             if abs(t0 - p0) < ROUNDING:
                 t0 = p0

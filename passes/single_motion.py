@@ -18,6 +18,7 @@ from gproof.ir.rules import CodeRule
 from gproof.ir.rules import Function as F
 from gproof.ir.trace import Op, Plane, Wait
 from gproof.passes import execute_kernels as k
+from gproof.passes.arc_condition import radius_arc_warning
 from gproof.passes.single_kernels import SAME, ZERO_RADIUS, agreed, distance
 from gproof.passes.single_state import LEANING, followed, turning, vertical_axes, with_pair
 from gproof.passes.values import NOWHERE, Position, Unknown, Value, describe
@@ -512,7 +513,8 @@ def arc(ex: Motion, line: Command, rule: CodeRule) -> None:
     if abs(at_end - radius) > s.arc_tolerance() + SAME:
         raise Refusal(
             codes.ARC_RADIUS_MISMATCH.at(
-                line.span, start=radius, end=at_end, off=abs(at_end - radius), allowed=s.arc_tolerance(), unit="mm"
+                line.span, start=radius, end=at_end, off=abs(at_end - radius), allowed=s.arc_tolerance(), unit="mm",
+                hint="the controller stops with Arc Radius; arc_err= of its settings is what it allows",
             )
         )  # fmt: skip
     if same:
@@ -564,6 +566,9 @@ def _make(
     switch_output(ex, line, cutting=True)
     smallest = ex.machine.controller.controls.smallest_arc
     if smallest is not None and radius < smallest:
+        closed = all(abs(target[axis].value - s.position[axis].value) < SAME for axis in (0, 1))
+        hint = "the arc is a full circle, so nothing of it is cut" if closed else ""
+        ex.findings.add(codes.ARC_UNDER_MINIMUM.at(line.span, radius=radius, allowed=smallest, unit="mm", hint=hint))
         if s.feed_mode != 93:
             use_feed(ex, line, target, {0, 1})
         ex.move(Op.FEED, target, line.span)
@@ -603,9 +608,12 @@ def _center(
         )
         if bad == k.RADIUS_SAME_POINT:
             raise Refusal(codes.ARC_SAME_POINT.at(line.span))
+        chord = math.hypot(end[0].value - start[0].value, end[1].value - start[1].value)
         if bad == k.RADIUS_UNREACHABLE:
-            chord = math.hypot(end[0].value - start[0].value, end[1].value - start[1].value)
             raise Refusal(codes.ARC_UNREACHABLE.at(line.where("R"), chord=chord, radius=radius, unit="mm"))
+        warning = radius_arc_warning(line.span, chord, radius, s.unit != 1.0)
+        if warning is not None:
+            ex.findings.add(warning)
         s.single = s.single.but(center=None)
         return [x, y]
     kept = s.single.center
