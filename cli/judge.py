@@ -20,6 +20,7 @@ from gproof.ir.record import field, record
 from gproof.ir.trace import Affine, Chunk, Frame, Op, Wait, verify_rows
 from gproof.ir.verdict import DEFAULT_POLICY, Condition, PropertyResult, Verdict, worst
 from gproof.passes.arc_radius import ArcRadius
+from gproof.passes.beside import InOrder
 from gproof.passes.boundaries import Boundaries
 from gproof.passes.execute import Executor
 from gproof.passes.knife import follow_knife
@@ -133,6 +134,7 @@ def _pass(
     edges = Boundaries(machine, setup, findings)
     added = added_checks(properties, session.program, machine, setup, findings)
     estimate = MotionEstimate(machine)
+    timed = InOrder(estimate.feed)
     sections, waits = 0, set[Wait]()
     begin: dict[str, float] = {}
     ends: list[dict[str, float]] = []
@@ -151,10 +153,11 @@ def _pass(
         waits.update(edge.wait for edge in chunk.edges)
         for check in (*checks, edges, *added):
             check.feed(chunk)
-        estimate.feed(chunk)
+        timed(chunk, len(chunk.rows))
         sections += chunk.last
         if observe is not None:
             observe(chunk)
+    timed.wait()
     estimate.finish()
     fits = _together(session, findings, limits.finish(), edges.finish())
     area.given(fits.conditions)

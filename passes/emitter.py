@@ -12,6 +12,7 @@ from gproof.ir.program import Input, Named, Program, Statement
 from gproof.ir.rules import CodeRule
 from gproof.ir.setup import Interval, Setup
 from gproof.ir.trace import Edge, Op, Trace, Wait
+from gproof.passes.beside import Ahead
 from gproof.passes.compiled import Condition, FastBlock
 from gproof.passes.din_state import whole_numbers
 from gproof.passes.expressions import Evaluator
@@ -108,6 +109,7 @@ class Emitter:
         self._places: dict[int, dict[str, int]] = {}
         self._whole = whole_numbers(program) if program.rules.source_order else frozenset[int]()
         self._manner = manner_of(program.rules)
+        self._ahead = Ahead(program)
         self.rows = RowBuffer(self.trace, [p.value for p in self.modal.position], self._frame(), program.line_count)
 
     def _start_system(self, setup: Setup) -> None:

@@ -51,7 +51,7 @@ class Straight(Blocks):
     def _load(self, frame: Frame, table: BlockTable) -> None:
         """The next piece of the table's words."""
         frame.base = frame.next_byte
-        words, frame.next_byte, frame.line = self.program.load(table, frame.next_byte, frame.line, CHUNK_BYTES)
+        words, frame.next_byte, frame.line = self._ahead.load(table, frame.next_byte, frame.line, CHUNK_BYTES)
         if (words["flags"] & FLAG_DELETE).any():
             self.met_deleted = True
             if self.block_delete:
