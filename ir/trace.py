@@ -159,6 +159,18 @@ class Boundary:
     limit: bool = False
 
 
+@record(frozen=True, slots=True)
+class TipOffset:
+    """What a position of one axis has more than the tip of the tool has where the work's numbers count from.
+
+    mm and form: number and unknowns, for the tool that is in the spindle.
+    """
+
+    axis: int
+    mm: float
+    form: Affine = ()
+
+
 @record(frozen=True, slots=True, kw_only=True, eq=False)
 class State:
     """The slow part of the machine's state, shared by many rows.
@@ -173,6 +185,7 @@ class State:
     pair of Plane 1 or 2, whose number it is; then ``arg`` of motion rows is the programmed point in that pair.
     following: what the controller adds to the programmed path, see ``FOLLOWING``.
     boundaries: of the work, by axis; their guard is ``boundaries``.
+    tip: what positions have more than the tip of the tool, its length above all; axes that are not named: nothing.
     """
 
     tool: int = -1
@@ -194,6 +207,7 @@ class State:
     spindle_limit: float = float("nan")
     head: int = 0
     boundaries: tuple[Boundary, ...] = ()
+    tip: tuple[TipOffset, ...] = ()
 
     def __eq__(self, other: object) -> bool:
         """Bit for bit: NaN, which stands for "not stated", equals itself."""

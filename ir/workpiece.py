@@ -1,7 +1,9 @@
 """What lies on the table: stock, the part that is to be left, fixtures. Lengths in mm.
 
-Bodies stand upright: Z is the spindle's axis. Where a body counts from is its ``work``: a coordinate system of the
-program, or machine coordinates, in which heights are those of a tool's tip with no length offset in force.
+Bodies stand upright: Z is the spindle's axis, and X and Y are those of the machine, whatever turns or scales what a
+program says. Where a body counts from is its ``work``: a coordinate system of the program, with its zero where it is at
+the start of the job, local offsets (G92) included, or machine coordinates, in which heights are those of a tool's tip
+with no length offset in force.
 docs/setup-files.md defines the tables.
 """
 
@@ -17,6 +19,8 @@ TRIANGLES = Schema("triangles", Column("a", "f8", 3), Column("b", "f8", 3), Colu
 
 MACHINE = 0
 """``Placed.work`` of a body in machine coordinates."""
+ACTIVE = -1
+"""``Placed.work`` of a body that counts from the zero in force when the job begins, whichever system that is of."""
 
 
 @record(frozen=True, slots=True, kw_only=True)
@@ -67,7 +71,7 @@ Body = Box | Cylinder | Prism | Mesh
 
 @record(frozen=True, slots=True, kw_only=True)
 class Placed:
-    """A body and where it counts from: coordinate system 1 to 9 with no G92 in force, or ``MACHINE``."""
+    """A body and where it counts from: coordinate system 1 to 9, ``ACTIVE`` or ``MACHINE``."""
 
     name: str
     body: Body

@@ -343,6 +343,7 @@ def _record(ex: Motion, line: Part, number: int) -> None:
         return
     for axis in range(3):
         s.tool_offset[axis] = NOWHERE
+    ex._state_changed()
     what = f"T{number}, whose length is not 0 or not stated (when it acts, and along which axis, 2.7)"
     ex._fail(codes.UNSUPPORTED_CODE.at(line.where("T"), code=what))
 

@@ -20,7 +20,7 @@ from gproof.passes.frames import Frame, Lap, Path, Pending
 from gproof.passes.leaps import Leap
 from gproof.passes.line import Line
 from gproof.passes.manner import manner_of
-from gproof.passes.modal import Modal
+from gproof.passes.modal import Modal, stated_system
 from gproof.passes.ranges import Range
 from gproof.passes.rows import RowBuffer
 from gproof.passes.spindle import commanded_rpm, own_ramp, told
@@ -114,15 +114,12 @@ class Emitter:
 
     def _start_system(self, setup: Setup) -> None:
         """The coordinate system at the start, where the setup states its variable (3.1.3): GP235."""
-        for entry in self.program.rules.parameters:
-            value = setup.parameters.get(entry.first) if entry.kind == "work_number" else None
-            if value is None:
-                continue
-            whole = round(value)
-            if abs(value - whole) > self.program.rules.integer_tolerance or not 1 <= whole <= 9:
-                self.findings.add(codes.STARTUP_COORDINATE_SYSTEM.at(Span(setup.name, 0), value=value))
-            elif setup.active_work is None:
-                self.modal.work = whole
+        value = stated_system(self.program.rules, setup)
+        if value is None:
+            return
+        whole = round(value)
+        if abs(value - whole) > self.program.rules.integer_tolerance or not 1 <= whole <= 9:
+            self.findings.add(codes.STARTUP_COORDINATE_SYSTEM.at(Span(setup.name, 0), value=value))
 
     def spend(self, span: Span) -> None:
         """Count one executed block; Refusal GP233 when the budget is used up."""

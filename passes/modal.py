@@ -11,7 +11,7 @@ from gproof.ir.finding import Refusal, Span
 from gproof.ir.machine import AXES, AXIS_NAMES, Machine
 from gproof.ir.rules import LanguageRules, ParameterRange
 from gproof.ir.setup import Interval, Setup
-from gproof.ir.trace import HEIGHT_MAP, Boundary, PathMode, Plane, State
+from gproof.ir.trace import HEIGHT_MAP, Boundary, PathMode, Plane, State, TipOffset
 from gproof.passes import din_state
 from gproof.passes.compensation import Compensation
 from gproof.passes.heads import head_offset
@@ -44,7 +44,9 @@ class Modal:
     spindle_speed: as programmed: rpm, with surface_speed_mode m/min; spindle_limit: rpm, NaN for none; pitch: mm a
     revolution of the move that is being made, 0 for moves that do not follow the spindle; direction_output: 1 on,
     -1 off, 0 not known; spun: direction that the last row gave a spindle, and the head that turns, -1 for none;
-    head: see ``Op.HEAD``; head_offsets: by (head, axis), what a program set or spoiled.
+    head: see ``Op.HEAD``; head_offsets: by (head, axis), what a program set or spoiled. offset_tool: the tool whose
+    entry of the table is in force as the length, None for none of the table; length_tool: the tool whose length
+    ``tool_offset`` is meant to be; lengths_used: the lengths of tools are in use, in the setup or by the job.
     """
 
     def __init__(self, rules: LanguageRules, setup: Setup, machine: Machine) -> None:
@@ -86,8 +88,10 @@ class Modal:
         self.selected_tool: int | None = setup.tool
         self.length_follows_tool = False
         self.offset_tool: int | None = None
+        self.length_tool: int | None = setup.tool
+        self.lengths_used = any(not ends.exact or ends.low for ends in (*setup.measures.values(), *_length_now(setup)))
         self.stated: set[str] = {"spindle"} if zero else set()
-        self.work = setup.active_work if setup.active_work is not None else 0
+        self.work = setup.active_work if setup.active_work is not None else self._stated_system()
         self.parameters: dict[int, Value] = {}
         self.work_offsets = {(n, a): self._symbol(f"work.{n}.{AXIS_NAMES[a]}") for n in range(10) for a in range(AXES)}
         self.written_work: dict[tuple[int, int], Position] = {}
@@ -134,6 +138,13 @@ class Modal:
         stated = self.setup.parameters.get(number)
         return self.stated_range(number, Unknown(f"#{number}")) if stated is None else stated
 
+    def _stated_system(self) -> int:
+        """The coordinate system that the setup states by its variable (3.1.3), 0 where it does not."""
+        value = stated_system(self.rules, self.setup)
+        whole = 0 if value is None else round(value)
+        near = value is not None and abs(value - whole) <= self.rules.integer_tolerance
+        return whole if near and 1 <= whole <= 9 else 0
+
     def head_at_start(self) -> int:
         """The head that the setup states: #5390 is 0 for M90, 1 for M91, 2 for M92 (3.1.1)."""
         selected = self.setup.parameters.get(5390, 0.0)
@@ -152,6 +163,29 @@ class Modal:
         if self.head == 0:
             return self.tool_offset[axis]
         return self.tool_offset[axis].plus(head_offset(self, self.head, axis))
+
+    def beside_tip(self, axis: int) -> Position:
+        """What the position of an axis has more than the tip of the tool in the spindle, see ``State.tip``.
+
+        Once a job uses lengths of tools its zero counts for their tips: a tool whose length is not in force then stands
+        out by it all the same. Before that the zero was taken with the tool itself.
+        """
+        offset = self.tool_offset[axis]
+        if not self.lengths_used:
+            return offset
+        if self.rules.one_command:
+            stored = self.single.before
+            return offset if stored is None or axis not in self.single.unmeasured else stored[axis]
+        if axis != 2 or self.rules.source_order or self.length_tool == self.tool:
+            return offset
+        return NOWHERE if self.tool is None else self.length_of(self.tool)
+
+    def zero_at_start(self, number: int, axis: int) -> Position:
+        """Before anything has run: the zero of a coordinate system, local offsets included; 0: the one in force."""
+        if self.rules.source_order:
+            # What G54 to G58 select is the offset (McuWIN 3.19): one at a time.
+            return self.work_offsets.get((number, axis), NOWHERE) if number else self.g92[axis]
+        return self.work_offsets[number or self.work, axis].plus(self.g92[axis])
 
     def program_position(self, axis: int) -> Position:
         """The point the program is at in program coordinates, mm."""
@@ -236,8 +270,14 @@ class Modal:
             simplify=self.simplify, laf_angle=self.laf_angle, work=self.work, overrides=self.overrides,
             arc_tolerance=self.arc_tolerance(), guards_off=self.guards_off,
             compensation=0 if comp is None else comp.side * comp.plane,
-            following=self.following, boundaries=self._boundaries(),
+            following=self.following, boundaries=self._boundaries(), tip=self._tip(),
         )  # fmt: skip
+
+    def _tip(self) -> tuple[TipOffset, ...]:
+        if not self.lengths_used and self.tool_offset == NO_OFFSET:
+            return ()
+        places = [(axis, self.beside_tip(axis)) for axis in range(AXES)]
+        return tuple(TipOffset(axis, place.value, place.form) for axis, place in places if place != ZERO)
 
     def _boundaries(self) -> tuple[Boundary, ...]:
         """What rows carry of limits that a program may set."""
@@ -466,6 +506,17 @@ _BY_TOOL = (
     "tool_radius", "tool_z", "tool_x", "offset_z", "offset_x", "tool_length", "tool_diameter", "tool_x_offset",
     "head_offset",
 )  # fmt: skip
+
+
+def stated_system(rules: LanguageRules, setup: Setup) -> float | None:
+    """What the setup states of the variable that shows the active coordinate system (Eding #5220), None for nothing."""
+    numbers = (entry.first for entry in rules.parameters if entry.kind == "work_number")
+    return next((setup.parameters[n] for n in numbers if n in setup.parameters), None)
+
+
+def _length_now(setup: Setup) -> tuple[Interval, ...]:
+    """The length in force when the job begins, where it is stated."""
+    return (setup.tool_lengths[0],) if 0 in setup.tool_lengths else ()
 
 
 def _has_length(entry: ParameterRange, number: int) -> bool:

@@ -35,7 +35,8 @@ class Origins(Motion):
         s.stated.add("length")
         s.length_follows_tool, s.offset_tool = False, None
         if rule.function is F.TOOL_OFFSET_OFF:
-            s.tool_offset = list(NO_OFFSET)
+            s.tool_offset, s.length_tool = list(NO_OFFSET), 0
+            self._state_changed()
             self.event(Op.TOOL_OFFSET, line.span)
             return
         if rule.function is F.TOOL_OFFSET_DYNAMIC:
@@ -44,6 +45,8 @@ class Origins(Motion):
                 raise Refusal(codes.MISSING_VALUE.at(line.where_code(rule), letter="G43.1 I or K"))
             s.tool_offset = list(NO_OFFSET)
             s.tool_offset[0], s.tool_offset[2] = Position((x or 0.0) * s.unit), Position((z or 0.0) * s.unit)
+            s.length_tool, s.lengths_used = s.tool, True
+            self._state_changed()
             self.event(Op.TOOL_OFFSET, line.span)
             return
         tool = line.whole("H", self.program.rules.integer_tolerance)
@@ -57,6 +60,8 @@ class Origins(Motion):
     def _use_length(self, line: Line, tool: int | None) -> None:
         s = self.modal
         s.tool_offset, s.offset_tool = list(NO_OFFSET), tool
+        s.length_tool, s.lengths_used = tool, True
+        self._state_changed()
         if tool is None:
             s.tool_offset[2] = NOWHERE
             self._fail(codes.TOOL_OFFSET_UNKNOWN.at(line.span, hint="name the tool with T and M6, or in the setup"))
@@ -85,6 +90,7 @@ class Origins(Motion):
         for base, axis in ((TOOL_LENGTH, 2), (TOOL_X_OFFSET, 0)):
             if number == base + s.offset_tool:
                 s.tool_offset[axis] = NOWHERE
+                self._state_changed()
                 what = f"#{number} of tool {s.offset_tool}"
                 self.findings.add(codes.OFFSET_IN_USE.at(span, what=what, hint="write G43 behind it"))
 

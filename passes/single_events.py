@@ -247,6 +247,7 @@ def tool_number(ex: Motion, line: Command, rule: CodeRule) -> None:
             s.tool_offset[axis] = NOWHERE
     else:
         s.tool_offset[axis] = offset
+    s.lengths_used = True
     if rule.value == 1:
         s.tool = number
     ex._state_changed()

@@ -444,6 +444,7 @@ def lengths(ex: Motion, line: Command, rule: CodeRule) -> None:
     else:
         for axis in axes & off:
             s.tool_offset[axis] = stored[axis]
+        s.lengths_used = True
         off -= axes
     s.single = s.single.but(unmeasured=frozenset(off), before=tuple(stored[axis] for axis in range(AXES)))
     ex._state_changed()
@@ -454,6 +455,7 @@ def set_measure(ex: Motion, axis: int, offset: Position) -> None:
     """A tool measure of an axis: in force from here."""
     s = ex.modal
     s.tool_offset[axis] = offset
+    s.lengths_used = True
     s.single = s.single.but(unmeasured=s.single.unmeasured - {axis})
 
 

@@ -155,6 +155,7 @@ affine = st.lists(st.tuples(names, st.integers()), max_size=2).map(tuple)
 states = st.builds(
     trace.State, tool=st.integers(), spindle=floats, path_mode=st.sampled_from(trace.PathMode),
     laf_angle=floats, guards_off=st.lists(names, max_size=2).map(tuple),
+    tip=st.lists(st.builds(trace.TipOffset, st.integers(0, 5), floats, affine), max_size=2).map(tuple),
 )  # fmt: skip
 edges = st.builds(
     trace.Edge, wait=st.sampled_from(trace.Wait), outcome=names, target=st.integers(-1, 3), line=st.integers()

@@ -1,0 +1,296 @@
+"""Where the tip of the tool is in the coordinates of a body: stock, part or fixture.
+
+Takes a Machine, a Setup and rows of the Trace; gives positions of the tip (mm) beside the zero that the body counts
+from. A body does not move: its zero is where that of its coordinate system was when the job began, local offsets (G92)
+included. Positions of rows and zeros are sums of numbers and unknowns (``ir/trace.py``), so that an offset that nobody
+stated cancels, and one that the program sets itself is followed. What does not cancel, and is not stated exactly, is
+not known, and ``Reason`` says why.
+
+The tip is where a position is, less what ``State.tip`` takes for the tool: the length that is in force. Where none is,
+the zero was taken with that very tool, which ``assumptions`` says. Cutter radius compensation needs nothing: rows are
+the tool's own path.
+"""
+
+from __future__ import annotations
+
+import enum
+import math
+
+import numpy as np
+import numpy.typing as npt
+
+from gproof.ir.columns import occurring
+from gproof.ir.machine import AXIS_NAMES, AxisKind, Machine
+from gproof.ir.program import Program
+from gproof.ir.record import record
+from gproof.ir.setup import Setup
+from gproof.ir.trace import HEIGHT_MAP, UNKNOWN, Affine, Chunk, Op, State, TipOffset, Trace
+from gproof.ir.workpiece import ACTIVE, MACHINE
+from gproof.passes.modal import Modal
+from gproof.passes.values import Position, add_forms, describe
+
+Floats = npt.NDArray[np.float64]
+Bools = npt.NDArray[np.bool_]
+
+OWN_ZERO = "where no tool length is in force, the zero was taken with the tool that is in the spindle"
+OTHER_HEADS = "heads other than the first one touch nothing: {axes} is not looked at"
+
+
+class Reason(enum.IntEnum):
+    """Why a place is not known; the greatest one that holds."""
+
+    KNOWN = 0
+    START = 1
+    """A traverse from where the axes stand when the job begins, or a row that moves nothing there."""
+    OFFSET = 2
+    HEIGHT_MAP = 3
+    ROTARY = 4
+    HEAD = 5
+    MAPPED = 6
+    LATHE = 7
+
+
+WHY = {
+    Reason.KNOWN: "",
+    Reason.START: "the place where the axes stand when the job begins is not stated",
+    Reason.OFFSET: "it rests on offsets that are not stated",
+    Reason.HEIGHT_MAP: "Z follows a height map, which the bodies do not",
+    Reason.ROTARY: "a rotary axis does not stand where it stood when the job began",
+    Reason.HEAD: "another head than the first one is at work",
+    Reason.MAPPED: "the machine's axes do not move along X, Y and Z of the bodies",
+    Reason.LATHE: "on a lathe the workpiece turns",
+}
+"""A reason in words; ``Placing.cause`` names the offsets too."""
+
+
+@record(frozen=True, slots=True, eq=False)
+class Tips:
+    """Of n rows, where the tip of the tool is in the coordinates of a body, mm.
+
+    start, end: (n, 3) before and behind the row, NaN where it is not known; center: (n, 3) of arcs, 0 for other rows;
+    axes: (n, 3) whether start and end are known of X, Y, Z; known: (n,) of all three; reason: (n,) ``Reason``;
+    start_known, end_known: (n, 3) each end for itself; tool: (n,) the number of the tool in the spindle, 0 none, -1 not
+    known.
+    """
+
+    start: Floats
+    end: Floats
+    center: Floats
+    axes: Bools
+    known: Bools
+    reason: npt.NDArray[np.uint8]
+    start_known: Bools
+    end_known: Bools
+    tool: npt.NDArray[np.int64]
+
+
+class Placing:
+    """``tips`` of one chunk after the other, for as many coordinate systems as bodies count from.
+
+    ``tips`` may be asked several times of a chunk, and of systems ``MACHINE``, ``ACTIVE`` and 1 to 9.
+    """
+
+    def __init__(self, program: Program, machine: Machine, setup: Setup) -> None:
+        self.machine = machine
+        self.setup = setup
+        self._modal = Modal(program.rules, setup, machine)
+        self._zeros: dict[int, tuple[Position, ...]] = {}
+        self._turning = self._rotary_axes()
+        self._begin: tuple[tuple[float, ...], tuple[Affine, ...]] | None = None
+        self._states: list[State] = []
+        self._tips: dict[tuple[TipOffset, ...], int] = {(): 0}
+        self._tip_of = np.zeros(0, dtype=np.int64)
+        self._why_of = np.zeros(0, dtype=np.uint8)
+        self._tool_of = np.zeros(0, dtype=np.int64)
+        self._left: dict[tuple[int, int, int], tuple[Affine, Affine, Affine]] = {}
+        self._assumed: dict[str, None] = {}
+        self._always = Reason.KNOWN
+        if setup.cylinder is not None or machine.kinematics != "trivial":
+            self._always = Reason.MAPPED
+        if machine.controller.turning or machine.controller.diameter_programming:
+            self._always = Reason.LATHE
+        heads = [axis for axis in machine.axes if axis.index > 2 and axis.vertical]
+        self._heads = [axis.index for axis in heads]
+        if heads:
+            self._assumed[OTHER_HEADS.format(axes=" ".join(axis.word for axis in heads))] = None
+
+    @property
+    def assumptions(self) -> tuple[str, ...]:
+        """What the places that were given rest on, after the chunks that were asked."""
+        return tuple(self._assumed)
+
+    def _rotary_axes(self) -> list[int]:
+        """Columns of the axes that may turn what lies on the table; a knife or saw turns itself."""
+        controls = self.machine.controller.controls
+        own = {each.axis for each in (self.machine.knife, controls.knife, controls.saw) if each is not None}
+        return [axis.index for axis in self.machine.axes if axis.kind is AxisKind.ROTARY and axis.name not in own]
+
+    def zero(self, work: int) -> tuple[Position, ...]:
+        """X, Y, Z of the zero that bodies of a system count from, in machine coordinates."""
+        if work not in self._zeros:
+            if work == MACHINE:
+                self._zeros[work] = (Position(0.0),) * 3
+            else:
+                number = 0 if work == ACTIVE else work
+                self._zeros[work] = tuple(self._modal.zero_at_start(number, axis) for axis in range(3))
+        return self._zeros[work]
+
+    def tips(self, chunk: Chunk, work: int) -> Tips:
+        """Where the tip is; the rows' places are those of the tool's axis, so that its own radius comes on top."""
+        trace, rows = chunk.trace, chunk.rows
+        n = len(rows)
+        if self._begin is None:
+            frame = trace.frames[chunk.start_frame]
+            self._begin = tuple(chunk.start), tuple(frame)
+        self._learn(trace)
+        states = rows["state"]
+        starts, frames, start_frames = chunk.starts(), rows["frame"].astype(np.int64), chunk.start_frames()
+        tips = self._tip_of[states]
+        off = np.zeros((n, 3))
+        before, behind = np.ones((n, 3), dtype=np.bool_), np.ones((n, 3), dtype=np.bool_)
+        reason = np.full(n, int(self._always), dtype=np.uint8)
+        zero = self.zero(work)
+        feeds = (rows["op"] < Op.DWELL) & (rows["op"] != Op.TRAVERSE)
+        tables = list(self._tips)
+        for tip in occurring(tips):
+            at = tips == tip
+            own = [sum(each.mm for each in tables[tip] if each.axis == axis) for axis in range(3)]
+            off[at] = [zero[axis].value + own[axis] for axis in range(3)]
+            for column, known in ((frames, behind), (start_frames, before)):
+                for index in occurring(column[at]):
+                    left = self.rest(trace, tip, index, work)
+                    if not any(left):
+                        continue
+                    spot = at & (column == index)
+                    known[spot] = [form == () for form in left]
+                    why = _why(trace.frames[index], left)
+                    reason[spot] = np.maximum(reason[spot], np.where(feeds[spot], Reason.OFFSET, why))
+        reason = np.maximum(reason, self._why_of[states])
+        reason = np.maximum(reason, self._turned(chunk, starts))
+        blind = reason >= Reason.HEIGHT_MAP
+        if blind.any():
+            before[blind], behind[blind] = False, False
+        start, end = starts[:, :3] - off, rows["to"][:, :3] - off
+        start[~before], end[~behind] = math.nan, math.nan
+        arcs = rows["op"] == Op.ARC
+        center = np.where(arcs[:, None], rows["center"] - off, 0.0)
+        axes = before & behind
+        self._note(rows["op"], states)
+        return Tips(
+            start, end, center, axes, np.asarray(axes.all(axis=1)), reason, before, behind, self._tool_of[states]
+        )
+
+    def rest(self, trace: Trace, tip: int, frame: int, work: int) -> tuple[Affine, Affine, Affine]:
+        """What is left of the unknowns of X, Y, Z where positions of a frame are counted from a body's zero."""
+        key = (tip, frame, work)
+        found = self._left.get(key)
+        if found is None:
+            table = list(self._tips)[tip]
+            zero = self.zero(work)
+            forms = []
+            for axis in range(3):
+                form = add_forms(trace.frames[frame][axis], zero[axis].form, -1)
+                for each in table:
+                    if each.axis == axis:
+                        form = add_forms(form, each.form, -1)
+                forms.append(form)
+            found = self._left[key] = (forms[0], forms[1], forms[2])
+        return found
+
+    def cause(self, chunk: Chunk, row: int, work: int) -> str:
+        """Why the place of a row is not known, in words; asked behind ``tips`` of its chunk."""
+        reason = int(self.tips(_only(chunk, row), work).reason[0])
+        if reason not in (Reason.START, Reason.OFFSET):
+            return WHY[Reason(reason)]
+        tip = int(self._tip_of[int(chunk.rows["state"][row])])
+        names: dict[str, None] = {}
+        for frame in (int(chunk.start_frames()[row]), int(chunk.rows["frame"][row])):
+            for axis, form in enumerate(self.rest(chunk.trace, tip, frame, work)):
+                if form == UNKNOWN:
+                    names[f"where {AXIS_NAMES[axis].upper()} is"] = None
+                    continue
+                for symbol, _ in form:
+                    names[describe(((symbol, 1),))] = None
+        return f"{', '.join(names)}: not stated" if names else WHY[Reason(reason)]
+
+    def _learn(self, trace: Trace) -> None:
+        """The states that have come since the last chunk."""
+        have = len(self._states)
+        new = trace.states[have:]
+        if not new:
+            return
+        self._states = [*self._states, *new]
+        tips = [self._tips.setdefault(state.tip, len(self._tips)) for state in new]
+        why = [int(self._state_reason(state)) for state in new]
+        self._tip_of = np.concatenate([self._tip_of, np.array(tips, dtype=np.int64)])
+        self._why_of = np.concatenate([self._why_of, np.array(why, dtype=np.uint8)])
+        self._tool_of = np.concatenate([self._tool_of, np.array([state.tool for state in new], dtype=np.int64)])
+
+    def _state_reason(self, state: State) -> Reason:
+        if state.head:
+            return Reason.HEAD
+        spaces = self.machine.controller.controls.workspaces
+        if state.work > 1 and any(space.number == state.work + 53 for space in spaces):
+            # Another head, which these workspaces choose.
+            return Reason.HEAD
+        return Reason.HEIGHT_MAP if HEIGHT_MAP in state.following else Reason.KNOWN
+
+    def _turned(self, chunk: Chunk, starts: Floats) -> npt.NDArray[np.uint8]:
+        """By row: ROTARY where what may turn is not at its place of the beginning, HEAD where another head moves."""
+        rows, trace = chunk.rows, chunk.trace
+        reason = np.zeros(len(rows), dtype=np.uint8)
+        assert self._begin is not None
+        values, forms = self._begin
+        frames, start_frames = rows["frame"], chunk.start_frames()
+        for axis in (*self._turning, *self._heads):
+            turns = axis in self._turning
+            from_, to = starts[:, axis], rows["to"][:, axis]
+            if not turns:
+                away = from_ != to
+                away |= _differ(trace, axis, start_frames, frames)
+            else:
+                away = (from_ != values[axis]) | (to != values[axis])
+                for column in (start_frames, frames):
+                    for index in occurring(column) if len(column) else ():
+                        form = trace.frames[index][axis]
+                        if form != forms[axis] or form == UNKNOWN:
+                            away |= column == index
+            reason[away] = np.maximum(reason[away], int(Reason.ROTARY if turns else Reason.HEAD))
+        return reason
+
+    def _note(self, op: npt.NDArray[np.uint8], states: npt.NDArray[np.int32]) -> None:
+        """The assumption that a move without a tool length rests on."""
+        if OWN_ZERO in self._assumed:
+            return
+        moves = op < Op.DWELL
+        if moves.any() and any(
+            not any(each.axis == 2 for each in self._states[index].tip) for index in occurring(states[moves])
+        ):
+            self._assumed[OWN_ZERO] = None
+
+
+def _why(frame: tuple[Affine, ...], left: tuple[Affine, Affine, Affine]) -> int:
+    """START where the axes whose place is open stand at, or beside, the place of the beginning."""
+    begun = all(
+        symbol.startswith("start.") for form, rest in zip(frame, left, strict=False) if rest for symbol, _ in form
+    )
+    return int(Reason.START if begun else Reason.OFFSET)
+
+
+def _differ(trace: Trace, axis: int, one: npt.NDArray[np.int32], other: npt.NDArray[np.int32]) -> Bools:
+    """Where the unknowns of an axis change along a row."""
+    frames = np.zeros(len(trace.frames), dtype=np.int64)
+    seen: dict[Affine, int] = {}
+    for index, frame in enumerate(trace.frames):
+        frames[index] = seen.setdefault(frame[axis], len(seen))
+    changed: Bools = frames[one] != frames[other]
+    return changed
+
+
+def _only(chunk: Chunk, row: int) -> Chunk:
+    """A chunk of a single row."""
+    return Chunk(
+        trace=chunk.trace, section=chunk.section, begin=chunk.begin + row,
+        start=tuple(chunk.starts()[row].tolist()), start_frame=int(chunk.start_frames()[row]),
+        rows=chunk.rows.slice(row, row + 1),
+    )  # fmt: skip
