@@ -6,17 +6,14 @@ import bisect
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
 from gproof.ir import codes
-from gproof.ir.columns import Columns
 from gproof.ir.finding import Refusal, Span
 from gproof.ir.program import Block, Call, Input, Named, Unsupported
 from gproof.passes import din, din_events, din_plain
 from gproof.passes import execute_kernels as k
 from gproof.passes.din_state import fits
 from gproof.passes.frames import Frame
-from gproof.passes.manner import Manner
+from gproof.passes.manner import Manner, cold_words
 from gproof.passes.values import Value
 
 if TYPE_CHECKING:
@@ -50,11 +47,10 @@ class DinManner(Manner):
                 frame.continued = f"G{value:g}"
         din.run(ex, span, words, bare=bare, continued=continued)
 
-    def cold(self, ex: Straight, frame: Frame, words: Columns) -> set[int]:
+    def cold(self, ex: Straight, frame: Frame, columns: tuple[Any, ...], count: int) -> set[int]:
         """Lines for Python, which are where the kernel stops too."""
-        cold = din_plain.cold_lines(words, ex.modal.din)
-        frame.stops = np.flatnonzero(np.isin(words["line"], np.array(sorted(cold), dtype=np.int64))).tolist()
-        return cold
+        lines, frame.stops = cold_words(columns, count, din_plain.hot_letters(ex.modal.din), pairs=True)
+        return set(lines)
 
     def hot(self, ex: Straight, run: Any, columns: tuple[Any, ...], count: int, at: int, compiled: bool) -> int:
         """Run lines in the kernel from word ``at``; returns the first word it left over."""

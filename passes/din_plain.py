@@ -11,10 +11,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from gproof.ir import codes
-from gproof.ir.columns import Columns
 from gproof.ir.finding import Span
-from gproof.ir.machine import AXES, AXIS_NAMES
+from gproof.ir.machine import AXIS_NAMES
 from gproof.ir.trace import Op, Plane
+from gproof.passes import plain_kernels as k
 from gproof.passes.din_compensation import is_beside
 from gproof.passes.din_state import SAME, DinState, own_unit
 from gproof.passes.single_state import letters_of
@@ -23,22 +23,18 @@ from gproof.passes.values import NOWHERE
 if TYPE_CHECKING:
     from gproof.passes.emitter import Emitter
 
-_HOT = np.array([chr(letter) in "XYZIJGF" for letter in range(256)])
-_I, _J, _G, _F = (ord(letter) for letter in "IJGF")
+assert (Op.TRAVERSE, Op.ARC) == (k.TRAVERSE, k.ARC)
+
+_HOT = [int(chr(letter) in "XYZIJGF") for letter in range(256)]
+_I, _J = (ord(letter) for letter in "IJ")
 _MOTIONS = {"G0": 1, "G1": 2, "G2": 3, "G3": 4}
 
 
-def cold_lines(words: Columns, din: DinState) -> set[int]:
-    """Lines that the kernel would take for something else, or certainly hand back."""
-    letter, value, line = words["letter"], words["value"], words["line"]
-    cold = ~_HOT[letter]
-    g = np.flatnonzero(letter == _G)
-    cold[g] = ~np.isin(value[g], (0.0, 1.0, 2.0, 3.0))
-    if din.time_unit != 60.0:
-        cold |= letter == _F
-    found = set(line[cold].tolist())
-    # One centre word alone: what the other one is rests on the arc before.
-    return found | set(np.setxor1d(line[letter == _I], line[letter == _J]).tolist())
+def hot_letters(din: DinState) -> list[int]:
+    """(256,) 1 for letters that mean to the kernel what they mean here."""
+    if din.time_unit == 60.0:
+        return _HOT
+    return [0 if chr(letter) == "F" else taken for letter, taken in enumerate(_HOT)]
 
 
 def is_plain(ex: Emitter) -> bool:
@@ -92,39 +88,35 @@ def taken(ex: Emitter, start: list[float], before: int, words: tuple[Any, Any, A
     continued = f"G{s.motion - 1}"
     din = s.din if s.feed == s.din.feed else s.din.but(feed=s.feed, given=True)
     if rows.count > before:
-        op, to = rows.arrays["op"][before : rows.count], rows.arrays["to"][before : rows.count]
-        way = np.abs(to - np.vstack([np.array(start).reshape(1, AXES), to[:-1]])).max(axis=1)
-        for n in np.flatnonzero((way < np.where(op == Op.TRAVERSE, 5e-324, SAME)) & (op != Op.ARC)).tolist():
-            code = "G0" if op[n] == Op.TRAVERSE else "G1"
-            span = Span(ex.trace.files[ex._file], int(rows.arrays["line"][before + n]))
+        out, made = rows.arrays, rows.count - before
+        still, off, radii = np.empty(made, np.int64), np.empty(made, np.int64), np.empty((made, 2))
+        allowed = ex.modal.arc_tolerance()
+        stills, offs, arcs = k.judge_moves.pick(made)(
+            out["op"], out["to"], out["center"], before, rows.count, np.array(start), SAME, 5e-324, allowed + SAME,
+            still, off, radii,
+        )  # fmt: skip
+        for n in still[:stills].tolist():
+            code = "G0" if out["op"][before + n] == Op.TRAVERSE else "G1"
+            span = Span(ex.trace.files[ex._file], int(out["line"][before + n]))
             ex.findings.add(codes.NO_WAY.at(span, code=code))
-        din = din.but(contour=bool(op[-1] != Op.TRAVERSE))
-        if (op == Op.ARC).any():
-            _judge_radii(ex, start, before)
+        din = din.but(contour=bool(out["op"][rows.count - 1] != Op.TRAVERSE))
+        for n, (first, last) in zip(off[:offs].tolist(), radii[:offs].tolist(), strict=True):
+            _off_its_circle(ex, int(out["line"][before + n]), first, last, allowed)
+        if arcs:
             din = din.but(center=(_last(words, _I, at, stop) * s.unit, _last(words, _J, at, stop) * s.unit))
         ex._moves += rows.count - before
     s.din = din
     return continued
 
 
-def _judge_radii(ex: Emitter, start: list[float], before: int) -> None:
-    """GP401 for arcs whose end does not lie on the circle of their start (status 2000)."""
-    rows, allowed = ex.rows, ex.modal.arc_tolerance()
-    to = rows.arrays["to"][before : rows.count]
-    begins = np.vstack([np.array(start).reshape(1, AXES), to[:-1]])
-    center = rows.arrays["center"][before : rows.count, :2]
-    d0, d1 = begins[:, :2] - center, to[:, :2] - center
-    first, last = np.sqrt((d0 * d0).sum(axis=1)), np.sqrt((d1 * d1).sum(axis=1))
-    is_arc = rows.arrays["op"][before : rows.count] == Op.ARC
-    for n in np.flatnonzero(is_arc & (np.abs(last - first) > allowed + SAME)).tolist():
-        span = Span(ex.trace.files[ex._file], int(rows.arrays["line"][before + n]))
-        off = abs(float(last[n] - first[n]))
-        ex._fail(
-            codes.ARC_RADIUS_MISMATCH.at(
-                span, start=float(first[n]), end=float(last[n]), off=off, allowed=allowed, unit="mm",
-                hint="the controller stops with status 2000",
-            )
-        )  # fmt: skip
+def _off_its_circle(ex: Emitter, line: int, first: float, last: float, allowed: float) -> None:
+    """GP401 for an arc whose end does not lie on the circle of its start (status 2000)."""
+    ex._fail(
+        codes.ARC_RADIUS_MISMATCH.at(
+            Span(ex.trace.files[ex._file], line), start=first, end=last, off=abs(last - first), allowed=allowed,
+            unit="mm", hint="the controller stops with status 2000",
+        )
+    )  # fmt: skip
 
 
 def _last(words: tuple[Any, Any, Any], wanted: int, at: int, stop: int) -> float:

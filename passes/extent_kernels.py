@@ -86,21 +86,22 @@ def row_boxes(
         off = guard_off[state[row]]
         f = frame[row]
         slot = 2 * f + off
+        u = v = -1
+        cu = cv = a = b = c = d = 0.0
+        if op[row] == 3:
+            p = plane[row]
+            u = 0 if p == 1 else (2 if p == 2 else 1)
+            v = 1 if p == 1 else (0 if p == 2 else 2)
+            cu, cv = center[row, u], center[row, v]
+            a, b, c, d, _ = arc_extreme(
+                position[u] - cu, position[v] - cv, to[row, u] - cu, to[row, v] - cv, turns[row]
+            )
         for axis in range(6):
             least = most = to[row, axis]
-            if op[row] == 3 and axis < 3:
-                p = plane[row]
-                u = 0 if p == 1 else (2 if p == 2 else 1)
-                v = 1 if p == 1 else (0 if p == 2 else 2)
-                if axis in (u, v):
-                    cu, cv = center[row, u], center[row, v]
-                    a, b, c, d, _ = arc_extreme(
-                        position[u] - cu, position[v] - cv, to[row, u] - cu, to[row, v] - cv, turns[row]
-                    )
-                    if axis == u:
-                        least, most = min(least, cu + a), max(most, cu + b)
-                    else:
-                        least, most = min(least, cv + c), max(most, cv + d)
+            if axis == u:
+                least, most = min(least, cu + a), max(most, cu + b)
+            elif axis == v:
+                least, most = min(least, cv + c), max(most, cv + d)
             if axis == 2 and len(added) > 0:
                 least, most = least + added[row, 0], most + added[row, 1]
             if least < low[slot, axis]:

@@ -11,12 +11,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from gproof.ir import codes
-from gproof.ir.columns import Columns
 from gproof.ir.finding import Refusal, Span
 from gproof.ir.kernel import Kernel
 from gproof.ir.program import Block, Call, Input, Named, Unsupported
 from gproof.ir.rules import LanguageRules
 from gproof.passes import execute_kernels as k
+from gproof.passes.plain_kernels import cold_lines
 from gproof.passes.values import Value
 
 if TYPE_CHECKING:
@@ -25,8 +25,23 @@ if TYPE_CHECKING:
     from gproof.passes.frames import Frame
     from gproof.passes.straight import Straight
 
-_COLD = np.array([chr(letter) not in "XYZABCIJKRFG" for letter in range(256)])
-"""Letters that ``run_lines`` hands back."""
+_HOT = [int(chr(letter) in "XYZABCIJKRFG") for letter in range(256)]
+"""Letters that ``run_lines`` takes."""
+
+
+def cold_words(columns: tuple[Any, ...], count: int, hot: list[int], *, pairs: bool = False) -> tuple[Any, Any]:
+    """(line numbers, first words) of the lines that a kernel certainly hands back; see ``plain_kernels.cold_lines``.
+
+    columns: line, letter ... of ``count`` words, as lists for plain Python.
+    """
+    lines, firsts = np.empty(count, np.int64), np.empty(count, np.int64)
+    line, letter, value = columns[:3]
+    if isinstance(line, list):
+        found = cold_lines(line, letter, value, count, hot, int(pairs), lines, firsts)
+    else:
+        taken = np.array(hot, np.uint8)
+        found = cold_lines.pick(count)(line, letter, value, count, taken, int(pairs), lines, firsts)
+    return lines[:found].tolist(), firsts[:found].tolist()
 
 
 class Manner:
@@ -49,13 +64,12 @@ class Manner:
         """Execute a line of a table; bare: letters without a number."""
         ex._line(span, words)
 
-    def cold(self, ex: Straight, frame: Frame, words: Columns) -> set[int]:
-        """Lines of a piece of a table with a word that the kernel certainly leaves to Python: not worth a call."""
-        letter, value = words["letter"], words["value"]
-        cold = _COLD[letter]
-        g = np.flatnonzero(letter == ord("G"))
-        cold[g] = ~np.isin(value[g], (0.0, 1.0, 2.0, 3.0))
-        return set(words["line"][cold].tolist())
+    def cold(self, ex: Straight, frame: Frame, columns: tuple[Any, ...], count: int) -> set[int]:
+        """Lines of a piece of a table with a word that the kernel certainly leaves to Python: not worth a call.
+
+        columns: line, letter, value and flags of its ``count`` words.
+        """
+        return set(cold_words(columns, count, _HOT)[0])
 
     def hot(self, ex: Straight, run: Any, columns: tuple[Any, ...], count: int, at: int, compiled: bool) -> int:
         """Run lines in the kernel from word ``at``; returns the first word it left over.

@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
-from gproof.ir.columns import Columns
 from gproof.ir.finding import Span
 from gproof.ir.program import Block, Call, Input, Named
 from gproof.passes import single
@@ -39,7 +38,7 @@ class SingleManner(Manner):
         """Execute a line of a table."""
         single.run(ex, span, words, bare=bare)
 
-    def cold(self, ex: Straight, frame: Frame, words: Columns) -> set[int]:
+    def cold(self, ex: Straight, frame: Frame, columns: tuple[Any, ...], count: int) -> set[int]:
         """None: of one command a line the kernel hands back what is rare."""
         return set()
 

@@ -58,11 +58,11 @@ class Straight(Blocks):
                 keep = (words["flags"] & FLAG_DELETE) == 0
                 words = Columns(words.schema, {n: a[keep] for n, a in words.arrays.items()})
         frame.words, frame.at = words, 0
-        frame.cold = self._manner.cold(self, frame, words)
         columns = tuple(words[name] for name in _COLUMNS)
         kernel = self._manner.kernel
         is_python = kernel.pick(table.last_line - table.first_line + 1) is kernel.python
         frame.columns = tuple(c.tolist() for c in columns) if is_python else columns
+        frame.cold = self._manner.cold(self, frame, frame.columns, len(words))
 
     def _words(self, frame: Frame, table: BlockTable, run: object) -> None:
         assert frame.words is not None
