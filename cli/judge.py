@@ -20,13 +20,13 @@ from gproof.ir.record import field, record
 from gproof.ir.trace import Affine, Chunk, Frame, Op, Wait, verify_rows
 from gproof.ir.verdict import DEFAULT_POLICY, Condition, PropertyResult, Verdict, worst
 from gproof.passes.arc_radius import ArcRadius
+from gproof.passes.areas import Areas
 from gproof.passes.beside import InOrder
 from gproof.passes.boundaries import Boundaries
 from gproof.passes.execute import Executor
 from gproof.passes.knife import follow_knife
 from gproof.passes.limits import Limits
 from gproof.passes.plan import MotionEstimate
-from gproof.passes.tool_change_area import ToolChangeArea
 from gproof.passes.values import describe
 
 _LEAVES_THE_PATH_OPEN = (
@@ -129,7 +129,13 @@ def _pass(
     machine, setup = session.machine, session.setup
     ex = Executor(session.program, setup, machine, findings, block_delete=block_delete, **session.options(running))
     ex.on_beat = beat
-    limits, area = Limits(machine, setup, findings), ToolChangeArea(machine, setup, findings)
+    limits = Limits(machine, setup, findings)
+    stated = machine.controller.straight_traverse
+    straight = session.program.rules.straight_traverse if stated is None else stated
+    area = Areas(
+        machine, setup, findings, straight=straight, measured=session.program.rules.measured_tools,
+        zero=ex.modal.zero_at_start,
+    )  # fmt: skip
     checks = [limits, area, ArcRadius(machine, setup, findings)]
     edges = Boundaries(machine, setup, findings)
     added = added_checks(properties, session.program, machine, setup, findings)

@@ -1,9 +1,9 @@
 """``check --picture``: the job as a drawing (SVG): what it cuts, where on the machine that is, what is wrong with it.
 
 Left the cut from above and from the front, at one scale, with holes and grooves as wide as the tool where the tool
-table gives diameters. Right the same on the whole machine with soft limits and tool change area. All numbers are
-machine coordinates; where a work zero is not known, the cut stands relative to it, and the machine shows where
-that zero may lie. Rotary axes are not drawn. The same inputs give the same bytes.
+table gives diameters. Right the same on the whole machine with soft limits, tool change area and keep-out zones. All
+numbers are machine coordinates; where a work zero is not known, the cut stands relative to it, and the machine shows
+where that zero may lie. Rotary axes are not drawn. The same inputs give the same bytes.
 """
 
 from __future__ import annotations
@@ -22,6 +22,7 @@ from gproof.cli.judge import Judgement
 from gproof.cli.path_points import PathPoints
 from gproof.cli.scene import WEIGHT, Mark, Pair, Scene, by_weight, scene_of
 from gproof.cli.session import Session
+from gproof.cli.zones import outline, placed
 from gproof.ir.codes import CODES
 from gproof.ir.finding import Severity
 from gproof.ir.machine import AXIS_NAMES, Machine
@@ -38,6 +39,7 @@ MACHINE_HEIGHT, MACHINE_FRONT = 330.0, 300.0
 MACHINE_WIDTH = WIDTH - 2 * EDGE - 2 * RULER - GAP - CUT_WIDTH
 _INK, _SOFT, _GRID = "#212121", "#546e7a", "#eceff1"
 _FEED, _CUT, _TRAVERSE, _LIMIT, _AREA, _ZERO = "#0d47a1", "#d6e6f7", "#90a4ae", "#37474f", "#ef6c00", "#2e7d32"
+_ZONE, _ZONE_FILL = "#6d4c41", "#d7ccc8"
 _BADGE = {Verdict.SAFE: "#2e7d32", Verdict.UNSAFE: "#c62828", Verdict.UNKNOWN: "#6a1b9a"}
 _LABELS, _LISTED = 8, 4
 
@@ -303,6 +305,15 @@ class _Sheet:
             if x[1] >= view.low[0] and x[0] <= view.high[0] and y[1] >= view.low[1] and y[0] <= view.high[1]:
                 self._box(group, view, x, y, stroke=_AREA, fill="#ffe0b2", width="1.2")
                 self.used.add("area")
+        for zone in placed(self.session) if known else ():
+            rings = outline(zone, view.axes, view.low, view.high)
+            if rings:
+                corners = [[view.at(*point) for point in ring] for ring in rings]
+                lines = ["M" + "L".join(f"{x:.1f} {y:.1f}" for x, y in ring) + "z" for ring in corners]
+                shape = ET.SubElement(group, "path", d="".join(lines), fill=_ZONE_FILL, stroke=_ZONE)
+                shape.set("fill-rule", "evenodd")
+                shape.set("stroke-width", "1.2")
+                self.used.add("zone")
         if whole and any(self.scene.zero[k] for k in view.axes):
             pairs = [self.scene.zero[k] or (view.low[n], view.high[n]) for n, k in enumerate(view.axes)]
             self._box(group, view, pairs[0], pairs[1], stroke=_ZERO, fill="#e8f5e9", width="1.2", dash="2 3")
@@ -455,6 +466,7 @@ _LEGEND: tuple[tuple[str, str, dict[str, str]], ...] = (
     ("plunge", "straight down", {"stroke": _FEED, "stroke-width": "0.8", "fill": _CUT}),
     ("limits", "soft limits", {"stroke": _LIMIT, "stroke-width": "1.6", "stroke-dasharray": "9 4"}),
     ("area", "tool change area", {"stroke": "#ffcc80", "stroke-width": "10"}),
+    ("zone", "keep-out zone", {"stroke": _ZONE_FILL, "stroke-width": "10"}),
     ("zero", "the work zero may lie here", {"stroke": "#c8e6c9", "stroke-width": "10"}),
     ("finding", "not safe", {"stroke": WEIGHT[Severity.ERROR], "stroke-width": "2.4"}),
     ("open", "not known", {"stroke": WEIGHT[Severity.UNKNOWN], "stroke-width": "2.4"}),

@@ -9,6 +9,7 @@ import numpy as np
 from gproof.cli.judge import Judgement
 from gproof.cli.path_points import Forms, PathPoints, Points
 from gproof.cli.session import Session
+from gproof.cli.zones import entry, placed
 from gproof.ir.codes import SOFT_LIMIT
 from gproof.ir.finding import Finding, Severity
 from gproof.ir.machine import Machine
@@ -67,7 +68,7 @@ def scene_of(path: PathPoints, session: Session, judgement: Judgement) -> Scene:
     shift = [(0.0 if not form else None if z is None else (z[0] + z[1]) / 2)
              for form, z in zip(forms[frame], zero, strict=True)]  # fmt: skip
     known = not any(forms[frame])
-    marks = _marks(points, joined, path, session.machine if known else None, judgement) if path.trace else []
+    marks = _marks(points, joined, path, session if known else None, judgement) if path.trace else []
     shown = points.at[here & points.feed] if (here & points.feed).any() else points.at[here]
     shown = np.concatenate([shown.astype(float), np.array([m.at for m in marks]).reshape(-1, 3)])
     if not len(shown):
@@ -90,14 +91,14 @@ def _zero(judgement: Judgement, form: Affine) -> Pair | None:
 
 
 def _marks(
-    points: Points, joined: np.ndarray, path: PathPoints, machine: Machine | None, judgement: Judgement
+    points: Points, joined: np.ndarray, path: PathPoints, session: Session | None, judgement: Judgement
 ) -> list[Mark]:
     """Marks of errors and unknowns whose line moves; several on one line share a mark."""
     assert path.trace is not None
     out: list[Mark] = []
     seen: set[tuple[str, int]] = set()
     files = {name: i for i, name in enumerate(path.trace.files)}
-    beyond = _beyond(points.at, machine)
+    beyond = _beyond(points.at, None if session is None else session.machine)
     for f in sorted((f for f in judgement.findings.kept if f.severity in WEIGHT), key=by_weight):
         place = f.span.file, f.span.line
         if place in seen or len(out) >= _MOST_MARKS:
@@ -110,8 +111,8 @@ def _marks(
         at = points.at[moves[-1]].astype(float)
         if len(outside):
             moves, at = outside, points.at[outside[np.argmax(beyond[outside])]].astype(float)
-        elif f.code.decides == "areas" and machine is not None:
-            at = _entry(points.at, moves, machine, at)
+        elif f.code.decides == "areas" and session is not None:
+            at = _entry(points.at, moves, session, at)
         out.append(Mark(moves=moves, at=(at[0], at[1], at[2]), text=f"{f.code.label} line {f.span.line}",
                          colour=WEIGHT[f.severity]))  # fmt: skip
     outside = np.flatnonzero(joined & (beyond > _SLACK))
@@ -139,14 +140,11 @@ def _beyond(at: np.ndarray, machine: Machine | None) -> np.ndarray:
     return out
 
 
-def _entry(at: np.ndarray, moves: np.ndarray, machine: Machine, default: np.ndarray) -> np.ndarray:
-    """About where a move enters the tool change area."""
-    if machine.tool_change_area is None:
-        return default
-    box = np.array(machine.tool_change_area.box)
-    for i in moves.tolist():
-        for t in np.linspace(0, 1, 101):
-            p = at[i - 1] + (at[i] - at[i - 1]) * t
-            if ((box[:, 0] <= p) & (p <= box[:, 1])).all():
-                return np.asarray(p, dtype=float)
-    return default
+def _entry(at: np.ndarray, moves: np.ndarray, session: Session, default: np.ndarray) -> np.ndarray:
+    """About where a move enters the tool change area, or a tool a keep-out zone."""
+    change = session.machine.tool_change_area
+    found = None if change is None else entry(at, moves, (change,), 0.0)
+    if found is None:
+        radius = max((tool.diameter or 0.0 for tool in session.machine.tools), default=0.0) / 2
+        found = entry(at, moves, placed(session), radius)
+    return default if found is None else found

@@ -102,6 +102,10 @@ def _rows(label: str, texts: list[str]) -> None:
 
 def _figures(session: Session, judgement: Judgement, unit: LengthUnit) -> None:
     summary = judgement.summary
+    if session.machine.keep_out or session.setup.keep_out:
+        from gproof.cli.zones import named
+
+        _row("keep out", named(session))
     blocks, sections = _count(summary.blocks, "block"), _count(summary.sections, "section")
     ways = f", {summary.branches} outcomes of unknown conditions followed" if summary.branches else ""
     _row("program", f"{_count(summary.lines, 'line')}, {blocks} executed in {sections}{ways}")

@@ -12,14 +12,13 @@ from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
+from gproof.frontend.areas_table import areas_from
 from gproof.frontend.controls_table import controls_from
 from gproof.frontend.mcuwin.machine import with_axes
 from gproof.frontend.toml_table import MILLIMETRES, TomlFile, TomlTable
-from gproof.ir import codes
 from gproof.ir.finding import Findings
 from gproof.ir.machine import (
     AXIS_NAMES,
-    Area,
     Axis,
     AxisKind,
     Board,
@@ -110,7 +109,8 @@ def _load_toml(path: Path, findings: Findings, depth: int) -> tuple[Machine | No
         machine = replace(
             machine, not_modelled=(*machine.not_modelled, Unmodelled(f"kinematics = {machine.kinematics}"))
         )
-    machine = _areas(root, machine, unit)
+    change, keep_out = areas_from(root, machine.tool_change_area, machine.keep_out, unit)
+    machine = replace(machine, tool_change_area=change, keep_out=keep_out)
     if "din" in root.values or machine.controller.dialect == "mcuwin":
         from gproof.frontend.din_table import with_din
 
@@ -355,6 +355,7 @@ def _controller(root: TomlTable, before: Controller, unit: Fraction) -> Controll
             home_is_stop=table.boolean("home_is_stop"),
             turning=table.boolean("turning"),
             thread_peak=table.text("thread_peak", THREAD_PEAKS),
+            straight_traverse=table.boolean("straight_traverse"),
         ),
     )
     table.finish()
@@ -376,33 +377,3 @@ def _board(root: TomlTable, before: Board) -> Board:
     )
     table.finish()
     return board
-
-
-def _areas(root: TomlTable, machine: Machine, unit: Fraction) -> Machine:
-    """``[areas.tool_change]``, and any other name as an area to keep out of (kept, but no check knows it yet)."""
-    outer = root.table("areas")
-    change, keep_out = machine.tool_change_area, {area.name: area for area in machine.keep_out}
-    not_modelled = list(machine.not_modelled)
-    for name in outer.values if outer else ():
-        assert outer is not None
-        table = outer.table(name)
-        if table is None:
-            continue
-        sides = [table.interval(axis, unit=unit) for axis in "xyz"]
-        box = tuple((-math.inf, math.inf) if side is None else side for side in sides)
-        if all(side is None for side in sides):
-            file = table.file
-            file.add(codes.MISSING_KEY, ".".join(table.path), key=f"{'.'.join(table.path)}.x, .y or .z")
-        area = Area(name=name, box=(box[0], box[1], box[2]))
-        table.finish()
-        if name == "tool_change":
-            change = area
-        else:
-            keep_out[name] = area
-            not_modelled.append(Unmodelled(".".join(table.path)))
-    return replace(
-        machine,
-        tool_change_area=change,
-        keep_out=tuple(keep_out.values()),
-        not_modelled=tuple(dict.fromkeys(not_modelled)),
-    )

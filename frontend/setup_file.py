@@ -9,6 +9,7 @@ import math
 from fractions import Fraction
 from pathlib import Path
 
+from gproof.frontend.areas_table import keep_out_from
 from gproof.frontend.height_map_file import read_height_map
 from gproof.frontend.machine_file import HIGHEST_HEAD, HIGHEST_TOOL, Files
 from gproof.frontend.setup_channels import Columns, axes_of, columns_of, with_channels
@@ -65,6 +66,7 @@ def load_setup(path: Path, findings: Findings, machine: Machine = NO_MACHINE) ->
         height_map=height_map,
         heads=heads,
         transform=_transform(root.table("transform"), unit),
+        keep_out=keep_out_from(root, unit),
     )
     setup = with_channels(setup, root, unit, columns, machine)
     root.finish()

@@ -259,11 +259,22 @@ class TomlTable:
             return []
         return [TomlTable(self.file, (*self.path, key), one) for one in value]
 
+    def grids(self, key: str) -> list[list[list[Fraction]] | None]:
+        """A list of lists of lists of numbers, exactly."""
+        value = self.take(key)
+        if value is None:
+            return []
+        if not isinstance(value, list):
+            self.bad(key, f"{show(value)} is not a list")
+            return [None]
+        return [self._grid(key, one) for one in value]
+
     def grid(self, key: str) -> list[list[Fraction]] | None:
         """A list of lists of numbers, exactly."""
         value = self.take(key)
-        if value is None:
-            return None
+        return None if value is None else self._grid(key, value)
+
+    def _grid(self, key: str, value: Any) -> list[list[Fraction]] | None:
         rows: list[list[Fraction]] = []
         for row in value if isinstance(value, list) else [None]:
             exact = [exact_number(one) for one in row] if isinstance(row, list) else [None]

@@ -330,6 +330,16 @@ SOFT_LIMIT_GUARD_OFF = code(
     "limits",
 )
 TOOL_CHANGE_AREA = code(310, "tool-change-area", _E, "the path enters the tool change area at {where}", "areas")
+KEEP_OUT_ZONE = code(
+    336,
+    "keep-out-zone",
+    _E,
+    "the path enters the keep-out zone {name} at {where}, and goes {depth:.4f} mm into it",
+    "areas",
+)
+KEEP_OUT_UNKNOWN = code(
+    337, "keep-out-unknown", _U, "whether the path enters the keep-out zone {name} depends on {cause}", "areas"
+)
 TOOL_CHANGE_AREA_UNKNOWN = code(
     311,
     "tool-change-area-unknown",

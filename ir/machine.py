@@ -158,10 +158,16 @@ class Axis:
 
 @record(frozen=True, slots=True, kw_only=True)
 class Area:
-    """A box in machine coordinates: ((lower, upper) for X, Y, Z); an unbounded side is infinite."""
+    """A region of space: ((lower, upper) for X, Y, Z); an unbounded side is infinite.
+
+    rings: where it is a polygon of X and Y, its points and those of its holes, without the first one again at the end;
+    box is then around it. work: the coordinate system (1 is G54) whose zero positions count from; 0: the machine's.
+    """
 
     name: str
     box: tuple[tuple[float, float], tuple[float, float], tuple[float, float]]
+    rings: tuple[tuple[tuple[float, float], ...], ...] = ()
+    work: int = 0
 
 
 @record(frozen=True, slots=True, kw_only=True)
@@ -243,6 +249,7 @@ class Controller:
     what else is axis A (2.11).
     xz_seen_from: ``+y`` or ``-y``: from where the XZ plane is looked at by G2, G3, G41 and G42; None: not stated.
     thread_peak: what I of a threading cycle is, "position" or "offset"; None: not stated.
+    straight_traverse: a traverse of several axes is a straight line; None: as the controller's manual says.
     controls: what controllers of one command a line have beside all that; din: what those of DIN blocks with Pascal
     have, None for others.
     """
@@ -264,6 +271,7 @@ class Controller:
     home_is_stop: bool | None = None
     turning: bool = False
     thread_peak: str | None = None
+    straight_traverse: bool | None = None
     controls: Controls = NO_CONTROLS
     din: Din | None = None
 

@@ -283,7 +283,9 @@ class LanguageRules:
     one_command: a line has one command and companions of it, not any number of words; variables: the named ones and
     what they are. source_order: what a line without a code goes on with follows the order of the source, and stands in
     its block (``Block.continued``); a line may have several codes, each with the words behind it. arcs_keep_feed: the F
-    of arcs may be kept apart from that of lines (``Controls.arcs_share_feed``).
+    of arcs may be kept apart from that of lines (``Controls.arcs_share_feed``). straight_traverse: a traverse of
+    several axes is a straight line, None: the manual does not say; measured_tools: what is stored of a tool is no
+    length, but the machine position at which its tip is at the work's zero.
     """
 
     name: str
@@ -303,6 +305,8 @@ class LanguageRules:
     one_command: bool = False
     source_order: bool = False
     arcs_keep_feed: bool = False
+    straight_traverse: bool | None = None
+    measured_tools: bool = False
     variables: dict[str, str] = field(default_factory=dict, repr=False)
 
     def name_of(self, number: int) -> str:

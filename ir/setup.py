@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 
+from gproof.ir.machine import Area
 from gproof.ir.record import field, record
 from gproof.ir.workpiece import Workpiece
 
@@ -108,7 +109,7 @@ class Setup:
     registers: H registers in the machine's unit; answers: 1 yes, 0 no, to the questions of the job in their order.
     measures: of tools, in force when the job begins, by axis (WinCNC M37): the machine position at which its
     workspace is 0; contacts: where a move may end that a switch ends, machine positions by axis.
-    workpiece: stock, part and fixtures, None where nothing is stated.
+    workpiece: stock, part and fixtures, None where nothing is stated; keep_out: zones that the tool must not enter.
     """
 
     name: str = "(none)"
@@ -139,6 +140,7 @@ class Setup:
     measures: dict[str, Interval] = field(default_factory=dict)
     contacts: dict[str, Interval] = field(default_factory=dict)
     workpiece: Workpiece | None = None
+    keep_out: tuple[Area, ...] = ()
 
     def interval(self, symbol: str) -> Interval | None:
         """What is stated of a symbol such as ``start.x``, ``work.1.x``, ``g92.x``, ``tool.3.z``.

@@ -219,4 +219,5 @@ EDING = LanguageRules(
     integer_tolerance=0.0001,  # 3.2.2.1
     peck_clearance_mm=0.254,  # 3.4.21.4 says "a bit"; the value is that of RS274/NGC, 0.010 inch
     call_depth=50,
+    straight_traverse=True,  # 3.4.1: coordinated linear motion
 )

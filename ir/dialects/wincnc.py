@@ -246,6 +246,8 @@ WINCNC = LanguageRules(
     peck_clearance_mm=1.27,  # G Codes: G73, G83
     call_depth=20,
     one_command=True,
+    measured_tools=True,  # M37
+    straight_traverse=None,  # G0: the manual names the place and the velocity, not the way
     arcs_keep_feed=True,  # Parameters: Feed Velocity
     variables=VARIABLES,
 )

@@ -111,7 +111,7 @@ def test_every_key(tmp_path: Path) -> None:
     assert area is not None
     assert area.box == ((550.0, 600.0), (-math.inf, math.inf), (-150.0, 0.0))
     assert [area.name for area in machine.keep_out] == ["clamp"]
-    assert [s.text for s in machine.not_modelled] == ["areas.clamp"]
+    assert machine.not_modelled == ()
     assert [(t.number, t.length, t.diameter, t.x_offset, t.orientation) for t in machine.tools] == [
         (1, 12.5, None, None, None),
         (2, 61.4, 5.0, -1.5, 3),

@@ -22,12 +22,12 @@ from gproof.ir.machine import Area, Axis, AxisKind, Machine, PitchTable, Slave
 from gproof.ir.setup import NOTHING, Cylinder, HeightMap, Interval, Setup
 from gproof.ir.trace import HEIGHT_MAP, Plane, Trace, chunks
 from gproof.ir.verdict import PropertyResult, Verdict
+from gproof.passes.areas import Areas
 from gproof.passes.extent_kernels import row_boxes
 from gproof.passes.height_kernels import height_spans
 from gproof.passes.height_map import Heights
 from gproof.passes.limits import Limits
 from gproof.passes.pitch import axis_position, exact_motor_position, motor_position, steepest
-from gproof.passes.tool_change_area import ToolChangeArea
 
 TABLE = PitchTable(machine=(0.0, 50.0, 200.0, 300.0), calibrated=(0.0, 50.01, 200.03, 299.98))
 
@@ -337,7 +337,7 @@ def test_an_interval_of_an_offset_is_held_against_what_compensation_leaves() -> 
 
 def areas(trace: Trace, machine: Machine, setup: Setup) -> tuple[Verdict, list[str]]:
     findings = Findings()
-    check = ToolChangeArea(machine, setup, findings)
+    check = Areas(machine, setup, findings)
     for chunk in chunks(trace):
         check.feed(chunk)
     return check.finish().verdict, [f.code.label for f in findings.kept]

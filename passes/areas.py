@@ -1,0 +1,120 @@
+"""The property ``areas``: the tool change area while its guard is on, and the keep-out zones of machine and setup.
+
+Each zone is judged by itself (``zone_check``); conditions on unknown offsets hold together with one another and with
+those of the limits.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from gproof.ir.finding import Findings, Severity
+from gproof.ir.machine import NO_MACHINE, Area, Machine
+from gproof.ir.setup import Setup
+from gproof.ir.trace import Chunk, Op
+from gproof.ir.verdict import Condition, PropertyResult, Verdict
+from gproof.passes.check import Check
+from gproof.passes.height_map import heights_of
+from gproof.passes.values import NOWHERE, Position, describe
+from gproof.passes.zone_check import ZoneCheck
+from gproof.passes.zone_offsets import Ranges
+
+Zeros = Callable[[int, int], Position]
+"""Where a coordinate system has its zero when the job begins, local offsets included, by number and axis."""
+
+
+class Areas(Check):
+    """See the module's text.
+
+    straight: whether a traverse of several axes is a straight line on this controller, None: not known; measured: tools
+    have no lengths but places (``LanguageRules.measured_tools``); zero: of the coordinate systems, for zones that count
+    from one.
+    """
+
+    name = "areas"
+
+    def __init__(
+        self, machine: Machine, setup: Setup, findings: Findings, *, straight: bool | None = True,
+        measured: bool = False, zero: Zeros | None = None,
+    ) -> None:  # fmt: skip
+        super().__init__(machine, setup, findings)
+        heights = heights_of(setup.height_map)
+        self._zones: list[ZoneCheck] = []
+
+        def check(area: Area, *, change: bool = False) -> None:
+            origin = _origin(area, zero)
+            self._zones.append(
+                ZoneCheck(
+                    area,
+                    machine,
+                    setup,
+                    findings,
+                    heights=heights,
+                    straight=straight,
+                    measured=measured,
+                    origin=origin,
+                    change=change,
+                )
+            )
+
+        if machine.tool_change_area is not None:
+            check(machine.tool_change_area, change=True)
+        self._kept = (*machine.keep_out, *setup.keep_out)
+        for area in self._kept:
+            check(area)
+        self._homed = False
+        self._given: Ranges = {}
+
+    def given(self, conditions: tuple[Condition, ...]) -> None:
+        """Conditions that hold anyway (those of the limits), so that the answer does not contradict them."""
+        self._given = {c.terms: (c.low, c.high) for c in conditions}
+
+    def feed(self, chunk: Chunk) -> None:
+        """Findings for each line of the job that enters a zone."""
+        if self._zones and not self._homed and self.machine.tool_change_area is not None:
+            self._homed = bool((chunk.rows["op"] == Op.HOME).any())
+        for zone in self._zones:
+            zone.feed(chunk)
+
+    def finish(self) -> PropertyResult:
+        """SAFE (with conditions where offsets are unknown), UNSAFE, or UNKNOWN."""
+        asked: dict[tuple[tuple[str, int], ...], Condition] = {}
+        errors = sum(zone.errors for zone in self._zones)
+        for zone in self._zones if not errors else ():
+            for condition in zone.conditions(self._given):
+                asked[condition.terms] = condition
+                self._given[condition.terms] = condition.low, condition.high
+        conditions = tuple(asked[terms] for terms in sorted(asked))
+        verdict = Verdict.SAFE
+        if errors:
+            verdict = Verdict.UNSAFE
+        elif self.findings.has(Severity.UNKNOWN, (self.name,)):
+            verdict = Verdict.UNKNOWN
+        return PropertyResult(
+            name=self.name, verdict=verdict, assumptions=tuple(self._assumptions(conditions)), conditions=conditions
+        )
+
+    def _assumptions(self, conditions: tuple[Condition, ...]) -> list[str]:
+        out = [
+            f"{describe(c.terms)} lies between {c.low:.4f} and {c.high:.4f} mm (machine coordinates)"
+            for c in conditions
+            if len(c.terms) == 1 and c.terms[0][0].startswith("start.")
+        ]
+        if self.machine.tool_change_area is None:
+            nothing = self.machine.name == NO_MACHINE.name
+            out.append("no tool change area is stated" if nothing else "the machine file names no tool change area")
+        elif self._homed:
+            out.append("homing moves keep out of the tool change area")
+        if self._kept:
+            out.append("in keep-out zones tools are as wide as the tool table says, and points where it does not")
+            if any(axis.vertical and axis.index > 2 for axis in self.machine.axes):
+                out.append("keep-out zones are judged for the head of X, Y and Z only")
+        return out
+
+
+def _origin(area: Area, zero: Zeros | None) -> tuple[Position, Position, Position] | None:
+    if not area.work:
+        return None
+    if zero is None:
+        return NOWHERE, NOWHERE, NOWHERE
+    return zero(area.work, 0), zero(area.work, 1), zero(area.work, 2)

@@ -1,0 +1,353 @@
+"""One zone that a job's path must keep out of: the tool change area with its guard, or a stated keep-out zone.
+
+Eding CNC manual 2.1.8 (area), 4.2 (TCAGuard). Touching a face is outside; lines and arcs are exact (``zone_shapes``).
+Where offsets are unknown, one face of the zone's box that all of the path stays beyond gives the condition.
+What is judged: in the tool change area the controller's machine position, as the controller does it. In a keep-out zone
+the tool: as thick as the tool table says, a point where it does not; in machine coordinates from its tip, below the
+machine position by a positive length offset, up to there; relative to a work offset its tip.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+
+import numpy as np
+import numpy.typing as npt
+
+from gproof.ir import codes
+from gproof.ir.columns import Columns, occurring
+from gproof.ir.finding import Findings, Span
+from gproof.ir.machine import AXIS_NAMES, Area, Machine
+from gproof.ir.setup import Setup
+from gproof.ir.trace import HEIGHT_MAP, UNKNOWN, Chunk, Op, Plane, State
+from gproof.ir.verdict import Condition
+from gproof.passes.check import row_span
+from gproof.passes.extent_kernels import arc_extreme, row_boxes, rows_near
+from gproof.passes.height_map import Heights
+from gproof.passes.values import Position
+from gproof.passes.zone_offsets import EVERYWHERE, OpenPlaces, Ranges, View
+from gproof.passes.zone_shapes import (
+    IN_PLANE,
+    Arc,
+    Entry,
+    Point,
+    Polygon,
+    Rectangle,
+    Zone,
+    arc_enters,
+    box_enters,
+    segment_enters,
+    shape_of,
+)
+
+GUARD = "tool_change_area"
+MOST = 10_000
+"""Of lines that enter one zone: the rest of the job is not looked at for it."""
+_MANY = 256
+"""Rows beside a polygon from which on shapely sorts out those that are far from it."""
+
+
+class ZoneCheck:
+    """Findings of one zone; ``conditions`` after the last chunk. errors: rows that enter it."""
+
+    def __init__(
+        self, area: Area, machine: Machine, setup: Setup, findings: Findings, *, heights: Heights | None,
+        straight: bool | None, measured: bool = False, origin: tuple[Position, Position, Position] | None = None,
+        change: bool = False,
+    ) -> None:  # fmt: skip
+        self.area, self.machine, self.setup, self.findings = area, machine, setup, findings
+        self.errors = 0
+        self._heights, self._straight, self._origin, self._change = heights, straight, origin, change
+        self._lengths = not change and not measured
+        self._views: list[View] = []
+        self._of_key: dict[object, int] = {}
+        self._of_state: list[int] = []
+        self._symbolic: Span | None = None
+        self._open = OpenPlaces(machine, setup, self._views)
+
+    # -- views
+
+    def _view_of(self, state: State) -> int:
+        following = HEIGHT_MAP in state.following and self._heights is not None
+        tool = self.machine.tool(state.tool)
+        diameter = 0.0 if tool is None or tool.diameter is None else tool.diameter
+        if self._change:
+            key: object = GUARD in state.guards_off, following
+        else:
+            key = following, state.tip, diameter, self._other_head(state)
+        if key not in self._of_key:
+            self._of_key[key] = len(self._views)
+            self._views.append(self._make(state, following, 0.0 if self._change else diameter / 2))
+        return self._of_key[key]
+
+    def _make(self, state: State, following: bool, radius: float) -> View:
+        x, y, z = self.area.box
+        causes: list[str] = []
+        zero = Position(0.0)
+        tips = {one.axis: Position(one.mm, one.form) for one in state.tip}
+        offsets = [tips.get(axis, zero) for axis in range(3)]
+        base, tip = (zero, zero, zero), None
+        if self._origin is not None:
+            base = tuple(o.plus(t) for o, t in zip(self._origin, offsets, strict=True))  # type: ignore[assignment]
+        elif self._lengths and offsets[2].form:
+            tip = offsets[2]
+        elif self._lengths:
+            z = z[0], z[1] + max(0.0, offsets[2].value)
+        wide, narrow = z, z
+        if following:
+            assert self._heights is not None
+            least, most = self._heights.least(), self._heights.most()
+            wide, narrow = (z[0] - most, z[1] - least), (z[0] - least, z[1] - most)
+            causes.append("the height map")
+        slack = [0.0 if axis is None else max(d.backlash for d in axis.drives())
+                 for axis in map(self.machine.axis, AXIS_NAMES[:3])]  # fmt: skip
+        around, above = (0.0, 0.0) if self._change else (math.hypot(slack[0], slack[1]), slack[2])
+        if around or above:
+            causes.append("the backlash of axes")
+        shape = shape_of(self.area)
+        sure = True
+        cylinder = self.setup.cylinder
+        if cylinder is not None:
+            # With Y mapped onto A the machine's Y stays where the axis of rotation is (Eding manual 2.2.5.4).
+            at = cylinder.y
+            sure = at is not None and y[0] < at < y[1] and not self.area.rings and self._origin is None
+            if not sure:
+                causes.append("where the axis of rotation of A is")
+            shape, y = Rectangle(x, EVERYWHERE), EVERYWHERE
+        outer = Zone(shape=shape, z=wide, grow=radius + around, rise=above)
+        inner = Zone(shape=shape, z=narrow, grow=radius) if sure else None
+        if not self._change and self._other_head(state):
+            causes, inner = [*causes, "which of the heads is meant"], None
+        shift = base[0].value, base[1].value, base[2].value
+        g, rise = outer.grow, outer.rise
+        box = tuple(
+            (low - by + at, high + by + at)
+            for (low, high), by, at in zip((x, y, wide), (g, g, rise), shift, strict=True)
+        )
+        return View(
+            shift=shift, form=(base[0].form, base[1].form, base[2].form), outer=outer, inner=inner,
+            cause=" and ".join(causes), box=(box[0], box[1], box[2]), tip=tip,
+            off=self._change and GUARD in state.guards_off,
+        )  # fmt: skip
+
+    def _other_head(self, state: State) -> bool:
+        """Whether what moves is not the head of X, Y and Z; a preconfigured workspace may choose another one."""
+        spaces = self.machine.controller.controls.workspaces
+        return state.head != 0 or (state.work > 1 and any(space.number == state.work + 53 for space in spaces))
+
+    def _never(self) -> bool:
+        """With Y mapped onto A: whether the machine's Y, which then stays, is beside the zone."""
+        at = None if self.setup.cylinder is None else self.setup.cylinder.y
+        if at is None or self._origin is not None:
+            return False
+        grow = 0.0
+        if not self._change:
+            grow = max((t.diameter or 0.0 for t in self.machine.tools), default=0.0) / 2
+        low, high = self.area.box[1]
+        return not low - grow < at < high + grow
+
+    # -- rows
+
+    def feed(self, chunk: Chunk) -> None:
+        """Findings for lines of the chunk that enter the zone; extents of those whose place is not known."""
+        if not len(chunk.rows) or self.errors > MOST or self._never():
+            return
+        self._open.trace = chunk.trace
+        self._of_state += [self._view_of(state) for state in chunk.trace.states[len(self._of_state) :]]
+        of_state = np.array(self._of_state)
+        here = of_state[chunk.rows["state"]]
+        for view in occurring(here):
+            self._judge(chunk, view, here == view)
+        if not self._change:
+            self._homing(chunk)
+
+    def _judge(self, chunk: Chunk, number: int, mine: npt.NDArray[np.bool_]) -> None:
+        view, rows, trace = self._views[number], chunk.rows, chunk.trace
+        mine = mine & (rows["op"] < 10)
+        if not mine.any():
+            return
+        sure = view.tip is None and UNKNOWN not in view.form
+        known = np.array([sure and frame[:3] == view.form for frame in trace.frames], dtype=bool)
+        both = known[rows["frame"]] & known[chunk.start_frames()]
+        found = np.zeros(len(rows), dtype=np.int64)
+        count = rows_near.pick(chunk.work)(
+            rows["op"], rows["to"], rows["center"], rows["turns"], rows["plane"],
+            np.array(chunk.start, dtype=np.float64), np.array([b[0] for b in view.box]),
+            np.array([b[1] for b in view.box]), found,
+        )  # fmt: skip
+        near = found[:count]
+        near = near[(mine & both)[near]]
+        for row in self._sorted_out(chunk, view, near).tolist():
+            self._row(chunk, row, view)
+        if not view.off and (mine & ~both).any():
+            self._collect(chunk, number, mine, known, both)
+
+    def _sorted_out(self, chunk: Chunk, view: View, near: npt.NDArray[np.int64]) -> npt.NDArray[np.int64]:
+        """Rows without the straight ones that are far from a polygon, where there are many."""
+        if len(near) < _MANY or not isinstance(view.outer.shape, Polygon):
+            return near
+        rows = chunk.rows
+        straight = rows["op"][near] != Op.ARC
+        if self._straight is not True:
+            straight &= rows["op"][near] != Op.TRAVERSE
+        # One that stands still in X and Y is a point, which shapely takes for no line at all.
+        straight &= (chunk.starts()[near, :2] != rows["to"][near, :2]).any(axis=1)
+        lines = near[straight]
+        ends = np.stack([chunk.starts()[lines, :2], rows["to"][lines, :2]], axis=1) - np.array(view.shift[:2])
+        kept = straight.copy()
+        kept[straight] = view.outer.shape.near(ends, view.outer.grow)
+        found: npt.NDArray[np.int64] = near[kept | ~straight]
+        return found
+
+    def _row(self, chunk: Chunk, row: int, view: View) -> None:
+        if self.errors > MOST:
+            return
+        rows = chunk.rows
+        p = _point(chunk.start if row == 0 else rows["to"][row - 1], view.shift)
+        q = _point(rows["to"][row], view.shift)
+        op = int(rows["op"][row])
+        free = op == Op.TRAVERSE and self._straight is not True and sum(a != b for a, b in zip(p, q, strict=True)) > 1
+        entry = self._entry(rows, row, view.outer, view.shift, p, q)
+        span = row_span(chunk.trace, rows, row)
+        if entry is None:
+            if free and box_enters(view.outer, *[(min(a, b), max(a, b)) for a, b in zip(p, q, strict=True)]):
+                self._doubt(span, "the way of this traverse, which is not certain to be a straight line", view)
+            return
+        if view.inner is None:
+            self._doubt(span, view.cause, view)
+            return
+        sure = entry if view.inner == view.outer else self._entry(rows, row, view.inner, view.shift, p, q)
+        if sure is None:
+            self._doubt(span, view.cause, view)
+            return
+        if free and not (view.inner.depths(np.array([p, q])) > 0.0).any():
+            self._doubt(span, "the way of this traverse, which is not certain to be a straight line", view)
+            return
+        self._entered(span, sure, view)
+
+    def _entry(self, rows: Columns, row: int, zone: Zone, shift: Point, p: Point, q: Point) -> Entry | None:
+        if int(rows["op"][row]) != Op.ARC:
+            return segment_enters(zone, p, q)
+        center = _point(rows["center"][row], shift)
+        arc = Arc(start=p, end=q, center=center, turns=int(rows["turns"][row]), plane=int(rows["plane"][row]))
+        return arc_enters(zone, arc)
+
+    def _entered(self, span: Span, entry: Entry, view: View) -> None:
+        place = zip(AXIS_NAMES, entry.at, view.shift, strict=False)
+        where = " ".join(f"{name.upper()}{value + shift + 0.0:.3f}" for name, value, shift in place)
+        if view.off:
+            self.findings.add(codes.TOOL_CHANGE_AREA_GUARD_OFF.at(span))
+            return
+        self.errors += 1
+        if self._change:
+            self.findings.add(codes.TOOL_CHANGE_AREA.at(span, where=where, depth=entry.depth))
+        else:
+            self.findings.add(codes.KEEP_OUT_ZONE.at(span, name=self.area.name, where=where, depth=entry.depth))
+
+    def _doubt(self, span: Span, cause: str, view: View) -> None:
+        if view.off:
+            self.findings.add(codes.TOOL_CHANGE_AREA_GUARD_OFF.at(span))
+        elif self._change:
+            self.findings.add(codes.TOOL_CHANGE_AREA_UNKNOWN.at(span, cause=cause))
+        else:
+            self.findings.add(codes.KEEP_OUT_UNKNOWN.at(span, name=self.area.name, cause=cause))
+
+    def _homing(self, chunk: Chunk) -> None:
+        """Homing moves go anywhere along their axes, group after group where the machine's file has an order."""
+        rows = chunk.rows
+        for row in np.flatnonzero(rows["op"] == Op.HOME).tolist():
+            view = self._views[self._of_state[int(rows["state"][row])]]
+            frame = chunk.trace.frames[int(rows["frame"][row])]
+            place = _point(rows["to"][row], view.shift)
+            ranges = [(v, v) if f == g != UNKNOWN else EVERYWHERE
+                      for v, f, g in zip(place, frame, view.form, strict=False)]  # fmt: skip
+            if view.tip is not None:
+                ranges[2] = EVERYWHERE
+            for axes in self._homed_together(chunk.trace.texts[int(rows["text"][row])].split()):
+                for axis in axes:
+                    ranges[axis] = EVERYWHERE
+                if axes and box_enters(view.outer, ranges[0], ranges[1], ranges[2]):
+                    self._doubt(row_span(chunk.trace, rows, row), "the way of homing moves", view)
+                    break
+                for axis in axes:
+                    home = self.machine.axis(AXIS_NAMES[axis])
+                    at = None if home is None else home.home_place
+                    if at is not None and view.form[axis] == ():
+                        ranges[axis] = (at - view.shift[axis],) * 2
+
+    def _homed_together(self, names: list[str]) -> Iterator[list[int]]:
+        left = [name for name in names if name in AXIS_NAMES[:3]]
+        for line in self.machine.controller.controls.homing:
+            these = [name for name, _ in line.distances if name in left]
+            left = [name for name in left if name not in these]
+            yield [AXIS_NAMES.index(name) for name in these]
+        yield [AXIS_NAMES.index(name) for name in left]
+
+    # -- places that nobody knows
+
+    def _collect(
+        self, chunk: Chunk, number: int, mine: npt.NDArray[np.bool_], known: npt.NDArray[np.bool_],
+        both: npt.NDArray[np.bool_],
+    ) -> None:  # fmt: skip
+        """Extents by frame of the rows that do not lie in known frames from end to end."""
+        rows, trace = chunk.rows, chunk.trace
+        frames = len(trace.frames)
+        low, high = np.full((2 * frames, 6), math.inf), np.full((2 * frames, 6), -math.inf)
+        index = np.zeros((2 * frames, 6), dtype=np.int64)
+        none = np.zeros(0, dtype=np.int64)
+        others = np.array([view != number for view in self._of_state], dtype=np.int64)
+        row_boxes.pick(chunk.work)(
+            rows["op"], rows["to"], rows["center"], rows["turns"], rows["plane"], rows["frame"], others,
+            rows["state"], np.array(chunk.start, dtype=np.float64), np.zeros((frames, 6), dtype=np.uint8),
+            np.full((2, 6), -math.inf), np.full((2, 6), math.inf), low, high, index, index.copy(), none,
+            none, np.zeros(0), np.zeros((0, 2)),
+        )  # fmt: skip
+        before, befores = chunk.start_frames(), chunk.starts()
+        for frame in occurring(rows["frame"]):
+            if not known[frame] and high[2 * frame, 0] >= low[2 * frame, 0]:
+                self._open.widen(number, frame, low[2 * frame, :3], high[2 * frame, :3])
+        open_ = mine & ~both
+        for frame in occurring(before[open_]):
+            starts = befores[open_ & (before == frame), :3]
+            self._open.widen(number, frame, starts.min(axis=0), starts.max(axis=0))
+        # A known frame that meets an unknown one needs its own extent beside the same face, arcs their bulge as well.
+        for row in np.flatnonzero(open_ & known[rows["frame"]]).tolist():
+            self._open.widen(number, int(rows["frame"][row]), *_row_box(rows, row, befores[row]))
+        if self._symbolic is None:
+            self._symbolic = row_span(trace, rows, 0)
+
+    def conditions(self, given: Ranges) -> tuple[Condition, ...]:
+        """What keeps the rest of the path beside the zone; given: what is asked of offsets anyway."""
+        if not self._open.low or self.errors:
+            return ()
+        found = self._open.best_face(given)
+        if found is not None:
+            return found
+        assert self._symbolic is not None
+        cause = ", ".join(self._open.causes())
+        if self._change:
+            self.findings.add(codes.TOOL_CHANGE_AREA_UNKNOWN.at(self._symbolic, cause=cause))
+        else:
+            self.findings.add(codes.KEEP_OUT_UNKNOWN.at(self._symbolic, name=self.area.name, cause=cause))
+        return ()
+
+
+def _row_box(rows: Columns, row: int, start: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """((3,), (3,)): what one row reaches of X, Y and Z, its start left out."""
+    end, center = _point(rows["to"][row]), _point(rows["center"][row])
+    low, high = list(end), list(end)
+    if int(rows["op"][row]) == Op.ARC:
+        u, v = IN_PLANE[Plane(int(rows["plane"][row]))]
+        found = arc_extreme(
+            float(start[u]) - center[u], float(start[v]) - center[v], end[u] - center[u], end[v] - center[v],
+            int(rows["turns"][row]),
+        )  # fmt: skip
+        low[u], high[u] = center[u] + found[0], center[u] + found[1]
+        low[v], high[v] = center[v] + found[2], center[v] + found[3]
+    return np.array(low), np.array(high)
+
+
+def _point(values: object, shift: Point = (0.0, 0.0, 0.0)) -> Point:
+    x, y, z = (float(v) for v in values[:3])  # type: ignore[index]
+    return x - shift[0], y - shift[1], z - shift[2]
