@@ -1,7 +1,7 @@
 """``make bench``: gproof beside LinuxCNC's ``rs274`` on the same programs, in one run on this machine.
 
-    python bench/run.py [--only start|lines|parse|steps] [--lines 2000,100000] [--shapes raster] [--repeat 5]
-                        [--dialects wincnc,mcuwin] [--json FILE]
+    python bench/run.py [--only start|lines|scale|parse|steps] [--lines 2000,100000] [--shapes raster] [--repeat 5]
+                        [--dialects wincnc,mcuwin] [--long] [--json FILE] [--svg FILE]
 
 Timings are no tests: the exit code is 0 whatever they are. bench/README.md explains the columns.
 """
@@ -22,6 +22,7 @@ from pathlib import Path
 from typing import Any
 
 from measure import Runs, gproof_command, rs274_command, run_once
+from plot import Line, Panel, plot
 from programs import COMMON_SHAPES, SHAPES, write_program
 
 HERE = Path(__file__).resolve().parent
@@ -33,8 +34,10 @@ DIALECTS = {
 """Name, suffix of programs, machine."""
 PARSED = ("eding", "mcuwin")
 """Dialects whose reading is measured."""
-PARTS = ("start", "lines", "parse", "steps")
+PARTS = ("start", "lines", "scale", "parse", "steps")
 LINES = (2_000, 100_000, 1_000_000)
+SCALE = (10_000, 100_000, 1_000_000, 10_000_000)
+SCALE_SHAPES = ("raster",)
 START_LINES = 100
 STEP_LINES = 20_000
 LOADED = 20_000
@@ -42,11 +45,11 @@ LOADED = 20_000
 VERDICTS = (0, 1, 2)
 """Exit codes of SAFE, UNSAFE and UNKNOWN."""
 LONG = 100_000  # from so many lines on a cold run is not repeated
+VERY_LONG = 10_000_000  # from so many lines on a program is removed after its runs, of which there are two
 
 GOAL_START_S = 0.35
-GOAL_RATIO = 0.5
-GOAL_PEAK_MB = 400.0
-GOAL_LINES = 1_000_000
+GOALS = {1_000_000: (0.5, 400.0), 10_000_000: (0.125, 600.0)}
+"""From so many lines on: the most of rs274's wall time, and of memory in MB."""
 GOAL_PARSE = {"repeat": 20_000, "different": 3_000}  # lines a second
 
 
@@ -116,7 +119,7 @@ class Bench:
         command = gproof_command(self.program(shape, lines, suffix), machine)
         accepted = VERDICTS if dialect == "mcuwin" and lines > LOADED else (0,)
         warm, cold, peer = Runs(), Runs(), Runs()
-        for _ in range(self.repeat):
+        for _ in range(self.repeat if lines < VERY_LONG else min(2, self.repeat)):
             said = run_once(command, self.warm_environment, warm, accepted)
             if accepted == (0,) and "SAFE" not in said.split("\n", 1)[0] and not warm.problem:
                 warm.problem = "not SAFE"
@@ -126,6 +129,9 @@ class Bench:
             empty = self.folder / f"cold-{dialect}-{shape}-{lines}-{n}"
             run_once(command, self.warm_environment | {"GPROOF_CACHE_DIR": str(empty)}, cold, accepted)
             shutil.rmtree(empty, ignore_errors=True)
+        if lines >= VERY_LONG:
+            self.program(shape, lines, suffix).unlink()
+            path.unlink(missing_ok=True)
         return Compared(
             dialect=dialect, shape=shape, lines=lines, warm=warm, cold=cold, peer=peer if self.rs274 else None
         )  # fmt: skip
@@ -201,12 +207,45 @@ def print_start(rows: list[Compared]) -> None:
 
 def print_lines(rows: list[Compared]) -> None:
     for row in _by_dialect(rows, "Check beside rs274"):
-        goals = []
-        if row.lines >= GOAL_LINES:
-            if row.ratio is not None:
-                goals.append(f"ratio at most {GOAL_RATIO}  {verdict(row.ratio <= GOAL_RATIO)}")
-            goals.append(f"{GOAL_PEAK_MB:.0f} MB  {verdict(row.peak_mb <= GOAL_PEAK_MB)}")
-        print(f"{_figures(row)}  {',  '.join(goals)}".rstrip() + _problem(row))
+        print(f"{_figures(row)}  {',  '.join(_goals(row))}".rstrip() + _problem(row))
+
+
+def _goals(row: Compared) -> list[str]:
+    size = max((size for size in GOALS if size <= row.lines), default=0)
+    if not size:
+        return []
+    ratio, peak_mb = GOALS[size]
+    told = [] if row.ratio is None else [f"ratio at most {ratio}  {verdict(row.ratio <= ratio)}"]
+    return [*told, f"{peak_mb:.0f} MB  {verdict(row.peak_mb <= peak_mb)}"]
+
+
+def print_scale(rows: list[Compared], start_s: float) -> None:
+    """Time and memory over the number of lines; start_s: what a job of one line takes."""
+    for row in _by_dialect(rows, "Scaling"):
+        print(f"{_figures(row)}  {',  '.join(_goals(row))}".rstrip() + _problem(row))
+    print(f"\n  {'lines':>9}  {'shape':<7} {'rs274 µs a line':>16} {'gproof µs a line':>17} {'without the start':>18}")
+    for row in rows:
+        peer = f"{1e6 * row.peer.best / row.lines:.2f}" if row.peer is not None else "-"
+        alone = 1e6 * max(0.0, row.warm.best - start_s) / row.lines
+        print(f"  {row.lines:9,}  {row.shape:<7} {peer:>16} {1e6 * row.warm.best / row.lines:17.2f} {alone:18.2f}")
+
+
+def scale_plot(rows: list[Compared], start_s: float) -> str:
+    """Both as a picture of straight lines: SVG."""
+    points = [(row.lines, row) for row in rows]
+    alone = [(n, row.warm.best - start_s) for n, row in points if row.warm.best > 1.1 * start_s]
+    times = [
+        Line("gproof check", "#1f77b4", [(n, row.warm.best) for n, row in points]),
+        Line("without the start of the program", "#1f77b4", alone, dashed=True),
+    ]
+    memory = [Line("gproof check", "#1f77b4", [(n, row.warm.peak_mb) for n, row in points])]
+    if all(row.peer is not None for row in rows):
+        times.append(Line("rs274", "#d62728", [(n, row.peer.best) for n, row in points if row.peer is not None]))
+        memory.append(Line("rs274", "#d62728", [(n, row.peer.peak_mb) for n, row in points if row.peer is not None]))
+    return plot([
+        Panel("Wall time of the whole process", "lines", "seconds", times),
+        Panel("Peak memory", "lines", "MB", memory),
+    ])  # fmt: skip
 
 
 def _by_dialect(rows: list[Compared], what: str) -> Iterator[Compared]:
@@ -269,7 +308,9 @@ def arguments() -> argparse.Namespace:
     parser.add_argument("--shapes", default=",".join(SHAPES), help="shapes of program, by commas")
     parser.add_argument("--dialects", default=",".join(DIALECTS), help="dialects of start, lines and parse, by commas")
     parser.add_argument("--repeat", type=int, default=5, help="runs of each command (default 5)")
+    parser.add_argument("--long", action="store_true", help="10 million lines of every shape and dialect, too")
     parser.add_argument("--json", type=Path, metavar="FILE", help="also write every figure here")
+    parser.add_argument("--svg", type=Path, metavar="FILE", help="draw what ``scale`` found here")
     return parser.parse_args()
 
 
@@ -278,6 +319,7 @@ def main() -> None:
     parts = asked.only or PARTS
     shapes, sizes = asked.shapes.split(","), [int(n) for n in asked.lines.split(",")]
     dialects = asked.dialects.split(",")
+    sizes += [VERY_LONG] if asked.long and VERY_LONG not in sizes else []
     answer: dict[str, Any] = {"schema": "gproof-bench/1", "about": about()}
     print("\n".join(f"{name + ':':<9}{text}" for name, text in answer["about"].items()))
     with tempfile.TemporaryDirectory(prefix="gproof-bench-") as name:
@@ -291,6 +333,13 @@ def main() -> None:
             rows = bench.compare_all(dialects, shapes, sizes)
             print_lines(rows)
             answer["lines"] = [row.as_json() for row in rows]
+        if "scale" in parts:
+            rows = bench.compare_all(dialects[:1], [s for s in shapes if s in SCALE_SHAPES] or shapes, list(SCALE))
+            start_s = bench.compare(dialects[0], rows[0].shape, START_LINES).warm.best
+            print_scale(rows, start_s)
+            answer["scale"] = {"start_s": start_s, "rows": [row.as_json() for row in rows]}
+            if asked.svg is not None:
+                asked.svg.write_text(scale_plot(rows, start_s), encoding="utf-8")
         if "parse" in parts:
             answer["parse"] = {}
             for dialect in dialects:

@@ -100,7 +100,6 @@ class FileCache:
 
     def load_overload(self, signature: Any, target: Any) -> Any:
         """The compile result, None when there is none that fits."""
-        target.refresh()
         arguments = _arguments(signature)
         place, key = self._place(arguments, target.codegen().magic_tuple())
         try:
@@ -111,6 +110,10 @@ class FileCache:
             held, parts = pickle.loads(payload)
             if held != key:
                 return None
+            # Machine code needs the runtime's symbols and no more. ``target.refresh``, which compiling does, imports
+            # all that numba can compile, and scipy where it is installed: that takes longer than a million lines.
+            nrt: Any = importlib.import_module("numba.core.runtime")
+            nrt.rtsys.initialize(target)
             compiler: Any = importlib.import_module("numba.core.compiler")
             result = compiler.CompileResult._rebuild(target, *parts)
         except Exception:  # Machine code of another numba, or no longer readable: it is compiled again.

@@ -43,6 +43,8 @@ while not os.path.exists("go"):
     time.sleep(0.001)
 for kind in sys.argv[1:]:
     print(run(np.array([1, 2, 4]).astype(kind)))
+if "numba.np.arraymath" in sys.modules:
+    open("all-of-numba", "w").close()
 """
 KINDS = ["float64", "float32", "int64", "uint64", "int32", "int8"]
 
@@ -97,6 +99,20 @@ def test_processes_that_compile_at_the_same_time(start: Start, tmp_path: Path) -
     written = [path.stat().st_mtime_ns for path in files]
     assert answers(start(*KINDS[:3])) == [7.0] * 3
     assert [path.stat().st_mtime_ns for path in files] == written
+
+
+def test_what_is_loaded_needs_no_compiler(start: Start, tmp_path: Path) -> None:
+    """All that numba can compile, scipy's linear algebra with it, takes longer to import than a long job to check."""
+    (tmp_path / "go").touch()
+    imported = tmp_path / "all-of-numba"
+    assert answer(start("float64")) == 7.0
+    assert imported.exists()
+    imported.unlink()
+    assert answer(start("float64")) == 7.0
+    assert not imported.exists()
+    # One that is loaded and one that is compiled, in one process.
+    assert answers(start("float64", "int64")) == [7.0, 7.0]
+    assert imported.exists()
 
 
 def test_what_does_not_fit_is_compiled_again(start: Start, tmp_path: Path) -> None:
