@@ -16,8 +16,8 @@ from gproof.ir.verdict import DEFAULT_POLICY
 from gproof.passes.check import Check
 
 CHECKS: dict[str, tuple[str, ...]] = {
-    "feeds": (),
-    "cutting": (),
+    "feeds": ("feeds:feeds",),
+    "cutting": ("cutting:cutting",),
     "sense": (),
     "gouges": (),
     "collisions": (),

@@ -38,6 +38,7 @@ HIGHEST_TOOL = 99
 DEEPEST_BASE = 8
 MOST_SLAVES = 5
 HIGHEST_HEAD = 5
+HIGHEST_CHANNEL = 9999
 LETTERS = ("W", "U", "V")
 """Letters that an axis of column a, b or c may have in programs in place of its own."""
 THREAD_PEAKS = ("position", "offset")
@@ -104,6 +105,7 @@ def _load_toml(path: Path, findings: Findings, depth: int) -> tuple[Machine | No
         board=_board(root, machine.board),
         knife=_knife(root, machine.knife, unit),
         **_given(kinematics=root.text("kinematics"), z_down_tool_length=root.number("z_down_tool_length", unit=unit)),
+        **_given(spindle_started=root.boolean("spindle")),
     )
     if machine.kinematics != "trivial" and "kinematics" in root.values:
         machine = replace(
@@ -294,6 +296,11 @@ def _tools(root: TomlTable, machine: Machine, unit: Fraction) -> tuple[Tool, ...
                 x_offset=table.number("x_offset", unit=unit),
                 diameter=table.number("diameter", unit=unit),
                 orientation=table.whole("orientation", 0, 9),
+                min_rpm=table.positive("min_rpm", zero=True),
+                max_rpm=table.positive("max_rpm"),
+                max_feed=table.positive("max_feed", unit=unit),
+                max_plunge=table.positive("max_plunge", unit=unit),
+                max_depth=table.positive("max_depth", unit=unit),
             ),
         )
         table.finish()
@@ -318,6 +325,8 @@ def _spindles(root: TomlTable, machine: Machine, unit: Fraction) -> tuple[Spindl
                 min_rpm=table.positive("min_rpm", zero=True),
                 max_rpm=table.positive("max_rpm"),
                 ramp_time=table.positive("ramp_time", zero=True),
+                spin_up=table.positive("spin_up", zero=True),
+                output=table.whole("output", 0, HIGHEST_CHANNEL),
             ),
         )
         low, high = spindles[number].min_rpm, spindles[number].max_rpm

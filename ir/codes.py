@@ -546,6 +546,74 @@ NO_WAY = code(
     519, "no-way", _W, "{code} leads nowhere: the controller reports a move without a way (status 80, 20 hex)"
 )
 
+# 53x, 54x: told where the properties cutting and feeds are asked for (docs/cutting-sense.md)
+SPINDLE_AT_REST = code(530, "spindle-at-rest", _E, "{moves} feed moves while the spindle stands still", "cutting")
+SPINDLE_NOT_TOLD = code(
+    531, "spindle-not-told", _U, "{moves} feed moves, and nothing tells whether a spindle turns", "cutting"
+)
+SPINDLE_SPEED_NOT_TOLD = code(
+    532, "spindle-speed-not-told", _U, "{moves} feed moves with a spindle whose speed nobody stated", "cutting"
+)
+NO_TOOL = code(533, "no-tool", _E, "{moves} feed moves without a tool in the spindle", "cutting")
+TOOL_TOO_FAST = code(
+    534, "tool-too-fast", _E, "tool {tool} turns at {rpm:g} rpm, {over:g} more than its {allowed:g}", "cutting"
+)
+TOOL_TOO_SLOW = code(
+    535, "tool-too-slow", _W, "tool {tool} turns at {rpm:g} rpm, and should at {allowed:g} at the least", "cutting"
+)
+CUT_BEFORE_SPEED = code(
+    536,
+    "cut-before-speed",
+    _W,
+    "a feed move {seconds:.2f} s behind the start of the spindle at the earliest, which needs {needed:g} s",
+    "cutting",
+)
+TURNS_BACKWARDS = code(
+    537, "turns-backwards", _N, "{moves} feed moves with the spindle turning counter-clockwise", "cutting"
+)
+DRY_TOOL = code(538, "dry-tool", _N, "tool {tool} cuts without coolant, which other tools of this job have", "cutting")
+NOT_RETRACTED = code(
+    539,
+    "not-retracted",
+    _W,
+    "the job ends with Z at {reached:.4f} mm, {below:.4f} below where it traverses",
+    "cutting",
+)
+SPINDLE_LEFT_ON = code(540, "spindle-left-on", _W, "the job ends while the spindle turns", "cutting")
+END_MISSING = code(541, "end-missing", _N, "the job ends without a code that says so ({known})", "cutting")
+TOOL_NOT_TOLD = code(
+    542,
+    "tool-not-told",
+    _U,
+    "{moves} feed moves with a tool that nobody stated, and tools have limits of their own",
+    "cutting",
+)
+FEED_OVER_TOOL = code(
+    545, "feed-over-tool", _E, "feed {feed:g} mm/min is {over:g} more than tool {tool} stands ({allowed:g})", "feeds"
+)
+PLUNGE_OVER_TOOL = code(
+    546,
+    "plunge-over-tool",
+    _E,
+    "tool {tool} goes down at {feed:g} mm/min, {over:g} more than it stands ({allowed:g})",
+    "feeds",
+)
+PLUNGE_NOT_KNOWN = code(
+    549,
+    "plunge-not-known",
+    _U,
+    "how steep {moves} feed moves go down is not known, and the feed is over the tool's plunge",
+    "feeds",
+)
+FEED_NOT_TOLD = code(547, "feed-not-told", _U, "{moves} feed moves at a feed that nobody stated", "feeds")
+FEED_TOOL_NOT_TOLD = code(
+    548,
+    "feed-tool-not-told",
+    _U,
+    "{moves} feed moves with a tool that nobody stated, and tools have feeds of their own",
+    "feeds",
+)
+
 # 6xx files
 FILE_UNREADABLE = code(601, "file-unreadable", _E, "{what}", "files")
 UNKNOWN_KEY = code(602, "unknown-key", _W, "key {key!r} is not known and was ignored", "files")

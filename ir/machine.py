@@ -226,6 +226,8 @@ class Spindle:
     min_rpm, max_rpm: what it can do; ramp_time: seconds to reach its speed; offset: mm in X, Y, Z that are added to a
     machine position while it is selected, None where nobody stated it; unsigned: a controller file gives the
     offset without saying which way it counts; pwm: (rpm, percent of its output) pairs of its table (2.4).
+    spin_up: seconds that it needs to its speed, whatever the controller waits (``ramp_time``); output: channel that
+    runs it while it is on, where no code of the language does; None: not stated.
     """
 
     number: int
@@ -235,6 +237,8 @@ class Spindle:
     offset: tuple[float | None, float | None, float | None] = (None, None, None)
     unsigned: bool = False
     pwm: tuple[tuple[float, float], ...] = ()
+    spin_up: float | None = None
+    output: int | None = None
 
 
 @record(frozen=True, slots=True, kw_only=True)
@@ -316,7 +320,9 @@ class Machine:
     kinematics: ``trivial``, or the name of another that gproof does not follow; z_down_tool_length: length of the
     tool that touches the table with Z all the way down, mm;
     not_modelled: settings that are on and that gproof can not follow; unknown_keys: (file, key);
-    kept: (name, text) of settings that are known and have no bearing on where the axes go.
+    kept: (name, text) of settings that are known and have no bearing on where the axes go. spindle_started: whether
+    programs start a spindle on it; False: it has none (knife, torch, laser, nozzle), or one that is switched by hand;
+    None: not stated.
     """
 
     name: str
@@ -334,6 +340,7 @@ class Machine:
     knife: Knife | None = None
     z_down_tool_length: float | None = None
     kept: tuple[tuple[str, str], ...] = ()
+    spindle_started: bool | None = None
 
     def word(self, column: int) -> str:
         """The letter that programs give the axis of a column."""

@@ -116,6 +116,7 @@ ARGUMENTS = {
     Op.PATH_MODE: "arg[0]: PathMode; arg[1]: tolerance in mm",
     Op.GUARD: "arg[0]: 1 on, 0 off; text: name",
     Op.MESSAGE: "text: the message",
+    Op.END: "arg[0]: 1 where no code says so: behind the last line; 2 behind what runs after an abort",
     Op.DEVICE: "text: a command to a device or a setting that moves nothing, as written",
 }
 

@@ -92,6 +92,8 @@ class Emitter:
         # What is still to do, and what branches and loops keep of it: passes/branches.py, passes/loops.py.
         self.branches = 0
         self._stack: list[Frame] = [Frame(program.body)]
+        # What ran to its end last.
+        self._last: tuple[Statement, ...] | None = None
         self._seen: dict[object, tuple[Edge, ...]] = {}
         self._joins: dict[object, int] = {}
         self._waiting: list[Path] = []

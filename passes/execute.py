@@ -97,7 +97,8 @@ class Executor(Flow):
                 self._end_section(Wait.UNKNOWN, refusal.finding.message, -1, refusal.finding.span)
         if not self._ended:
             if self.failed is None:
-                self.event(Op.END, Span(self.trace.files[self._file], self.program.line_count))
+                span = Span(self.trace.files[self._file], self.program.line_count)
+                self.event(Op.END, span, arg=(2.0 if self._last is self.program.abort else 1.0, 0.0))
             self._close((Edge(wait=Wait.END, outcome="end", target=-1),))
 
     def _warn_after_end(self) -> None:
@@ -220,7 +221,7 @@ class Executor(Flow):
             return
         if frame.cells is not None and next_cell(self, frame):
             return
-        self._stack.pop()
+        self._last = self._stack.pop().body
         self._loops -= isinstance(node, LOOPS)
         if node is not None:
             self._nesting -= 1

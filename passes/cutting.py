@@ -1,0 +1,301 @@
+"""The property cutting: a tool that turns as it should is in every cut, and the job ends clear of the work.
+
+Wanted by ``--also cutting``. What a cut is: ``cut_rows``. Whether a spindle turns: by the program's own codes, or by
+the output that the machine file names (``output`` of a spindle) where the language has no code for it.
+``spindle = false`` of a machine file says that no program starts one. docs/cutting-sense.md has the codes, what each
+weighs, and why.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import numpy.typing as npt
+
+from gproof.ir import codes
+from gproof.ir.finding import Code, Findings, Span
+from gproof.ir.machine import Machine
+from gproof.ir.program import Program
+from gproof.ir.rules import Function as F
+from gproof.ir.setup import Setup
+from gproof.ir.trace import Affine, Chunk, Op, Wait
+from gproof.ir.verdict import PropertyResult
+from gproof.passes.causes import Causes, answer
+from gproof.passes.check import Check, row_span
+from gproof.passes.cut_rows import SOMEWHERE, Bools, CutRows, Floats, StateColumn, tool_column
+from gproof.passes.spin_up import Flow, Started, reached, waited
+
+SLACK = 1e-9
+NO_CODE, ABORTED = 1.0, 2.0
+"""``arg`` of END rows that no code of the program has made."""
+_ENDS = (F.END, F.END_RESET)
+_OTHER_TOOLS = frozenset(("pwm", "height_control", "height_setpoint", "extruder_temperature"))
+"""What a SETPOINT row sets where a job works with another tool than a spindle."""
+_WHEN_NOT_TOLD = (
+    "M3 before the first of them; or in the machine file output = ... under [spindles.0], the output that runs it, or "
+    "spindle = false where programs start none (knife, torch, laser, a spindle switched by hand)"
+)
+
+
+def cutting(program: Program, machine: Machine, setup: Setup, findings: Findings) -> Check:
+    """The check of this property, new."""
+    return Cutting(program, machine, setup, findings)
+
+
+class Cutting(Check):
+    """See the module's text."""
+
+    name = "cutting"
+
+    def __init__(self, program: Program, machine: Machine, setup: Setup, findings: Findings) -> None:
+        super().__init__(machine, setup, findings)
+        self._program = program
+        self._rows = CutRows(program)
+        self._spindle = StateColumn(lambda state: state.spindle)
+        self._surface = StateColumn(lambda state: float(state.surface_speed != 0.0))
+        self._follows = StateColumn(lambda state: float(state.synchronised))
+        self._tool = StateColumn(lambda state: float(state.tool))
+        self._fastest = tool_column(machine, lambda tool: tool.max_rpm)
+        self._slowest = tool_column(machine, lambda tool: tool.min_rpm)
+        self._limited = any(t.max_rpm is not None or t.min_rpm is not None for t in machine.tools)
+        first = machine.spindle(0)
+        self._output = None if first is None else first.output
+        self._flow: dict[int, Flow] = {0: Flow()}
+        self._now = Flow()
+        self._causes = Causes()
+        self._starts = self._other_tool = self._names_tools = False
+        self._wet: dict[int, list[bool]] = {}
+        self._dry: dict[int, Span] = {}
+        # By the unknowns of Z: the least height of moves across, the greatest of all, and of the ends of cuts.
+        self._across: dict[Affine, float] = {}
+        self._highest: dict[Affine, float] = {}
+        self._cut_at: dict[Affine, float] = {}
+
+    def feed(self, chunk: Chunk) -> None:
+        """Some successive rows."""
+        if chunk.begin == 0:
+            self._now = self._flow.pop(chunk.section, Flow())
+        way = self._rows.ways(chunk)
+        cut = self._rows.cuts(chunk, way)
+        rpm = self._speeds(chunk)
+        if cut.any():
+            self._judge(chunk, cut, rpm)
+        self._events(chunk, cut, rpm, way)
+        self._heights(chunk, cut, way)
+        if chunk.last:
+            self._close(chunk, rpm)
+
+    def finish(self) -> PropertyResult:
+        """The answer, after the last chunk."""
+        stated = self.machine.spindle_started
+        assumed: tuple[str, ...] = ()
+        if stated is False:
+            for code in (codes.SPINDLE_AT_REST, codes.SPINDLE_SPEED_NOT_TOLD):
+                self._causes.forget(code)
+            assumed = ("no program starts a spindle on this machine (spindle = false)",)
+        elif not (self._starts or stated):
+            found = self._causes.take(codes.SPINDLE_AT_REST)
+            if found is not None and self._other_tool:
+                assumed = ("the job works with a tool that does not turn: it starts no spindle, and switches another",)
+            elif found is not None:
+                self._causes.add(
+                    codes.SPINDLE_NOT_TOLD, 0, found.first, found.last, found.count, _WHEN_NOT_TOLD
+                )  # fmt: skip
+        if not self._names_tools:
+            # Where the job changes no tool, its number means nothing: the operator's cutter is in the spindle.
+            self._causes.forget(codes.NO_TOOL)
+        if any(any(wet) for wet in self._wet.values()):
+            for tool, wet in self._wet.items():
+                if not any(wet):
+                    self._causes.add(codes.DRY_TOOL, tool, self._dry[tool], self._dry[tool], tool=tool)
+        self._causes.report(self.findings)
+        return answer(self.name, self.findings, assumed)
+
+    def _speeds(self, chunk: Chunk) -> Floats:
+        """(n,): revolutions a minute of each row, signed; 0 at rest, NaN: it turns at a speed that is not known."""
+        if self._output is None:
+            return self._spindle.rows(chunk)
+        rows, now = chunk.rows, self._now
+        rpm = np.full(len(rows), now.rpm if now.on else 0.0)
+        set_speed = {k for k, text in enumerate(chunk.trace.texts) if text == "spindle_speed"}
+        op = rows["op"]
+        for at in np.flatnonzero((op == Op.OUTPUT) | (op == Op.SETPOINT)).tolist():
+            if op[at] == Op.OUTPUT and rows["arg"][at, 0] == self._output:
+                now.on = bool(rows["arg"][at, 1])
+            elif op[at] == Op.SETPOINT and int(rows["text"][at]) in set_speed:
+                now.rpm = float(rows["arg"][at, 1])
+            else:
+                continue
+            rpm[at:] = now.rpm if now.on else 0.0
+        return rpm
+
+    def _judge(self, chunk: Chunk, cut: Bools, rpm: Floats) -> None:
+        """Cuts by what their spindle does and which tool it holds."""
+        surface = self._surface.rows(chunk) != 0.0
+        tool = self._tool.rows(chunk)
+        self._tell(chunk, cut & (rpm == 0.0), codes.SPINDLE_AT_REST, 0, "M3 before the first of them")
+        self._tell(
+            chunk, cut & np.isnan(rpm) & ~surface, codes.SPINDLE_SPEED_NOT_TOLD, 0, "an S in plain numbers before M3"
+        )
+        holds_none = cut & (tool == 0)
+        self._tell(
+            chunk, holds_none, codes.NO_TOOL, 0, "a T and its tool change before, or tool = ... in the setup file"
+        )
+        milling = cut & (self._follows.rows(chunk) == 0.0)
+        if not self.machine.controller.turning:
+            self._tell(chunk, milling & (rpm < 0.0), codes.TURNS_BACKWARDS, 0, "right, for a left-hand tool")
+        if not self._limited:
+            return
+        self._tell(chunk, cut & (tool < 0), codes.TOOL_NOT_TOLD, 0, "a T before, or tool = ... in the setup file")
+        speed = np.abs(rpm)
+        for name, code, over, limit in (
+            ("fast", codes.TOOL_TOO_FAST, speed - self._fastest.rows(chunk), self._fastest),
+            ("slow", codes.TOOL_TOO_SLOW, self._slowest.rows(chunk) - speed, self._slowest),
+        ):
+            allowed = limit.rows(chunk)
+            found = milling & (rpm != 0.0) & (over > SLACK * allowed)
+            for number in np.unique(tool[found]).tolist():
+                mine = found & (tool == number)
+                at = int(np.argmax(np.where(mine, over, -math.inf)))
+                values = {
+                    "tool": int(number),
+                    "rpm": float(speed[at]),
+                    "allowed": float(allowed[at]),
+                    "over": float(over[at]),
+                }
+                hint = f"another S, or {'max_rpm' if name == 'fast' else 'min_rpm'} of this tool in the machine file"
+                self._tell(chunk, mine, code, int(number), hint, **values)
+                self._causes.worse(code, int(number), "over", float(over[at]), **values)
+
+    def _events(self, chunk: Chunk, cut: Bools, rpm: Floats, way: Floats) -> None:
+        """What rows that do not move change: spindle, coolant, tools, outputs of other tools; and who cuts dry."""
+        rows, now, op = chunk.rows, self._now, chunk.rows["op"]
+        if now.started is not None:
+            self._reach(chunk, cut, way, 0)
+        before = now.turns
+        for at in np.flatnonzero((op >= Op.SPINDLE) & (op != Op.PLANE)).tolist():
+            kind = op[at]
+            if kind == Op.SPINDLE or (kind == Op.OUTPUT and rows["arg"][at, 0] == self._output):
+                # A program that stops a spindle, or starts one anywhere, has to start it before it cuts.
+                self._starts = True
+                turns = float(np.sign(rows["arg"][at, 0])) if kind == Op.SPINDLE else float(rows["arg"][at, 1])
+                if turns and turns != before:
+                    self._start(chunk, at, cut, way)
+                elif not turns:
+                    now.started = None
+                before = turns
+            elif kind == Op.COOLANT:
+                self._count_wet(chunk, cut, now.wet_from, at)
+                now.wet, now.wet_from = bool(rows["arg"][at].any()), at
+            elif kind == Op.TOOL_CHANGE:
+                self._names_tools = True
+            elif kind == Op.SETPOINT:
+                self._other_tool = self._other_tool or chunk.trace.texts[int(rows["text"][at])] in _OTHER_TOOLS
+            elif kind == Op.OUTPUT and rows["arg"][at, 1]:
+                self._other_tool = self._other_tool or rows["arg"][at, 0] in self._channels()
+        now.turns = before
+        self._count_wet(chunk, cut, now.wet_from, len(rows))
+        now.wet_from = 0
+
+    def _channels(self) -> tuple[int | None, ...]:
+        """Outputs of a torch, or of what is on during feed moves."""
+        controls = self.machine.controller.controls
+        return (None if controls.torch is None else controls.torch.output, controls.auto_output)
+
+    def _start(self, chunk: Chunk, at: int, cut: Bools, way: Floats) -> None:
+        """The spindle begins to turn, or turns round, in row ``at``."""
+        spindle = self.machine.spindle(int(chunk.trace.states[int(chunk.rows["state"][at])].head))
+        if spindle is None or spindle.spin_up is None:
+            return
+        ramp = self.machine.controller.spindle_ramp_time if chunk.rows["op"][at] == Op.SPINDLE else 0.0
+        self._now.started = Started(spindle.spin_up, ramp)
+        self._reach(chunk, cut, way, at + 1)
+
+    def _reach(self, chunk: Chunk, cut: Bools, way: Floats, begin: int) -> None:
+        """Go on with a start from row ``begin`` to the first cut, the next order to the spindle, or the chunk's end."""
+        started = self._now.started
+        assert started is not None
+        end = reached(chunk, cut, begin, self._output)
+        started.seconds += waited(chunk, way, begin, end, self.machine)
+        if end < len(chunk.rows) and cut[end]:
+            if started.seconds < started.needed * (1.0 - SLACK):
+                place = row_span(chunk.trace, chunk.rows, end)
+                hint = "a dwell (G4) behind the start of the spindle"
+                values = {"seconds": started.seconds, "needed": started.needed}
+                self._causes.add(codes.CUT_BEFORE_SPEED, place, place, place, 1, hint, **values)
+            self._now.started = None
+
+    def _count_wet(self, chunk: Chunk, cut: Bools, begin: int, end: int) -> None:
+        """Remember of each tool that cuts in these rows whether coolant is on."""
+        if begin >= end or not cut[begin:end].any():
+            return
+        tools = np.unique(self._tool.rows(chunk)[begin:end][cut[begin:end]])
+        for tool in tools[tools > 0].astype(int).tolist():
+            self._wet.setdefault(tool, []).append(self._now.wet)
+            if tool not in self._dry:
+                at = begin + int(np.argmax(cut[begin:end] & (self._tool.rows(chunk)[begin:end] == tool)))
+                self._dry[tool] = row_span(chunk.trace, chunk.rows, at)
+            self._wet[tool] = [any(self._wet[tool])]
+
+    def _heights(self, chunk: Chunk, cut: Bools, way: Floats) -> None:
+        """How high the job traverses, cuts, and is at all, by what Z rests on; and whether its last move cuts."""
+        rows = chunk.rows
+        moves = rows["op"] < Op.DWELL
+        across = (rows["op"] == Op.TRAVERSE) & ~(np.abs(way[:, :2]) < SOMEWHERE).all(axis=1)
+        height, start = rows["to"][:, 2], rows["to"][:, 2] - way[:, 2]
+        low = np.fmin(height, start)
+        frames: npt.NDArray[np.int32] = rows["frame"]
+        for frame in np.unique(frames[moves]).tolist():
+            form = chunk.trace.frames[frame][2]
+            here = moves & (frames == frame)
+            self._highest[form] = max(self._highest.get(form, -math.inf), float(height[here].max()))
+            if (here & across).any():
+                self._across[form] = min(self._across.get(form, math.inf), float(low[here & across].min()))
+            if (here & cut).any():
+                self._cut_at[form] = max(self._cut_at.get(form, -math.inf), float(height[here & cut].max()))
+        if moves.any():
+            self._now.cutting = bool(cut[np.flatnonzero(moves)[-1]])
+
+    def _close(self, chunk: Chunk, rpm: Floats) -> None:
+        """The end of a section: what goes on behind it, or how the job ends."""
+        for edge in chunk.edges:
+            if edge.target >= 0:
+                passed = self._now.copy()
+                if edge.wait is not Wait.BRANCH:
+                    # Whoever waits here may take as long as a spindle needs.
+                    passed.started = None
+                known = self._flow.get(edge.target)
+                self._flow[edge.target] = passed if known is None else known.joined(passed)
+        count = len(chunk.rows)
+        ended = count and chunk.rows["op"][-1] == Op.END and all(edge.outcome == "end" for edge in chunk.edges)
+        if not ended or chunk.rows["arg"][-1, 0] == ABORTED:
+            return
+        last = count - 1
+        where = row_span(chunk.trace, chunk.rows, last)
+        if rpm[last] != 0.0 and self.machine.spindle_started is not False:
+            self._causes.add(codes.SPINDLE_LEFT_ON, where, where, where, hint="M5 before the end")
+        known_ends = [rule.text for rule in self._program.rules.codes.values() if rule.function in _ENDS]
+        if chunk.rows["arg"][last, 0] == NO_CODE and known_ends:
+            self._causes.add(codes.END_MISSING, where, where, where, known=" or ".join(known_ends))
+        if not self.machine.controller.turning:
+            self._end_height(chunk, last, where)
+
+    def _end_height(self, chunk: Chunk, last: int, where: Span) -> None:
+        form = chunk.trace.frames[int(chunk.rows["frame"][last])][2]
+        height = float(chunk.rows["to"][last, 2])
+        if form not in self._highest:
+            return
+        clear = self._across.get(form, self._highest[form])
+        in_cut = self._now.cutting or height < self._cut_at.get(form, -math.inf) - SOMEWHERE
+        if in_cut and height < clear - SOMEWHERE:
+            hint = "a traverse up before the end"
+            self._causes.add(
+                codes.NOT_RETRACTED, where, where, where, 1, hint, reached=height, below=clear - height
+            )  # fmt: skip
+
+    def _tell(self, chunk: Chunk, rows: Bools, code: Code, key: int, hint: str, **values: object) -> None:
+        found = np.flatnonzero(rows)
+        if found.size:
+            first, last = (row_span(chunk.trace, chunk.rows, int(found[at])) for at in (0, -1))
+            self._causes.add(code, key, first, last, found.size, hint, **values)

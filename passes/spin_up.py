@@ -1,0 +1,83 @@
+"""Time from the start of a spindle to the first cut, and what of a job's devices goes from section to section."""
+
+from __future__ import annotations
+
+import copy
+import math
+
+import numpy as np
+
+from gproof.ir.machine import Machine
+from gproof.ir.record import record
+from gproof.ir.trace import Chunk, Op
+from gproof.passes.cut_rows import Bools, Floats
+
+
+@record(slots=True)
+class Started:
+    """A spindle on its way to its speed. needed: seconds it takes; seconds: those that are over for certain."""
+
+    needed: float
+    seconds: float
+
+
+@record(slots=True)
+class Flow:
+    """What one section leaves to the next.
+
+    on, rpm: an output runs the spindle, at the speed that was set; turns: the direction of the last order to the
+    spindle; started: it may be on its way to its speed; wet: coolant is on, wet_from: since this row of the chunk.
+    cutting: the last move was a cut.
+    """
+
+    on: bool = False
+    rpm: float = math.nan
+    turns: float = 0.0
+    started: Started | None = None
+    wet: bool = False
+    wet_from: int = 0
+    cutting: bool = False
+
+    def copy(self) -> Flow:
+        """Another one, to go on with."""
+        other = copy.copy(self)
+        other.started = copy.copy(self.started)
+        return other
+
+    def joined(self, other: Flow) -> Flow:
+        """Where two ways come together: what is worse of both."""
+        one = self.copy()
+        one.on = self.on and other.on
+        one.rpm = self.rpm if self.rpm == other.rpm else math.nan
+        one.turns = self.turns if self.turns == other.turns else 0.0
+        late = [s for s in (self.started, other.started) if s is not None]
+        one.started = copy.copy(max(late, key=lambda s: s.needed - s.seconds, default=None))
+        one.wet = self.wet and other.wet
+        return one
+
+
+def reached(chunk: Chunk, cut: Bools, begin: int, output: int | None) -> int:
+    """The first row from ``begin`` that cuts or gives the spindle an order; the number of rows when none does."""
+    rows = chunk.rows
+    stops = cut[begin:] | (rows["op"][begin:] == Op.SPINDLE)
+    if output is not None:
+        stops = stops | ((rows["op"][begin:] == Op.OUTPUT) & (rows["arg"][begin:, 0] == output))
+    found = np.flatnonzero(stops)
+    return begin + int(found[0]) if found.size else len(rows)
+
+
+def waited(chunk: Chunk, way: Floats, begin: int, end: int, machine: Machine) -> float:
+    """Seconds that rows take at the least: dwells, and moves with each axis as fast as it can.
+
+    A move of an axis whose velocity or way is not known may take no time at all.
+    """
+    rows = chunk.rows
+    dwell = rows["op"][begin:end] == Op.DWELL
+    seconds = float(np.nansum(rows["arg"][begin:end, 0][dwell]))
+    moves = rows["op"][begin:end] < Op.DWELL
+    longest = np.zeros(int(moves.sum()))
+    for axis in machine.axes:
+        if axis.max_velocity is not None:
+            time = np.abs(way[begin:end][moves][:, axis.index]) / axis.max_velocity
+            longest = np.fmax(longest, time)
+    return seconds + float(longest.sum())
