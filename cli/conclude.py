@@ -11,7 +11,7 @@ from gproof.cli.judge import Beat, Judgement, Observer, judge
 from gproof.cli.policy import NO_POLICY, Policy, fails, under
 from gproof.cli.properties import ALL
 from gproof.cli.session import Running, Session
-from gproof.ir.finding import Finding, Findings, Severity
+from gproof.ir.finding import Finding, Severity
 from gproof.ir.record import record
 from gproof.ir.verdict import Verdict
 
@@ -56,7 +56,7 @@ def conclude(
         asked.baseline.accept(judgement)
     code = _exit_code(judgement, asked.policy)
     known = {} if asked.new_baseline is None else known_findings(judgement, asked.new_baseline)
-    judgement.findings = _shortened(judgement, limit)
+    judgement.findings = judgement.findings.shortened(limit, judgement.accepted)
     return judgement, code, known
 
 
@@ -88,25 +88,6 @@ def _all_accepted(judgement: Judgement, policy: Policy, left: list[Finding]) -> 
         for result in judgement.properties
         if result.name in policy.properties
     )
-
-
-def _shortened(judgement: Judgement, limit: int) -> Findings:
-    """The findings that are told: of each code the first ``limit``, and all that are accepted."""
-    findings = judgement.findings
-    if findings.limit == limit:
-        return findings
-    out = Findings(limit=limit)
-    out.counts = dict(findings.counts)
-    told: dict[int, int] = {}
-    for finding in findings.kept:
-        number = finding.code.number
-        if finding not in judgement.accepted:
-            told[number] = told.get(number, 0) + 1
-            if told[number] > limit:
-                continue
-        out.kept.append(finding)
-        out.times[finding] = findings.times[finding]
-    return out
 
 
 def with_options(

@@ -103,10 +103,7 @@ def judge(
         second, switched, more, _ = _pass(session, other, True, running, properties, None, beat)
         summary.extents += switched.extents
         results = [_both(session, findings, a, b) for a, b in zip(results, second, strict=True)]
-        seen = {(f.code.number, f.span) for f in findings.kept}
-        for f in other.kept:
-            if (f.code.number, f.span) not in seen:
-                findings.add(f)
+        findings.join(other)
         assumed += [a for a in more if a not in assumed]
         assumed.append("judged with block delete off and on")
     results = _after_language(results, _language(findings))

@@ -127,7 +127,7 @@ def under(policy: Policy, judgement: Judgement, job: Path) -> Judgement:
     """
     if policy == NO_POLICY:
         return judgement
-    findings = _weighed(policy, judgement.findings)
+    findings = judgement.findings.as_told(policy.weighed)
     results = [_judged_again(result, findings) for result in judgement.properties]
     for name in policy.properties:
         if not decided(name):
@@ -145,19 +145,6 @@ def _judged_again(result: PropertyResult, findings: Findings) -> PropertyResult:
     if findings.has(Severity.UNKNOWN, own) and result.verdict is Verdict.SAFE:
         return dataclasses.replace(result, verdict=Verdict.UNKNOWN)
     return result
-
-
-def _weighed(policy: Policy, findings: Findings) -> Findings:
-    out = Findings(limit=findings.limit)
-    out.counts = dict(findings.counts)
-    for finding in findings.kept:
-        told = policy.weighed(finding)
-        if told is None:
-            out.counts.pop(finding.code.number, None)
-            continue
-        out.kept.append(told)
-        out.times[told] = findings.times[finding]
-    return out
 
 
 def fails(policy: Policy, findings: Iterable[Finding]) -> bool:

@@ -7,7 +7,8 @@ makes a ``Finding``. Spans are required: a finding without a place names its fil
 from __future__ import annotations
 
 import enum
-from collections.abc import Iterable
+import re
+from collections.abc import Callable, Container, Iterable
 
 from gproof.ir.record import field, record
 
@@ -88,32 +89,125 @@ class Refusal(Exception):
         self.finding = finding
 
 
+_NUMBER = re.compile(r"(?<![\w#$.])([XYZABCUVWIJKRFSPQEDH]?)[-+]?(?:\d+(?:\.\d*)?|\.\d+)(?![\w])", re.IGNORECASE)
+"""Numbers of messages, with the word they belong to. Behind other letters they are names: G54, M999, T3, C1."""
+GROUPS = 200
+"""Groups of a code at most: what a program makes up (texts in messages) must not fill the memory."""
+
+
+def pattern(message: str) -> str:
+    """A message without its numbers; findings of a code with the same one are of a kind."""
+    return _NUMBER.sub(r"\1#", message)
+
+
+def measure(finding: Finding) -> float | None:
+    """How far a finding goes, among those of its kind; None where no number of it says so."""
+    values = dict(finding.values)
+    for names in (("over",), ("off",), ("reached", "limit"), ("wanted", "limit"), ("needed",), ("jump",)):
+        found = [values.get(name) for name in names]
+        numbers = [float(value) for value in found if isinstance(value, (int, float))]
+        if len(numbers) == len(names):
+            return abs(numbers[0] - numbers[1]) if len(numbers) > 1 else abs(numbers[0])
+    return None
+
+
+@record(slots=True)
+class Group:
+    """Findings of one code in one file that differ in numbers only.
+
+    times: how often they came, those that are not kept too; line, last_line: from where to where; kept: how many
+    different ones are; worst: the one that goes furthest, None where nothing says which.
+    """
+
+    code: Code
+    file: str
+    pattern: str
+    line: int
+    last_line: int
+    times: int = 0
+    kept: int = 0
+    worst: Finding | None = None
+    _most: float = -1.0
+
+    def count(self, finding: Finding, times: int, line: int, last_line: int) -> None:
+        """One more, or so many from line to last_line of which the finding is the one that goes furthest."""
+        self.times += times
+        self.line, self.last_line = min(self.line, line), max(self.last_line, last_line)
+        most = measure(finding)
+        if most is not None and most > self._most:
+            self.worst, self._most = finding, most
+
+    def join(self, other: Group) -> None:
+        """The same kind in another run over the same lines."""
+        self.line, self.last_line = min(self.line, other.line), max(self.last_line, other.last_line)
+        self.times = max(self.times, other.times)
+        if other.worst is not None and other._most > self._most:
+            self.worst, self._most = other.worst, other._most
+
+
+GroupKey = tuple[int, str, str]
+
+
+def group_key(finding: Finding) -> GroupKey:
+    """Code, file and message without numbers."""
+    return finding.code.number, finding.span.file, pattern(finding.message)
+
+
 @record(slots=True)
 class Findings:
     """A collector with a cap for each code, so that a million-line job does not print a million lines.
 
     ``counts`` holds every occurrence by code; ``kept`` the first ``limit`` different findings of each code in
-    order of arrival; ``times`` how often each kept one came.
+    order of arrival, and beyond these the first of each kind, ``limit`` again at most; ``times`` how often each
+    kept one came; ``groups`` every kind, with those that are not kept.
     """
 
     limit: int = 20
     kept: list[Finding] = field(default_factory=list)
     counts: dict[int, int] = field(default_factory=dict)
     times: dict[Finding, int] = field(default_factory=dict)
+    groups: dict[GroupKey, Group] = field(default_factory=dict)
     _different: dict[int, int] = field(default_factory=dict)
+    _kinds: dict[int, int] = field(default_factory=dict)
 
-    def add(self, finding: Finding) -> None:
-        """Count a finding; keep it when it is new and its code is below the cap."""
+    def add(self, finding: Finding, *, times: int = 1, first_line: int = 0, last_line: int = 0) -> None:
+        """Count a finding; keep it when it is new and its code is below the cap, or it is the first of its kind.
+
+        times: it stands for so many of its kind, from first_line to last_line (0: its own), and goes the furthest.
+        """
         number = finding.code.number
-        self.counts[number] = self.counts.get(number, 0) + 1
+        self.counts[number] = self.counts.get(number, 0) + times
+        group = self._group(finding)
+        if group is not None:
+            line = finding.span.line
+            group.count(finding, times, first_line or line, max(last_line, line))
         if finding in self.times:
             self.times[finding] += 1
             return
         different = self._different.get(number, 0)
-        if different < self.limit:
+        is_first = group is not None and not group.kept
+        if different < self.limit or (is_first and different < 2 * self.limit):
             self._different[number] = different + 1
-            self.times[finding] = 1
-            self.kept.append(finding)
+            self._keep(finding, 1)
+            if group is not None:
+                group.kept += 1
+
+    def _group(self, finding: Finding) -> Group | None:
+        """The group of a finding, None for one more than there may be."""
+        key = group_key(finding)
+        group = self.groups.get(key)
+        if group is None:
+            number = finding.code.number
+            kinds = self._kinds[number] = self._kinds.get(number, 0) + 1
+            if kinds > GROUPS:
+                return None
+            line = finding.span.line
+            group = self.groups[key] = Group(finding.code, finding.span.file, key[2], line, line)
+        return group
+
+    def _keep(self, finding: Finding, times: int) -> None:
+        self.kept.append(finding)
+        self.times[finding] = times
 
     def has(self, severity: Severity, properties: Iterable[str] | None = None) -> bool:
         """True when a kept finding of that severity belongs to one of ``properties`` (all: None)."""
@@ -124,3 +218,43 @@ class Findings:
         """How many findings of a code were counted but not kept."""
         shown = sum(times for finding, times in self.times.items() if finding.code.number == code.number)
         return max(0, self.counts.get(code.number, 0) - shown)
+
+    def join(self, other: Findings) -> None:
+        """What another run over the same lines found, each once."""
+        seen = {(f.code.number, f.span) for f in self.kept}
+        for finding in other.kept:
+            if (finding.code.number, finding.span) not in seen:
+                self.add(finding)
+        for key, group in other.groups.items():
+            if key in self.groups:
+                self.groups[key].join(group)
+
+    def as_told(self, tell: Callable[[Finding], Finding | None]) -> Findings:
+        """The findings as ``tell`` says them; those of a code that it leaves out (None) are not counted either."""
+        out = Findings(limit=self.limit, counts=dict(self.counts), groups=dict(self.groups))
+        for finding in self.kept:
+            told = tell(finding)
+            if told is None:
+                out.counts.pop(finding.code.number, None)
+                continue
+            out._keep(told, self.times[finding])
+        out.groups = {key: group for key, group in self.groups.items() if key[0] in out.counts}
+        return out
+
+    def shortened(self, limit: int, always: Container[Finding] = ()) -> Findings:
+        """Those that a limit leaves, and beside them those that are ``always`` to be told."""
+        if self.limit == limit:
+            return self
+        out = Findings(limit=limit, counts=dict(self.counts), groups=self.groups)
+        told: dict[int, int] = {}
+        kinds: set[GroupKey] = set()
+        for finding in self.kept:
+            number, key = finding.code.number, group_key(finding)
+            if finding not in always:
+                first = key not in kinds and key in self.groups
+                if told.get(number, 0) >= (2 * limit if first else limit):
+                    continue
+                told[number] = told.get(number, 0) + 1
+                kinds.add(key)
+            out._keep(finding, self.times[finding])
+        return out
