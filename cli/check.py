@@ -38,6 +38,7 @@ def run_check(
     strict: bool, picture: Path | None, units: str | None, output: Path | None, quiet: bool, workers: int | None,
     exclude: Sequence[str], policy: Path | None, fail_on: str | None, warnings_are_errors: bool,
     baseline: Path | None, new_baseline: Path | None, also: tuple[str, ...] = (), reports: Sequence[str] = (),
+    every: bool = False,
 ) -> int:  # fmt: skip
     """Judge jobs, print or write reports in ``units``, write picture and baseline; returns the exit code."""
     more = further_reports(reports, output)
@@ -59,10 +60,11 @@ def run_check(
         also=also,
     )
     if form in ("text", "json") and new_baseline is None and not is_several(names) and not exclude:
-        with _into(output), _written(more, names[0]) as told:
+        with _into(output), _written(more, names[0], every) as told:
             return _check_one(
                 Path(names[0]), machine=machine, setup=setup, dialect=dialect, running=running, form=form,
                 asked=asked, picture=picture, units=units, quiet=quiet, told=told,
+                every=every,
             )  # fmt: skip
     if picture is not None:
         raise UsageError("--picture is drawn of one program, not of several jobs or a report for other programs")
@@ -70,11 +72,12 @@ def run_check(
         raise UsageError("--call judges a subprogram of one program")
     how = How(
         running=running, asked=asked, form=form, units=units, quiet=quiet, tty=output is None and coloured(),
+        every=every,
     )  # fmt: skip
     jobs = find_jobs(names, machine=machine, setup=setup, dialect=dialect, exclude=exclude)
     outcomes = with_progress(judge_all(jobs, how, workers), len(jobs))
-    kept = _told(outcomes, form, output)
-    _write(more, kept)
+    kept = _told(outcomes, form, output, every)
+    _write(more, kept, every)
     if new_baseline is None:
         return exit_code(kept)
     if any(outcome.problem for outcome in kept):
@@ -84,7 +87,7 @@ def run_check(
     return 0
 
 
-def _told(outcomes: Iterator[Outcome], form: str, output: Path | None) -> list[Outcome]:
+def _told(outcomes: Iterator[Outcome], form: str, output: Path | None, every: bool) -> list[Outcome]:
     """Print the outcomes, or write them to a file; all of them."""
     if form == "text":
         with _into(output):
@@ -97,7 +100,7 @@ def _told(outcomes: Iterator[Outcome], form: str, output: Path | None) -> list[O
         if outcome.problem:
             click.echo(f"gproof: error: {outcome.problem}", err=True)
     with _into(output):
-        click.echo(_document(kept, form))
+        click.echo(_document(kept, form, every))
     return kept
 
 
@@ -115,19 +118,21 @@ def further_reports(names: Sequence[str], output: Path | None) -> list[tuple[str
     return asked
 
 
-def _write(reports: Sequence[tuple[str, Path]], outcomes: list[Outcome], *, single: bool = False) -> None:
+def _write(
+    reports: Sequence[tuple[str, Path]], outcomes: list[Outcome], every: bool, *, single: bool = False
+) -> None:  # fmt: skip
     """Write further reports; single: of one job, as ``--format`` alone prints it."""
     for form, place in reports:
         (only, *_) = outcomes
         if single and form == "json" and only.report is not None:
             text = json.dumps(only.report, indent=2, ensure_ascii=False)
         else:
-            text = _document(outcomes, form)
+            text = _document(outcomes, form, every)
         write_text(place, text + "\n", "report")
 
 
 @contextlib.contextmanager
-def _written(reports: Sequence[tuple[str, Path]], job: str) -> Iterator[list[Outcome] | None]:
+def _written(reports: Sequence[tuple[str, Path]], job: str, every: bool) -> Iterator[list[Outcome] | None]:
     """Where the outcome of a single job goes; its reports are written at the end, those of one not judged too."""
     if not reports:
         yield None
@@ -136,12 +141,12 @@ def _written(reports: Sequence[tuple[str, Path]], job: str) -> Iterator[list[Out
     try:
         yield told
     except UsageError as error:
-        _write(reports, [Outcome(job=job, problem=error.message)])
+        _write(reports, [Outcome(job=job, problem=error.message)], every)
         raise
-    _write(reports, told, single=True)
+    _write(reports, told, every, single=True)
 
 
-def _document(outcomes: list[Outcome], form: str) -> str:
+def _document(outcomes: list[Outcome], form: str, every: bool) -> str:
     if form == "sarif":
         from gproof.cli.sarif import sarif
 
@@ -153,11 +158,11 @@ def _document(outcomes: list[Outcome], form: str) -> str:
     if form == "github":
         from gproof.cli.github import workflow_commands
 
-        return workflow_commands(outcomes)
+        return workflow_commands(outcomes, every=every)
     if form == "markdown":
         from gproof.cli.markdown import markdown
 
-        return markdown(outcomes)
+        return markdown(outcomes, every=every)
     answers = [
         outcome.report if outcome.report is not None else {"job": outcome.job, "problem": outcome.problem}
         for outcome in outcomes
@@ -183,6 +188,7 @@ def _into(output: Path | None) -> Iterator[None]:
 def _check_one(
     job: Path, *, machine: Path | None, setup: str | None, dialect: str | None, running: Running, form: str,
     asked: Asked, picture: Path | None, units: str | None, quiet: bool, told: list[Outcome] | None,
+    every: bool,
 ) -> int:  # fmt: skip
     if picture is not None:
         require_place(picture, "picture", (job, machine, setup))
@@ -211,7 +217,9 @@ def _check_one(
     elif quiet:
         print_brief(session, judgement, code, units, quiet=True)
     else:
-        print_summary(session, judgement, findings=True, unit=None if units is None else CHOICES[units], code=code)
+        print_summary(
+            session, judgement, findings=True, unit=None if units is None else CHOICES[units], code=code, every=every
+        )
     return code
 
 

@@ -9,21 +9,52 @@ import click
 
 from gproof.cli.main import UsageError
 from gproof.ir.codes import CODES
+from gproof.ir.finding import Code
+
+_SHAPES = "codes look like GP301 or soft-limit"
+
+
+SHOWN = 3
+"""Codes that are named to somebody who named none."""
 
 
 def run_explain(text: str) -> int:
-    """Print the explanation of a code given as ``GP301``, ``301`` or ``soft-limit``."""
-    number = re.fullmatch(r"(?:gp)?0*(\d{1,3})", text.strip(), re.IGNORECASE)
-    by_name = {code.name: code for code in CODES.values()}
-    code = CODES.get(int(number[1])) if number else by_name.get(text.strip().lower())
+    """Print the explanation of a code given as ``GP301``, ``301``, ``soft-limit`` or ``soft limit``."""
+    code = _meant(text)
     if code is None:
-        import difflib
-
-        known = {name: name for name in by_name} | {c.label.lower(): c.label for c in CODES.values()}
-        close = difflib.get_close_matches(text.lower(), known, 1)
-        hint = f"; did you mean {known[close[0]]}?" if close else "; codes look like GP301 or soft-limit"
-        raise UsageError(f"there is no finding {text!r}{hint}")
+        raise UsageError(f"there is no finding {text!r}; {_near(text)}")
     page = resources.files("gproof.docs_codes") / code.label / "explanation.md"
     click.echo(page.read_text(encoding="utf-8").rstrip())
     click.echo(f"\n{code.label} [{code.name}], severity {code.severity.value}, property {code.decides}")
     return 0
+
+
+def _meant(text: str) -> Code | None:
+    number = re.fullmatch(r"(?:gp)?[ -]?0*(\d{1,3})", text.strip(), re.IGNORECASE)
+    if number:
+        return CODES.get(int(number[1]))
+    return next((code for code in CODES.values() if code.name == _name(text)), None)
+
+
+def _name(text: str) -> str:
+    """A name as codes have it, whatever stands between its words."""
+    return "-".join(re.findall(r"[a-z0-9]+", text.lower()))
+
+
+def _near(text: str) -> str:
+    """What else may have been meant: names that are close, then those with one of the words in them."""
+    import difflib
+
+    if number := re.fullmatch(r"(?:gp)?[ -]?0*(\d+)", text.strip(), re.IGNORECASE):
+        own = sorted(code for code in CODES if code // 100 == int(number[1]) // 100)
+        return f"codes of its hundred are GP{own[0]} ... GP{own[-1]}" if own else _SHAPES
+    words = [word for word in _name(text).split("-") if len(word) > 2]
+    names = {code.name: code for code in CODES.values()}
+    found = difflib.get_close_matches(_name(text), names, 3, 0.7)
+    shared = {name: sum(word in name for word in words) for name in names}
+    most = sorted((name for name in names if shared[name]), key=lambda name: (-shared[name], names[name].number))
+    found = list(dict.fromkeys([*found, *most]))[:SHOWN]
+    if not found:
+        return _SHAPES
+    *first, last = (f"{name} ({names[name].label})" for name in found)
+    return f"did you mean {', '.join(first) + ' or ' if first else ''}{last}?"

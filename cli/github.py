@@ -5,17 +5,21 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
+from gproof.cli.grouping import More, shown_json
 from gproof.cli.outcome import LEVELS, Outcome, closing_line
 
 _COMMANDS = {"error": "error", "unknown": "error", "warning": "warning", "note": "notice"}
 
 
-def workflow_commands(outcomes: Sequence[Outcome]) -> str:
-    """Commands, the weightiest first because only some are shown, then a line for each job and one for all."""
+def workflow_commands(outcomes: Sequence[Outcome], *, every: bool = False) -> str:
+    """Commands, the weightiest first because only some are shown, then a line for each job and one for all.
+
+    Findings of one kind are one command; every: each of them is.
+    """
     lines: list[str] = []
-    found = [finding for outcome in outcomes for finding in outcome.findings if "suppressed" not in finding]
-    for finding in sorted(found, key=lambda finding: -LEVELS.index(finding["severity"])):
-        lines.append(_command(finding))
+    found = [one for o in outcomes if o.report is not None for one in shown_json(o.report, every=every)]
+    for finding, more in sorted(found, key=lambda one: -LEVELS.index(one[0]["severity"])):
+        lines.append(_command(finding, more))
     for outcome in outcomes:
         if outcome.problem:
             lines.append(f"::error title=gproof::{_data(outcome.problem)}")
@@ -26,7 +30,7 @@ def workflow_commands(outcomes: Sequence[Outcome]) -> str:
     return "\n".join(lines)
 
 
-def _command(finding: dict[str, Any]) -> str:
+def _command(finding: dict[str, Any], more: More | None) -> str:
     places = {"file": finding["file"]}
     if finding["line"]:
         places["line"] = str(finding["line"])
@@ -39,6 +43,8 @@ def _command(finding: dict[str, Any]) -> str:
     text = finding["message"]
     if finding["severity"] == "unknown":
         text = f"unknown: {text}"
+    if more is not None:
+        text += f"\n{more.text()}"
     if finding.get("hint"):
         text += f"\nhint: {finding['hint']}"
     return f"::{_COMMANDS[finding['severity']]} {shown}::{_data(text)}"

@@ -105,6 +105,7 @@ def _job_options(command: Any) -> Any:
 @click.option("--output", type=click.Path(path_type=Path), help="Write the report to this file.")
 @click.option("--report", "reports", multiple=True, metavar="FORM=FILE", help="Write one more report; repeatable.")
 @click.option("-q", "--quiet", is_flag=True, help="Only the verdicts.")
+@click.option("--no-group", "--all", "every", is_flag=True, help="Show repeats of a finding one by one.")
 @click.option("-j", "--jobs", "workers", type=click.IntRange(1), help="Jobs judged at once; by default what pays.")
 @_ALSO
 @click.option("--policy", type=click.Path(path_type=Path), help="What the shop asks of its jobs (TOML).")
@@ -125,7 +126,7 @@ def check(
     max_branches: int, call: str | None, render: bool, form: str, strict: bool, picture: Path | None,
     units: str | None, output: Path | None, quiet: bool, workers: int | None, exclude: tuple[str, ...],
     policy: Path | None, fail_on: str | None, warnings_are_errors: bool, baseline: Path | None,
-    new_baseline: Path | None, also: tuple[str, ...], reports: tuple[str, ...],
+    new_baseline: Path | None, also: tuple[str, ...], reports: tuple[str, ...], every: bool,
 ) -> int:  # fmt: skip
     """Prove or refute that each JOB is safe on a machine.
 
@@ -138,7 +139,7 @@ def check(
         jobs, machine=machine, setup=setup, dialect=dialect, running=Running(max_blocks, max_branches, render, call),
         form=form, strict=strict, picture=picture, units=units, output=output, quiet=quiet, workers=workers,
         exclude=exclude, policy=policy, fail_on=fail_on, warnings_are_errors=warnings_are_errors, baseline=baseline,
-        new_baseline=new_baseline, also=also, reports=reports,
+        new_baseline=new_baseline, also=also, reports=reports, every=every,
     )  # fmt: skip
 
 

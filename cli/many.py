@@ -25,7 +25,8 @@ WORTH_A_PROCESS = 3_000_000
 
 @record(frozen=True, slots=True, kw_only=True)
 class How:
-    """How jobs are judged and told. form: of the report; units: of a text; tty: whether the text goes to a terminal."""
+    """How jobs are judged and told. form: of the report; units: of a text; tty: whether the text goes to a terminal;
+    every: repeats one by one."""
 
     running: Running
     asked: Asked
@@ -33,6 +34,7 @@ class How:
     units: str | None = None
     quiet: bool = False
     tty: bool = False
+    every: bool = False
 
 
 class _Text(io.StringIO):
@@ -57,7 +59,7 @@ def judge_one(job: Job, how: How) -> Outcome:
             session = open_session(job.path, machine=job.machine, setup=job.setup, dialect=job.dialect)
             judgement, code, known = conclude(session, _asked(job, how.asked), running=how.running)
             if how.form == "text":
-                print_brief(session, judgement, code, how.units, quiet=how.quiet)
+                print_brief(session, judgement, code, how.units, quiet=how.quiet, every=how.every)
     except UsageError as error:
         told = errors.getvalue().strip()
         return Outcome(job=str(job.path), problem=error.message, text=tuple(told.splitlines()))

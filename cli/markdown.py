@@ -6,6 +6,7 @@ import re
 from collections.abc import Sequence
 from typing import Any
 
+from gproof.cli.grouping import shown_json
 from gproof.cli.outcome import LEVELS, Outcome, closing_line, counted
 
 _LISTED = 50
@@ -13,8 +14,8 @@ _LISTED = 50
 _MARKS = {"SAFE": "✅ SAFE", "UNSAFE": "❌ UNSAFE", "UNKNOWN": "❓ UNKNOWN"}
 
 
-def markdown(outcomes: Sequence[Outcome]) -> str:
-    """The page."""
+def markdown(outcomes: Sequence[Outcome], *, every: bool = False) -> str:
+    """The page; every: findings of one kind one by one."""
     names = list(dict.fromkeys(name for o in outcomes if o.report for name in o.report["properties"]))
     rows = [["Job", "Verdict", *names, "Findings"]]
     for outcome in outcomes:
@@ -23,10 +24,10 @@ def markdown(outcomes: Sequence[Outcome]) -> str:
             continue
         answers = outcome.report["properties"]
         verdicts = [answers[name]["verdict"] if name in answers else "" for name in names]
-        rows.append([_code(outcome.job), _MARKS[outcome.report["verdict"]], *verdicts, _summary(outcome.findings)])
+        rows.append([_code(outcome.job), _MARKS[outcome.report["verdict"]], *verdicts, _summary(outcome.report)])
     lines = ["## gproof", "", f"{closing_line(list(outcomes))}.", "", *_table(rows)]
     for outcome in outcomes:
-        lines += _details(outcome)
+        lines += _details(outcome, every)
     return "\n".join(lines)
 
 
@@ -39,18 +40,22 @@ def _row(cells: list[str]) -> str:
     return f"| {' | '.join(cells)} |"
 
 
-def _summary(findings: list[dict[str, Any]]) -> str:
-    parts = []
-    for level in reversed(LEVELS):
-        number = sum(f["severity"] == level and "suppressed" not in f for f in findings)
-        if number:
-            parts.append(counted(number, level))
-    hidden = sum("suppressed" in f for f in findings)
+def _summary(report: dict[str, Any]) -> str:
+    """How many findings there are of each weight, those that are not listed too."""
+    found = report["findings"]
+    numbers = dict.fromkeys(LEVELS, 0)
+    for code in dict.fromkeys(f["code"] for f in found):
+        own = [f for f in found if f["code"] == code]
+        accepted = sum(f["times"] for f in own if "suppressed" in f)
+        listed = sum(f["times"] for f in own) - accepted
+        numbers[own[0]["severity"]] += max(listed, report.get("counts", {}).get(code, 0) - accepted)
+    parts = [counted(numbers[level], level) for level in reversed(LEVELS) if numbers[level]]
+    hidden = sum("suppressed" in f for f in found)
     return ", ".join([*parts, *([f"{hidden} suppressed"] if hidden else [])])
 
 
-def _details(outcome: Outcome) -> list[str]:
-    shown = [f for f in outcome.findings if "suppressed" not in f]
+def _details(outcome: Outcome, every: bool) -> list[str]:
+    shown = [] if outcome.report is None else shown_json(outcome.report, every=every)
     conditions = [
         condition["text"]
         for answer in (outcome.report or {"properties": {}})["properties"].values()
@@ -61,13 +66,13 @@ def _details(outcome: Outcome) -> list[str]:
         return []
     lines = ["", f"### {_code(outcome.job)}", ""]
     lines += [f"- SAFE if {_text(text)}" for text in dict.fromkeys(conditions)]
-    for finding in sorted(shown, key=lambda f: -LEVELS.index(f["severity"]))[:_LISTED]:
+    for finding, more in sorted(shown, key=lambda one: -LEVELS.index(one[0]["severity"]))[:_LISTED]:
         place = finding["file"] + (f":{finding['line']}" if finding["line"] else "")
         hint = f" *Hint: {_text(finding['hint'])}*" if finding.get("hint") else ""
         often = f" ({finding['times']} times)" if finding["times"] > 1 else ""
-        lines.append(
-            f"- **{finding['severity']} {finding['code']}** {_code(place)}: {_text(finding['message'])}{often}{hint}"
-        )
+        like = f", {_text(more.text())}" if more is not None else ""
+        said = f"{_text(finding['message'])}{often}{like}{hint}"
+        lines.append(f"- **{finding['severity']} {finding['code']}** {_code(place)}: {said}")
     if len(shown) > _LISTED:
         lines.append(f"- … and {len(shown) - _LISTED} more")
     return lines

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import os
 import sys
-from collections.abc import Mapping
 
 import click
 
+from gproof.cli.grouping import Accepted, left_over, shown
 from gproof.cli.lengths import MM, LengthUnit
 from gproof.ir.codes import CODES
 from gproof.ir.finding import Finding, Findings, Severity, Span
@@ -19,8 +19,6 @@ COLOURS = {
     Severity.NOTE: "cyan",
 }
 _LONGEST = 160
-Accepted = Mapping[Finding, tuple[str, str]]
-"""How findings were accepted, and why: see ``cli.accept``."""
 _ORDER = [Severity.ERROR, Severity.UNKNOWN, Severity.WARNING, Severity.NOTE]
 
 
@@ -82,18 +80,18 @@ def format_finding(
     finding: Finding, text: str | None, colour: bool, times: int = 1, unit: LengthUnit = MM
 ) -> list[str]:
     """The lines of one finding."""
-    severity = (
-        click.style(finding.severity.value, fg=COLOURS[finding.severity], bold=True)
-        if colour
-        else (finding.severity.value)
-    )
+    shade = COLOURS[finding.severity]
     code = finding.code
     often = f" ({times} times)" if times > 1 else ""
-    out = [f"{location(finding.span)}: {severity} {code.label} [{code.name}] {unit.message(finding)}{often}"]
+    place, severity = location(finding.span), finding.severity.value
+    if colour:
+        place, severity = click.style(place, bold=True), click.style(severity, fg=shade, bold=True)
+    out = [f"{place}: {severity} {code.label} [{code.name}] {unit.message(finding)}{often}"]
     if text is not None:
-        out += _excerpt(finding.span, text)
+        line, *marks = _excerpt(finding.span, text)
+        out += [line, *(click.style(mark, fg=shade) if colour else mark for mark in marks)]
     if finding.hint:
-        out.append(f"      = hint: {finding.hint}")
+        out.append(f"      = {click.style('hint', bold=True) if colour else 'hint'}: {finding.hint}")
     for other in finding.related:
         out.append(f"      = {location(other.span)}: {other.message}")
     return out
@@ -114,32 +112,33 @@ def _excerpt(span: Span, text: str) -> list[str]:
 
 def print_findings(
     findings: Findings, *, err: bool = False, unit: LengthUnit = MM, notes: bool = True,
-    accepted: Accepted | None = None,
+    accepted: Accepted | None = None, every: bool = False,
 ) -> None:  # fmt: skip
-    """All kept findings by place, with what was left out counted at the end; notes: those too; accepted: marked so."""
+    """The kept findings by place, the others counted; notes: those too; accepted: marked so; every: repeats too."""
     accepted = accepted or {}
     colour = coloured(err)
+    ordered = [finding for finding, _ in distinct(findings)]
+    told = shown(findings, ordered, accepted, unit.message, every=every)
     by_file: dict[str, set[int]] = {}
-    for f in findings.kept:
-        if f.span.line:
-            by_file.setdefault(f.span.file, set()).add(f.span.line)
+    for span in (one.finding.span for one in told):
+        if span.line:
+            by_file.setdefault(span.file, set()).add(span.line)
     texts = {name: source_lines(name, lines) for name, lines in by_file.items()}
-    for finding, times in distinct(findings):
-        if finding.severity is Severity.NOTE and not notes:
+    for one in told:
+        finding = one.finding
+        if not notes and (finding.severity is Severity.NOTE or finding in accepted):
             continue
         text = texts.get(finding.span.file, {}).get(finding.span.line)
-        if finding in accepted and not notes:
-            continue
-        for line in format_finding(finding, text, colour, times, unit):
+        for line in format_finding(finding, text, colour, one.times, unit):
             click.echo(line, err=err)
+        if one.more is not None:
+            click.echo(f"      = {one.more.text()}", err=err)
         if finding in accepted:
             click.echo(f"      = accepted: {accepted[finding][1]}", err=err)
-    for number in sorted(findings.counts):
+    for number, count in left_over(findings, told).items():
         if CODES[number].severity is Severity.NOTE and not notes:
             continue
-        hidden = findings.hidden(CODES[number])
-        if hidden:
-            click.echo(f"... and {hidden} more {CODES[number].label} [{CODES[number].name}]", err=err)
+        click.echo(f"... and {count} more {CODES[number].label} [{CODES[number].name}]", err=err)
 
 
 def finding_json(

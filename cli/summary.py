@@ -6,6 +6,7 @@ import math
 
 import click
 
+from gproof.cli.grouping import groups_json
 from gproof.cli.judge import Judgement
 from gproof.cli.lengths import CHOICES, MM, LengthUnit, unit_of
 from gproof.cli.properties import not_judged
@@ -58,16 +59,17 @@ def _looks_otherwise(session: Session) -> None:
 
 def print_summary(
     session: Session, judgement: Judgement, *, findings: bool = False, unit: LengthUnit | None = None,
-    code: int | None = None,
+    code: int | None = None, every: bool = False,
 ) -> None:  # fmt: skip
     """Verdicts with their conditions, what they stand on, then the figures of the job, lined up; findings: before them.
 
-    unit: None: that of the machine file, or without one that of the job; code: the exit code, None: the verdict's.
+    unit: None: that of the machine file, or without one that of the job; code: the exit code, None: the verdict's;
+    every: findings that repeat each other one by one.
     """
     if unit is None:
         unit = unit_of_report(session, judgement)
     if findings:
-        print_findings(judgement.findings, unit=unit, accepted=judgement.accepted)
+        print_findings(judgement.findings, unit=unit, accepted=judgement.accepted, every=every)
     if judgement.findings.kept:
         click.echo()
     click.echo(_verdict_line(session, judgement, judgement.verdict.exit_code if code is None else code))
@@ -214,6 +216,7 @@ def report_json(session: Session, judgement: Judgement, code: int | None = None)
         "not_judged": list(not_judged(result.name for result in judgement.properties)),
         "assumptions": judgement.assumptions,
         "findings": [finding_json(f, n, judgement.accepted.get(f)) for f, n in distinct(judgement.findings)],
+        "groups": groups_json(judgement.findings),
         "counts": {CODES[n].label: count for n, count in sorted(judgement.findings.counts.items())},
         "summary": {
             "lines": summary.lines,
@@ -239,11 +242,13 @@ def _finite(value: float | None) -> float | None:
     return value if value is not None and math.isfinite(value) else None
 
 
-def print_brief(session: Session, judgement: Judgement, code: int, units: str | None, *, quiet: bool) -> None:
+def print_brief(
+    session: Session, judgement: Judgement, code: int, units: str | None, *, quiet: bool, every: bool = False
+) -> None:  # fmt: skip
     """One of several jobs: findings other than notes, its verdict, and what a SAFE rests on; quiet: the verdict."""
     unit = unit_of_report(session, judgement) if units is None else CHOICES[units]
     if not quiet:
-        print_findings(judgement.findings, unit=unit, notes=False, accepted=judgement.accepted)
+        print_findings(judgement.findings, unit=unit, notes=False, accepted=judgement.accepted, every=every)
     click.echo(_verdict_line(session, judgement, code))
     if quiet or judgement.verdict is not Verdict.SAFE:
         return

@@ -9,16 +9,18 @@ from __future__ import annotations
 import math
 
 import numpy as np
+import numpy.typing as npt
 
 from gproof.ir import codes
-from gproof.ir.finding import Severity
+from gproof.ir.finding import Finding, Severity
 from gproof.ir.trace import Chunk
 from gproof.ir.verdict import PropertyResult, Verdict
-from gproof.passes.check import Check, row_span
-from gproof.passes.extent_kernels import CLOSES, IS_HUGE, MISMATCH, odd_arcs
+from gproof.passes.check import Check, row_span, told_of
+from gproof.passes.extent_kernels import MISMATCH, odd_arcs
 
+Floats = npt.NDArray[np.float64]
+Integers = npt.NDArray[np.int64]
 _KEPT = 64
-_CODES = codes.ARC_RADIUS_MISMATCH, codes.ARC_CLOSES, codes.ARC_HUGE
 _CLOSES_HINT = "a full circle ends exactly where it begins; a short arc is better written as a line"
 
 
@@ -35,39 +37,41 @@ class ArcRadius(Check):
             return
         tolerance = np.array([s.arc_tolerance for s in chunk.trace.states], dtype=np.float64)
         made = np.array([s.compensation != 0 for s in chunk.trace.states], dtype=np.int64)
-        counts, found = np.zeros(3, dtype=np.int64), np.zeros((3, _KEPT), dtype=np.int64)
-        start, end, chord = np.zeros((3, _KEPT)), np.zeros((3, _KEPT)), np.zeros((3, _KEPT))
+        counts, found, start, end, chord = self._odd(chunk, tolerance, made, _KEPT)
+        if counts.max() > _KEPT:
+            counts, found, start, end, chord = self._odd(chunk, tolerance, made, int(counts.max()))
+        self._errors += int(counts[MISMATCH])
+        tell = ((self._mismatch, np.abs(start - end)), (self._closes, -chord), (self._huge, start))
+        for kind, (say, far) in enumerate(tell):
+            count = int(counts[kind])
+            one = np.zeros((count, 1), dtype=np.int64)
+            for n, like in told_of(rows, found[kind, :count], one, far[kind, :count], _KEPT):
+                radii, allowed = (float(start[kind, n]), float(end[kind, n])), tolerance[rows["state"][found[kind, n]]]
+                self.findings.add(say(chunk, int(found[kind, n]), radii, float(chord[kind, n]), float(allowed)), **like)
+
+    def _odd(
+        self, chunk: Chunk, tolerance: Floats, made: Integers, room: int
+    ) -> tuple[Integers, Integers, Floats, Floats, Floats]:
+        """Of each kind how many there are, then of the first their rows, both radii and the distance of the ends, mm."""
+        rows = chunk.rows
+        counts, found = np.zeros(3, dtype=np.int64), np.zeros((3, room), dtype=np.int64)
+        start, end, chord = np.zeros((3, room)), np.zeros((3, room)), np.zeros((3, room))
         odd_arcs.pick(chunk.work)(
             rows["op"], rows["to"], rows["center"], rows["turns"], rows["plane"], rows["state"], tolerance,
             made, np.array(chunk.start, dtype=np.float64), counts, found, start, end, chord,
         )  # fmt: skip
-        self._errors += int(counts[MISMATCH])
-        for code, count in zip(_CODES, counts.tolist(), strict=True):
-            if count > _KEPT:
-                self.findings.counts[code.number] = self.findings.counts.get(code.number, 0) + count - _KEPT
-        for n in range(min(int(counts[MISMATCH]), _KEPT)):
-            row = int(found[MISMATCH, n])
-            r0, r1 = float(start[MISMATCH, n]), float(end[MISMATCH, n])
-            allowed = float(tolerance[rows["state"][row]])
-            self.findings.add(
-                codes.ARC_RADIUS_MISMATCH.at(
-                    row_span(chunk.trace, rows, row), start=r0, end=r1, unit="mm", off=abs(r0 - r1), allowed=allowed
-                )
-            )
-        for n in range(min(int(counts[CLOSES]), _KEPT)):
-            self._closes(chunk, int(found[CLOSES, n]), float(start[CLOSES, n]), float(chord[CLOSES, n]))
-        for n in range(min(int(counts[IS_HUGE]), _KEPT)):
-            radius, ends = float(start[IS_HUGE, n]), float(chord[IS_HUGE, n])
-            self.findings.add(
-                codes.ARC_HUGE.at(
-                    row_span(chunk.trace, rows, int(found[IS_HUGE, n])), radius=radius, chord=ends, unit="mm",
-                    off=ends * ends / (8.0 * radius), hint="a straight move says the same",
-                )
-            )  # fmt: skip
+        return counts, found, start, end, chord
 
-    def _closes(self, chunk: Chunk, row: int, radius: float, chord: float) -> None:
+    def _mismatch(self, chunk: Chunk, row: int, radii: tuple[float, float], _: float, allowed: float) -> Finding:
+        """GP401."""
+        return codes.ARC_RADIUS_MISMATCH.at(
+            row_span(chunk.trace, chunk.rows, row), start=radii[0], end=radii[1], unit="mm",
+            off=abs(radii[0] - radii[1]), allowed=allowed,
+        )  # fmt: skip
+
+    def _closes(self, chunk: Chunk, row: int, radii: tuple[float, float], chord: float, _: float) -> Finding:
         """GP408: an arc between two ends that may be one."""
-        rows = chunk.rows
+        rows, radius = chunk.rows, radii[0]
         short = math.degrees(2.0 * math.asin(min(1.0, chord / (2.0 * radius))))
         before = rows["to"][row - 1] if row else np.array(chunk.start)
         degrees = _onward(
@@ -75,11 +79,16 @@ class ArcRadius(Check):
         )
         long = 360.0 - short
         turned, other = (short, long) if degrees else (long, short)
-        self.findings.add(
-            codes.ARC_CLOSES.at(
-                row_span(chunk.trace, rows, row), chord=chord, unit="mm", degrees=turned, other=other,
-                hint=_CLOSES_HINT,
-            )
+        return codes.ARC_CLOSES.at(
+            row_span(chunk.trace, rows, row), chord=chord, unit="mm", degrees=turned, other=other, hint=_CLOSES_HINT
+        )
+
+    def _huge(self, chunk: Chunk, row: int, radii: tuple[float, float], chord: float, _: float) -> Finding:
+        """GP409."""
+        radius = radii[0]
+        return codes.ARC_HUGE.at(
+            row_span(chunk.trace, chunk.rows, row), radius=radius, chord=chord, unit="mm",
+            off=chord * chord / (8.0 * radius), hint="a straight move says the same",
         )  # fmt: skip
 
     def finish(self) -> PropertyResult:

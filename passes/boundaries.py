@@ -11,6 +11,7 @@ from __future__ import annotations
 import math
 
 import numpy as np
+import numpy.typing as npt
 
 from gproof.ir import codes
 from gproof.ir.columns import occurring
@@ -20,7 +21,7 @@ from gproof.ir.record import record
 from gproof.ir.setup import Setup
 from gproof.ir.trace import UNKNOWN, Affine, Boundary, Chunk, State, Trace
 from gproof.ir.verdict import Condition, PropertyResult, Verdict
-from gproof.passes.check import Check, form_interval, row_span, split_form
+from gproof.passes.check import Check, Like, form_interval, of_one_kind, row_span, split_form
 from gproof.passes.extent_kernels import row_boxes
 from gproof.passes.values import add_forms, describe
 
@@ -29,6 +30,7 @@ GUARD = "boundaries"
 ROUNDING = 1e-9
 _KEPT = 64
 
+Floats = npt.NDArray[np.float64]
 Key = tuple[tuple[Boundary, ...], bool]
 """Boundaries of a state, and whether their guard is off."""
 
@@ -48,6 +50,15 @@ class _Box:
         if short > 0:
             self.low = np.vstack([self.low, np.full((short, AXES), math.inf)])
             self.high = np.vstack([self.high, np.full((short, AXES), -math.inf)])
+
+
+@record(frozen=True, slots=True)
+class _Bad:
+    """The first rows beyond a boundary: row of the chunk, axis, machine position (mm or degrees)."""
+
+    row: npt.NDArray[np.int64]
+    axis: npt.NDArray[np.int64]
+    reach: Floats
 
 
 @record(frozen=True, slots=True)
@@ -122,26 +133,35 @@ class Boundaries(Check):
             upper[0, edge.axis] = math.inf if edge.high is None else edge.high + edge.shift + ROUNDING
             known[:, edge.axis] = [frame[edge.axis] == edge.form != UNKNOWN for frame in trace.frames]
         low_row, high_row = np.full(box.low.shape, -1, np.int64), np.full(box.low.shape, -1, np.int64)
-        bad_row, bad_axis, bad_reach = np.zeros(_KEPT, np.int64), np.zeros(_KEPT, np.int64), np.zeros(_KEPT)
-        count = int(
-            row_boxes.pick(chunk.work)(
-                rows["op"], rows["to"], rows["center"], rows["turns"], rows["plane"], rows["frame"], others,
-                rows["state"], np.array(chunk.start, dtype=np.float64), known, lower, upper, box.low, box.high, low_row,
-                high_row, bad_row, bad_axis, bad_reach, np.zeros((0, 2)),
-            )
-        )  # fmt: skip
+        count, bad = self._beyond_rows(chunk, others, known, (lower, upper), box, (low_row, high_row), _KEPT)
         for slot, axis in zip(*np.nonzero(low_row >= 0), strict=True):
             box.low_span[int(slot), int(axis)] = row_span(trace, rows, int(low_row[slot, axis]))
         for slot, axis in zip(*np.nonzero(high_row >= 0), strict=True):
             box.high_span[int(slot), int(axis)] = row_span(trace, rows, int(high_row[slot, axis]))
         for n in range(min(count, _KEPT)):
-            self._beyond(row_span(trace, rows, int(bad_row[n])), key, int(bad_axis[n]), float(bad_reach[n]))
-        code = codes.BOUNDARY_GUARD_OFF if key[1] else codes.BOUNDARY_EXCEEDED
+            self._beyond(row_span(trace, rows, int(bad.row[n])), key, int(bad.axis[n]), float(bad.reach[n]))
         if count > _KEPT:
-            self.findings.counts[code.number] = self.findings.counts.get(code.number, 0) + count - _KEPT
+            _, bad = self._beyond_rows(chunk, others, known, (lower, upper), box, (low_row, high_row), count)
+            row, axes, reach = bad.row[_KEPT:], bad.axis[_KEPT:], bad.reach[_KEPT:]
+            under, over = lower[0, axes] - reach, reach - upper[0, axes]
+            for n, like in of_one_kind(rows, row, np.column_stack([axes, under > over]), np.maximum(under, over)):
+                self._beyond(row_span(trace, rows, int(row[n])), key, int(axes[n]), float(reach[n]), like)
         self._errors += 0 if key[1] else count
 
-    def _beyond(self, span: Span, key: Key, axis: int, reach: float) -> None:
+    def _beyond_rows(
+        self, chunk: Chunk, others: npt.NDArray[np.int64], known: npt.NDArray[np.uint8], ends: tuple[Floats, Floats],
+        box: _Box, extremes: tuple[npt.NDArray[np.int64], npt.NDArray[np.int64]], room: int,
+    ) -> tuple[int, _Bad]:  # fmt: skip
+        """Widen the box by the chunk's rows; how many of them are beyond its ends, and the first of these."""
+        rows, bad = chunk.rows, _Bad(np.zeros(room, np.int64), np.zeros(room, np.int64), np.zeros(room))
+        count = row_boxes.pick(chunk.work)(
+            rows["op"], rows["to"], rows["center"], rows["turns"], rows["plane"], rows["frame"], others,
+            rows["state"], np.array(chunk.start, dtype=np.float64), known, *ends, box.low, box.high, *extremes,
+            bad.row, bad.axis, bad.reach, np.zeros((0, 2)),
+        )  # fmt: skip
+        return int(count), bad
+
+    def _beyond(self, span: Span, key: Key, axis: int, reach: float, like: Like | None = None) -> None:
         """GP330, or GP332 with the guard off."""
         edge = next(edge for edge in key[0] if edge.axis == axis)
         reached = reach - edge.shift
@@ -154,7 +174,8 @@ class Boundaries(Check):
                 span, axis=self.machine.word(axis), reached=reached,
                 unit=self._units.get(axis, "mm"), over=abs(reached - limit), side="lower" if below else "upper",
                 limit=limit,
-            )
+            ),
+            **(like or {}),
         )  # fmt: skip
 
     def finish(self) -> PropertyResult:

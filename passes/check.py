@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
+from collections.abc import Iterator
+from typing import TypedDict
 
 import numpy as np
 import numpy.typing as npt
@@ -13,6 +15,14 @@ from gproof.ir.machine import AXES, Machine
 from gproof.ir.setup import Interval, Setup
 from gproof.ir.trace import UNKNOWN, Affine, Chunk, Trace
 from gproof.ir.verdict import PropertyResult
+
+
+class Like(TypedDict, total=False):
+    """For how many of its kind a finding stands: keyword arguments of ``Findings.add``."""
+
+    times: int
+    first_line: int
+    last_line: int
 
 
 class Check(ABC):
@@ -47,6 +57,39 @@ class Check(ABC):
 def row_span(trace: Trace, rows: Columns, row: int) -> Span:
     """The source line of a row."""
     return Span(trace.files[int(rows["file"][row])], int(rows["line"][row]))
+
+
+def of_one_kind(
+    rows: Columns, found: npt.NDArray[np.int64], kinds: npt.NDArray[np.int64], far: npt.NDArray[np.float64]
+) -> Iterator[tuple[int, Like]]:
+    """Offences put together by file and kind: the first of each, and the one that goes furthest with all others.
+
+    found: rows of the chunk; kinds: (n, ...) what tells one kind from another; far: how far each goes. Yields an
+    index into found and what ``Findings.add`` takes.
+    """
+    if not len(found):
+        return
+    keys = np.column_stack([rows["file"][found].astype(np.int64), kinds])
+    lines = rows["line"][found]
+    names, kind = np.unique(keys, axis=0, return_inverse=True)
+    for n in range(len(names)):
+        own = np.flatnonzero(kind.reshape(-1) == n)
+        most = int(own[np.argmax(far[own])])
+        first_line, last_line = int(lines[own].min()), int(lines[own].max())
+        others = len(own)
+        if most != own[0]:
+            yield int(own[0]), Like(times=1)
+            others -= 1
+        yield most, Like(times=others, first_line=first_line, last_line=last_line)
+
+
+def told_of(
+    rows: Columns, found: npt.NDArray[np.int64], kinds: npt.NDArray[np.int64], far: npt.NDArray[np.float64], kept: int
+) -> Iterator[tuple[int, Like]]:
+    """The first ``kept`` offences one by one, the others as ``of_one_kind`` puts them together."""
+    yield from ((n, Like()) for n in range(min(len(found), kept)))
+    for n, like in of_one_kind(rows, found[kept:], kinds[kept:], far[kept:]):
+        yield n + kept, like
 
 
 def form_interval(form: Affine, setup: Setup, trace: Trace) -> Interval | None:

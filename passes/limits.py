@@ -22,7 +22,7 @@ from gproof.ir.machine import AXES, AXIS_NAMES, Axis, Machine
 from gproof.ir.setup import Setup
 from gproof.ir.trace import HEIGHT_MAP, KNIFE, UNKNOWN, Affine, Chunk, Op, Trace
 from gproof.ir.verdict import Condition, PropertyResult, Verdict
-from gproof.passes.check import Check, form_interval, row_span, split_form
+from gproof.passes.check import Check, Like, form_interval, of_one_kind, row_span, split_form
 from gproof.passes.extent_kernels import row_boxes
 from gproof.passes.height_map import heights_of
 from gproof.passes.reach import Range, reach_of, reaches
@@ -152,10 +152,8 @@ class Limits(Check):
         self._errors += count
         for n in range(min(count, _KEPT)):
             self._beyond(trace, chunk, int(self._bad_row[n]), int(self._bad_axis[n]), float(self._bad_reach[n]))
-        hidden = count - _KEPT
-        if hidden > 0:
-            number = codes.SOFT_LIMIT.number
-            self.findings.counts[number] = self.findings.counts.get(number, 0) + hidden
+        if count > _KEPT:
+            self._many_beyond(chunk, known, guards, count)
         if not self._plain:
             self._compensated(chunk, known, guards)
 
@@ -179,6 +177,18 @@ class Limits(Check):
         for slot, axis in zip(*np.nonzero(high_row >= 0), strict=True):
             self._high_span[int(slot), int(axis)] = row_span(trace, rows, int(high_row[slot, axis]))
         return int(count)
+
+    def _many_beyond(
+        self, chunk: Chunk, known: npt.NDArray[np.uint8], guards: npt.NDArray[np.int64], count: int
+    ) -> None:
+        """Findings for the rows behind the first ones: of each axis and side the furthest, for all of them."""
+        self._walk(chunk, known, guards, self._stated, np.zeros((0, 2)), count)
+        row, axis, reach = self._bad_row[_KEPT:], self._bad_axis[_KEPT:], self._bad_reach[_KEPT:]
+        off = guards[chunk.rows["state"][row]]
+        under, over = self._stated[0][off, axis] - reach, reach - self._stated[1][off, axis]
+        kinds = np.column_stack([axis, off, under > over])
+        for n, like in of_one_kind(chunk.rows, row, kinds, np.maximum(under, over)):
+            self._beyond(chunk.trace, chunk, int(row[n]), int(axis[n]), float(reach[n]), like)
 
     def _compensated(self, chunk: Chunk, known: npt.NDArray[np.uint8], guards: npt.NDArray[np.int64]) -> None:
         """The same rows with what compensation may add to them."""
@@ -295,7 +305,9 @@ class Limits(Check):
                 self.findings.add(codes.START_OUTSIDE_LIMITS.at(self._first, axis=axis.word, value=at, unit=axis.unit))
                 self._errors += 1
 
-    def _beyond(self, trace: Trace, chunk: Chunk, row: int, index: int, reach: float) -> None:
+    def _beyond(
+        self, trace: Trace, chunk: Chunk, row: int, index: int, reach: float, like: Like | None = None
+    ) -> None:  # fmt: skip
         axis = self.reaches[AXIS_NAMES[index]].axis
         off = "machine_area" in trace.states[int(chunk.rows["state"][row])].guards_off
         low, high = self.reaches[axis.name].stated[off]
@@ -308,7 +320,8 @@ class Limits(Check):
             self.findings.add(
                 codes.FORCED_LIMIT_EXCEEDED.at(
                     where, axis=axis.word, reached=reach, unit=axis.unit, over=limit - reach, side="lower", limit=limit
-                )
+                ),
+                **(like or {}),
             )
             return
         bounds = [(d.name, (d.travel_lower, d.travel_upper) if off else (d.lower, d.upper)) for d in axis.drives()]
@@ -318,7 +331,8 @@ class Limits(Check):
                 row_span(trace, chunk.rows, row), axis=axis.word, reached=reach, unit=axis.unit,
                 over=abs(reach - limit), side=side, limit=limit,
                 hint=f"the limit of its motor {second}" if second and limit not in own else "",
-            )
+            ),
+            **(like or {}),
         )  # fmt: skip
 
     def _is_forced(self, index: int, limit: float) -> bool:

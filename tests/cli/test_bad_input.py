@@ -475,7 +475,9 @@ def test_a_picture_is_svg(folder: Path, gproof: Run) -> None:
         (["explain", ""], "''"),
         (["explain", "../GP301"], "GP301"),
         (["explain", "GP301 GP302"], "GP301 GP302"),
-        (["explain", "sof-limit"], "soft-limit"),
+        (["explain", "sof-limit"], "did you mean soft-limit (GP301)"),
+        (["explain", "arc radius"], "arc-radius-mismatch (GP401)"),
+        (["explain", "GP399"], "codes of its hundred are GP301 ..."),
     ],
     ids=" ".join,
 )
@@ -498,7 +500,9 @@ def test_no_arguments_show_the_help(gproof: Run) -> None:
         assert (done.exit, done.err) == (0, "")
 
 
-@pytest.mark.parametrize("text", ["GP301", "gp301", "301", "soft-limit", " GP301 ", "GP0301"])
+@pytest.mark.parametrize(
+    "text", ["GP301", "gp301", "301", "soft-limit", "Soft limit", "SOFT_LIMIT", " GP301 ", "GP0301"]
+)
 def test_a_code_in_any_spelling(text: str, gproof: Run) -> None:
     done = gproof("explain", text)
     assert (done.exit, done.out.splitlines()[0]) == (0, "# GP301 soft-limit")
