@@ -53,7 +53,8 @@ def _near(text: str) -> str:
     found = difflib.get_close_matches(_name(text), names, 3, 0.7)
     shared = {name: sum(word in name for word in words) for name in names}
     most = sorted((name for name in names if shared[name]), key=lambda name: (-shared[name], names[name].number))
-    found = list(dict.fromkeys([*found, *most]))[:SHOWN]
+    # A name with one letter wrong needs no others beside it.
+    found = difflib.get_close_matches(_name(text), names, 1, 0.9) or list(dict.fromkeys([*found, *most]))[:SHOWN]
     if not found:
         return _SHAPES
     *first, last = (f"{name} ({names[name].label})" for name in found)

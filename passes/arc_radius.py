@@ -41,7 +41,11 @@ class ArcRadius(Check):
         if counts.max() > _KEPT:
             counts, found, start, end, chord = self._odd(chunk, tolerance, made, int(counts.max()))
         self._errors += int(counts[MISMATCH])
-        tell = ((self._mismatch, np.abs(start - end)), (self._closes, -chord), (self._huge, start))
+        tell = (
+            (self._mismatch, np.abs(start - end)),
+            (self._closes, -chord),
+            (self._huge, chord**2 / np.maximum(8 * start, 1.0)),
+        )
         for kind, (say, far) in enumerate(tell):
             count = int(counts[kind])
             one = np.zeros((count, 1), dtype=np.int64)
@@ -52,7 +56,7 @@ class ArcRadius(Check):
     def _odd(
         self, chunk: Chunk, tolerance: Floats, made: Integers, room: int
     ) -> tuple[Integers, Integers, Floats, Floats, Floats]:
-        """Of each kind how many there are, then of the first their rows, both radii and the distance of the ends, mm."""
+        """Of each kind how many there are; of the first their rows, both radii and the distance of the ends, mm."""
         rows = chunk.rows
         counts, found = np.zeros(3, dtype=np.int64), np.zeros((3, room), dtype=np.int64)
         start, end, chord = np.zeros((3, room)), np.zeros((3, room)), np.zeros((3, room))

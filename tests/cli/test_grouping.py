@@ -74,6 +74,19 @@ def test_every_kind_is_counted_to_the_last_line(
         assert group["worst"]["line"] in {line for line, far in found if abs(far - most) < 1e-9}
 
 
+def test_the_worst_arc_is_found_behind_many(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    off = [0.01 * (1 + (37 * n) % 200) for n in range(200)]
+    lines = ["G21 G90 G17 F600 G0 X50 Y50"]
+    for far in off:
+        lines += ["G1 X50 Y50", f"G2 X{70 + far:.3f} Y50 I10 J0"]
+    job = tmp_path / "arcs.cnc"
+    job.write_text("\n".join([*lines, "M30"]) + "\n", encoding="utf-8")
+    (group,) = (g for g in json.loads(checked(capsys, job, "--format", "json"))["groups"] if g["code"] == "GP401")
+    assert (group["times"], group["line"], group["last_line"]) == (200, 3, 401)
+    assert group["worst"]["line"] == 3 + 2 * off.index(max(off))
+    assert f"{max(off):.6f} mm apart" in group["worst"]["message"]
+
+
 FAR = ["G21 G90", *(f"G1 X{x} F600" for x in (590, 610, 620, 650, 640, 645)), "M30"]
 
 
