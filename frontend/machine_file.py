@@ -16,6 +16,7 @@ from gproof.frontend.areas_table import areas_from
 from gproof.frontend.controls_table import controls_from
 from gproof.frontend.mcuwin.machine import with_axes
 from gproof.frontend.toml_table import MILLIMETRES, TomlFile, TomlTable
+from gproof.frontend.tool_table import check_shape, shape_keys
 from gproof.ir.finding import Findings
 from gproof.ir.machine import (
     AXIS_NAMES,
@@ -291,6 +292,7 @@ def _tools(root: TomlTable, machine: Machine, unit: Fraction) -> tuple[Tool, ...
     for number, table in root.numbered("tools", 1, HIGHEST_TOOL):
         tools[number] = replace(
             tools.get(number, Tool(number=number)),
+            **shape_keys(table, unit),
             **_given(
                 length=table.number("length", unit=unit),
                 x_offset=table.number("x_offset", unit=unit),
@@ -303,6 +305,7 @@ def _tools(root: TomlTable, machine: Machine, unit: Fraction) -> tuple[Tool, ...
                 max_depth=table.positive("max_depth", unit=unit),
             ),
         )
+        check_shape(table, tools[number])
         table.finish()
     return tuple(tools[number] for number in sorted(tools))
 

@@ -17,7 +17,8 @@ from gproof.frontend.toml_table import MILLIMETRES, TomlFile, TomlTable, small_n
 from gproof.ir.dialects import rules_named
 from gproof.ir.finding import Findings
 from gproof.ir.machine import NO_MACHINE, Machine
-from gproof.ir.setup import Cylinder, InForce, Interval, Setup
+from gproof.ir.setup import CylinderMap, InForce, Interval, Setup
+from gproof.ir.workpiece import Workpiece
 
 SCHEMA = "gproof-setup/1"
 COORDINATE_SYSTEMS = 9
@@ -49,6 +50,12 @@ def load_setup(path: Path, findings: Findings, machine: Machine = NO_MACHINE) ->
     for number, table in root.numbered("heads", 1, HIGHEST_HEAD):
         heads |= {(number, axis): value for axis, value in axes_of(table, unit, _LINEAR).items()}
     height_map, more = read_height_map(root.table("height_map"), unit)
+    workpiece: Workpiece | None = None
+    if {"workpiece", "stock", "part", "fixtures"} & root.values.keys():
+        from gproof.frontend.workpiece_file import read_workpiece
+
+        workpiece, others = read_workpiece(root, unit)
+        more += others
     setup = Setup(
         name=root.text("name") or path.name,
         homed=_homed(root, columns),
@@ -67,17 +74,18 @@ def load_setup(path: Path, findings: Findings, machine: Machine = NO_MACHINE) ->
         heads=heads,
         transform=_transform(root.table("transform"), unit),
         keep_out=keep_out_from(root, unit),
+        workpiece=workpiece,
     )
     setup = with_channels(setup, root, unit, columns, machine)
     root.finish()
     return (None if file.errors else setup), file.files + more
 
 
-def _cylinder(table: TomlTable | None, unit: Fraction) -> Cylinder | None:
+def _cylinder(table: TomlTable | None, unit: Fraction) -> CylinderMap | None:
     """``[cylinder]``: Y is mapped onto A."""
     if table is None:
         return None
-    cylinder = Cylinder(
+    cylinder = CylinderMap(
         radius=table.positive("radius", unit=unit),
         y=table.number("y", unit=unit),
         z=table.number("z", unit=unit),

@@ -31,7 +31,7 @@ _NO_TOML = {
     "gproof-machine/1": "a machine file is gproof's (TOML), or the controller's: WINCNC.INI, McuWIN.ini, cnc.ini",
     "gproof-setup/1": "a setup file is gproof's (TOML)",
 }
-_HEADER = re.compile(r"\s*\[\[?\s*([^\[\]]+?)\s*\]\]?\s*(?:#.*)?$")
+_HEADER = re.compile(r"\s*(\[\[?)\s*([^\[\]]+?)\s*\]\]?\s*(?:#.*)?$")
 _KEY = re.compile(r"""\s*((?:[A-Za-z0-9_-]+|"[^"]*"|'[^']*')(?:\s*\.\s*(?:[A-Za-z0-9_-]+|"[^"]*"|'[^']*'))*)\s*=""")
 _AT_LINE = re.compile(r"\(at line (\d+), column (\d+)\)")
 
@@ -118,17 +118,35 @@ class TomlFile:
 def _lines_of_keys(text: str) -> dict[str, int]:
     """First line of each table and key, by dotted name; lines inside long strings may mislead, harmlessly."""
     lines: dict[str, int] = {}
+    counts: dict[str, int] = {}
     table = ""
     for number, line in enumerate(text.splitlines(), 1):
         header = _HEADER.match(line)
         key = None if header else _KEY.match(line)
         if header:
-            table = _plain(header[1])
+            table = _numbered(_plain(header[2]), counts, is_list=header[1] == "[[")
         name = table if header else f"{table}.{_plain(key[1])}".lstrip(".") if key else ""
         while name:
             lines.setdefault(name, number)
             name = name.rpartition(".")[0]
     return lines
+
+
+def _numbered(table: str, counts: dict[str, int], *, is_list: bool) -> str:
+    """The name of a table with the place of each list around it, from the second table of the list on."""
+    parts = table.split(".")
+    name = ""
+    for place, part in enumerate(parts):
+        name = f"{name}.{part}".lstrip(".")
+        if is_list and place == len(parts) - 1:
+            counts[name] = counts.get(name, 0) + 1
+        name = nth(name, counts.get(name, 1))
+    return name
+
+
+def nth(name: str, number: int) -> str:
+    """How messages name a table of a list, ``[[name]]``."""
+    return name if number < 2 else f"{name}[{number}]"
 
 
 def _plain(dotted: str) -> str:
@@ -257,7 +275,7 @@ class TomlTable:
         if not isinstance(value, list) or not all(isinstance(one, dict) for one in value):
             self.bad(key, f"{show(value)} is not a list of tables")
             return []
-        return [TomlTable(self.file, (*self.path, key), one) for one in value]
+        return [TomlTable(self.file, (*self.path, nth(key, n)), one) for n, one in enumerate(value, 1)]
 
     def grids(self, key: str) -> list[list[list[Fraction]] | None]:
         """A list of lists of lists of numbers, exactly."""

@@ -491,6 +491,7 @@ ARC_FULL_CIRCLE = code(
     "arcs",
 )
 
+OPEN_MESH = code(432, "open-mesh", _W, "{name} is not closed ({what}): what is inside of it is not known", "files")
 
 # 5xx motion and time
 FEED_OVER_MAXIMUM = code(

@@ -26,7 +26,7 @@ class Interval:
 
 
 @record(frozen=True, slots=True, kw_only=True)
-class Cylinder:
+class CylinderMap:
     """Y is mapped onto A: the surface of a cylinder as if it were the X-Y plane (Eding manual 2.2.5.4).
 
     radius: mm; y, z: machine position of the axis of rotation; zero: machine Y at which A is 0. None: not stated.
@@ -127,7 +127,7 @@ class Setup:
     default_parameter: float | None = None
     block_delete: bool | None = None
     optional_stop: bool | None = None
-    cylinder: Cylinder | None = None
+    cylinder: CylinderMap | None = None
     height_map: HeightMap | None = None
     heads: dict[tuple[int, str], Interval] = field(default_factory=dict)
     transform: InForce | None = None

@@ -15,7 +15,7 @@ from gproof.ir import codes
 from gproof.ir.columns import Columns
 from gproof.ir.finding import Refusal, Span
 from gproof.ir.machine import Axis, AxisKind, Machine, PitchTable, Slave
-from gproof.ir.setup import Cylinder, Setup
+from gproof.ir.setup import CylinderMap, Setup
 from gproof.ir.stream import Motor, StepStream, StreamSection
 from gproof.ir.trace import Frame, Trace, TraceSection
 
@@ -76,13 +76,13 @@ def with_machines_motors(stream: StepStream, machine: Machine) -> StepStream:
     return dataclasses.replace(stream, motors=tuple(motor for _, motor in motors), sections=sections)
 
 
-def mm_per_degree(cylinder: Cylinder) -> float:
+def mm_per_degree(cylinder: CylinderMap) -> float:
     """mm on the surface for a degree of A."""
     assert cylinder.radius is not None
     return math.radians(cylinder.radius)
 
 
-def _refuse_another_start(trace: Trace, setup: Setup, cylinder: Cylinder, mm: float) -> None:
+def _refuse_another_start(trace: Trace, setup: Setup, cylinder: CylinderMap, mm: float) -> None:
     """GP520 when the setup says that A starts elsewhere than the mapping has it."""
     stated = setup.interval("start.a")
     if stated is None or not trace.sections or trace.frames[trace.sections[0].start_frame][Y]:
@@ -114,7 +114,7 @@ def _scaled(axis: Axis, mm: float, *, name: str, kind: AxisKind, tip_feed: bool)
     return dataclasses.replace(axis, **changes)  # type: ignore[arg-type]
 
 
-def _moved(trace: Trace, cylinder: Cylinder) -> Trace:
+def _moved(trace: Trace, cylinder: CylinderMap) -> Trace:
     assert cylinder.zero is not None
     assert cylinder.y is not None
     zero, across = cylinder.zero, cylinder.y

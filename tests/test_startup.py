@@ -11,7 +11,7 @@ ROOT = Path(__file__).resolve().parent.parent
 PLATE = "corpus/eding/drilled-plate"
 GASKET = "corpus/wincnc/knife-twohead/jobs/gasket.tap"
 DOTS = "corpus/mcuwin/engraver/jobs/dots.src"
-NEVER_FOR_SMALL_JOBS = {"numba", "llvmlite", "z3", "shapely", "serial"}
+NEVER_FOR_SMALL_JOBS = {"numba", "llvmlite", "z3", "shapely", "ezdxf", "serial"}
 NOT_AT_START = NEVER_FOR_SMALL_JOBS | {"cryptography", "lark", "rich"}
 RUN = """
 import sys

@@ -18,7 +18,7 @@ from gproof.ir import codes
 from gproof.ir.finding import Finding, Severity, Span
 from gproof.ir.machine import Machine
 from gproof.ir.record import record
-from gproof.ir.setup import Cylinder, HeightMap, Interval, Setup
+from gproof.ir.setup import CylinderMap, HeightMap, Interval, Setup
 from gproof.ir.stream import StepStream
 from gproof.ir.text import print_ir
 from gproof.ir.trace import Trace
@@ -240,7 +240,7 @@ def _check_setup(made_for: Setup, now: Setup, findings: list[Finding], where: Sp
         findings.append(codes.CERTIFICATE_OFFSETS.at(where, what=f"made for {name} {wanted}; it is {said} now"))
 
 
-def _named(compensation: Cylinder | HeightMap | None) -> str:
+def _named(compensation: CylinderMap | HeightMap | None) -> str:
     """A word for a mapping or a map in a message."""
     if isinstance(compensation, HeightMap):
         return f"of {compensation.name or 'the setup file'}, {'on' if compensation.on else 'off'}"

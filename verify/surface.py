@@ -14,7 +14,7 @@ from typing import NamedTuple
 
 from gproof.ir.columns import Columns
 from gproof.ir.machine import Axis, AxisKind, Machine, PitchTable, Slave
-from gproof.ir.setup import Cylinder, Interval, Setup
+from gproof.ir.setup import CylinderMap, Interval, Setup
 from gproof.ir.stream import StepStream
 from gproof.ir.trace import HEIGHT_MAP, Frame, Trace
 
@@ -104,7 +104,7 @@ def view(stream: StepStream, trace: Trace, machine: Machine, setup: Setup) -> Vi
     )
 
 
-def _length_of_degree(cylinder: Cylinder) -> float:
+def _length_of_degree(cylinder: CylinderMap) -> float:
     """mm of the surface that pass the tool in a degree of A."""
     return (cylinder.radius or 0.0) * math.pi / 180.0
 

@@ -6,6 +6,7 @@ import re
 from pathlib import Path
 from typing import Any
 
+import ezdxf
 import pytest
 
 from gproof.frontend.eding.prepare import FUNCTIONS
@@ -48,10 +49,35 @@ def test_the_example_of_mcuwin_is_read(tmp_path: Path) -> None:
     assert len(files) == 3
 
 
+def test_the_example_of_a_workpiece_is_read(tmp_path: Path) -> None:
+    text = next(text for text in examples("setup-files.md") if "\n[stock]" in text)
+    path = tmp_path / "setup.toml"
+    path.write_text('schema = "gproof-setup/1"\n' + text, encoding="utf-8")
+    drawing = ezdxf.new(units=4)  # type: ignore[attr-defined]
+    for layer, radius in (("OUTLINE", 40), ("POCKETS", 10), ("HOLES", 3)):
+        drawing.modelspace().add_circle((50, 50), radius, {"layer": layer})
+    drawing.saveas(tmp_path / "bracket.dxf")
+    corners = [(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)]
+    faces = [(0, 2, 1), (0, 1, 3), (1, 2, 3), (0, 3, 2)]
+    lines = ["facet\n" + "".join("vertex {} {} {}\n".format(*corners[k]) for k in face) + "endfacet" for face in faces]
+    (tmp_path / "vise.stl").write_text("\n".join(["solid", *lines, "endsolid"]))
+    findings = Findings()
+    setup, files = load_setup(path, findings)
+    assert [f.message for f in findings.kept] == []
+    assert setup is not None and setup.workpiece is not None
+    assert len(files) == 3
+    assert [len(bodies) for bodies in (setup.workpiece.stock, setup.workpiece.part, setup.workpiece.fixtures)] == [
+        1,
+        4,
+        3,
+    ]
+
+
 def test_every_key_of_the_code_is_on_its_page() -> None:
     for source, page in (
         ("machine_file.py", "machine-files.md"), ("din_table.py", "machine-files.md"),
-        ("setup_file.py", "setup-files.md"),
+        ("setup_file.py", "setup-files.md"), ("tool_table.py", "machine-files.md"),
+        ("workpiece_file.py", "setup-files.md"),
     ):  # fmt: skip
         code = (DOCS.parent / "frontend" / source).read_text(encoding="utf-8")
         readers = r"\.(?:text|number|positive|ratio|interval|whole|boolean|table|numbered|take)\(\"(\w+)\""

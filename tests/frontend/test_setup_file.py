@@ -9,7 +9,7 @@ import pytest
 
 from gproof.frontend.setup_file import load_setup
 from gproof.ir.finding import Findings
-from gproof.ir.setup import Cylinder, HeightMap, InForce, Interval, Setup
+from gproof.ir.setup import CylinderMap, HeightMap, InForce, Interval, Setup
 from gproof.ir.text import parse_ir, print_ir
 
 HEAD = 'schema = "gproof-setup/1"\n'
@@ -165,7 +165,7 @@ GRID = "[height_map]\nx = 10\ny = 5\nsize = 20\nheights = [[0.0, 0.1, 0.2], [0.0
 
 def test_a_cylinder_and_a_grid(tmp_path: Path) -> None:
     setup = setup_of(tmp_path, HEAD + 'units = "inch"\n[cylinder]\nradius = 2\ny = 1\nzero = -1\n' + GRID)
-    assert setup.cylinder == Cylinder(radius=50.8, y=25.4, z=None, zero=-25.4)
+    assert setup.cylinder == CylinderMap(radius=50.8, y=25.4, z=None, zero=-25.4)
     assert setup.height_map is not None
     assert (setup.height_map.x, setup.height_map.y, setup.height_map.size, setup.height_map.on) == (254, 127, 508, True)
     assert setup.height_map.heights[1][2] == 0.25 * 25.4

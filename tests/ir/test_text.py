@@ -12,14 +12,14 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from gproof.ir import machine as m
-from gproof.ir import plan, stream, trace
+from gproof.ir import plan, stream, trace, workpiece
 from gproof.ir import program as p
 from gproof.ir.columns import Columns, Schema
 from gproof.ir.dialects import rules_named
 from gproof.ir.finding import Span
 from gproof.ir.notes import NOTE, Notes
 from gproof.ir.rules import BINARY, UNARY
-from gproof.ir.setup import Interval, Setup
+from gproof.ir.setup import CylinderMap, Interval, Setup
 from gproof.ir.text import parse_ir, print_ir
 from gproof.ir.verdict import Condition, PropertyResult, Verdict
 
@@ -141,6 +141,18 @@ machines = st.builds(
     unknown_keys=st.lists(st.tuples(names, names), max_size=2).map(tuple),
 )  # fmt: skip
 intervals = st.builds(Interval, floats, floats)
+places = st.tuples(floats, floats)
+bodies = st.one_of(
+    st.builds(workpiece.Box, low=st.tuples(floats, floats, floats), high=st.tuples(floats, floats, floats)),
+    st.builds(workpiece.Cylinder, x=floats, y=floats, radius=floats, low=floats, high=floats),
+    st.builds(
+        workpiece.Prism, outline=st.lists(places, max_size=3).map(tuple), low=floats, high=floats, error=floats,
+        holes=st.lists(st.lists(places, max_size=2).map(tuple), max_size=2).map(tuple),
+    ),
+    st.builds(workpiece.Mesh, triangles=tables(workpiece.TRIANGLES), source=names, closed=st.booleans()),
+)  # fmt: skip
+placed = st.lists(st.builds(workpiece.Placed, name=names, body=bodies, work=st.integers(-1, 9)), max_size=2).map(tuple)
+workpieces = st.builds(workpiece.Workpiece, stock=placed, part=placed, fixtures=placed, tolerance=floats, cell=floats)
 setups = st.builds(
     Setup, name=names, homed=st.lists(names, max_size=2).map(tuple),
     start=st.dictionaries(names, intervals, max_size=2),
@@ -149,6 +161,7 @@ setups = st.builds(
     tool_lengths=st.dictionaries(st.integers(), intervals, max_size=1),
     parameters=st.dictionaries(st.integers(), floats, max_size=2), tool=st.none() | st.integers(),
     default_offset=optional, block_delete=st.none() | st.booleans(),
+    cylinder=st.none() | st.builds(CylinderMap, radius=optional, y=optional), workpiece=st.none() | workpieces,
 )  # fmt: skip
 
 affine = st.lists(st.tuples(names, st.integers()), max_size=2).map(tuple)

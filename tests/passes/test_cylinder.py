@@ -15,7 +15,7 @@ from passes.traces import Path, machine
 from gproof.ir.finding import Findings
 from gproof.ir.machine import Machine, PitchTable, Slave
 from gproof.ir.plan import Plan
-from gproof.ir.setup import Cylinder, HeightMap, Interval, Setup
+from gproof.ir.setup import CylinderMap, HeightMap, Interval, Setup
 from gproof.ir.stream import StepStream
 from gproof.ir.trace import Trace
 from gproof.ir.verdict import Verdict
@@ -24,7 +24,7 @@ from gproof.passes.plan import plan
 from gproof.passes.step import step
 from gproof.verify.stream import validate
 
-CUP = Cylinder(radius=20.0, y=120.0, z=0.0, zero=-4.0)
+CUP = CylinderMap(radius=20.0, y=120.0, z=0.0, zero=-4.0)
 ON_CUP = Setup(cylinder=CUP)
 MM = math.pi * 20 / 180
 """mm on the surface for a degree."""

@@ -19,7 +19,7 @@ from support.campaigns import seeds
 
 from gproof.ir.finding import Findings
 from gproof.ir.machine import Machine, PitchTable
-from gproof.ir.setup import NOTHING, Cylinder, HeightMap, Setup
+from gproof.ir.setup import NOTHING, CylinderMap, HeightMap, Setup
 from gproof.ir.stream import StepStream
 from gproof.ir.text import print_ir
 from gproof.ir.trace import HEIGHT_MAP, Edge, Op, PathMode, Plane, Trace, Wait
@@ -304,7 +304,7 @@ def test_positions_that_nobody_stated_are_said_to_be_missing(unknown: str) -> No
 
 def test_a_map_on_a_cylinder_is_not_followed() -> None:
     trace = Path().state(following=ON).feed(600, x=5).done()
-    setup = dataclasses.replace(using(WEDGE), cylinder=Cylinder(radius=10.0, y=0.0, zero=0.0))
+    setup = dataclasses.replace(using(WEDGE), cylinder=CylinderMap(radius=10.0, y=0.0, zero=0.0))
     findings = Findings()
     assert follow(trace, setup, machine(), findings) is None
     assert [f.code.label for f in findings.kept] == ["GP520"]

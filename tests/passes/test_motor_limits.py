@@ -19,7 +19,7 @@ from support.campaigns import seeds
 
 from gproof.ir.finding import Findings
 from gproof.ir.machine import Area, Axis, AxisKind, Machine, PitchTable, Slave
-from gproof.ir.setup import NOTHING, Cylinder, HeightMap, Interval, Setup
+from gproof.ir.setup import NOTHING, CylinderMap, HeightMap, Interval, Setup
 from gproof.ir.trace import HEIGHT_MAP, Plane, Trace, chunks
 from gproof.ir.verdict import PropertyResult, Verdict
 from gproof.passes.areas import Areas
@@ -292,7 +292,7 @@ def test_a_height_map_counts_only_where_it_was_measured_and_only_while_it_is_on(
 
 
 def cylinder(**values: float) -> Setup:
-    return dataclasses.replace(NOTHING, cylinder=Cylinder(**values))
+    return dataclasses.replace(NOTHING, cylinder=CylinderMap(**values))
 
 
 def test_y_on_a_cylinder_is_judged_by_what_a_may_turn() -> None:

@@ -18,7 +18,7 @@ from verify.jobs import JOBS
 from verify.reference_stepper import machine, step, stream_of
 
 from gproof.ir.machine import Machine
-from gproof.ir.setup import NOTHING, ZERO, Cylinder, HeightMap, InForce, Interval, Setup
+from gproof.ir.setup import NOTHING, ZERO, CylinderMap, HeightMap, InForce, Interval, Setup
 from gproof.ir.text import print_ir
 from gproof.ir.verdict import DEFAULT_POLICY, Condition, PropertyResult, Verdict
 from gproof.verify import package as packages
@@ -291,7 +291,7 @@ def test_a_height_map_or_a_mapping_is_the_one_that_the_stream_was_made_for(tmp_p
     package = read_package(write(tmp_path / "none.gpx", setup=without))
     assert check_package(package, setup=without).valid
     assert "GP825" in codes(check_package(package, setup=with_map))
-    assert "GP825" in codes(check_package(package, setup=dataclasses.replace(ZERO, cylinder=Cylinder(radius=5.0))))
+    assert "GP825" in codes(check_package(package, setup=dataclasses.replace(ZERO, cylinder=CylinderMap(radius=5.0))))
 
 
 # --- damage -------------------------------------------------------------------------------------------------

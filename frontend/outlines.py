@@ -1,0 +1,150 @@
+"""Rings to polygons, and polygons with floors to prisms that stand on one another.
+
+Takes closed rings of points (mm) as a drawing or a list has them, in any order and sense; gives ``Prism``s. Rings that
+lie in one another are holes by turns (even-odd). A ring that crosses itself or another one is an ``OutlineError`` with
+the place.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Iterable, Sequence
+from typing import TYPE_CHECKING
+
+from gproof.ir.record import record
+from gproof.ir.workpiece import Point, Prism
+
+if TYPE_CHECKING:
+    from shapely import Polygon
+    from shapely.geometry.base import BaseGeometry
+
+Ring = Sequence[Point]
+
+NARROW = 1e-9
+"""mm2: what overlaps by less than that has only touched."""
+CUT = 1e-9
+"""mm by which the corners of a pocket's outline move where it is cut at another outline."""
+
+
+class OutlineError(ValueError):
+    """What keeps rings from being outlines, in words with the place."""
+
+
+@record(frozen=True, slots=True)
+class Pocket:
+    """What is taken away above a floor: rings, and the height of the floor in mm."""
+
+    rings: tuple[tuple[Point, ...], ...]
+    floor: float
+
+
+def place(x: float, y: float) -> str:
+    """A point in a message."""
+    return f"X {x:.4f} Y {y:.4f}"
+
+
+def prisms(
+    rings: Sequence[Ring], low: float, high: float, pockets: Sequence[Pocket] = (), error: float = 0.0
+) -> list[Prism]:
+    """What stands inside the rings from ``low`` to ``high``, less the pockets; OutlineError for bad rings."""
+    whole = regions(rings)
+    floors = sorted({min(max(pocket.floor, low), high) for pocket in pockets} | {low, high})
+    cuts = [(pocket.floor, regions(pocket.rings)) for pocket in pockets]
+    found: list[Prism] = []
+    for bottom, top in itertools.pairwise(floors):
+        left, cut = whole, error
+        for floor, region in cuts:
+            if floor <= bottom:
+                left, cut = left.difference(region), error + CUT
+        found += [_prism(piece, bottom, top, cut) for piece in _pieces(left)]
+    if not found:
+        raise OutlineError("the pockets leave nothing of it")
+    return found
+
+
+def regions(rings: Sequence[Ring]) -> BaseGeometry:
+    """What the rings enclose by turns; OutlineError where they cross."""
+    import shapely
+
+    made = sorted((_checked(ring) for ring in rings), key=lambda polygon: -polygon.area)
+    tree = shapely.STRtree(made)
+    inside: list[list[int]] = [[] for _ in made]
+    for one, other in tree.query(made, predicate="intersects").T.tolist():
+        if one < other:
+            _apart(made[one], made[other])
+            if made[one].contains(made[other].representative_point()):
+                inside[other].append(one)
+    pieces = []
+    for n, polygon in enumerate(made):
+        if len(inside[n]) % 2 == 0:
+            holes = [made[k].exterior.coords for k in range(n + 1, len(made)) if _is_hole(n, k, inside)]
+            pieces.append(shapely.Polygon(polygon.exterior.coords, holes))
+    return shapely.union_all(pieces)
+
+
+def _is_hole(outer: int, inner: int, inside: Sequence[Sequence[int]]) -> bool:
+    """Whether a ring is the next one within another."""
+    return outer in inside[inner] and len(inside[inner]) == len(inside[outer]) + 1
+
+
+def _checked(ring: Ring) -> Polygon:
+    import shapely
+
+    points = list(ring)
+    if len(points) > 1 and points[0] == points[-1]:
+        points.pop()
+    if len(points) < 3:
+        raise OutlineError(f"an outline of {len(points)} corners encloses nothing")
+    if not all(math.isfinite(value) for point in points for value in point):
+        raise OutlineError("a corner of an outline is not a finite number")
+    polygon = shapely.Polygon(points)
+    if not polygon.is_valid:
+        raise OutlineError(_reason(shapely.is_valid_reason(polygon)))
+    if polygon.area <= NARROW:
+        raise OutlineError(f"the outline at {place(*points[0])} encloses nothing")
+    return polygon
+
+
+def _reason(text: str) -> str:
+    """What GEOS says of a ring, in the words of the other messages."""
+    what, _, at = text.partition("[")
+    words = {"Self-intersection": "the outline crosses itself", "Ring Self-intersection": "the outline touches itself"}
+    numbers = at.rstrip("]").split()
+    said = words.get(what.strip(), what.strip())
+    return f"{said} at {place(float(numbers[0]), float(numbers[1]))}" if len(numbers) >= 2 else said
+
+
+def _apart(one: Polygon, other: Polygon) -> None:
+    """OutlineError unless one polygon lies in the other or beside it."""
+    if one.equals(other):
+        raise OutlineError(f"an outline is drawn twice at {place(*other.exterior.coords[0])}")
+    common = one.intersection(other)
+    if common.area <= NARROW or other.area - common.area <= NARROW:
+        return
+    crossing = one.exterior.intersection(other.exterior)
+    point = crossing.representative_point() if not crossing.is_empty else common.representative_point()
+    raise OutlineError(f"two outlines cross at {place(point.x, point.y)}")
+
+
+def _pieces(region: object) -> Iterable[Polygon]:
+    import shapely
+
+    if isinstance(region, shapely.Polygon):
+        return [region] if region.area > NARROW else []
+    parts = getattr(region, "geoms", ())
+    return [piece for part in parts for piece in _pieces(part)]
+
+
+def _prism(polygon: Polygon, low: float, high: float, error: float) -> Prism:
+    from shapely.geometry.polygon import orient
+
+    turned = orient(polygon)
+    return Prism(
+        outline=_points(turned.exterior.coords), holes=tuple(_points(ring.coords) for ring in turned.interiors),
+        low=low, high=high, error=error,
+    )  # fmt: skip
+
+
+def _points(coords: Iterable[Sequence[float]]) -> tuple[Point, ...]:
+    return tuple((float(point[0]), float(point[1])) for point in list(coords)[:-1])
