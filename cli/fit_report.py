@@ -7,16 +7,22 @@ import math
 import click
 
 from gproof.cli.fit_answer import Fit, Range, Travel, smallest
+from gproof.cli.fit_zones import Beside
 from gproof.cli.judge import Judgement
 from gproof.cli.lengths import CHOICES, LengthUnit, unit_of
 from gproof.cli.report import coloured, distinct, finding_json, print_findings
 from gproof.cli.session import Session
 from gproof.ir.finding import Findings, Severity
 from gproof.ir.record import record
+from gproof.ir.trace import Affine
 from gproof.ir.verdict import Verdict
 from gproof.passes.values import describe
+from gproof.passes.zone_boxes import outline
+from gproof.passes.zone_regions import FAR
 
 SCHEMA = "gproof-fit/1"
+MOST_BOXES = 6
+"""Boxes of a region that the text names."""
 _SHADES = {Verdict.SAFE: "green", Verdict.UNSAFE: "red", Verdict.UNKNOWN: "magenta"}
 
 
@@ -45,6 +51,8 @@ def print_fit(told: Told, units: str | None) -> None:
     click.echo(f"{told.session.job}: {verdict}, {headline(fit)}")
     for label, lines in (
         ("safe for", _range_lines(fit, unit)),
+        *((f"{'' if n else 'and in'}", _zone_lines(one, unit)) for n, one in enumerate(fit.zones)),
+        ("because", [fit.reason] if fit.reason else []),
         ("note", _notes(fit)),
         ("needs", _travel_lines(told.travel, unit)),
         ("smallest", _smallest_line(told.travel, unit)),
@@ -71,6 +79,11 @@ def headline(fit: Fit) -> str:
         return "because limits are missing"
     if fit.now is None:
         return "with the offsets in these ranges"
+    away = [one for one in fit.zones if one.inside is False]
+    if away and not moved:
+        return (
+            f"the zero is where moves enter {' and '.join(dict.fromkeys(z for one in away for z in one.place.zones))}"
+        )
     if moved:
         worst = [f"{abs(one.short):.4g} {one.unit} short on {one.name}" for one in moved]
         return f"the zero is {', '.join(worst)}"
@@ -80,9 +93,9 @@ def headline(fit: Fit) -> str:
 def blocking_findings(told: Told) -> Findings:
     """Errors and unknowns that no offset takes away: those of the job with its offsets open."""
     out = Findings()
-    if told.fit.kind == "ranges" and not told.fit.open_sides:
+    if told.fit.kind in ("ranges", "regions") and not told.fit.open_sides:
         return out
-    for finding in told.judgement.findings.kept:
+    for finding in told.judgement.findings.kept if not told.fit.reason else ():
         if finding.severity in (Severity.ERROR, Severity.UNKNOWN):
             out.add(finding)
     return out
@@ -134,10 +147,38 @@ def _change(one: Range, unit: LengthUnit) -> str:
     return f"{by} short: move by {' ... '.join(signed)}"
 
 
+def _zone_lines(one: Beside, unit: LengthUnit) -> list[str]:
+    """The boxes of a region, one a line, and where the stated offsets are."""
+    place = one.place
+    used = [n for n in range(3) if place.terms[n]]
+    shown = place.boxes[:MOST_BOXES]
+    head = f"one of these, clear of {' and '.join(place.zones)}:"
+    cells = [[f"{_end(box[n][0], unit, up=True)} ... {_end(box[n][1], unit, up=False)}" for n in used] for box in shown]
+    wide = [max(len(row[k]) for row in cells) for k in range(len(used))] if cells else []
+    out = [head] + [
+        "   ".join(f"{one.names[n]} {row[k]:>{wide[k]}}" for k, n in enumerate(used)) + f" {unit.name}" for row in cells
+    ]
+    hidden = len(place.boxes) - len(shown)
+    if hidden:
+        out.append(f"and {hidden} smaller boxes")
+    if place.region.resolution != 0.0:
+        out.append("and what lies beside moves that are at an angle; the picture and the JSON report have all of it")
+    if one.inside is False and one.nearest is not None and one.now is not None:
+        goes = [f"{one.names[n]} {unit.place(one.nearest[n], 'mm')}" for n in used]
+        out.append(f"now outside; the nearest place is {', '.join(goes)}")
+    return out
+
+
+def _end(value: float, unit: LengthUnit, *, up: bool) -> str:
+    if abs(value) >= FAR:
+        return "any"
+    return unit.inward(value, "mm", up=up)
+
+
 def _notes(fit: Fit) -> list[str]:
     out = [f"{message[0].upper()}{message[1:]}: that side is open here" for message in fit.open_sides]
-    if fit.kind == "ranges" and not fit.complete:
-        out.append("there may be further offsets that are SAFE: these are on one side of what is in the way")
+    if fit.kind in ("ranges", "regions") and not fit.complete:
+        out.append("there may be further offsets that are SAFE")
     return out
 
 
@@ -188,8 +229,10 @@ def report_json(told: Told) -> dict[str, object]:
         "exit_code": fit.verdict.exit_code,
         "stated": None if fit.now is None else fit.now.value,
         "kind": fit.kind,
-        "complete": fit.complete if fit.kind == "ranges" else False,
+        "reason": fit.reason,
+        "complete": fit.complete if fit.kind in ("ranges", "regions") else False,
         "offsets": [_range_json(one) for one in fit.ranges],
+        "regions": [_zone_json(one) for one in fit.zones],
         "travel": None if told.travel is None else [_travel_json(one) for one in told.travel],
         "smallest_machine": {} if told.travel is None else smallest(told.travel),
         "assumptions": assumptions(told),
@@ -201,7 +244,7 @@ def _range_json(one: Range) -> dict[str, object]:
     move = one.move
     return {
         "name": one.name,
-        "terms": [{"symbol": s, "coefficient": k} for s, k in one.terms],
+        "terms": _terms_json(one.terms),
         "unit": one.unit,
         "low": _finite(one.low),
         "high": _finite(one.high),
@@ -212,12 +255,41 @@ def _range_json(one: Range) -> dict[str, object]:
     }
 
 
+def _zone_json(one: Beside) -> dict[str, object]:
+    place = one.place
+    return {
+        "zones": list(place.zones),
+        "terms": {axis: _terms_json(form) for axis, form in zip("xyz", place.terms, strict=True)},
+        "resolution": place.region.resolution,
+        "boxes": [
+            {axis: _ends_json(ends) if form else None for axis, ends, form in zip("xyz", box, place.terms, strict=True)}
+            for box in place.boxes
+        ],
+        "layers": [
+            {"z": _ends_json(layer.z) if place.terms[2] else None, "polygons": outline(layer)}
+            for layer in place.region.layers
+        ],
+        "now": None if one.now is None else list(one.now),
+        "inside": one.inside,
+        "nearest": None if one.nearest is None else list(one.nearest),
+    }
+
+
+def _terms_json(form: Affine) -> list[dict[str, object]]:
+    return [{"symbol": symbol, "coefficient": count} for symbol, count in form]
+
+
+def _ends_json(ends: tuple[float, float]) -> dict[str, float | None]:
+    low, high = (None if abs(value) >= FAR else value for value in ends)
+    return {"low": low, "high": high}
+
+
 def _travel_json(one: Travel) -> dict[str, object]:
     return {
         "motor": one.motor,
         "axis": one.axis,
         "unit": one.unit,
-        "relative_to": [{"symbol": s, "coefficient": k} for s, k in one.relative],
+        "relative_to": _terms_json(one.relative),
         "low": one.low,
         "high": one.high,
         "size": one.size,

@@ -29,7 +29,9 @@ from gproof.passes.limits import Limits
 from gproof.passes.plan import MotionEstimate
 from gproof.passes.values import describe
 
-_LEAVES_THE_PATH_OPEN = (
+BOTH_WAYS = "judged with block delete off and on"
+"""The assumption of a judgement for which the job was run twice."""
+LEAVES_THE_PATH_OPEN = (
     codes.NOT_MODELLED_SETTING, codes.MAPPED_AXIS, codes.HEIGHT_MAP_UNKNOWN, codes.KNIFE_UNKNOWN,
 )  # fmt: skip
 """Unknowns that the limits report, and that leave open for every property where the tool goes."""
@@ -105,7 +107,7 @@ def judge(
         results = [_both(session, findings, a, b) for a, b in zip(results, second, strict=True)]
         findings.join(other)
         assumed += [a for a in more if a not in assumed]
-        assumed.append("judged with block delete off and on")
+        assumed.append(BOTH_WAYS)
     results = _after_language(results, _language(findings))
     if strict:
         results = [
@@ -170,7 +172,7 @@ def _pass(
         results.append(
             functools.reduce(lambda a, b: _both(session, findings, a, b, f"the checks of {name}"), more, first)
         )
-    if ex.refused or any(code.number in findings.counts for code in _LEAVES_THE_PATH_OPEN):
+    if ex.refused or any(code.number in findings.counts for code in LEAVES_THE_PATH_OPEN):
         results = [_not_proved(r) for r in results]
     language = PropertyResult(name="language", verdict=_language(findings))
     summary = Summary(

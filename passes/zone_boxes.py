@@ -6,7 +6,6 @@ not too many of them.
 
 from __future__ import annotations
 
-import itertools
 from typing import Any
 
 import numpy as np
@@ -19,10 +18,12 @@ MARKS = 48
 """Places of X and of Y between which boxes end; of more, evenly chosen ones."""
 BOXES = 24
 """So many boxes at most."""
+SHARE = 0.02
+"""Of the whole region: what a box has to add where boxes can not cover all of it."""
 
 
 def boxes_of(region: Region) -> tuple[Box, ...]:
-    """The greatest first, each of which covers something that those before it do not."""
+    """Those first that add most to those before them; where edges are not along the axes, only what adds ``SHARE``."""
     import shapely
 
     marks = [_marks([_places(layer.left)[:, axis] for layer in region.layers]) for axis in (0, 1)]
@@ -37,26 +38,55 @@ def boxes_of(region: Region) -> tuple[Box, ...]:
         shapely.prepare(layer.left)
         outside = shapely.area(shapely.difference(cells, layer.left))
         inside.append((outside <= 1e-9 * shapely.area(cells)).reshape(len(x) - 1, len(y) - 1))
-    found: list[tuple[float, Box, tuple[slice, slice, slice]]] = []
-    for a, b in itertools.combinations(range(len(region.layers) + 1), 2):
-        run = region.layers[a:b]
-        if any(one.z[1] != other.z[0] for one, other in itertools.pairwise(run)):
-            continue
-        common = np.logical_and.reduce(inside[a:b])
-        for i, j, k, m in rectangles(common):
-            box = (float(x[i]), float(x[j])), (float(y[k]), float(y[m])), (run[0].z[0], run[-1].z[1])
-            size = float(np.prod([max(high - low, 1e-9) for low, high in box]))
-            found.append((size, box, (slice(a, b), slice(i, j), slice(k, m))))
-    found.sort(key=lambda one: (-one[0], one[1]))
-    covered = np.zeros((len(region.layers), len(x) - 1, len(y) - 1), dtype=bool)
+    cover = np.array(inside)
+    heights = np.array([max(layer.z[1] - layer.z[0], 1e-9) for layer in region.layers])
+    volume = heights[:, np.newaxis, np.newaxis] * np.diff(x)[:, np.newaxis] * np.diff(y)
+    areas = [float(layer.left.area) for layer in region.layers]
+    whole = float(np.dot(heights, areas))
+    exact = bool(np.isclose((volume * cover).sum(), whole, rtol=1e-9))
+    least = 0.0 if exact else SHARE * whole
+    candidates = np.array(_candidates(region, cover), dtype=np.int64).reshape(-1, 6)
     out: list[Box] = []
-    for _, box, where in found:
-        if len(out) == BOXES:
+    while len(out) < BOXES and len(candidates):
+        gains = _sums(np.where(cover, volume, 0.0), candidates)
+        best = int(np.argmax(gains))
+        if gains[best] <= least and out:
             break
-        if not covered[where].all():
-            covered[where] = True
-            out.append(box)
+        a, b, i, j, k, m = candidates[best].tolist()
+        cover[a:b, i:j, k:m] = False
+        out.append((
+            (float(x[i]), float(x[j])), (float(y[k]), float(y[m])), (region.layers[a].z[0], region.layers[b - 1].z[1])
+        ))  # fmt: skip
+        candidates = candidates[gains > 0.0]
     return tuple(out)
+
+
+def _candidates(region: Region, inside: npt.NDArray[np.bool_]) -> list[tuple[int, int, int, int, int, int]]:
+    """All boxes of cells (layers, X, Y; from and to) that can not be made larger within their layers."""
+    found = []
+    for a in range(len(region.layers)):
+        common = inside[a].copy()
+        for b in range(a + 1, len(region.layers) + 1):
+            if b > a + 1:
+                if region.layers[b - 2].z[1] != region.layers[b - 1].z[0]:
+                    break
+                common &= inside[b - 1]
+            if not common.any():
+                break
+            found += [(a, b, *cells) for cells in rectangles(common)]
+    return found
+
+
+def _sums(values: npt.NDArray[np.float64], boxes: npt.NDArray[np.int64]) -> npt.NDArray[np.float64]:
+    """(n,): what boxes of cells hold together."""
+    total = np.zeros(tuple(n + 1 for n in values.shape))
+    total[1:, 1:, 1:] = values.cumsum(axis=0).cumsum(axis=1).cumsum(axis=2)
+    a, b, i, j, k, m = boxes.T
+    upper = total[b, j, m] - total[b, i, m] - total[b, j, k] + total[b, i, k]
+    lower = total[a, j, m] - total[a, i, m] - total[a, j, k] + total[a, i, k]
+    found: npt.NDArray[np.float64] = upper - lower
+    # Differences of great sums: what is next to nothing is nothing.
+    return np.where(found > 1e-9 * max(float(total[-1, -1, -1]), 1e-300), found, 0.0)
 
 
 def _places(shape: Any) -> npt.NDArray[np.float64]:

@@ -81,10 +81,14 @@ class Layer:
 
 @record(frozen=True, slots=True, kw_only=True)
 class Region:
-    """What is left. resolution: mm beyond which nothing outside is free, None: more may be free anywhere."""
+    """What is left. resolution: mm beyond which nothing outside is free, None: more may be free anywhere.
+
+    hopeless: nothing is left even beside the moves that are blocked exactly.
+    """
 
     layers: tuple[Layer, ...]
     resolution: float | None
+    hopeless: bool = False
 
     @property
     def empty(self) -> bool:
@@ -99,13 +103,25 @@ class Blocked:
     """
 
     def __init__(self, ranges: tuple[Pair, Pair, Pair], fixed: tuple[bool, bool, bool]) -> None:
-        self.ranges = tuple(_finite(one) for one in ranges)
+        x, y, z = ranges
+        self.ranges = _finite(x), _finite(y), _finite(z)
         self.fixed = fixed
         self.resolution: float | None = 0.0
         self._shapes: dict[Pair, list[Any]] = {}
+        self._exact: Blocked | None = None
 
     def add(self, solid: Solid, moves: list[Move]) -> None:
-        """Block what these moves need; many are joined with their neighbours."""
+        """Block what these moves need."""
+        rough = [move for move in moves if move.error or move.points is None]
+        if (rough or solid.grow) and self._exact is None:
+            self._exact = Blocked(self.ranges, self.fixed)
+            self._exact._shapes = {z: list(shapes) for z, shapes in self._shapes.items()}
+        if self._exact is not None:
+            alone = Solid(parts=solid.parts, z=solid.z)
+            self._exact._block(alone, [move for move in moves if not move.error and move.points is not None])
+        self._block(solid, moves)
+
+    def _block(self, solid: Solid, moves: list[Move]) -> None:
         import shapely
 
         hulls: dict[Pair, list[Any]] = {}
@@ -241,7 +257,12 @@ class Blocked:
                 layers[-1] = Layer(z=(layers[-1].z[0], high), left=left)
             else:
                 layers.append(Layer(z=(low, high), left=left))
-        return Region(layers=tuple(layers), resolution=self.resolution)
+        hopeless = not layers and (self.resolution == 0.0 or (self._exact is not None and self._exact.hopeless()))
+        return Region(layers=tuple(layers), resolution=self.resolution, hopeless=hopeless)
+
+    def hopeless(self) -> bool:
+        """Whether nothing is left, and nothing was blocked that is free."""
+        return self.region().empty and self.resolution == 0.0
 
     def _rounded(self, z: Pair) -> dict[Pair, list[Any]]:
         """Shapes by their heights, which are rounded outwards where they are too many."""

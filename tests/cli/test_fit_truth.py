@@ -12,16 +12,18 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+import shapely
 from metamorphic import test_verdicts as eding
 from metamorphic import wincnc_jobs as wincnc
-from metamorphic.jobs import Job, Known
+from metamorphic.jobs import Job, Known, random_setup, wide
 from metamorphic.jobs import run as run_eding
-from metamorphic.programs import Can
+from metamorphic.programs import Can, Maker, render
 from metamorphic.test_wincnc_spelling import job_of, judged_near, random_job
 from metamorphic.test_wincnc_verdicts import CALM
 from metamorphic.wincnc_jobs import run as run_wincnc
 from support.judging import UNBOUNDED
 
+from gproof.cli.fit import open_job
 from gproof.cli.fit_answer import Fit, Range, fit_of
 from gproof.cli.fit_open import opened
 from gproof.cli.judge import judge
@@ -40,9 +42,9 @@ def fit_job(folder: Path, machine: str = "machine.toml", job: str = "job.cnc", d
     session = open_session(folder / job, machine=folder / machine, setup=str(folder / "setup.toml"), dialect=dialect)
     other, asked = opened(session)
     running = Running(UNBOUNDED)
-    judged = judge(other, running=running)
+    judged, watch = open_job(other, asked, running)
     stated = judge(session, running=running) if asked.anything else None
-    return fit_of(session.machine, asked, judged, stated)
+    return fit_of(session.machine, asked, judged, stated, watch)
 
 
 def with_work(job: Job, values: dict[str, float]) -> Job:
@@ -82,15 +84,36 @@ def test_ranges_are_what_check_says(first: int, count: int, tmp_path: Path) -> N
     for seed in range(first, first + count):
         rng = random.Random(seed)
         _, job = eding.known_job(rng, tmp_path, Can(offsets=rng.random() < 0.3, transforms=rng.random() < 0.3))
-        job = replace(job, area=None)
         before = run_eding(tmp_path, job)
         fit = fit_job(tmp_path)
         kinds[fit.kind] = kinds.get(fit.kind, 0) + 1
         where = f"seed {seed}\n{job.machine_text()}{job.setup_text()}{job.program}{fit.ranges}\n{before.told()}"
         assert fit.verdict is before.verdict, where
         agrees(rng, tmp_path, job, fit, where)
-    assert kinds.get("ranges", 0) > count // 3
+    assert kinds.get("ranges", 0) > count // 4
     assert len(kinds) > 1
+
+
+@seeds
+def test_regions_beside_an_area_are_what_check_says(first: int, count: int, tmp_path: Path) -> None:
+    """With room on the machine and an area across the job."""
+    kinds: dict[str, int] = {}
+    for seed in range(first, first + count):
+        rng = random.Random(1000 + seed)
+        can = Can(
+            offsets=rng.random() < 0.2, transforms=False, contours=False, rotary=False, machine=rng.random() < 0.3
+        )
+        tree = Maker(rng, can).program(rng.randrange(1, 6))
+        job = random_setup(rng, Job(render(tree), wide(rng.choice((150.0, 400.0)))))
+        job = replace(job, area=eding.random_area(rng, run_eding(tmp_path, job)))
+        before = run_eding(tmp_path, job)
+        fit = fit_job(tmp_path)
+        kinds[fit.kind] = kinds.get(fit.kind, 0) + 1
+        where = f"seed {1000 + seed}\n{job.machine_text()}{job.setup_text()}{job.program}{fit}\n{before.told()}"
+        assert fit.verdict is before.verdict, where
+        agrees(rng, tmp_path, job, fit, where)
+    print(kinds)
+    assert kinds.get("regions", 0) > count // 8
 
 
 def agrees(rng: random.Random, folder: Path, job: Job, fit: Fit, where: str) -> None:
@@ -98,12 +121,15 @@ def agrees(rng: random.Random, folder: Path, job: Job, fit: Fit, where: str) -> 
     if fit.kind == "none":
         values = {f"work.{n}.{axis}": rng.uniform(-60, 60) for n in (1, 2, 3) for axis in "xyza"}
         assert run_eding(folder, with_work(job, values)).verdict is not Verdict.SAFE, f"{values}\n{where}"
-    if fit.kind != "ranges" or len(single(fit)) != len(fit.ranges):
+    if fit.kind not in ("ranges", "regions") or len(single(fit)) != len(fit.ranges):
         return
     for _ in range(2):
         values = {one.terms[0][0]: within(rng, one) for one in fit.ranges}
-        inside = run_eding(folder, with_work(job, values))
-        assert inside.verdict is Verdict.SAFE, f"{values}\n{inside.told()}\n{where}"
+        if fit.zones:
+            values |= boxed(rng, fit)
+        if all(in_region(fit, values)):
+            inside = run_eding(folder, with_work(job, values))
+            assert inside.verdict is Verdict.SAFE, f"{values}\n{inside.told()}\n{where}"
         if not fit.ranges:
             return
         one = rng.choice(fit.ranges)
@@ -111,6 +137,46 @@ def agrees(rng: random.Random, folder: Path, job: Job, fit: Fit, where: str) -> 
         if value is not None:
             beyond = {**values, one.terms[0][0]: value}
             assert run_eding(folder, with_work(job, beyond)).verdict is not Verdict.SAFE, f"{beyond}\n{where}"
+    for _ in range(3 if fit.zones else 0):
+        # Inside of the ranges, anywhere beside the regions, or just beside one of them.
+        values = {one.terms[0][0]: within(rng, one) for one in fit.ranges}
+        if rng.random() < 0.5:
+            values |= boxed(rng, fit, edge=rng.choice((-EDGE, EDGE)))
+        told = in_region(fit, values)
+        after = run_eding(folder, with_work(job, values)).verdict
+        if all(told):
+            assert after is Verdict.SAFE, f"{values}\n{where}"
+        elif fit.complete and not all(in_region(fit, values, around=True)):
+            assert after is not Verdict.SAFE, f"{values}\n{where}"
+
+
+def boxed(rng: random.Random, fit: Fit, edge: float = 0.0) -> dict[str, float]:
+    """Values in a box of each region, or so far beside one of its ends."""
+    out: dict[str, float] = {}
+    for one in fit.zones:
+        box = rng.choice(one.place.boxes)
+        for form, (low, high) in zip(one.place.terms, box, strict=True):
+            if form:
+                low, high = min(low + EDGE, (low + high) / 2), max(high - EDGE, (low + high) / 2)
+                out[form[0][0]] = rng.choice((low, high, rng.uniform(low, high)))
+        axis = rng.randrange(3)
+        if edge and one.place.terms[axis]:
+            out[one.place.terms[axis][0][0]] = rng.choice(box[axis]) + edge
+    return out
+
+
+def in_region(fit: Fit, values: dict[str, float], *, around: bool = False) -> list[bool]:
+    """Whether values lie in each region, or so near to it that the answer leaves it open."""
+    out = []
+    for one in fit.zones:
+        x, y, z = (values[form[0][0]] if form else 0.0 for form in one.place.terms)
+        slack = 2e-6 + 3 * (one.place.region.resolution or 0.0) if around else 0.0
+        point = shapely.Point(x, y)
+        out.append(any(
+            layer.z[0] - slack <= z <= layer.z[1] + slack and layer.left.distance(point) <= slack
+            for layer in one.place.region.layers
+        ))  # fmt: skip
+    return out
 
 
 @seeds

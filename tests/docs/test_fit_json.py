@@ -48,13 +48,16 @@ def test_every_job_of_the_corpus(name: str, verdict: str) -> None:
     assert report["verdict"] == verdict
     assert done.exit == report["exit_code"] == {"SAFE": 0, "UNSAFE": 1, "UNKNOWN": 2}[verdict]
     assert report["stated"] in (None, verdict)
-    if report["kind"] != "ranges":
-        assert report["findings"]
+    assert (report["kind"] == "regions") == bool(report["regions"])
+    if report["kind"] not in ("ranges", "regions"):
+        assert report["findings"] or report["reason"]
         assert not report["offsets"]
     elif report["stated"] == "SAFE":
         assert all(one["fits"] is not False and one["short"] == 0.0 for one in report["offsets"])
+        assert all(one["inside"] is not False for one in report["regions"])
     elif verdict == "UNSAFE" and report["complete"]:
-        assert any(one["fits"] is False and one["short"] != 0.0 for one in report["offsets"])
+        outside = [one for one in report["regions"] if one["inside"] is False]
+        assert outside or any(one["fits"] is False and one["short"] != 0.0 for one in report["offsets"])
 
 
 def test_the_same_files_give_the_same_bytes() -> None:

@@ -1,0 +1,179 @@
+"""Where offsets may lie beside the zones of a machine: what ``gproof fit`` adds to the ranges that the limits leave.
+
+Watches the open job as it streams by; rows whose places are known are judged as ``check`` does, those that rest on open
+offsets become regions (``passes/open_zones.py``).
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+
+import numpy as np
+
+from gproof.cli.fit_open import Asked
+from gproof.cli.offsets import contradiction
+from gproof.ir.finding import Findings, Severity
+from gproof.ir.machine import Machine
+from gproof.ir.record import record
+from gproof.ir.setup import Interval, Setup
+from gproof.ir.trace import Affine, Chunk
+from gproof.ir.verdict import Condition, Verdict
+from gproof.passes.open_zones import OpenZones, Place, Ranges, Stand
+from gproof.passes.tool_change_area import ToolChangeArea
+from gproof.passes.values import describe
+from gproof.passes.zone_regions import FAR, Pair, Solid
+
+GUARD = "tool_change_area"
+_STATED = ("work", "g92", "tool", "head")
+_SIDE = 1e-3
+"""mm by which the nearest place that is told lies inside."""
+_TRIED = 20_000
+"""Choices of boxes of several groups that are looked at for one that all agree on."""
+
+
+class ZoneWatch:
+    """Hears every chunk of the open job. able: whether regions can say it; else the check's own conditions stand."""
+
+    def __init__(self, machine: Machine, setup: Setup, asked: Asked) -> None:
+        self.findings = Findings()
+        self.able = setup.height_map is None and setup.cylinder is None
+        self._asked = asked
+        self._check = ToolChangeArea(machine, setup, self.findings)
+        self._rows = OpenZones()
+        self._symbols: dict[str, Interval] = {}
+        self._stand: Stand | None = None
+        area = machine.tool_change_area
+        if area is not None:
+            (x0, x1), (y0, y1) = ((max(low, -FAR), min(high, FAR)) for low, high in area.box[:2])
+            part = np.array([[x0, y0], [x1, y0], [x1, y1], [x0, y1]])
+            self._stand = Stand(name="the tool change area", solid=Solid(parts=(part,), z=area.box[2]))
+
+    def __call__(self, chunk: Chunk) -> None:
+        """Take a chunk."""
+        if self._stand is None or not self.able or not len(chunk.rows):
+            return
+        self._check.feed(chunk)
+        self._symbols.update(chunk.trace.symbols)
+        rows = chunk.rows
+        known = np.array([not any(frame[:3]) for frame in chunk.trace.frames])
+        on = np.array([GUARD not in state.guards_off for state in chunk.trace.states], dtype=bool)
+        mine = (rows["op"] < 10) & on[rows["state"]] & ~(known[rows["frame"]] & known[chunk.start_frames()])
+        self._rows.add(chunk, self._stand, mine)
+
+    @property
+    def verdict(self) -> Verdict:
+        """Of the rows whose places are known."""
+        if self.findings.has(Severity.ERROR):
+            return Verdict.UNSAFE
+        return Verdict.UNKNOWN if self.findings.has(Severity.UNKNOWN) else Verdict.SAFE
+
+    def places(self, ranges: Ranges, starts: Ranges) -> tuple[Place, ...] | None:
+        """What the zones leave of the ranges, where they leave not all of it; None: not known. starts: of the start."""
+        if self._rows.empty:
+            return ()
+
+        def resolve(form: Affine) -> tuple[Affine, Pair]:
+            own: list[tuple[str, int]] = []
+            low = high = 0.0
+            for symbol, count in form:
+                kind = symbol.split(".", maxsplit=1)[0]
+                known = None if self._asked.is_open(symbol) else self._symbols.get(symbol) or self._asked.stated(symbol)
+                if known is None and kind in _STATED:
+                    own.append((symbol, count))
+                    continue
+                ends = starts.get(((symbol, 1),), (-math.inf, math.inf)) if known is None else (known.low, known.high)
+                least, most = sorted((ends[0] * count, ends[1] * count))
+                low, high = low + least, high + most
+            return tuple(own), (low, high)
+
+        found = self._rows.places(resolve, ranges)
+        if found is None:
+            return None
+        return tuple(place for place in found if not _is_all(place, ranges))
+
+
+def _is_all(place: Place, ranges: Ranges) -> bool:
+    """Whether nothing is taken from the ranges."""
+    (x, y, z) = (ranges.get(form, (-FAR, FAR)) if form else (-1.0, 1.0) for form in place.terms)
+    sizes = [max(min(high, FAR) - max(low, -FAR), 1e-9) for low, high in (x, y)]
+    layers = place.region.layers
+    if len(layers) != 1 or place.region.empty:
+        return False
+    whole = math.isclose(layers[0].left.area, sizes[0] * sizes[1], rel_tol=1e-9, abs_tol=1e-5)
+    height = layers[0].z[1] - layers[0].z[0] if place.terms[2] else 0.0
+    return whole and math.isclose(height, min(z[1], FAR) - max(z[0], -FAR) if place.terms[2] else 0.0, abs_tol=1e-9)
+
+
+@record(frozen=True, slots=True, kw_only=True)
+class Beside:
+    """Where some sums of offsets may lie together. place: the region; now: what was stated, by axis, None: not exactly.
+
+    inside: whether that lies in it; nearest: the place in it that is least far from there.
+    """
+
+    place: Place
+    now: tuple[float, float, float] | None
+    inside: bool | None
+    nearest: tuple[float, float, float] | None
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Of X, Y and Z, "" for an axis that does not count."""
+        return tuple(describe(form).replace(" offset", "") for form in self.place.terms)
+
+
+def beside(place: Place, asked: Asked) -> Beside:
+    """A place with what was stated of it."""
+    known = [asked.interval(form) if form else Interval(0.0, 0.0) for form in place.terms]
+    if any(one is None or not one.exact for one in known):
+        return Beside(place=place, now=None, inside=None, nearest=None)
+    x, y, z = (one.low for one in known if one is not None)
+    return Beside(place=place, now=(x, y, z), inside=_inside(place, (x, y, z)), nearest=_nearest(place, (x, y, z)))
+
+
+def _inside(place: Place, at: tuple[float, float, float]) -> bool:
+    import shapely
+
+    point = shapely.Point(at[0], at[1])
+    return any(
+        layer.z[0] - 1e-9 <= at[2] <= layer.z[1] + 1e-9 and layer.left.distance(point) <= 1e-9
+        for layer in place.region.layers
+    )
+
+
+def _nearest(place: Place, at: tuple[float, float, float]) -> tuple[float, float, float] | None:
+    """By the way there, a little inside where there is room for it."""
+    import shapely
+    from shapely.ops import nearest_points
+
+    best: tuple[float, tuple[float, float, float]] | None = None
+    for layer in place.region.layers:
+        left = layer.left.buffer(-_SIDE)
+        left = layer.left if left.is_empty else left
+        low, high = layer.z
+        if high - low > 2 * _SIDE:
+            low, high = low + _SIDE, high - _SIDE
+        z = min(max(at[2], low), high) if place.terms[2] else 0.0
+        found = nearest_points(left, shapely.Point(at[0], at[1]))[0]
+        way = math.hypot(found.x - at[0], found.y - at[1], z - at[2])
+        if best is None or way < best[0]:
+            best = way, (found.x, found.y, z)
+    return None if best is None else best[1]
+
+
+def agree(places: tuple[Place, ...], ranges: Ranges) -> bool:
+    """Whether some offsets suit all places and ranges: a choice of boxes that do not exclude each other."""
+    if any(not place.boxes for place in places):
+        return False
+    others = [Condition(terms=terms, low=low, high=high) for terms, (low, high) in ranges.items()]
+    for choice in itertools.islice(itertools.product(*(place.boxes for place in places)), _TRIED):
+        asked = [
+            Condition(terms=form, low=low, high=high)
+            for place, box in zip(places, choice, strict=True)
+            for form, (low, high) in zip(place.terms, box, strict=True)
+            if form
+        ]
+        if not contradiction([*others, *asked]):
+            return True
+    return False
