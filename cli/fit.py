@@ -2,20 +2,18 @@
 
 from __future__ import annotations
 
-import dataclasses
 import json
 from pathlib import Path
 
 import click
 
 from gproof.cli.fit_answer import fit_of, travel_of
-from gproof.cli.fit_open import Asked, opened
+from gproof.cli.fit_open import opened
 from gproof.cli.fit_report import Told, print_fit, report_json
 from gproof.cli.fit_zones import ZoneWatch
-from gproof.cli.judge import BOTH_WAYS, Judgement, judge
+from gproof.cli.judge import judge
 from gproof.cli.main import UsageError
-from gproof.cli.session import Running, Session, open_session
-from gproof.ir.finding import Findings
+from gproof.cli.session import Running, open_session
 
 
 def run_fit(
@@ -27,7 +25,8 @@ def run_fit(
         raise UsageError("fit needs a machine: --machine FILE says what limits there are")
     session = open_session(job, machine=machine, setup=setup, dialect=dialect, call=running.call)
     other, asked = opened(session)
-    judged, watch = open_job(other, asked, running)
+    watch = ZoneWatch(asked)
+    judged = judge(other, running=running, hears=watch)
     stated = judge(session, running=running) if asked.anything and session.program is not None else None
     fit = fit_of(session.machine, asked, judged, stated, watch)
     travel = travel_of(session.machine, asked, judged)
@@ -39,14 +38,3 @@ def run_fit(
     else:
         print_fit(told, units)
     return fit.verdict.exit_code
-
-
-def open_job(session: Session, asked: Asked, running: Running) -> tuple[Judgement, ZoneWatch]:
-    """The judgement of the job with its offsets open; where block delete is, both of its ways are watched."""
-    watch = ZoneWatch(session.machine, session.setup, asked)
-    judged = judge(session, running=running, observe=watch)
-    if BOTH_WAYS in judged.assumptions:
-        setup = dataclasses.replace(session.setup, block_delete=True)
-        again = dataclasses.replace(session, setup=setup, findings=Findings())
-        judge(again, running=running, observe=watch)
-    return judged, watch

@@ -12,13 +12,13 @@ import math
 
 from gproof.cli.fit_open import Asked
 from gproof.cli.fit_zones import Beside, ZoneWatch, agree, beside
-from gproof.cli.judge import LEAVES_THE_PATH_OPEN, Judgement
+from gproof.cli.judge import Judgement
 from gproof.cli.offsets import contradiction
 from gproof.ir import codes
 from gproof.ir.finding import Severity
 from gproof.ir.machine import AXIS_NAMES, Machine
 from gproof.ir.record import field, record
-from gproof.ir.setup import Interval, Setup
+from gproof.ir.setup import Interval
 from gproof.ir.trace import UNKNOWN, Affine
 from gproof.ir.verdict import DEFAULT_POLICY, Condition, Verdict
 from gproof.passes.values import describe
@@ -86,27 +86,24 @@ class Fit:
 
 
 def fit_of(
-    machine: Machine, asked: Asked, open_job: Judgement, stated: Judgement | None, watch: ZoneWatch | None = None
+    machine: Machine, asked: Asked, open_job: Judgement, stated: Judgement | None, watch: ZoneWatch
 ) -> Fit:  # fmt: skip
     """The answer.
 
     stated: the judgement of the offsets as they were stated, None where none were; watch: has heard the open job.
     """
-    watch = watch if watch is not None and watch.able else None
     verdicts = {result.name: result.verdict for result in open_job.properties if result.name in DEFAULT_POLICY}
     now = None if stated is None else stated.verdict
-    if watch is not None and verdicts["language"] is Verdict.SAFE and not _left_open(open_job):
-        verdicts["areas"] = watch.verdict
     unlimited = _only_limits_missing(open_job, verdicts)
     if Verdict.UNSAFE in verdicts.values():
         return Fit(verdict=now or Verdict.UNSAFE, kind="none", now=now)
     nothing = Fit(verdict=now or Verdict.UNKNOWN, kind="unknown", now=now)
     if not unlimited and any(verdict is not Verdict.SAFE for verdict in verdicts.values()):
         return nothing
-    found = _ranges(machine, asked, open_job, areas=watch is None)
+    found = _ranges(machine, asked, open_job)
     if found is None:
         return nothing
-    places = () if watch is None else watch.places({one.terms: (one.low, one.high) for one in found}, _starts(open_job))
+    places = watch.places({one.terms: (one.low, one.high) for one in found}, _starts(open_job))
     if places is None:
         return dataclasses.replace(nothing, reason="moves that no work offset moves may enter a zone")
     taken = [place for place in places if place.region.empty]
@@ -118,17 +115,12 @@ def fit_of(
         return dataclasses.replace(nothing, reason=f"no work offset was found that keeps all moves out of {names}")
     if places and not agree(places, {one.terms: (one.low, one.high) for one in found}):
         return dataclasses.replace(nothing, reason="no offsets were found that suit all zones and limits at once")
-    complete = _is_complete(asked.setup, open_job, areas=watch is None)
+    complete = asked.setup.height_map is None and asked.setup.cylinder is None
     return Fit(
         verdict=now or (Verdict.UNKNOWN if unlimited else Verdict.SAFE), kind="regions" if places else "ranges",
         ranges=found, now=now, complete=complete and all(place.region.resolution is not None for place in places),
         open_sides=unlimited, zones=tuple(beside(place, asked) for place in places),
     )  # fmt: skip
-
-
-def _left_open(judgement: Judgement) -> bool:
-    """Whether something leaves open for every property where the tool goes."""
-    return any(code.number in judgement.findings.counts for code in LEAVES_THE_PATH_OPEN)
 
 
 def _starts(judgement: Judgement) -> dict[Affine, tuple[float, float]]:
@@ -141,28 +133,17 @@ def _only_limits_missing(judgement: Judgement, verdicts: dict[str, Verdict]) -> 
     """What the findings say of limits that are not given, where nothing else is in the way; () else."""
     if any(verdict is not Verdict.SAFE for name, verdict in verdicts.items() if name != "limits"):
         return ()
-    unknown = [f for f in judgement.findings.kept if f.severity is Severity.UNKNOWN and f.code.decides != "areas"]
+    unknown = [f for f in judgement.findings.kept if f.severity is Severity.UNKNOWN]
     if any(f.code is not codes.LIMIT_UNKNOWN for f in unknown):
         return ()
     return tuple(dict.fromkeys(f.message for f in unknown))
 
 
-def _is_complete(setup: Setup, judgement: Judgement, *, areas: bool) -> bool:
-    """Whether nothing outside of the ranges is SAFE.
-
-    A height map is taken at its highest and lowest everywhere, and a mapped axis at all its readings; of areas the
-    check gives one side to stay on.
-    """
-    asked = next(result for result in judgement.properties if result.name == "areas").conditions if areas else ()
-    return setup.height_map is None and setup.cylinder is None and not asked
-
-
-def _ranges(machine: Machine, asked: Asked, judgement: Judgement, *, areas: bool) -> tuple[Range, ...] | None:
+def _ranges(machine: Machine, asked: Asked, judgement: Judgement) -> tuple[Range, ...] | None:
     """Ranges that hold together; None where they exclude each other, or other unknowns, as stated, leave none."""
     units = {axis.name: axis.unit for axis in machine.axes}
     rooms: dict[Affine, tuple[float, float]] = {}
-    results = [result for result in judgement.properties if areas or result.name != "areas"]
-    for condition in (c for result in results for c in result.conditions):
+    for condition in (c for result in judgement.properties for c in result.conditions):
         if condition.terms[0][0].startswith("start.") and len(condition.terms) == 1:
             continue  # the assumptions of the judgement say it
         terms, low, high = _solved(condition, asked)

@@ -1,7 +1,7 @@
 """Where offsets may lie beside the zones of a machine: what ``gproof fit`` adds to the ranges that the limits leave.
 
-Watches the open job as it streams by; rows whose places are known are judged as ``check`` does, those that rest on open
-offsets become regions (``passes/open_zones.py``).
+Rows whose places are known are judged as ``check`` does; those that rest on open offsets are taken while the job
+streams by and become regions (``passes/open_zones.py``).
 """
 
 from __future__ import annotations
@@ -10,21 +10,20 @@ import itertools
 import math
 
 import numpy as np
+import numpy.typing as npt
 
 from gproof.cli.fit_open import Asked
 from gproof.cli.offsets import contradiction
-from gproof.ir.finding import Findings, Severity
-from gproof.ir.machine import Machine
 from gproof.ir.record import record
-from gproof.ir.setup import Interval, Setup
+from gproof.ir.setup import Interval
 from gproof.ir.trace import Affine, Chunk
-from gproof.ir.verdict import Condition, Verdict
+from gproof.ir.verdict import Condition
 from gproof.passes.open_zones import OpenZones, Place, Ranges, Stand
-from gproof.passes.tool_change_area import ToolChangeArea
 from gproof.passes.values import describe
+from gproof.passes.zone_offsets import View
 from gproof.passes.zone_regions import FAR, Pair, Solid
+from gproof.passes.zone_shapes import Polygon, Rectangle, Shape
 
-GUARD = "tool_change_area"
 _STATED = ("work", "g92", "tool", "head")
 _SIDE = 1e-3
 """mm by which the nearest place that is told lies inside."""
@@ -33,40 +32,21 @@ _TRIED = 20_000
 
 
 class ZoneWatch:
-    """Hears every chunk of the open job. able: whether regions can say it; else the check's own conditions stand."""
+    """Takes the rows of the open job that rest on something unknown beside zones (``passes/areas.py``: hears)."""
 
-    def __init__(self, machine: Machine, setup: Setup, asked: Asked) -> None:
-        self.findings = Findings()
-        self.able = setup.height_map is None and setup.cylinder is None
+    def __init__(self, asked: Asked) -> None:
         self._asked = asked
-        self._check = ToolChangeArea(machine, setup, self.findings)
         self._rows = OpenZones()
         self._symbols: dict[str, Interval] = {}
-        self._stand: Stand | None = None
-        area = machine.tool_change_area
-        if area is not None:
-            (x0, x1), (y0, y1) = ((max(low, -FAR), min(high, FAR)) for low, high in area.box[:2])
-            part = np.array([[x0, y0], [x1, y0], [x1, y1], [x0, y1]])
-            self._stand = Stand(name="the tool change area", solid=Solid(parts=(part,), z=area.box[2]))
+        self._stands: dict[int, tuple[View, Stand]] = {}
 
-    def __call__(self, chunk: Chunk) -> None:
-        """Take a chunk."""
-        if self._stand is None or not self.able or not len(chunk.rows):
-            return
-        self._check.feed(chunk)
+    def __call__(
+        self, name: str, view: View, chunk: Chunk, mine: npt.NDArray[np.bool_], is_straight: bool | None
+    ) -> None:  # fmt: skip
+        """Take some rows of a chunk."""
         self._symbols.update(chunk.trace.symbols)
-        rows = chunk.rows
-        known = np.array([not any(frame[:3]) for frame in chunk.trace.frames])
-        on = np.array([GUARD not in state.guards_off for state in chunk.trace.states], dtype=bool)
-        mine = (rows["op"] < 10) & on[rows["state"]] & ~(known[rows["frame"]] & known[chunk.start_frames()])
-        self._rows.add(chunk, self._stand, mine)
-
-    @property
-    def verdict(self) -> Verdict:
-        """Of the rows whose places are known."""
-        if self.findings.has(Severity.ERROR):
-            return Verdict.UNSAFE
-        return Verdict.UNKNOWN if self.findings.has(Severity.UNKNOWN) else Verdict.SAFE
+        _, stand = self._stands.setdefault(id(view), (view, _stand(name, view)))
+        self._rows.add(chunk, stand, mine, is_straight=is_straight)
 
     def places(self, ranges: Ranges, starts: Ranges) -> tuple[Place, ...] | None:
         """What the zones leave of the ranges, where they leave not all of it; None: not known. starts: of the start."""
@@ -103,6 +83,33 @@ def _is_all(place: Place, ranges: Ranges) -> bool:
     whole = math.isclose(layers[0].left.area, sizes[0] * sizes[1], rel_tol=1e-9, abs_tol=1e-5)
     height = layers[0].z[1] - layers[0].z[0] if place.terms[2] else 0.0
     return whole and math.isclose(height, min(z[1], FAR) - max(z[0], -FAR) if place.terms[2] else 0.0, abs_tol=1e-9)
+
+
+def _stand(name: str, view: View) -> Stand:
+    """The zone of a view as something solid; where only its reach is certain, all of that."""
+    zone = view.outer
+    z = zone.z[0] - zone.rise, zone.z[1] + zone.rise
+    if view.tip is not None:
+        # From the tip of a tool of unknown length up to the head: at any height.
+        z = -math.inf, math.inf
+    parts = convex_parts(zone.shape)
+    return Stand(
+        name=name, solid=Solid(parts=parts, z=z, grow=zone.grow), shift=view.shift, form=view.form,
+        sure=view.tip is None and view.inner == zone,
+    )  # fmt: skip
+
+
+def convex_parts(shape: Shape) -> tuple[npt.NDArray[np.float64], ...]:
+    """A region as convex polygons, (k, 2) each."""
+    if isinstance(shape, Rectangle):
+        (x0, x1), (y0, y1) = ((max(low, -FAR), min(high, FAR)) for low, high in shape.sides)
+        return (np.array([[x0, y0], [x1, y0], [x1, y1], [x0, y1]]),)
+    import shapely
+
+    assert isinstance(shape, Polygon)
+    whole = shapely.Polygon(shape.rings[0], shape.rings[1:])
+    triangles = shapely.constrained_delaunay_triangles(whole)
+    return tuple(shapely.get_coordinates(triangle)[:3] for triangle in triangles.geoms)
 
 
 @record(frozen=True, slots=True, kw_only=True)

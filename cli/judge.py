@@ -28,10 +28,9 @@ from gproof.passes.knife import follow_knife
 from gproof.passes.limits import Limits
 from gproof.passes.plan import MotionEstimate
 from gproof.passes.values import describe
+from gproof.passes.zone_check import Hears
 
-BOTH_WAYS = "judged with block delete off and on"
-"""The assumption of a judgement for which the job was run twice."""
-LEAVES_THE_PATH_OPEN = (
+_LEAVES_THE_PATH_OPEN = (
     codes.NOT_MODELLED_SETTING, codes.MAPPED_AXIS, codes.HEIGHT_MAP_UNKNOWN, codes.KNIFE_UNKNOWN,
 )  # fmt: skip
 """Unknowns that the limits report, and that leave open for every property where the tool goes."""
@@ -81,12 +80,13 @@ class Judgement:
 
 def judge(
     session: Session, *, running: Running, properties: Sequence[str] = DEFAULT_POLICY, strict: bool = False,
-    observe: Observer | None = None, beat: Beat | None = None,
+    observe: Observer | None = None, beat: Beat | None = None, hears: Hears | None = None,
 ) -> Judgement:  # fmt: skip
     """Judge the job; ``observe`` sees every chunk of the first pass.
 
     properties: those that the verdict asks for; the others of the default policy are answered too.
-    beat: hears from time to time how many blocks are executed, and where, chunks or none.
+    beat: hears from time to time how many blocks are executed, and where, chunks or none; hears: takes what rests on
+    unknown offsets beside zones, in all passes (``passes/areas.py``): of that ``areas`` says nothing then.
     """
     findings = session.findings
     _machine_findings(session)
@@ -99,15 +99,17 @@ def judge(
             summary=Summary(), findings=findings,
         )  # fmt: skip
     setting = session.setup.block_delete
-    results, summary, assumed, met = _pass(session, findings, bool(setting), running, properties, observe, beat)
+    results, summary, assumed, met = _pass(
+        session, findings, bool(setting), running, properties, observe, beat, hears
+    )  # fmt: skip
     if met and setting is None:
         other = Findings(limit=findings.limit)
-        second, switched, more, _ = _pass(session, other, True, running, properties, None, beat)
+        second, switched, more, _ = _pass(session, other, True, running, properties, None, beat, hears)
         summary.extents += switched.extents
         results = [_both(session, findings, a, b) for a, b in zip(results, second, strict=True)]
         findings.join(other)
         assumed += [a for a in more if a not in assumed]
-        assumed.append(BOTH_WAYS)
+        assumed.append("judged with block delete off and on")
     results = _after_language(results, _language(findings))
     if strict:
         results = [
@@ -122,7 +124,7 @@ def judge(
 
 def _pass(
     session: Session, findings: Findings, block_delete: bool, running: Running, properties: Sequence[str],
-    observe: Observer | None, beat: Beat | None,
+    observe: Observer | None, beat: Beat | None, hears: Hears | None,
 ) -> tuple[list[PropertyResult], Summary, list[str], bool]:  # fmt: skip
     assert session.program is not None
     machine, setup = session.machine, session.setup
@@ -133,7 +135,7 @@ def _pass(
     straight = session.program.rules.straight_traverse if stated is None else stated
     area = Areas(
         machine, setup, findings, straight=straight, measured=session.program.rules.measured_tools,
-        zero=ex.modal.zero_at_start,
+        zero=ex.modal.zero_at_start, hears=hears,
     )  # fmt: skip
     checks = [limits, area, ArcRadius(machine, setup, findings)]
     edges = Boundaries(machine, setup, findings)
@@ -172,7 +174,7 @@ def _pass(
         results.append(
             functools.reduce(lambda a, b: _both(session, findings, a, b, f"the checks of {name}"), more, first)
         )
-    if ex.refused or any(code.number in findings.counts for code in LEAVES_THE_PATH_OPEN):
+    if ex.refused or any(code.number in findings.counts for code in _LEAVES_THE_PATH_OPEN):
         results = [_not_proved(r) for r in results]
     language = PropertyResult(name="language", verdict=_language(findings))
     summary = Summary(

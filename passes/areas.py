@@ -16,7 +16,7 @@ from gproof.ir.verdict import Condition, PropertyResult, Verdict
 from gproof.passes.check import Check
 from gproof.passes.height_map import heights_of
 from gproof.passes.values import NOWHERE, Position, describe
-from gproof.passes.zone_check import ZoneCheck
+from gproof.passes.zone_check import Hears, ZoneCheck
 from gproof.passes.zone_offsets import Ranges
 
 Zeros = Callable[[int, int], Position]
@@ -28,14 +28,14 @@ class Areas(Check):
 
     straight: whether a traverse of several axes is a straight line on this controller, None: not known; measured: tools
     have no lengths but places (``LanguageRules.measured_tools``); zero: of the coordinate systems, for zones that count
-    from one.
+    from one; hears: gets the rows whose places rest on something unknown, of which the answer then says nothing.
     """
 
     name = "areas"
 
     def __init__(
         self, machine: Machine, setup: Setup, findings: Findings, *, straight: bool | None = True,
-        measured: bool = False, zero: Zeros | None = None,
+        measured: bool = False, zero: Zeros | None = None, hears: Hears | None = None,
     ) -> None:  # fmt: skip
         super().__init__(machine, setup, findings)
         heights = heights_of(setup.height_map)
@@ -54,6 +54,7 @@ class Areas(Check):
                     measured=measured,
                     origin=origin,
                     change=change,
+                    hears=hears,
                 )
             )
 

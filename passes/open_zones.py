@@ -34,12 +34,16 @@ IN_PLANE = {Plane.XY: (0, 1), Plane.XZ: (2, 0), Plane.YZ: (1, 2)}
 
 @record(frozen=True, slots=True, kw_only=True)
 class Stand:
-    """A zone as rows of some states are judged: positions less shift and form against the solid; name: of the zone."""
+    """A zone as rows of some states are judged: positions less shift and form against the solid.
+
+    name: of the zone; sure: what enters the solid enters the zone for certain.
+    """
 
     name: str
     solid: Solid
     shift: tuple[float, float, float] = (0.0, 0.0, 0.0)
     form: Triple = ((), (), ())
+    sure: bool = True
 
 
 @record(frozen=True, slots=True, kw_only=True)
@@ -114,7 +118,7 @@ class OpenZones:
             if any(meets(stand.solid, move) for move in moves.pop(NOT_MOVED, [])):
                 return None
             for number, found in moves.items():
-                blocked[number].add(stand.solid, joined(found))
+                blocked[number].add(stand.solid, joined(found), sure=stand.sure)
                 zones[number].add(stand.name)
         out = []
         for group, one, names in zip(groups, blocked, zones, strict=True):
@@ -172,7 +176,7 @@ def _moves(
         if turns[row] and spans is None and (moves[0] == moves[1]).all():
             out += [(group, move) for move in around_arc(a, b, center[row], int(turns[row]), pair, moves)]
             continue
-        if not turns[row] and spans is None:
+        if not turns[row] and spans is None and ((moves[0] == moves[1]).all() or not free[row]):
             out += [(group, move) for move in straight(a, b, moves, free=bool(free[row]))]
             continue
         low, high = np.stack([a, b]), np.stack([a, b])

@@ -10,7 +10,7 @@ machine position by a positive length offset, up to there; relative to a work of
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 
 import numpy as np
 import numpy.typing as npt
@@ -48,17 +48,23 @@ _MANY = 256
 """Rows beside a polygon from which on shapely sorts out those that are far from it."""
 
 
+Hears = Callable[[str, View, Chunk, npt.NDArray[np.bool_], bool | None], None]
+"""Takes rows whose places rest on something unknown: name of the zone, how they are judged, the chunk, which of its
+rows, whether traverses of several axes are straight lines."""
+
+
 class ZoneCheck:
-    """Findings of one zone; ``conditions`` after the last chunk. errors: rows that enter it."""
+    """Findings of one zone; ``conditions`` after the last chunk. errors: rows that enter it; hears: see ``Areas``."""
 
     def __init__(
         self, area: Area, machine: Machine, setup: Setup, findings: Findings, *, heights: Heights | None,
         straight: bool | None, measured: bool = False, origin: tuple[Position, Position, Position] | None = None,
-        change: bool = False,
+        change: bool = False, hears: Hears | None = None,
     ) -> None:  # fmt: skip
         self.area, self.machine, self.setup, self.findings = area, machine, setup, findings
         self.errors = 0
         self._heights, self._straight, self._origin, self._change = heights, straight, origin, change
+        self._hears = hears
         self._lengths = not change and not measured
         self._views: list[View] = []
         self._of_key: dict[object, int] = {}
@@ -180,7 +186,10 @@ class ZoneCheck:
         near = near[(mine & both)[near]]
         for row in self._sorted_out(chunk, view, near).tolist():
             self._row(chunk, row, view)
-        if not view.off and (mine & ~both).any():
+        if not view.off and (mine & ~both).any() and self._hears is not None:
+            name = "the tool change area" if self._change else f"the zone {self.area.name}"
+            self._hears(name, view, chunk, mine & ~both, self._straight)
+        elif not view.off and (mine & ~both).any():
             self._collect(chunk, number, mine, known, both)
 
     def _sorted_out(self, chunk: Chunk, view: View, near: npt.NDArray[np.int64]) -> npt.NDArray[np.int64]:

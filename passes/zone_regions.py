@@ -110,13 +110,15 @@ class Blocked:
         self._shapes: dict[Pair, list[Any]] = {}
         self._exact: Blocked | None = None
 
-    def add(self, solid: Solid, moves: list[Move]) -> None:
-        """Block what these moves need."""
-        rough = [move for move in moves if move.error or move.points is None]
+    def add(self, solid: Solid, moves: list[Move], *, sure: bool = True) -> None:
+        """Block what these moves need. sure: what enters the solid does what is to be kept from."""
+        rough = [move for move in moves if move.error or move.points is None or not sure]
+        if not sure:
+            self.resolution = None
         if (rough or solid.grow) and self._exact is None:
             self._exact = Blocked(self.ranges, self.fixed)
             self._exact._shapes = {z: list(shapes) for z, shapes in self._shapes.items()}
-        if self._exact is not None:
+        if self._exact is not None and sure:
             alone = Solid(parts=solid.parts, z=solid.z)
             self._exact._block(alone, [move for move in moves if not move.error and move.points is not None])
         self._block(solid, moves)
@@ -355,7 +357,7 @@ def straight(start: Floats, end: Floats, moves: npt.NDArray[np.bool_], *, free: 
     """A move whose ends are known but for the offsets; in pieces where it climbs on its way. free: not straight."""
     both = np.stack([start, end])
     alike = bool((moves[0] == moves[1]).all())
-    if free:
+    if free and alike:
         x, y = both[:, 0], both[:, 1]
         corners = np.array([[a, b] for a in x for b in y])
         return [

@@ -23,9 +23,9 @@ from metamorphic.test_wincnc_verdicts import CALM
 from metamorphic.wincnc_jobs import run as run_wincnc
 from support.judging import UNBOUNDED
 
-from gproof.cli.fit import open_job
 from gproof.cli.fit_answer import Fit, Range, fit_of
 from gproof.cli.fit_open import opened
+from gproof.cli.fit_zones import ZoneWatch
 from gproof.cli.judge import judge
 from gproof.cli.session import Running, open_session
 from gproof.ir.verdict import Verdict
@@ -42,7 +42,8 @@ def fit_job(folder: Path, machine: str = "machine.toml", job: str = "job.cnc", d
     session = open_session(folder / job, machine=folder / machine, setup=str(folder / "setup.toml"), dialect=dialect)
     other, asked = opened(session)
     running = Running(UNBOUNDED)
-    judged, watch = open_job(other, asked, running)
+    watch = ZoneWatch(asked)
+    judged = judge(other, running=running, hears=watch)
     stated = judge(session, running=running) if asked.anything else None
     return fit_of(session.machine, asked, judged, stated, watch)
 
