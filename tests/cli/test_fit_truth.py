@@ -6,8 +6,9 @@ a millionth of a millimetre before and behind each end, and far outside.
 
 from __future__ import annotations
 
+import dataclasses
 import random
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -104,9 +105,11 @@ def test_regions_beside_an_area_are_what_check_says(first: int, count: int, tmp_
         can = Can(
             offsets=rng.random() < 0.2, transforms=False, contours=False, rotary=False, machine=rng.random() < 0.3
         )
-        tree = Maker(rng, can).program(rng.randrange(1, 6))
+        tree = Maker(rng, can).program(rng.randrange(3, 7))
         job = random_setup(rng, Job(render(tree), wide(rng.choice((150.0, 400.0)))))
-        job = replace(job, area=eding.random_area(rng, run_eding(tmp_path, job)))
+        job = replace(job, area={n: tuple(sorted(rng.uniform(-90, 90) for _ in range(2))) for n in "xyz"})
+        if rng.random() < 0.5:
+            job = zoned(rng, job)
         before = run_eding(tmp_path, job)
         fit = fit_job(tmp_path)
         kinds[fit.kind] = kinds.get(fit.kind, 0) + 1
@@ -114,7 +117,36 @@ def test_regions_beside_an_area_are_what_check_says(first: int, count: int, tmp_
         assert fit.verdict is before.verdict, where
         agrees(rng, tmp_path, job, fit, where)
     print(kinds)
-    assert kinds.get("regions", 0) > count // 8
+    assert kinds.get("regions", 0) > count // 4
+
+
+@dataclass(frozen=True)
+class Zoned(Job):
+    """With a keep-out zone, and tools that have a diameter."""
+
+    zone: str = ""
+    diameter: float = 0.0
+
+    def machine_text(self) -> str:
+        text = super().machine_text()
+        for tool in self.tools if self.diameter else ():
+            text = text.replace(f"[tools.{tool}]\n", f"[tools.{tool}]\ndiameter = {self.diameter!r}\n")
+        return text + self.zone
+
+
+def zoned(rng: random.Random, job: Job) -> Zoned:
+    """The job with a keep-out zone in place of the area: a box or a polygon, at all heights or some."""
+    x, y = rng.uniform(-80, 80), rng.uniform(-80, 80)
+    if rng.random() < 0.5:
+        where = f"x = [{x!r}, {x + rng.uniform(1, 60)!r}]\ny = [{y!r}, {y + rng.uniform(1, 60)!r}]\n"
+    else:
+        size = rng.uniform(5, 40)
+        corners = [[0, 0], [2, 0], [2, 0.5], [0.7, 0.8], [0.4, 2], [0, 2]]
+        where = f"polygon = {[[x + size * a, y + size * b] for a, b in corners]}\n"
+    z = "" if rng.random() < 0.4 else f"z = [-inf, {rng.uniform(-30, 60)!r}]\n"
+    zone = f'[[keep_out]]\nname = "clamp"\n{where}{z}'
+    fields = {f.name: getattr(job, f.name) for f in dataclasses.fields(Job)} | {"area": None}
+    return Zoned(**fields, zone=zone, diameter=rng.choice((0.0, 6.0)))
 
 
 def agrees(rng: random.Random, folder: Path, job: Job, fit: Fit, where: str) -> None:
