@@ -116,7 +116,6 @@ def test_regions_beside_an_area_are_what_check_says(first: int, count: int, tmp_
         where = f"seed {1000 + seed}\n{job.machine_text()}{job.setup_text()}{job.program}{fit}\n{before.told()}"
         assert fit.verdict is before.verdict, where
         agrees(rng, tmp_path, job, fit, where)
-    print(kinds)
     assert kinds.get("regions", 0) > count // 4
 
 
