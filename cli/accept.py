@@ -20,6 +20,7 @@ from gproof.cli.report import distinct
 from gproof.ir import codes
 from gproof.ir.codes import CODES
 from gproof.ir.finding import Finding, Findings, Severity, Span
+from gproof.ir.mapped import pieces
 from gproof.ir.notes import NoteKind
 from gproof.ir.program import Program, SourceFile
 from gproof.ir.record import record
@@ -58,8 +59,7 @@ def may_accept(program: Program | None) -> bool:
 
 def _signs(data: bytes) -> Iterator[int]:
     """Where the sign of such a comment begins, in any case of letters; by pieces, as the file may be mapped."""
-    for begin in range(0, len(data), _PIECE):
-        piece = data[begin : begin + _PIECE + len(_SIGN) - 1]
+    for begin, piece in pieces(data, len(_SIGN) - 1, _PIECE):
         # Most programs have no colon at all, and one byte is found much faster than a word.
         if b":" not in piece:
             continue

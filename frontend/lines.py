@@ -13,6 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 from gproof.frontend import line_kernels as k
+from gproof.ir.mapped import PIECE, forget
 from gproof.ir.record import record
 
 Ints = npt.NDArray[Any]
@@ -92,6 +93,13 @@ class LineIndex:
 _ROOM = 4096
 
 
+def _end_of_piece(data: bytes, begin: int, end: int) -> int:
+    """Behind the last line end of the piece that begins here; ``end`` when it has none."""
+    if end - begin <= PIECE:
+        return end
+    return data.rfind(b"\n", begin, begin + PIECE) + 1 or end
+
+
 def index_lines(tables: Automata, data: bytes, begin: int, limit: int, end: int | None = None) -> LineIndex:
     """Find the lines of data[begin:end] that are not plain; limit: characters that a line may have."""
     end = len(data) if end is None else end
@@ -103,9 +111,12 @@ def index_lines(tables: Automata, data: bytes, begin: int, limit: int, end: int 
     parts: list[list[Ints]] = []
     position, line, words = begin, 1, 0
     while position < end or not parts:
-        count, position, line, words = run(
-            source, position, end, line, words, limit, auto.row, auto.column, auto.pairs, auto.verdicts, *at
-        )
-        parts.append([column[:count].copy() for column in at])
+        first, stop = position, _end_of_piece(data, position, end)
+        while position < stop or not parts:
+            count, position, line, words = run(
+                source, position, stop, line, words, limit, auto.row, auto.column, auto.pairs, auto.verdicts, *at
+            )
+            parts.append([column[:count].copy() for column in at])
+        forget(data, first, position)
     numbers, firsts, afters, befores = (np.concatenate(columns) for columns in zip(*parts, strict=True))
     return LineIndex(numbers, firsts, afters, befores, bool(words), line - 1)

@@ -10,6 +10,7 @@ from pathlib import Path
 
 from gproof.ir import codes
 from gproof.ir.finding import Refusal, Span
+from gproof.ir.mapped import pieces
 from gproof.ir.program import SourceFile
 
 MAP_FROM = 1 << 20
@@ -32,11 +33,14 @@ def read_source(path: Path, *, dos: bool = False) -> SourceFile:
     except OSError as error:
         what = f"{name}: {error.strerror or error}"
         raise Refusal(codes.FILE_UNREADABLE.at(Span(name, 0), what=what)) from None
-    refuse_binary(name, data)
-    digest = hashlib.sha256(data).hexdigest()
+    _refuse_utf16(name, data)
+    digest = hashlib.sha256()
+    for begin, piece in pieces(data):
+        _refuse_nul(name, piece, begin)
+        digest.update(piece)
     if dos and data[-1:] == CTRL_Z:
         data = _without_last(path, data)
-    return SourceFile(name=name, sha256=digest, data=data)
+    return SourceFile(name=name, sha256=digest.hexdigest(), data=data)
 
 
 def newline_of(data: bytes) -> str:
@@ -45,13 +49,16 @@ def newline_of(data: bytes) -> str:
     return "\r\n" if end > 0 and data[end - 1 : end] == b"\r" else "\n"
 
 
-def refuse_binary(name: str, data: bytes) -> None:
-    """Refusal (GP119) for UTF-16 and for a NUL byte anywhere."""
+def _refuse_utf16(name: str, data: bytes) -> None:
     if data[:2] in (b"\xff\xfe", b"\xfe\xff"):
         raise Refusal(codes.NOT_TEXT.at(Span(name, 1), byte=f"0x{data[0]:02X}", offset=0, hint="UTF-16?"))
-    at = data.find(b"\0")
+
+
+def _refuse_nul(name: str, piece: bytes, begin: int) -> None:
+    """Of the piece of a file that begins at byte ``begin``."""
+    at = piece.find(b"\0")
     if at >= 0:
-        raise Refusal(codes.NOT_TEXT.at(Span(name, 0), byte="0x00", offset=at))
+        raise Refusal(codes.NOT_TEXT.at(Span(name, 0), byte="0x00", offset=begin + at))
 
 
 def _bytes_of(path: Path) -> bytes:

@@ -13,6 +13,7 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
 from gproof.ir.columns import Columns
+from gproof.ir.mapped import forget
 from gproof.ir.program import BlockTable, Program
 
 if TYPE_CHECKING:
@@ -59,6 +60,8 @@ class Ahead:
         else:
             piece = self.program.load(table, begin, line, limit)
         _, after, next_line = piece
+        if table.words is None:
+            forget(self.program.files[table.file].data, begin, after)
         if table.words is None and after < table.end and table.end - table.begin >= LONG_TABLE and processors() > 1:
             if self._pool is None:
                 self._pool = _one_thread()

@@ -24,7 +24,7 @@ from support.paths import Offsets, RandomPath
 from gproof.cli.main import main
 from gproof.ir.columns import Columns
 from gproof.ir.finding import Findings
-from gproof.ir.program import BlockTable
+from gproof.ir.program import BlockTable, SourceFile
 from gproof.passes import beside, rows, straight
 
 MACHINES = {".ngc": "machine.toml", ".tap": "WINCNC.INI", ".din": "mcuwin.toml"}
@@ -116,6 +116,7 @@ class Tables:
     def __init__(self, bad: int) -> None:
         self.bad = bad
         self.threads: set[str] = set()
+        self.files = [SourceFile(name="job", sha256="")]
 
     def load(self, table: BlockTable, begin: int, line: int, limit: int) -> tuple[str, int, int]:
         self.threads.add(threading.current_thread().name)
