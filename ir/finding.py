@@ -9,6 +9,7 @@ from __future__ import annotations
 import enum
 import re
 from collections.abc import Callable, Container, Iterable
+from dataclasses import replace
 
 from gproof.ir.record import field, record
 
@@ -50,6 +51,10 @@ class Code:
     def label(self) -> str:
         """The stable printed form, such as ``GP301``."""
         return f"GP{self.number:03d}"
+
+    def as_note(self) -> Code:
+        """The same kind where it is nothing but worth to know: an outcome of several that the job provides for."""
+        return replace(self, severity=Severity.NOTE)
 
     def at(self, span: Span, *, hint: str = "", related: Iterable[Related] = (), **values: object) -> Finding:
         """A finding of this kind at ``span``; ``values`` fill the template."""

@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable
 
 from gproof.ir import codes
-from gproof.ir.finding import Finding, Findings, Refusal, Related, Severity, Span
+from gproof.ir.finding import Code, Finding, Findings, Refusal, Related, Severity, Span
 from gproof.ir.machine import AXIS_NAMES, Machine
 from gproof.ir.program import Input, Named, Program, Statement
 from gproof.ir.rules import CodeRule
@@ -168,6 +168,10 @@ class Emitter:
     def aborted(self) -> bool:
         """The job aborts itself: go on with what the controller runs then; False where there is no such thing."""
         raise NotImplementedError
+
+    def ends_here(self, code: Code) -> Code:
+        """A code that tells that the program ends itself: a note where that is one outcome of several."""
+        return code.as_note() if any(frame.group is not None for frame in self._stack) else code
 
     def _note_stop(self, line: Line, text: str) -> None:
         self.findings.add(codes.OPERATOR_STOP.at(line.span, code=text))

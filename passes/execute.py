@@ -442,7 +442,7 @@ class Executor(Flow):
             # The manual's tool setter waits behind each of its warnings until RUN is pressed (2.13).
             self._end_section(Wait.OPERATOR, "warning read", None, node.span)
         if node.kind == "error":
-            self.findings.add(codes.ERROR_MESSAGE.at(node.span, text=text))
+            self.findings.add(self.ends_here(codes.ERROR_MESSAGE).at(node.span, text=text))
             self._end_section(Wait.OPERATOR, "error message", -1, node.span)
             raise ProgramEnd
 

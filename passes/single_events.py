@@ -627,7 +627,7 @@ def feed_override(ex: Motion, line: Command, rule: CodeRule) -> None:
 
 def abort(ex: Motion, line: Command, rule: CodeRule) -> None:
     """M99.1: the program aborts itself."""
-    ex.findings.add(codes.ABORTED_BY_PROGRAM.at(line.span, code=rule.text))
+    ex.findings.add(ex.ends_here(codes.ABORTED_BY_PROGRAM).at(line.span, code=rule.text))
     if ex.aborted():
         return
     ex.event(Op.END, line.span)

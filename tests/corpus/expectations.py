@@ -81,6 +81,13 @@ def report_of(stdout: str) -> dict:
         raise AssertionError(f"no JSON report ({error}):\n{stdout[:2000]}") from error
 
 
+def false_alarms(found: list[Found], expect: dict) -> set[str]:
+    """Codes of the warnings that a SAFE job gives and its expectation does not name with a reason, or the reverse."""
+    if expect["verdict"] != "SAFE":
+        return set()
+    return {one.code for one in found if one.severity == "warning"} ^ set(expect.get("warnings", ()))
+
+
 def misplaced(found: list[Found], program: Path) -> list[str]:
     """Where the findings in one program and its markers disagree; empty when they agree.
 

@@ -6,7 +6,7 @@ import tomllib
 from pathlib import Path
 
 import pytest
-from corpus.expectations import JUDGED, ROOT, findings, markers, misplaced, readme_tables, report_of
+from corpus.expectations import JUDGED, ROOT, false_alarms, findings, markers, misplaced, readme_tables, report_of
 from support.command import in_own_process, in_this_process
 
 SHOPS = ROOT / "corpus" / "mcuwin"
@@ -41,6 +41,7 @@ def test_job_ends_as_expected(job: Path) -> None:
     found = findings(report)
     assert {one.code for one in found if one.severity in JUDGED} == set(expect["findings"]), found
     assert report["verdict"] == expect["verdict"]
+    assert false_alarms(found, expect) == set()
     assert done.exit == expect["exit"]
     verdicts = {name: report["properties"][name]["verdict"] for name in expect.get("properties", {})}
     assert verdicts == expect.get("properties", {})
