@@ -24,6 +24,7 @@ from gproof.passes.areas import Areas
 from gproof.passes.beside import InOrder
 from gproof.passes.boundaries import Boundaries
 from gproof.passes.execute import Executor
+from gproof.passes.guards import GuardStretches
 from gproof.passes.knife import follow_knife
 from gproof.passes.limits import Limits
 from gproof.passes.plan import MotionEstimate
@@ -140,6 +141,7 @@ def _pass(
     checks = [limits, area, ArcRadius(machine, setup, findings)]
     edges = Boundaries(machine, setup, findings)
     added = added_checks(properties, session.program, machine, setup, findings)
+    stretches = GuardStretches(machine, findings)
     estimate = MotionEstimate(machine)
     timed = InOrder(estimate.feed)
     sections, waits = 0, set[Wait]()
@@ -160,12 +162,14 @@ def _pass(
         waits.update(edge.wait for edge in chunk.edges)
         for check in (*checks, edges, *added):
             check.feed(chunk)
+        stretches.feed(chunk)
         timed(chunk, len(chunk.rows))
         sections += chunk.last
         if observe is not None:
             observe(chunk)
     timed.wait()
     estimate.finish()
+    stretches.finish()
     fits = _together(session, findings, limits.finish(), edges.finish())
     area.given(fits.conditions)
     results = [fits, *(check.finish() for check in checks[1:])]

@@ -114,6 +114,7 @@ def _load_toml(path: Path, findings: Findings, depth: int) -> tuple[Machine | No
         )
     change, keep_out = areas_from(root, machine.tool_change_area, machine.keep_out, unit)
     machine = replace(machine, tool_change_area=change, keep_out=keep_out)
+    machine = _clearance(root, machine, unit)
     if "din" in root.values or machine.controller.dialect == "mcuwin":
         from gproof.frontend.din_table import with_din
 
@@ -125,6 +126,18 @@ def _load_toml(path: Path, findings: Findings, depth: int) -> tuple[Machine | No
     machine = replace(machine, unknown_keys=(*machine.unknown_keys, *file.unknown))
     machine.verify()
     return machine, files
+
+
+def _clearance(root: TomlTable, machine: Machine, unit: Fraction) -> Machine:
+    """``[tool_change]``: how high Z has to be before a tool is changed."""
+    table = root.table("tool_change")
+    if table is None:
+        return machine
+    height, start = table.number("clear_z", unit=unit), table.boolean("at_start")
+    if "clear_z" not in table.values and machine.tool_change_clearance is None:
+        table.missing("clear_z")
+    table.finish()
+    return replace(machine, **_given(tool_change_clearance=height, clearance_at_start=start))
 
 
 def _given(**values: Any) -> dict[str, Any]:

@@ -350,6 +350,23 @@ TOOL_CHANGE_AREA_UNKNOWN = code(
 TOOL_CHANGE_AREA_GUARD_OFF = code(
     312, "tool-change-area-guard-off", _N, "the path enters the tool change area with its guard off", "areas"
 )
+GUARD_OFF_STRETCH = code(
+    338, "guard-off-stretch", _N, "{guards}: off from here to line {last}, for {moves}{where}", "limits"
+)
+TOOL_CHANGE_TOO_LOW = code(
+    339,
+    "tool-change-too-low",
+    _E,
+    "{what} at Z {z:.4f} mm, {under:.4f} mm under the clearance height {clear:.4f}",
+    "areas",
+)
+TOOL_CHANGE_HEIGHT_UNKNOWN = code(
+    341,
+    "tool-change-height-unknown",
+    _U,
+    "{what} at a height that depends on {cause}; Z must be at {clear:.4f} mm at least",
+    "areas",
+)
 MOTOR_LIMIT = code(
     320,
     "motor-limit",

@@ -322,7 +322,8 @@ class Machine:
     not_modelled: settings that are on and that gproof can not follow; unknown_keys: (file, key);
     kept: (name, text) of settings that are known and have no bearing on where the axes go. spindle_started: whether
     programs start a spindle on it; False: it has none (knife, torch, laser, nozzle), or one that is switched by hand;
-    None: not stated.
+    None: not stated. tool_change_clearance: machine position of Z that has to be reached before a tool is changed,
+    None: nobody asks for one; clearance_at_start: before the first move of X or Y too.
     """
 
     name: str
@@ -341,6 +342,8 @@ class Machine:
     z_down_tool_length: float | None = None
     kept: tuple[tuple[str, str], ...] = ()
     spindle_started: bool | None = None
+    tool_change_clearance: float | None = None
+    clearance_at_start: bool = False
 
     def word(self, column: int) -> str:
         """The letter that programs give the axis of a column."""

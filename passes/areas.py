@@ -1,4 +1,5 @@
-"""The property ``areas``: the tool change area while its guard is on, and the keep-out zones of machine and setup.
+"""The property ``areas``: the tool change area while its guard is on, the keep-out zones of machine and setup, and how
+high Z is before a tool is changed.
 
 Each zone is judged by itself (``zone_check``); conditions on unknown offsets hold together with one another and with
 those of the limits.
@@ -14,6 +15,7 @@ from gproof.ir.setup import Setup
 from gproof.ir.trace import Chunk, Op
 from gproof.ir.verdict import Condition, PropertyResult, Verdict
 from gproof.passes.check import Check
+from gproof.passes.clearance import Clearance
 from gproof.passes.height_map import heights_of
 from gproof.passes.values import NOWHERE, Position, describe
 from gproof.passes.zone_check import Hears, ZoneCheck
@@ -63,6 +65,7 @@ class Areas(Check):
         self._kept = (*machine.keep_out, *setup.keep_out)
         for area in self._kept:
             check(area)
+        self._clearance = Clearance(machine, setup, findings)
         self._homed = False
         self._given: Ranges = {}
 
@@ -76,15 +79,18 @@ class Areas(Check):
             self._homed = bool((chunk.rows["op"] == Op.HOME).any())
         for zone in self._zones:
             zone.feed(chunk)
+        self._clearance.feed(chunk)
 
     def finish(self) -> PropertyResult:
         """SAFE (with conditions where offsets are unknown), UNSAFE, or UNKNOWN."""
         asked: dict[tuple[tuple[str, int], ...], Condition] = {}
-        errors = sum(zone.errors for zone in self._zones)
-        for zone in self._zones if not errors else ():
-            for condition in zone.conditions(self._given):
-                asked[condition.terms] = condition
-                self._given[condition.terms] = condition.low, condition.high
+        parts: list[Clearance | ZoneCheck] = [self._clearance, *self._zones]
+        for part in parts:
+            if not any(one.errors for one in parts):
+                for condition in part.conditions(self._given):
+                    asked[condition.terms] = condition
+                    self._given[condition.terms] = condition.low, condition.high
+        errors = sum(part.errors for part in parts)
         conditions = tuple(asked[terms] for terms in sorted(asked))
         verdict = Verdict.SAFE
         if errors:

@@ -1,0 +1,10 @@
+G21 G17 G90 G94 G40 G49 G54
+F600
+G0 Z5
+G0 X20 Y20
+G1 Z-2
+G1 X80
+G0 Z20
+T2 M6                    ; expect: GP339
+G0 Z20
+M30
