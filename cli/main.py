@@ -150,9 +150,10 @@ def check(
 @click.option(
     "--units", type=click.Choice(["mm", "inch"]), help="Lengths of the text report; those of the machine file else."
 )
+@click.option("--picture", type=click.Path(path_type=Path), help="Write a picture of where the zero may go (SVG).")
 def fit(
     job: Path, machine: Path | None, setup: str | None, dialect: str | None, max_blocks: int | None,
-    max_branches: int, call: str | None, render: bool, form: str, units: str | None,
+    max_branches: int, call: str | None, render: bool, form: str, units: str | None, picture: Path | None,
 ) -> int:  # fmt: skip
     """Say for which work offsets JOB is SAFE, what to change now, and how large a machine it needs.
 
@@ -163,7 +164,7 @@ def fit(
 
     return run_fit(
         job, machine=machine, setup=setup, dialect=dialect, running=Running(max_blocks, max_branches, render, call),
-        form=form, units=units,
+        form=form, units=units, picture=picture,
     )  # fmt: skip
 
 

@@ -13,6 +13,7 @@ from __future__ import annotations
 
 import itertools
 import math
+from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -35,6 +36,8 @@ CLIMB = 0.05
 """mm of height within which a climbing move is taken as level."""
 THIN = 1e-7
 """mm: what is left between two blocked places and no wider is none."""
+SAME = 1e-9
+"""mm: heights that differ by less are one."""
 MOST = 20_000
 """Moves that are taken one by one; of more, neighbours are joined."""
 SLABS = 64
@@ -109,6 +112,7 @@ class Blocked:
         self.resolution: float | None = 0.0
         self._shapes: dict[Pair, list[Any]] = {}
         self._exact: Blocked | None = None
+        self._level: set[Pair] = set()
 
     def add(self, solid: Solid, moves: list[Move], *, sure: bool = True) -> None:
         """Block what these moves need. sure: what enters the solid does what is to be kept from."""
@@ -132,6 +136,8 @@ class Blocked:
             if z is None:
                 continue
             self._at_best(move.error)
+            if not move.error:
+                self._level.add(z)
             if move.points is None:
                 box = self._box(solid, move)
                 if box is not None:
@@ -267,17 +273,23 @@ class Blocked:
         return self.region().empty and self.resolution == 0.0
 
     def _rounded(self, z: Pair) -> dict[Pair, list[Any]]:
-        """Shapes by their heights, which are rounded outwards where they are too many."""
-        marks = {value for ends in self._shapes for value in ends if z[0] < value < z[1]}
-        if len(marks) <= SLABS or self.fixed[2]:
+        """Shapes by their heights; where these are too many, those of climbing moves are rounded outwards, then all."""
+
+        def marks(heights: Iterable[Pair]) -> set[float]:
+            return {value for ends in heights for value in ends if z[0] < value < z[1]}
+
+        if len(marks(self._shapes)) <= SLABS or self.fixed[2]:
             return self._shapes
-        step = (z[1] - z[0]) / SLABS
-        self._at_best(step)
+        level = marks(self._level)
+        level = level if len(level) <= SLABS else set()
+        grid = [float(v) for v in np.linspace(z[0], z[1], SLABS + 1)]
+        all_ = np.array(sorted({*level, *grid}))
+        self._at_best((z[1] - z[0]) / SLABS)
         out: dict[Pair, list[Any]] = {}
         for (low, high), shapes in self._shapes.items():
-            a = -math.inf if low <= z[0] else z[0] + math.floor((low - z[0]) / step) * step
-            b = math.inf if high >= z[1] else z[0] + math.ceil((high - z[0]) / step) * step
-            out.setdefault((a, b), []).extend(shapes)
+            below, above = all_[all_ <= low + SAME], all_[all_ >= high - SAME]
+            ends = float(below[-1]) if len(below) else -math.inf, float(above[0]) if len(above) else math.inf
+            out.setdefault(ends, []).extend(shapes)
         return out
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import re
+import xml.etree.ElementTree as ET
 from pathlib import Path
 from typing import Any
 
@@ -38,6 +39,7 @@ tool = 1
 start = {x = 0.0, y = 0.0, z = 0.0, a = 0.0}
 g92 = {x = 0.0, y = 0.0, z = 0.0, a = 0.0}
 """
+ANYWHERE = SETUP.replace("start = {x = 0.0, y = 0.0, z = 0.0, a = 0.0}\n", "")
 JOB = "G21 G90 G17 G94 G40 G54 G43 H1\nG0 Z5\nG0 X-5 Y2\nG1 X30 Y-8 Z-1 F300\nG0 A45\nG0 Z5\nM30\n"
 ONE_LINE = re.compile(r"gproof(?: \w+)?: error: [^\n]+\n\Z")
 
@@ -180,6 +182,10 @@ WRONG = [
     (["fit", "--machine", "machine.toml"], "JOB"),
     (["fit", "job.cnc", "job.cnc", "--machine", "machine.toml"], "job.cnc"),
     (["fit", "job.cnc", "--machine", "machine.toml", "--where"], "--where"),
+    (["fit", "job.cnc", "--machine", "machine.toml", "--picture", "job.cnc"], "would overwrite an input"),
+    (["fit", "job.cnc", "--machine", "machine.toml", "--picture", "no/p.svg"], "there is no folder"),
+    (["fit", "job.cnc", "--machine", "machine.toml", "--picture", "p.png"], "p.svg"),
+    (["fit", "job.cnc", "--machine", "machine.toml", "--picture", "."], "directory"),
 ]
 
 
@@ -198,3 +204,88 @@ def test_a_job_that_can_not_be_read_as_a_program(tmp_path: Path) -> None:
     told = report(tmp_path)
     assert told["kind"] in ("none", "unknown")
     assert told["exit_code"] in (1, 2)
+
+
+AREA = """
+[areas.tool_change]
+x = [60, 100]
+y = [-20, 60]
+z = [-50, -20]
+"""
+
+
+def test_a_region_by_hand(tmp_path: Path) -> None:
+    """The tool's Z is 12 above G54 Z: at 5 and at -1 of the job, which is 17 and 11 above it.
+
+    It goes up from -1 at X30, which is the farthest place: X may be 60 - 30 at most where -1 is below -20, for G54 Z
+    below -31. From there on all of the job is above the area; the limit of Z leaves up to -17.
+    """
+    put(tmp_path, machine=MACHINE + AREA, setup=SETUP + "[work.1]\nx = 45.0\ny = 0.0\nz = -35.0\na = 0.0\n")
+    told = report(tmp_path)
+    assert (told["kind"], told["verdict"], told["complete"]) == ("regions", "UNSAFE", True)
+    (region,) = told["regions"]
+    assert region["zones"] == ["the tool change area"]
+    boxes = [tuple(box[axis][end] for axis in "xyz" for end in ("low", "high")) for box in region["boxes"]]
+    assert set(boxes) == {(5.0, 30.0, -1.5, 57.5, -61.0, -17.0), (5.0, 70.0, -1.5, 57.5, -31.0, -17.0)}
+    assert (region["now"], region["inside"]) == ([45.0, 0.0, -35.0], False)
+    # 4 up is nearer than 15 to the left.
+    assert region["nearest"] == [45.0, 0.0, pytest.approx(-30.999)]
+    out = fit(tmp_path).out
+    assert out.startswith("job.cnc: UNSAFE, the zero is where moves enter the tool change area\n")
+    assert "now outside; the nearest place is G54 X 45.000, G54 Y 0.000, G54 Z -30.999" in out
+
+
+def test_a_zone_around_everything_leaves_nothing(tmp_path: Path) -> None:
+    around = '[[keep_out]]\nname = "all"\nx = [-500, 500]\ny = [-500, 500]\n'
+    # With the backlash of Y it is not certain that the tool enters, and the answer is UNKNOWN.
+    put(tmp_path, machine=MACHINE + around)
+    assert report(tmp_path)["reason"] == "no work offset was found that keeps all moves out of the zone all"
+    put(
+        tmp_path,
+        machine=MACHINE.replace("backlash = 0.5\n", "") + around,
+        setup=ANYWHERE,
+    )
+    told = report(tmp_path)
+    assert (told["kind"], told["verdict"]) == ("none", "UNSAFE")
+    assert told["reason"] == "no work offset keeps all moves out of the zone all"
+    assert "because   no work offset keeps all moves out of the zone all" in fit(tmp_path).out
+
+
+def test_a_zone_that_moves_with_the_work_asks_nothing(tmp_path: Path) -> None:
+    """A clamp beside the part, in G54: wherever the part lies, the tool passes beside it."""
+    clamp = '[[keep_out]]\nname = "clamp"\nwork = 1\nx = [40, 60]\ny = [-20, 20]\n'
+    put(tmp_path, setup=ANYWHERE + clamp)
+    told = report(tmp_path)
+    assert told["kind"] in ("ranges", "regions", "unknown")
+    assert told["verdict"] in ("SAFE", "UNKNOWN")
+
+
+def test_the_picture_shows_the_region(tmp_path: Path) -> None:
+    put(tmp_path, machine=MACHINE + AREA, setup=SETUP + "[work.1]\nx = 45.0\ny = 0.0\nz = -35.0\na = 0.0\n")
+    assert fit(tmp_path, "--picture", "p.svg").exit == 1
+    first = (tmp_path / "p.svg").read_text(encoding="utf-8")
+    assert fit(tmp_path, "--picture", "p.svg").exit == 1
+    assert (tmp_path / "p.svg").read_text(encoding="utf-8") == first
+    root = ET.fromstring(first)
+    space = "{http://www.w3.org/2000/svg}"
+    texts = [element.text for element in root.iter(f"{space}text")]
+    assert "UNSAFE" in texts
+    assert [t for t in texts if t and t.startswith("G54 X, G54 Y")] == [
+        "G54 X, G54 Y, with G54 Z -31 ... -17", "G54 X, G54 Y, with G54 Z -61 ... -31"
+    ]  # fmt: skip
+    green = [e for e in root.iter(f"{space}path") if e.get("fill") == "#2e7d32"]
+    wide = []
+    for element in green:
+        x = [float(point.split()[0]) for point in element.get("d", "").strip("MZ").split("L")]
+        wide.append(max(x) - min(x))
+    # 5 ... 70 and 5 ... 30, at one scale.
+    assert wide[0] / wide[1] == pytest.approx(65 / 25, rel=5e-3)
+
+
+def test_a_picture_of_ranges_alone_and_of_nothing(tmp_path: Path) -> None:
+    put(tmp_path, setup=SETUP + "[work.1]\nx = 3.0\ny = 0.0\nz = -20.0\na = 0.0\n")
+    fit(tmp_path, "--picture", "p.svg")
+    assert "G54 X, G54 Y" in (tmp_path / "p.svg").read_text(encoding="utf-8")
+    put(tmp_path, job=JOB.replace("X30", "X96"))
+    fit(tmp_path, "--picture", "p.svg")
+    assert "There is no region" in (tmp_path / "p.svg").read_text(encoding="utf-8")
