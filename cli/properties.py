@@ -20,7 +20,7 @@ CHECKS: dict[str, tuple[str, ...]] = {
     "cutting": ("cutting:cutting",),
     "sense": (),
     "gouges": (),
-    "collisions": (),
+    "collisions": ("stock:stock_left",),
 }
 """By property the functions ``module:name`` in ``gproof.passes`` that make its checks: of program, machine, setup and
 findings. With none, no check of this version decides it."""

@@ -509,6 +509,41 @@ ARC_FULL_CIRCLE = code(
 )
 
 OPEN_MESH = code(432, "open-mesh", _W, "{name} is not closed ({what}): what is inside of it is not known", "files")
+TRAVERSE_IN_STOCK = code(
+    435, "traverse-in-stock", _E, "a traverse enters stock that is still there, {depth:.4f} mm deep", "collisions"
+)
+TRAVERSE_NEAR_STOCK = code(
+    436,
+    "traverse-near-stock",
+    _U,
+    "a traverse may enter stock that is still there, by up to {depth:.4f} mm with the clearance that is asked for",
+    "collisions",
+)
+DEEPER_THAN_FLUTES = code(
+    437, "deeper-than-flutes", _E, "tool {tool} cuts {over:.4f} mm deeper than {limit}", "collisions"
+)
+DEEPER_THAN_ALLOWED = code(
+    438, "deeper-than-allowed", _E, "tool {tool} cuts {over:.4f} mm deeper than {limit}", "collisions"
+)
+DEPTH_OPEN = code(439, "depth-open", _U, "tool {tool} may cut up to {over:.4f} mm deeper than {limit}", "collisions")
+HOLDER_IN_STOCK = code(
+    441,
+    "holder-in-stock",
+    _E,
+    "{part} of tool {tool} enters stock that is still there, by {depth:.4f} mm",
+    "collisions",
+)
+HOLDER_NEAR_STOCK = code(
+    442,
+    "holder-near-stock",
+    _U,
+    "{part} of tool {tool} may enter stock that is still there, by up to {depth:.4f} mm",
+    "collisions",
+)
+STOCK_UNKNOWN = code(
+    443, "stock-unknown", _U, "what is left of the stock is not known behind this line: {cause}", "collisions"
+)
+
 
 # 5xx motion and time
 FEED_OVER_MAXIMUM = code(

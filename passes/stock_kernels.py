@@ -134,6 +134,30 @@ def bull_shift(radius: float, c: float, q2: float, a: float, slope: float) -> fl
     return low
 
 
+@kernel(compile_seconds=0.8)
+def side_line(
+    family: int, radius: float, c: float, k: float, s: float, step_s: float, q: float, step_q: float, length: float,
+    slope: float, up: float, out: Any,
+) -> None:  # fmt: skip
+    """``up`` and the envelope at points in a row: s, q of the first and what they change by; simple loops are fast."""
+    if family == 1:
+        square = radius * radius
+        behind = slope / math.sqrt(1.0 + slope * slope)
+        up += radius
+        for i in range(len(out)):
+            across = q + i * step_q
+            along = s + i * step_s
+            left = square - across * across
+            at = min(max(along - behind * math.sqrt(max(left, 0.0)), 0.0), length)
+            away = along - at
+            out[i] = up + slope * at - math.sqrt(max(left - away * away, 0.0))
+    elif family == 0 and slope == 0.0:
+        out[:] = up
+    else:
+        for i in range(len(out)):
+            out[i] = up + envelope(family, radius, c, k, s + i * step_s, q + i * step_q, length, slope)
+
+
 @kernel(compile_seconds=0.4)
 def crossing(
     y: float, ax: float, ay: float, bx: float, by: float, ux: float, uy: float, radius: float
@@ -156,15 +180,31 @@ def crossing(
     return left, right
 
 
+@kernel(compile_seconds=0.3)
+def lower_line(a: Any, b: Any, upper: Any, floor: float) -> None:
+    """Lower a row of cells to the highest of the envelope at their corners; -inf where the floor is reached."""
+    for i in range(len(upper)):
+        left = min(upper[i], max(max(a[i], a[i + 1]), max(b[i], b[i + 1])))  # noqa: PLW3301
+        upper[i] = left if left > floor else -INF
+
+
+@kernel(compile_seconds=0.2)
+def less_line(line: Any, lower: Any, least: float) -> None:
+    """Lower a row of cells to what a tool may leave, which is never below its tip."""
+    for i in range(len(lower)):
+        lower[i] = min(lower[i], max(line[i], least))
+
+
 @kernel(compile_seconds=1.5)
 def remove(
-    upper: Any, lower: Any, grid: Any, tool: Any, chord: Any, beside: float, beneath: float, line: Any, most: Any
-) -> None:
+    upper: Any, lower: Any, grid: Any, tool: Any, chord: Any, beside: float, beneath: float, top: float, line: Any,
+    most: Any,
+) -> None:  # fmt: skip
     """Take away what a tool cuts on a straight line.
 
     tool: (family, R, c, k, 0, flutes, greatest depth); chord: (ax, ay, az, bx, by, bz) of the tip; beside, beneath: mm
-    that the tool may be off it in X-Y and in Z; line: (2, nx + 1) scratch; most: (4,) by how much the flutes may be
-    and surely are too short and the depth may be and surely is too great, updated.
+    that the tool may be off it in X-Y and in Z; top: of all stock; line: (2, nx + 1) scratch; most: (4,) by how much
+    the flutes may be and surely are too short and the depth may be and surely is too great, updated.
     """
     ny, nx = upper.shape
     x0, y0, hx, hy, floor = grid[0], grid[1], grid[2], grid[3], grid[4]
@@ -183,6 +223,7 @@ def remove(
     if radius > 0.0:
         first = max(math.ceil((min(ay, by) - radius - y0) / hy), 0)
         last = min(math.floor((max(ay, by) + radius - y0) / hy), ny)
+        easy = top - low_z <= min(tool[5], tool[6])
         before_low, before_high = 1, 0
         for row in range(first, last + 1):
             now = row & 1
@@ -192,38 +233,44 @@ def remove(
             if left <= right:
                 low = max(math.ceil((left - x0) / hx), 0)
                 high = min(math.floor((right - x0) / hx), nx)
-            for i in range(low, high + 1):
-                dx, dy = x0 + i * hx - ax, y - ay
-                line[now, i] = envelope(kind, radius, c, k, dx * ux + dy * uy, dy * ux - dx * uy, length, slope)
-            for i in range(max(low, before_low), min(high, before_high)):
-                was = upper[row - 1, i]
-                if was <= floor:
-                    continue
-                gone = z + up + max(line[0, i], line[0, i + 1], line[1, i], line[1, i + 1])
-                if gone >= was:
-                    continue
-                tip_low, tip_high = low_z, high_z
-                if slope != 0.0:
-                    dx, dy = x0 + (i + 0.5) * hx - ax, y - 0.5 * hy - ay
-                    s = dx * ux + dy * uy
-                    wide = radius + hx + hy
-                    p = min(max(s - wide, 0.0), length) * slope + az
-                    n = min(max(s + wide, 0.0), length) * slope + az
-                    tip_low, tip_high = max(min(p, n), low_z), min(max(p, n), high_z)
-                sure = lower[row - 1, i]
-                most[0] = max(most[0], was - tip_low - tool[5])
-                most[1] = max(most[1], sure - tip_high - tool[5])
-                most[2] = max(most[2], was - tip_low - tool[6])
-                most[3] = max(most[3], sure - tip_high - tool[6])
-                if was <= reach:
-                    upper[row - 1, i] = gone if gone > floor else -INF
+            if low <= high:
+                dx, dy = x0 + low * hx - ax, y - ay
+                side_line(
+                    kind, radius, c, k, dx * ux + dy * uy, hx * ux, dy * ux - dx * uy, -hx * uy, length, slope, z + up,
+                    line[now, low : high + 1],
+                )  # fmt: skip
+            first_i, last_i = max(low, before_low), min(high, before_high)
+            if first_i < last_i and easy:
+                lower_line(line[0, first_i:], line[1, first_i:], upper[row - 1, first_i:last_i], floor)
+            elif first_i < last_i:
+                for i in range(first_i, last_i):
+                    was = upper[row - 1, i]
+                    gone = max(line[0, i], line[0, i + 1], line[1, i], line[1, i + 1])
+                    if gone >= was:
+                        continue
+                    tip_low, tip_high = low_z, low_z
+                    if slope != 0.0:
+                        dx, dy = x0 + (i + 0.5) * hx - ax, y - 0.5 * hy - ay
+                        s = dx * ux + dy * uy
+                        wide = radius + hx + hy
+                        p = min(max(s - wide, 0.0), length) * slope + az
+                        n = min(max(s + wide, 0.0), length) * slope + az
+                        tip_low, tip_high = max(min(p, n), low_z), min(max(p, n), high_z)
+                    sure = lower[row - 1, i]
+                    most[0] = max(most[0], was - tip_low - tool[5])
+                    most[1] = max(most[1], sure - tip_high - tool[5])
+                    most[2] = max(most[2], was - tip_low - tool[6])
+                    most[3] = max(most[3], sure - tip_high - tool[6])
+                    if was <= reach:
+                        upper[row - 1, i] = gone if gone > floor else -INF
             before_low, before_high = low, high
-    lessen(lower, grid, family, tool[1], tool[2], k, chord, beside, beneath)
+    lessen(lower, grid, family, tool[1], tool[2], k, chord, beside, beneath, line)
 
 
 @kernel(compile_seconds=0.8)
 def lessen(
     lower: Any, grid: Any, family: int, radius: float, c: float, k: float, chord: Any, beside: float, beneath: float,
+    line: Any,
 ) -> None:  # fmt: skip
     """Let ``lower`` go down to what a tool may have cut on a straight line."""
     ny, nx = lower.shape
@@ -248,11 +295,13 @@ def lessen(
             continue
         low = max(math.ceil((left - x0) / hx - 0.5), 0)
         high = min(math.floor((right - x0) / hx - 0.5), nx - 1)
-        for i in range(low, high + 1):
-            dx, dy = x0 + (i + 0.5) * hx - ax, y - ay
-            left_over = z + envelope(family, radius, c, k, dx * ux + dy * uy, dy * ux - dx * uy, length, slope)
-            left_over = max(left_over, least)
-            lower[row, i] = min(lower[row, i], left_over)
+        if low <= high:
+            dx, dy = x0 + (low + 0.5) * hx - ax, y - ay
+            side_line(
+                family, radius, c, k, dx * ux + dy * uy, hx * ux, dy * ux - dx * uy, -hx * uy, length, slope, z,
+                line[0, low : high + 1],
+            )  # fmt: skip
+            less_line(line[0, low:], lower[row, low : high + 1], least)
 
 
 @kernel(compile_seconds=0.6)
@@ -390,7 +439,7 @@ def near(grid: Any, upper: Any, wide: float, chord: Any) -> bool:
 @kernel(compile_seconds=0.3)
 def through(
     upper: Any, lower: Any, grid: Any, tool: Any, chord: Any, loose: bool, clearance: float, beside: float,
-    beneath: float, box: Any, told: Any, amount: Any,
+    beneath: float, box: Any, line: Any, told: Any, amount: Any,
 ) -> None:  # fmt: skip
     """A traverse on a straight line: told and amount of its row, and what it may have cut."""
     answer, into = enter(upper, lower, grid, tool, chord, loose, clearance, beside, beneath, box)
@@ -400,7 +449,7 @@ def through(
     if loose:
         lower[:, :] = -INF
     else:
-        lessen(lower, grid, int(tool[0]), tool[1], tool[2], tool[3], chord, beside, beneath)
+        lessen(lower, grid, int(tool[0]), tool[1], tool[2], tool[3], chord, beside, beneath, line)
 
 
 @kernel(seconds_per_unit=2e-3, compile_seconds=6.0)
@@ -512,10 +561,10 @@ def follow(
                 if low_z - clearance < top and near(grid, upper, tools[t, 1] + slack + clearance, chord):
                     through(
                         upper, lower, grid, tools[t], chord, loose, clearance, slack, beneath, box,
-                        told[row], amount[row],
+                        line, told[row], amount[row],
                     )  # fmt: skip
             elif low_z < top and near(grid, upper, tools[t, 1] + slack + off, chord):
-                remove(upper, lower, grid, tools[t], chord, slack + off, beneath, line, most)
+                remove(upper, lower, grid, tools[t], chord, slack + off, beneath, top, line, most)
             for n in range(parts.shape[1]):
                 wide = parts[t, n, 1] + slack + off
                 if parts[t, n, 1] <= 0.0 or low_z + parts[t, n, 4] >= top or not near(grid, upper, wide, chord):
