@@ -499,6 +499,15 @@ def follow(
                 lower[:, :] = -INF
             continue
         upright = ax == bx and ay == by and o != ARC
+        if memory[0] == 0.0 and az - slack < top:
+            # Where the tool is found, it stands: what was there may be gone.
+            chord[0] = chord[3] = ax
+            chord[1] = chord[4] = ay
+            chord[2] = chord[5] = az
+            if tools[t, 0] < 0.0:
+                lower[:, :] = -INF
+            else:
+                lessen(lower, grid, int(tools[t, 0]), tools[t, 1], tools[t, 2], tools[t, 3], chord, slack, slack, line)
         here = memory[0] != 0.0 and memory[1] == ax and memory[2] == ay
         deep = min(memory[3], az) if here else az
         # Straight up, or down to where this tool has been: nothing new is touched.
