@@ -116,8 +116,8 @@ class StockLeft(Check):
         self._problems: list[str] = []
         self._assumptions: dict[str, None] = {}
         self._counts: dict[int, int] = {}
-        stated = getattr(machine.controller, "straight_traverse", None)
-        self._straight = getattr(program.rules, "straight_traverse", True) if stated is None else stated
+        stated = machine.controller.straight_traverse
+        self._straight = program.rules.straight_traverse if stated is None else stated
 
     @property
     def fields(self) -> list[Field]:

@@ -333,7 +333,7 @@ def meets(
         gap_y = max(low_y - max(py, qy), min(py, qy) - high_y, 0.0)
         gap = math.sqrt(gap_x * gap_x + gap_y * gap_y)
         into = need - z - lower_side(family, radius, c, k, min(max(gap - spare, 0.0), radius))
-        if gap >= wide or into <= TOUCH:
+        if gap >= wide - TOUCH or into <= TOUCH:
             t, step = end, 2.0 * (end - t)
             continue
         if end - t <= shortest:

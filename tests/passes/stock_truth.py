@@ -119,7 +119,7 @@ class Swept:
 def sweep(
     shape: Shape, moves: list[Move], *, size: tuple[float, float] = (12.0, 10.0), top: float = 0.0,
     floor: float = -10.0, cell: float = 0.5, run: Any = None, beside: float = 1e-9, tool: list[float] | None = None,
-    pieces: int = 0,
+    pieces: int = 0, clearance: float = 0.0,
 ) -> Swept:  # fmt: skip
     """The kernel over a block from the origin; run: the function, the compiled one by default."""
     nx, ny = math.ceil(size[0] / cell), math.ceil(size[1] / cell)
@@ -143,7 +143,7 @@ def sweep(
         s = slice(k, k + step)
         run(
             op[s], start[s], end[s], center[s], turns[s], plane[s], whole[s], nothing[s], off[s], nothing[s], tools,
-            parts, 0.0, upper, lower, grid, memory, places, told[s], amount[s],
+            parts, clearance, upper, lower, grid, memory, places, told[s], amount[s],
         )  # fmt: skip
     return Swept(upper, lower, grid, told, amount)
 

@@ -1,0 +1,11 @@
+G21 G17 G90 G94 G54 G40 G49
+M3 S12000
+F600
+G0 Z5
+G0 X20 Y30
+G1 Z-3
+X60
+G0 X30                  ; expect: GP436
+G0 Z5
+M5
+M30
