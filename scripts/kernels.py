@@ -37,6 +37,9 @@ def commands(folder: Path) -> list[list[str]]:
         job = sorted((CORPUS / dialect).glob(jobs))[0]
         out.append(["check", str(job), "--dialect", dialect])
         out.append(["fmt", "--stdout", "--dialect", dialect, str(job)])
+    stock = CORPUS.parent / "docs" / "codes" / "GP435"
+    around = ["--machine", str(stock / "machine.toml"), "--setup", str(stock / "setup.toml"), "--also", "collisions"]
+    out.append(["check", str(stock / "good.cnc"), *around])
     return out
 
 

@@ -1,11 +1,10 @@
 G21 G17 G90 G94 G54 G40 G49
+T3 M6
 M3 S12000
 F600
 G0 Z5
 G0 X20 Y30
-G1 Z-4
-Z-8
-Z-13               ; expect: GP437
+G1 Z-13                   ; expect: GP437
 G0 Z5
 M5
 M30

@@ -3,9 +3,11 @@ M3 S12000
 F600
 G0 Z5
 G0 X20 Y30
-G1 Z-3.5
-X21.5
-X60 Z-7.4               ; expect: GP439
+G1 Z-3
+X60
+G0 Z5
+G0 X20 Y30.3
+G1 Z-6                   ; expect: GP439
 G0 Z5
 M5
 M30

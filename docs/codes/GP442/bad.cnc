@@ -1,8 +1,11 @@
 G21 G17 G90 G94 G54 G40 G49
+T3 M6
 M3 S12000
 F600
 G0 Z5
 G0 X20 Y30
-X20
+G1 Z-12
+Z-21                    ; expect: GP442
+G0 Z5
 M5
 M30
