@@ -12,7 +12,7 @@ import numpy as np
 
 from gproof.ir.columns import occurring
 from gproof.ir.record import record
-from gproof.ir.trace import Affine, Chunk, Op, Plane, Trace
+from gproof.ir.trace import Affine, Chunk, Op, Plane, TipOffset, Trace
 
 MOST = 60_000
 """Points that a picture shows; a longer path is thinned."""
@@ -50,7 +50,7 @@ _NAMES = ("at", "feed", "line", "file", "diameter", "frame")
 
 
 class PathPoints:
-    """Gathers points; memory is bounded by thinning. tools: numbers of those that cut."""
+    """Gathers points; memory is bounded by thinning. tools: numbers of those that cut, tips: of the states."""
 
     def __init__(self, diameters: dict[int, float]) -> None:
         self.diameters = diameters
@@ -58,6 +58,7 @@ class PathPoints:
         self.forms: dict[Forms, int] = {}
         self.plunges: dict[tuple[float, float, int], float] = {}
         self.tools: set[int] = set()
+        self.tips: dict[tuple[TipOffset, ...], None] = {}
         self._parts: list[Points] = []
         self._count = 0
 
@@ -77,7 +78,9 @@ class PathPoints:
         starts, ends = chunk.starts()[moving, :3], rows["to"][moving, :3]
         frame, before = frames[rows["frame"][moving]], frames[chunk.start_frames()[moving]]
         states = rows["state"][moving]
-        self.tools.update(trace.states[i].tool for i in occurring(states[feed]))
+        cutting = [trace.states[i] for i in occurring(states[feed])]
+        self.tools.update(state.tool for state in cutting)
+        self.tips.update(dict.fromkeys(state.tip for state in cutting))
         diameter = wide[states]
         self._plunges(starts, ends, feed & (frame == before), diameter, frame)
         repeat = np.ones(len(moving), dtype=np.int64)

@@ -40,6 +40,8 @@ MACHINE_WIDTH = WIDTH - 2 * EDGE - 2 * RULER - GAP - CUT_WIDTH
 _INK, _SOFT, _GRID = "#212121", "#546e7a", "#eceff1"
 _FEED, _CUT, _TRAVERSE, _LIMIT, _AREA, _ZERO = "#0d47a1", "#d6e6f7", "#90a4ae", "#37474f", "#ef6c00", "#2e7d32"
 _ZONE, _ZONE_FILL = "#6d4c41", "#d7ccc8"
+_BODIES = {"stock": ("#fff8e1", "#bcaaa4"), "part": ("#e0f2f1", "#00897b"), "fixtures": ("#e1bee7", "#7b1fa2")}
+"""Fill and stroke by role."""
 _BADGE = {Verdict.SAFE: "#2e7d32", Verdict.UNSAFE: "#c62828", Verdict.UNKNOWN: "#6a1b9a"}
 _LABELS, _LISTED = 8, 4
 
@@ -252,6 +254,7 @@ class _Sheet:
         group.set("stroke-linecap", "round")
         known = whole or not any(self.scene.forms[k] for k in view.axes)
         self._areas(group, view, known, whole)
+        self._bodies(group, view)
         if view.axes == (0, 1):
             self._widths(group, view)
         self._moves(group, view, whole)
@@ -318,6 +321,28 @@ class _Sheet:
             pairs = [self.scene.zero[k] or (view.low[n], view.high[n]) for n, k in enumerate(view.axes)]
             self._box(group, view, pairs[0], pairs[1], stroke=_ZERO, fill="#e8f5e9", width="1.2", dash="2 3")
             self.used.add("zero")
+
+    def _bodies(self, group: ET.Element, view: _View) -> None:
+        """Stock, part and fixtures: from above their outlines, from the front their boxes."""
+        for body in self.scene.bodies:
+            (x0, _, z0), (x1, _, z1) = body.low, body.high
+            if view.axes == (0, 1):
+                rings = [list(ring) for ring in body.rings]
+            elif math.isnan(z0):
+                continue
+            else:
+                rings = [[(x0, z0), (x1, z0), (x1, z1), (x0, z1)]]
+            corners = [[view.at(u + view.shift[0], v + view.shift[1]) for u, v in ring] for ring in rings]
+            (left, right), (top, bottom) = ((min(c), max(c)) for c in zip(*corners[0], strict=True))
+            box = (view.left, view.top, view.left + view.width, view.top + view.height)
+            if not _overlap((left, top, right, bottom), box):
+                continue
+            lines = ["M" + "L".join(f"{x:.1f} {y:.1f}" for x, y in ring) + "z" for ring in corners]
+            fill, stroke = _BODIES[body.role]
+            shape = ET.SubElement(group, "path", d="".join(lines), fill=fill, stroke=stroke)
+            shape.set("fill-rule", "evenodd")
+            shape.set("stroke-width", "1")
+            self.used.add(body.role)
 
     def _box(
         self, group: ET.Element, view: _View, x: Pair, y: Pair, *, stroke: str, fill: str = "none", width: str = "1",
@@ -452,7 +477,8 @@ class _Sheet:
         unknown = [f"{AXIS_NAMES[k].upper()} from {describe(f)}" for k, f in enumerate(self.scene.forms) if f]
         out = [f"Numbers beside the cut count {', '.join(unknown)}."] if unknown else []
         if self.scene.tools > 1:
-            out.append("Z is the machine's: under a longer tool the axis stands higher.")
+            beside = ", stock, part and fixtures as for the first tool that cuts" if self.scene.bodies else ""
+            out.append(f"Z is the machine's: under a longer tool the axis stands higher{beside}.")
         turning = sorted({axis.upper() for axis, *_ in self.judgement.summary.box if axis not in "xyz"})
         if turning:
             out.append(f"The turning of {', '.join(turning)} is not drawn.")
@@ -467,6 +493,9 @@ _LEGEND: tuple[tuple[str, str, dict[str, str]], ...] = (
     ("limits", "soft limits", {"stroke": _LIMIT, "stroke-width": "1.6", "stroke-dasharray": "9 4"}),
     ("area", "tool change area", {"stroke": "#ffcc80", "stroke-width": "10"}),
     ("zone", "keep-out zone", {"stroke": _ZONE_FILL, "stroke-width": "10"}),
+    ("stock", "stock", {"stroke": "#ffe082", "stroke-width": "10"}),
+    ("part", "part", {"stroke": "#80cbc4", "stroke-width": "10"}),
+    ("fixtures", "fixture", {"stroke": "#ce93d8", "stroke-width": "10"}),
     ("zero", "the work zero may lie here", {"stroke": "#c8e6c9", "stroke-width": "10"}),
     ("finding", "not safe", {"stroke": WEIGHT[Severity.ERROR], "stroke-width": "2.4"}),
     ("open", "not known", {"stroke": WEIGHT[Severity.UNKNOWN], "stroke-width": "2.4"}),

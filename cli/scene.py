@@ -9,6 +9,7 @@ import numpy as np
 from gproof.cli.judge import Judgement
 from gproof.cli.path_points import Forms, PathPoints, Points
 from gproof.cli.session import Session
+from gproof.cli.workpieces import Drawn, drawn
 from gproof.cli.zones import entry, placed
 from gproof.ir.codes import SOFT_LIMIT
 from gproof.ir.finding import Finding, Severity
@@ -39,7 +40,8 @@ class Scene:
     """What there is to draw, in the frame that most of the cut stands in.
 
     joined: (n,) the move to point i can be drawn; shift: by axis, mm to add for machine coordinates (None: not
-    known, 0: they are); zero: by axis, where the unknown work zero may lie; tools: how many cut.
+    known, 0: they are); zero: by axis, where the unknown work zero may lie; tools: how many cut; bodies: stock,
+    part and fixtures.
     """
 
     points: Points
@@ -50,6 +52,7 @@ class Scene:
     plunges: tuple[tuple[float, float, float], ...]
     marks: tuple[Mark, ...]
     tools: int
+    bodies: tuple[Drawn, ...]
     low: np.ndarray
     high: np.ndarray
 
@@ -71,11 +74,14 @@ def scene_of(path: PathPoints, session: Session, judgement: Judgement) -> Scene:
     marks = _marks(points, joined, path, session if known else None, judgement) if path.trace else []
     shown = points.at[here & points.feed] if (here & points.feed).any() else points.at[here]
     shown = np.concatenate([shown.astype(float), np.array([m.at for m in marks]).reshape(-1, 3)])
+    bodies = drawn(session, forms[frame], next(iter(path.tips), None))
+    corners = [c for b in bodies if b.role != "fixtures" for c in (b.low, b.high) if not math.isnan(c[2])]
+    shown = np.concatenate([shown, np.array(corners).reshape(-1, 3)])
     if not len(shown):
         shown = np.zeros((1, 3))
     return Scene(
         points=points, joined=joined, forms=forms[frame], shift=(shift[0], shift[1], shift[2]),
-        zero=(zero[0], zero[1], zero[2]), marks=tuple(marks), tools=len(path.tools),
+        zero=(zero[0], zero[1], zero[2]), marks=tuple(marks), tools=len(path.tools), bodies=tuple(bodies),
         low=shown.min(axis=0), high=shown.max(axis=0),
         plunges=tuple((x, y, d) for (x, y, f), d in path.plunges.items() if f == frame),
     )  # fmt: skip

@@ -108,6 +108,10 @@ def _figures(session: Session, judgement: Judgement, unit: LengthUnit) -> None:
         from gproof.cli.zones import named
 
         _row("keep out", named(session))
+    if session.setup.workpiece is not None:
+        from gproof.cli import workpieces
+
+        _row("workpiece", workpieces.named(session.setup.workpiece, unit))
     blocks, sections = _count(summary.blocks, "block"), _count(summary.sections, "section")
     ways = f", {summary.branches} outcomes of unknown conditions followed" if summary.branches else ""
     _row("program", f"{_count(summary.lines, 'line')}, {blocks} executed in {sections}{ways}")
@@ -233,8 +237,17 @@ def report_json(session: Session, judgement: Judgement, code: int | None = None)
                 {"axis": axis, "relative_to": relative, "low": _finite(low), "high": _finite(high)}
                 for axis, relative, low, high in summary.box
             ],
+            **_workpiece(session),
         },
     }
+
+
+def _workpiece(session: Session) -> dict[str, object]:
+    if session.setup.workpiece is None:
+        return {}
+    from gproof.cli import workpieces
+
+    return {"workpiece": workpieces.report(session.setup.workpiece)}
 
 
 def _finite(value: float | None) -> float | None:

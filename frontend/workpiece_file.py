@@ -83,7 +83,8 @@ class Reader:
 
     def placed(self, table: TomlTable, name: str) -> list[Placed]:
         """The bodies of one table."""
-        name = table.text("name") or name
+        file = next((table.values[key] for key in ("dxf", "stl") if isinstance(table.values.get(key), str)), name)
+        name = table.text("name") or Path(file).name or name
         stated = table.text("units", tuple(MILLIMETRES))
         unit = self.unit if stated is None else MILLIMETRES[stated]
         work = _work(table)
