@@ -18,7 +18,7 @@ from gproof.passes.check import Check
 CHECKS: dict[str, tuple[str, ...]] = {
     "feeds": ("feeds:feeds",),
     "cutting": ("cutting:cutting",),
-    "sense": (),
+    "sense": ("sense:sense",),
     "gouges": (),
     "collisions": ("stock:stock_left",),
 }

@@ -110,6 +110,38 @@ LOOP_VARIABLE = code(
     149, "loop-variable", _W, "{name} is read behind its for loop, where it holds its last value, or one beyond it"
 )
 
+# 15x: what makes no sense, told where the property sense is asked for (docs/cutting-sense.md)
+UNITS_NEVER_SET = code(
+    150,
+    "units-never-set",
+    _N,
+    "the first move comes before any code of units: numbers count in the controller's own",
+    "sense",
+)
+UNIT_MIX_UP = code(151, "unit-mix-up", _W, "numbers of this job look like {other}, and count as {unit}: {why}", "sense")
+FOREIGN_DIALECT = code(
+    152,
+    "foreign-dialect",
+    _W,
+    "this job looks like one for {controller}: {what}; {lines} such lines are refused",
+    "sense",
+)
+DEAD_CODE = code(153, "dead-code", _W, "nothing leads to this line: {what}", "sense")
+UNUSED_LABEL = code(154, "unused-label", _N, "nothing goes to label {name!r}", "sense")
+UNCALLED_SUBPROGRAM = code(155, "uncalled-subprogram", _N, "nothing calls subprogram {name!r}", "sense")
+READ_BEFORE_SET = code(
+    156, "read-before-set", _W, "{name} is read here, and on some way to this line nothing sets it", "sense"
+)
+NEVER_READ = code(157, "never-read", _N, "{name} is set, and nothing of this job reads it", "sense")
+CONSTANT_CONDITION = code(158, "constant-condition", _N, "this condition is always {value}", "sense")
+DISTANCES_NEVER_SET = code(
+    159,
+    "distances-never-set",
+    _N,
+    "the first move comes before any code of absolute or incremental distances",
+    "sense",
+)
+
 # 2xx meaning
 AXIS_WORDS_MISSING = code(201, "axis-words-missing", _E, "{code} without axis words")
 AXIS_WORDS_UNUSED = code(202, "axis-words-unused", _E, "axis words, but no motion is active ({why})")
@@ -600,14 +632,14 @@ NO_WAY = code(
 )
 
 # 53x, 54x: told where the properties cutting and feeds are asked for (docs/cutting-sense.md)
-SPINDLE_AT_REST = code(530, "spindle-at-rest", _E, "{moves} feed moves while the spindle stands still", "cutting")
+SPINDLE_AT_REST = code(530, "spindle-at-rest", _E, "feed moves while the spindle stands still: {moves}", "cutting")
 SPINDLE_NOT_TOLD = code(
-    531, "spindle-not-told", _U, "{moves} feed moves, and nothing tells whether a spindle turns", "cutting"
+    531, "spindle-not-told", _U, "nothing tells whether a spindle turns; feed moves: {moves}", "cutting"
 )
 SPINDLE_SPEED_NOT_TOLD = code(
-    532, "spindle-speed-not-told", _U, "{moves} feed moves with a spindle whose speed nobody stated", "cutting"
+    532, "spindle-speed-not-told", _U, "nobody stated how fast the spindle turns; feed moves: {moves}", "cutting"
 )
-NO_TOOL = code(533, "no-tool", _E, "{moves} feed moves without a tool in the spindle", "cutting")
+NO_TOOL = code(533, "no-tool", _E, "feed moves without a tool in the spindle: {moves}", "cutting")
 TOOL_TOO_FAST = code(
     534, "tool-too-fast", _E, "tool {tool} turns at {rpm:g} rpm, {over:g} more than its {allowed:g}", "cutting"
 )
@@ -622,7 +654,7 @@ CUT_BEFORE_SPEED = code(
     "cutting",
 )
 TURNS_BACKWARDS = code(
-    537, "turns-backwards", _N, "{moves} feed moves with the spindle turning counter-clockwise", "cutting"
+    537, "turns-backwards", _N, "feed moves with the spindle turning counter-clockwise: {moves}", "cutting"
 )
 DRY_TOOL = code(538, "dry-tool", _N, "tool {tool} cuts without coolant, which other tools of this job have", "cutting")
 NOT_RETRACTED = code(
@@ -638,7 +670,7 @@ TOOL_NOT_TOLD = code(
     542,
     "tool-not-told",
     _U,
-    "{moves} feed moves with a tool that nobody stated, and tools have limits of their own",
+    "tools have speeds of their own, and nobody stated which one is in the spindle; feed moves: {moves}",
     "cutting",
 )
 FEED_OVER_TOOL = code(
@@ -655,15 +687,15 @@ PLUNGE_NOT_KNOWN = code(
     549,
     "plunge-not-known",
     _U,
-    "how steep {moves} feed moves go down is not known, and the feed is over the tool's plunge",
+    "how steep it goes down is not known, and the feed is over the tool's plunge; feed moves: {moves}",
     "feeds",
 )
-FEED_NOT_TOLD = code(547, "feed-not-told", _U, "{moves} feed moves at a feed that nobody stated", "feeds")
+FEED_NOT_TOLD = code(547, "feed-not-told", _U, "nobody stated the feed; feed moves: {moves}", "feeds")
 FEED_TOOL_NOT_TOLD = code(
     548,
     "feed-tool-not-told",
     _U,
-    "{moves} feed moves with a tool that nobody stated, and tools have feeds of their own",
+    "tools have feeds of their own, and nobody stated which one is in the spindle; feed moves: {moves}",
     "feeds",
 )
 

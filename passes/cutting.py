@@ -18,7 +18,7 @@ from gproof.ir.finding import Code, Findings, Span
 from gproof.ir.machine import Machine
 from gproof.ir.program import Program
 from gproof.ir.rules import Function as F
-from gproof.ir.setup import Setup
+from gproof.ir.setup import ZERO, Setup
 from gproof.ir.trace import Affine, Chunk, Op, Wait
 from gproof.ir.verdict import PropertyResult
 from gproof.passes.causes import Causes, answer
@@ -139,6 +139,9 @@ class Cutting(Check):
             chunk, cut & np.isnan(rpm) & ~surface, codes.SPINDLE_SPEED_NOT_TOLD, 0, "an S in plain numbers before M3"
         )
         holds_none = cut & (tool == 0)
+        if self.setup.name == ZERO.name and not self._names_tools:
+            # The setup zero says tool 0 of any machine: only what the job itself puts away is gone.
+            holds_none &= np.maximum.accumulate(chunk.rows["op"] == Op.TOOL_CHANGE)
         self._tell(
             chunk, holds_none, codes.NO_TOOL, 0, "a T and its tool change before, or tool = ... in the setup file"
         )
