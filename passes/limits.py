@@ -18,7 +18,7 @@ import numpy.typing as npt
 from gproof.ir import codes
 from gproof.ir.columns import occurring
 from gproof.ir.finding import Findings, Severity, Span
-from gproof.ir.machine import AXES, AXIS_NAMES, Axis, Machine
+from gproof.ir.machine import AXES, AXIS_NAMES, NO_MACHINE, Axis, AxisKind, Machine
 from gproof.ir.setup import Setup
 from gproof.ir.trace import HEIGHT_MAP, KNIFE, UNKNOWN, Affine, Chunk, Op, Trace
 from gproof.ir.verdict import Condition, PropertyResult, Verdict
@@ -385,6 +385,9 @@ class Limits(Check):
         known = self.reaches.get(name)
         axis = None if known is None else known.axis
         word = name.upper() if axis is None else axis.word
+        if axis is not None and self._endless(index, axis):
+            self._assumptions.append(f"{word} turns without end: nobody states limits of it")
+            return
         told: set[bool] = set()
         for slot in range(len(self._low)):
             least, most = float(self._low[slot, index]), float(self._high[slot, index])
@@ -422,6 +425,15 @@ class Limits(Check):
             low, high = self.reaches[axis.name].stated[False]
             room = -math.inf if low is None else low - at, math.inf if high is None else high - at
             offsets.setdefault(form, _Offset(axis)).within(room, at, at, self._first)
+
+    def _endless(self, index: int, axis: Axis) -> bool:
+        """Whether an axis turns and its machine's file gives it no limit of any kind: it may go wherever it is told."""
+        assert self._trace is not None
+        if axis.kind is not AxisKind.ROTARY or self.machine.axes == NO_MACHINE.axes:
+            return False
+        ends = {getattr(d, end) for d in axis.drives() for end in ("lower", "upper", "travel_lower", "travel_upper")}
+        held = any(edge.axis == index for state in self._trace.states for edge in state.boundaries)
+        return ends == {None} and not held
 
     def _need(self, axis: Axis, form: Affine, least: float, most: float) -> None:
         """Rows between two places with the guard on: outside of what they leave a limit is passed for certain."""

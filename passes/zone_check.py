@@ -81,7 +81,7 @@ class ZoneCheck:
         if self._change:
             key: object = GUARD in state.guards_off, following
         else:
-            key = following, state.tip, diameter, self._other_head(state)
+            key = following, state.tip, diameter, self._other_head(state), state.path_tolerance + state.simplify
         if key not in self._of_key:
             self._of_key[key] = len(self._views)
             self._views.append(self._make(state, following, 0.0 if self._change else diameter / 2))
@@ -111,6 +111,11 @@ class ZoneCheck:
         around, above = (0.0, 0.0) if self._change else (math.hypot(slack[0], slack[1]), slack[2])
         if around or above:
             causes.append("the backlash of axes")
+        # The controller may leave the path by so much at corners, and where it makes one line of several.
+        blend = 0.0 if self._change else state.path_tolerance + state.simplify
+        if blend:
+            around, above = around + blend, above + blend
+            causes.append("how the controller rounds corners (P, Q)")
         shape = shape_of(self.area)
         sure = True
         cylinder = self.setup.cylinder

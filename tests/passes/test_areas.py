@@ -176,6 +176,14 @@ def test_backlash_is_what_may_be(tmp_path: Path) -> None:
         assert found(judgement) == expected, y
 
 
+def test_rounded_corners_are_what_may_be(tmp_path: Path) -> None:
+    """The path goes around the clamp's corner at 0.1; with P0.2 the controller may cut through it."""
+    around = f"{HEAD}G1 X39.9 Y-30\nZ-60\n{{}}\nY10.1\nX80\nG1 Z0\nM30\n"
+    for word, expected in (("G61", []), ("G64 P0.05", []), ("G64 P0.2", "GP337"), ("G64 Q0.2", "GP337")):
+        labels = {label for label, _ in found(run(tmp_path, around.format(word), setup=stated()))}
+        assert labels == ({expected} if expected else set()), word
+
+
 def test_a_free_traverse_counts_with_its_whole_box(tmp_path: Path) -> None:
     """From X0 Y0 to X100 Y100 past a clamp below the diagonal: on the line it is missed by far."""
     program = f"{HEAD}G1 Z-60\nG0 X100 Y100\nM30\n"
