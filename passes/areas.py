@@ -114,6 +114,8 @@ class Areas(Check):
             out.append("homing moves keep out of the tool change area")
         if self._kept:
             out.append("in keep-out zones tools are as wide as the tool table says, and points where it does not")
+            if self.machine.controller.controls.smoothing:
+                out.append("the controller rounds no corner as far as a keep-out zone")
             if any(axis.vertical and axis.index > 2 for axis in self.machine.axes):
                 out.append("keep-out zones are judged for the head of X, Y and Z only")
         return out

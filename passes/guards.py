@@ -31,6 +31,8 @@ class GuardStretches:
         self._has_boundaries = any(
             axis.boundary_lower is not None or axis.boundary_upper is not None for axis in machine.axes
         )
+        self._sets: dict[Guards, int] = {(): 0}
+        self._of_state: list[int] = []
         self._off: Guards = ()
         self._first = self._last = Span("", 0)
         self._moves = 0
@@ -39,14 +41,13 @@ class GuardStretches:
 
     def feed(self, chunk: Chunk) -> None:
         """Some successive rows."""
-        states = chunk.trace.states
-        if not len(chunk.rows) or not (self._off or any(state.guards_off for state in states)):
+        for state in chunk.trace.states[len(self._of_state) :]:
+            self._of_state.append(self._sets.setdefault(state.guards_off, len(self._sets)))
+        if not len(chunk.rows) or len(self._sets) == 1:
             return
-        sets: dict[Guards, int] = {(): 0}
-        of_state = np.array([sets.setdefault(state.guards_off, len(sets)) for state in states])
-        kinds = of_state[chunk.rows["state"]]
+        kinds = np.array(self._of_state)[chunk.rows["state"]]
         edges = [0, *(np.flatnonzero(kinds[1:] != kinds[:-1]) + 1).tolist(), len(kinds)]
-        by_number = list(sets)
+        by_number = list(self._sets)
         for begin, end in itertools.pairwise(edges):
             self._run(chunk, begin, end, by_number[int(kinds[begin])])
 

@@ -176,3 +176,16 @@ def test_long_paths_are_thinned_and_keep_their_end(monkeypatch: pytest.MonkeyPat
     points = path.points()
     assert 50 <= len(points) <= 102
     assert points.at[-1, 0] > 49
+
+
+def test_keep_out_zones_are_drawn_where_they_stand(tmp_path: Path) -> None:
+    folder = ROOT / "corpus" / "eding" / "clamped-plate"
+    words = [str(folder / "job.cnc"), "--machine", str(folder / "machine.toml"), "--setup", str(folder / "setup.toml")]
+    root = draw(words, tmp_path / "job.svg")
+    assert "keep-out zone" in texts(root)
+    shapes = [element.get("d", "") for element in root.iter(f"{SVG}path") if element.get("fill-rule") == "evenodd"]
+    # From above the rear clamp has its eight corners; from the front it is a box.
+    assert any(shape.count("L") == 7 for shape in shapes)
+    assert any(shape.count("L") == 3 for shape in shapes)
+    known = program(tmp_path, HEAD + "G0 X10\nM30\n")
+    assert "keep-out zone" not in texts(draw([known, "--machine", MACHINE, "--setup", "zero"], tmp_path / "other.svg"))

@@ -197,6 +197,13 @@ def test_a_free_traverse_counts_with_its_whole_box(tmp_path: Path) -> None:
         assert found(run(tmp_path, f"{HEAD}G1 Z-60\nG0 X50 Y5\nM30\n", machine, stated())) == [("GP336", 3)]
 
 
+def test_the_tool_change_area_has_the_same_traverses(tmp_path: Path) -> None:
+    area = "\n[areas.tool_change]\nx = [40.0, 60.0]\ny = [-10.0, 10.0]\nz = [-200.0, -50.0]\n"
+    for text, expected in (("true", []), ("false", [("GP311", 3)])):
+        machine = MACHINE + f"straight_traverse = {text}\n" + area
+        assert found(run(tmp_path, f"{HEAD}G1 Z-60\nG0 X100 Y100\nM30\n", machine, stated())) == expected
+
+
 def test_each_dialect_has_its_own_traverse(tmp_path: Path) -> None:
     zone = '\n[[keep_out]]\nname = "clamp"\nx = [40.0, 60.0]\ny = [-10.0, 10.0]\nz = [-inf, 50.0]\n'
     start = 'schema = "gproof-setup/1"\nhomed = ["x", "y", "z"]\nstart = {x = 0.0, y = 0.0, z = 0.0}\ntool = 0\n'
