@@ -18,7 +18,21 @@ from gproof.ir.record import field, record
 from gproof.ir.trace import UNKNOWN, Affine, Chunk, Op, Plane
 from gproof.passes.values import add_forms
 from gproof.passes.zone_boxes import Box, boxes_of
-from gproof.passes.zone_regions import Blocked, Floats, Move, Pair, Region, Solid, around_arc, joined, meets, straight
+from gproof.passes.zone_regions import (
+    MOST,
+    Blocked,
+    Floats,
+    Move,
+    Pair,
+    Region,
+    Solid,
+    around_arc,
+    around_box,
+    joined,
+    meets,
+    straight,
+    together,
+)
 
 Triple = tuple[Affine, Affine, Affine]
 Ranges = dict[Affine, Pair]
@@ -166,17 +180,26 @@ def _moves(
     turns, plane, free = np.concatenate(rows.turns), np.concatenate(rows.plane), np.concatenate(rows.free)
     out: list[tuple[int, Move]] = []
     known: dict[tuple[int, int], tuple[int, npt.NDArray[np.bool_], Floats | None]] = {}
+    done = _runs(start, end, frames, (turns == 0) & ~free)
     for row in range(len(start)):
         key = int(frames[row, 0]), int(frames[row, 1])
         if key not in known:
             known[key] = _standing([resolved[key[0]], resolved[key[1]]], groups, ranges)
         group, moves, spans = known[key]
+        plain = spans is None and bool((moves[0] == moves[1]).all())
+        if row in done and plain:
+            if done[row] > row:
+                out.append((group, together(np.concatenate([start[row : row + 1], end[row : done[row]]]), moves)))
+            continue
         a, b = start[row], end[row]
         pair = IN_PLANE[Plane(int(plane[row]))] if turns[row] else (0, 1)
-        if turns[row] and spans is None and (moves[0] == moves[1]).all():
+        if turns[row] and plain and len(start) > MOST:
+            out.append((group, around_box(a, b, center[row], int(turns[row]), pair, moves)))
+            continue
+        if turns[row] and plain:
             out += [(group, move) for move in around_arc(a, b, center[row], int(turns[row]), pair, moves)]
             continue
-        if not turns[row] and spans is None and ((moves[0] == moves[1]).all() or not free[row]):
+        if not turns[row] and (plain or (spans is None and not free[row])):
             out += [(group, move) for move in straight(a, b, moves, free=bool(free[row]))]
             continue
         low, high = np.stack([a, b]), np.stack([a, b])
@@ -189,6 +212,30 @@ def _moves(
         if spans is not None:
             low, high = low + spans[0], high + spans[1]
         out.append((group, Move(low=low, high=high, moves=moves, error=math.inf)))
+    return out
+
+
+def _runs(
+    start: Floats, end: Floats, frames: npt.NDArray[np.int64], plain: npt.NDArray[np.bool_]
+) -> dict[int, int]:  # fmt: skip
+    """Neighbours to be taken together, where there are more than ``MOST`` rows.
+
+    Of the first row of a run the row behind it, of the others themselves.
+    """
+    size = -(-len(start) // MOST)
+    if size <= 1:
+        return {}
+    follows = plain[1:] & plain[:-1] & (frames[1:] == frames[:-1]).all(axis=1) & (start[1:] == end[:-1]).all(axis=1)
+    out: dict[int, int] = {}
+    row = 0
+    while row < len(start):
+        last = row
+        while last + 1 < len(start) and last + 1 - row < size and follows[last]:
+            last += 1
+        if last > row:
+            out[row] = last + 1
+            out.update((n, n) for n in range(row + 1, last + 1))
+        row = last + 1
     return out
 
 

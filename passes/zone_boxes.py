@@ -6,16 +6,14 @@ not too many of them.
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 import numpy.typing as npt
 
-from gproof.passes.zone_regions import Layer, Pair, Region
+from gproof.passes.zone_regions import SAME, Layer, Pair, Region
 
 Box = tuple[Pair, Pair, Pair]
 MARKS = 48
-"""Places of X and of Y between which boxes end; of more, evenly chosen ones."""
+"""Places of X and of Y at which boxes end, at most."""
 BOXES = 24
 """So many boxes at most."""
 SHARE = 0.02
@@ -26,10 +24,9 @@ def boxes_of(region: Region) -> tuple[Box, ...]:
     """Those first that add most to those before them; where edges are not along the axes, only what adds ``SHARE``."""
     import shapely
 
-    marks = [_marks([_places(layer.left)[:, axis] for layer in region.layers]) for axis in (0, 1)]
-    if not region.layers or min(len(m) for m in marks) < 2:
+    x, y = _marks(region, 0), _marks(region, 1)
+    if min(len(x), len(y)) < 2:
         return ()
-    x, y = marks
     low, high = (np.meshgrid(*ends, indexing="ij") for ends in ((x[:-1], y[:-1]), (x[1:], y[1:])))
     cells = shapely.box(low[0].ravel(), low[1].ravel(), high[0].ravel(), high[1].ravel())
     inside = []
@@ -89,19 +86,29 @@ def _sums(values: npt.NDArray[np.float64], boxes: npt.NDArray[np.int64]) -> npt.
     return np.where(found > 1e-9 * max(float(total[-1, -1, -1]), 1e-300), found, 0.0)
 
 
-def _places(shape: Any) -> npt.NDArray[np.float64]:
-    import shapely
-
-    return np.asarray(shapely.get_coordinates(shape), dtype=np.float64)
-
-
-def _marks(values: list[npt.NDArray[np.float64]]) -> npt.NDArray[np.float64]:
-    """Different ones among all values, in order; neighbours that differ by rounding are one."""
-    marks = np.unique(np.concatenate(values)) if values else np.zeros(0)
-    if len(marks) > 1:
-        marks = marks[np.concatenate([[True], np.diff(marks) > 1e-9])]
+def _marks(region: Region, axis: int) -> npt.NDArray[np.float64]:
+    """Places along an axis where layers have corners, in order; of too many those with the longest edges across."""
+    values, weights = [np.zeros(0)], [np.zeros(0)]
+    for layer in region.layers:
+        for ring in (ring for polygon in outline(layer) for ring in polygon):
+            points = np.array(ring)
+            way = np.abs(points - np.roll(points, 1, axis=0))
+            across = np.where(way[:, axis] <= SAME, way[:, 1 - axis], 0.0)
+            values.append(points[:, axis])
+            weights.append(np.maximum(across, np.roll(across, -1)))
+    found, weight = np.concatenate(values), np.concatenate(weights)
+    order = np.argsort(found, kind="stable")
+    found, weight = found[order], weight[order]
+    if not len(found):
+        return found
+    # Neighbours that differ by rounding are one.
+    first = np.concatenate([[True], np.diff(found) > SAME])
+    group = np.cumsum(first) - 1
+    marks: npt.NDArray[np.float64] = found[first]
+    total = np.bincount(group, weights=weight)
     if len(marks) > MARKS:
-        marks = marks[np.linspace(0, len(marks) - 1, MARKS).round().astype(int)]
+        total[[0, -1]] = np.inf
+        marks = marks[np.sort(np.argsort(-total, kind="stable")[:MARKS])]
     return marks
 
 

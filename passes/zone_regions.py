@@ -110,7 +110,7 @@ class Blocked:
         self.ranges = _finite(x), _finite(y), _finite(z)
         self.fixed = fixed
         self.resolution: float | None = 0.0
-        self._shapes: dict[Pair, list[Any]] = {}
+        self._shapes: dict[tuple[Pair, float], list[Any]] = {}
         self._exact: Blocked | None = None
         self._level: set[Pair] = set()
 
@@ -128,9 +128,8 @@ class Blocked:
         self._block(solid, moves)
 
     def _block(self, solid: Solid, moves: list[Move]) -> None:
-        import shapely
 
-        hulls: dict[Pair, list[Any]] = {}
+        hulls: list[tuple[Pair, Floats]] = []
         for move in moves:
             z = self._heights(solid, move)
             if z is None:
@@ -141,17 +140,17 @@ class Blocked:
             if move.points is None:
                 box = self._box(solid, move)
                 if box is not None:
-                    self._shapes.setdefault(z, []).append(box)
+                    self._shapes.setdefault((z, 0.0), []).append(box)
                     self._coarse(move)
             elif move.moves[:, :2].all():
-                hulls.setdefault(z, []).append(move.points)
+                hulls.append((z, move.points))
             else:
                 shape = self._seen(solid, move)
                 if shape is not None:
-                    self._shapes.setdefault(z, []).append(shape)
-        for z, points in hulls.items():
-            whole = shapely.union_all(np.concatenate([_set_off(part, points) for part in solid.parts]))
-            self._shapes.setdefault(z, []).append(self._grown(whole, solid.grow))
+                    self._shapes.setdefault((z, 0.0), []).append(shape)
+        for part in solid.parts if hulls else ():
+            for (z, _), shape in zip(hulls, _set_off(part, [points for _, points in hulls]), strict=True):
+                self._shapes.setdefault((z, solid.grow), []).append(shape)
 
     def _coarse(self, move: Move) -> None:
         """A box around a move that is no box blocks more than the move does."""
@@ -249,7 +248,10 @@ class Blocked:
         sides = [(-1.0, 1.0) if fixed else ends for ends, fixed in zip(self.ranges, self.fixed, strict=True)]
         thick = [(low - THIN, high + THIN) if high - low < THIN else (low, high) for low, high in sides]
         whole = shapely.box(thick[0][0], thick[1][0], thick[0][1], thick[1][1])
-        shapes = {z: shapely.union_all(found) for z, found in self._rounded(sides[2]).items()}
+        by_height: dict[Pair, list[Any]] = {}
+        for (z, grow), found in self._rounded(sides[2]).items():
+            by_height.setdefault(z, []).append(self._grown(shapely.union_all(found), grow))
+        shapes = {z: shapely.union_all(found) for z, found in by_height.items()}
         marks = sorted({sides[2][0], sides[2][1], *(v for z in shapes for v in z if sides[2][0] < v < sides[2][1])})
         pairs = list(itertools.pairwise(marks)) or [(marks[0], marks[0])]
         if self.fixed[2]:
@@ -272,24 +274,24 @@ class Blocked:
         """Whether nothing is left, and nothing was blocked that is free."""
         return self.region().empty and self.resolution == 0.0
 
-    def _rounded(self, z: Pair) -> dict[Pair, list[Any]]:
+    def _rounded(self, z: Pair) -> dict[tuple[Pair, float], list[Any]]:
         """Shapes by their heights; where these are too many, those of climbing moves are rounded outwards, then all."""
 
         def marks(heights: Iterable[Pair]) -> set[float]:
             return {value for ends in heights for value in ends if z[0] < value < z[1]}
 
-        if len(marks(self._shapes)) <= SLABS or self.fixed[2]:
+        if len(marks(ends for ends, _ in self._shapes)) <= SLABS or self.fixed[2]:
             return self._shapes
         level = marks(self._level)
         level = level if len(level) <= SLABS else set()
         grid = [float(v) for v in np.linspace(z[0], z[1], SLABS + 1)]
         all_ = np.array(sorted({*level, *grid}))
         self._at_best((z[1] - z[0]) / SLABS)
-        out: dict[Pair, list[Any]] = {}
-        for (low, high), shapes in self._shapes.items():
+        out: dict[tuple[Pair, float], list[Any]] = {}
+        for ((low, high), grow), shapes in self._shapes.items():
             below, above = all_[all_ <= low + SAME], all_[all_ >= high - SAME]
             ends = float(below[-1]) if len(below) else -math.inf, float(above[0]) if len(above) else math.inf
-            out.setdefault(ends, []).extend(shapes)
+            out.setdefault((ends, grow), []).extend(shapes)
         return out
 
 
@@ -329,19 +331,19 @@ def meets(solid: Solid, move: Move) -> bool:
 
 
 def _set_off(part: Floats, points: list[Floats]) -> npt.NDArray[Any]:
-    """Hulls of a convex part set off from all points of a move, for each move."""
+    """(n,): hulls of a convex part set off from all points of a move, for each move."""
     import shapely
 
-    out = []
-    by_count: dict[int, list[Floats]] = {}
-    for one in points:
-        by_count.setdefault(len(one), []).append(one)
-    for found in by_count.values():
-        places = np.stack(found)
+    out = np.empty(len(points), dtype=object)
+    by_count: dict[int, list[int]] = {}
+    for number, one in enumerate(points):
+        by_count.setdefault(len(one), []).append(number)
+    for numbers in by_count.values():
+        places = np.stack([points[number] for number in numbers])
         corners = (part[np.newaxis, np.newaxis] - places[:, :, np.newaxis]).reshape(len(places), -1, 2)
         hulls: Any = shapely.convex_hull(shapely.multipoints(corners))
-        out.append(np.asarray(hulls, dtype=object))
-    return np.concatenate(out)
+        out[numbers] = hulls
+    return out
 
 
 def _behind(part: Floats, eye: Floats) -> shapely.Polygon | None:
@@ -427,6 +429,28 @@ def around_arc(
             )
         )  # fmt: skip
     return out
+
+
+def together(places: Floats, moves: npt.NDArray[np.bool_]) -> Move:
+    """Straight moves from place to place, (n, 3), as one that has all of them in its hull."""
+    low, high = places.min(axis=0), places.max(axis=0)
+    return Move(
+        low=np.stack([low, low]), high=np.stack([high, high]), moves=moves, points=places[:, :2], error=math.inf
+    )
+
+
+def around_box(
+    start: Floats, end: Floats, center: Floats, turns: int, pair: tuple[int, int], moves: npt.NDArray[np.bool_]
+) -> Move:  # fmt: skip
+    """An arc as the box around it."""
+    u, v = pair
+    low, high = np.minimum(start, end), np.maximum(start, end)
+    ends = [float(place[axis] - center[axis]) for place in (start, end) for axis in pair]
+    found = arc_extreme(ends[0], ends[1], ends[2], ends[3], turns)
+    for axis, least, most in ((u, found[0], found[1]), (v, found[2], found[3])):
+        low[axis], high[axis] = min(low[axis], center[axis] + least), max(high[axis], center[axis] + most)
+    corners = np.array([[x, y] for x in (low[0], high[0]) for y in (low[1], high[1])])
+    return Move(low=np.stack([low, low]), high=np.stack([high, high]), moves=moves, points=corners, error=math.inf)
 
 
 def joined(moves: list[Move], most: int = MOST) -> list[Move]:

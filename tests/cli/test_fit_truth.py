@@ -30,6 +30,7 @@ from gproof.cli.fit_zones import ZoneWatch
 from gproof.cli.judge import judge
 from gproof.cli.session import Running, open_session
 from gproof.ir.verdict import Verdict
+from gproof.passes import open_zones
 
 EDGE = 1e-6
 FAST = 30
@@ -99,6 +100,20 @@ def test_ranges_are_what_check_says(first: int, count: int, tmp_path: Path) -> N
 @seeds
 def test_regions_beside_an_area_are_what_check_says(first: int, count: int, tmp_path: Path) -> None:
     """With room on the machine and an area across the job."""
+    assert regions_agree(first, count, tmp_path) > count // 4
+
+
+@seeds
+def test_moves_that_are_taken_together_are_on_the_safe_side(
+    first: int, count: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """As in jobs of more moves than are taken one by one."""
+    monkeypatch.setattr(open_zones, "MOST", 2)
+    assert regions_agree(first, count // 2, tmp_path) > count // 10
+
+
+def regions_agree(first: int, count: int, tmp_path: Path) -> int:
+    """How many of so many jobs had regions; what fit and check say of all of them agrees."""
     kinds: dict[str, int] = {}
     for seed in range(first, first + count):
         rng = random.Random(1000 + seed)
@@ -116,7 +131,7 @@ def test_regions_beside_an_area_are_what_check_says(first: int, count: int, tmp_
         where = f"seed {1000 + seed}\n{job.machine_text()}{job.setup_text()}{job.program}{fit}\n{before.told()}"
         assert fit.verdict is before.verdict, where
         agrees(rng, tmp_path, job, fit, where)
-    assert kinds.get("regions", 0) > count // 4
+    return kinds.get("regions", 0)
 
 
 @dataclass(frozen=True)
