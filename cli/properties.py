@@ -19,8 +19,8 @@ CHECKS: dict[str, tuple[str, ...]] = {
     "feeds": ("feeds:feeds",),
     "cutting": ("cutting:cutting",),
     "sense": ("sense:sense",),
-    "gouges": (),
-    "collisions": ("stock:stock_left",),
+    "gouges": ("distance:gouge_check",),
+    "collisions": ("distance:collision_check", "stock:stock_left"),
 }
 """By property the functions ``module:name`` in ``gproof.passes`` that make its checks: of program, machine, setup and
 findings. With none, no check of this version decides it."""

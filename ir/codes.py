@@ -575,6 +575,25 @@ HOLDER_NEAR_STOCK = code(
 STOCK_UNKNOWN = code(
     443, "stock-unknown", _U, "what is left of the stock is not known behind this line: {cause}", "collisions"
 )
+GOUGE = code(420, "gouge", _E, "{what}, at X{x:.4f} Y{y:.4f} Z{z:.4f}", "gouges")
+COLLISION = code(421, "collision", _E, "{what}, at X{x:.4f} Y{y:.4f} Z{z:.4f}", "collisions")
+HOLDER_IN_PART = code(422, "shank-or-holder-in-part", _E, "{what}, at X{x:.4f} Y{y:.4f} Z{z:.4f}", "collisions")
+GOUGE_POSSIBLE = code(
+    423,
+    "gouge-possible",
+    _U,
+    "{what}, at X{x:.4f} Y{y:.4f} Z{z:.4f}: {doubt}",
+    "gouges",
+)
+COLLISION_POSSIBLE = code(
+    424,
+    "collision-possible",
+    _U,
+    "{what}, at X{x:.4f} Y{y:.4f} Z{z:.4f}: {doubt}",
+    "collisions",
+)
+GOUGE_UNKNOWN = code(425, "gouge-unknown", _U, "{cause}", "gouges")
+COLLISION_UNKNOWN = code(426, "collision-unknown", _U, "{cause}", "collisions")
 
 
 # 5xx motion and time

@@ -11,6 +11,7 @@ import pytest
 from support.goldens import ROOT
 
 from gproof.cli.main import main
+from gproof.cli.properties import CHECKS
 
 CODES = ROOT / "docs" / "codes"
 HEAD = "G21 G90 G17 G40 G49 G80 G94\nG0 Z-5\n"
@@ -195,7 +196,8 @@ def test_what_fails_a_check(check: Any, words: list[str], codes: dict[str, int])
         ('[severity]\nsoft-limit = "loud"', "'loud' is none of"),
     ],
 )
-def test_policies_with_mistakes(check: Any, text: str, said: str) -> None:
+def test_policies_with_mistakes(check: Any, text: str, said: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(CHECKS, "gouges", ())
     Path("shop.toml").write_text(f'schema = "gproof-policy/1"\n{text}\n', encoding="utf-8")
     code, report = check(HEAD + TAIL, "--policy", "shop.toml")
     if "gouges" in text:

@@ -1,0 +1,315 @@
+"""Whether a tool comes too near to the part or to fixtures: exact distances along every move.
+
+Takes rows of the Trace, the tool table and the setup's workpiece; decides the properties ``gouges`` (the cutter and the
+part) and ``collisions`` (shank and holder and the part, everything and fixtures). docs/gouges.md says what is judged,
+docs/verification.md with which bounds; ``distance_kernels`` has the proofs.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Sequence
+
+import numpy as np
+import numpy.typing as npt
+
+from gproof.ir import codes
+from gproof.ir.finding import Code, Findings, Severity, Span
+from gproof.ir.machine import Machine
+from gproof.ir.program import Program
+from gproof.ir.setup import Setup
+from gproof.ir.trace import Chunk, Op, PathMode, State
+from gproof.ir.verdict import PropertyResult, Verdict
+from gproof.ir.workpiece import Mesh, Placed, Workpiece
+from gproof.passes.check import Check, row_span
+from gproof.passes.distance_kernels import chords
+from gproof.passes.distance_scene import CHORD, Scene, Stretch
+from gproof.passes.placing import Placing, Reason, Tips
+from gproof.passes.surfaces import Surface
+from gproof.passes.tool_shape import CUTTER, HOLDER, PARTS, SHANK, UNSTATED, Shape, shape_of
+
+Floats = npt.NDArray[np.float64]
+Ints = npt.NDArray[np.int64]
+
+_SEGMENTS = 1 << 15
+"""Segments at a time."""
+FIRST_WAY = "the way from where the axes stand when the job begins touches nothing"
+
+
+def gouge_check(program: Program, machine: Machine, setup: Setup, findings: Findings) -> Check:
+    """The cutter and the part."""
+    return Distance("gouges", program, machine, setup, findings)
+
+
+def collision_check(program: Program, machine: Machine, setup: Setup, findings: Findings) -> Check:
+    """Shank and holder and the part, all of the tool and fixtures."""
+    return Distance("collisions", program, machine, setup, findings)
+
+
+class Distance(Check):
+    """The properties ``gouges`` and ``collisions`` as far as part and fixtures are concerned."""
+
+    def __init__(self, name: str, program: Program, machine: Machine, setup: Setup, findings: Findings) -> None:
+        super().__init__(machine, setup, findings)
+        self.name = name
+        self.unknown = codes.GOUGE_UNKNOWN if name == "gouges" else codes.COLLISION_UNKNOWN
+        self.placing = Placing(program, machine, setup)
+        given = setup.workpiece or Workpiece()
+        self.given = given
+        part = (CUTTER,) if name == "gouges" else (SHANK, HOLDER, UNSTATED)
+        self.scenes = [Scene(w, part, -given.tolerance, Surface(b)) for w, b in _by_zero(given.part)]
+        if name == "collisions":
+            everything = (CUTTER, SHANK, HOLDER, UNSTATED)
+            self.scenes += [Scene(w, everything, given.clearance, Surface(b)) for w, b in _by_zero(given.fixtures)]
+        self._shapes: dict[int, Shape] = {}
+        self._slack = np.zeros(0)
+        self._behind: list[tuple[int, Floats] | None] = [None] * len(self.scenes)
+        self._told: set[tuple[int, int]] = set()
+        self._assumed: dict[str, None] = {}
+        self._files: list[str] = []
+        self._errors = 0
+        self._bow = self._chord_error()
+        stated = machine.controller.straight_traverse
+        self._straight = bool(program.rules.straight_traverse if stated is None else stated)
+
+    def _chord_error(self) -> float:
+        """mm that the controller's own chords of an arc lie inside it: a T² / 8 (docs/dialects/eding.md)."""
+        limits = [axis.max_acceleration for axis in self.machine.axes if axis.index < 3]
+        if any(limit is None for limit in limits) or not limits:
+            return 0.0
+        total = math.sqrt(sum(limit * limit for limit in limits if limit is not None))
+        return total * self.machine.controller.interpolation_time**2 / 8.0
+
+    def shape(self, tool: int) -> Shape:
+        """What is known of a tool's shape."""
+        if tool not in self._shapes:
+            entry = self.machine.tool(tool)
+            if tool < 0:
+                made = Shape(problem="which tool is in the spindle is not stated")
+            elif entry is None:
+                made = Shape(problem=f"tool {tool} is not in the tool table" if tool else "no tool is in the spindle")
+            else:
+                made = shape_of(entry)
+            self._shapes[tool] = made
+            if not made.problem:
+                self._assumed.update(dict.fromkeys(made.assumed))
+        return self._shapes[tool]
+
+    def feed(self, chunk: Chunk) -> None:
+        """Look at the moves of a chunk."""
+        self._files = chunk.trace.files
+        if not len(chunk.rows) or not self.scenes:
+            return
+        have = len(self._slack)
+        new = [self._deviation(state) for state in chunk.trace.states[have:]]
+        self._slack = np.concatenate([self._slack, np.array(new, dtype=np.float64)])
+        tips: dict[int, Tips] = {}
+        for number, scene in enumerate(self.scenes):
+            if scene.work not in tips:
+                tips[scene.work] = self.placing.tips(chunk, scene.work)
+            self._look(chunk, number, scene, tips[scene.work])
+
+    def _deviation(self, state: State) -> float:
+        """mm that the controller may leave the programmed path by: G64 P, and Q of G61 and G64."""
+        rounding = state.path_tolerance if state.path_mode is PathMode.CONTINUOUS else 0.0
+        return max(0.0, rounding) + max(0.0, state.simplify)
+
+    def _look(self, chunk: Chunk, number: int, scene: Scene, tips: Tips) -> None:
+        rows = chunk.rows
+        moves = rows["op"] < Op.DWELL
+        self._unplaced(chunk, scene, tips, np.flatnonzero(moves & ~tips.known))
+        at = np.flatnonzero(moves & tips.known)
+        if not len(at):
+            return
+        tool = tips.tool[at]
+        slack = self._slack[rows["state"][at]]
+        cuts = [0, *(np.flatnonzero(tool[1:] != tool[:-1]) + 1).tolist(), len(at)]
+        for low, high in itertools.pairwise(cuts):
+            self._moves(chunk, number, scene, tips, at[low:high], int(tool[low]), slack[low:high])
+
+    def _moves(
+        self, chunk: Chunk, number: int, scene: Scene, tips: Tips, at: Ints, tool: int, slack: Floats
+    ) -> None:  # fmt: skip
+        """Moves of one tool."""
+        rows, shape = chunk.rows, self.shape(tool)
+        start, end = tips.start[at], tips.end[at]
+        source = rows["file"][at].astype(np.int64) << 32 | rows["line"][at].astype(np.int64)
+        place = np.stack([source, chunk.begin + at, np.zeros(len(at), dtype=np.int64)], axis=1)
+        joined = np.ones(len(at), dtype=np.bool_)
+        joined[1:] = (start[1:] == end[:-1]).all(axis=1)
+        behind = self._behind[number]
+        joined[0] = behind is not None and behind[0] == tool and bool((behind[1] == start[0]).all())
+        for k in np.flatnonzero(~joined).tolist():
+            self._begins(scene, tool, shape, start[k], int(place[k, 0]))
+        self._behind[number] = (tool, end[-1].copy())
+        op = rows["op"][at]
+        arcs = op == Op.ARC
+        if not self._straight:
+            # Any way to the end, and the end itself, which is certain.
+            place[:, 2] = (op == Op.TRAVERSE) & ((start != end).sum(axis=1) > 1)
+            twice = np.flatnonzero(place[:, 2])
+            again = np.sort(np.concatenate([np.arange(len(at)), twice]))
+            ends = np.zeros(len(again), dtype=np.bool_)
+            ends[1:] = again[1:] == again[:-1]
+            at, op, arcs, start, end, slack, place = (
+                column[again] for column in (at, op, arcs, start, end, slack, place)
+            )
+            start[ends], place[ends, 2] = end[ends], 0
+        if not arcs.any():
+            scene.sweep(tool, shape, start, end, slack, np.zeros(len(at)), place)
+            return
+        center, turns, plane = tips.center[at], rows["turns"][at], rows["plane"][at]
+        slack = slack + np.where(arcs, self._bow + self._small_arcs(start, center, plane), 0.0)
+        room, begin = _SEGMENTS, 0
+        places = np.zeros(1, dtype=np.int64)
+        while begin < len(at):
+            points, sag, of = np.zeros((room, 6)), np.zeros(room), np.zeros(room, dtype=np.int64)
+            made = chords.pick(len(at) - begin)(
+                op, start, end, center, turns, plane, CHORD, begin, places, points, sag, of
+            )
+            if places[0] < 0:
+                room = int(-places[0])
+                continue
+            begin = int(places[0])
+            of, sag = of[:made], sag[:made]
+            scene.sweep(tool, shape, points[:made, :3], points[:made, 3:], slack[of] + sag, sag, place[of])
+
+    def _small_arcs(self, start: Floats, center: Floats, plane: npt.NDArray[np.uint8]) -> Floats:
+        """mm by which a line in place of an arc below the controller's smallest one may lie beside it."""
+        smallest = self.machine.controller.controls.smallest_arc
+        if smallest is None:
+            return np.zeros(len(start))
+        away = start - center
+        away[np.arange(len(away)), np.select([plane == 1, plane == 2], [2, 1], 0)] = 0.0
+        radius = np.sqrt((away * away).sum(axis=1))
+        return np.where(radius <= smallest, 2.0 * radius, 0.0)
+
+    def _unplaced(self, chunk: Chunk, scene: Scene, tips: Tips, at: Ints) -> None:
+        """Moves at a place that is not known: clear where their height tells so, else a finding."""
+        rows = chunk.rows
+        summit = scene.surface.high[2] + float(scene.surface.grid[4])
+        for k in at.tolist():
+            reason = Reason(int(tips.reason[k]))
+            if reason is Reason.START and rows["op"][k] == Op.TRAVERSE and not tips.axes[k, 2]:
+                self._assumed[FIRST_WAY] = None
+                continue
+            tool = int(tips.tool[k])
+            if tips.axes[k, 2] and int(rows["plane"][k]) < 2:
+                lowest = min(float(tips.start[k, 2]), float(tips.end[k, 2])) - self._slack[rows["state"][k]] - self._bow
+                if lowest + scene.lowest(tool, self.shape(tool)) > summit:
+                    continue
+            if (scene.work, int(reason)) in self._told:
+                self.findings.counts[self.unknown.number] = self.findings.counts.get(self.unknown.number, 0) + 1
+                continue
+            self._told.add((scene.work, int(reason)))
+            cause = f"where the tool is beside the bodies is not known: {self.placing.cause(chunk, k, scene.work)}"
+            self.findings.add(self.unknown.at(row_span(chunk.trace, rows, k), cause=cause))
+
+    def _begins(self, scene: Scene, tool: int, shape: Shape, tip: Floats, place: int) -> None:
+        """A tool that is inside a body before it moves."""
+        for body, part, inside in scene.within(tool, shape, tip):
+            name = scene.surface.bodies[body].name
+            if inside:
+                self._errors += 1
+                code = codes.GOUGE if self.name == "gouges" else codes.COLLISION
+                what = f"the {PARTS[part]} of tool {tool} is inside {name} where this move begins"
+                self.findings.add(
+                    code.at(self._span(place), what=what, x=float(tip[0]), y=float(tip[1]), z=float(tip[2]))
+                )
+            else:
+                what = f"whether the {PARTS[part]} of tool {tool} begins inside {name}: its surface is not closed"
+                self.findings.add(self.unknown.at(self._span(place), cause=what))
+
+    def _span(self, place: int) -> Span:
+        return Span(self._files[place >> 32], place & 0xFFFFFFFF)
+
+    def finish(self) -> PropertyResult:
+        """UNSAFE with something that is certainly too near, UNKNOWN with something that may be, else SAFE."""
+        first = Span(self._files[0] if self._files else "", 0)
+        if self.name == "gouges" and not self.given.part:
+            self.findings.add(self.unknown.at(first, cause="nobody stated the part that is to be left"))
+        elif self.name == "collisions" and not (self.given.part or self.given.fixtures or self.given.stock):
+            self.findings.add(self.unknown.at(first, cause="nobody stated fixtures, part or stock"))
+        elif self.name == "collisions" and not self.given.fixtures:
+            self._assumed["no fixtures are stated: what holds the work is not looked at"] = None
+        for scene in self.scenes:
+            for stretch in scene.stretches():
+                self._tell(scene, stretch)
+            if scene.left_out:
+                self.findings.counts[self.unknown.number] = (
+                    self.findings.counts.get(self.unknown.number, 0) + scene.left_out
+                )
+        verdict = Verdict.SAFE
+        if self._errors or self.findings.has(Severity.ERROR, (self.name,)):
+            verdict = Verdict.UNSAFE
+        elif self.findings.has(Severity.UNKNOWN, (self.name,)):
+            verdict = Verdict.UNKNOWN
+        assumptions = (*self.placing.assumptions, *self._assumed) if self.scenes else ()
+        return PropertyResult(name=self.name, verdict=verdict, assumptions=tuple(assumptions))
+
+    def _tell(self, scene: Scene, stretch: Stretch) -> None:
+        """A finding for a stretch of moves, at its first line."""
+        placed, span = scene.surface.bodies[stretch.body], self._span(stretch.place)
+        name = placed.name
+        source = placed.body.source if isinstance(placed.body, Mesh) else ""
+        if source and source not in name:
+            name = f"{name} ({source})"
+        shape = self.shape(stretch.tool)
+        if stretch.part == UNSTATED:
+            top = stretch.first[2][2] + min(0.0, float(stretch.first[3][2]))
+            known = scene.ladder(stretch.tool, shape).pieces[stretch.first[1]].tip
+            cause = shape.problem or (
+                f"{PARTS[UNSTATED]} {stretch.tool} may touch {name}: that ends "
+                f"{scene.surface.high[2] - top:.4f} mm above the tip, and from {known:.4f} mm above the tip on "
+                "nothing is stated"
+            )
+            hint = f"{_moves(stretch.moves)}; state flute_length, shank_diameter, stickout and holder of the tool"
+            self.findings.add(self.unknown.at(span, cause=cause, hint=hint))
+            return
+        distance, tip, _ = scene.nearest(stretch)
+        facet, slack = stretch.worst[0], stretch.worst[4]
+        x, y, z = tip.tolist()
+        what = f"the {PARTS[stretch.part]} of tool {stretch.tool} {_near(distance, name)}, {_allowed(scene.limit)}"
+        hint = _moves(stretch.moves)
+        if stretch.deepest != stretch.place:
+            hint += f" from here on, the worst in line {stretch.deepest & 0xFFFFFFFF}"
+        if stretch.certain:
+            self._errors += 1
+            self.findings.add(self._code(scene).at(span, what=what, x=x, y=y, z=z, hint=hint))
+            return
+        doubts = [
+            f"{text} {mm:.4f} mm nearer"
+            for text, mm in (
+                ("the controller may bring it", slack), ("the drawing may be", float(scene.surface.beside[facet]))
+            )
+            if mm > 0.0
+        ]  # fmt: skip
+        if stretch.boxed:
+            doubts.append("a traverse of this controller is not known to be a straight line")
+        doubt = ", and ".join(doubts) or "no proof either way"
+        code = codes.GOUGE_POSSIBLE if self.name == "gouges" else codes.COLLISION_POSSIBLE
+        self.findings.add(code.at(span, what=what, x=x, y=y, z=z, doubt=doubt, hint=hint))
+
+    def _code(self, scene: Scene) -> Code:
+        if self.name == "gouges":
+            return codes.GOUGE
+        return codes.COLLISION if CUTTER in scene.parts else codes.HOLDER_IN_PART
+
+
+def _by_zero(bodies: Sequence[Placed]) -> list[tuple[int, list[Placed]]]:
+    """Bodies by the zero that they count from."""
+    works = dict.fromkeys(placed.work for placed in bodies)
+    return [(work, [placed for placed in bodies if placed.work == work]) for work in works]
+
+
+def _near(distance: float, name: str) -> str:
+    return f"goes {-distance:.4f} mm into {name}" if distance < 0.0 else f"comes within {distance:.4f} mm of {name}"
+
+
+def _allowed(limit: float) -> str:
+    return f"{-limit:g} mm allowed" if limit <= 0.0 else f"a clearance of {limit:g} mm is asked for"
+
+
+def _moves(count: int) -> str:
+    return "1 move" if count == 1 else f"{count} moves"
