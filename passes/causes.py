@@ -25,7 +25,7 @@ class Causes:
     """Collects causes by code and a key of the check's own, in order of arrival."""
 
     def __init__(self) -> None:
-        self._found: dict[Hashable, Cause] = {}
+        self._found: dict[tuple[int, Hashable], Cause] = {}
 
     def add(
         self, code: Code, key: Hashable, first: Span, last: Span, count: int = 1, hint: str = "", **values: object
@@ -42,6 +42,19 @@ class Causes:
         known = self._found.get((code.number, key))
         if known is not None and value > float(str(known.values[name])):
             known.values.update(values)
+
+    def take_over(self, other: Causes) -> None:
+        """Add what another collector has, and empty it."""
+        for (number, key), cause in other._found.items():
+            known = self._found.setdefault((number, key), cause)
+            if known is not cause:
+                known.count += cause.count
+                known.last = cause.last
+        other.clear()
+
+    def clear(self) -> None:
+        """Forget everything."""
+        self._found = {}
 
     def forget(self, code: Code) -> None:
         """Do not tell a code."""

@@ -2,8 +2,9 @@
 
 A row counts as a cut when it is a feed move or an arc that goes somewhere, not straight up, with a head that holds a
 tool (not the probe or the camera); where nothing is stated of the stock, whether material is there nobody knows.
-Moves of the machine's own macros (what replaces a code of its own) and moves with the guard of the tool change area
-off are not cuts: they fetch tools, measure them, or park.
+Moves of the machine's own macros that fetch or measure tools (what replaces a code, changes or measures a tool, and
+starts no spindle) are not cuts. Nor are moves with the guard of the tool change area off, where the job switches it on
+again: what they would give is held back until then (``Guarded``).
 """
 
 from __future__ import annotations
@@ -14,7 +15,8 @@ import numpy as np
 import numpy.typing as npt
 
 from gproof.ir.machine import Machine, Tool
-from gproof.ir.program import Call, Program, Replaced, Statement, parts_of
+from gproof.ir.program import Block, BlockTable, Call, Number, Program, Replaced, Statement, parts_of
+from gproof.ir.rules import Function as F
 from gproof.ir.trace import KNIFE, Chunk, Op, State, Trace
 
 Bools = npt.NDArray[np.bool_]
@@ -23,14 +25,55 @@ PROBE_HEAD = 4
 SOMEWHERE = 1e-6
 """mm or degrees: less is no move."""
 _CHANGE_GUARD = "tool_change_area"
+LONG_MACRO = 2000
+"""Lines that no macro of a tool change has."""
+_TOOLS = frozenset(
+    (F.TOOL_CHANGE, F.TOOL_NUMBER, F.PROBE, F.MEASURE_TOOL, F.MEASURE_SWITCH, F.MEASURE_SURFACE, F.MEASURE_DEPTH,
+     F.STORE_TOOL)
+)  # fmt: skip
+_STARTS = frozenset((F.SPINDLE_CW, F.SPINDLE_CCW))
 
 
 def macro_names(program: Program) -> frozenset[str]:
-    """Names of the subprograms that codes of the machine's own stand for, and of what these call."""
+    """Names of the subprograms that codes of the machine's own stand for, where they fetch or measure tools.
+
+    One that starts a spindle may cut, and is none of these.
+    """
     names = set(program.overrides.values())
     bodies = [program.body, *(sub.body for sub in program.subprograms.values())]
     names |= {call.name for body in bodies for call in _replacing(body)}
-    return frozenset(names)
+    done = {name: _functions(program, name, set()) for name in names}
+    return frozenset(name for name, does in done.items() if does & _TOOLS and not does & _STARTS)
+
+
+def _functions(program: Program, name: str, seen: set[str]) -> set[F]:
+    """What a subprogram and those that it calls may do, as far as codes are written as numbers."""
+    sub = program.subprograms.get(name)
+    if sub is None or name in seen:
+        return set()
+    seen.add(name)
+    found: set[F] = set()
+    for node in _all(sub.body):
+        words: list[tuple[str, float]] = []
+        if isinstance(node, BlockTable):
+            if node.last_line - node.first_line > LONG_MACRO:
+                return set()  # a job, and no tool change
+            table, _, _ = program.load(node, node.begin, node.first_line, max(1, node.end - node.begin))
+            words = [(chr(c), v) for c, v in zip(table["letter"].tolist(), table["value"].tolist(), strict=True)]
+        elif isinstance(node, Block):
+            words = [(w.letter, w.value.value) for w in node.words if isinstance(w.value, Number)]
+        elif isinstance(node, Call):
+            found |= _functions(program, node.name, seen)
+        rules = (program.rules.codes.get((letter, round(v * 10))) for letter, v in words if abs(v) < 1e6)
+        found |= {rule.function for rule in rules if rule is not None}
+    return found
+
+
+def _all(body: Iterable[Statement]) -> Iterable[Statement]:
+    for node in body:
+        yield node
+        for part in parts_of(node):
+            yield from _all(part)
 
 
 def _replacing(body: Iterable[Statement]) -> Iterable[Call]:
@@ -97,7 +140,26 @@ class CutRows:
 
 def _excused(state: State) -> float:
     """1 where feed moves are not those of a turning tool."""
-    return float(state.head >= PROBE_HEAD or KNIFE in state.following or _CHANGE_GUARD in state.guards_off)
+    return float(state.head >= PROBE_HEAD or KNIFE in state.following)
+
+
+class Guarded:
+    """Which cuts run with the guard of the tool change area off, and when it is on again."""
+
+    def __init__(self) -> None:
+        self._off = StateColumn(lambda state: float(_CHANGE_GUARD in state.guards_off))
+
+    def split(self, chunk: Chunk, cut: Bools) -> tuple[Bools, Bools, bool]:
+        """Cuts with the guard on; those with it off behind the last time it was switched on; whether it was."""
+        off = self._off.rows(chunk) != 0.0
+        rows = chunk.rows
+        names = [k for k, text in enumerate(chunk.trace.texts) if text == _CHANGE_GUARD]
+        on = (rows["op"] == Op.GUARD) & (rows["arg"][:, 0] == 1.0) & np.isin(rows["text"], names)
+        held = cut & off
+        again = bool(on.any())
+        if again:
+            held[: int(np.flatnonzero(on)[-1])] = False
+        return cut & ~off, held, again
 
 
 def tool_column(machine: Machine, of: Callable[[Tool], float | None]) -> StateColumn:

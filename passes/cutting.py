@@ -23,7 +23,7 @@ from gproof.ir.trace import Affine, Chunk, Op, Wait
 from gproof.ir.verdict import PropertyResult
 from gproof.passes.causes import Causes, answer
 from gproof.passes.check import Check, row_span
-from gproof.passes.cut_rows import SOMEWHERE, Bools, CutRows, Floats, StateColumn, tool_column
+from gproof.passes.cut_rows import SOMEWHERE, Bools, CutRows, Floats, Guarded, StateColumn, tool_column
 from gproof.passes.spin_up import Flow, Started, reached, waited
 
 SLACK = 1e-9
@@ -63,7 +63,8 @@ class Cutting(Check):
         self._output = None if first is None else first.output
         self._flow: dict[int, Flow] = {0: Flow()}
         self._now = Flow()
-        self._causes = Causes()
+        self._causes, self._held = Causes(), Causes()
+        self._guarded = Guarded()
         self._starts = self._other_tool = self._names_tools = False
         self._wet: dict[int, list[bool]] = {}
         self._dry: dict[int, Span] = {}
@@ -77,10 +78,13 @@ class Cutting(Check):
         if chunk.begin == 0:
             self._now = self._flow.pop(chunk.section, Flow())
         way = self._rows.ways(chunk)
-        cut = self._rows.cuts(chunk, way)
+        cut, held, again = self._guarded.split(chunk, self._rows.cuts(chunk, way))
         rpm = self._speeds(chunk)
-        if cut.any():
-            self._judge(chunk, cut, rpm)
+        if again:
+            self._held.clear()
+        for rows, causes in ((cut, self._causes), (held, self._held)):
+            if rows.any():
+                self._judge(chunk, rows, rpm, causes)
         self._events(chunk, cut, rpm, way)
         self._heights(chunk, cut, way)
         if chunk.last:
@@ -88,6 +92,8 @@ class Cutting(Check):
 
     def finish(self) -> PropertyResult:
         """The answer, after the last chunk."""
+        # A guard that stays off is no tool change.
+        self._causes.take_over(self._held)
         stated = self.machine.spindle_started
         assumed: tuple[str, ...] = ()
         if stated is False:
@@ -130,27 +136,39 @@ class Cutting(Check):
             rpm[at:] = now.rpm if now.on else 0.0
         return rpm
 
-    def _judge(self, chunk: Chunk, cut: Bools, rpm: Floats) -> None:
+    def _judge(self, chunk: Chunk, cut: Bools, rpm: Floats, causes: Causes) -> None:
         """Cuts by what their spindle does and which tool it holds."""
         surface = self._surface.rows(chunk) != 0.0
         tool = self._tool.rows(chunk)
-        self._tell(chunk, cut & (rpm == 0.0), codes.SPINDLE_AT_REST, 0, "M3 before the first of them")
+        self._tell(causes, chunk, cut & (rpm == 0.0), codes.SPINDLE_AT_REST, 0, "M3 before the first of them")
         self._tell(
-            chunk, cut & np.isnan(rpm) & ~surface, codes.SPINDLE_SPEED_NOT_TOLD, 0, "an S in plain numbers before M3"
+            causes,
+            chunk,
+            cut & np.isnan(rpm) & ~surface,
+            codes.SPINDLE_SPEED_NOT_TOLD,
+            0,
+            "an S in plain numbers before M3",
         )
         holds_none = cut & (tool == 0)
         if self.setup.name == ZERO.name and not self._names_tools:
             # The setup zero says tool 0 of any machine: only what the job itself puts away is gone.
             holds_none &= np.maximum.accumulate(chunk.rows["op"] == Op.TOOL_CHANGE)
         self._tell(
-            chunk, holds_none, codes.NO_TOOL, 0, "a T and its tool change before, or tool = ... in the setup file"
+            causes,
+            chunk,
+            holds_none,
+            codes.NO_TOOL,
+            0,
+            "a T and its tool change before, or tool = ... in the setup file",
         )
         milling = cut & (self._follows.rows(chunk) == 0.0)
         if not self.machine.controller.turning:
-            self._tell(chunk, milling & (rpm < 0.0), codes.TURNS_BACKWARDS, 0, "right, for a left-hand tool")
+            self._tell(causes, chunk, milling & (rpm < 0.0), codes.TURNS_BACKWARDS, 0, "right, for a left-hand tool")
         if not self._limited:
             return
-        self._tell(chunk, cut & (tool < 0), codes.TOOL_NOT_TOLD, 0, "a T before, or tool = ... in the setup file")
+        self._tell(
+            causes, chunk, cut & (tool < 0), codes.TOOL_NOT_TOLD, 0, "a T before, or tool = ... in the setup file"
+        )
         speed = np.abs(rpm)
         for name, code, over, limit in (
             ("fast", codes.TOOL_TOO_FAST, speed - self._fastest.rows(chunk), self._fastest),
@@ -168,8 +186,8 @@ class Cutting(Check):
                     "over": float(over[at]),
                 }
                 hint = f"another S, or {'max_rpm' if name == 'fast' else 'min_rpm'} of this tool in the machine file"
-                self._tell(chunk, mine, code, int(number), hint, **values)
-                self._causes.worse(code, int(number), "over", float(over[at]), **values)
+                self._tell(causes, chunk, mine, code, int(number), hint, **values)
+                causes.worse(code, int(number), "over", float(over[at]), **values)
 
     def _events(self, chunk: Chunk, cut: Bools, rpm: Floats, way: Floats) -> None:
         """What rows that do not move change: spindle, coolant, tools, outputs of other tools; and who cuts dry."""
@@ -297,8 +315,10 @@ class Cutting(Check):
                 codes.NOT_RETRACTED, where, where, where, 1, hint, reached=height, below=clear - height
             )  # fmt: skip
 
-    def _tell(self, chunk: Chunk, rows: Bools, code: Code, key: int, hint: str, **values: object) -> None:
+    def _tell(
+        self, causes: Causes, chunk: Chunk, rows: Bools, code: Code, key: int, hint: str, **values: object
+    ) -> None:
         found = np.flatnonzero(rows)
         if found.size:
             first, last = (row_span(chunk.trace, chunk.rows, int(found[at])) for at in (0, -1))
-            self._causes.add(code, key, first, last, found.size, hint, **values)
+            causes.add(code, key, first, last, found.size, hint, **values)

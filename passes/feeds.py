@@ -23,7 +23,7 @@ from gproof.ir.trace import Chunk, Op, Plane, State
 from gproof.ir.verdict import PropertyResult
 from gproof.passes.causes import Causes, answer
 from gproof.passes.check import Check, row_span
-from gproof.passes.cut_rows import SOMEWHERE, Bools, CutRows, Floats, StateColumn, tool_column
+from gproof.passes.cut_rows import SOMEWHERE, Bools, CutRows, Floats, Guarded, StateColumn, tool_column
 from gproof.passes.motion_hints import ARCS_FEED
 from gproof.passes.plan import MotionEstimate
 from gproof.passes.plan_kernels import arc_shapes
@@ -52,7 +52,8 @@ class Feeds(Check):
         self._tool = StateColumn(lambda state: float(state.tool))
         self._free = StateColumn(_follows)
         self._limited = any(t.max_feed is not None or t.max_plunge is not None for t in machine.tools)
-        self._causes = Causes()
+        self._causes, self._held = Causes(), Causes()
+        self._guarded = Guarded()
         controls = machine.controller.controls
         self._arcs_open = program.rules.arcs_keep_feed and controls.arcs_share_feed is None
 
@@ -67,45 +68,57 @@ class Feeds(Check):
         open_ = moves & np.isnan(feed) & (self._free.rows(chunk) == 0.0)
         if open_.any():
             on_arcs = self._arcs_open and not (open_ & (rows["op"] == Op.FEED)).any()
-            self._tell(chunk, open_, codes.FEED_NOT_TOLD, 0, ARCS_FEED if on_arcs else "")
+            self._tell(self._causes, chunk, open_, codes.FEED_NOT_TOLD, 0, ARCS_FEED if on_arcs else "")
         if not self._limited:
             return
         way = self._rows.ways(chunk)
-        cut = self._rows.cuts(chunk, way) & (self._free.rows(chunk) == 0.0)
-        self._tell(chunk, cut & (self._tool.rows(chunk) < 0), codes.FEED_TOOL_NOT_TOLD, 0)
+        cut, held, again = self._guarded.split(chunk, self._rows.cuts(chunk, way) & (self._free.rows(chunk) == 0.0))
+        if again:
+            self._held.clear()
+        for mine, causes in ((cut, self._causes), (held, self._held)):
+            if mine.any():
+                self._judge(chunk, mine, way, causes)
+
+    def _judge(self, chunk: Chunk, cut: Bools, way: Floats, causes: Causes) -> None:
+        """Cuts by what their tool stands."""
+        feed: Floats = chunk.rows["feed"]
+        self._tell(causes, chunk, cut & (self._tool.rows(chunk) < 0), codes.FEED_TOOL_NOT_TOLD, 0)
         length, down = _lengths(chunk, way)
         linear = cut & ~(length < SOMEWHERE)
-        self._over(chunk, linear, feed, 60.0 * self._feed.rows(chunk), codes.FEED_OVER_TOOL)
+        self._over(causes, chunk, linear, feed, 60.0 * self._feed.rows(chunk), codes.FEED_OVER_TOOL)
         plunge = 60.0 * self._plunge.rows(chunk)
         # Of a way whose slope is not known, one slower than the limit for plunges is fine whatever it is.
         open_ = linear & np.isnan(down) & (feed > plunge * (1.0 + SLACK))
-        self._tell(chunk, open_, codes.PLUNGE_NOT_KNOWN, 0)
-        self._over(chunk, linear & ~np.isnan(down), feed * down, plunge, codes.PLUNGE_OVER_TOOL)
+        self._tell(causes, chunk, open_, codes.PLUNGE_NOT_KNOWN, 0)
+        self._over(causes, chunk, linear & ~np.isnan(down), feed * down, plunge, codes.PLUNGE_OVER_TOOL)
 
     def finish(self) -> PropertyResult:
         """The answer, after the last chunk."""
+        self._causes.take_over(self._held)
         if any(self.findings.counts.get(code.number) for code in _TOLD):
             # The line that has such a feed is told already, with what it rests on.
             self._causes.forget(codes.FEED_NOT_TOLD)
         self._causes.report(self.findings)
         return answer(self.name, self.findings)
 
-    def _over(self, chunk: Chunk, rows: Bools, feed: Floats, allowed: Floats, code: Code) -> None:
+    def _over(self, causes: Causes, chunk: Chunk, rows: Bools, feed: Floats, allowed: Floats, code: Code) -> None:
         over = rows & (feed > allowed * (1.0 + SLACK))
         for tool in np.unique(self._tool.rows(chunk)[over]).tolist():
             mine = over & (self._tool.rows(chunk) == tool)
             top = int(np.argmax(np.where(mine, feed, -math.inf)))
             most, limit = float(feed[top]), float(allowed[top])
             values: dict[str, Any] = {"tool": int(tool), "feed": most, "over": most - limit, "allowed": limit}
-            self._tell(chunk, mine, code, int(tool), **values)
-            self._causes.worse(code, int(tool), "feed", most, **values)
+            self._tell(causes, chunk, mine, code, int(tool), **values)
+            causes.worse(code, int(tool), "feed", most, **values)
 
-    def _tell(self, chunk: Chunk, rows: Bools, code: Code, key: int, hint: str = "", **values: Any) -> None:
+    def _tell(
+        self, causes: Causes, chunk: Chunk, rows: Bools, code: Code, key: int, hint: str = "", **values: Any
+    ) -> None:
         found = np.flatnonzero(rows)
         if not found.size:
             return
         first, last = (row_span(chunk.trace, chunk.rows, int(found[at])) for at in (0, -1))
-        self._causes.add(code, key, first, last, found.size, hint or _HINTS[code.number], **values)
+        causes.add(code, key, first, last, found.size, hint or _HINTS[code.number], **values)
 
 
 _HINTS = {

@@ -69,13 +69,13 @@ class Sense(Check):
         foreign = self._foreign()
         if self._unstated is not None and self._may_state_units():
             self.findings.add(codes.UNITS_NEVER_SET.at(self._unstated, hint="the code of the unit before it"))
-        for found in (self._evidence.finding(), self._distances()):
+        written = Written(self._program, self.setup)
+        for found in (self._evidence.finding(), self._distances(written)):
             if found is not None:
                 self.findings.add(found)
         if foreign:
             # What such lines would set, call or leave is not read: nothing to say of the rest.
             return answer(self.name, self.findings)
-        written = Written(self._program, self.setup)
         told = {name for f in self.findings.kept if f.code is codes.UNSET_PARAMETER for name in _names(f.values)}
         for found in written.findings():
             if found.code is codes.READ_BEFORE_SET and told.intersection(_names(found.values)):
@@ -92,10 +92,10 @@ class Sense(Check):
         known = {rule.function for rule in self._program.rules.codes.values()}
         return bool(known & _UNITS) and (din is None or din.position_unit is None)
 
-    def _distances(self) -> Finding | None:
+    def _distances(self, written: Written) -> Finding | None:
         if self.machine.controller.controls.absolute is not None:
             return None  # nmode= of WINCNC.INI says it
-        return Written(self._program, self.setup).distances()
+        return written.distances()
 
     def _foreign(self) -> bool:
         """GP152: lines that are refused here, and that another controller has; whether there are any."""

@@ -10,6 +10,7 @@ from __future__ import annotations
 import json
 import math
 import re
+import shutil
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -139,6 +140,8 @@ def test_moves_of_a_rack_are_no_cuts(tmp_path: Path) -> None:
     rack = "tcaguard off\nG0 X300 Y100\nG1 Z-50 F400\nG1 Y150\nG0 Z20\ntcaguard on\n"
     text = HEAD + rack + "M6 T1\nS9000 M3\nG0 Z5\nG1 X50 F500\nG0 Z20\nM30\n"
     assert codes_of(judged(tmp_path, text)[1]) == set()
+    # A guard that nobody switches on again is no tool change.
+    assert codes_of(judged(tmp_path, text.replace("tcaguard on\n", ""))[1]) == {"GP530"}
     without = text.replace("tcaguard off\n", "").replace("tcaguard on\n", "")
     assert codes_of(judged(tmp_path, without)[1]) == {"GP530"}
 
@@ -292,3 +295,73 @@ def test_the_corpus_without_its_spindle_starts(folder: Path, tmp_path: Path) -> 
     report = corpus_report(folder, text, tmp_path)
     found: list[dict[str, object]] = report["findings"]  # type: ignore[assignment]
     assert codes_of(found) & {"GP530", "GP531"}
+
+
+# ---- workshops of the other controllers, told how their spindles run
+
+ROUTER = CORPUS / "wincnc" / "router-atc"
+ENGRAVER = CORPUS / "mcuwin" / "engraver"
+RUNS = 'schema = "gproof-machine/1"\nunits = "inch"\nbase = "WINCNC.INI"\n[spindles.0]\noutput = 1\n'
+RIGHT = {
+    # Feeds that the arcs of these jobs do not allow.
+    "cabinet-door": {"GP501"}, "tray": {"GP501"}, "turned-plates": {"GP501"},
+}  # fmt: skip
+
+
+def shop_jobs(shop: Path, suffix: str, starts: str) -> list[Path]:
+    """Good jobs of a workshop that start a spindle."""
+    return [
+        path.with_suffix(suffix)
+        for path in sorted((shop / "jobs").glob("*.toml"))
+        if 'verdict = "SAFE"' in path.read_text(encoding="utf-8")
+        and re.search(starts, path.with_suffix(suffix).read_text(encoding="latin-1"), re.M)
+    ]
+
+
+def in_the_shop(shop: Path, job: str, machine: str, setup: str) -> tuple[str, set[str]]:
+    words = ["check", f"jobs/{job}", "--machine", machine, "--setup", setup, "--format", "json"]
+    report = json.loads(in_this_process([*words, "--also", "feeds", "--also", "cutting"], shop).out)
+    return report["properties"]["cutting"]["verdict"], codes_of(report["findings"])
+
+
+@pytest.fixture(scope="module")
+def router(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    shop = tmp_path_factory.mktemp("shop") / "router"
+    shutil.copytree(ROUTER, shop)
+    (shop / "m.toml").write_text(RUNS + "[controls]\narcs_share_feed = true\n", encoding="utf-8")
+    return shop
+
+
+ROUTED = [job for job in shop_jobs(ROUTER, ".tap", r"^M3\b") if job.stem != "relief"]  # 5000 lines show no more
+
+
+@pytest.mark.parametrize("job", ROUTED, ids=lambda job: job.stem)
+def test_the_router(job: Path, router: Path) -> None:
+    """As it is, and without the M3 of its jobs; the rack, the tool setter and the park position are no cuts."""
+    text = job.read_text(encoding="latin-1")
+    setup = re.search(r'^setup = "\.\./(.*)"', job.with_suffix(".toml").read_text(encoding="utf-8"), re.M)
+    assert setup is not None
+    assert in_the_shop(router, job.name, "m.toml", setup[1]) == ("SAFE", RIGHT.get(job.stem, set()))
+    (router / "jobs" / "mutant.tap").write_text(re.sub(r"(?m)^M3\b.*$", "", text), encoding="latin-1")
+    verdict, found = in_the_shop(router, "mutant.tap", "m.toml", setup[1])
+    assert verdict == "UNSAFE"
+    assert "GP530" in found
+
+
+@pytest.mark.parametrize("job", shop_jobs(ENGRAVER, ".src", r"\bM03\b"), ids=lambda job: job.stem)
+def test_the_engraver(job: Path, tmp_path: Path) -> None:
+    shutil.copytree(ENGRAVER, tmp_path / "engraver")
+    shop = tmp_path / "engraver"
+    assert in_the_shop(shop, job.name, "machine.toml", "setup.toml") == ("SAFE", set())
+    text = job.read_text(encoding="latin-1")
+    (shop / "jobs" / job.name).write_text(re.sub(r"\bM03\b", "", text), encoding="latin-1")
+    assert in_the_shop(shop, job.name, "machine.toml", "setup.toml")[1] & {"GP530", "GP531"}
+
+
+def test_a_whole_job_behind_a_code_is_judged(tmp_path: Path) -> None:
+    """What replaces a code is a job of its own where it changes no tool, or starts a spindle."""
+    part = "G1 X50 F500\nM5\n"
+    for body, code in ((part, "GP530"), ("M6 T1\n" + part, ""), ("M6 T1\nM3 S900\nG0 Z5\nM5\n" + part, "GP530")):
+        text = f"sub m110\n{body}endsub\n" + HEAD + "M110\nS9000 M3\nG0 Z20\nM30\n"
+        _, found = judged(tmp_path, text)
+        assert codes_of(found) & {"GP530"} == ({code} if code else set()), text
