@@ -31,6 +31,7 @@ from gproof.passes.zone_shapes import (
     IN_PLANE,
     Arc,
     Entry,
+    Pair,
     Point,
     Polygon,
     Rectangle,
@@ -76,18 +77,27 @@ class ZoneCheck:
 
     def _view_of(self, state: State) -> int:
         following = HEIGHT_MAP in state.following and self._heights is not None
-        tool = self.machine.tool(state.tool)
-        diameter = 0.0 if tool is None or tool.diameter is None else tool.diameter
+        diameter = self._diameter(state)
         if self._change:
             key: object = GUARD in state.guards_off, following
         else:
             key = following, state.tip, diameter, self._other_head(state), state.path_tolerance + state.simplify
         if key not in self._of_key:
             self._of_key[key] = len(self._views)
-            self._views.append(self._make(state, following, 0.0 if self._change else diameter / 2))
+            self._views.append(self._make(state, following, diameter))
         return self._of_key[key]
 
-    def _make(self, state: State, following: bool, radius: float) -> View:
+    def _diameter(self, state: State) -> Pair:
+        """Least and greatest of the tool in the spindle, 0 where the table does not say; of all where it may be any."""
+        if self._change:
+            return 0.0, 0.0
+        tool = self.machine.tool(state.tool)
+        if state.tool == -1:
+            return 0.0, max((tool.diameter or 0.0 for tool in self.machine.tools), default=0.0)
+        own = 0.0 if tool is None or tool.diameter is None else tool.diameter
+        return own, own
+
+    def _make(self, state: State, following: bool, diameter: Pair) -> View:
         x, y, z = self.area.box
         causes: list[str] = []
         zero = Position(0.0)
@@ -109,6 +119,9 @@ class ZoneCheck:
         slack = [0.0 if axis is None else max(d.backlash for d in axis.drives())
                  for axis in map(self.machine.axis, AXIS_NAMES[:3])]  # fmt: skip
         around, above = (0.0, 0.0) if self._change else (math.hypot(slack[0], slack[1]), slack[2])
+        radius = diameter[0] / 2
+        if diameter[0] != diameter[1]:
+            causes.append("which tool is in the spindle")
         if around or above:
             causes.append("the backlash of axes")
         # The controller may leave the path by so much at corners, and where it makes one line of several.
@@ -126,7 +139,7 @@ class ZoneCheck:
             if not sure:
                 causes.append("where the axis of rotation of A is")
             shape, y = Rectangle(x, EVERYWHERE), EVERYWHERE
-        outer = Zone(shape=shape, z=wide, grow=radius + around, rise=above)
+        outer = Zone(shape=shape, z=wide, grow=diameter[1] / 2 + around, rise=above)
         inner = Zone(shape=shape, z=narrow, grow=radius) if sure else None
         if not self._change and self._other_head(state):
             causes, inner = [*causes, "which of the heads is meant"], None

@@ -104,12 +104,7 @@ class Polygon(Shape):
         rel = points[:, np.newaxis, :] - self.begin[np.newaxis]
         t = np.clip((rel * self.way).sum(axis=2) / self.square, 0.0, 1.0)
         near = np.hypot(rel[:, :, 0] - t * self.way[:, 0], rel[:, :, 1] - t * self.way[:, 1]).min(axis=1)
-        y = points[:, 1, np.newaxis]
-        across = (self.begin[:, 1] > y) != (self.end[:, 1] > y)
-        with np.errstate(divide="ignore", invalid="ignore"):
-            at = self.begin[:, 0] + (y - self.begin[:, 1]) / self.way[:, 1] * self.way[:, 0]
-        inside = (across & (points[:, 0, np.newaxis] < at)).sum(axis=1) % 2 == 1
-        found: Floats = np.where(inside, -near, near)
+        found: Floats = np.where(self._inside(points), -near, near)
         return found
 
     def crossings(self, start: Pair, way: Pair, grow: float) -> list[float]:
@@ -129,12 +124,29 @@ class Polygon(Shape):
 
     def near(self, lines: Floats, grow: float) -> npt.NDArray[np.bool_]:
         """(n,) of (n, 2, 2): lines that may come into the grown region, by shapely; the others do not for certain."""
-        import shapely
+        low, high = lines.min(axis=1) - grow - _MARGIN, lines.max(axis=1) + grow + _MARGIN
+        beside = np.zeros(len(lines), dtype=np.bool_)
+        for begin, end in zip(self.begin, self.end, strict=True):
+            beside |= ((low <= np.maximum(begin, end)) & (high >= np.minimum(begin, end))).all(axis=1)
+        # A line that no edge's box comes near to is inside from end to end, or outside.
+        found: npt.NDArray[np.bool_] = np.zeros(len(lines), dtype=np.bool_)
+        found[~beside] = self._inside(lines[~beside, 0])
+        if beside.any():
+            import shapely
 
-        whole = shapely.Polygon(self.rings[0], self.rings[1:])
-        shapely.prepare(whole)
-        found = shapely.dwithin(whole, shapely.linestrings(lines), grow + _MARGIN)
-        return np.asarray(found, dtype=np.bool_)
+            whole = shapely.Polygon(self.rings[0], self.rings[1:])
+            shapely.prepare(whole)
+            found[beside] = shapely.dwithin(whole, shapely.linestrings(lines[beside]), grow + _MARGIN)
+        return found
+
+    def _inside(self, points: Floats) -> npt.NDArray[np.bool_]:
+        """(n,) of (n, 2): an odd number of edges to the right."""
+        odd = np.zeros(len(points), dtype=np.bool_)
+        x, y = points[:, 0], points[:, 1]
+        for (ax, ay), (bx, by) in zip(self.begin.tolist(), self.end.tolist(), strict=True):
+            if ay != by:
+                odd ^= ((ay > y) != (by > y)) & (x < ax + (y - ay) / (by - ay) * (bx - ax))
+        return odd
 
     def in_box(self, x: Pair, y: Pair, grow: float) -> bool:
         """See ``Shape``."""

@@ -101,6 +101,12 @@ def test_a_tool_with_a_diameter_needs_room_for_its_radius(tmp_path: Path) -> Non
         assert found(run(tmp_path, program, setup=stated(tool=2))) == []
 
 
+def test_a_tool_that_nobody_states_may_be_the_widest(tmp_path: Path) -> None:
+    setup = stated().replace("tool = 2\n", "")
+    for y, expected in (("13", []), ("12", [("GP337", 4)]), ("9", [("GP336", 4)])):
+        assert found(run(tmp_path, f"{HEAD}G1 Y{y}\nZ-60\nX100\nM30\n", setup=setup)) == expected, y
+
+
 def test_a_tool_reaches_down_to_its_tip(tmp_path: Path) -> None:
     """With G43 the tip of tool 1 is 30 below the machine position: at machine Z-20 it touches -50."""
     for z, expected in (("-50", []), ("-50.001", [("GP336", 4)])):
