@@ -71,11 +71,15 @@ def run_once(
     return text
 
 
-def gproof_command(job: Path, machine: Path) -> list[str]:
-    """``gproof check`` as installed beside this Python."""
+def gproof_itself() -> list[str]:
+    """The command as installed beside this Python."""
     script = Path(sys.executable).with_name("gproof")
-    start = [str(script)] if script.exists() else [sys.executable, "-m", "gproof.cli.main"]
-    return [*start, "check", str(job), "--machine", str(machine), "--setup", "zero"]
+    return [str(script)] if script.exists() else [sys.executable, "-m", "gproof.cli.main"]
+
+
+def gproof_command(job: Path, machine: Path) -> list[str]:
+    """``gproof check`` of a job."""
+    return [*gproof_itself(), "check", str(job), "--machine", str(machine), "--setup", "zero"]
 
 
 def rs274_command(program: Path, tool: str) -> list[str]:

@@ -21,7 +21,8 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
-from measure import Runs, gproof_command, rs274_command, run_once
+import collisions
+from measure import Runs, gproof_command, gproof_itself, rs274_command, run_once
 from plot import Line, Panel, plot
 from programs import COMMON_SHAPES, SHAPES, write_program
 
@@ -34,7 +35,7 @@ DIALECTS = {
 """Name, suffix of programs, machine."""
 PARSED = ("eding", "mcuwin")
 """Dialects whose reading is measured."""
-PARTS = ("start", "lines", "scale", "parse", "steps")
+PARTS = ("start", "lines", "scale", "parse", "steps", "collisions")
 LINES = (2_000, 100_000, 1_000_000)
 SCALE = (10_000, 100_000, 1_000_000, 10_000_000)
 SCALE_SHAPES = ("raster",)
@@ -350,6 +351,10 @@ def main() -> None:
             stages = [bench.stages(shape) for shape in shapes]
             print_stages(stages)
             answer["steps"] = stages
+        if "collisions" in parts:
+            rows = collisions.compare(bench.folder, bench.warm_environment, gproof_itself(), bench.repeat)
+            collisions.show(rows)
+            answer["collisions"] = rows
     if asked.json is not None:
         asked.json.write_text(json.dumps(answer, indent=2) + "\n", encoding="utf-8")
 
