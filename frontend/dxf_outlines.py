@@ -101,7 +101,9 @@ def layers(sheet: Sheet, names: Iterable[str] | None, error: float, join: float)
             if total > MOST_POINTS:
                 raise DxfError(f"more than {MOST_POINTS} corners")
             chains.setdefault(name, []).append(chain)
-    except (ArithmeticError, LookupError, AttributeError, TypeError, RecursionError) as failed:
+    except DxfError:
+        raise
+    except (ArithmeticError, LookupError, AttributeError, TypeError, ValueError, RecursionError) as failed:
         raise DxfError(f"an entity can not be read: {' '.join(str(failed).split())[:200]}") from None
     return {name: joined(found, join, name) for name, found in chains.items()}
 
@@ -148,7 +150,7 @@ def arc_points(center: Point, radius: float, begin: float, sweep: float, error: 
         return []
     # The sagitta of a chord over the angle t is r (1 - cos(t/2)).
     half = math.acos(max(-1.0, 1.0 - error / radius)) if error < radius else math.pi / 4
-    count = max(2, math.ceil(abs(sweep) / max(2.0 * half, 1e-5)))
+    count = _chords(abs(sweep) / (2.0 * half) if half else math.inf, 2)
     return [
         (
             center[0] + radius * math.cos(begin + sweep * k / count),
@@ -156,6 +158,13 @@ def arc_points(center: Point, radius: float, begin: float, sweep: float, error: 
         )
         for k in range(count + 1)
     ]
+
+
+def _chords(needed: float, least: int) -> int:
+    """So many chords; DxfError for a curve that no workpiece has."""
+    if not needed <= MOST_POINTS:
+        raise DxfError("a curve is too large, or its numbers are not finite")
+    return max(least, math.ceil(needed))
 
 
 def _line(entity: Any, error: float) -> tuple[list[Point], bool]:
@@ -227,7 +236,7 @@ def _ellipse(entity: Any, error: float) -> tuple[list[Point], bool]:
     sweep += math.tau if sweep <= 1e-12 else 0.0
     # A chord over t leaves a curve by at most max |second derivative| t*t/8, which is the longer half axis.
     longest = max(math.hypot(major.x, major.y), math.hypot(minor.x, minor.y))
-    count = max(8, math.ceil(sweep * math.sqrt(longest / (8.0 * error))))
+    count = _chords(sweep * math.sqrt(longest / (8.0 * error)), 8)
     points = []
     for k in range(count + 1):
         t = begin + sweep * k / count
@@ -264,7 +273,7 @@ def _bezier(controls: Sequence[Point], error: float) -> list[Point]:
         ),
         default=0.0,
     )
-    count = max(1, math.ceil(math.sqrt(degree * (degree - 1) * bend / (8.0 * error))))
+    count = _chords(math.sqrt(degree * (degree - 1) * bend / (8.0 * error)), 1)
     found = []
     for k in range(count + 1):
         t, level = k / count, list(controls)
