@@ -30,7 +30,7 @@ def words_for(folder: Path) -> list[str]:
     if "setup" in expect:
         setup = expect["setup"]
         words += ["--setup", setup if setup == "zero" else str(folder / setup)]
-    return words
+    return words + [word for name in expect.get("also", ()) for word in ("--also", name)]
 
 
 @pytest.mark.parametrize("folder", JOBS, ids=name_of)
