@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Sequence
 from pathlib import Path
 
 import click
@@ -10,23 +11,45 @@ import click
 from gproof.cli.files import require_picture, require_place
 from gproof.cli.fit_answer import fit_of, travel_of
 from gproof.cli.fit_open import opened
-from gproof.cli.fit_report import Told, print_fit, report_json
+from gproof.cli.fit_report import Told, print_fit, print_machines, report_json
 from gproof.cli.fit_zones import ZoneWatch
 from gproof.cli.judge import judge
 from gproof.cli.main import UsageError
 from gproof.cli.session import Running, open_session
+from gproof.ir.verdict import Verdict
+
+SEVERAL = "gproof-fit-several/1"
 
 
 def run_fit(
-    job: Path, *, machine: Path | None, setup: str | None, dialect: str | None, running: Running, form: str,
+    job: Path, *, machines: Sequence[Path], setup: str | None, dialect: str | None, running: Running, form: str,
     units: str | None, picture: Path | None,
 ) -> int:  # fmt: skip
     """Judge the job with its work offsets open, and as they were stated; print the answer; returns the exit code."""
-    if machine is None:
+    if not machines:
         raise UsageError("fit needs a machine: --machine FILE says what limits there are")
     if picture is not None:
-        require_place(picture, "picture", (job, machine, setup))
+        if len(machines) > 1:
+            raise UsageError("--picture is drawn of one machine")
+        require_place(picture, "picture", (job, machines[0], setup))
         require_picture(picture)
+    answers = [_answer(job, machine=machine, setup=setup, dialect=dialect, running=running) for machine in machines]
+    if len(answers) > 1:
+        return _several(job, machines, answers, form, units)
+    (told,) = answers
+    if picture is not None:
+        from gproof.cli.fit_picture import draw
+
+        draw(told, picture)
+    if form == "json":
+        click.echo(json.dumps(report_json(told), indent=2, ensure_ascii=False))
+    else:
+        print_fit(told, units)
+    return told.fit.verdict.exit_code
+
+
+def _answer(job: Path, *, machine: Path, setup: str | None, dialect: str | None, running: Running) -> Told:
+    """The answer for one machine."""
     session = open_session(job, machine=machine, setup=setup, dialect=dialect, call=running.call)
     other, asked = opened(session)
     watch = ZoneWatch(asked)
@@ -36,13 +59,19 @@ def run_fit(
     travel = travel_of(session.machine, asked, judged)
     if travel is None and stated is not None:
         travel = travel_of(session.machine, asked, stated)
-    told = Told(session=session, judgement=judged, stated=stated, fit=fit, travel=travel)
-    if picture is not None:
-        from gproof.cli.fit_picture import draw
+    return Told(session=session, judgement=judged, stated=stated, fit=fit, travel=travel)
 
-        draw(told, picture)
+
+def _several(job: Path, machines: Sequence[Path], answers: list[Told], form: str, units: str | None) -> int:
+    """One table, or one object; 0 where some machine takes the job as it is stated."""
+    verdicts = [told.fit.verdict for told in answers]
+    best = next((v for v in (Verdict.SAFE, Verdict.UNKNOWN) if v in verdicts), Verdict.UNSAFE)
     if form == "json":
-        click.echo(json.dumps(report_json(told), indent=2, ensure_ascii=False))
+        reports = [
+            {"machine_file": str(file), **report_json(told)} for file, told in zip(machines, answers, strict=True)
+        ]
+        document = {"schema": SEVERAL, "job": str(job), "exit_code": best.exit_code, "machines": reports}
+        click.echo(json.dumps(document, indent=2, ensure_ascii=False))
     else:
-        print_fit(told, units)
-    return fit.verdict.exit_code
+        print_machines(job, machines, answers, units)
+    return best.exit_code

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
+from pathlib import Path
 
 import click
 
@@ -64,6 +66,55 @@ def print_fit(told: Told, units: str | None) -> None:
             click.echo(f"  {'' if n else label:<9} {line}".rstrip())
 
 
+def print_machines(job: Path, machines: Sequence[Path], answers: Sequence[Told], units: str | None) -> None:
+    """A line for each machine: what it says as it is stated, what is wrong or how much room there is."""
+    as_is = sum(told.fit.verdict is Verdict.SAFE for told in answers)
+    moved = sum(_takes_moved(told.fit) for told in answers)
+    also = f", {moved} more with the zero moved" if moved else ""
+    click.echo(f"{job}: {as_is} of {len(answers)} machines take it{also}")
+    rows = []
+    for file, told in zip(machines, answers, strict=True):
+        unit = unit_of(told.session.machine.unit) if units is None else CHOICES[units]
+        rows.append((str(file), told.fit.verdict.value, _in_short(told, unit)))
+    wide = [max(len(row[n]) for row in rows) for n in range(2)]
+    for (name, verdict, said), told in zip(rows, answers, strict=True):
+        shown = click.style(verdict, fg=_SHADES[told.fit.verdict], bold=True) if coloured() else verdict
+        click.echo(f"  {name:<{wide[0]}}  {shown}{' ' * (wide[1] - len(verdict))}  {said}".rstrip())
+    needs = next((told for told in answers if told.travel), None)
+    if needs is not None:
+        unit = unit_of(needs.session.machine.unit) if units is None else CHOICES[units]
+        for line in _smallest_line(needs.travel, unit):
+            click.echo(f"  the job needs {line}")
+
+
+def _takes_moved(fit: Fit) -> bool:
+    return fit.verdict is not Verdict.SAFE and fit.kind in ("ranges", "regions") and not fit.open_sides
+
+
+def _in_short(told: Told, unit: LengthUnit) -> str:
+    """What decides, in a few words: how far the zero can be moved, or the first thing that is wrong."""
+    fit = told.fit
+    if fit.kind not in ("ranges", "regions"):
+        if fit.reason:
+            return fit.reason
+        found = blocking_findings(told).kept
+        return f"{found[0].code.label} {unit.message(found[0])}" if found else headline(fit)
+    rooms: dict[str, tuple[float, str]] = {}
+    for one in fit.ranges:
+        axis = one.name[-1]
+        before = rooms.get(axis, (math.inf, one.unit))[0]
+        rooms[axis] = min(before, one.high - one.low), one.unit
+    sizes = ", ".join(
+        f"{axis} {'open' if math.isinf(size) else unit.place(size, own)}{'' if own == 'mm' else ' deg'}"
+        for axis, (size, own) in rooms.items()
+    )
+    beside = f", beside {' and '.join(fit.zones[0].place.zones)}" if fit.zones else ""
+    if not sizes:
+        return headline(fit)
+    said = "" if fit.verdict is Verdict.SAFE and fit.now is None else f"{headline(fit)}; "
+    return f"{said}room for the zero: {sizes}{beside}"
+
+
 def headline(fit: Fit) -> str:
     """What the answer comes to, in some words."""
     moved = [one for one in fit.ranges if one.fits is False]
@@ -75,7 +126,7 @@ def headline(fit: Fit) -> str:
         return "where the zero may be is not known"
     if not fit.ranges:
         return "and no work offset of the setup moves this job"
-    if fit.open_sides:
+    if fit.open_sides and fit.verdict is Verdict.UNKNOWN:
         return "because limits are missing"
     if fit.now is None:
         return "with the offsets in these ranges"

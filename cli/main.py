@@ -10,6 +10,7 @@ import io
 import math
 import os
 import sys
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -66,11 +67,12 @@ _ALSO = click.option(
 )
 
 
-def _job_options(command: Any) -> Any:
-    """The options of every command that reads a job."""
+def _job_options(command: Any, *, machines: bool = False) -> Any:
+    """The options of every command that reads a job; machines: of one that takes several of them."""
+    said = "Machine file (TOML or the controller's)" + ("; repeatable." if machines else ".")
     for option in reversed(
         (
-            click.option("--machine", type=click.Path(path_type=Path), help="Machine file (TOML or the controller's)."),
+            click.option("--machine", type=click.Path(path_type=Path), multiple=machines, help=said),
             click.option("--setup", help="Setup file, or 'zero': homed, at machine 0, no offsets, tool 0."),
             click.option("--dialect", type=click.Choice(_DIALECTS), help="Language; guessed when not given."),
             click.option(
@@ -145,17 +147,19 @@ def check(
 
 @cli.command(short_help="Say where the work zero may go.")
 @_JOB
-@_job_options
+@partial(_job_options, machines=True)
 @click.option("--format", "form", type=click.Choice(["text", "json"]), default="text", help="Report as text or JSON.")
 @click.option(
     "--units", type=click.Choice(["mm", "inch"]), help="Lengths of the text report; those of the machine file else."
 )
 @click.option("--picture", type=click.Path(path_type=Path), help="Write a picture of where the zero may go (SVG).")
 def fit(
-    job: Path, machine: Path | None, setup: str | None, dialect: str | None, max_blocks: int | None,
+    job: Path, machine: tuple[Path, ...], setup: str | None, dialect: str | None, max_blocks: int | None,
     max_branches: int, call: str | None, render: bool, form: str, units: str | None, picture: Path | None,
 ) -> int:  # fmt: skip
     """Say for which work offsets JOB is SAFE, what to change now, and how large a machine it needs.
+
+    With several machines: which of them take it.
 
     Exit codes: 0 SAFE with the offsets stated, or, where none are, with some; 1 UNSAFE; 2 UNKNOWN.
     """
@@ -163,7 +167,7 @@ def fit(
     from gproof.cli.session import Running
 
     return run_fit(
-        job, machine=machine, setup=setup, dialect=dialect, running=Running(max_blocks, max_branches, render, call),
+        job, machines=machine, setup=setup, dialect=dialect, running=Running(max_blocks, max_branches, render, call),
         form=form, units=units, picture=picture,
     )  # fmt: skip
 

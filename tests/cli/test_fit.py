@@ -10,6 +10,7 @@ from typing import Any
 
 import pytest
 from support.command import Done, in_this_process
+from support.goldens import ROOT
 
 MACHINE = """schema = "gproof-machine/1"
 units = "mm"
@@ -182,6 +183,8 @@ WRONG = [
     (["fit", "--machine", "machine.toml"], "JOB"),
     (["fit", "job.cnc", "job.cnc", "--machine", "machine.toml"], "job.cnc"),
     (["fit", "job.cnc", "--machine", "machine.toml", "--where"], "--where"),
+    (["fit", "job.cnc", "--machine", "machine.toml", "--machine", "missing.toml"], "missing.toml"),
+    (["fit", "job.cnc", *["--machine", "machine.toml"] * 2, "--picture", "p.svg"], "one machine"),
     (["fit", "job.cnc", "--machine", "machine.toml", "--picture", "job.cnc"], "would overwrite an input"),
     (["fit", "job.cnc", "--machine", "machine.toml", "--picture", "no/p.svg"], "there is no folder"),
     (["fit", "job.cnc", "--machine", "machine.toml", "--picture", "p.png"], "p.svg"),
@@ -204,6 +207,30 @@ def test_a_job_that_can_not_be_read_as_a_program(tmp_path: Path) -> None:
     told = report(tmp_path)
     assert told["kind"] in ("none", "unknown")
     assert told["exit_code"] in (1, 2)
+
+
+def test_several_machines_in_one_table(tmp_path: Path) -> None:
+    put(tmp_path, setup=SETUP + "[work.1]\nx = 75.0\ny = 0.0\nz = -20.0\na = 0.0\n")
+    (tmp_path / "long.toml").write_text(MACHINE.replace("max = 100", "max = 900"), encoding="utf-8")
+    (tmp_path / "short.toml").write_text(MACHINE.replace("max = 100", "max = 30"), encoding="utf-8")
+    words = [word for name in ("machine", "long", "short") for word in ("--machine", f"{name}.toml")]
+    done = in_this_process(["fit", "job.cnc", *words, "--setup", "setup.toml", "--dialect", "eding"], tmp_path)
+    assert done.exit == 0
+    assert done.out.split("\n")[:3] == [
+        "job.cnc: 1 of 3 machines take it, 1 more with the zero moved",
+        "  machine.toml  UNSAFE  the zero is 5 mm short on G54 X; room for the zero: "
+        "X 65.000, Y 59.000, Z 44.000, A 180.000 deg",
+        "  long.toml     SAFE    the zero can stay where it is; room for the zero: "
+        "X 865.000, Y 59.000, Z 44.000, A 180.000 deg",
+    ]
+    # The shortest one: 35 mm do not go into 30.
+    assert re.match(r"  short.toml    UNSAFE  GP303 .* spans 35.0000 mm", done.out.split("\n")[3])
+    words += ["--setup", "setup.toml", "--dialect", "eding", "--format", "json"]
+    told = json.loads(in_this_process(["fit", "job.cnc", *words], tmp_path).out)
+    assert (told["schema"], told["exit_code"]) == ("gproof-fit-several/1", 0)
+    assert [(m["machine_file"], m["verdict"]) for m in told["machines"]] == [
+        ("machine.toml", "UNSAFE"), ("long.toml", "SAFE"), ("short.toml", "UNSAFE")
+    ]  # fmt: skip
 
 
 AREA = """
@@ -289,3 +316,28 @@ def test_a_picture_of_ranges_alone_and_of_nothing(tmp_path: Path) -> None:
     put(tmp_path, job=JOB.replace("X30", "X96"))
     fit(tmp_path, "--picture", "p.svg")
     assert "There is no region" in (tmp_path / "p.svg").read_text(encoding="utf-8")
+
+
+def corpus(words: str) -> dict[str, Any]:
+    """The report for a job of the corpus."""
+    return json.loads(in_this_process(["fit", *words.split(), "--format", "json"], ROOT / "corpus").out)
+
+
+def test_the_table_of_a_mcuwin_machine_is_asked_for() -> None:
+    """Four plates in G54 to G57: the machine file states the records, and each of them may lie elsewhere."""
+    told = corpus(
+        "mcuwin/engraver/jobs/four-plates.src --machine mcuwin/engraver/machine.toml --setup mcuwin/engraver/setup.toml"
+    )
+    names = [f"G{n} {axis}" for n in (54, 55, 56, 57) for axis in "XYZ"]
+    assert [one["name"] for one in told["offsets"]] == names
+    stated = {one["name"]: one["now"]["low"] for one in told["offsets"]}
+    assert [stated[f"G{n} X"] for n in (54, 55, 56, 57)] == [-80.0, 20.0, -80.0, 20.0]
+    spans = {one["high"] - one["low"] for one in told["offsets"] if one["name"].endswith("X")}
+    assert len(spans) == 1  # the same plate in each of them
+    assert told["verdict"] == "SAFE"
+
+
+def test_local_coordinates_of_wincnc_are_asked_for() -> None:
+    told = corpus("wincnc/plasma/jobs/gussets.tap --machine wincnc/plasma/WINCNC.INI --setup wincnc/plasma/setup.toml")
+    assert [one["name"] for one in told["offsets"]] == ["G92 X", "G92 Y"]
+    assert told["verdict"] == "SAFE"
