@@ -4,8 +4,9 @@ Evidence that numbers which count as millimetres are inches: the path of feed mo
 linear axis that moves (X and Y, with limits), and two of these hold: the machine counts in inches; no move takes
 more than 0.005 mm a revolution; one way in five or more, of ten at least, is a whole number of 1/64 and not of 1/100.
 Evidence that numbers which count as inches are millimetres, two of three: the path is longer than an axis, and 1/25.4
-of it fits into all of them; the greatest feed is beyond every axis, and 1/25.4 of it is not; a move takes more than
-2 mm a revolution, and 1/25.4 of the feed would be less. docs/cutting-sense.md says the same.
+of it fits into all of them (longer than three of the axis: this alone is enough); the greatest feed is beyond every
+axis, and 1/25.4 of it is not; a move takes more than 2 mm a revolution, and 1/25.4 of the feed would be less.
+docs/cutting-sense.md says the same.
 """
 
 from __future__ import annotations
@@ -23,6 +24,8 @@ from gproof.passes.cut_rows import SOMEWHERE, Bools, Floats
 
 INCH = 25.4
 LEAST_MOVES, LEAST_SHARE = 10, 0.2
+FAR = 3.0
+"""Times the travel of an axis: no mistake but that of a unit makes a path so long."""
 THIN, THICK = 0.005, 2.0
 """mm a revolution: what no cutter needs more of when the job is in inches, and more than any takes."""
 _SAME = 1e-6
@@ -104,7 +107,8 @@ class UnitEvidence:
         why = []
         extents = [(axis, size, room) for axis, size in self._extents() if (room := _room(axis)) is not None]
         long = [f"{axis.word} {size:.1f} of {room:g} mm" for axis, size, room in extents if size > room]
-        if long and all(size / INCH <= room for _, size, room in extents):
+        fits = all(size / INCH <= room for _, size, room in extents)
+        if long and fits:
             why.append(f"the path is {', '.join(long)}")
         speeds = [axis.max_velocity for axis in self._linear()]
         known = [speed * 60.0 for speed in speeds if speed is not None]
@@ -112,7 +116,8 @@ class UnitEvidence:
             why.append(f"F is up to {self._fastest:g} mm/min, and no axis does more than {max(known):g}")
         if self._most > THICK >= self._most / INCH:
             why.append(f"a move takes {self._most:.2f} mm a revolution")
-        return why if len(why) > 1 else []
+        far = fits and any(size > FAR * room for _, size, room in extents)
+        return why if len(why) > 1 or far else []
 
     def _linear(self) -> list[Axis]:
         return [axis for axis in self._machine.axes if axis.kind is AxisKind.LINEAR and axis.index < 3]

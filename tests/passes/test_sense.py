@@ -173,6 +173,18 @@ def test_an_inch_job_read_as_millimetres_and_the_reverse(tmp_path: Path) -> None
             assert ("GP151" in {f["code"] for f in ours}) is found, (name, found)
 
 
+@pytest.mark.parametrize("job", ["eding/wrong-units/job.cnc", "mcuwin/rotary-mill/jobs/millimetres-as-inches.src"])
+def test_the_wrong_units_of_the_corpus(job: str) -> None:
+    """Both go to X 90 inches, 2286 mm, on machines of 440 and 400 mm."""
+    path = CORPUS / job
+    machine = path.parent / "machine.toml"
+    machine = machine if machine.is_file() else path.parent.parent / "machine.toml"
+    _, found = told(path, "--machine", str(machine))
+    (message,) = [str(f["message"]) for f in found if f["code"] == "GP151"]
+    assert "look like millimetres, and count as inches" in message
+    assert "X 22" in message or "X 21" in message
+
+
 def test_a_small_job_in_millimetres_is_no_inch_job(tmp_path: Path) -> None:
     """A circuit board of 20 mm, slow and fast-turning: one thing alone says nothing."""
     lines = "".join(f"G1 X{x / 100} Y{(x * 7) % 1900 / 100} F60\n" for x in range(0, 2000, 37))
