@@ -134,7 +134,8 @@ class Cutting(Check):
             else:
                 continue
             rpm[at:] = now.rpm if now.on else 0.0
-        return rpm
+        by_code = self._spindle.rows(chunk)
+        return np.where(by_code != 0.0, by_code, rpm)
 
     def _judge(self, chunk: Chunk, cut: Bools, rpm: Floats, causes: Causes) -> None:
         """Cuts by what their spindle does and which tool it holds."""

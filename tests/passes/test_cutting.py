@@ -119,6 +119,8 @@ def test_one_finding_a_cause_with_its_number_and_the_last_place(tmp_path: Path) 
         ("G0 Z5\nG1 X50 F500\nG0 Z20\nM30\n", "", "GP531", "UNKNOWN"),
         ("G0 Z5\nG1 X50 F500\nG0 Z20\nM30\n", "spindle = true\n", "GP530", "UNSAFE"),
         ("G0 Z5\nG1 X50 F500\nG0 Z20\nM30\n", "spindle = false\n", "", "SAFE"),
+        # A code of the language starts a spindle whatever the machine file says of outputs.
+        ("S9000 M3\nG0 Z5\nG1 X50 F500\nG0 Z20\nM30\n", "[spindles.0]\noutput = 4\n", "", "SAFE"),
         # A laser on a pulse width output: the job itself shows what it works with.
         ("M54 E1 Q500\nG1 X50 F500\nM54 E1 Q0\nG0 X0\nM30\n", "", "", "SAFE"),
         # ... and a job that stops a spindle has one.
