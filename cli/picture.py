@@ -166,11 +166,15 @@ class _Sheet:
         job = self.session.job
         self._say(left, 36, f"{job.parent.name}/{job.name}".lstrip("/"), 18, _INK, bold=True, room=WIDTH - EDGE - left)
         self._say(left, 57, f"on {self.machine.name}", 13, _SOFT, room=WIDTH - EDGE - left)
-        x = EDGE
+        x, y = float(EDGE), 84.0
         for result in self.judgement.properties:
-            x += self._say(x, 84, result.name, 13, _SOFT) + 5
-            x += self._say(x, 84, result.verdict.value, 13, _BADGE[result.verdict], bold=True) + 18
-        return 100.0
+            name, answer = _wide(result.name, 13) + 5, _wide(result.verdict.value, 13, bold=True)
+            if x > EDGE and x + name + answer > WIDTH - EDGE:
+                x, y = float(EDGE), y + 20
+            self._say(x, y, result.name, 13, _SOFT)
+            self._say(x + name, y, result.verdict.value, 13, _BADGE[result.verdict], bold=True)
+            x += name + answer + 18
+        return y + 16
 
     # Views
 

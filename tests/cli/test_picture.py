@@ -15,6 +15,7 @@ from support.goldens import ROOT
 from gproof.cli import path_points
 from gproof.cli.main import main
 from gproof.cli.path_points import PathPoints
+from gproof.cli.properties import ALL
 from gproof.ir.columns import Columns
 from gproof.ir.trace import TRACE_ROW, Chunk, Op, Plane, State, Trace
 
@@ -189,3 +190,14 @@ def test_keep_out_zones_are_drawn_where_they_stand(tmp_path: Path) -> None:
     assert any(shape.count("L") == 3 for shape in shapes)
     known = program(tmp_path, HEAD + "G0 X10\nM30\n")
     assert "keep-out zone" not in texts(draw([known, "--machine", MACHINE, "--setup", "zero"], tmp_path / "other.svg"))
+
+
+def test_as_many_properties_as_there_are_stay_inside_the_picture(tmp_path: Path) -> None:
+    """Their line is broken before the right edge."""
+    job = program(tmp_path, HEAD + "G0 Z0\nG1 X10 F100\nM30\n")
+    root = draw([job, "--machine", MACHINE, "--setup", "zero", "--also", "all"], tmp_path / "job.svg")
+    found = [(t.text or "", float(t.get("x", 0)), float(t.get("y", 0))) for t in root.iter(f"{SVG}text")]
+    places = [place for place in found if place[0] in ALL]
+    assert {name for name, *_ in places} >= set(ALL)
+    assert all(x + 8 * len(name) + 60 < 1000 for name, x, _ in places)
+    assert len({y for *_, y in places}) > 1
