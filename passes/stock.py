@@ -69,6 +69,9 @@ PARTS = {SHANK: "the shank", HOLDER: "the holder"}
 LIMITS = {FLUTES: "its flute length", DEPTH: "the depth that is stated for it"}
 
 FREE_WAY = "the way from where the axes stand at the beginning to the first place that is known is free"
+STATE = (
+    "what the machine file does not state of a tool (flute_length, shank_diameter, stickout, holder) may be anything"
+)
 WEIGHT = np.array([0, 2, 5, 4, 3, 1])
 """Of what is told of a row, the worst of several bodies counts."""
 
@@ -285,7 +288,8 @@ class StockLeft(Check):
                 hint = f"cells of {cells:.4g} mm; smaller ones may tell" if answer == MAYBE else ""
                 self.findings.add(code.at(span, depth=by, hint=hint))
             elif kind in PARTS:
-                self.findings.add(code.at(span, part=PARTS[kind], tool=number, depth=by))
+                hint = STATE if answer == MAYBE else ""
+                self.findings.add(code.at(span, part=PARTS[kind], tool=number, depth=by, hint=hint))
             else:
                 self.findings.add(code.at(span, tool=number, over=by, limit=LIMITS[kind]))
 

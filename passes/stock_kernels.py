@@ -33,7 +33,7 @@ HEIGHT, PLACE, START = 1, 2, 4
 """What is known of a row, bits: Z, X and Y, and that all else rests on where the axes stood at the beginning."""
 LOOKED = 4096
 """After so many rows the highest place that is left is looked for again."""
-MEMORY = 8
+MEMORY = 9
 """Numbers that are kept from chunk to chunk: see ``follow``."""
 TOUCH = 1e-7
 """mm: a tool that is this deep in stock touches it."""
@@ -142,13 +142,13 @@ def side_line(
     """``up`` and the envelope at points in a row: s, q of the first and what they change by; simple loops are fast."""
     if family == 1:
         square = radius * radius
-        behind = slope / math.sqrt(1.0 + slope * slope)
+        shift = slope / math.sqrt(1.0 + slope * slope)
         up += radius
         for i in range(len(out)):
             across = q + i * step_q
             along = s + i * step_s
             left = square - across * across
-            at = min(max(along - behind * math.sqrt(max(left, 0.0)), 0.0), length)
+            at = min(max(along - shift * math.sqrt(max(left, 0.0)), 0.0), length)
             away = along - at
             out[i] = up + slope * at - math.sqrt(max(left - away * away, 0.0))
     elif family == 0 and slope == 0.0:
@@ -180,6 +180,35 @@ def crossing(
     return left, right
 
 
+@kernel(compile_seconds=0.2)
+def behind(family: int, radius: float, slope: float, again: bool) -> float:
+    """So far behind the begin of a chord, and further, its begin leaves least: nothing new where it was cut before."""
+    if not again:
+        return INF
+    if slope >= 0.0:
+        return 0.0
+    if family == 1:
+        return radius * abs(slope) / math.sqrt(1.0 + slope * slope)
+    return 0.0 if family == 0 and slope == 0.0 else radius
+
+
+@kernel(compile_seconds=0.2)
+def beyond(
+    left: float, right: float, y: float, ax: float, ay: float, ux: float, uy: float, back: float
+) -> tuple[float, float]:
+    """What of a line of constant Y is not further than that behind a begin; (inf, -inf): nothing."""
+    if back == INF:
+        return left, right
+    need = -back - (y - ay) * uy
+    if ux > 1e-9:
+        return max(left, ax + need / ux), right
+    if ux < -1e-9:
+        return left, min(right, ax + need / ux)
+    if need > 1e-3 + (abs(left) + abs(right) + abs(ax)) * 1e-9:
+        return INF, -INF
+    return left, right
+
+
 @kernel(compile_seconds=0.3)
 def lower_line(a: Any, b: Any, upper: Any, floor: float) -> None:
     """Lower a row of cells to the highest of the envelope at their corners; -inf where the floor is reached."""
@@ -197,14 +226,15 @@ def less_line(line: Any, lower: Any, least: float) -> None:
 
 @kernel(compile_seconds=1.5)
 def remove(
-    upper: Any, lower: Any, grid: Any, tool: Any, chord: Any, beside: float, beneath: float, top: float, line: Any,
-    most: Any,
+    upper: Any, lower: Any, grid: Any, tool: Any, chord: Any, beside: float, beneath: float, again: bool, top: float,
+    line: Any, most: Any,
 ) -> None:  # fmt: skip
     """Take away what a tool cuts on a straight line.
 
     tool: (family, R, c, k, 0, flutes, greatest depth); chord: (ax, ay, az, bx, by, bz) of the tip; beside, beneath: mm
-    that the tool may be off it in X-Y and in Z; top: of all stock; line: (2, nx + 1) scratch; most: (4,) by how much
-    the flutes may be and surely are too short and the depth may be and surely is too great, updated.
+    that the tool may be off it in X-Y and in Z; again: the same tool has cut up to the begin, as far off; top: of all
+    stock; line: (2, nx + 1) scratch; most: (4,) by how much the flutes may be and surely are too short and the depth
+    may be and surely is too great, updated.
     """
     ny, nx = upper.shape
     x0, y0, hx, hy, floor = grid[0], grid[1], grid[2], grid[3], grid[4]
@@ -224,11 +254,13 @@ def remove(
         first = max(math.ceil((min(ay, by) - radius - y0) / hy), 0)
         last = min(math.floor((max(ay, by) + radius - y0) / hy), ny)
         easy = top - low_z <= min(tool[5], tool[6])
+        back = behind(kind, radius, slope, again and length > 0.0) + hx * abs(ux) + hy * abs(uy)
         before_low, before_high = 1, 0
         for row in range(first, last + 1):
             now = row & 1
             y = y0 + row * hy
             left, right = crossing(y, ax, ay, bx, by, ux, uy, radius)
+            left, right = beyond(left, right, y, ax, ay, ux, uy, back)
             low, high = 1, 0
             if left <= right:
                 low = max(math.ceil((left - x0) / hx), 0)
@@ -264,13 +296,13 @@ def remove(
                     if was <= reach:
                         upper[row - 1, i] = gone if gone > floor else -INF
             before_low, before_high = low, high
-    lessen(lower, grid, family, tool[1], tool[2], k, chord, beside, beneath, line)
+    lessen(lower, grid, family, tool[1], tool[2], k, chord, beside, beneath, again, line)
 
 
 @kernel(compile_seconds=0.8)
 def lessen(
     lower: Any, grid: Any, family: int, radius: float, c: float, k: float, chord: Any, beside: float, beneath: float,
-    line: Any,
+    again: bool, line: Any,
 ) -> None:  # fmt: skip
     """Let ``lower`` go down to what a tool may have cut on a straight line."""
     ny, nx = lower.shape
@@ -286,11 +318,14 @@ def lessen(
     half = 0.5 * math.sqrt(hx * hx + hy * hy)
     radius, c, down = wider(family, radius, c, beside + half)
     z -= down + beneath
+    # As for the tool that is wider sideways only, whose bottom is flat for half a diagonal.
+    back = behind(family, radius, slope, again and length > 0.0) + half
     first = max(math.floor((min(ay, by) - radius - y0) / hy - 0.5), 0)
     last = min(math.ceil((max(ay, by) + radius - y0) / hy - 0.5), ny - 1)
     for row in range(first, last + 1):
         y = y0 + (row + 0.5) * hy
         left, right = crossing(y, ax, ay, bx, by, ux, uy, radius)
+        left, right = beyond(left, right, y, ax, ay, ux, uy, back)
         if left > right:
             continue
         low = max(math.ceil((left - x0) / hx - 0.5), 0)
@@ -449,7 +484,7 @@ def through(
     if loose:
         lower[:, :] = -INF
     else:
-        lessen(lower, grid, int(tool[0]), tool[1], tool[2], tool[3], chord, beside, beneath, line)
+        lessen(lower, grid, int(tool[0]), tool[1], tool[2], tool[3], chord, beside, beneath, False, line)
 
 
 @kernel(seconds_per_unit=2e-3, compile_seconds=6.0)
@@ -465,8 +500,9 @@ def follow(
     traverse may be anywhere between its ends; tools: (t, 8) as in ``remove``, family -1: shape not known, and behind it
     the height over the tip from which on nothing of the tool is known; parts: (t, p, 6) what does not cut: (family, R,
     c, k, up, column of ``told``), R 0 for none; clearance: of traverses; memory: (MEMORY,) where the tool is: (known,
-    x, y, lowest z there, tool, index in places), the highest stock, rows so far; places: (m, 4) where it has stood:
-    (tool, x, y, z); told, amount: (n, KINDS), amounts in mm.
+    x, y, lowest z there, tool, index in places), the highest stock, rows so far, and by how much the way of a feed
+    to there may have been off, -1 for no feed; places: (m, 4) where it has stood: (tool, x, y, z); told, amount: (n,
+    KINDS), amounts in mm.
     """
     chord, box, most = np.zeros(6), np.zeros(4), np.zeros(4)
     line = np.zeros((2, upper.shape[1] + 1))
@@ -507,11 +543,24 @@ def follow(
             if tools[t, 0] < 0.0:
                 lower[:, :] = -INF
             else:
-                lessen(lower, grid, int(tools[t, 0]), tools[t, 1], tools[t, 2], tools[t, 3], chord, slack, slack, line)
+                lessen(
+                    lower,
+                    grid,
+                    int(tools[t, 0]),
+                    tools[t, 1],
+                    tools[t, 2],
+                    tools[t, 3],
+                    chord,
+                    slack,
+                    slack,
+                    False,
+                    line,
+                )
         here = memory[0] != 0.0 and memory[1] == ax and memory[2] == ay
         deep = min(memory[3], az) if here else az
         # Straight up, or down to where this tool has been: nothing new is touched.
         old = upright and (bz >= deep or (bz < az and is_visited(places, t, bx, by, bz)))
+        as_before = here and az >= memory[3] and memory[8] == slack
         memory[0], memory[1], memory[2] = 1.0, bx, by
         memory[3] = min(deep, bz) if upright else bz
         if upright and bz < deep and o == FEED:
@@ -519,7 +568,10 @@ def follow(
             places[spot, 0], places[spot, 1], places[spot, 2], places[spot, 3] = t, bx, by, bz
             memory[5] = (spot + 1) % len(places)
         if old:
+            if bz < az:
+                memory[8] = -1.0
             continue
+        memory[8] = -1.0
         big, sweep, count, off = 0.0, 0.0, 1, 0.0
         u, v, w = 0, 1, 2
         first_r, last_r, angle = 0.0, 0.0, 0.0
@@ -540,8 +592,11 @@ def follow(
         beneath = slack
         if lowest - beneath - clearance >= top - TOUCH:
             continue
+        if o == FEED:
+            memory[8] = slack
         family = tools[t, 0]
         if family < 0.0:
+            memory[8] = -1.0
             told[row, THROUGH] = NO_SHAPE
             lower[:, :] = -INF
             continue
@@ -566,6 +621,7 @@ def follow(
             if low_z + tools[t, 7] < top - TOUCH and told[row, HOLDER] != SURE:
                 told[row, HOLDER], amount[row, HOLDER] = MAYBE, top - low_z - tools[t, 7]
             loose = loose_of[row] == 1 and o == TRAVERSE
+            again = piece > 0 or (o == FEED and as_before)
             if o == TRAVERSE:
                 if low_z - clearance < top and near(grid, upper, tools[t, 1] + slack + clearance, chord):
                     through(
@@ -573,7 +629,7 @@ def follow(
                         line, told[row], amount[row],
                     )  # fmt: skip
             elif low_z < top and near(grid, upper, tools[t, 1] + slack + off, chord):
-                remove(upper, lower, grid, tools[t], chord, slack + off, beneath, top, line, most)
+                remove(upper, lower, grid, tools[t], chord, slack + off, beneath, again, top, line, most)
             for n in range(parts.shape[1]):
                 wide = parts[t, n, 1] + slack + off
                 if parts[t, n, 1] <= 0.0 or low_z + parts[t, n, 4] >= top or not near(grid, upper, wide, chord):

@@ -31,22 +31,22 @@ class Judged:
     def __init__(
         self, folder: Path, text: str, *, tools: tuple[Tool, ...] = (FLAT,), stock: tuple[Body, ...] = (BLOCK,),
         cell: float = 0.5, clearance: float = 0.0, pieces: int = 0, start: str = START, name: str = "job.cnc",
-        setup: str = "",
+        setup: str = "", machine: str = MACHINE,
     ) -> None:  # fmt: skip
         """pieces: the rows of so many at a time, 0: as they come."""
-        (folder / "machine.toml").write_text(MACHINE)
+        (folder / "machine.toml").write_text(machine)
         (folder / "setup.toml").write_text('schema = "gproof-setup/1"\n' + setup)
         job = folder / name
         job.write_text(start + text)
         session = open_session(job, machine=folder / "machine.toml", setup=str(folder / "setup.toml"), dialect=None)
         assert session.program is not None
-        machine = dataclasses.replace(session.machine, tools=tools)
+        armed = dataclasses.replace(session.machine, tools=tools)
         bodies = tuple(Placed(name=f"stock {n}", body=body) for n, body in enumerate(stock, 1))
         around = Workpiece(stock=bodies, cell=cell, clearance=clearance)
         given = dataclasses.replace(session.setup, workpiece=around)
         self.findings = Findings(limit=1000)
-        executor = Executor(session.program, given, machine, session.findings, **session.options(Running()))
-        self.check = StockLeft(session.program, machine, given, self.findings)
+        executor = Executor(session.program, given, armed, session.findings, **session.options(Running()))
+        self.check = StockLeft(session.program, armed, given, self.findings)
         for chunk in executor.run():
             for piece in split(chunk, pieces):
                 self.check.feed(piece)
