@@ -93,9 +93,19 @@ def row_boxes(
             u = 0 if p == 1 else (2 if p == 2 else 1)
             v = 1 if p == 1 else (0 if p == 2 else 2)
             cu, cv = center[row, u], center[row, v]
-            a, b, c, d, _ = arc_extreme(
-                position[u] - cu, position[v] - cv, to[row, u] - cu, to[row, v] - cv, turns[row]
-            )
+            u0, v0, u1, v1 = position[u] - cu, position[v] - cv, to[row, u] - cu, to[row, v] - cv
+            # A circle around all of the arc that widens nothing and passes no limit: no need of its angles.
+            radius = max(math.sqrt(u0 * u0 + v0 * v0), math.sqrt(u1 * u1 + v1 * v1))
+            a, b = min(u0, u1, -radius), max(u0, u1, radius)
+            c, d = min(v0, v1, -radius), max(v0, v1, radius)
+            if not (
+                len(added) == 0
+                and cu + a >= max(low[slot, u], lower[off, u])
+                and cu + b <= min(high[slot, u], upper[off, u])
+                and cv + c >= max(low[slot, v], lower[off, v])
+                and cv + d <= min(high[slot, v], upper[off, v])
+            ):
+                a, b, c, d, _ = arc_extreme(u0, v0, u1, v1, turns[row])
         for axis in range(6):
             least = most = to[row, axis]
             if axis == u:
