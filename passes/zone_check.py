@@ -141,8 +141,6 @@ class ZoneCheck:
             shape, y = Rectangle(x, EVERYWHERE), EVERYWHERE
         outer = Zone(shape=shape, z=wide, grow=diameter[1] / 2 + around, rise=above)
         inner = Zone(shape=shape, z=narrow, grow=radius) if sure else None
-        if not self._change and self._other_head(state):
-            causes, inner = [*causes, "which of the heads is meant"], None
         shift = base[0].value, base[1].value, base[2].value
         g, rise = outer.grow, outer.rise
         box = tuple(
@@ -151,8 +149,8 @@ class ZoneCheck:
         )
         return View(
             shift=shift, form=(base[0].form, base[1].form, base[2].form), outer=outer, inner=inner,
-            cause=" and ".join(causes), box=(box[0], box[1], box[2]), tip=tip,
-            off=self._change and GUARD in state.guards_off,
+            lost=not self._change and self._other_head(state), cause=" and ".join(causes),
+            box=(box[0], box[1], box[2]), tip=tip, off=self._change and GUARD in state.guards_off,
         )  # fmt: skip
 
     def _other_head(self, state: State) -> bool:
@@ -190,6 +188,10 @@ class ZoneCheck:
         view, rows, trace = self._views[number], chunk.rows, chunk.trace
         mine = mine & (rows["op"] < 10)
         if not mine.any():
+            return
+        if view.lost:
+            span = row_span(trace, rows, int(np.argmax(mine)))
+            self._doubt(span, "the place of another head than the first one", view)
             return
         sure = view.tip is None and UNKNOWN not in view.form
         known = np.array([sure and frame[:3] == view.form for frame in trace.frames], dtype=bool)

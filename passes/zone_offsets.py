@@ -29,7 +29,7 @@ class View:
 
     outer: what may be entered; inner: what is for certain, None when nothing is; cause: what lies between the two;
     box: around outer, for plain positions; tip: what is taken from Z for a second reading, where it is not known;
-    off: the guard is off.
+    off: the guard is off; lost: another head is at work, whose place is not followed.
     """
 
     shift: Point
@@ -40,6 +40,7 @@ class View:
     box: Box
     tip: Position | None
     off: bool
+    lost: bool
 
 
 class OpenPlaces:

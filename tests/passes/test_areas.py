@@ -227,6 +227,13 @@ def test_each_dialect_has_its_own_traverse(tmp_path: Path) -> None:
     assert found(judgement) == [("GP337", 3)]
 
 
+def test_another_head_is_not_followed(tmp_path: Path) -> None:
+    machine = MACHINE + CLAMP + "\n[spindles.1]\nx = 50.0\ny = 0.0\nz = 0.0\n"
+    program = f"{HEAD}G1 X1\n{{}}\nG1 Y3\nY4\nM30\n"
+    assert found(run(tmp_path, program.format("G1 X2"), machine, stated())) == []
+    assert ("GP337", 4) in found(run(tmp_path, program.format("M91"), machine, stated()))
+
+
 def test_homing_may_go_anywhere_along_its_axes(tmp_path: Path) -> None:
     program = f"{HEAD}G1 Z-60\nhome {{}}\nM30\n"
     for axes, expected in (("x", [("GP337", 3)]), ("y", []), ("z", [])):
