@@ -12,11 +12,14 @@ import math
 from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from gproof.ir.record import record
 from gproof.ir.workpiece import Point, Prism
 
 if TYPE_CHECKING:
     from shapely import Polygon
+    from shapely.coords import CoordinateSequence
     from shapely.geometry.base import BaseGeometry
 
 Ring = Sequence[Point]
@@ -70,22 +73,28 @@ def regions(rings: Sequence[Ring]) -> BaseGeometry:
     made = sorted((_checked(ring) for ring in rings), key=lambda polygon: -polygon.area)
     tree = shapely.STRtree(made)
     inside: list[list[int]] = [[] for _ in made]
+    touching = False
     for one, other in tree.query(made, predicate="intersects").T.tolist():
         if one < other:
-            _apart(made[one], made[other])
-            if made[one].contains(made[other].representative_point()):
+            clear = made[one].contains_properly(made[other])
+            if not clear:
+                _apart(made[one], made[other])
+            if clear or made[one].contains(made[other].representative_point()):
                 inside[other].append(one)
-    pieces = []
-    for n, polygon in enumerate(made):
-        if len(inside[n]) % 2 == 0:
-            holes = [made[k].exterior.coords for k in range(n + 1, len(made)) if _is_hole(n, k, inside)]
-            pieces.append(shapely.Polygon(polygon.exterior.coords, holes))
-    return shapely.union_all(pieces)
-
-
-def _is_hole(outer: int, inner: int, inside: Sequence[Sequence[int]]) -> bool:
-    """Whether a ring is the next one within another."""
-    return outer in inside[inner] and len(inside[inner]) == len(inside[outer]) + 1
+            touching = touching or not clear
+    # The next ring around another is the one with one ring less around it.
+    within: list[list[int]] = [[] for _ in made]
+    for inner, around in enumerate(inside):
+        for outer in around:
+            if len(inside[outer]) == len(around) - 1:
+                within[outer].append(inner)
+    pieces = [
+        shapely.Polygon(polygon.exterior.coords, [made[k].exterior.coords for k in within[n]])
+        for n, polygon in enumerate(made)
+        if len(inside[n]) % 2 == 0
+    ]
+    # What does not touch is whole as it is.
+    return shapely.union_all(pieces) if touching else shapely.MultiPolygon(pieces)
 
 
 def _checked(ring: Ring) -> Polygon:
@@ -96,9 +105,9 @@ def _checked(ring: Ring) -> Polygon:
         points.pop()
     if len(points) < 3:
         raise OutlineError(f"an outline of {len(points)} corners encloses nothing")
-    if not all(math.isfinite(value) for point in points for value in point):
+    polygon = shapely.Polygon(np.array(points))
+    if not all(map(math.isfinite, polygon.bounds)):
         raise OutlineError("a corner of an outline is not a finite number")
-    polygon = shapely.Polygon(points)
     if not polygon.is_valid:
         raise OutlineError(_reason(shapely.is_valid_reason(polygon)))
     if polygon.area <= NARROW:
@@ -146,5 +155,5 @@ def _prism(polygon: Polygon, low: float, high: float, error: float) -> Prism:
     )  # fmt: skip
 
 
-def _points(coords: Iterable[Sequence[float]]) -> tuple[Point, ...]:
-    return tuple((float(point[0]), float(point[1])) for point in list(coords)[:-1])
+def _points(coords: CoordinateSequence) -> tuple[Point, ...]:
+    return tuple((x, y) for x, y in np.asarray(coords)[:-1, :2].tolist())

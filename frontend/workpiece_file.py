@@ -65,8 +65,12 @@ class Move:
 
     def point(self, x: float, y: float) -> Point:
         """A place in the plane."""
-        c, s = self.turn
-        return x * c - y * s + self.shift[0] + 0.0, x * s + y * c + self.shift[1] + 0.0
+        return self.points(((x, y),))[0]
+
+    def points(self, ring: Sequence[Point]) -> tuple[Point, ...]:
+        """Places in the plane."""
+        (c, s), (u, v) = self.turn, self.shift[:2]
+        return tuple((x * c - y * s + u + 0.0, x * s + y * c + v + 0.0) for x, y in ring)
 
     def height(self, z: float) -> float:
         """A height."""
@@ -188,8 +192,7 @@ class Reader:
             return ()
         return tuple(
             replace(
-                prism, outline=tuple(move.point(*at) for at in prism.outline),
-                holes=tuple(tuple(move.point(*at) for at in hole) for hole in prism.holes),
+                prism, outline=move.points(prism.outline), holes=tuple(move.points(hole) for hole in prism.holes),
                 low=move.height(prism.low), high=move.height(prism.high),
             )
             for prism in made
