@@ -22,6 +22,7 @@ from pathlib import Path
 from typing import Any
 
 import collisions
+import gouges
 from measure import Runs, gproof_command, gproof_itself, rs274_command, run_once
 from plot import Line, Panel, plot
 from programs import COMMON_SHAPES, SHAPES, write_program
@@ -35,7 +36,7 @@ DIALECTS = {
 """Name, suffix of programs, machine."""
 PARSED = ("eding", "mcuwin")
 """Dialects whose reading is measured."""
-PARTS = ("start", "lines", "scale", "parse", "steps", "collisions")
+PARTS = ("start", "lines", "scale", "parse", "steps", "collisions", "gouges")
 LINES = (2_000, 100_000, 1_000_000)
 SCALE = (10_000, 100_000, 1_000_000, 10_000_000)
 SCALE_SHAPES = ("raster",)
@@ -355,6 +356,10 @@ def main() -> None:
             rows = collisions.compare(bench.folder, bench.warm_environment, gproof_itself(), bench.repeat)
             collisions.show(rows)
             answer["collisions"] = rows
+        if "gouges" in parts:
+            rows = gouges.measure(bench.folder, bench.warm_environment, gproof_itself(), bench.repeat)
+            gouges.show(rows)
+            answer["gouges"] = rows
     if asked.json is not None:
         asked.json.write_text(json.dumps(answer, indent=2) + "\n", encoding="utf-8")
 

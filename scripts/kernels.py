@@ -40,6 +40,9 @@ def commands(folder: Path) -> list[list[str]]:
     stock = CORPUS.parent / "docs" / "codes" / "GP435"
     around = ["--machine", str(stock / "machine.toml"), "--setup", str(stock / "setup.toml"), "--also", "collisions"]
     out.append(["check", str(stock / "good.cnc"), *around])
+    part = CORPUS.parent / "docs" / "codes"
+    around = ["--machine", str(part / "shapes.toml"), "--setup", str(part / "workpiece.toml"), "--also", "gouges"]
+    out.append(["check", str(part / "GP420" / "bad.cnc"), *around])
     return out
 
 
