@@ -1,8 +1,8 @@
 """``gproof check --also gouges`` of surface finishing: a ball nose in short moves over a mesh of 200 × 200 mm.
 
-Used by run.py. The surface is a sum of sines, as 100,000 triangles, floor and sides as many; the tool of 6 mm follows it
-0.01 mm above the contact that samples of the surface give, moves of 0.5 mm in rows. 0.1 mm into the part are allowed, so
-that a right answer is SAFE; a pass that is 0.3 mm too deep shows that it is no empty one.
+Used by run.py. The surface is a sum of sines, as 100,000 triangles, floor and sides as many; the tool of 6 mm follows
+it 0.01 mm above the contact that samples of the surface give, moves of 0.5 mm in rows. 0.1 mm into the part are
+allowed, so that a right answer is SAFE; a pass that is 0.3 mm too deep shows that it is no empty one.
 """
 
 from __future__ import annotations

@@ -35,6 +35,8 @@ Ints = npt.NDArray[np.int64]
 _SEGMENTS = 1 << 15
 """Segments at a time."""
 FIRST_WAY = "the way from where the axes stand when the job begins touches nothing"
+PROBES = "probing moves end where they touch, and do no harm there"
+NO_TOLERANCE = "G64 without P does not round corners"
 
 
 def gouge_check(program: Program, machine: Machine, setup: Setup, findings: Findings) -> Check:
@@ -112,12 +114,18 @@ class Distance(Check):
 
     def _deviation(self, state: State) -> float:
         """mm that the controller may leave the programmed path by: G64 P, and Q of G61 and G64."""
+        if state.path_mode is PathMode.CONTINUOUS and state.path_tolerance == 0.0:
+            self._assumed[NO_TOLERANCE] = None
         rounding = state.path_tolerance if state.path_mode is PathMode.CONTINUOUS else 0.0
         return max(0.0, rounding) + max(0.0, state.simplify)
 
     def _look(self, chunk: Chunk, number: int, scene: Scene, tips: Tips) -> None:
         rows = chunk.rows
         moves = rows["op"] < Op.DWELL
+        probes = rows["op"] == Op.PROBE
+        if probes.any():
+            self._assumed[PROBES] = None
+            moves &= ~probes
         self._unplaced(chunk, scene, tips, np.flatnonzero(moves & ~tips.known))
         at = np.flatnonzero(moves & tips.known)
         if not len(at):

@@ -20,6 +20,7 @@ from gproof.ir.finding import Finding
 from gproof.ir.machine import Tool
 from gproof.ir.verdict import Verdict
 from gproof.ir.workpiece import TRIANGLES, Body, Box, Cylinder, Mesh, Placed, Prism, Workpiece
+from gproof.passes.distance import NO_TOLERANCE, PROBES
 from gproof.passes.surfaces import facets_of, holds
 
 from .tool_distances import least_distance
@@ -327,6 +328,15 @@ def test_traverses_that_are_no_straight_lines(tmp_path: Path) -> None:
     assert answer(tmp_path, text, fixture(moved), name="collisions", machine=any_way)[0] is Verdict.UNSAFE
     one = text.replace("X50 Y50", "X50\nY50")
     assert answer(tmp_path, one, fixture(corner), name="collisions", machine=any_way)[0] is Verdict.UNSAFE
+
+
+def test_what_the_answer_stands_on(tmp_path: Path) -> None:
+    """A probe that goes for the plate; G64 without P."""
+    verdict, _, made = answer(tmp_path, "G64\nG0 X50 Y25\nG0 Z5\nG38.2 Z-5 F100\nG0 Z80", part(PLATE))
+    result = next(r for r in made.properties if r.name == "gouges")
+    assert {PROBES, NO_TOLERANCE} <= set(result.assumptions)
+    assert verdict is not Verdict.UNSAFE
+    assert answer(tmp_path, "G0 X50 Y25\nG0 Z5\nG1 Z-5 F100\nG0 Z80", part(PLATE))[0] is Verdict.UNSAFE
 
 
 def test_what_is_not_known_is_said(tmp_path: Path) -> None:
