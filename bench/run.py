@@ -23,6 +23,7 @@ from typing import Any
 
 import collisions
 import gouges
+import stock
 from measure import Runs, gproof_command, gproof_itself, rs274_command, run_once
 from plot import Line, Panel, plot
 from programs import COMMON_SHAPES, SHAPES, write_program
@@ -36,7 +37,7 @@ DIALECTS = {
 """Name, suffix of programs, machine."""
 PARSED = ("eding", "mcuwin")
 """Dialects whose reading is measured."""
-PARTS = ("start", "lines", "scale", "parse", "steps", "collisions", "gouges")
+PARTS = ("start", "lines", "scale", "parse", "steps", "collisions", "gouges", "stock")
 LINES = (2_000, 100_000, 1_000_000)
 SCALE = (10_000, 100_000, 1_000_000, 10_000_000)
 SCALE_SHAPES = ("raster",)
@@ -360,6 +361,10 @@ def main() -> None:
             rows = gouges.measure(bench.folder, bench.warm_environment, gproof_itself(), bench.repeat)
             gouges.show(rows)
             answer["gouges"] = rows
+        if "stock" in parts:
+            rows = stock.measured(bench.folder, bench.warm_environment, gproof_itself(), bench.repeat)
+            stock.show(rows)
+            answer["stock"] = rows
     if asked.json is not None:
         asked.json.write_text(json.dumps(answer, indent=2) + "\n", encoding="utf-8")
 
