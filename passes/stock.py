@@ -213,7 +213,7 @@ class StockLeft(Check):
             straight = np.full(n, 0 if self._straight else 1, dtype=np.int64)
             said, by = np.zeros((n, KINDS), dtype=np.int64), np.zeros((n, KINDS))
             field = left.field
-            follow.pick(chunk.work)(
+            follow.pick(_work(tips, tools[tool_of, 1], field))(
                 rows["op"], tips.start, tips.end, tips.center, rows["turns"], rows["plane"], _known(tips), tool_of,
                 beside, straight, tools, parts, self.setup.workpiece.clearance, field.upper, field.lower, field.grid,
                 left.memory, left.places, said, by,
@@ -319,6 +319,15 @@ def _known(tips: Tips) -> npt.NDArray[np.int64]:
     known += (tips.reason == Reason.START) * START
     found: npt.NDArray[np.int64] = known.astype(np.int64)
     return found
+
+
+def _work(tips: Tips, radius: Floats, field: Field) -> float:
+    """About how many cells the tool passes."""
+    low = np.minimum(tips.start[:, 2], tips.end[:, 2])
+    cuts = tips.known & (low < field.grid[5])
+    way = np.hypot(tips.end[cuts, 0] - tips.start[cuts, 0], tips.end[cuts, 1] - tips.start[cuts, 1])
+    wide = radius[cuts]
+    return len(low) + float(((2.0 * way + 3.0 * wide) * wide).sum() / (field.grid[2] * field.grid[3]))
 
 
 def stock_left(program: Program, machine: Machine, setup: Setup, findings: Findings) -> Check:

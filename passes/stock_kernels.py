@@ -487,7 +487,7 @@ def through(
         lessen(lower, grid, int(tool[0]), tool[1], tool[2], tool[3], chord, beside, beneath, False, line)
 
 
-@kernel(seconds_per_unit=2e-3, compile_seconds=6.0)
+@kernel(seconds_per_unit=5e-6, compile_seconds=10.0)
 def follow(
     op: Any, start: Any, end: Any, center: Any, turns: Any, plane: Any, known: Any, tool_of: Any, beside_of: Any,
     loose_of: Any, tools: Any, parts: Any, clearance: float, upper: Any, lower: Any, grid: Any, memory: Any,
