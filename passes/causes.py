@@ -67,8 +67,8 @@ class Causes:
         return found
 
     def report(self, findings: Findings) -> None:
-        """One finding for each."""
-        for cause in self._found.values():
+        """One finding for each, whatever chunks the job came in: by code, and by what else keeps causes apart."""
+        for _, cause in sorted(self._found.items(), key=lambda one: (one[0][0], repr(one[0][1]))):
             related: tuple[Related, ...] = ()
             if cause.last != cause.first:
                 related = (Related(cause.last, f"the last of {cause.count} such moves"),)

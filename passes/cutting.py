@@ -206,6 +206,9 @@ class Cutting(Check):
                     self._start(chunk, at, cut, way)
                 elif not turns:
                     now.started = None
+                elif now.started is not None:
+                    # Another speed on the way to the first one.
+                    self._reach(chunk, cut, way, at + 1)
                 before = turns
             elif kind == Op.COOLANT:
                 self._count_wet(chunk, cut, now.wet_from, at)
