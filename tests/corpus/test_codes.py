@@ -1,11 +1,14 @@
 """The examples in docs/codes: each bad program gives its code on the marked line, each good one no error.
 
-`run.toml` in a folder says what is special about it: `setup` ("zero", "none" or a file), `machine` (a file),
-`program` (one program for both runs; the machine or setup differs), `command` ("check" or "compile"),
-`options` (further arguments); `[bad]` and `[good]` override single keys. Without it the shared `machine.toml` and
-`setup.toml` of docs/codes are used. Programs of WinCNC are `bad.tap` and `good.tap`; they run on the folder's own
-`WINCNC.INI` and `setup.toml`, where it has them, else on those of docs/codes/wincnc. Programs of McuWIN are `bad.src`
-and `good.src`, on the folder's own `machine.toml` or that of docs/codes/mcuwin.
+A folder has a pair for each controller whose jobs the code can be told of: `bad.cnc` and `good.cnc` for Eding CNC,
+`.tap` for WinCNC, `.src` for McuWIN; `cells.toml` beside this test says for which controllers there is none, and why.
+They run on the shared machine and setup of docs/codes, docs/codes/wincnc or docs/codes/mcuwin, or on the folder's own
+(`WINCNC.INI`, `setup.toml` for WinCNC, `machine.toml` for McuWIN where it has no other pair).
+
+`run.toml` in a folder says what is special about it: `setup` ("zero", "none" or a file), `machine` (a file), `program`
+(one program for both runs; the machine or setup differs), `command` ("check" or "compile"), `options` (further
+arguments); `[bad]` and `[good]` override single keys. That holds for the folder's first pair in the order above, or
+the one that `dialect` names; tables `[eding]`, `[wincnc]`, `[mcuwin]`, with the same keys, for the others.
 """
 
 from __future__ import annotations
@@ -24,16 +27,51 @@ FOLDERS = sorted(DOCS.glob("GP*"))
 DEFAULTS = {"setup": "../setup.toml", "machine": "../machine.toml", "command": "check", "options": []}
 
 
-def defaults(folder: Path) -> dict:
+SUFFIX = {"eding": "cnc", "wincnc": "tap", "mcuwin": "src"}
+CELLS = tomllib.loads((Path(__file__).parent / "cells.toml").read_text(encoding="utf-8"))
+
+
+def special(folder: Path) -> dict:
+    """What `run.toml` says."""
+    path = folder / "run.toml"
+    return tomllib.loads(path.read_text(encoding="utf-8")) if path.is_file() else {}
+
+
+def first_dialect(folder: Path) -> str | None:
+    """The controller of the folder's first pair, which the keys of `run.toml` are for."""
+    told = special(folder)
+    found = [dialect for dialect, suffix in SUFFIX.items() if (folder / f"bad.{suffix}").is_file()]
+    return told.get("dialect", found[0] if found else "eding" if told else None)
+
+
+def dialects(folder: Path) -> list[str]:
+    """The controllers of which a folder has a pair."""
+    told, first = special(folder), first_dialect(folder)
+    return [d for d, suffix in SUFFIX.items() if (folder / f"bad.{suffix}").is_file() or d == first or d in told]
+
+
+def defaults(folder: Path, dialect: str) -> dict:
     """What a run of a folder's programs takes where `run.toml` says nothing."""
-    if (folder / "bad.src").is_file():
-        own = "machine.toml" if (folder / "machine.toml").is_file() else "../mcuwin/machine.toml"
-        return {**DEFAULTS, "machine": own, "setup": "../mcuwin/setup.toml", "options": ["--dialect", "mcuwin"]}
-    if not (folder / "bad.tap").is_file():
-        return DEFAULTS
-    own = {key: name for key, name in (("machine", "WINCNC.INI"), ("setup", "setup.toml")) if (folder / name).is_file()}
-    shared = {"machine": "../wincnc/WINCNC.INI", "setup": "../wincnc/setup.toml"}
-    return {**DEFAULTS, **shared, **own, "options": ["--dialect", "wincnc"]}
+    if dialect == "eding":
+        return {**DEFAULTS, "options": []}
+    alone = first_dialect(folder) == dialect
+    shared = {"machine": f"../{dialect}/{'WINCNC.INI' if dialect == 'wincnc' else 'machine.toml'}"}
+    shared["setup"] = f"../{dialect}/setup.toml"
+    own = {"machine": "WINCNC.INI", "setup": "setup.toml"} if dialect == "wincnc" else {"machine": "machine.toml"}
+    own = {key: name for key, name in own.items() if alone and (folder / name).is_file()}
+    return {**DEFAULTS, **shared, **own, "options": []}
+
+
+def settings(folder: Path, dialect: str, side: str) -> dict:
+    """What a run of one program of a folder takes."""
+    told = special(folder)
+    if dialect != first_dialect(folder):
+        told = told.get(dialect, {})
+    plain = {key: value for key, value in told.items() if not isinstance(value, dict) and key != "dialect"}
+    out = {**defaults(folder, dialect), "program": f"{side}.{SUFFIX[dialect]}", **plain, **told.get(side, {})}
+    if dialect != "eding" and "--dialect" not in out["options"]:
+        out["options"] = [*out["options"], "--dialect", dialect]
+    return out
 
 
 @dataclass(frozen=True)
@@ -51,22 +89,18 @@ class Runner:
     def __init__(self, capsys: pytest.CaptureFixture[str], scratch: Path):
         self.capsys, self.scratch = capsys, scratch
 
-    def __call__(self, folder: Path, side: str) -> tuple[Path, Result]:
-        path = folder / "run.toml"
-        special = tomllib.loads(path.read_text(encoding="utf-8")) if path.is_file() else {}
-        other = {"bad", "good"}
-        settings = {**defaults(folder), **{k: v for k, v in special.items() if k not in other}, **special.get(side, {})}
-        suffix = next((one for one in ("tap", "src") if (folder / f"bad.{one}").is_file()), "cnc")
-        program = folder / settings.get("program", f"{side}.{suffix}")
-        words = [settings["command"], str(program), "--machine", str(folder / settings["machine"])]
-        if settings["setup"] != "none":
-            setup = settings["setup"]
+    def __call__(self, folder: Path, dialect: str, side: str) -> tuple[Path, Result]:
+        run = settings(folder, dialect, side)
+        program = folder / run["program"]
+        words = [run["command"], str(program), "--machine", str(folder / run["machine"])]
+        if run["setup"] != "none":
+            setup = run["setup"]
             words += ["--setup", setup if setup == "zero" else str(folder / setup)]
-        if settings["command"] == "check":
+        if run["command"] == "check":
             words += ["--format", "json"]
         else:
             words += ["-o", str(self.scratch / f"{side}.gpx")]
-        return program, self.run([*words, *settings["options"]], as_json=settings["command"] == "check")
+        return program, self.run([*words, *run["options"]], as_json=run["command"] == "check")
 
     def run(self, words: list[str], *, as_json: bool) -> Result:
         from gproof.cli.main import main
@@ -84,11 +118,11 @@ def gproof(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> Runner:
     return Runner(capsys, tmp_path)
 
 
-def has_example(folder: Path) -> bool:
-    return any((folder / name).is_file() for name in ("bad.cnc", "bad.tap", "bad.src", "run.toml"))
+EXAMPLES = [(folder, dialect) for folder in FOLDERS for dialect in dialects(folder)]
 
 
-EXAMPLES = [folder for folder in FOLDERS if has_example(folder)]
+def cell_name(value: Path | str) -> str:
+    return value.name if isinstance(value, Path) else value
 
 
 def test_every_code_has_a_folder_and_every_folder_a_code() -> None:
@@ -104,14 +138,47 @@ def test_explanation_starts_with_number_and_name(folder: Path) -> None:
     assert "**What to do.**" in text
 
 
-def test_only_codes_that_no_program_can_show_lack_an_example() -> None:
-    without = {folder.name for folder in FOLDERS} - {folder.name for folder in EXAMPLES}
-    assert {name for name in without if name < "GP800"} == {"GP701", "GP702"}
+def declared(table: str) -> dict[tuple[str, str], str]:
+    """Cells of a table of `cells.toml`, each with the reason."""
+    out: dict[tuple[str, str], str] = {}
+    for row in CELLS[table]:
+        assert set(row) == {"dialects", "codes", "because"}, row
+        assert row["because"].strip()
+        for dialect in row["dialects"]:
+            for code in row["codes"]:
+                assert (code, dialect) not in out, f"{code} {dialect} is declared twice"
+                out[code, dialect] = row["because"]
+    return out
 
 
-@pytest.mark.parametrize("folder", EXAMPLES, ids=lambda folder: folder.name)
-def test_bad_program_gives_its_code(folder: Path, gproof: Runner) -> None:
-    program, result = gproof(folder, "bad")
+def test_every_code_has_a_pair_for_each_controller_or_a_reason_why_not() -> None:
+    """Codes of jobs, which are those below 800; the others are of streams, packages and runs."""
+    none, still_open = declared("none"), declared("open")
+    assert set(none) & set(still_open) == set()
+    cells = {(f"GP{number}", dialect) for number in CODES if number < 800 for dialect in SUFFIX}
+    filled = {(folder.name, dialect) for folder, dialect in EXAMPLES}
+    told = {**none, **still_open}
+    missing = {(code, dialect) for code, dialect in cells - filled - set(told) if not is_growing(int(code[2:]))}
+    assert sorted(missing) == [], "a program, or a line in cells.toml"
+    assert sorted(set(told) & filled) == [], "in cells.toml, and there is a program"
+    assert sorted(set(told) - cells) == [], "in cells.toml, and no such code or controller"
+
+
+def is_growing(number: int) -> bool:
+    """Whether a code is one of a range that is being written."""
+    ends = (part.split(" ... ") for row in CELLS["growing"] for part in row["codes"])
+    return any(int(first[2:]) <= number <= int(last[2:]) for first, last in ends)
+
+
+def test_a_pair_is_whole() -> None:
+    for folder, dialect in EXAMPLES:
+        for side in ("bad", "good"):
+            assert (folder / settings(folder, dialect, side)["program"]).is_file(), f"{folder.name} {dialect} {side}"
+
+
+@pytest.mark.parametrize(("folder", "dialect"), EXAMPLES, ids=cell_name)
+def test_bad_program_gives_its_code(folder: Path, dialect: str, gproof: Runner) -> None:
+    program, result = gproof(folder, dialect, "bad")
     code = folder.name
     if result.found:
         assert code in {one.code for one in result.found}, result.output
@@ -121,8 +188,8 @@ def test_bad_program_gives_its_code(folder: Path, gproof: Runner) -> None:
         assert misplaced(result.found, program) == [], result.output
 
 
-@pytest.mark.parametrize("folder", EXAMPLES, ids=lambda folder: folder.name)
-def test_good_program_gives_no_error(folder: Path, gproof: Runner) -> None:
-    _, result = gproof(folder, "good")
+@pytest.mark.parametrize(("folder", "dialect"), EXAMPLES, ids=cell_name)
+def test_good_program_gives_no_error(folder: Path, dialect: str, gproof: Runner) -> None:
+    _, result = gproof(folder, dialect, "good")
     assert [one for one in result.found if one.severity in JUDGED or one.code == folder.name] == []
     assert result.exit == 0, result.output
