@@ -124,12 +124,22 @@ class Scene:
         if tool != self._tool:
             self._opened[:] = -2
             self._tool = tool
-        sweep.pick(len(start) * max(1, len(ladder.levels)))(
+        sweep.pick(len(start) * self._facets_met(ladder))(
             start, end, slack, sag, place, s.corners, s.disc, s.planes, s.beside, s.body, s.box, s.grid, s.size,
             s.first, s.items, s.top, s.stamp, ladder.rims, ladder.counts, ladder.rounds, ladder.levels, ladder.part,
             ladder.sure, GAP, self._now, self._seen, self._opened, self._whole, self._real, self._scratch,
         )  # fmt: skip
         self._by += [tool] * (int(self._now[2]) - before)
+
+    def _facets_met(self, ladder: Ladder) -> float:
+        """About how many facets a move looks at, for the choice between the kernel's speeds."""
+        s, met = self.surface, 1.0
+        cell = float(s.grid[2])
+        for piece in ladder.pieces:
+            if piece.part != UNSTATED:
+                wide = 2.0 * (max(r for r, _ in piece.rims) + piece.rounding) + cell
+                met += min(len(s.items), wide * wide / (cell * cell) * len(s.items) / len(s.top)) / 20.0
+        return met
 
     def stretches(self) -> list[Stretch]:
         """What was found."""

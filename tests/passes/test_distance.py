@@ -330,6 +330,21 @@ def test_traverses_that_are_no_straight_lines(tmp_path: Path) -> None:
     assert answer(tmp_path, one, fixture(corner), name="collisions", machine=any_way)[0] is Verdict.UNSAFE
 
 
+def test_both_speeds_tell_the_same(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Lines, arcs and a helix through a mesh, a prism and a cylinder: every number of every finding."""
+    ring = Prism(outline=star(random.Random(3), 9), low=-20.0, high=2.0, error=0.01)
+    post = fixture(Cylinder(x=20.0, y=20.0, radius=4.0, low=0.0, high=30.0))
+    given = dataclasses.replace(part(ring, cube(-6.0, 5.5)), fixtures=post.fixtures, clearance=1.0)
+    text = "G64 P0.02\nG0 X30 Y0\nG0 Z3\nG2 X-20 Y10 Z-3 R30\nG1 X0 Y-10\nG3 X10 Y0 I5 J8\nG1 X22 Y22 Z2\nG0 Z80"
+    for name in ("gouges", "collisions"):
+        told = []
+        for speed in ("python", "numba"):
+            monkeypatch.setenv("GPROOF_KERNELS", speed)
+            verdict, found, _ = answer(tmp_path, text, given, name=name)
+            told.append((verdict, [(f.code.label, f.span.line, f.message, f.hint, f.values) for f in found]))
+        assert told[0] == told[1] and len(told[0][1]) > 1
+
+
 def test_what_the_answer_stands_on(tmp_path: Path) -> None:
     """A probe that goes for the plate; G64 without P."""
     verdict, _, made = answer(tmp_path, "G64\nG0 X50 Y25\nG0 Z5\nG38.2 Z-5 F100\nG0 Z80", part(PLATE))
