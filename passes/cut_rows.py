@@ -17,7 +17,7 @@ import numpy.typing as npt
 from gproof.ir.machine import Machine, Tool
 from gproof.ir.program import Block, BlockTable, Call, Number, Program, Replaced, Statement, parts_of
 from gproof.ir.rules import Function as F
-from gproof.ir.trace import KNIFE, Chunk, Op, State, Trace
+from gproof.ir.trace import KNIFE, Chunk, Op, State, Trace, Wait
 
 Bools = npt.NDArray[np.bool_]
 Floats = npt.NDArray[np.float64]
@@ -126,6 +126,9 @@ class CutRows:
         # What is not known to be nowhere, or straight up, is taken for a cut: comparisons with NaN do not hold.
         beside = ~((np.abs(way[:, :2]) < SOMEWHERE).all(axis=1) & (np.abs(way[:, 3:]) < SOMEWHERE).all(axis=1))
         cut: Bools = moves & (arcs | beside | ~(way[:, 2] > -SOMEWHERE))
+        if chunk.last and any(edge.wait is Wait.PROBE for edge in chunk.edges):
+            # The move that a switch or a probe ends is the last one of its section.
+            cut[np.flatnonzero(op < Op.DWELL)[-1:]] = False
         cut &= (self._excused.rows(chunk) == 0.0) & ~self._in_macro(chunk.trace)[rows["call"]]
         return cut
 

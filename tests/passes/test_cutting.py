@@ -367,3 +367,13 @@ def test_a_whole_job_behind_a_code_is_judged(tmp_path: Path) -> None:
         text = f"sub m110\n{body}endsub\n" + HEAD + "M110\nS9000 M3\nG0 Z20\nM30\n"
         _, found = judged(tmp_path, text)
         assert codes_of(found) & {"GP530"} == ({code} if code else set()), text
+
+
+def test_a_move_that_a_switch_ends_is_no_cut(tmp_path: Path) -> None:
+    """WinCNC: the tool goes down at feed onto the measuring switch, and does not turn."""
+    named = "[spindles.0]\noutput = 1\n"
+    job = "G0 X100 Y100 Z-10\n{touch}\nG0 Z-5\nS9000\nM11C1\nG1 Z-20 F300\nG0 Z-5\nM12C1\n"
+    for touch, found in (("M28 G1 Z-40 F60", set[str]()), ("G1 Z-40 F60", {"GP530"})):
+        text = job.format(touch=touch)
+        _, told = judged(tmp_path, text, machine=named, name="job.tap", dialect="wincnc")
+        assert codes_of(told) == found, text
