@@ -23,7 +23,7 @@ from gproof.ir.program import Program
 from gproof.ir.setup import Setup
 from gproof.ir.trace import Chunk, PathMode
 from gproof.ir.verdict import PropertyResult, Verdict
-from gproof.ir.workpiece import Placed
+from gproof.ir.workpiece import Mesh, Placed
 from gproof.passes.check import Check, row_span
 from gproof.passes.placing import Placing, Reason, Tips
 from gproof.passes.stock_fields import MOST_CELLS, Field, field_of
@@ -143,6 +143,9 @@ class StockLeft(Check):
         cell = self.setup.workpiece.cell
         out = []
         for placed in self.bodies:
+            if isinstance(placed.body, Mesh) and not placed.body.closed:
+                where = Span(placed.body.source or self.setup.name, 0)
+                self.findings.add(codes.STOCK_UNKNOWN.at(where, cause=f"{placed.name} is not closed"))
             field = field_of(placed.body, cell, MOST_CELLS)
             said = f"what is left of {placed.name} is known by cells of {field.cell:.4g} mm"
             if field.cell > cell * (1 + 1e-9):
@@ -168,7 +171,6 @@ class StockLeft(Check):
         """Hand what is left on to the sections that follow."""
         edges = {edge.target: edge for edge in reversed(chunk.edges) if edge.target >= 0}
         size = sum(left.field.upper.size for left in self._left)
-        handed = False
         for target, edge in edges.items():
             self._from.setdefault(target, set()).add(chunk.section)
             if target in self._seen:
@@ -179,10 +181,9 @@ class StockLeft(Check):
             elif target in self._waiting:
                 for one, other in zip(self._waiting[target], self._left, strict=True):
                     one.join(other)
-            elif not handed:
+            else:
                 self._waiting[target] = [left.copy() for left in self._left] if len(edges) > 1 else self._left
-                handed = len(edges) == 1
-            if target not in self._seen and size * len(self._waiting) > WAITING_CELLS:
+            if target not in self._seen and len(self._waiting) > 1 and size * len(self._waiting) > WAITING_CELLS:
                 self._waiting.pop(target, None)
                 self._lost.add(target)
 

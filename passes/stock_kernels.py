@@ -253,7 +253,7 @@ def remove(
     if radius > 0.0:
         first = max(math.ceil((min(ay, by) - radius - y0) / hy), 0)
         last = min(math.floor((max(ay, by) + radius - y0) / hy), ny)
-        easy = top - low_z <= min(tool[5], tool[6])
+        easy = top - low_z + beneath <= min(tool[5], tool[6])
         back = behind(kind, radius, slope, again and length > 0.0) + hx * abs(ux) + hy * abs(uy)
         before_low, before_high = 1, 0
         for row in range(first, last + 1):

@@ -5,9 +5,13 @@ from __future__ import annotations
 import dataclasses
 from pathlib import Path
 
-from passes.stock_jobs import FLAT, MACHINE, Judged
+import numpy as np
+import pytest
+from passes.stock_jobs import FLAT, MACHINE, START, Judged
 
-from gproof.ir.workpiece import Box
+from gproof.ir.columns import Columns
+from gproof.ir.workpiece import TRIANGLES, Box, Mesh
+from gproof.passes import stock
 
 SLOT = "G0 Z5\nG0 X10 Y20\nG1 Z-2\nG1 X40\n"
 
@@ -132,3 +136,21 @@ def test_pieces_of_any_size_tell_the_same(tmp_path: Path) -> None:
             assert one.upper.tobytes() == other.upper.tobytes()
             assert one.lower.tobytes() == other.lower.tobytes()
     assert whole.verdict == "UNSAFE"
+
+
+def test_a_mesh_that_is_not_closed(tmp_path: Path) -> None:
+    """Only the floor of a block: nobody knows what stands on it."""
+    corners = [[(0.0, 0.0, -10.0), (50.0, 40.0, -10.0), (50.0, 0.0, -10.0)]]
+    columns = {name: np.array([each[n] for each in corners]) for n, name in enumerate("abc")}
+    open_mesh = Mesh(triangles=Columns(TRIANGLES, columns), closed=False)
+    job = Judged(tmp_path, "G0 Z5\nG0 X10 Y20\nG0 Z-2\nG0 Z5\nM30\n", stock=(open_mesh,))
+    assert (job.verdict, [f.code.number for f in job.findings.kept]) == ("UNKNOWN", [443])
+
+
+def test_fields_that_would_be_too_many_start_from_whole_stock(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:  # fmt: skip
+    monkeypatch.setattr(stock, "WAITING_CELLS", 100)
+    begin, end = "G0 Z5\nG0 X25 Y20\nif [#100 > 0]\n" + CUT, "endif\nG0 Z-1\nG0 Z5\nM30\n"
+    assert Judged(tmp_path, begin + "else\n" + CUT + end).verdict == "UNKNOWN"
+    assert Judged(tmp_path, CUT + "M0\nG0 Z-1\nG0 Z5\nM30\n", start=START + "G0 Z5\nG0 X25 Y20\n").verdict == "SAFE"
