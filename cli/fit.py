@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import json
 from collections.abc import Sequence
 from pathlib import Path
@@ -15,7 +16,7 @@ from gproof.cli.fit_report import Told, print_fit, print_machines, report_json
 from gproof.cli.fit_zones import ZoneWatch
 from gproof.cli.judge import judge
 from gproof.cli.main import UsageError
-from gproof.cli.session import Running, open_session
+from gproof.cli.session import Running, Session, open_session
 from gproof.ir.verdict import Verdict
 
 SEVERAL = "gproof-fit-several/1"
@@ -50,12 +51,24 @@ def run_fit(
 
 def _answer(job: Path, *, machine: Path, setup: str | None, dialect: str | None, running: Running) -> Told:
     """The answer for one machine."""
-    session = open_session(job, machine=machine, setup=setup, dialect=dialect, call=running.call)
+    return fit_session(open_session(job, machine=machine, setup=setup, dialect=dialect, call=running.call), running)
+
+
+def fit_session(session: Session, running: Running) -> Told:
+    """The answer for a job that is read.
+
+    Where no region beside zones is found, the one side of them that ``check`` finds is the answer, if it does.
+    """
     other, asked = opened(session)
     watch = ZoneWatch(asked)
     judged = judge(other, running=running, hears=watch)
     stated = judge(session, running=running) if asked.anything and session.program is not None else None
     fit = fit_of(session.machine, asked, judged, stated, watch)
+    if fit.kind == "unknown" and fit.reason:
+        again = judge(opened(session)[0], running=running)
+        one_side = fit_of(session.machine, asked, again, stated, ZoneWatch(asked))
+        if one_side.kind == "ranges":
+            fit, judged = dataclasses.replace(one_side, complete=False), again
     travel = travel_of(session.machine, asked, judged)
     if travel is None and stated is not None:
         travel = travel_of(session.machine, asked, stated)

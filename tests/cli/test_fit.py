@@ -278,6 +278,16 @@ def test_a_zone_around_everything_leaves_nothing(tmp_path: Path) -> None:
     assert "because   no work offset keeps all moves out of the zone all" in fit(tmp_path).out
 
 
+def test_without_a_start_one_side_of_a_zone_is_told(tmp_path: Path) -> None:
+    """The first move may come from anywhere: only X below the zone as a whole is certain, the start as well."""
+    put(tmp_path, machine=MACHINE + '[[keep_out]]\nname = "wall"\nx = [70, 100]\n', setup=ANYWHERE)
+    told = report(tmp_path)
+    assert (told["kind"], told["verdict"], told["complete"]) == ("ranges", "SAFE", False)
+    # 70 less 30, less the backlash by which zones grow.
+    assert (told["offsets"][0]["low"], told["offsets"][0]["high"]) == (5.0, 39.5)
+    assert any("start position of X" in one for one in told["assumptions"])
+
+
 def test_a_zone_that_moves_with_the_work_asks_nothing(tmp_path: Path) -> None:
     """A clamp beside the part, in G54: wherever the part lies, the tool passes beside it."""
     clamp = '[[keep_out]]\nname = "clamp"\nwork = 1\nx = [40, 60]\ny = [-20, 20]\n'

@@ -24,10 +24,8 @@ from metamorphic.test_wincnc_verdicts import CALM
 from metamorphic.wincnc_jobs import run as run_wincnc
 from support.judging import UNBOUNDED
 
-from gproof.cli.fit_answer import Fit, Range, fit_of
-from gproof.cli.fit_open import opened
-from gproof.cli.fit_zones import ZoneWatch
-from gproof.cli.judge import judge
+from gproof.cli.fit import fit_session
+from gproof.cli.fit_answer import Fit, Range
 from gproof.cli.session import Running, open_session
 from gproof.ir.verdict import Verdict
 from gproof.passes import open_zones
@@ -42,12 +40,7 @@ seeds = pytest.mark.parametrize(("first", "count"), [*SEEDS, *MORE])
 def fit_job(folder: Path, machine: str = "machine.toml", job: str = "job.cnc", dialect: str = "eding") -> Fit:
     """The answer for the files that lie in a folder."""
     session = open_session(folder / job, machine=folder / machine, setup=str(folder / "setup.toml"), dialect=dialect)
-    other, asked = opened(session)
-    running = Running(UNBOUNDED)
-    watch = ZoneWatch(asked)
-    judged = judge(other, running=running, hears=watch)
-    stated = judge(session, running=running) if asked.anything else None
-    return fit_of(session.machine, asked, judged, stated, watch)
+    return fit_session(session, Running(UNBOUNDED)).fit
 
 
 def with_work(job: Job, values: dict[str, float]) -> Job:
