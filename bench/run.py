@@ -15,8 +15,8 @@ import shutil
 import subprocess
 import sys
 import tempfile
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
@@ -234,21 +234,19 @@ def print_scale(rows: list[Compared], start_s: float) -> None:
 
 
 def scale_plot(rows: list[Compared], start_s: float) -> str:
-    """Both as a picture of straight lines: SVG."""
-    points = [(row.lines, row) for row in rows]
-    alone = [(n, row.warm.best - start_s) for n, row in points if row.warm.best > 1.1 * start_s]
-    times = [
-        Line("gproof check", "#1f77b4", [(n, row.warm.best) for n, row in points]),
-        Line("without the start of the program", "#1f77b4", alone, dashed=True),
-    ]
-    memory = [Line("gproof check", "#1f77b4", [(n, row.warm.peak_mb) for n, row in points])]
-    if all(row.peer is not None for row in rows):
-        times.append(Line("rs274", "#d62728", [(n, row.peer.best) for n, row in points if row.peer is not None]))
-        memory.append(Line("rs274", "#d62728", [(n, row.peer.peak_mb) for n, row in points if row.peer is not None]))
-    return plot([
-        Panel("Wall time of the whole process", "lines", "seconds", times),
-        Panel("Peak memory", "lines", "MB", memory),
-    ])  # fmt: skip
+    """The same as a picture of straight lines: SVG."""
+
+    def both(title: str, unit: str, figure: Callable[[Runs], float]) -> Panel:
+        lines = [Line("gproof check", "#1f77b4", [(row.lines, figure(row.warm)) for row in rows])]
+        peers = [(row.lines, figure(row.peer)) for row in rows if row.peer is not None]
+        return Panel(title, "lines", unit, [*lines, *([Line("rs274", "#d62728", peers)] if peers else [])])
+
+    wall = both("Wall time of the whole process", "seconds", lambda runs: runs.best)
+    alone = [(row.lines, row.warm.best - start_s) for row in rows if row.warm.best > 1.1 * start_s]
+    dashed = Line("gproof without its start", "#1f77b4", alone, dashed=True)
+    wall = replace(wall, lines=[*wall.lines, *([dashed] if len(alone) > 1 else [])])
+    cpu = both("Processor time", "seconds", lambda runs: runs.cpu)
+    return plot([wall, cpu, both("Peak memory", "MB", lambda runs: runs.peak_mb)])
 
 
 def _by_dialect(rows: list[Compared], what: str) -> Iterator[Compared]:
