@@ -620,7 +620,9 @@ def follow(
             low_z = min(chord[2], chord[5]) - beneath
             if low_z + tools[t, 7] < top - TOUCH and told[row, HOLDER] != SURE:
                 told[row, HOLDER], amount[row, HOLDER] = MAYBE, top - low_z - tools[t, 7]
-            loose = loose_of[row] == 1 and o == TRAVERSE
+            # One axis alone has one way.
+            alone = (ax == bx and ay == by) or (az == bz and (ax == bx or ay == by))
+            loose = loose_of[row] == 1 and o == TRAVERSE and not alone
             again = piece > 0 or (o == FEED and as_before)
             if o == TRAVERSE:
                 if low_z - clearance < top and near(grid, upper, tools[t, 1] + slack + clearance, chord):

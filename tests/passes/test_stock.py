@@ -115,6 +115,8 @@ def test_traverses_that_are_no_straight_lines(tmp_path: Path) -> None:
     loose = MACHINE + "[controller]\nstraight_traverse = false\n"
     job = Judged(tmp_path, "G0 Z5\nG0 X5 Y0\nG0 Z-5\nG0 X45 Y40\nM30\n", stock=walls, machine=loose)
     assert (job.verdict, job.told()) == ("UNKNOWN", [(4, 436)])
+    alone = Judged(tmp_path, "G0 Z5\nG0 X-9 Y30\nG0 Z-5\nG0 X45\nM30\n", stock=walls, machine=loose)
+    assert (alone.verdict, alone.told()) == ("UNSAFE", [(4, 435)])
 
 
 def test_several_bodies_and_arcs(tmp_path: Path) -> None:
