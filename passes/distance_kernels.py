@@ -215,15 +215,18 @@ def separation(
                         points[kept, m] = points[k, m]
                 kept += 1
         n = kept
-        if within == 1:
-            size = 0.0
-            done = True
-            break
         vx = vy = vz = 0.0
         for k in range(n):
             vx += weights[k] * points[k, 0]
             vy += weights[k] * points[k, 1]
             vz += weights[k] * points[k, 2]
+        if within == 1:
+            # Weights of a tetrahedron that is nearly flat may be wrong: what they give is the witness.
+            size = math.sqrt(vx * vx + vy * vy + vz * vz)
+            if size >= r + gap - ROUNDING:
+                return 0
+            done = True
+            break
         if vx == 0.0 and vy == 0.0 and vz == 0.0:
             size = 0.0
             done = True
