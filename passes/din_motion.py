@@ -289,8 +289,7 @@ def _arc(ex: Motion, line: Part, rule: CodeRule, target: list[Position]) -> None
     if abs(at_end - at_start) > s.arc_tolerance() + SAME:
         raise Refusal(
             codes.ARC_RADIUS_MISMATCH.at(
-                line.span, start=at_start, end=at_end, off=abs(at_end - at_start), allowed=s.arc_tolerance(), unit="mm",
-                hint="the controller stops with status 2000",
+                line.span, start=at_start, end=at_end, off=abs(at_end - at_start), allowed=s.arc_tolerance(), unit="mm"
             )
         )  # fmt: skip
     if all(abs(a.value - b.value) < 1e-6 for a, b in zip(start, end, strict=True)):

@@ -110,13 +110,11 @@ def taken(ex: Emitter, start: list[float], before: int, words: tuple[Any, Any, A
 
 
 def _off_its_circle(ex: Emitter, line: int, first: float, last: float, allowed: float) -> None:
-    """GP401 for an arc whose end does not lie on the circle of its start (status 2000)."""
-    ex._fail(
-        codes.ARC_RADIUS_MISMATCH.at(
-            Span(ex.trace.files[ex._file], line), start=first, end=last, off=abs(last - first), allowed=allowed,
-            unit="mm", hint="the controller stops with status 2000",
-        )
-    )  # fmt: skip
+    """An arc whose end does not lie on the circle of its start (status 2000): ``arcs`` tells it of its row."""
+    finding = codes.ARC_RADIUS_MISMATCH.at(
+        Span(ex.trace.files[ex._file], line), start=first, end=last, off=abs(last - first), allowed=allowed, unit="mm"
+    )
+    ex._fail(finding, told=True)
 
 
 def _last(words: tuple[Any, Any, Any], wanted: int, at: int, stop: int) -> float:

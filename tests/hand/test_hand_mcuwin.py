@@ -14,6 +14,7 @@ from gproof.cli.session import Session, open_session
 from gproof.ir.finding import Finding, Findings
 from gproof.ir.setup import ZERO
 from gproof.ir.text import parse_ir, print_ir
+from gproof.passes.arc_radius import ArcRadius
 from gproof.passes.boundaries import Boundaries
 from gproof.passes.execute import Executor, execute
 from gproof.passes.limits import Limits
@@ -38,7 +39,8 @@ def run(program: Path, stated: dict[str, Any]) -> tuple[list[dict[str, Any]], li
     setup = dataclasses.replace(ZERO, inputs=inputs, default_parameter=None)
     findings: Findings = session.findings
     executor = Executor(session.program, setup, session.machine, findings)
-    checks = [Limits(session.machine, setup, findings), Boundaries(session.machine, setup, findings)]
+    given = session.machine, setup, findings
+    checks = [Limits(*given), Boundaries(*given), ArcRadius(*given)]
     rows = rows_of(executor, session.machine, checks, program)
     return rows, open_or_wrong(findings.kept)
 

@@ -240,16 +240,18 @@ def test_boundaries_that_change_on_the_way(tmp_path: Path) -> None:
 
 
 def test_a_guard_that_is_off(tmp_path: Path) -> None:
-    """L21 and L20 X2: a warning, and SAFE; L20 and L20 X1: past a boundary is UNSAFE again."""
+    """L21 and L20 X2: a warning, the stretch a note, and SAFE; L20 and L20 X1: past a boundary is UNSAFE again."""
     bounds = {"x": (0.0, 50.0)}
     for off in ("L21", "L20 X2"):
         made = job(f"{off}\nG0 X60\nG0 X10\n", bounds=bounds)
         verdict, findings, _ = answer(tmp_path, made)
-        assert (verdict, findings) == (Verdict.SAFE, [("GP332", 5)])
+        assert (verdict, findings) == (Verdict.SAFE, [("GP332", 5), ("GP338", 4)])
         for on in ("L20", "L20 X1"):
             made = job(f"{off}\nG0 X60\n{on}\nG0 X10\nG0 X60\n", bounds=bounds)
             verdict, findings, _ = answer(tmp_path, made)
-            assert (verdict, findings) == (Verdict.UNSAFE, [("GP330", 8), ("GP332", 5)])
+            # L20 X1 leaves the soft limits off: another stretch.
+            told = [("GP330", 8), ("GP332", 5), ("GP338", 4), *([("GP338", 6)] if on == "L20 X1" else [])]
+            assert (verdict, findings) == (Verdict.UNSAFE, told)
 
 
 UNMEASURED = {"z": None, "w": None}
