@@ -10,7 +10,12 @@ from support.goldens import ROOT
 
 from gproof.cli.main import main
 
-JOBS = ["drilled-plate", "over-limit-arc-bulge"]
+JOBS = {
+    "drilled-plate": ["zero"],
+    "over-limit-arc-bulge": ["zero"],
+    "clamped-bracket": ["setup.toml", "--also", "gouges", "--also", "collisions"],
+}
+"""With what setup and options."""
 
 
 @pytest.mark.parametrize("name", JOBS)
@@ -19,8 +24,10 @@ def test_picture_is_fresh(
 ) -> None:
     folder = ROOT / "corpus" / "eding" / name
     picture = tmp_path / f"{name}.svg"
-    main(["check", str(folder / "job.cnc"), "--machine", str(folder / "machine.toml"), "--setup", "zero",
-          "--picture", str(picture)])  # fmt: skip
+    setup, *options = JOBS[name]
+    setup = setup if setup == "zero" else str(folder / setup)
+    words = [str(folder / "job.cnc"), "--machine", str(folder / "machine.toml"), "--setup", setup, *options]
+    main(["check", *words, "--picture", str(picture)])
     capsys.readouterr()
     golden(ROOT / "docs" / "images" / picture.name, picture.read_text(encoding="utf-8"))
 
