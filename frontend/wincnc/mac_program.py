@@ -156,9 +156,9 @@ def _line_notes(raw: bytes, signs: str) -> list[Found]:
     """The notes of one line: see ``frontend/wincnc/notes.py``."""
     encoding = encoding_of(raw)
     line = raw.decode(encoding)
-    found: list[Found] = [] if encoding == "utf-8" else [(0, NoteKind.ENCODING, 0, encoding.encode())]
     if not line.strip():
-        return found
+        return []  # blanks of every kind, those of Windows-1252 too
+    found: list[Found] = [] if encoding == "utf-8" else [(0, NoteKind.ENCODING, 0, encoding.encode())]
     if is_comment(line, signs):
         line, at = line.lstrip(), 0
     else:

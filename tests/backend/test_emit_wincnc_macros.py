@@ -348,6 +348,12 @@ def test_any_macro_file(
         assert (folder / "CNC.MAC").read_bytes() == written
 
 
+@pytest.mark.parametrize("blank", [b"\xa0", b"\x85", b" \xa0\t", b"\xc2\xa0", b"\x1c", b"\xa0\nG5 = G4 X1\n\xa0"])
+def test_a_line_of_other_blanks_is_empty(tmp_path: Path, blank: bytes) -> None:
+    for data in (blank, blank + b"\n", b"G5=G4 X1\n" + blank + b"\nG6=G4 X2\n"):
+        formatted(tmp_path, data)
+
+
 @given(st.binary(max_size=120))
 @settings(deadline=None)
 def test_random_bytes(tmp_path_factory: pytest.TempPathFactory, data: bytes) -> None:
