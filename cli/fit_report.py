@@ -53,7 +53,10 @@ def print_fit(told: Told, units: str | None) -> None:
     click.echo(f"{told.session.job}: {verdict}, {headline(fit)}")
     for label, lines in (
         ("safe for", _range_lines(fit, unit)),
-        *((f"{'' if n else 'and in'}", _zone_lines(one, unit)) for n, one in enumerate(fit.zones)),
+        *(
+            (f"{'' if n else 'and in'}", _zone_lines(one, unit, is_safe=fit.verdict is Verdict.SAFE))
+            for n, one in enumerate(fit.zones)
+        ),
         ("because", [fit.reason] if fit.reason else []),
         ("note", _notes(fit)),
         ("needs", _travel_lines(told.travel, unit)),
@@ -198,8 +201,8 @@ def _change(one: Range, unit: LengthUnit) -> str:
     return f"{by} short: move by {' ... '.join(signed)}"
 
 
-def _zone_lines(one: Beside, unit: LengthUnit) -> list[str]:
-    """The boxes of a region, one a line, and where the stated offsets are."""
+def _zone_lines(one: Beside, unit: LengthUnit, *, is_safe: bool) -> list[str]:
+    """The boxes of a region, one a line, and where the stated offsets are. is_safe: the job is, with them."""
     place = one.place
     used = [n for n in range(3) if place.terms[n]]
     shown = place.boxes[:MOST_BOXES]
@@ -216,7 +219,11 @@ def _zone_lines(one: Beside, unit: LengthUnit) -> list[str]:
         out.append("and what lies beside moves that are at an angle; the picture and the JSON report have all of it")
     if one.inside is False and one.nearest is not None and one.now is not None:
         goes = [f"{one.names[n]} {unit.place(one.nearest[n], 'mm')}" for n in used]
-        out.append(f"now outside; the nearest place is {', '.join(goes)}")
+        out.append(
+            "now beside them, and SAFE there: not all places are known"
+            if is_safe
+            else f"now outside; the nearest place is {', '.join(goes)}"
+        )
     return out
 
 

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import itertools
 import math
+from dataclasses import replace
 
 import numpy as np
 import numpy.typing as npt
@@ -21,7 +22,7 @@ from gproof.ir.verdict import Condition
 from gproof.passes.open_zones import OpenZones, Place, Ranges, Stand
 from gproof.passes.values import describe
 from gproof.passes.zone_offsets import View
-from gproof.passes.zone_regions import FAR, Pair, Solid
+from gproof.passes.zone_regions import FAR, Layer, Pair, Solid
 from gproof.passes.zone_shapes import Polygon, Rectangle, Shape
 
 _STATED = ("work", "g92", "tool", "head")
@@ -67,10 +68,37 @@ class ZoneWatch:
                 low, high = low + least, high + most
             return tuple(own), (low, high)
 
+        # A zone that moves with the work is, for moves in machine coordinates, at the negative of the offset.
+        ranges = ranges | {negated(form): (-high, -low) for form, (low, high) in ranges.items()}
         found = self._rows.places(resolve, ranges)
         if found is None:
             return None
-        return tuple(place for place in found if not _is_all(place, ranges))
+        return tuple(upright(place) for place in found if not _is_all(place, ranges))
+
+
+def negated(form: Affine) -> Affine:
+    """The negative of a sum."""
+    return tuple((symbol, -count) for symbol, count in form)
+
+
+def upright(place: Place) -> Place:
+    """The same place, told of offsets themselves where it is told of their negatives."""
+    signs = [-1 if form and all(count < 0 for _, count in form) else 1 for form in place.terms]
+    if signs == [1, 1, 1]:
+        return place
+    import shapely.affinity
+
+    def ends(pair: tuple[float, float], sign: int) -> tuple[float, float]:
+        return pair if sign > 0 else (-pair[1], -pair[0])
+
+    x, y, z = (form if sign > 0 else negated(form) for form, sign in zip(place.terms, signs, strict=True))
+    layers = [
+        Layer(z=ends(one.z, signs[2]), left=shapely.affinity.scale(one.left, signs[0], signs[1], origin=(0.0, 0.0)))
+        for one in place.region.layers
+    ]
+    region = replace(place.region, layers=tuple(sorted(layers, key=lambda one: one.z)))
+    boxes = tuple((ends(a, signs[0]), ends(b, signs[1]), ends(c, signs[2])) for a, b, c in place.boxes)
+    return replace(place, terms=(x, y, z), region=region, boxes=boxes)
 
 
 def _is_all(place: Place, ranges: Ranges) -> bool:
