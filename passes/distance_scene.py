@@ -5,6 +5,7 @@ Takes surfaces and moves in the coordinates of one zero; gives ``Stretch``es of 
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Sequence
 
 import numpy as np
@@ -13,7 +14,7 @@ import numpy.typing as npt
 from gproof.ir.record import record
 from gproof.passes.distance_kernels import separation, sweep
 from gproof.passes.surfaces import Surface
-from gproof.passes.tool_shape import UNSTATED, WIDE, Piece, Shape, grown
+from gproof.passes.tool_shape import CUTTER, UNSTATED, WIDE, Piece, Shape, grown
 
 Floats = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
@@ -91,6 +92,21 @@ class Stretch:
     worst: tuple[int, int, Floats, Floats, float]
 
 
+def _above_cutter(piece: Piece, shape: Shape, tolerance: float) -> Piece:
+    """A piece across the joint of cutter and shank, cut off so that what lies deep in it is above the joint.
+
+    What is below is the cutter's, and said to be in the shank by nobody.
+    """
+    pieces = [other for other in shape.pieces if other.part != UNSTATED]
+    if len(pieces) < 2 or piece.part == UNSTATED:
+        return piece
+    joint, (radius, bottom) = pieces[1].rims[0][1], piece.rims[0]
+    lowest = joint - max(tolerance, 0.0)
+    if bottom >= lowest:
+        return piece
+    return dataclasses.replace(piece, rims=((radius, lowest), *piece.rims[1:]))
+
+
 class Scene:
     """Bodies that count from one zero, what may come how near to them, and what did."""
 
@@ -112,6 +128,8 @@ class Scene:
         """What of a tool must stay clear of these bodies."""
         if tool not in self._ladders:
             pieces = (_ANYTHING,) if shape.problem else shape.of(*self.parts)
+            if CUTTER not in self.parts:
+                pieces = tuple(_above_cutter(piece, shape, -self.limit) for piece in pieces)
             self._ladders[tool] = ladder_of(pieces, self.limit)
         return self._ladders[tool]
 
