@@ -102,7 +102,9 @@ def answers(job: Path, machine: Path | None, setup: str | None) -> Judgement:
     sizes = {str(job): job.read_bytes().count(b"\n") + 1}
     for finding in judgement.findings.kept:
         where = finding.span
-        assert CODES[finding.code.number] is finding.code
+        known = CODES[finding.code.number]
+        # A program that ends itself on one outcome of several is told as a note.
+        assert finding.code == known or (finding.code == known.as_note() and known.number in (245, 288))
         assert finding.message
         assert "None" not in finding.message, finding.message
         assert " nan" not in finding.message, finding.message
