@@ -70,11 +70,16 @@ def each_macro(source: SourceFile, findings: Findings, lexical: Lexical) -> Iter
         if macro is None:
             continue
         before = macros.setdefault(macro.name, macro)
-        if before is not macro and before.text != macro.text:
+        if before is not macro and _bare(before.text) != _bare(macro.text):
             what = f"defined again with another command than in line {before.span.line}"
             related = (Related(before.span, "the other definition"),)
             findings.add(codes.BAD_VALUE.at(macro.span, key=macro.name, what=what, related=related))
         yield macro
+
+
+def _bare(text: str) -> str:
+    """A command without the blanks between its words, which mean nothing; as written where it has a quoted text."""
+    return text if '"' in text else "".join(text.split())
 
 
 def is_comment(line: str, signs: str) -> bool:

@@ -181,8 +181,8 @@ def test_more_open_lines_than_findings_are_kept(tmp_path: Path) -> None:
 @pytest.mark.parametrize("path", MACRO_FILES, ids=lambda path: path.parent.name)
 def test_files_of_shops(tmp_path: Path, path: Path) -> None:
     ini = path.parent / "WINCNC.INI"
-    machine = load_machine(ini, Findings())[0] if ini.is_file() else NO_SHOP
-    assert machine is not None
+    # Some pages of findings show a WINCNC.INI with a mistake.
+    machine = (load_machine(ini, Findings())[0] if ini.is_file() else None) or NO_SHOP
     read_macros(read_source(path), findings := Findings(), machine.controller.controls.lexical)
     assert (formatted(tmp_path, path.read_bytes(), machine) is None) == findings.has(Severity.ERROR)
 
@@ -352,6 +352,12 @@ def test_any_macro_file(
 def test_a_line_of_other_blanks_is_empty(tmp_path: Path, blank: bytes) -> None:
     for data in (blank, blank + b"\n", b"G5=G4 X1\n" + blank + b"\nG6=G4 X2\n"):
         formatted(tmp_path, data)
+
+
+def test_one_command_in_two_spellings_is_one(tmp_path: Path) -> None:
+    """A line that stays as it is beside one that is printed: M3 is the same command in both."""
+    assert formatted(tmp_path, b"M3=G0X0\nM3=G0X0[a] b\n") is not None
+    assert formatted(tmp_path, b"M3=G0X0\nM3=G0X1\n") is None
 
 
 @given(st.binary(max_size=120))
