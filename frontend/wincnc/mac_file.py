@@ -78,8 +78,8 @@ def each_macro(source: SourceFile, findings: Findings, lexical: Lexical) -> Iter
 
 
 def _bare(text: str) -> str:
-    """A command without the blanks between its words, which mean nothing; as written where it has a quoted text."""
-    return text if '"' in text else "".join(text.split())
+    """A command without what means nothing, blanks and small letters; as written where it has a quoted text."""
+    return text if '"' in text else "".join(text.split()).upper()
 
 
 def is_comment(line: str, signs: str) -> bool:
