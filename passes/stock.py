@@ -68,6 +68,7 @@ PERHAPS: dict[int, Code] = {
 PARTS = {SHANK: "the shank", HOLDER: "the holder"}
 LIMITS = {FLUTES: "its flute length", DEPTH: "the depth that is stated for it"}
 
+WIDE_CUTS = "how deep a tool cuts, beside its flutes and its greatest depth, is asked of cuts at least a cell wide"
 FREE_WAY = "the way from where the axes stand at the beginning to the first place that is known is free"
 STATE = (
     "what the machine file does not state of a tool (flute_length, shank_diameter, stickout, holder) may be anything"
@@ -303,6 +304,8 @@ class StockLeft(Check):
             verdict = Verdict.UNSAFE
         elif self.findings.has(Severity.UNKNOWN, (self.name,)):
             verdict = Verdict.UNKNOWN
+        if any(tool.flute_length is not None or tool.max_depth is not None for tool in self.machine.tools):
+            self._assumptions[WIDE_CUTS] = None
         assumptions = (*self._assumptions, *self.placing.assumptions)
         return PropertyResult(name=self.name, verdict=verdict, assumptions=assumptions)
 

@@ -56,13 +56,15 @@ def emit(program: Program, lexical: Lexical, *, same_length: bool = False) -> It
     kept = {sign.encode(encoding, "ignore")[:1] for sign in f"%{signs}" for encoding in ("utf-8", "cp1252")}
     printer = _Printer(program, b"".join(sorted(kept)))
     printer.same_length = same_length
+    printer.has_mistakes = any(isinstance(node, Mistake) for node in program.body)
     yield from printer.run()
 
 
 class _Printer(LinePrinter):
-    """Prints a WinCNC program. same_length: see ``emit``."""
+    """Prints a WinCNC program. same_length: see ``emit``; has_mistakes: some lines stay as they are."""
 
     same_length = False
+    has_mistakes = False
 
     def run(self) -> Iterator[bytes]:
         """The file: its mark, its lines, what stands behind the last."""
@@ -147,6 +149,9 @@ class _Printer(LinePrinter):
         except Unprintable as error:
             raise self.refusal(node.span, str(error)) from None
         if self.same_length and len(command) != len(node.written):
+            command = node.written
+        if self.has_mistakes:
+            # One of them may define the same name: by the same command only where that is written alike.
             command = node.written
         return f"{node.label}={command}"
 

@@ -70,16 +70,11 @@ def each_macro(source: SourceFile, findings: Findings, lexical: Lexical) -> Iter
         if macro is None:
             continue
         before = macros.setdefault(macro.name, macro)
-        if before is not macro and _bare(before.text) != _bare(macro.text):
+        if before is not macro and before.text != macro.text:
             what = f"defined again with another command than in line {before.span.line}"
             related = (Related(before.span, "the other definition"),)
             findings.add(codes.BAD_VALUE.at(macro.span, key=macro.name, what=what, related=related))
         yield macro
-
-
-def _bare(text: str) -> str:
-    """A command without what means nothing, blanks and small letters; as written where it has a quoted text."""
-    return text if '"' in text else "".join(text.split()).upper()
 
 
 def is_comment(line: str, signs: str) -> bool:

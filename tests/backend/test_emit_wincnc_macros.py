@@ -354,9 +354,11 @@ def test_a_line_of_other_blanks_is_empty(tmp_path: Path, blank: bytes) -> None:
         formatted(tmp_path, data)
 
 
-def test_one_command_in_two_spellings_is_one(tmp_path: Path) -> None:
-    """A line that stays as it is beside one that is printed: M3 is the same command in both."""
-    assert formatted(tmp_path, b"M3=G0X0\nM3=g0x0[a] b\n") is not None
+@pytest.mark.parametrize("command", [b"G0X0", b"g0 x0", b"G0X0F+4", b'L100 "a b"'])
+def test_a_command_beside_a_line_that_stays_is_as_it_was_written(tmp_path: Path, command: bytes) -> None:
+    """Both define M3, by the same command: printed in two ways they would be two."""
+    data = b"M3=" + command + b"\nM3=" + command + b"[a] b\n"
+    assert formatted(tmp_path, data) == data
     assert formatted(tmp_path, b"M3=G0X0\nM3=G0X1\n") is None
 
 
