@@ -5,6 +5,7 @@ PYTHON ?= python3
 BIN := .venv/bin
 LOCKED := .venv/locked
 READY := .venv/ready
+PEERS := .venv/peers/ready
 
 # Processes that tests start would read every module anew where the environment forbids to keep bytecode.
 export PYTHONDONTWRITEBYTECODE :=
@@ -39,8 +40,14 @@ goldens: $(READY) ## Rewrite the expected texts of golden tests; never the `; ex
 soak: $(READY) ## The long random tests
 	GPROOF_SOAK=1 $(BIN)/pytest -n 2 -m soak tests
 
-bench: $(READY) ## Side-by-side benchmarks
+bench: $(READY) $(PEERS) ## Side-by-side benchmarks
 	$(BIN)/python bench/run.py
+
+# The peer of bench/collisions.py, apart from what gproof and its tests use; without an index the bench says that it is missing.
+$(PEERS): pyproject.toml | $(READY)
+	@$(BIN)/python -m venv .venv/peers
+	@.venv/peers/bin/python -m pip install --quiet --disable-pip-version-check gcode-collision-check==0.1.0 && touch $@ \
+		|| echo "gcode-collision-check could not be installed: its column stays empty" >&2
 
 replay: $(READY) ## Compare the stages of every corpus job with another revision's: make replay BASE=rev
 	@test -n "$(BASE)" || { echo "make replay BASE=rev: which revision to compare with?" >&2; exit 2; }

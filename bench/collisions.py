@@ -1,7 +1,7 @@
 """``gproof check --also collisions`` beside the public peer ``gcode-collision-check`` 0.1.0: the same moves and boxes.
 
-Used by run.py; the peer comes with ``pip install -e .[peers]``. A pocket is cut in rows between two clamps and a bar,
-which a few moves come too near to.
+Used by run.py; ``make bench`` installs the peer, ``pip install -e .[peers]`` does without make. A pocket is cut in rows
+between two clamps and a bar, which a few moves come too near to.
 """
 
 from __future__ import annotations
@@ -16,6 +16,7 @@ from typing import Any
 
 from measure import Runs, run_once
 
+PEER = "gcode-collision-check"
 MOVES = (100, 1_000, 5_000)
 BOXES = {
     "left": ((-40.0, 20.0, -20.0), (-10.0, 60.0, 6.0)),
@@ -72,7 +73,9 @@ def compare(
     folder: Path, environment: Mapping[str, str], gproof: list[str], repeat: int
 ) -> list[dict[str, Any]]:  # fmt: skip
     """For each size both commands in turn; found: bodies that each found the tool in."""
-    peer = Path(sys.executable).with_name("gcode-collision-check")
+    beside = Path(sys.executable).parent
+    places = (beside.parent / "peers" / "bin" / PEER, beside / PEER)
+    peer = next((place for place in places if place.exists()), places[0])
     files = write_scene(folder)
     rows = []
     for moves in MOVES:

@@ -343,6 +343,7 @@ def _spindles(root: TomlTable, machine: Machine, unit: Fraction) -> tuple[Spindl
                 ramp_time=table.positive("ramp_time", zero=True),
                 spin_up=table.positive("spin_up", zero=True),
                 output=table.whole("output", 0, HIGHEST_CHANNEL),
+                oriented_stop=table.boolean("oriented_stop"),
             ),
         )
         low, high = spindles[number].min_rpm, spindles[number].max_rpm

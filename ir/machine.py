@@ -227,7 +227,8 @@ class Spindle:
     machine position while it is selected, None where nobody stated it; unsigned: a controller file gives the
     offset without saying which way it counts; pwm: (rpm, percent of its output) pairs of its table (2.4).
     spin_up: seconds that it needs to its speed, whatever the controller waits (``ramp_time``); output: channel that
-    runs it while it is on, where no code of the language does; None: not stated.
+    runs it while it is on, where no code of the language does; None: not stated. oriented_stop: it can stop in one
+    orientation, which back boring needs (Eding manual 3.4.21.10); False: it can not, or nobody stated it.
     """
 
     number: int
@@ -239,6 +240,7 @@ class Spindle:
     pwm: tuple[tuple[float, float], ...] = ()
     spin_up: float | None = None
     output: int | None = None
+    oriented_stop: bool = False
 
 
 @record(frozen=True, slots=True, kw_only=True)

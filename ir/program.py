@@ -550,7 +550,8 @@ class Program:
     runs where the job ends itself before; abort: what runs where it aborts itself. around_files: head and tail run
     around each subprogram that is a file, too; None: nobody said so, and it would make a difference. open_codes: a file
     that was not given may define codes that the language does not have. unended: subprograms, "" for the body, of which
-    a finding of the frontend says that they have no end.
+    a finding of the frontend says that they have no end. macro_files: names of those files that run only where a
+    command that the machine defines (a macro, a setting) calls them.
     """
 
     dialect: str
@@ -566,6 +567,7 @@ class Program:
     open_codes: bool = False
     abort: tuple[Statement, ...] = ()
     unended: frozenset[str] = field(default=frozenset(), compare=False, repr=False)
+    macro_files: frozenset[str] = field(default=frozenset(), compare=False, repr=False)
     scan: Scan | None = field(default=None, compare=False, repr=False)
     annotate: Annotate | None = field(default=None, compare=False, repr=False)
 

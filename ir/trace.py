@@ -270,6 +270,7 @@ class Trace:
     """A whole evaluated program as a graph of sections; section 0 is where it begins.
 
     symbols: the ranges, mm or degrees, of unknowns that arose in the run (probe contacts, answers): see ir/setup.py.
+    macro_files: see ``Program``.
     """
 
     files: list[str] = field(default_factory=list)
@@ -279,6 +280,7 @@ class Trace:
     texts: list[str] = field(default_factory=list)
     sections: list[TraceSection] = field(default_factory=list)
     symbols: dict[str, Interval] = field(default_factory=dict)
+    macro_files: frozenset[str] = field(default=frozenset(), compare=False, repr=False)
 
     def verify(self) -> None:
         """The invariants of this stage; ValueError with the first one that fails."""

@@ -162,13 +162,15 @@ class Boundaries(Check):
         return int(count), bad
 
     def _beyond(self, span: Span, key: Key, axis: int, reach: float, like: Like | None = None) -> None:
-        """GP330, or GP332 with the guard off."""
+        """GP330, or GP332 with the guard off: no more than a note where a command of the machine itself goes there."""
         edge = next(edge for edge in key[0] if edge.axis == axis)
         reached = reach - edge.shift
         below = edge.low is not None and reached < edge.low
         limit = edge.low if below else edge.high
         assert limit is not None
         code = codes.BOUNDARY_GUARD_OFF if key[1] else codes.SOFT_LIMIT if edge.limit else codes.BOUNDARY_EXCEEDED
+        if key[1] and self._trace is not None and span.file in self._trace.macro_files:
+            code = code.as_note()
         self.findings.add(
             code.at(
                 span, axis=self.machine.word(axis), reached=reached,

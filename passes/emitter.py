@@ -60,7 +60,7 @@ class Emitter:
         self.modal = Modal(program.rules, setup, machine)
         self.modal.transform = at_start(self.modal)
         self.modal.rendering = render
-        self.trace = Trace(files=[f.name for f in program.files] or ["(program)"])
+        self.trace = Trace(files=[f.name for f in program.files] or ["(program)"], macro_files=program.macro_files)
         self.frames = FrameTable(self.trace.frames)
         self.modal.ranges = self.trace.symbols
         self.evaluator = Evaluator(self._read, findings, self._read_other)

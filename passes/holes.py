@@ -123,7 +123,10 @@ def _back_bore(ex: Motion, line: Line, hole: Hole) -> None:
     beside = list(at)
     for axis, distance in zip((hole.first, hole.second), hole.entry, strict=True):
         beside[axis] = at[axis].moved(distance)
-    ex.findings.add(codes.ORIENTED_STOP.at(line.span, code=hole.rule.text))
+    spindle = ex.modal.machine.spindle(ex.modal.head)
+    if spindle is None or not spindle.oriented_stop:
+        hint = f"where it can, say so in the machine file: oriented_stop under [spindles.{max(0, ex.modal.head)}]"
+        ex.findings.add(codes.ORIENTED_STOP.at(line.span, code=hole.rule.text, hint=hint))
     _across(ex, line, hole, beside)
     _orient(ex, line)
     along(ex, line, hole.drill, hole.depth, Op.TRAVERSE)

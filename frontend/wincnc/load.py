@@ -209,7 +209,7 @@ class _Loader:
     def job(self, path: Path) -> tuple[Statement, ...]:
         """The statements of the job, with everything it calls loaded."""
         self.prepare()
-        body = self.load(path, is_job=True)
+        body = own = self.load(path, is_job=True)
         if self.macro_source is not None:
             self._add_settings(self.macro_source)
         self.program.tail = self._command("end", self.controls.end)
@@ -234,7 +234,19 @@ class _Loader:
         if around is None and self._only_switches((*self.program.head, *self.program.tail), frozenset()):
             around = False
         self.program.around_files = around
+        self.program.macro_files = self._macro_files(own)
         return body
+
+    def _macro_files(self, job: Sequence[Statement]) -> frozenset[str]:
+        """Names of the files that no line of the job calls, nor one that it calls: commands of the machine run them."""
+        called: set[str] = set()
+        new = set(_calls(job))
+        while new:
+            called |= new
+            known = [self.program.subprograms[name].body for name in new if name in self.program.subprograms]
+            new = {name for body in known for name in _calls(body)} - called
+        subs = self.program.subprograms.values()
+        return frozenset(sub.span.file for sub in subs if sub.is_file and sub.name not in called)
 
     def _only_switches(self, body: Sequence[Statement], calls: frozenset[str]) -> bool:
         """Whether statements do no more than switch outputs: it then is all the same how often they run.
@@ -334,6 +346,17 @@ class _Loader:
         self.held += lines
         words, _, _ = self.scanner.scan(data, begin, end, first, end - begin)
         return words
+
+
+def _calls(body: Sequence[Statement]) -> Iterator[str]:
+    """Names that lines call themselves; not what macros and settings of the machine make of a line."""
+    for node in body:
+        if isinstance(node, Call):
+            yield node.name
+        elif isinstance(node, If):
+            yield from _calls((*node.then, *node.otherwise))
+        elif isinstance(node, Array):
+            yield from _calls(node.body)
 
 
 class _Walk:

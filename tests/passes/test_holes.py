@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 from passes.programs import HEAD, Row, codes_of, run_whole, shown
 
-from gproof.ir.machine import NO_MACHINE, Controller
+from gproof.ir.machine import NO_MACHINE, Controller, Spindle
 from gproof.ir.setup import NOTHING
 from gproof.ir.trace import Wait
 
@@ -297,6 +297,14 @@ def test_back_boring_with_diameters(tmp_path: Path, plane: str, axis: str) -> No
     radii = line.replace("X8", "X4")
     there, _ = run_whole(tmp_path, f"{head.replace('X2', 'X1')}{radii} I0 {top}\nG80 M5\n")
     assert shown(here, after_line=3) == shown(there, after_line=3)
+
+
+def test_a_spindle_that_stops_in_an_orientation(tmp_path: Path) -> None:
+    """No warning where the machine file says that it can (step 3 of 3.4.21.10)."""
+    text = f"{HEAD}S600 M3 F100\n{AT}G87 X4 Y5 Z-4 R2 I1 J0 K-2\nG80 M5\n"
+    for able, told in ((True, []), (False, ["GP265"])):
+        machine = dataclasses.replace(NO_MACHINE, spindles=(Spindle(number=0, oriented_stop=able),))
+        assert codes_of(run_whole(tmp_path, text, machine=machine)[1]) == told
 
 
 def test_back_boring_on_the_hole_s_axis_under_a_rotation(tmp_path: Path) -> None:

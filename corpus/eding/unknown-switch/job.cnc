@@ -4,6 +4,7 @@
 g21 g17 g90 g94 g40 g49 g80 g54
 s16000 m3
 g0 z8
+; gproof: allow GP234: the variable page holds it, and both hands fit
 if [#4001 == 1]
   g0 x30 y40
 else
