@@ -539,6 +539,20 @@ Scan = Callable[[bytes, int, int, int, int], tuple[Columns, int, int]]
 """(data, begin, end, first line, limit) -> (words, next byte, next line); see ``Program.load``."""
 
 
+@record(frozen=True, slots=True)
+class SpindleOutputs:
+    """Channels of outputs that run a spindle together, in either direction, as a shop's own definitions have it.
+
+    They are on behind the definition of its start (M3; backward: M4) and off behind that of its stop (M5).
+    """
+
+    forward: tuple[int, ...] = ()
+    backward: tuple[int, ...] = ()
+
+
+NO_OUTPUTS = SpindleOutputs()
+
+
 @record(slots=True, kw_only=True)
 class Program:
     """A whole job. body runs from the top; subprograms are called by name.
@@ -549,7 +563,8 @@ class Program:
     head, tail: the first and the last statements of the body, which the machine's settings put there; the tail also
     runs where the job ends itself before; abort: what runs where it aborts itself. around_files: head and tail run
     around each subprogram that is a file, too; None: nobody said so, and it would make a difference. open_codes: a file
-    that was not given may define codes that the language does not have. unended: subprograms, "" for the body, of which
+    that was not given may define codes that the language does not have. spindle_outputs: those that run the spindle
+    where no code of the language does and the shop's definitions tell. unended: subprograms, "" for the body, of which
     a finding of the frontend says that they have no end. macro_files: names of those files that run only where a
     command that the machine defines (a macro, a setting) calls them.
     """
@@ -566,6 +581,7 @@ class Program:
     around_files: bool | None = False
     open_codes: bool = False
     abort: tuple[Statement, ...] = ()
+    spindle_outputs: SpindleOutputs = NO_OUTPUTS
     unended: frozenset[str] = field(default=frozenset(), compare=False, repr=False)
     macro_files: frozenset[str] = field(default=frozenset(), compare=False, repr=False)
     scan: Scan | None = field(default=None, compare=False, repr=False)

@@ -24,7 +24,7 @@ from gproof.ir.verdict import PropertyResult
 from gproof.passes.causes import Causes, answer
 from gproof.passes.check import Check, row_span
 from gproof.passes.cut_rows import SOMEWHERE, Bools, CutRows, Floats, Guarded, StateColumn, tool_column
-from gproof.passes.spin_up import Flow, Started, reached, waited
+from gproof.passes.spin_up import Flow, Started, reached, runs_of, waited
 
 SLACK = 1e-9
 NO_CODE, ABORTED = 1.0, 2.0
@@ -32,9 +32,8 @@ NO_CODE, ABORTED = 1.0, 2.0
 _ENDS = (F.END, F.END_RESET)
 _OTHER_TOOLS = frozenset(("pwm", "height_control", "height_setpoint", "extruder_temperature"))
 """What a SETPOINT row sets where a job works with another tool than a spindle."""
-_WHEN_NOT_TOLD = (
-    "M3 before the first of them; or in the machine file output = ... under [spindles.0], the output that runs it, or "
-    "spindle = false where programs start none (knife, torch, laser, a spindle switched by hand)"
+_NONE = (
+    "spindle = false in the machine file where programs start none (knife, torch, laser, a spindle switched by hand)"
 )
 
 
@@ -59,12 +58,15 @@ class Cutting(Check):
         self._fastest = tool_column(machine, lambda tool: tool.max_rpm)
         self._slowest = tool_column(machine, lambda tool: tool.min_rpm)
         self._limited = any(t.max_rpm is not None or t.min_rpm is not None for t in machine.tools)
-        first = machine.spindle(0)
-        self._output = None if first is None else first.output
-        self._flow: dict[int, Flow] = {0: Flow()}
+        self._runs = runs_of(program, machine)
+        devices = machine.controller.controls.devices
+        self._by_hand = bool(self._runs.channels) and devices is not None and "spindle" not in devices
+        on = frozenset(c for c in self._runs.channels if setup.outputs.get(c) == 1.0)
+        self._flow: dict[int, Flow] = {0: Flow(on=on, turns=_known(self._runs.turns(on)))}
         self._now = Flow()
         self._causes, self._held = Causes(), Causes()
         self._guarded = Guarded()
+        self._switched: set[int] = set()
         self._starts = self._other_tool = self._names_tools = False
         self._wet: dict[int, list[bool]] = {}
         self._dry: dict[int, Span] = {}
@@ -79,13 +81,14 @@ class Cutting(Check):
             self._now = self._flow.pop(chunk.section, Flow())
         way = self._rows.ways(chunk)
         cut, held, again = self._guarded.split(chunk, self._rows.cuts(chunk, way))
+        on = self._now.on
         rpm = self._speeds(chunk)
         if again:
             self._held.clear()
         for rows, causes in ((cut, self._causes), (held, self._held)):
             if rows.any():
                 self._judge(chunk, rows, rpm, causes)
-        self._events(chunk, cut, rpm, way)
+        self._events(chunk, cut, on, way)
         self._heights(chunk, cut, way)
         if chunk.last:
             self._close(chunk, rpm)
@@ -97,7 +100,7 @@ class Cutting(Check):
         stated = self.machine.spindle_started
         assumed: tuple[str, ...] = ()
         if stated is False:
-            for code in (codes.SPINDLE_AT_REST, codes.SPINDLE_SPEED_NOT_TOLD):
+            for code in (codes.SPINDLE_AT_REST, codes.SPINDLE_NOT_TOLD, codes.SPINDLE_SPEED_NOT_TOLD):
                 self._causes.forget(code)
             assumed = ("no program starts a spindle on this machine (spindle = false)",)
         elif not (self._starts or stated):
@@ -106,8 +109,11 @@ class Cutting(Check):
                 assumed = ("the job works with a tool that does not turn: it starts no spindle, and switches another",)
             elif found is not None:
                 self._causes.add(
-                    codes.SPINDLE_NOT_TOLD, 0, found.first, found.last, found.count, _WHEN_NOT_TOLD
+                    codes.SPINDLE_NOT_TOLD, 0, found.first, found.last, found.count, self._when_not_told()
                 )  # fmt: skip
+        elif self._starts:
+            by_hand = ("the speed of the spindle is set by hand",) if self._by_hand else ()
+            assumed = (*((self._runs.told,) if self._runs.told else ()), *by_hand)
         if not self._names_tools:
             # Where the job changes no tool, its number means nothing: the operator's cutter is in the spindle.
             self._causes.forget(codes.NO_TOOL)
@@ -118,37 +124,65 @@ class Cutting(Check):
         self._causes.report(self.findings)
         return answer(self.name, self.findings, assumed)
 
+    def _when_not_told(self) -> str:
+        """What would tell whether a spindle turns."""
+        known = {rule.function for rule in self._program.rules.codes.values()}
+        if F.SPINDLE_CW in known or self._runs.channels:
+            return f"M3 before the first of them; or {_NONE}"
+        many = ", ".join(map(str, sorted(self._switched)))
+        which = f" (this job switches on {many})" if many else ""
+        return f"output = ... under [spindles.0] in the machine file, the output that runs it{which}; or {_NONE}"
+
     def _speeds(self, chunk: Chunk) -> Floats:
-        """(n,): revolutions a minute of each row, signed; 0 at rest, NaN: it turns at a speed that is not known."""
-        if self._output is None:
+        """(n,): revolutions a minute of each row, signed; 0 at rest, NaN: it turns at a speed that is not known.
+
+        Where only some of the outputs are on that run the spindle together, infinity.
+        """
+        if not self._runs.channels:
             return self._spindle.rows(chunk)
         rows, now = chunk.rows, self._now
-        rpm = np.full(len(rows), now.rpm if now.on else 0.0)
+        rpm = np.full(len(rows), self._by_outputs())
         set_speed = {k for k, text in enumerate(chunk.trace.texts) if text == "spindle_speed"}
         op = rows["op"]
         for at in np.flatnonzero((op == Op.OUTPUT) | (op == Op.SETPOINT)).tolist():
-            if op[at] == Op.OUTPUT and rows["arg"][at, 0] == self._output:
-                now.on = bool(rows["arg"][at, 1])
+            if op[at] == Op.OUTPUT and rows["arg"][at, 0] in self._runs.channels:
+                now.on = _switched(now.on, rows["arg"][at])
             elif op[at] == Op.SETPOINT and int(rows["text"][at]) in set_speed:
                 now.rpm = float(rows["arg"][at, 1])
             else:
                 continue
-            rpm[at:] = now.rpm if now.on else 0.0
+            rpm[at:] = self._by_outputs()
         by_code = self._spindle.rows(chunk)
         return np.where(by_code != 0.0, by_code, rpm)
+
+    def _by_outputs(self) -> float:
+        """The speed, signed, by the outputs that are on now."""
+        turns = self._runs.turns(self._now.on)
+        if turns == 0.0:
+            return 0.0
+        return math.inf if math.isnan(turns) else turns * (math.nan if self._by_hand else self._now.rpm)
 
     def _judge(self, chunk: Chunk, cut: Bools, rpm: Floats, causes: Causes) -> None:
         """Cuts by what their spindle does and which tool it holds."""
         surface = self._surface.rows(chunk) != 0.0
         tool = self._tool.rows(chunk)
+        some = np.isinf(rpm)
+        self._tell(causes, chunk, cut & some, codes.SPINDLE_NOT_TOLD, 1, self._which())
+        rpm = np.where(some, np.nan, rpm)
+        unsaid = cut & np.isnan(rpm) & ~surface & ~some
+        if self._by_hand:
+            # No program sets it: it counts where a tool has limits.
+            unsaid &= ~(np.isnan(self._fastest.rows(chunk)) & np.isnan(self._slowest.rows(chunk)))
         self._tell(causes, chunk, cut & (rpm == 0.0), codes.SPINDLE_AT_REST, 0, "M3 before the first of them")
         self._tell(
             causes,
             chunk,
-            cut & np.isnan(rpm) & ~surface,
+            unsaid,
             codes.SPINDLE_SPEED_NOT_TOLD,
             0,
-            "an S in plain numbers before M3",
+            "min_rpm and max_rpm left out of the tool, where its speed is set by hand"
+            if self._by_hand
+            else "an S in plain numbers before M3",
         )
         holds_none = cut & (tool == 0)
         if self.setup.name == ZERO.name and not self._names_tools:
@@ -190,18 +224,25 @@ class Cutting(Check):
                 self._tell(causes, chunk, mine, code, int(number), hint, **values)
                 causes.worse(code, int(number), "over", float(over[at]), **values)
 
-    def _events(self, chunk: Chunk, cut: Bools, rpm: Floats, way: Floats) -> None:
-        """What rows that do not move change: spindle, coolant, tools, outputs of other tools; and who cuts dry."""
+    def _events(self, chunk: Chunk, cut: Bools, on: frozenset[int], way: Floats) -> None:
+        """What rows that do not move change: spindle, coolant, tools, outputs of other tools; and who cuts dry.
+
+        on: outputs that run the spindle and are on before.
+        """
         rows, now, op = chunk.rows, self._now, chunk.rows["op"]
         if now.started is not None:
             self._reach(chunk, cut, way, 0)
         before = now.turns
         for at in np.flatnonzero((op >= Op.SPINDLE) & (op != Op.PLANE)).tolist():
             kind = op[at]
-            if kind == Op.SPINDLE or (kind == Op.OUTPUT and rows["arg"][at, 0] == self._output):
+            if kind == Op.SPINDLE or (kind == Op.OUTPUT and rows["arg"][at, 0] in self._runs.channels):
                 # A program that stops a spindle, or starts one anywhere, has to start it before it cuts.
                 self._starts = True
-                turns = float(np.sign(rows["arg"][at, 0])) if kind == Op.SPINDLE else float(rows["arg"][at, 1])
+                if kind == Op.SPINDLE:
+                    turns = float(np.sign(rows["arg"][at, 0]))
+                else:
+                    on = _switched(on, rows["arg"][at])
+                    turns = _known(self._runs.turns(on))
                 if turns and turns != before:
                     self._start(chunk, at, cut, way)
                 elif not turns:
@@ -218,10 +259,16 @@ class Cutting(Check):
             elif kind == Op.SETPOINT:
                 self._other_tool = self._other_tool or chunk.trace.texts[int(rows["text"][at])] in _OTHER_TOOLS
             elif kind == Op.OUTPUT and rows["arg"][at, 1]:
+                self._switched.add(int(rows["arg"][at, 0]))
                 self._other_tool = self._other_tool or rows["arg"][at, 0] in self._channels()
         now.turns = before
         self._count_wet(chunk, cut, now.wet_from, len(rows))
         now.wet_from = 0
+
+    def _which(self) -> str:
+        """What to do where only some of the outputs are on that the shop's start code switches on."""
+        many = ", ".join(map(str, sorted(self._runs.channels)))
+        return f"output = ... under [spindles.0] in the machine file: which of {many} runs the spindle"
 
     def _channels(self) -> tuple[int | None, ...]:
         """Outputs of a torch, or of what is on during feed moves."""
@@ -241,7 +288,7 @@ class Cutting(Check):
         """Go on with a start from row ``begin`` to the first cut, the next order to the spindle, or the chunk's end."""
         started = self._now.started
         assert started is not None
-        end = reached(chunk, cut, begin, self._output)
+        end = reached(chunk, cut, begin, self._runs.channels)
         started.seconds += waited(chunk, way, begin, end, self.machine)
         if end < len(chunk.rows) and cut[end]:
             if started.seconds < started.needed * (1.0 - SLACK):
@@ -326,3 +373,14 @@ class Cutting(Check):
         if found.size:
             first, last = (row_span(chunk.trace, chunk.rows, int(found[at])) for at in (0, -1))
             causes.add(code, key, first, last, found.size, hint, **values)
+
+
+def _switched(on: frozenset[int], order: Floats) -> frozenset[int]:
+    """Outputs that are on behind an order to one of them: its channel, and whether it is on then."""
+    channel = int(order[0])
+    return on | {channel} if order[1] else on - {channel}
+
+
+def _known(turns: float) -> float:
+    """A direction; where only some outputs are on, the spindle counts as at rest."""
+    return 0.0 if math.isnan(turns) else turns

@@ -23,7 +23,7 @@ from gproof.ir.trace import Chunk, Op
 from gproof.ir.verdict import PropertyResult
 from gproof.passes.causes import answer
 from gproof.passes.check import Check, row_span
-from gproof.passes.cut_rows import CutRows, StateColumn
+from gproof.passes.cut_rows import CutRows, Floats, StateColumn
 from gproof.passes.sense_program import Written
 from gproof.passes.sense_units import UnitEvidence
 
@@ -47,6 +47,7 @@ class Sense(Check):
         self._rows = CutRows(program)
         self._evidence = UnitEvidence(machine)
         self._spindle = StateColumn(lambda state: state.spindle)
+        self._speed = 0.0
         self._units = self._moved = False
         self._unstated: Span | None = None
 
@@ -62,7 +63,17 @@ class Sense(Check):
                 self._moved = True
                 self._unstated = None if self._units else row_span(chunk.trace, rows, int(moves[0]))
         way = self._rows.ways(chunk)
-        self._evidence.cuts(chunk, self._rows.cuts(chunk, way), way, self._spindle.rows(chunk))
+        self._evidence.cuts(chunk, self._rows.cuts(chunk, way), way, self._speeds(chunk))
+
+    def _speeds(self, chunk: Chunk) -> Floats:
+        """(n,): revolutions a minute; the last S where a spindle is run by an output, and no code starts it."""
+        by_code = self._spindle.rows(chunk)
+        rows = chunk.rows
+        names = [k for k, text in enumerate(chunk.trace.texts) if text == "spindle_speed"]
+        at = np.flatnonzero((rows["op"] == Op.SETPOINT) & np.isin(rows["text"], names))
+        last = np.concatenate([[self._speed], rows["arg"][at, 1]])
+        self._speed = float(last[-1])
+        return np.where(by_code != 0.0, by_code, last[np.searchsorted(at, np.arange(len(rows)), side="right")])
 
     def finish(self) -> PropertyResult:
         """The answer, after the last chunk."""

@@ -1,16 +1,56 @@
-"""Time from the start of a spindle to the first cut, and what of a job's devices goes from section to section."""
+"""Which outputs run a spindle, time from its start to the first cut, and what of a job's devices goes from section to
+section."""
 
 from __future__ import annotations
 
 import copy
 import math
+from collections.abc import Collection
 
 import numpy as np
 
 from gproof.ir.machine import Machine
+from gproof.ir.program import Program
 from gproof.ir.record import record
 from gproof.ir.trace import Chunk, Op
 from gproof.passes.cut_rows import Bools, Floats
+
+
+@record(frozen=True, slots=True)
+class Runs:
+    """Outputs that run the spindle; its direction by those that are on. told: why, where no machine file says so."""
+
+    forward: frozenset[int] = frozenset()
+    backward: frozenset[int] = frozenset()
+    told: str = ""
+
+    @property
+    def channels(self) -> frozenset[int]:
+        """All of them."""
+        return self.forward | self.backward
+
+    def turns(self, on: frozenset[int]) -> float:
+        """1 forwards, -1 backwards, 0 at rest; NaN where only some of those are on that start it together."""
+        if not on:
+            return 0.0
+        back = bool(self.backward) and self.backward <= on
+        if self.forward and self.forward <= on and not (back and self.forward < self.backward):
+            return 1.0
+        return -1.0 if back else math.nan
+
+
+def runs_of(program: Program, machine: Machine) -> Runs:
+    """What runs the spindle where no code of the language does: what the machine file says, else the definitions."""
+    first, found = machine.spindle(0), program.spindle_outputs
+    if first is not None and first.output is not None:
+        return Runs(frozenset((first.output,)))
+    channels = sorted({*found.forward, *found.backward})
+    if not channels:
+        return Runs()
+    many = len(channels) > 1
+    named = f"outputs {' and '.join(map(str, channels))} run" if many else f"output {channels[0]} runs"
+    told = f"{named} the spindle: the shop's own start code switches {'them' if many else 'it'} on, and its stop off"
+    return Runs(frozenset(found.forward), frozenset(found.backward), told)
 
 
 @record(slots=True)
@@ -25,12 +65,12 @@ class Started:
 class Flow:
     """What one section leaves to the next.
 
-    on, rpm: an output runs the spindle, at the speed that was set; turns: the direction of the last order to the
-    spindle; started: it may be on its way to its speed; wet: coolant is on, wet_from: since this row of the chunk.
-    cutting: the last move was a cut.
+    on, rpm: outputs that run the spindle and are on, the speed that was set; turns: the direction of the last order
+    to the spindle; started: it may be on its way to its speed; wet: coolant is on, wet_from: since this row of the
+    chunk. cutting: the last move was a cut.
     """
 
-    on: bool = False
+    on: frozenset[int] = frozenset()
     rpm: float = math.nan
     turns: float = 0.0
     started: Started | None = None
@@ -47,7 +87,7 @@ class Flow:
     def joined(self, other: Flow) -> Flow:
         """Where two ways come together: what is worse of both."""
         one = self.copy()
-        one.on = self.on and other.on
+        one.on = self.on & other.on
         one.rpm = self.rpm if self.rpm == other.rpm else math.nan
         one.turns = self.turns if self.turns == other.turns else 0.0
         late = [s for s in (self.started, other.started) if s is not None]
@@ -56,12 +96,12 @@ class Flow:
         return one
 
 
-def reached(chunk: Chunk, cut: Bools, begin: int, output: int | None) -> int:
+def reached(chunk: Chunk, cut: Bools, begin: int, outputs: Collection[int]) -> int:
     """The first row from ``begin`` that cuts or gives the spindle an order; the number of rows when none does."""
     rows = chunk.rows
     stops = cut[begin:] | (rows["op"][begin:] == Op.SPINDLE)
-    if output is not None:
-        stops = stops | ((rows["op"][begin:] == Op.OUTPUT) & (rows["arg"][begin:, 0] == output))
+    if outputs:
+        stops = stops | ((rows["op"][begin:] == Op.OUTPUT) & np.isin(rows["arg"][begin:, 0], list(outputs)))
     found = np.flatnonzero(stops)
     return begin + int(found[0]) if found.size else len(rows)
 

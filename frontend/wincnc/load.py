@@ -28,6 +28,7 @@ from gproof.ir.finding import Findings, Refusal, Severity, Span
 from gproof.ir.machine import Machine
 from gproof.ir.notes import NO_NOTES
 from gproof.ir.program import (
+    NO_OUTPUTS,
     Array,
     Block,
     BlockTable,
@@ -38,6 +39,7 @@ from gproof.ir.program import (
     Program,
     Replaced,
     SourceFile,
+    SpindleOutputs,
     Statement,
     Subprogram,
     Unsupported,
@@ -234,8 +236,25 @@ class _Loader:
         if around is None and self._only_switches((*self.program.head, *self.program.tail), frozenset()):
             around = False
         self.program.around_files = around
+        self.program.spindle_outputs = self._spindle_outputs()
         self.program.macro_files = self._macro_files(own)
         return body
+
+    def _spindle_outputs(self) -> SpindleOutputs:
+        """What CNC.MAC tells of the spindle; the files that tell it are among those of the program."""
+        if "M5" not in self.macros:
+            return NO_OUTPUTS
+        from gproof.frontend.wincnc.spindle_outputs import SpindleReader
+
+        files = _Files(self.files.folders)
+        lines = Lines(self.reader, self.program.rules, self.macros, files, len(self.controls.changers))
+        reader = SpindleReader(lines, files.paths, lambda path: files.other_of(path) is None, self.controls)
+        found = reader.outputs()
+        known = {file.name for file in self.program.files}
+        if found != NO_OUTPUTS:
+            for source in {file.name: file for file in reader.read if file.name not in known}.values():
+                self._add_settings(source)
+        return found
 
     def _macro_files(self, job: Sequence[Statement]) -> frozenset[str]:
         """Names of the files that no line of the job calls, nor one that it calls: commands of the machine run them."""

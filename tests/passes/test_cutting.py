@@ -303,7 +303,7 @@ def test_the_corpus_without_its_spindle_starts(folder: Path, tmp_path: Path) -> 
 
 ROUTER = CORPUS / "wincnc" / "router-atc"
 ENGRAVER = CORPUS / "mcuwin" / "engraver"
-RUNS = 'schema = "gproof-machine/1"\nunits = "inch"\nbase = "WINCNC.INI"\n[spindles.0]\noutput = 1\n'
+RUNS = 'schema = "gproof-machine/1"\nunits = "inch"\nbase = "WINCNC.INI"\n'
 RIGHT = {
     # Feeds that the arcs of these jobs do not allow.
     "cabinet-door": {"GP501"}, "tray": {"GP501"}, "turned-plates": {"GP501"},
@@ -377,3 +377,72 @@ def test_a_move_that_a_switch_ends_is_no_cut(tmp_path: Path) -> None:
         text = job.format(touch=touch)
         _, told = judged(tmp_path, text, machine=named, name="job.tap", dialect="wincnc")
         assert codes_of(told) == found, text
+
+
+# ---- WinCNC: which output runs the spindle, CNC.MAC says
+
+CUT = "G0 X100 Y100 Z-10\n{on}\nG1 X120 F300\n{then}G1 X140\nG0 Z0\nM5\n"
+
+
+def by_macros(folder: Path, job: str, definitions: str, machine: str = "") -> tuple[str, set[str], list[str]]:
+    """Verdict, codes and assumptions of a job in a shop with these definitions."""
+    (folder / "CNC.MAC").write_text(definitions, encoding="ascii")
+    ini = "unit=MM\ntimertype=7200\naxischar=XYZ\n" + "".join(
+        f"axisspec=p0 s{n} d{n} r80 a30000 t{n + 1}\naxisvel=r6000 f2000\n" for n in range(3)
+    )
+    ini += "".join(f"auxout=c{n} p7 b{n} o0\n" for n in (1, 2, 4, 7))
+    (folder / "WINCNC.INI").write_text(f"{ini}softlim=T1\nnmode=90\n{machine}", encoding="ascii")
+    (folder / "TWO.MAC").write_text("M11C1\nM11C7\n", encoding="ascii")
+    (folder / "OFF.MAC").write_text("M12C1\nM12C7\n", encoding="ascii")
+    (folder / "job.tap").write_text(f"G90\n{job}", encoding="ascii")
+    words = ["check", "job.tap", "--machine", "WINCNC.INI", "--also", "cutting", "--format", "json"]
+    report = json.loads(in_this_process(words, folder).out)
+    answer = report["properties"]["cutting"]
+    return answer["verdict"], codes_of(report["findings"]), [a for a in answer["assumptions"] if "spindle" in a]
+
+
+ONE, BOTH = "M3=M11C1\nM5=M12C1\n", "M3=M98 TWO.MAC\nM5=M98 OFF.MAC\n"
+SPEED = "spindle=T1 R18000\n"
+RUNS_IT = "output 1 runs the spindle: the shop's own start code switches it on, and its stop off"
+
+
+@pytest.mark.parametrize(
+    ("on", "then", "definitions", "verdict", "found"),
+    [
+        ("S9000\nM3", "", ONE, "SAFE", set()),
+        ("S9000\nM11C1", "", ONE, "SAFE", set()),
+        ("S9000\nM3", "M5\n", ONE, "UNSAFE", {"GP530"}),
+        ("S9000\nM3", "M14C1\n", ONE, "UNSAFE", {"GP530"}),
+        ("S9000\nM11C2", "", ONE, "UNSAFE", {"GP530"}),
+        ("M3", "", ONE, "UNKNOWN", {"GP532"}),
+        # Two that are switched together: one of them alone may be the dust collector, or the spindle.
+        ("S9000\nM3", "", BOTH, "SAFE", set()),
+        ("S9000\nM3", "M12C7\n", BOTH, "UNKNOWN", {"GP531"}),
+        ("S9000\nM3", "M12C1\n", BOTH, "UNKNOWN", {"GP531"}),
+        ("S9000\nM3", "M12C1\nM12C7\n", BOTH, "UNSAFE", {"GP530"}),
+        # The other direction by another output.
+        ("S9000\nM4", "", ONE.replace("C1\nM5=M12C1", "C2\nM4=M11C1\nM5=M98 OFF.MAC"), "SAFE", {"GP537"}),
+        # Nothing tells.
+        ("S9000\nM11C1", "", "M5=M12C1\n", "UNKNOWN", {"GP531"}),
+    ],
+)
+def test_the_shop_s_own_codes(
+    on: str, then: str, definitions: str, verdict: str, found: set[str], tmp_path: Path
+) -> None:  # fmt: skip
+    answer = by_macros(tmp_path, CUT.format(on=on, then=then), definitions, SPEED)
+    assert answer[:2] == (verdict, found)
+    assert definitions is not ONE or answer[2] == [RUNS_IT]
+
+
+def test_a_speed_that_is_set_by_hand(tmp_path: Path) -> None:
+    """Without spindle= no S sets the speed (manual, spindle=), and whoever turns the knob is trusted, said so."""
+    for speed in ("", "S9000\n"):
+        answer = by_macros(tmp_path, CUT.format(on=f"{speed}M3", then=""), ONE)
+        assert answer == ("SAFE", set(), [RUNS_IT, "the speed of the spindle is set by hand"])
+
+
+def test_a_hint_names_the_outputs(tmp_path: Path) -> None:
+    by_macros(tmp_path, CUT.format(on="M11C4\nM13C2", then=""), "M5=M12C1\n")
+    shown = in_this_process(["check", "job.tap", "--machine", "WINCNC.INI", "--also", "cutting"], tmp_path).out
+    hint = "output = ... under [spindles.0] in the machine file, the output that runs it (this job switches on 2, 4)"
+    assert hint in shown
