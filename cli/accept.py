@@ -16,7 +16,9 @@ from gproof.cli.files import require_file, write_text
 from gproof.cli.judge import Judgement
 from gproof.cli.main import UsageError
 from gproof.cli.outcome import Fingerprints
+from gproof.cli.properties import not_judged
 from gproof.cli.report import distinct
+from gproof.frontend.toml_table import meant
 from gproof.ir import codes
 from gproof.ir.codes import CODES
 from gproof.ir.finding import Finding, Findings, Severity, Span
@@ -39,6 +41,7 @@ _PIECE = 1 << 20
 _ALLOW = re.compile(
     r"gproof:\s*allow(?P<whole>-file)?\s+(?P<codes>[\w-]+(?:\s*,\s*[\w-]+)*)\s*(?::|--)?\s*(?P<reason>.*)", re.I | re.S
 )
+_FORM = "the form is gproof: allow GP243: the reason"
 _COMMENTS = (NoteKind.COMMENT, NoteKind.REMARK, NoteKind.SIGNED)
 
 
@@ -97,17 +100,19 @@ def _allowed(
     span = Span(file.name, number, column, column + len(plain[plain.lower().index("gproof:") :].rstrip(" )]}")))
     stated = _ALLOW.search(plain)
     if stated is None:
-        findings.add(codes.BAD_ALLOWANCE.at(span, what="says nothing that gproof knows"))
+        findings.add(codes.BAD_ALLOWANCE.at(span, what="says nothing that gproof knows", hint=_FORM))
         return
     by_name = {code.name: code.number for code in CODES.values()} | {c.label.lower(): c.number for c in CODES.values()}
-    names = [name.strip().lower() for name in stated["codes"].split(",")]
-    for name in names:
-        if name not in by_name:
-            findings.add(codes.BAD_ALLOWANCE.at(span, what=f"names {name!r}, which is no finding"))
+    written = [name.strip() for name in stated["codes"].split(",")]
+    names = [name.lower() for name in written]
+    for name in written:
+        if name.lower() not in by_name:
+            hint = meant(name, by_name)
+            findings.add(codes.BAD_ALLOWANCE.at(span, what=f"names {name!r}, which is no finding", hint=hint))
             return
     reason = stated["reason"].rstrip(" \t)]}").strip()
     if not reason:
-        findings.add(codes.BAD_ALLOWANCE.at(span, what="gives no reason"))
+        findings.add(codes.BAD_ALLOWANCE.at(span, what="gives no reason", hint=_FORM))
         return
     # Alone on its line a comment speaks of the next one.
     place = raw.find(text)
@@ -120,6 +125,8 @@ def _allowed(
 def accept_comments(program: Program, judgement: Judgement) -> list[Finding]:
     """Mark what comments accept; what is to tell of them themselves: GP608, GP609, GP610."""
     findings, told = judgement.findings, Findings()
+    # What nobody judged this time may be there all the same.
+    left_open = set(not_judged(result.name for result in judgement.properties))
     for allowed in comments(program, told):
         met = [
             finding
@@ -128,7 +135,7 @@ def accept_comments(program: Program, judgement: Judgement) -> list[Finding]:
             and finding.span.file == allowed.span.file
             and allowed.line in (0, finding.span.line)
         ]
-        if not met:
+        if not met and not any(CODES[number].decides in left_open for number in allowed.numbers):
             told.add(codes.UNUSED_ALLOWANCE.at(allowed.span, codes=_labels(allowed.numbers)))
         for finding in met:
             if finding.severity is Severity.ERROR:

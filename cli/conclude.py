@@ -79,8 +79,8 @@ def _all_accepted(judgement: Judgement, policy: Policy, left: list[Finding]) -> 
     if any(findings.hidden(f.code) for f in judgement.accepted if f.severity in weighty):
         return False
     language = next(result for result in judgement.properties if result.name == "language")
-    if language.verdict is not Verdict.SAFE:
-        # The others rest on it.
+    if language.verdict is not Verdict.SAFE or judgement.summary.open_path:
+        # The others rest on it, or on the finding that leaves open where the tool goes.
         return True
     said = {finding.code.decides for finding in judgement.accepted if finding.severity in weighty}
     return all(

@@ -47,7 +47,8 @@ class Summary:
     branches: outcomes of unknown conditions that were followed: with some, lengths are those of all of them together
     and the time is not known; begin, end: machine position before the job and behind it by axis, mm or degrees, NaN
     where it is not known, end empty where it has several; extents: the box with columns and forms; unit: mm
-    in the first unit that the job names, None: none."""
+    in the first unit that the job names, None: none; open_path: some finding leaves open where the tool goes, so that
+    nothing is proved."""
 
     lines: int = 0
     blocks: int = 0
@@ -62,6 +63,7 @@ class Summary:
     unit: float | None = None
     box: list[tuple[str, str, float, float]] = field(default_factory=list)
     extents: list[tuple[int, Affine, float, float]] = field(default_factory=list)
+    open_path: bool = False
 
 
 @record(slots=True, kw_only=True)
@@ -107,6 +109,7 @@ def judge(
         other = Findings(limit=findings.limit)
         second, switched, more, _ = _pass(session, other, True, running, properties, None, beat, hears)
         summary.extents += switched.extents
+        summary.open_path |= switched.open_path
         results = [_both(session, findings, a, b) for a, b in zip(results, second, strict=True)]
         findings.join(other)
         assumed += [a for a in more if a not in assumed]
@@ -178,7 +181,8 @@ def _pass(
         results.append(
             functools.reduce(lambda a, b: _both(session, findings, a, b, f"the checks of {name}"), more, first)
         )
-    if ex.refused or any(code.number in findings.counts for code in _LEAVES_THE_PATH_OPEN):
+    open_path = ex.refused or any(code.number in findings.counts for code in _LEAVES_THE_PATH_OPEN)
+    if open_path:
         results = [_not_proved(r) for r in results]
     language = PropertyResult(name="language", verdict=_language(findings))
     summary = Summary(
@@ -187,6 +191,7 @@ def _pass(
         seconds=None if ex.branches else estimate.seconds, branches=ex.branches,
         at_least=estimate.unknown_rows > 0, box=limits.box(), extents=limits.extents(),
         begin=begin, end=ends[0] if len(ends) == 1 else {}, unit=unit,
+        open_path=bool(open_path),
     )  # fmt: skip
     return [language, *results], summary, [*ex.assumed, *_standing(session, waits)], ex.met_deleted
 

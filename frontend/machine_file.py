@@ -205,7 +205,9 @@ def _axis(table: TomlTable, name: str, before: Axis | None, unit: Fraction) -> A
         (axis.travel_lower, axis.travel_upper, ("travel_min", "travel_max")),
     ):
         if low is not None and high is not None and low > high:
-            table.bad(keys[0] if keys[0] in table.values else keys[1], f"{keys[0]} lies above {keys[1]}")
+            least, most = (table.as_stated(key, value, length) for key, value in zip(keys, (low, high), strict=True))
+            stated = keys[0] if keys[0] in table.values else keys[1]
+            table.bad(stated, f"{keys[0]} lies above {keys[1]} ({least} > {most})")
     for drive in axis.drives():
         for side, soft, end in (("min", drive.lower, drive.travel_lower), ("max", drive.upper, drive.travel_upper)):
             if soft is not None and end is not None and (soft < end if side == "min" else soft > end):

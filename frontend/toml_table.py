@@ -9,6 +9,7 @@ from __future__ import annotations
 import hashlib
 import re
 import tomllib
+from collections.abc import Iterable
 from decimal import Decimal
 from fractions import Fraction
 from pathlib import Path
@@ -257,6 +258,10 @@ class TomlTable:
         low, high = self._rounded(key, exact[0] * unit), self._rounded(key, exact[1] * unit)
         return None if low is None or high is None else (low, high)
 
+    def as_stated(self, key: str, value: float, unit: Fraction) -> str:
+        """A value as this table writes it, else, where another file has it, in this file's unit."""
+        return show(self.values[key]) if key in self.values else f"{value / float(unit):g}"
+
     def table(self, key: str) -> TomlTable | None:
         """A table in this table."""
         value = self.take(key)
@@ -318,18 +323,27 @@ class TomlTable:
         return found
 
     def finish(self) -> None:
-        """A finding for each key that nobody asked for."""
+        """A finding for each key that nobody asked for, with the one that may be meant."""
+        free = [key for key in self._taken if key not in self.values]
         for key in self.values:
             if key not in self._taken:
                 name = self.name_of(key)
                 self.file.unknown.append((self.file.path.name, name))
-                self.file.add(codes.UNKNOWN_KEY, name, key=name)
+                self.file.add(codes.UNKNOWN_KEY, name, key=name, hint=meant(key, free))
 
     def _rounded(self, key: str, exact: Fraction) -> float | None:
         if abs(exact) > LARGEST:
             self.bad(key, f"{show(self.values[key])} is too large")
             return None
         return float(exact)
+
+
+def meant(word: str, known: Iterable[str]) -> str:
+    """A hint with the word that may be meant, "" without one."""
+    from difflib import get_close_matches
+
+    near = get_close_matches(word.lower(), sorted(known), 1, 0.7)
+    return f"did you mean {near[0]!r}?" if near else ""
 
 
 def exact_number(value: Any) -> Fraction | None:

@@ -15,12 +15,11 @@ from gproof.ir import codes
 from gproof.ir.finding import Finding, Severity
 from gproof.ir.trace import Chunk
 from gproof.ir.verdict import PropertyResult, Verdict
-from gproof.passes.check import Check, row_span, told_of
+from gproof.passes.check import KEPT, Check, row_span, told_of
 from gproof.passes.extent_kernels import MISMATCH, odd_arcs
 
 Floats = npt.NDArray[np.float64]
 Integers = npt.NDArray[np.int64]
-_KEPT = 64
 _CLOSES_HINT = "a full circle ends exactly where it begins; a short arc is better written as a line"
 
 
@@ -37,8 +36,8 @@ class ArcRadius(Check):
             return
         tolerance = np.array([s.arc_tolerance for s in chunk.trace.states], dtype=np.float64)
         made = np.array([s.compensation != 0 for s in chunk.trace.states], dtype=np.int64)
-        counts, found, start, end, chord = self._odd(chunk, tolerance, made, _KEPT)
-        if counts.max() > _KEPT:
+        counts, found, start, end, chord = self._odd(chunk, tolerance, made, KEPT)
+        if counts.max() > KEPT:
             counts, found, start, end, chord = self._odd(chunk, tolerance, made, int(counts.max()))
         self._errors += int(counts[MISMATCH])
         tell = (
@@ -49,7 +48,7 @@ class ArcRadius(Check):
         for kind, (say, far) in enumerate(tell):
             count = int(counts[kind])
             one = np.zeros((count, 1), dtype=np.int64)
-            for n, like in told_of(rows, found[kind, :count], one, far[kind, :count], _KEPT):
+            for n, like in told_of(rows, found[kind, :count], one, far[kind, :count], self.kept):
                 radii, allowed = (float(start[kind, n]), float(end[kind, n])), tolerance[rows["state"][found[kind, n]]]
                 self.findings.add(say(chunk, int(found[kind, n]), radii, float(chord[kind, n]), float(allowed)), **like)
 

@@ -21,14 +21,13 @@ from gproof.ir.record import record
 from gproof.ir.setup import Setup
 from gproof.ir.trace import UNKNOWN, Affine, Boundary, Chunk, State, Trace
 from gproof.ir.verdict import Condition, PropertyResult, Verdict
-from gproof.passes.check import Check, Like, form_interval, of_one_kind, row_span, split_form
+from gproof.passes.check import KEPT, Check, Like, form_interval, row_span, split_form, told_of
 from gproof.passes.extent_kernels import row_boxes
 from gproof.passes.values import add_forms, describe
 
 GUARD = "boundaries"
 """Name of the guard in ``State.guards_off``."""
 ROUNDING = 1e-9
-_KEPT = 64
 
 Floats = npt.NDArray[np.float64]
 Key = tuple[tuple[Boundary, ...], bool]
@@ -133,18 +132,18 @@ class Boundaries(Check):
             upper[0, edge.axis] = math.inf if edge.high is None else edge.high + edge.shift + ROUNDING
             known[:, edge.axis] = [frame[edge.axis] == edge.form != UNKNOWN for frame in trace.frames]
         low_row, high_row = np.full(box.low.shape, -1, np.int64), np.full(box.low.shape, -1, np.int64)
-        count, bad = self._beyond_rows(chunk, others, known, (lower, upper), box, (low_row, high_row), _KEPT)
+        count, bad = self._beyond_rows(chunk, others, known, (lower, upper), box, (low_row, high_row), KEPT)
         for slot, axis in zip(*np.nonzero(low_row >= 0), strict=True):
             box.low_span[int(slot), int(axis)] = row_span(trace, rows, int(low_row[slot, axis]))
         for slot, axis in zip(*np.nonzero(high_row >= 0), strict=True):
             box.high_span[int(slot), int(axis)] = row_span(trace, rows, int(high_row[slot, axis]))
-        for n in range(min(count, _KEPT)):
-            self._beyond(row_span(trace, rows, int(bad.row[n])), key, int(bad.axis[n]), float(bad.reach[n]))
-        if count > _KEPT:
+        if count > KEPT:
             _, bad = self._beyond_rows(chunk, others, known, (lower, upper), box, (low_row, high_row), count)
-            row, axes, reach = bad.row[_KEPT:], bad.axis[_KEPT:], bad.reach[_KEPT:]
+        if count:
+            row, axes, reach = bad.row[:count], bad.axis[:count], bad.reach[:count]
             under, over = lower[0, axes] - reach, reach - upper[0, axes]
-            for n, like in of_one_kind(rows, row, np.column_stack([axes, under > over]), np.maximum(under, over)):
+            kinds = np.column_stack([axes, under > over])
+            for n, like in told_of(rows, row, kinds, np.maximum(under, over), self.kept):
                 self._beyond(row_span(trace, rows, int(row[n])), key, int(axes[n]), float(reach[n]), like)
         self._errors += 0 if key[1] else count
 

@@ -16,6 +16,9 @@ from gproof.ir.setup import Interval, Setup
 from gproof.ir.trace import UNKNOWN, Affine, Chunk, Trace
 from gproof.ir.verdict import PropertyResult
 
+KEPT = 64
+"""Offences of a chunk that are told one by one at least, and for which there is room at first."""
+
 
 class Like(TypedDict, total=False):
     """For how many of its kind a finding stands: keyword arguments of ``Findings.add``."""
@@ -36,6 +39,14 @@ class Check(ABC):
         self.findings = findings
 
         self._known = np.zeros((0, AXES), dtype=np.uint8)
+
+    @property
+    def kept(self) -> int:
+        """Offences of a chunk that are told one by one, as many as ``findings`` takes; others stand together.
+
+        Where somebody may accept findings each has to be there by itself, or none is known again.
+        """
+        return max(KEPT, self.findings.limit)
 
     def known(self, trace: Trace) -> npt.NDArray[np.uint8]:
         """(frames, 6): 1 where an axis rests on nothing unknown. Frames are added while a job streams by."""

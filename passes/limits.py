@@ -22,7 +22,7 @@ from gproof.ir.machine import AXES, AXIS_NAMES, NO_MACHINE, Axis, AxisKind, Mach
 from gproof.ir.setup import Setup
 from gproof.ir.trace import HEIGHT_MAP, KNIFE, UNKNOWN, Affine, Chunk, Op, Trace
 from gproof.ir.verdict import Condition, PropertyResult, Verdict
-from gproof.passes.check import Check, Like, form_interval, of_one_kind, row_span, split_form
+from gproof.passes.check import KEPT, Check, Like, form_interval, row_span, split_form, told_of
 from gproof.passes.extent_kernels import row_boxes
 from gproof.passes.height_map import heights_of
 from gproof.passes.reach import Range, reach_of, reaches
@@ -37,7 +37,6 @@ FOLLOWED = {
     KNIFE: "the knife points along +X where its axis is at 0, turns counter-clockwise, the shorter way, and not in G0",
 }
 """What an answer about positions stands on while the controller adds to the path."""
-_KEPT = 64
 
 
 def _with_forced(machine: Machine) -> Machine:
@@ -150,16 +149,14 @@ class Limits(Check):
         guards = np.array(["machine_area" in s.guards_off for s in trace.states], dtype=np.int64)
         count = self._walk(chunk, known, guards, self._stated, np.zeros((0, 2)))
         self._errors += count
-        for n in range(min(count, _KEPT)):
-            self._beyond(trace, chunk, int(self._bad_row[n]), int(self._bad_axis[n]), float(self._bad_reach[n]))
-        if count > _KEPT:
-            self._many_beyond(chunk, known, guards, count)
+        if count:
+            self._all_beyond(chunk, known, guards, count)
         if not self._plain:
             self._compensated(chunk, known, guards)
 
     def _walk(
         self, chunk: Chunk, known: npt.NDArray[np.uint8], guards: npt.NDArray[np.int64], limits: tuple[Floats, Floats],
-        added: Floats, room: int = _KEPT,
+        added: Floats, room: int = KEPT,
     ) -> int:  # fmt: skip
         """Widen the extents by the chunk's rows; how many of them are beyond ``limits``."""
         trace, rows = chunk.trace, chunk.rows
@@ -178,27 +175,28 @@ class Limits(Check):
             self._high_span[int(slot), int(axis)] = row_span(trace, rows, int(high_row[slot, axis]))
         return int(count)
 
-    def _many_beyond(
+    def _all_beyond(
         self, chunk: Chunk, known: npt.NDArray[np.uint8], guards: npt.NDArray[np.int64], count: int
     ) -> None:
-        """Findings for the rows behind the first ones: of each axis and side the furthest, for all of them."""
-        self._walk(chunk, known, guards, self._stated, np.zeros((0, 2)), count)
-        row, axis, reach = self._bad_row[_KEPT:], self._bad_axis[_KEPT:], self._bad_reach[_KEPT:]
+        """Findings for the rows beyond: the first ones, and of each axis and side the furthest for all others."""
+        if count > KEPT:
+            self._walk(chunk, known, guards, self._stated, np.zeros((0, 2)), count)
+        row, axis, reach = self._bad_row[:count], self._bad_axis[:count], self._bad_reach[:count]
         off = guards[chunk.rows["state"][row]]
         under, over = self._stated[0][off, axis] - reach, reach - self._stated[1][off, axis]
         kinds = np.column_stack([axis, off, under > over])
-        for n, like in of_one_kind(chunk.rows, row, kinds, np.maximum(under, over)):
+        for n, like in told_of(chunk.rows, row, kinds, np.maximum(under, over), self.kept):
             self._beyond(chunk.trace, chunk, int(row[n]), int(axis[n]), float(reach[n]), like)
 
     def _compensated(self, chunk: Chunk, known: npt.NDArray[np.uint8], guards: npt.NDArray[np.int64]) -> None:
         """The same rows with what compensation may add to them."""
         added = self._heights.spans(chunk, known) if self._heights is not None else np.zeros((0, 2))
         count = self._walk(chunk, known, guards, self._sure, added)
-        if count > _KEPT:
+        if count > KEPT:
             self._walk(chunk, known, guards, self._sure, added, count)
         # An axis that only stands where it stood when the job began is not what the job is to blame for.
         since = self._first_moves(chunk)[self._bad_axis[:count]]
-        for n in np.flatnonzero(self._bad_row[:count] >= since)[:_KEPT].tolist():
+        for n in np.flatnonzero(self._bad_row[:count] >= since)[: self.kept].tolist():
             row, index, reach = int(self._bad_row[n]), int(self._bad_axis[n]), float(self._bad_reach[n])
             axis = self.reaches[AXIS_NAMES[index]]
             off = "machine_area" in chunk.trace.states[int(chunk.rows["state"][row])].guards_off

@@ -80,6 +80,15 @@ def test_what_is_no_acceptance_says_so(check: Any, text: str, extra: str) -> Non
     assert found & {"GP608", "GP609", "GP610"} == ({extra} if extra else set())
 
 
+@pytest.mark.parametrize("asked", [False, True])
+def test_a_comment_on_what_is_not_judged_is_left_alone(check: Any, asked: bool) -> None:
+    """GP541 is one of ``cutting``: the same job is run with that property and without."""
+    text = HEAD + "(gproof: allow-file GP541: the operator ends it)\nM30\n"
+    code, report = check(text, *(("--also", "cutting") if asked else ()))
+    assert [finding["code"] for finding in report["findings"]] == (["GP609"] if asked else [])
+    assert code == 0
+
+
 def test_a_comment_accepts_no_error(check: Any) -> None:
     code, report = check(HEAD + f"{FAR} (gproof: allow GP301: it is fine)\n" + TAIL)
     assert (report["verdict"], code) == ("UNSAFE", 1)
@@ -137,6 +146,23 @@ def test_many_findings_of_a_code_are_all_known(check: Any) -> None:
     code, report = check(program.replace("X100049", "X200000"), "--baseline", "known.json")
     assert code == 1
     assert len([finding for finding in report["findings"] if "suppressed" not in finding]) == 1
+
+
+ENDS = {
+    ".cnc": (HEAD, TAIL, "G1 X{x} F100", "G2 X0 Y{y} I5 J0"),
+    ".tap": ("G20\nG90\nG92 X0 Y0 Z0\nF50\n", "G0 X0\n", "G1 X{x}", "G2 X0 Y{y} I5 J0"),
+}
+
+
+@pytest.mark.parametrize(("name", "which"), [("job.cnc", 2), ("job.cnc", 3), ("job.tap", 2), ("job.tap", 3)])
+def test_each_of_hundreds_of_findings_is_known(check: Any, name: str, which: int) -> None:
+    head, tail, *lines = ENDS[Path(name).suffix]
+    body = "".join(f"{lines[which - 2].format(x=100000 + n, y=1 + n / 64)}\nG1 X0 Y0\n" for n in range(300))
+    machine = CODES / ("machine.toml" if name.endswith("cnc") else "wincnc/WINCNC.INI")
+    assert check(head + body + tail, "--write-baseline", "known.json", name=name, machine=machine)[0] == 0
+    code, report = check(None, "--baseline", "known.json", name=name, machine=machine)
+    assert (code, report["verdict"]) == (0, "UNSAFE")
+    assert max(report["counts"].values()) >= 300
 
 
 @pytest.mark.parametrize("content", ["", "[]", "{}", '{"schema": "gproof-baseline/1", "files": 3}', "\udc80"])

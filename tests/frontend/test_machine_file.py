@@ -195,7 +195,7 @@ def test_ratios_are_exact(number: object, divisor: int) -> None:
         (HEAD + "[axes.x]\nmin = 1e999999\n", "GP603", 4, "axes.x.min"),
         (HEAD + "[axes.x]\nmin = true\n", "GP603", 4, "axes.x.min: true is not a number"),
         (HEAD + '[axes.x]\nmin = "1"\n', "GP603", 4, "axes.x.min: '1' is not a number"),
-        (HEAD + "[axes.x]\nmin = 5\nmax = 4\n", "GP603", 4, "axes.x.min: min lies above max"),
+        (HEAD + "[axes.x]\nmin = 5\nmax = 4\n", "GP603", 4, "axes.x.min: min lies above max (5 > 4)"),
         (HEAD + "[axes.x]\ntravel_min = 5\ntravel_max = 4\n", "GP603", 4, "travel_min lies above travel_max"),
         (HEAD + "[axes.x]\nmin = -5\ntravel_min = -4\n", "GP603", 5, "min of X lies beyond travel_min"),
         (HEAD + "[axes.x]\ntravel_max = 4\nmax = 5\n", "GP603", 4, "max of X lies beyond travel_max"),
@@ -425,3 +425,20 @@ def loaded_text(folder: Path, text: str) -> tuple[Machine | None, list[tuple[int
     findings = Findings()
     machine, _ = load_machine(folder / "m.toml", findings)
     return machine, [(f.span.line, f.message) for f in findings.kept]
+
+
+@pytest.mark.parametrize(
+    ("text", "hint"),
+    [
+        ("[axes.x]\nmn = 0\n", "did you mean 'min'?"),
+        ("[tools.1]\ndiamter = 3\n", "did you mean 'diameter'?"),
+        ("[axes.x]\nmin = 0\nmim = 0\n", ""),
+        ("[axes.x]\nspeed = 1\n", ""),
+    ],
+)
+def test_a_key_that_is_nearly_one_says_which(tmp_path: Path, text: str, hint: str) -> None:
+    file = tmp_path / "machine.toml"
+    file.write_text(HEAD + text)
+    findings = Findings()
+    load_machine(file, findings)
+    assert [f.hint for f in findings.kept if f.code.label == "GP602"] == [hint]
