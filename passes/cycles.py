@@ -12,8 +12,10 @@ from gproof.ir.finding import Refusal
 from gproof.ir.machine import AXIS_NAMES
 from gproof.ir.rules import CodeRule, Function
 from gproof.ir.trace import Op, Plane
+from gproof.passes.check import form_interval
 from gproof.passes.holes import HOLES, Hole, along
 from gproof.passes.line import Line
+from gproof.passes.reach import reach_of
 from gproof.passes.spindle import need_turning, note_speed_unknown
 from gproof.passes.transform_codes import check_cycle
 from gproof.passes.values import Position, Unknown
@@ -213,13 +215,43 @@ def _preliminary(ex: Motion, line: Line, drill: int, r: Position) -> Position:
     s = ex.modal
     above = s.position[drill].minus(r)
     if above.form:
-        raise Refusal(
-            codes.POSITION_UNKNOWN.at(
-                line.span, axis=AXIS_NAMES[drill].upper(), cause="where the tool is before the cycle",
-                hint=f"move {AXIS_NAMES[drill].upper()} to a programmed height first",
-            )
-        )  # fmt: skip
-    if above.value < 0:
+        _rise(ex, line, drill, r)
+    elif above.value < 0:
         along(ex, line, drill, r, Op.TRAVERSE)
         return r
     return s.position[drill] if s.retract_initial else r
+
+
+def _rise(ex: Motion, line: Line, drill: int, r: Position) -> None:
+    """Up to R where nobody knows whether it is above: to somewhere between here and the upper limit. Refusal GP304.
+
+    R is a place of the path, and the check of the limits asks that it is within them: nothing rises from a place at the
+    upper limit, and what rises from one below it stays between the two. The same place and R mean the same height.
+    """
+    s = ex.modal
+    at = s.position[drill]
+    height = ex.risen.get((at, r))
+    if height is None:
+        ends = _heights(ex, drill, at)
+        if ends is None:
+            raise Refusal(
+                codes.POSITION_UNKNOWN.at(
+                    line.span, axis=AXIS_NAMES[drill].upper(), cause="where the tool is before the cycle",
+                    hint=f"move {AXIS_NAMES[drill].upper()} to a programmed height first",
+                )
+            )  # fmt: skip
+        height = at if ends[0] >= ends[1] else ex.unknown_place("value", drill, ends, Position(0.0))
+        ex.risen[at, r] = ex.risen[height, r] = height
+        ex.assumed["R of canned cycles lies within the limits of its axis"] = None
+    along(ex, line, drill, height, Op.TRAVERSE)
+
+
+def _heights(ex: Motion, drill: int, at: Position) -> tuple[float, float] | None:
+    """Between what a place within the limits lies that is not below ``at``; None where something of it is not known."""
+    limits = reach_of(ex.machine, AXIS_NAMES[drill])
+    top = None if limits is None else limits.stated[False][1]
+    here = form_interval(at.form, ex.setup, ex.trace)
+    lifted = ex.setup.height_map is not None or (drill == 1 and ex.setup.cylinder is not None)
+    if top is None or here is None or lifted or "machine_area" in ex.modal.guards_off:
+        return None
+    return at.value + here.low, top

@@ -88,6 +88,8 @@ class Emitter:
         self._around: dict[str, tuple[Statement, ...]] = {}
         self._told_around = False
         self._unknowns = 0
+        # Where cycles rise to from a place whose height beside their R is not known, by place and R.
+        self.risen: dict[tuple[Position, Position], Position] = {}
         self._start_system(setup)
         # What is still to do, and what branches and loops keep of it: passes/branches.py, passes/loops.py.
         self.branches = 0
