@@ -20,6 +20,7 @@ from gproof.passes.height_map import heights_of
 from gproof.passes.values import NOWHERE, Position, describe
 from gproof.passes.zone_check import Hears, ZoneCheck
 from gproof.passes.zone_offsets import Ranges
+from gproof.passes.zone_tool import CUTTER, Told, most_parts
 
 Zeros = Callable[[int, int], Position]
 """Where a coordinate system has its zero when the job begins, local offsets included, by number and axis."""
@@ -43,28 +44,22 @@ class Areas(Check):
         heights = heights_of(setup.height_map)
         self._zones: list[ZoneCheck] = []
 
-        def check(area: Area, *, change: bool = False) -> None:
-            origin = _origin(area, zero)
+        def check(area: Area, *, change: bool = False, part: int = CUTTER, told: Told | None = None) -> None:
             self._zones.append(
                 ZoneCheck(
-                    area,
-                    machine,
-                    setup,
-                    findings,
-                    heights=heights,
-                    straight=straight,
-                    measured=measured,
-                    origin=origin,
-                    change=change,
-                    hears=hears,
+                    area, machine, setup, findings, heights=heights, straight=straight, measured=measured,
+                    origin=_origin(area, zero), change=change, hears=hears, part=part, told=told,
                 )
-            )
+            )  # fmt: skip
 
         if machine.tool_change_area is not None:
             check(machine.tool_change_area, change=True)
         self._kept = (*machine.keep_out, *setup.keep_out)
+        parts = 1 + most_parts(machine.tools)
         for area in self._kept:
-            check(area)
+            told = Told() if parts > 1 else None
+            for part in range(parts):
+                check(area, part=part, told=told)
         self._clearance = Clearance(machine, setup, findings)
         self._homed = False
         self._given: Ranges = {}
@@ -113,7 +108,10 @@ class Areas(Check):
         elif self._homed:
             out.append("homing moves keep out of the tool change area")
         if self._kept:
-            out.append("in keep-out zones tools are as wide as the tool table says, and points where it does not")
+            out.append(
+                "in keep-out zones tools are as wide as the tool table says, and points where it does not; "
+                "shanks and holders are there where it places them and the tip is known"
+            )
             if self.machine.controller.controls.smoothing:
                 out.append("the controller rounds no corner as far as a keep-out zone")
             if any(axis.vertical and axis.index > 2 for axis in self.machine.axes):

@@ -4,7 +4,8 @@ Eding CNC manual 2.1.8 (area), 4.2 (TCAGuard). Touching a face is outside; lines
 Where offsets are unknown, one face of the zone's box that all of the path stays beyond gives the condition.
 What is judged: in the tool change area the controller's machine position, as the controller does it. In a keep-out zone
 the tool: as thick as the tool table says, a point where it does not; in machine coordinates from its tip, below the
-machine position by a positive length offset, up to there; relative to a work offset its tip.
+machine position by a positive length offset, up to there; relative to a work offset from its tip as high as the table
+says. Shanks and holders that are wider have a check each (``zone_tool``).
 """
 
 from __future__ import annotations
@@ -31,7 +32,6 @@ from gproof.passes.zone_shapes import (
     IN_PLANE,
     Arc,
     Entry,
-    Pair,
     Point,
     Polygon,
     Rectangle,
@@ -41,6 +41,7 @@ from gproof.passes.zone_shapes import (
     segment_enters,
     shape_of,
 )
+from gproof.passes.zone_tool import CUTTER, Part, Told, part_of
 
 GUARD = "tool_change_area"
 MOST = 10_000
@@ -55,17 +56,20 @@ rows, whether traverses of several axes are straight lines."""
 
 
 class ZoneCheck:
-    """Findings of one zone; ``conditions`` after the last chunk. errors: rows that enter it; hears: see ``Areas``."""
+    """Findings of one zone; ``conditions`` after the last chunk. errors: rows that enter it; hears: see ``Areas``.
+
+    part: of the tool, by its number (``zone_tool``); told: of the checks of all parts, None where there is one.
+    """
 
     def __init__(
         self, area: Area, machine: Machine, setup: Setup, findings: Findings, *, heights: Heights | None,
         straight: bool | None, measured: bool = False, origin: tuple[Position, Position, Position] | None = None,
-        change: bool = False, hears: Hears | None = None,
+        change: bool = False, hears: Hears | None = None, part: int = CUTTER, told: Told | None = None,
     ) -> None:  # fmt: skip
         self.area, self.machine, self.setup, self.findings = area, machine, setup, findings
         self.errors = 0
         self._heights, self._straight, self._origin, self._change = heights, straight, origin, change
-        self._hears = hears
+        self._hears, self._number, self._told = hears, part, told
         self._lengths = not change and not measured
         self._views: list[View] = []
         self._of_key: dict[object, int] = {}
@@ -77,27 +81,28 @@ class ZoneCheck:
 
     def _view_of(self, state: State) -> int:
         following = HEIGHT_MAP in state.following and self._heights is not None
-        diameter = self._diameter(state)
+        part, certain = self._part(state)
+        if part is None:
+            return -1
         if self._change:
             key: object = GUARD in state.guards_off, following
         else:
-            key = following, state.tip, diameter, self._other_head(state), state.path_tolerance + state.simplify
+            key = following, state.tip, part, certain, self._other_head(state), state.path_tolerance + state.simplify
         if key not in self._of_key:
             self._of_key[key] = len(self._views)
-            self._views.append(self._make(state, following, diameter))
+            self._views.append(self._make(state, following, part, certain))
         return self._of_key[key]
 
-    def _diameter(self, state: State) -> Pair:
-        """Least and greatest of the tool in the spindle, 0 where the table does not say; of all where it may be any."""
+    def _part(self, state: State) -> tuple[Part | None, bool]:
+        """What of the tool in the spindle is judged, and whether that is certain; None: nothing of it."""
         if self._change:
-            return 0.0, 0.0
-        tool = self.machine.tool(state.tool)
-        if state.tool == -1:
-            return 0.0, max((tool.diameter or 0.0 for tool in self.machine.tools), default=0.0)
-        own = 0.0 if tool is None or tool.diameter is None else tool.diameter
-        return own, own
+            return Part("", (0.0, 0.0), (0.0, 0.0)), True
+        at_tip = self._origin is not None or (self._lengths and any(one.axis == 2 for one in state.tip))
+        if self._number != CUTTER and not at_tip:
+            return None, True
+        return part_of(self.machine.tools, state.tool, self._number)
 
-    def _make(self, state: State, following: bool, diameter: Pair) -> View:
+    def _make(self, state: State, following: bool, part: Part, certain: bool) -> View:
         x, y, z = self.area.box
         causes: list[str] = []
         zero = Position(0.0)
@@ -106,10 +111,14 @@ class ZoneCheck:
         base, tip = (zero, zero, zero), None
         if self._origin is not None:
             base = tuple(o.plus(t) for o, t in zip(self._origin, offsets, strict=True))  # type: ignore[assignment]
+            z = z[0] - part.heights[1], z[1] - part.heights[0]
+        elif self._number != CUTTER:
+            base, z = (zero, zero, offsets[2]), (z[0] - part.heights[1], z[1] - part.heights[0])
         elif self._lengths and offsets[2].form:
-            tip = offsets[2]
-        elif self._lengths:
-            z = z[0], z[1] + max(0.0, offsets[2].value)
+            tip, z = offsets[2], (z[0] - part.heights[1], z[1])
+        elif self._lengths and 2 in tips:
+            length = offsets[2].value
+            z = z[0] - max(0.0, part.heights[1] - length), z[1] + max(0.0, length)
         wide, narrow = z, z
         if following:
             assert self._heights is not None
@@ -119,9 +128,10 @@ class ZoneCheck:
         slack = [0.0 if axis is None else max(d.backlash for d in axis.drives())
                  for axis in map(self.machine.axis, AXIS_NAMES[:3])]  # fmt: skip
         around, above = (0.0, 0.0) if self._change else (math.hypot(slack[0], slack[1]), slack[2])
-        radius = diameter[0] / 2
-        if diameter[0] != diameter[1]:
+        if not certain and part.width[0] != part.width[1]:
             causes.append("which tool is in the spindle")
+        elif part.width[0] != part.width[1]:
+            causes.append("where its holder tapers")
         if around or above:
             causes.append("the backlash of axes")
         # The controller may leave the path by so much at corners, and where it makes one line of several.
@@ -130,7 +140,7 @@ class ZoneCheck:
             around, above = around + blend, above + blend
             causes.append("how the controller rounds corners (P, Q)")
         shape = shape_of(self.area)
-        sure = True
+        sure = certain or self._number == CUTTER
         cylinder = self.setup.cylinder
         if cylinder is not None:
             # With Y mapped onto A the machine's Y stays where the axis of rotation is (Eding manual 2.2.5.4).
@@ -139,8 +149,8 @@ class ZoneCheck:
             if not sure:
                 causes.append("where the axis of rotation of A is")
             shape, y = Rectangle(x, EVERYWHERE), EVERYWHERE
-        outer = Zone(shape=shape, z=wide, grow=diameter[1] / 2 + around, rise=above)
-        inner = Zone(shape=shape, z=narrow, grow=radius) if sure else None
+        outer = Zone(shape=shape, z=wide, grow=part.width[1] / 2 + around, rise=above)
+        inner = Zone(shape=shape, z=narrow, grow=part.width[0] / 2) if sure else None
         shift = base[0].value, base[1].value, base[2].value
         g, rise = outer.grow, outer.rise
         box = tuple(
@@ -151,6 +161,7 @@ class ZoneCheck:
             shift=shift, form=(base[0].form, base[1].form, base[2].form), outer=outer, inner=inner,
             lost=not self._change and self._other_head(state), cause=" and ".join(causes),
             box=(box[0], box[1], box[2]), tip=tip, off=self._change and GUARD in state.guards_off,
+            part="" if self._number == CUTTER else f"its {part.name}, {part.width[1]:g} mm wide",
         )  # fmt: skip
 
     def _other_head(self, state: State) -> bool:
@@ -165,7 +176,8 @@ class ZoneCheck:
             return False
         grow = 0.0
         if not self._change:
-            grow = max((t.diameter or 0.0 for t in self.machine.tools), default=0.0) / 2
+            widest, _ = part_of(self.machine.tools, -1, self._number)
+            grow = 0.0 if widest is None else widest.width[1] / 2
         low, high = self.area.box[1]
         return not low - grow < at < high + grow
 
@@ -179,7 +191,7 @@ class ZoneCheck:
         self._of_state += [self._view_of(state) for state in chunk.trace.states[len(self._of_state) :]]
         of_state = np.array(self._of_state)
         here = of_state[chunk.rows["state"]]
-        for view in occurring(here):
+        for view in occurring(here[here >= 0]):
             self._judge(chunk, view, here == view)
         if not self._change:
             self._homing(chunk)
@@ -271,22 +283,26 @@ class ZoneCheck:
         self.errors += 1
         if self._change:
             self.findings.add(codes.TOOL_CHANGE_AREA.at(span, where=where, depth=entry.depth))
-        else:
-            self.findings.add(codes.KEEP_OUT_ZONE.at(span, name=self.area.name, where=where, depth=entry.depth))
+        elif self._told is None or not self._told.again(span, certain=True):
+            name = self.area.name
+            self.findings.add(codes.KEEP_OUT_ZONE.at(span, name=name, where=where, depth=entry.depth, hint=view.part))
 
     def _doubt(self, span: Span, cause: str, view: View) -> None:
         if view.off:
             self.findings.add(codes.TOOL_CHANGE_AREA_GUARD_OFF.at(span))
         elif self._change:
             self.findings.add(codes.TOOL_CHANGE_AREA_UNKNOWN.at(span, cause=cause))
-        else:
-            self.findings.add(codes.KEEP_OUT_UNKNOWN.at(span, name=self.area.name, cause=cause))
+        elif self._told is None or not self._told.again(span, certain=False):
+            self.findings.add(codes.KEEP_OUT_UNKNOWN.at(span, name=self.area.name, cause=cause, hint=view.part))
 
     def _homing(self, chunk: Chunk) -> None:
         """Homing moves go anywhere along their axes, group after group where the machine's file has an order."""
         rows = chunk.rows
         for row in np.flatnonzero(rows["op"] == Op.HOME).tolist():
-            view = self._views[self._of_state[int(rows["state"][row])]]
+            number = self._of_state[int(rows["state"][row])]
+            if number < 0:
+                continue
+            view = self._views[number]
             frame = chunk.trace.frames[int(rows["frame"][row])]
             place = _point(rows["to"][row], view.shift)
             ranges = [(v, v) if f == g != UNKNOWN else EVERYWHERE

@@ -29,7 +29,8 @@ class View:
 
     outer: what may be entered; inner: what is for certain, None when nothing is; cause: what lies between the two;
     box: around outer, for plain positions; tip: what is taken from Z for a second reading, where it is not known;
-    off: the guard is off; lost: another head is at work, whose place is not followed.
+    off: the guard is off; lost: another head is at work, whose place is not followed; part: of the tool, in words, ""
+    its cutter.
     """
 
     shift: Point
@@ -41,6 +42,7 @@ class View:
     tip: Position | None
     off: bool
     lost: bool
+    part: str = ""
 
 
 class OpenPlaces:

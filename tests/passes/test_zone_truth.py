@@ -19,7 +19,7 @@ import shapely
 import shapely.affinity
 from support.campaigns import seeds
 from support.judging import UNBOUNDED, answer
-from support.made_jobs import LENGTH, MAKERS, Made, Points, machine_of, opened
+from support.made_jobs import LENGTH, MAKERS, Made, Move, Points, machine_of, opened
 
 from gproof.cli.judge import judge
 from gproof.cli.session import Running
@@ -43,16 +43,14 @@ class Zone:
         return out + (f"work = {self.work}\n" if self.work else "")
 
 
-def zone_near(rng: random.Random, made: Made, diameter: float) -> Zone:
+def zone_near(rng: random.Random, made: Made, tool: Tool) -> Zone:
     """A box or a polygon, with a hole now and then, whose edge lies near a place of the path."""
     work = rng.choice((0, 0, *made.zeros))
     move = rng.choice(made.moves)
-    spot = move.at(np.array([rng.random()]))[0]
-    length = 0.0
+    below, above, diameter, _ = rng.choice(tool.parts(move, work))
+    spot = move.at(np.array([rng.random()]))[0] - np.array([0.0, 0.0, move.length])
     if work:
-        spot = spot - np.array(made.zeros[work]) - np.array([0.0, 0.0, move.length])
-    else:
-        length = move.length
+        spot = spot - np.array(made.zeros[work])
     size = rng.choice((0.5, 6.0, 25.0)) * rng.uniform(0.6, 1.4)
     gap = rng.choice((0.0, 1e-4, 0.02, 1.0, -0.02, -1.0)) + diameter / 2
     side = cmath.exp(1j * rng.uniform(-math.pi, math.pi))
@@ -71,8 +69,8 @@ def zone_near(rng: random.Random, made: Made, diameter: float) -> Zone:
         hole = shapely.affinity.scale(region, 0.4, 0.4, origin=region.representative_point())
         if region.buffer(-1e-3).contains(hole):
             region = shapely.Polygon(region.exterior.coords, [hole.exterior.coords])
-    low = spot[2] - rng.choice((0.01, 5.0, 40.0)) * rng.uniform(0.2, 1.0)
-    high = spot[2] - length + rng.choice((0.01, 5.0, 40.0, -0.01)) * rng.uniform(0.2, 1.0)
+    low = spot[2] + above - rng.choice((0.01, 5.0, 40.0, -0.01)) * rng.uniform(0.2, 1.0)
+    high = spot[2] + below + rng.choice((0.01, 5.0, 40.0, -0.01)) * rng.uniform(0.2, 1.0)
     high = max(high, low + 0.1)
     return Zone(region, (float("-inf") if rng.random() < 0.3 else float(low), float(high)), work)
 
@@ -80,34 +78,105 @@ def zone_near(rng: random.Random, made: Made, diameter: float) -> Zone:
 # -- what is true
 
 
-def deepest(made: Made, zone: Zone, diameter: float) -> tuple[float, float]:
+Part = tuple[float, float, float, float]
+"""Heights above the tip, least and greatest diameter."""
+
+
+@dataclass
+class Tool:
+    """An entry of the tool table. holder: its parts, (diameter below, above, height)."""
+
+    diameter: float = 0.0
+    flute: float | None = None
+    shank: float | None = None
+    stickout: float | None = None
+    holder: tuple[tuple[float, float, float], ...] = ()
+
+    def text(self) -> str:
+        keys = {"diameter": self.diameter or None, "flute_length": self.flute, "shank_diameter": self.shank}
+        keys["stickout"] = self.stickout
+        out = "".join(f"{key} = {value!r}\n" for key, value in keys.items() if value is not None)
+        rows = f"holder = {[list(row) for row in self.holder]}\n" if self.holder else ""
+        return f"[tools.1]\nlength = {LENGTH}\n{out}{rows}"
+
+    @property
+    def high(self) -> float:
+        """How far up it is at least as wide as its cutter."""
+        if self.stickout is not None and (self.shank is None or self.shank >= self.diameter):
+            return max(self.flute or 0.0, self.stickout)
+        return self.flute or 0.0
+
+    def parts(self, move: Move, work: int) -> list[Part]:
+        """What is looked at: beside a zone of the machine from the tip up to the controlled point, and no less."""
+        known = bool(work) or move.length > 0.0
+        if not known:
+            return [(0.0, 0.0, self.diameter, self.diameter)]
+        top = self.high if work else max(self.high, move.length)
+        out = [(0.0, top, self.diameter, self.diameter)]
+        if self.flute is not None and self.shank is not None and self.shank > self.diameter:
+            out.append((self.flute, max(self.flute, self.stickout or 0.0), self.shank, self.shank))
+        at = self.stickout
+        for below, above, height in self.holder:
+            assert at is not None
+            if max(below, above) > self.diameter:
+                out.append((at, at + height, min(below, above), max(below, above)))
+            at += height
+        return out
+
+
+def tool_of(rng: random.Random) -> Tool:
+    """A point, a plain cutter, or one with a shank and a holder."""
+    diameter = rng.choice((0.0, 0.0, 3.0, 12.5))
+    if rng.random() < 0.5:
+        return Tool(diameter)
+    flute = rng.choice((None, 4.0, 11.0))
+    stickout = rng.choice((None, 11.0, 20.0))
+    holder = ((20.0, 20.0, 6.0), (20.0, 30.0, 5.0), (30.0, 30.0, 9.0))[: rng.randrange(4)] if stickout else ()
+    return Tool(diameter, flute, rng.choice((None, 3.0, 16.0)), stickout, holder)
+
+
+def deepest(made: Made, zone: Zone, tool: Tool) -> tuple[float, float]:
     """mm that some move goes into the zone for certain, and that some may at most; less than 0: beside it."""
     sure = possible = -math.inf
     for move in made.moves:
-        low, high = zone.z
-        shift = np.zeros(3)
+        shift = np.array([0.0, 0.0, move.length])
         if zone.work:
-            shift = np.array(made.zeros[zone.work]) + np.array([0.0, 0.0, move.length])
-        else:
-            high += move.length
-        if move.free:
-            (x0, y0, z0), (x1, y1, z1) = move.ends - shift
-            box = shapely.box(min(x0, x1), min(y0, y1), max(x0, x1), max(y0, y1))
-            across = diameter / 2 - zone.region.distance(box)
-            if zone.region.intersects(box):
-                across = max(across, diameter / 2 + inner(zone.region, box))
-            up = min(max(z0, z1) - low, high - min(z0, z1))
-            possible = max(possible, min(across, up))
-            sure = max(sure, float(depths(zone, low, high, diameter, move.ends - shift).max()))
-            continue
-        t, step = np.linspace(0.0, 1.0, 801), 1 / 800
-        for _ in range(5):
-            found = depths(zone, low, high, diameter, move.at(t) - shift)
-            sure = max(sure, float(found.max()))
-            chosen = t[np.argsort(-found)[:8]]
-            t = np.clip((chosen[:, None] + np.linspace(-step, step, 41)).ravel(), 0.0, 1.0)
-            step /= 20
+            shift += np.array(made.zeros[zone.work])
+        for below, above, least, most in tool.parts(move, zone.work):
+            low, high = zone.z[0] - above, zone.z[1] - below
+            if move.free:
+                possible = max(possible, in_box(zone, low, high, most, move.ends - shift))
+                sure = max(sure, float(depths(zone, low, high, least, move.ends - shift).max()))
+            else:
+                sure = max(sure, searched(zone, low, high, least, move, shift))
+                if most > least:
+                    possible = max(possible, searched(zone, low, high, most, move, shift))
     return sure, max(sure, possible)
+
+
+def in_box(zone: Zone, low: float, high: float, diameter: float, ends: Points) -> float:
+    """For any way between two places."""
+    (x0, y0, z0), (x1, y1, z1) = ends
+    box = shapely.box(min(x0, x1), min(y0, y1), max(x0, x1), max(y0, y1))
+    across = diameter / 2 - zone.region.distance(box)
+    if zone.region.intersects(box):
+        across = max(across, diameter / 2 + inner(zone.region, box))
+    return min(across, max(z0, z1) - low, high - min(z0, z1))
+
+
+def searched(zone: Zone, low: float, high: float, diameter: float, move: Move, shift: Points) -> float:
+    """By ever denser samples around the deepest ones."""
+    best = -math.inf
+    t, step = np.linspace(0.0, 1.0, 801), 1 / 800
+    for _ in range(5):
+        found = depths(zone, low, high, diameter, move.at(t) - shift)
+        best = max(best, float(found.max()))
+        if best < -1.0 - 800 * step * 100.0:
+            break
+        chosen = t[np.argsort(-found)[:8]]
+        t = np.clip((chosen[:, None] + np.linspace(-step, step, 41)).ravel(), 0.0, 1.0)
+        step /= 20
+    return best
 
 
 def inner(region: shapely.Polygon, box: shapely.Polygon) -> float:
@@ -135,23 +204,22 @@ def test_verdicts_are_what_the_path_does(name: str, seed: int, tmp_path: Path) -
     for case in range(25):
         rng = random.Random(f"{name} {seed} {case}")
         made = MAKERS[name](rng)
-        diameter = rng.choice((0.0, 0.0, 3.0, 12.5))
-        zone = zone_near(rng, made, diameter)
+        tool = tool_of(rng)
+        zone = zone_near(rng, made, tool)
         points = made.points()
         room = np.array([[rng.choice((2e-6, 1e-3, 1.0, 30.0, 30.0, 30.0)) for _ in "xyz"] for _ in range(2)])
         if rng.random() < 0.3:
             room[rng.randrange(2), rng.randrange(3)] = -rng.choice((2e-6, 1e-3, 1.0))
         low, high = points.min(axis=0) - room[0], points.max(axis=0) + room[1]
         limits = np.array([low, np.maximum(high, low + 1.0)])
-        tool = f"[tools.1]\nlength = {LENGTH}\n" + (f"diameter = {diameter!r}\n" if diameter else "")
-        machine = machine_of(made, limits, tool + zone.text())
+        machine = machine_of(made, limits, tool.text() + zone.text())
         judgement = judge(opened(tmp_path, made, machine), running=Running(UNBOUNDED))
         told = "".join(f"{f.span.line}: {f.code.label} {f.message}\n" for f in judgement.findings.kept)
         where = f"{name} seed {seed} case {case}\n{made.program}{machine}{made.setup}{told}"
         assert answer(judgement, "language").verdict is Verdict.SAFE, where
         assert answer(judgement, "arcs").verdict is Verdict.SAFE, where
         verdict = answer(judgement, "areas").verdict
-        sure, possible = deepest(made, zone, diameter)
+        sure, possible = deepest(made, zone, tool)
         where = f"{sure} mm inside, {possible} perhaps\n{where}"
         if sure > SURELY:
             assert verdict is Verdict.UNSAFE, where

@@ -31,7 +31,7 @@ class Move:
     at: Callable[[Points], Points]
     free: bool = False
     length: float = 0.0
-    """Of the tool, as far as it is in force: the tip is so far below."""
+    """By which the tip is below; 0 where no length was used yet."""
 
     @property
     def ends(self) -> Points:
@@ -60,7 +60,7 @@ class Made:
 
 
 class Tracked(RandomPath):
-    """Keeps which length is in force in each move."""
+    """Keeps by how much the tip is below in each move: once lengths are used, a tool stands out without G43 too."""
 
     def __init__(self, rng: random.Random, start: list[float], offsets: Offsets) -> None:
         self.lengths: list[float] = [0.0]
@@ -68,7 +68,7 @@ class Tracked(RandomPath):
 
     def _go(self, piece: Callable[[Points], Points], end: list[float]) -> None:
         super()._go(piece, end)
-        self.lengths.append(self.offsets.tool)
+        self.lengths.append(LENGTH if self.offsets.tool else self.lengths[-1])
 
 
 def eding(rng: random.Random) -> Made:
