@@ -11,11 +11,34 @@ TWO_PI = 2.0 * math.pi
 
 
 @kernel()
+def swelling(radius: float, growth: float, past: float, total: float) -> float:
+    """The greatest (radius + growth t) cos(past + t) for t in 0 ... total: of a spiral that grows away from an extreme.
+
+    growth: mm a radian, more than 0; past, total: radians, past less than a quarter turn. Of the values that Newton's
+    steps find, which is right to the second order of their error.
+    """
+    t = 0.0
+    best = radius * math.cos(past)
+    for _ in range(40):
+        now, cosine, sine = radius + growth * t, math.cos(past + t), math.sin(past + t)
+        best = max(best, now * cosine)
+        bend = 2.0 * growth * sine + now * cosine
+        if bend <= 0.0:
+            break
+        onward = min(max(t + (growth * cosine - now * sine) / bend, 0.0), total)
+        if abs(onward - t) <= 1e-15:
+            break
+        t = onward
+    return best
+
+
+@kernel()
 def arc_extreme(u0: float, v0: float, u1: float, v1: float, turns: int) -> tuple[float, float, float, float, float]:
     """Extremes of an arc about the origin from (u0, v0) to (u1, v1): (low u, high u, low v, high v, sweep).
 
     The plane's pair is right-handed; counter-clockwise for positive turns. Where the two radii differ
-    the larger one counts, so the box is never too small.
+    the larger one counts at the quarters that the arc passes. One that begins or ends beside a quarter and grows away
+    from it goes further than its end (``swelling``), so the box is never too small.
     """
     start = math.atan2(v0, u0)
     sign = 1.0 if turns > 0 else -1.0
@@ -27,7 +50,9 @@ def arc_extreme(u0: float, v0: float, u1: float, v1: float, turns: int) -> tuple
     if u0 == u1 and v0 == v1:
         sweep = TWO_PI
     whole = abs(turns) > 1
-    radius = max(math.sqrt(u0 * u0 + v0 * v0), math.sqrt(u1 * u1 + v1 * v1))
+    first, last = math.sqrt(u0 * u0 + v0 * v0), math.sqrt(u1 * u1 + v1 * v1)
+    radius = max(first, last)
+    growth = (last - first) / sweep
     low_u, high_u = min(u0, u1), max(u0, u1)
     low_v, high_v = min(v0, v1), max(v0, v1)
     for quarter in range(4):
@@ -36,15 +61,22 @@ def arc_extreme(u0: float, v0: float, u1: float, v1: float, turns: int) -> tuple
             ahead += TWO_PI
         while ahead >= TWO_PI:
             ahead -= TWO_PI
-        if whole or ahead <= sweep:
-            if quarter == 0:
-                high_u = max(high_u, radius)
-            elif quarter == 1:
-                high_v = max(high_v, radius)
-            elif quarter == 2:
-                low_u = min(low_u, -radius)
-            else:
-                low_v = min(low_v, -radius)
+        reach = radius
+        if not whole and ahead > sweep:
+            # How far behind the quarter it begins, or before it ends, seen from that end.
+            past = TWO_PI - ahead if growth > 0.0 else ahead - sweep
+            own = first if growth > 0.0 else last
+            if past * own >= abs(growth):
+                continue
+            reach = swelling(own, abs(growth), past, sweep)
+        if quarter == 0:
+            high_u = max(high_u, reach)
+        elif quarter == 1:
+            high_v = max(high_v, reach)
+        elif quarter == 2:
+            low_u = min(low_u, -reach)
+        else:
+            low_v = min(low_v, -reach)
     return low_u, high_u, low_v, high_v, sweep + (abs(turns) - 1) * TWO_PI
 
 

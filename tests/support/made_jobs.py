@@ -32,6 +32,8 @@ class Move:
     free: bool = False
     length: float = 0.0
     """By which the tip is below; 0 where no length was used yet."""
+    arc: tuple[complex, complex, float] | None = None
+    """Centre and start in the plane of X and Y, and the turn, radians; None: a line, or one of `support.paths`."""
 
     @property
     def ends(self) -> Points:
@@ -64,11 +66,16 @@ class Tracked(RandomPath):
 
     def __init__(self, rng: random.Random, start: list[float], offsets: Offsets) -> None:
         self.lengths: list[float] = [0.0]
+        self.out = 0.0
         super().__init__(rng, start, offsets, LENGTH)
 
     def _go(self, piece: Callable[[Points], Points], end: list[float]) -> None:
         super()._go(piece, end)
-        self.lengths.append(LENGTH if self.offsets.tool else self.lengths[-1])
+        self.lengths.append(self.out)
+
+    def change_state(self) -> None:
+        super().change_state()
+        self.out = max(self.out, self.offsets.tool)
 
 
 def eding(rng: random.Random) -> Made:
@@ -116,7 +123,7 @@ def turned(rng: random.Random) -> Made:
             ccw = rng.random() < 0.5
             lines.append(f"{'G3' if ccw else 'G2'} X{point.real} Y{point.imag}{word} I{ij.real} J{ij.imag}")
             middle = place(point + ij)
-            moves.append(Move(round_about(at, z, middle, math.tau if ccw else -math.tau, to_z)))
+            moves.append(round_about(at, z, middle, math.tau if ccw else -math.tau, to_z))
         at, z = place(point), to_z
     setup = tables(start=start, g92=[0.0] * 3, **{"work.1": [origin.real, origin.imag, 0.0]})
     return Made("eding", "\n".join([*lines, "G69", "G50", "M30", ""]), setup, "", moves,
@@ -225,7 +232,7 @@ def arc_words(
         words.append(f"Z{value}")
         to[2] = base[2] + value
     line = f"{names[ccw]} {' '.join(words)} I{i} J{j}"
-    return line, Move(round_about(complex(at[0], at[1]), at[2], middle, turn, to[2])), to
+    return line, round_about(complex(at[0], at[1]), at[2], middle, turn, to[2]), to
 
 
 def straight(start: list[float], end: list[float]) -> Callable[[Points], Points]:
@@ -233,12 +240,12 @@ def straight(start: list[float], end: list[float]) -> Callable[[Points], Points]
     return lambda t: a + np.outer(t, b - a)
 
 
-def round_about(start: complex, z: float, middle: complex, turn: float, to_z: float) -> Callable[[Points], Points]:
+def round_about(start: complex, z: float, middle: complex, turn: float, to_z: float) -> Move:
     def at(t: Points) -> Points:
         spot = middle + (start - middle) * np.exp(1j * turn * t)
         return np.column_stack([spot.real, spot.imag, z + (to_z - z) * t])
 
-    return at
+    return Move(at, arc=(middle, start, turn))
 
 
 def several(a: list[float], b: list[float]) -> bool:
