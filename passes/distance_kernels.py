@@ -302,6 +302,35 @@ def raster(
     return total
 
 
+@kernel()
+def _told(
+    key: int, facet: int, piece: int, any_way: int, tip: Any, way: Any, slack: float, source: int, row: int, now: Any,
+    seen: Any, opened: Any, whole: Any, real: Any,
+) -> int:  # fmt: skip
+    """Count this move to the stretch of a key, and open one where none goes on; its number, -1 without room for it.
+
+    key: of body, part and whether it is certain; source, row: of the move; the other columns are those of ``sweep``.
+    """
+    if opened[key] == -2 or seen[key] < now[1] - GAP_ROWS:
+        opened[key] = -1
+        if now[2] < len(whole):
+            new = now[2]
+            opened[key] = new
+            whole[new, 0], whole[new, 1], whole[new, 2] = key, source, row
+            whole[new, 3], whole[new, 4], whole[new, 11] = facet, piece, any_way
+            whole[new, 7], whole[new, 9] = -1, -1
+            for axis in range(3):
+                real[new, axis], real[new, 3 + axis] = tip[axis], way[axis]
+            real[new, 6] = slack
+        now[2] += 1
+    seen[key] = now[1]
+    stretch = opened[key]
+    if stretch >= 0 and whole[stretch, 6] != row + 1:
+        whole[stretch, 6] = row + 1
+        whole[stretch, 10] += 1
+    return int(stretch)
+
+
 @kernel(seconds_per_unit=2e-4, compile_seconds=12.0)
 def sweep(
     start: Any, end: Any, slack: Any, sag: Any, place: Any, corners: Any, disc: Any, planes: Any, beside: Any,
@@ -344,24 +373,22 @@ def sweep(
                 # Wider than everything: what is higher than it begins may be met.
                 highest = size[2]
                 key = (body[highest] * 4 + 3) * 2
-                if opened[key] == -2 or seen[key] < now[1] - GAP_ROWS:
-                    opened[key] = -1
-                    if now[2] < len(whole):
-                        s = now[2]
-                        opened[key] = s
-                        whole[s, 0] = key
-                        whole[s, 1], whole[s, 2] = place[move, 0], place[move, 1]
-                        whole[s, 3], whole[s, 4] = highest, j
-                        whole[s, 7], whole[s, 9] = -1, -1
-                        for axis in range(3):
-                            real[s, axis], real[s, 3 + axis] = p[axis], d[axis]
-                        real[s, 6] = slack[move]
-                    now[2] += 1
-                seen[key] = now[1]
-                s = opened[key]
-                if s >= 0 and whole[s, 6] != place[move, 1] + 1:
-                    whole[s, 6] = place[move, 1] + 1
-                    whole[s, 10] += 1
+                _told(
+                    key,
+                    highest,
+                    j,
+                    0,
+                    p,
+                    d,
+                    slack[move],
+                    place[move, 0],
+                    place[move, 1],
+                    now,
+                    seen,
+                    opened,
+                    whole,
+                    real,
+                )
                 continue
             inner, broad = rims[j, 0, 0, 0], 0.0
             for k in range(n):
@@ -476,27 +503,21 @@ def sweep(
                                 key, level = base, 0
                             if seen[key] == now[1]:
                                 continue
-                            if seen[key] < now[1] - GAP_ROWS or opened[key] == -2:
-                                opened[key] = -1
-                                if now[2] < len(whole):
-                                    s = now[2]
-                                    opened[key] = s
-                                    whole[s, 0] = key
-                                    whole[s, 1], whole[s, 2] = place[move, 0], place[move, 1]
-                                    whole[s, 3], whole[s, 4], whole[s, 11] = f, j, any_way
-                                    whole[s, 7] = -1
-                                    whole[s, 9] = -1
-                                    for axis in range(3):
-                                        real[s, axis], real[s, 3 + axis] = p[axis], d[axis]
-                                    real[s, 6] = slack[move]
-                                now[2] += 1
-                            seen[key] = now[1]
-                            s = opened[key]
-                            if s >= 0 and whole[s, 6] != place[move, 1] + 1:
-                                whole[s, 6] = place[move, 1] + 1
-                                whole[s, 10] += 1
+                            s = _told(
+                                key, f, j, any_way, p, d, slack[move], place[move, 0], place[move, 1], now, seen,
+                                opened, whole, real,
+                            )  # fmt: skip
                             if s >= 0 and whole[s, 9] >= level:
-                                continue
+                                # A stretch that goes on: only a deeper place is news.
+                                level = whole[s, 9] + 1
+                                if key == base or level >= levels[j]:
+                                    continue
+                                met = separation(
+                                    corners, f, disc[f], p, d, rims[j, level], counts[j, level], rounds[j, level], gap,
+                                    0, points, weights, spare, witness,
+                                )  # fmt: skip
+                                if met != 1:
+                                    continue
                         s = opened[key]
                         if s < 0:
                             continue

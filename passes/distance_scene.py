@@ -30,6 +30,8 @@ _RATIO = 1.03
 _FIRST = 1e-5
 """mm: the first step of the levels, which grow by the ratio: how well the deepest place of a stretch is known."""
 _ROOM = 64
+_SLIT = 1e-5
+"""mm: more than what the gap leaves open between two pieces of a tool."""
 
 
 @record(frozen=True, slots=True, eq=False)
@@ -92,19 +94,13 @@ class Stretch:
     worst: tuple[int, int, Floats, Floats, float]
 
 
-def _above_cutter(piece: Piece, shape: Shape, tolerance: float) -> Piece:
-    """A piece across the joint of cutter and shank, cut off so that what lies deep in it is above the joint.
-
-    What is below is the cutter's, and said to be in the shank by nobody.
-    """
-    pieces = [other for other in shape.pieces if other.part != UNSTATED]
-    if len(pieces) < 2 or piece.part == UNSTATED:
+def _across(piece: Piece, below: float, above: float) -> Piece:
+    """A piece across a joint, no further from it than that: what is further away belongs to one of the two alone."""
+    if piece.joint is None:
         return piece
-    joint, (radius, bottom) = pieces[1].rims[0][1], piece.rims[0]
-    lowest = joint - max(tolerance, 0.0)
-    if bottom >= lowest:
-        return piece
-    return dataclasses.replace(piece, rims=((radius, lowest), *piece.rims[1:]))
+    (radius, bottom), (_, top) = piece.rims
+    ends = max(bottom, piece.joint - below), min(top, piece.joint + above)
+    return dataclasses.replace(piece, rims=((radius, ends[0]), (radius, ends[1])))
 
 
 class Scene:
@@ -120,6 +116,7 @@ class Scene:
         self._now = np.zeros(3, dtype=np.int64)
         self._seen, self._opened = np.zeros(keys, dtype=np.int64), np.full(keys, -2, dtype=np.int64)
         self._whole, self._real = np.zeros((_ROOM, 12), dtype=np.int64), np.zeros((_ROOM, 14))
+        self._stamp = np.zeros(len(surface.corners), dtype=np.int64)
         self._scratch = np.zeros(60)
         self._by: list[int] = []
         self._tool: int | None = None
@@ -128,8 +125,16 @@ class Scene:
         """What of a tool must stay clear of these bodies."""
         if tool not in self._ladders:
             pieces = (_ANYTHING,) if shape.problem else shape.of(*self.parts)
-            if CUTTER not in self.parts:
-                pieces = tuple(_above_cutter(piece, shape, -self.limit) for piece in pieces)
+            # What lies deeper than allowed in both together, but in neither alone; without depth there is none.
+            depth = max(-self.limit, 0.0)
+            reach = 2.0 * depth + _SLIT
+            cutter = next((piece.joint for piece in shape.pieces if piece.joint is not None), None)
+            pieces = tuple(
+                # Below the joint with a cutter that is not asked about, what is met is the cutter's.
+                _across(piece, depth if piece.joint == cutter and CUTTER not in self.parts else reach, reach)
+                for piece in pieces
+                if piece.joint is None or self.limit <= GAP
+            )
             self._ladders[tool] = ladder_of(pieces, self.limit)
         return self._ladders[tool]
 
@@ -144,7 +149,7 @@ class Scene:
             self._tool = tool
         sweep.pick(len(start) * self._facets_met(ladder))(
             start, end, slack, sag, place, s.corners, s.disc, s.planes, s.beside, s.body, s.box, s.grid, s.size,
-            s.first, s.items, s.top, s.stamp, ladder.rims, ladder.counts, ladder.rounds, ladder.levels, ladder.part,
+            s.first, s.items, s.top, self._stamp, ladder.rims, ladder.counts, ladder.rounds, ladder.levels, ladder.part,
             ladder.sure, GAP, self._now, self._seen, self._opened, self._whole, self._real, self._scratch,
         )  # fmt: skip
         self._by += [tool] * (int(self._now[2]) - before)

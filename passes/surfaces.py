@@ -71,7 +71,6 @@ class Surface:
         self.items: Ints = np.zeros(total, dtype=np.int64)
         raster.pick(count)(*given, first, self.items, self.top, 1)
         self.first: Ints = np.concatenate([np.zeros(1, dtype=np.int64), first[:-1]])
-        self.stamp: Ints = np.zeros(count, dtype=np.int64)
 
     def holds(self, body: int, point: tuple[float, float, float]) -> bool | None:
         """Whether a point lies in a body; None when its surface does not say."""

@@ -22,8 +22,6 @@ WIDE = 1e4
 """Radius of what nobody stated: wider than any machine."""
 HIGH = 1e4
 """How far up the last piece goes."""
-_BRIDGE = 0.5
-"""Half the height of the piece that lies across the joint of two others."""
 
 
 @record(frozen=True, slots=True, kw_only=True)
@@ -31,11 +29,13 @@ class Piece:
     """All points within ``rounding`` of the convex body of revolution between rims.
 
     part: one of CUTTER, SHANK, HOLDER, UNSTATED; rims: two or three, rising, each within the line of its neighbours.
+    joint: of a piece that lies across the joint of two others, and inside them, the height of the joint.
     """
 
     part: int
     rims: tuple[Rim, ...]
     rounding: float = 0.0
+    joint: float | None = None
 
     @property
     def tip(self) -> float:
@@ -138,11 +138,10 @@ def _bridge(low: Piece, high: Piece) -> Piece | None:
     """A cylinder inside both across their joint, so that what lies there is not near a face of the tool."""
     z = high.rims[0][1]
     radius = min(*(r for r, _ in high.rims), *(r + low.rounding for r, _ in low.rims[-2:]))
-    down = min(_BRIDGE, z - low.rims[-2][1])
-    up = min(_BRIDGE, high.rims[-1][1] - z)
-    if radius <= 0.0 or down <= 0.0 or up <= 0.0:
+    bottom, top = low.rims[-2][1], high.rims[-1][1]
+    if radius <= 0.0 or not bottom < z < top:
         return None
-    return Piece(part=high.part, rims=((radius, z - down), (radius, z + up)))
+    return Piece(part=high.part, rims=((radius, bottom), (radius, top)), joint=z)
 
 
 def grown(piece: Piece, by: float) -> tuple[tuple[Rim, ...], float] | None:

@@ -221,6 +221,15 @@ def test_depth_in_meshes_is_that_of_brute_force(tmp_path: Path, seed: int) -> No
         assert max(number(f) for f in found) == pytest.approx(-least, rel=0.031, abs=2e-5), seed
 
 
+def test_the_worst_move_is_the_one_that_is_told(tmp_path: Path) -> None:
+    """Each move meets the same face first; the third of them goes deepest."""
+    text = "G0 X20 Y20\nG1 Z-0.1\nX30 Z-0.2\nX40 Z-2.9\nX50 Z-0.1\nG0 Z80"
+    big = Box(low=(-100.0, -100.0, -50.0), high=(200.0, 200.0, 0.0))
+    verdict, found, _ = answer(tmp_path, text, part(big, tolerance=0.001))
+    assert verdict is Verdict.UNSAFE and len(found) == 1 and line(found[0]) == 2
+    assert number(found[0]) == pytest.approx(2.9, rel=0.03) and f"in line {START.count(chr(10)) + 4}" in found[0].hint
+
+
 def cube(low: float, high: float) -> Mesh:
     corners, _ = facets_of(Box(low=(low, low, low), high=(high, high, high)))
     four = corners.reshape(-1, 4, 3)

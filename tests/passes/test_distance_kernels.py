@@ -18,7 +18,7 @@ from gproof.ir.machine import Tool
 from gproof.ir.workpiece import TRIANGLES, Box, Cylinder, Mesh, Placed
 from gproof.passes import distance_kernels, distance_scene, tool_shape
 from gproof.passes.distance_kernels import chords, raster, separation
-from gproof.passes.distance_scene import GAP, Ladder, Scene, ladder_of
+from gproof.passes.distance_scene import GAP, Ladder, Scene
 from gproof.passes.surfaces import Surface
 from gproof.passes.tool_shape import CUTTER, HOLDER, SHANK, UNSTATED, Piece, Shape, grown, shape_of
 
@@ -149,7 +149,7 @@ def scenes(seed: int) -> Any:
             continue
         limit = float(rng.choice([-0.5, -0.01, 0.0, 2.0]))
         parts = (CUTTER, SHANK, HOLDER)
-        ladder = ladder_of(shape.of(*parts), limit)
+        ladder = Scene(1, parts, limit, surface).ladder(1, shape)
         moves, expected = [], []
         for _ in range(25):
             start = rng.normal(size=3) * 40.0
@@ -199,7 +199,7 @@ def test_nothing_is_overlooked_by_the_cells(seed: int) -> None:
 
 
 def test_mutated_short_cuts_are_caught(monkeypatch: pytest.MonkeyPatch) -> None:
-    given = [case for seed in range(4) for case in scenes(seed)]
+    given = [case for seed in (1, 3, 6) for case in scenes(seed)]
     for old, new in CULLING:
         monkeypatch.setattr(distance_scene, "sweep", mutated(distance_kernels, old, new)["sweep"])
         monkeypatch.setenv("GPROOF_KERNELS", "python")
@@ -219,7 +219,6 @@ def test_both_speeds_of_the_sweep_find_the_same(monkeypatch: pytest.MonkeyPatch)
         for speed in ("python", "numba"):
             monkeypatch.setenv("GPROOF_KERNELS", speed)
             scene = Scene(1, parts, limit, surface)
-            surface.stamp[:] = 0
             scene.sweep(1, shape, start, end, slack, np.zeros(len(moves)), place)
             seen.append((scene._whole.tobytes(), scene._real.tobytes()))
         assert seen[0] == seen[1]
@@ -259,7 +258,7 @@ def test_shapes_by_hand() -> None:
     cutter, shank, bridge, rest = flat.pieces
     assert (cutter.part, cutter.rims, cutter.rounding) == (CUTTER, ((3.0, 0.0), (3.0, 20.0)), 0.0)
     assert (shank.part, shank.rims) == (SHANK, ((2.0, 20.0), (2.0, 30.0)))
-    assert bridge.rims == ((2.0, 19.5), (2.0, 20.5))
+    assert (bridge.part, bridge.rims, bridge.joint) == (SHANK, ((2.0, 0.0), (2.0, 30.0)), 20.0)
     assert (rest.part, rest.rims[0][1]) == (UNSTATED, 30.0)
     assert grown(cutter, -0.5) == (((2.5, 0.5), (2.5, 19.5)), 0.0)
     assert grown(cutter, 0.5) == (cutter.rims, 0.5)
@@ -283,6 +282,24 @@ def test_shapes_by_hand() -> None:
     bare = shape_of(Tool(number=4, shape="flat", diameter=6.0))
     assert bare.pieces[-1].part == UNSTATED and bare.pieces[-1].tip == 0.0
     assert Piece(part=CUTTER, rims=((1.0, 0.0), (1.0, 1.0))) != bare.pieces[0]
+
+
+def test_what_lies_across_a_joint() -> None:
+    """A sheet deep in shank and holder, in neither as deep as allowed; and nothing of a clearance is the other's."""
+    tool = Tool(
+        number=1, shape="flat", diameter=6.0, flute_length=10.0, shank_diameter=20.0, stickout=30.0,
+        holder=((20.0, 20.0, 10.0),),
+    )  # fmt: skip
+    shape = shape_of(tool)
+    for depth, height in ((0.0, 30.0), (0.001, 30.0), (0.7, 30.4), (3.0, 29.0), (3.0, 31.0)):
+        sheet = Box(low=(0.0, -1.0, height), high=(50.0, 1.0, height + 1e-6))
+        table = Scene(1, (SHANK, HOLDER, UNSTATED), -depth, Surface([Placed(name="sheet", body=sheet)]))
+        assert contacts(table, shape, [(np.array([9.0 - depth, 0.0, 0.0]), np.array([9.0 - depth, 0.0, 0.0]), 0.0, 0)])
+        outside = np.array([-10.0 + 0.999 * depth, 0.0, 0.0])
+        assert contacts(table, shape, [(outside, outside, 0.0, 0)]) == [False]
+    plate = Box(low=(0.0, 0.0, 0.0), high=(1.0, 1.0, 9.9))
+    table = Scene(1, (CUTTER, SHANK), 0.5, Surface([Placed(name="plate", body=plate)]))
+    assert all(piece.joint is None for piece in table.ladder(1, shape).pieces)
 
 
 def arcs(rng: np.random.Generator, count: int) -> tuple[Any, ...]:
