@@ -43,7 +43,7 @@ def _members(value: Any, origin: Any, arguments: tuple[Any, ...], where: str) ->
             yield misfit(key, arguments[0], f"{where} key") or misfit(item, arguments[1], f"{where}[{key!r}]")
         return
     hints: Iterable[Any] = arguments
-    if origin is list or arguments[-1] is Ellipsis:
+    if origin in (list, frozenset) or arguments[-1] is Ellipsis:
         hints = [arguments[0]] * len(value)
     elif len(value) != len(arguments):
         yield f"{where or 'value'}: {len(value)} instead of {len(arguments)}"

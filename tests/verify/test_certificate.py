@@ -581,6 +581,12 @@ def test_types_are_checked_all_the_way_down() -> None:
     assert misfit((("a", 1),), tuple[tuple[str, int], ...]) == ""
     assert misfit((("a", 1, 2),), tuple[tuple[str, int], ...])
     assert misfit({"a": 1.5}, dict[str, int])
+    assert [bool(misfit(frozenset(one), frozenset[str])) for one in ((), ("a",), ("a", "b"), (1,))] == [
+        False,
+        False,
+        False,
+        True,
+    ]
 
 
 def test_package_keeps_what_was_hashed(signed: Path) -> None:
