@@ -12,6 +12,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 import shapely
 from metamorphic import test_verdicts as eding
@@ -22,10 +23,12 @@ from metamorphic.programs import Can, Maker, render
 from metamorphic.test_wincnc_spelling import job_of, judged_near, random_job
 from metamorphic.test_wincnc_verdicts import CALM
 from metamorphic.wincnc_jobs import run as run_wincnc
+from support import made_jobs as mcuwin_jobs
 from support.judging import UNBOUNDED
 
 from gproof.cli.fit import fit_session
 from gproof.cli.fit_answer import Fit, Range
+from gproof.cli.judge import Judgement, judge
 from gproof.cli.session import Running, open_session
 from gproof.ir.verdict import Verdict
 from gproof.passes import open_zones
@@ -253,6 +256,65 @@ def with_local(job: wincnc.Job, values: dict[str, float]) -> wincnc.Job:
         axis = symbol.split(".")[1]
         local["w" if axis == "a" else axis] = value
     return replace(job, local=local)
+
+
+@seeds
+def test_ranges_of_the_offset_table_are_what_check_says(first: int, count: int, tmp_path: Path) -> None:
+    """McuWIN: the records of G54 and G55, and the offset in force at the start; a zone of the machine in some."""
+    kinds: dict[str, int] = {}
+    for seed in range(first, first + count // 5):
+        rng = random.Random(f"mcuwin {seed}")
+        made = mcuwin_jobs.din(rng, sets=rng.random() < 0.2)
+        points = made.points()
+        room = [[rng.choice((0.01, 20.0, 100.0, 100.0)) - rng.choice((0.0, 0.0, 0.1)) for _ in "xyz"] for _ in "ab"]
+        low = points.min(axis=0) - room[0]
+        limits = np.array([low, np.maximum(points.max(axis=0) + room[1], low + 1.0)])
+        zone = ""
+        if rng.random() < 0.5:
+            x, y, z = (points[rng.randrange(len(points))] + [rng.uniform(-40, 40) for _ in "xyz"]).tolist()
+            zone = f'[[keep_out]]\nname = "clamp"\nx = [{x}, {x + 20.0}]\ny = [{y}, {y + 20.0}]\nz = [-inf, {z}]\n'
+
+        def ask(these: mcuwin_jobs.Made) -> Judgement:
+            session = mcuwin_jobs.opened(tmp_path, these, mcuwin_jobs.machine_of(these, limits, zone))  # noqa: B023
+            return judge(session, running=Running(UNBOUNDED))
+
+        before = ask(made)
+        fit = fit_job(tmp_path, job="job.src", dialect="mcuwin")
+        kinds[fit.kind] = kinds.get(fit.kind, 0) + 1
+        where = f"seed {seed}\n{made.program}{made.setup}{made.records}{limits}{zone}{fit}"
+        assert fit.verdict is before.verdict, where
+        if fit.kind not in ("ranges", "regions") or len(single(fit)) != len(fit.ranges):
+            continue
+        for _ in range(3):
+            values = {one.terms[0][0]: within(rng, one) for one in fit.ranges}
+            if fit.zones:
+                values |= boxed(rng, fit)
+            if all(in_region(fit, values)):
+                assert ask(with_records(made, values)).verdict is Verdict.SAFE, f"{values}\n{where}"
+            elif fit.complete and not all(in_region(fit, values, around=True)):
+                assert ask(with_records(made, values)).verdict is not Verdict.SAFE, f"{values}\n{where}"
+            if not fit.ranges:
+                break
+            one = rng.choice(fit.ranges)
+            value = outside(rng, one)
+            if value is not None and fit.complete:
+                beyond = {**values, one.terms[0][0]: value}
+                assert ask(with_records(made, beyond)).verdict is not Verdict.SAFE, f"{beyond}\n{where}"
+    assert kinds.get("ranges", 0) + kinds.get("regions", 0) > count // 15
+    assert len(kinds) > 1
+
+
+def with_records(made: mcuwin_jobs.Made, values: dict[str, float]) -> mcuwin_jobs.Made:
+    """The job with these offsets stated: in the table, or as the one at the start."""
+    records = [list(row) for row in made.records]
+    start = [0.0] * 3
+    for symbol, value in values.items():
+        kind, *rest = symbol.split(".")
+        row = start if kind == "g92" else records[int(rest[0]) - 1]
+        row["xyz".index(rest[-1])] = value
+    table = "[g92]\n" + "".join(f"{axis} = {value!r}\n" for axis, value in zip("xyz", start, strict=True))
+    head, _, _ = made.setup.partition("[g92]")
+    return replace(made, setup=head + table, records=records)
 
 
 def test_a_moved_job_has_moved_ranges(tmp_path: Path) -> None:

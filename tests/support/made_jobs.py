@@ -130,8 +130,11 @@ def turned(rng: random.Random) -> Made:
                 {1: [origin.real, origin.imag, 0.0]})  # fmt: skip
 
 
-def din(rng: random.Random) -> Made:
-    """G00 to G03 in G90 and G91, zero offsets by table and by G92 (McuWIN manual 3.1 to 3.4, 3.18, 3.19, 3.26)."""
+def din(rng: random.Random, *, sets: bool = True) -> Made:
+    """G00 to G03 in G90 and G91, zero offsets by table and by G92 (McuWIN manual 3.1 to 3.4, 3.18, 3.19, 3.26).
+
+    sets: the program gives offsets of its own, and stands anywhere when it chooses one; else all axes go there first.
+    """
     table = [[round(rng.uniform(-30, 30), 3) for _ in range(3)] for _ in range(2)]
     at = [round(rng.uniform(-30, 30), 3) for _ in range(3)]
     setup = tables(start=at, g92=[0.0] * 3)
@@ -141,11 +144,17 @@ def din(rng: random.Random) -> Made:
     count = rng.randrange(2, 6)
     while len(moves) < count:
         kind = rng.random()
-        if kind < 0.12:
+        if kind < 0.12 or not (sets or moves):
             number = rng.randrange(2)
             lines.append(f"G{54 + number}")
             offset = list(table[number])
-        elif kind < 0.2:
+            if not sets:
+                place = [round(rng.uniform(-50, 50), 3) for _ in "xyz"]
+                lines += ["G90", "G00 " + " ".join(f"{axis}{v}" for axis, v in zip("XYZ", place, strict=True))]
+                to = [a + b for a, b in zip(offset, place, strict=True)]
+                moves.append(Move(straight(at, to), free=True))
+                at, absolute = to, True
+        elif kind < 0.2 and sets:
             axis, value = rng.randrange(3), round(rng.uniform(-20, 20), 3)
             lines.append(f"G92 {'XYZ'[axis]}{value}")
             offset[axis] = value if absolute else offset[axis] + value
