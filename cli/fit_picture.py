@@ -1,4 +1,4 @@
-"""``fit --picture``: where the work zero may lie on the table (SVG), seen from above.
+"""``fit --picture``: where the work zero may lie (SVG), from above, and from the front where Z does not fit.
 
 A panel for each coordinate system and, beside zones, for each layer of heights: soft limits, zones, the region of the
 zero, the zero that is stated and the nearest place for it, and what the job reaches from there. All numbers are machine
@@ -13,9 +13,10 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from gproof.cli.files import write_text
+from gproof.cli.fit_answer import Range
 from gproof.cli.fit_report import Told, headline
 from gproof.cli.fit_zones import Beside
-from gproof.ir.machine import Area
+from gproof.ir.machine import AXIS_NAMES, Area
 from gproof.ir.record import record
 from gproof.ir.trace import Affine
 from gproof.ir.verdict import Verdict
@@ -28,6 +29,8 @@ Ring = list[list[float]]
 WIDTH, EDGE, RULER, PANEL, TALLEST, GAP = 1000.0, 22.0, 40.0, 400.0, 420.0, 76.0
 LAYERS = 4
 """Layers of a region that are drawn, the highest first."""
+ABOVE, FRONT = (0, 1), (0, 2)
+"""Axes to the right and up."""
 _INK, _SOFT, _GRID, _LIMIT, _AREA = "#212121", "#546e7a", "#eceff1", "#37474f", "#ef6c00"
 _ZERO, _JOB, _NOW = "#2e7d32", "#0d47a1", "#c62828"
 _BADGE = {Verdict.SAFE: _ZERO, Verdict.UNSAFE: _NOW, Verdict.UNKNOWN: "#6a1b9a"}
@@ -35,7 +38,10 @@ _BADGE = {Verdict.SAFE: _ZERO, Verdict.UNSAFE: _NOW, Verdict.UNKNOWN: "#6a1b9a"}
 
 @record(frozen=True, slots=True, kw_only=True)
 class _Panel:
-    """What one panel shows. rings: of the region; reach: of the job from the zero; now, nearest: places of the zero."""
+    """What one panel shows. rings: of the region; reach: of the job from the zero; now, nearest: places of the zero.
+
+    axes: (0, 1) seen from above, (0, 2) from the front.
+    """
 
     title: str
     rings: list[Ring]
@@ -43,6 +49,7 @@ class _Panel:
     now: Pair | None
     fits: bool
     nearest: Pair | None
+    axes: tuple[int, int] = (0, 1)
 
 
 def draw(told: Told, path: Path) -> None:
@@ -55,10 +62,10 @@ def draw(told: Told, path: Path) -> None:
     job = told.session.job
     name = f"{job.parent.name}/{job.name}".lstrip("/")
     _say(root, EDGE + 130, 32, f"{name}: {headline(told.fit)}"[:90], 15, _INK, bold=True)
-    _say(
-        root, EDGE + 130, 52, f"where the work zero may lie on {told.session.machine.name}, from above"[:110], 13, _SOFT
-    )
     panels = list(_panels(told))
+    front = " and from the front" if any(panel.axes == FRONT for panel in panels) else ""
+    where = f"where the work zero may lie on {told.session.machine.name}, from above{front}"
+    _say(root, EDGE + 130, 52, where[:110], 13, _SOFT)
     top, bottom = 100.0, 100.0
     for row in _pairs(panels):
         for column, panel in enumerate(row):
@@ -97,15 +104,27 @@ def _panels(told: Told) -> Iterator[_Panel]:
         y = flat.get(partner)
         if not all(symbol.endswith(".x") for symbol, _ in terms) or y is None:
             continue
-        sides = [(max(r.low, -FAR), min(r.high, FAR)) for r in (x, y)]
-        exact = x.now is not None and y.now is not None and x.now.exact and y.now.exact
-        now = (x.now.low, y.now.low) if exact and x.now is not None and y.now is not None else None
-        fits = bool(x.fits and y.fits)
-        goal = None if now is None or fits else [min(max(v, a), b) for v, (a, b) in zip(now, sides, strict=True)]
-        yield _Panel(
-            title=f"{x.name}, {y.name}", rings=[_box(*sides)], reach=_reach(told, terms, partner), now=now, fits=fits,
-            nearest=None if goal is None else (goal[0], goal[1]),
-        )  # fmt: skip
+        yield _flat(told, x, y, ABOVE)
+        z = flat.get(tuple((symbol[:-1] + "z", count) for symbol, count in terms))
+        if z is not None and z.fits is False:
+            yield _flat(told, x, z, FRONT)
+
+
+def _flat(told: Told, right: Range, up: Range, axes: tuple[int, int]) -> _Panel:
+    """Two ranges as a rectangle."""
+    sides = [(max(r.low, -FAR), min(r.high, FAR)) for r in (right, up)]
+    exact = right.now is not None and up.now is not None and right.now.exact and up.now.exact
+    now = (right.now.low, up.now.low) if exact and right.now is not None and up.now is not None else None
+    fits = bool(right.fits and up.fits)
+    goal = None if now is None or fits else [min(max(v, a), b) for v, (a, b) in zip(now, sides, strict=True)]
+    return _Panel(
+        title=_title(right.name, up.name, axes), rings=[_box(*sides)], now=now, fits=fits, axes=axes,
+        reach=_reach(told, right.terms, up.terms, axes), nearest=None if goal is None else (goal[0], goal[1]),
+    )  # fmt: skip
+
+
+def _title(right: str, up: str, axes: tuple[int, int]) -> str:
+    return f"{right}, {up}{', from the front' if axes == FRONT else ''}"
 
 
 def _layers(told: Told, one: Beside) -> Iterator[_Panel]:
@@ -123,15 +142,35 @@ def _layers(told: Told, one: Beside) -> Iterator[_Panel]:
         goal = goal if goal is None or not terms[2] or layer.z[0] <= goal[2] <= layer.z[1] else None
         yield _Panel(
             title=said, rings=[ring for polygon in outline(layer) for ring in polygon],
-            reach=_reach(told, terms[0], terms[1]), now=None if one.now is None else (one.now[0], one.now[1]),
+            reach=_reach(told, terms[0], terms[1], ABOVE), now=None if one.now is None else (one.now[0], one.now[1]),
             fits=one.inside is True, nearest=None if goal is None else (goal[0], goal[1]),
+        )  # fmt: skip
+    if terms[2] and one.inside is False and one.nearest is not None and one.now is not None:
+        x, y, z = one.nearest
+        yield _Panel(
+            title=f"{_title(one.names[0], one.names[2], FRONT)}, at {one.names[1]} {y / mm:.4g}",
+            rings=list(_slices(one, y)), reach=_reach(told, terms[0], terms[2], FRONT), now=(one.now[0], one.now[2]),
+            fits=False, nearest=(x, z), axes=FRONT,
         )  # fmt: skip
 
 
-def _reach(told: Told, x: Affine, y: Affine) -> tuple[Pair, Pair] | None:
+def _slices(one: Beside, y: float) -> Iterator[Ring]:
+    """The region at a value of Y, seen from the front: rectangles, one above the other."""
+    import shapely
+
+    line = shapely.LineString([(-2.0 * FAR, y), (2.0 * FAR, y)])
+    for layer in one.place.region.layers:
+        cut = shapely.intersection(layer.left, line)
+        for part in getattr(cut, "geoms", [cut]):
+            low, _, high, _ = part.bounds
+            if high > low:
+                yield _box((low, high), layer.z)
+
+
+def _reach(told: Told, x: Affine, y: Affine, axes: tuple[int, int]) -> tuple[Pair, Pair] | None:
     """What the job reaches from a zero."""
     sides: list[Pair] = []
-    for axis, form in ((0, x), (1, y)):
+    for axis, form in zip(axes, (x, y), strict=True):
         ends = [(a, b) for index, f, a, b in told.judgement.summary.extents if index == axis and f == form]
         if not ends:
             return None
@@ -143,8 +182,8 @@ def _panel(root: ET.Element, told: Told, panel: _Panel, left: float, top: float)
     """Draw one; returns where it ends."""
     machine = told.session.machine
     limits: list[Pair] = []
-    for axis, name in ((0, "x"), (1, "y")):
-        known = machine.axis(name)
+    for axis in range(2):
+        known = machine.axis(AXIS_NAMES[panel.axes[axis]])
         values = [point[axis] for ring in panel.rings for point in ring if abs(point[axis]) < FAR] or [0.0]
         low, high = (None, None) if known is None else (known.lower, known.upper)
         low, high = min(values) if low is None else low, max(values) if high is None else high
@@ -182,7 +221,9 @@ def _panel(root: ET.Element, told: Told, panel: _Panel, left: float, top: float)
     group = ET.SubElement(root, "g")
     group.set("clip-path", f"url(#panel{number})")
     for area in _areas(told):
-        rings = [[[x, y] for x, y in ring] for ring in area.rings] or [_box(area.box[0], area.box[1])]
+        rings = [_box(area.box[panel.axes[0]], area.box[panel.axes[1]])]
+        if area.rings and panel.axes == ABOVE:
+            rings = [[[x, y] for x, y in ring] for ring in area.rings]
         shape(rings, group, fill="#ffe0b2", stroke=_AREA, fill_rule="evenodd")
     shape(panel.rings, group, fill=_ZERO, fill_opacity="0.25", stroke=_ZERO, fill_rule="evenodd")
     shape([_box(*limits)], group, fill="none", stroke=_LIMIT, stroke_dasharray="9 4", stroke_width="1.6")

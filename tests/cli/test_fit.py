@@ -317,12 +317,19 @@ def test_the_picture_shows_the_region(tmp_path: Path) -> None:
         wide.append(max(x) - min(x))
     # 5 ... 70 and 5 ... 30, at one scale.
     assert wide[0] / wide[1] == pytest.approx(65 / 25, rel=5e-3)
+    front = next(t for t in texts if t and "from the front" in t and t.startswith("G54 X"))
+    assert front.startswith("G54 X, G54 Z, from the front, at G54 Y")
 
 
 def test_a_picture_of_ranges_alone_and_of_nothing(tmp_path: Path) -> None:
     put(tmp_path, setup=SETUP + "[work.1]\nx = 3.0\ny = 0.0\nz = -20.0\na = 0.0\n")
     fit(tmp_path, "--picture", "p.svg")
-    assert "G54 X, G54 Y" in (tmp_path / "p.svg").read_text(encoding="utf-8")
+    drawn = (tmp_path / "p.svg").read_text(encoding="utf-8")
+    assert "G54 X, G54 Y" in drawn
+    assert "from the front" not in drawn  # Z fits
+    put(tmp_path, setup=SETUP + "[work.1]\nx = 3.0\ny = 0.0\nz = -70.0\na = 0.0\n")
+    fit(tmp_path, "--picture", "p.svg")
+    assert "G54 X, G54 Z, from the front" in (tmp_path / "p.svg").read_text(encoding="utf-8")
     put(tmp_path, job=JOB.replace("X30", "X96"))
     fit(tmp_path, "--picture", "p.svg")
     assert "There is no region" in (tmp_path / "p.svg").read_text(encoding="utf-8")
