@@ -16,10 +16,11 @@ from typing import Any
 
 import click
 
+from gproof.cli.options import ALSO, FileName, once
+
 COULD_NOT_RUN = 3
 _STDERR = 2
 _DIALECTS = ["wincnc", "eding", "mcuwin"]
-_ADDED = ["feeds", "cutting", "sense", "gouges", "collisions"]
 
 
 class UsageError(click.ClickException):
@@ -58,22 +59,17 @@ def cli() -> None:
     """Check G-code before a machine sees it, compile it to certified steps, and run those on a board."""
 
 
-_JOB = click.argument("job", type=click.Path(path_type=Path))
-_ALSO = click.option(
-    "--also",
-    multiple=True,
-    type=click.Choice([*_ADDED, "all"]),
-    help="A property to judge beyond those of the policy; may be given again.",
-)
+_JOB = click.argument("job", type=FileName())
 
 
 def _job_options(command: Any, *, machines: bool = False) -> Any:
     """The options of every command that reads a job; machines: of one that takes several of them."""
     said = "Machine file (TOML or the controller's)" + ("; repeatable." if machines else ".")
+    several = click.option("--machine", type=FileName(), multiple=True, help=said)
     for option in reversed(
         (
-            click.option("--machine", type=click.Path(path_type=Path), multiple=machines, help=said),
-            click.option("--setup", help="Setup file, or 'zero': homed, at machine 0, no offsets, tool 0."),
+            several if machines else once("--machine", type=FileName(), help=said),
+            once("--setup", help="Setup file, or 'zero': homed, at machine 0, no offsets, tool 0."),
             click.option("--dialect", type=click.Choice(_DIALECTS), help="Language; guessed when not given."),
             click.option(
                 "--max-blocks",
@@ -104,22 +100,22 @@ def _job_options(command: Any, *, machines: bool = False) -> Any:
     default="text",
     help="Report as text, or for other programs.",
 )
-@click.option("--output", type=click.Path(path_type=Path), help="Write the report to this file.")
+@click.option("--output", type=FileName(), help="Write the report to this file.")
 @click.option("--report", "reports", multiple=True, metavar="FORM=FILE", help="Write one more report; repeatable.")
 @click.option("-q", "--quiet", is_flag=True, help="Only the verdicts.")
 @click.option("--no-group", "--all", "every", is_flag=True, help="Show repeats of a finding one by one.")
 @click.option("-j", "--jobs", "workers", type=click.IntRange(1), help="Jobs judged at once; by default what pays.")
-@_ALSO
-@click.option("--policy", type=click.Path(path_type=Path), help="What the shop asks of its jobs (TOML).")
+@ALSO
+@once("--policy", type=FileName(), help="What the shop asks of its jobs (TOML).")
 @click.option(
     "--fail-on", type=click.Choice(["unknown", "warning", "note"]), help="Findings that fail a check; unknown else."
 )
 @click.option("--warnings-as-errors", "warnings_are_errors", is_flag=True, help="Warnings make a job UNSAFE.")
-@click.option("--baseline", type=click.Path(path_type=Path), help="Findings that are known and fail no check.")
-@click.option("--write-baseline", "new_baseline", type=click.Path(path_type=Path), help="Write what is found as known.")
+@once("--baseline", type=FileName(), help="Findings that are known and fail no check.")
+@click.option("--write-baseline", "new_baseline", type=FileName(), help="Write what is found as known.")
 @click.option("--exclude", multiple=True, metavar="PATTERN", help="Jobs to leave out of folders and patterns.")
 @click.option("--strict", is_flag=True, help="Conditional answers count as UNKNOWN.")
-@click.option("--picture", type=click.Path(path_type=Path), help="Write a picture of the path (SVG).")
+@click.option("--picture", type=FileName(), help="Write a picture of the path (SVG).")
 @click.option(
     "--units", type=click.Choice(["mm", "inch"]), help="Lengths of the text report; those of the machine file else."
 )
@@ -152,7 +148,7 @@ def check(
 @click.option(
     "--units", type=click.Choice(["mm", "inch"]), help="Lengths of the text report; those of the machine file else."
 )
-@click.option("--picture", type=click.Path(path_type=Path), help="Write a picture of where the zero may go (SVG).")
+@click.option("--picture", type=FileName(), help="Write a picture of where the zero may go (SVG).")
 def fit(
     job: Path, machine: tuple[Path, ...], setup: str | None, dialect: str | None, max_blocks: int | None,
     max_branches: int, call: str | None, render: bool, form: str, units: str | None, picture: Path | None,
@@ -209,10 +205,10 @@ def dump(
 @cli.command(name="compile")
 @_JOB
 @_job_options
-@click.option("-o", "--output", type=click.Path(path_type=Path), required=True, help="The .gpx file to write.")
-@click.option("--key", type=click.Path(path_type=Path), help="Ed25519 private key (PEM) to sign with.")
+@click.option("-o", "--output", type=FileName(), required=True, help="The .gpx file to write.")
+@click.option("--key", type=FileName(), help="Ed25519 private key (PEM) to sign with.")
 @click.option("--unsigned", is_flag=True, help="Write the certificate without a signature.")
-@_ALSO
+@ALSO
 def compile_(
     job: Path, machine: Path | None, setup: str | None, dialect: str | None, max_blocks: int | None,
     max_branches: int, call: str | None, render: bool, output: Path, key: Path | None, unsigned: bool,
@@ -229,9 +225,9 @@ def compile_(
 
 
 @cli.command()
-@click.argument("package", type=click.Path(path_type=Path))
-@click.option("--machine", type=click.Path(path_type=Path), help="Also require that it was made for this machine.")
-@click.option("--trust", type=click.Path(path_type=Path), multiple=True, help="Public key (PEM) to accept; repeatable.")
+@click.argument("package", type=FileName())
+@click.option("--machine", type=FileName(), help="Also require that it was made for this machine.")
+@click.option("--trust", type=FileName(), multiple=True, help="Public key (PEM) to accept; repeatable.")
 def verify(package: Path, machine: Path | None, trust: tuple[Path, ...]) -> int:
     """Validate a certified stream again, from its parts alone."""
     from gproof.cli.verify import run_verify
@@ -240,9 +236,9 @@ def verify(package: Path, machine: Path | None, trust: tuple[Path, ...]) -> int:
 
 
 @cli.command(short_help="Run a certified stream on a board.")
-@click.argument("package", type=click.Path(path_type=Path))
+@click.argument("package", type=FileName())
 @click.option("--board", type=click.Choice(["virtual"]), required=True, help="Where to run it.")
-@click.option("--record", type=click.Path(path_type=Path), help="Write the execution record (JSON) here.")
+@click.option("--record", type=FileName(), help="Write the execution record (JSON) here.")
 @click.option("--real-time", is_flag=True, help="As slow as the real machine.")
 @click.option("--hold-at", type=_Finite(0), help="Feed hold at this second of the first section.")
 @click.option("--estop-at", type=_Finite(0), help="Emergency stop at this second.")
@@ -262,13 +258,13 @@ def run(
 
 
 @cli.command(short_help="Format programs and macro files.")
-@click.argument("files", metavar="FILE...", nargs=-1, required=True, type=click.Path(path_type=Path, allow_dash=True))
+@click.argument("files", metavar="FILE...", nargs=-1, required=True, type=FileName(allow_dash=True))
 @click.option("--check", "only_check", is_flag=True, help="Write nothing; exit 1 when a file would change.")
 @click.option("--diff", is_flag=True, help="Write nothing; show what would change.")
 @click.option("--stdout", "to_stdout", is_flag=True, help="Print the formatted text; the file stays as it is.")
 @click.option("--dialect", type=click.Choice(_DIALECTS), help="Language; guessed when not given.")
-@click.option("--machine", type=click.Path(path_type=Path), help="Whose settings say how lines are read (WINCNC.INI).")
-@click.option("--stdin-name", type=click.Path(path_type=Path), help="The file that standard input stands for.")
+@click.option("--machine", type=FileName(), help="Whose settings say how lines are read (WINCNC.INI).")
+@click.option("--stdin-name", type=FileName(), help="The file that standard input stands for.")
 def fmt(
     files: tuple[Path, ...], only_check: bool, diff: bool, to_stdout: bool, dialect: str | None, machine: Path | None,
     stdin_name: Path | None,
@@ -308,6 +304,12 @@ def main(arguments: list[str] | None = None) -> int:
         return COULD_NOT_RUN
 
 
+def _plain(message: str) -> str:
+    """click's message in one line, without its names of types."""
+    words = " ".join(message.split())
+    return words.replace("a valid integer range", "a whole number").replace("a valid float range", "a number")
+
+
 def _run(arguments: list[str] | None) -> int:
     try:
         result = cli.main(args=arguments, prog_name="gproof", standalone_mode=False)
@@ -316,7 +318,7 @@ def _run(arguments: list[str] | None) -> int:
             click.echo(error.format_message(), err=True)
             return COULD_NOT_RUN
         where = error.ctx.command_path if error.ctx else "gproof"
-        click.echo(f"{where}: error: {' '.join(error.format_message().split())}", err=True)
+        click.echo(f"{where}: error: {_plain(error.format_message())}", err=True)
         return COULD_NOT_RUN
     except click.ClickException as error:
         error.show()

@@ -341,7 +341,7 @@ SOFT_LIMIT = code(
     "{axis} would reach {reached:.4f} {unit}, {over:.4f} past its {side} limit {limit:.4f}",
     "limits",
 )
-LIMIT_UNKNOWN = code(302, "limit-unknown", _U, "the {side} limit of {axis} is not known", "limits")
+LIMIT_UNKNOWN = code(302, "limit-unknown", _U, "no {side} limit of {axis} is known", "limits")
 NO_SAFE_OFFSET = code(
     303,
     "no-safe-offset",
@@ -573,7 +573,7 @@ HOLDER_NEAR_STOCK = code(
     "collisions",
 )
 STOCK_UNKNOWN = code(
-    443, "stock-unknown", _U, "what is left of the stock is not known behind this line: {cause}", "collisions"
+    443, "stock-unknown", _U, "what is left of the stock is not known from here on: {cause}", "collisions"
 )
 GOUGE = code(420, "gouge", _E, "{what}, at X{x:.4f} Y{y:.4f} Z{z:.4f}", "gouges")
 COLLISION = code(421, "collision", _E, "{what}, at X{x:.4f} Y{y:.4f} Z{z:.4f}", "collisions")

@@ -156,7 +156,8 @@ class Blocks(Origins):
         active = self._motion_rules.get(self.modal.motion)
         if active is None or active.function is F.MOTION_CANCEL:
             why = "no motion code before" if active is None else "G80"
-            raise Refusal(codes.AXIS_WORDS_UNUSED.at(line.span, why=why))
+            hint = "G0 or G1 on this line says how to go there"
+            raise Refusal(codes.AXIS_WORDS_UNUSED.at(line.span, why=why, hint=hint))
         return active
 
     # steps 2 to 5

@@ -49,6 +49,10 @@ def collision_check(program: Program, machine: Machine, setup: Setup, findings: 
     return Distance("collisions", program, machine, setup, findings)
 
 
+_PART = "[[part]] in the setup file, as boxes, polygons, a DXF drawing or a mesh"
+_BODIES = "[stock], [[part]] and [[fixtures]] in the setup file"
+
+
 class Distance(Check):
     """The properties ``gouges`` and ``collisions`` as far as part and fixtures are concerned."""
 
@@ -236,9 +240,9 @@ class Distance(Check):
         """UNSAFE with something that is certainly too near, UNKNOWN with something that may be, else SAFE."""
         first = Span(self._files[0] if self._files else "", 0)
         if self.name == "gouges" and not self.given.part:
-            self.findings.add(self.unknown.at(first, cause="nobody stated the part that is to be left"))
+            self.findings.add(self.unknown.at(first, cause="nobody stated the part that is to be left", hint=_PART))
         elif self.name == "collisions" and not (self.given.part or self.given.fixtures or self.given.stock):
-            self.findings.add(self.unknown.at(first, cause="nobody stated fixtures, part or stock"))
+            self.findings.add(self.unknown.at(first, cause="nobody stated fixtures, part or stock", hint=_BODIES))
         elif self.name == "collisions" and not self.given.fixtures:
             self._assumed["no fixtures are stated: what holds the work is not looked at"] = None
         for scene in self.scenes:
@@ -272,16 +276,15 @@ class Distance(Check):
                 f"{scene.surface.high[2] - top:.4f} mm above the tip, and from {known:.4f} mm above the tip on "
                 "nothing is stated"
             )
-            hint = f"{_moves(stretch.moves)}; state flute_length, shank_diameter, stickout and holder of the tool"
+            hint = "flute_length, shank_diameter, stickout and holder of the tool in the machine file say what is there"
+            hint += _moves(stretch)
             self.findings.add(self.unknown.at(span, cause=cause, hint=hint))
             return
         distance, tip, _ = scene.nearest(stretch)
         facet, slack = stretch.worst[0], stretch.worst[4]
         x, y, z = tip.tolist()
         what = f"the {PARTS[stretch.part]} of tool {stretch.tool} {_near(distance, name)}, {_allowed(scene.limit)}"
-        hint = _moves(stretch.moves)
-        if stretch.deepest != stretch.place:
-            hint += f" from here on, the worst in line {stretch.deepest & 0xFFFFFFFF}"
+        hint = _moves(stretch).removeprefix("; ")
         if stretch.certain:
             self._errors += 1
             self.findings.add(self._code(scene).at(span, what=what, x=x, y=y, z=z, hint=hint))
@@ -316,8 +319,14 @@ def _near(distance: float, name: str) -> str:
 
 
 def _allowed(limit: float) -> str:
-    return f"{-limit:g} mm allowed" if limit <= 0.0 else f"a clearance of {limit:g} mm is asked for"
+    return f"{abs(limit):g} mm allowed" if limit <= 0.0 else f"a clearance of {limit:g} mm is asked for"
 
 
-def _moves(count: int) -> str:
-    return "1 move" if count == 1 else f"{count} moves"
+def _moves(stretch: Stretch) -> str:
+    """What a finding says of the moves of its stretch behind the first; "" where there are none."""
+    if stretch.moves == 1:
+        return ""
+    worst = "none is worse"
+    if stretch.deepest != stretch.place:
+        worst = f"the worst in line {stretch.deepest & 0xFFFFFFFF}"
+    return f"; so do {stretch.moves - 1} more moves behind it, {worst}"

@@ -39,6 +39,14 @@ FOLLOWED = {
 """What an answer about positions stands on while the controller adds to the path."""
 
 
+def _where_stated(machine: Machine, axis: str, off: bool) -> str:
+    """Where limits of an axis are stated; off: the ends of its way."""
+    if machine.name == NO_MACHINE.name:
+        return "--machine FILE says what limits there are"
+    keys = "travel_min and travel_max" if off else "min and max"
+    return f"{keys} under [axes.{axis}] of a TOML machine file state them"
+
+
 def _with_forced(machine: Machine) -> Machine:
     """The machine with its forced limits as limits, which no switch turns off (WINCNC.INI Settings: forcelim=).
 
@@ -406,9 +414,11 @@ class Limits(Check):
             missing = [side for side in missing if not self._is_bounded(index, side)]
             if missing and off not in told:
                 told.add(off)
-                what = ("physical " if off else "") + " and ".join(missing)
+                what = ("physical " if off else "") + " or ".join(missing)
                 where = self._low_span if missing[0] == "lower" else self._high_span
-                hint = "the machine file has no such axis" if axis is None else ""
+                hint = (
+                    _where_stated(self.machine, name, off) if axis is not None else "the machine file has no such axis"
+                )
                 self.findings.add(codes.LIMIT_UNKNOWN.at(where[slot, index], side=what, axis=word, hint=hint))
             if form == () or axis is None:
                 continue

@@ -310,10 +310,18 @@ class StockLeft(Check):
         return PropertyResult(name=self.name, verdict=verdict, assumptions=assumptions)
 
     def _without_stock(self) -> PropertyResult:
-        if self.setup.workpiece is not None and self.setup.workpiece.fixtures:
+        given = self.setup.workpiece
+        if given is None or not (given.part or given.fixtures):
+            # What is left open then is told of fixtures, part and stock together (passes/distance.py).
+            return PropertyResult(name=self.name, verdict=Verdict.UNKNOWN)
+        if given.fixtures:
             said = "no stock is stated: what meets it is not looked at"
             return PropertyResult(name=self.name, verdict=Verdict.SAFE, assumptions=(said,))
-        self.findings.add(codes.STOCK_UNKNOWN.at(Span(self.setup.name, 0), cause="no stock is stated"))
+        self.findings.add(
+            codes.STOCK_UNKNOWN.at(
+                Span(self.setup.name, 0), cause="no stock is stated", hint="[stock] in the setup file"
+            )
+        )
         return PropertyResult(name=self.name, verdict=Verdict.UNKNOWN)
 
 

@@ -338,7 +338,7 @@ def test_an_unknown_key_is_a_warning(folder: Path, gproof: Run) -> None:
 def test_a_machine_file_that_can_not_be_read(folder: Path, gproof: Run) -> None:
     refused(gproof("check", "job.cnc", "--machine", "nothere.toml"), "machine file nothere.toml: no such file")
     refused(gproof("check", "job.cnc", "--machine", "."), "is a directory")
-    refused(gproof("check", "job.cnc", "--machine", ""), "is a directory")
+    refused(gproof("check", "job.cnc", "--machine", ""), "an empty name is no file")
     refused(gproof("check", "job.cnc", "--machine", "/dev/null"), "is not a regular file")
 
 
@@ -735,3 +735,37 @@ def test_exit_code_agrees_with_the_verdict(options: list[str], folder: Path, gpr
                 1,
                 2,
             )
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (("check", "job.cnc", "--machine", "machine.toml", "--machine", "b.toml"), "as machine.toml and as b.toml"),
+        (("check", "job.cnc", "--setup", "zero", "--setup", "setup.toml"), "given as zero and as setup.toml"),
+        (("compile", "job.cnc", "--machine", "a", "--machine", "b", "-o", "x.gpx"), "given as a and as b"),
+        (("dump", "job.cnc", "--stage", "trace", "--setup", "a", "--setup", "b"), "given as a and as b"),
+        (("fit", "job.cnc", "--machine", "machine.toml", "--setup", "a", "--setup", "b"), "given as a and as b"),
+        (("check", "job.cnc", "--policy", "a", "--policy", "b"), "given as a and as b"),
+        (("check", "job.cnc", "--baseline", "a", "--baseline", "b"), "given as a and as b"),
+        (("check", "job.cnc", "--machine", ""), "'--machine': an empty name is no file"),
+        (("check", "job.cnc", "--setup", ""), "'--setup': an empty name is no file"),
+        (("check", "job.cnc", "--output", ""), "'--output': an empty name is no file"),
+        (("fit", ""), "'JOB': an empty name is no file"),
+        (("check", "job.cnc", "--also", "gouge"), "Did you mean 'gouges'?"),
+        (("check", "job.cnc", "--also", "feeds,,sense"), "'' is not one of 'feeds'"),
+        (("check", "job.cnc", "--also", ""), "'' is not one of 'feeds'"),
+        (("check", "job.cnc", "--jobs", "x"), "'x' is not a whole number."),
+        (("run", "x.gpx", "--board", "virtual", "--override", "x"), "'x' is not a number."),
+    ],
+)  # fmt: skip
+def test_what_decides_a_judgement_is_given_once_and_has_a_name(gproof: Run, words: tuple[str, ...], said: str) -> None:
+    done = gproof(*words)
+    assert (done.exit, done.out) == (3, "")
+    assert ONE_LINE.match(done.err)
+    assert said in done.err
+
+
+def test_the_same_machine_twice_is_one(gproof: Run) -> None:
+    """A hook's ``args`` and a command line may say the same."""
+    done = gproof("check", "job.cnc", *("--machine", "machine.toml", "--setup", "zero") * 2)
+    assert (done.exit, done.err) == (0, "")

@@ -156,7 +156,7 @@ def test_limits_that_are_not_given_are_open_and_named(tmp_path: Path) -> None:
     out = fit(tmp_path).out
     assert "UNKNOWN, because limits are missing" in out
     assert re.search(r"G54 X +any \.\.\. +70\.0000 mm", out)
-    assert "The lower limit of X is not known: that side is open here" in out
+    assert "No lower limit of X is known: that side is open here" in out
 
 
 def test_a_switch_that_is_not_stated_is_judged_both_ways(tmp_path: Path) -> None:

@@ -8,8 +8,8 @@ from pathlib import Path
 import pytest
 from support.goldens import ROOT
 
-from gproof.cli import main as command
 from gproof.cli.main import main
+from gproof.cli.options import PROPERTIES
 from gproof.cli.properties import ADDED, CHECKS, decided, not_judged
 from gproof.ir.verdict import DEFAULT_POLICY
 
@@ -31,7 +31,7 @@ def report(capsys: pytest.CaptureFixture[str], *words: str) -> tuple[int, dict[s
 
 
 def test_the_command_names_all_of_them() -> None:
-    assert tuple(command._ADDED) == ADDED
+    assert tuple(PROPERTIES) == ADDED
 
 
 def test_nobody_asks(job: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -72,3 +72,28 @@ def test_another_name_is_a_usage_error(job: Path, capsys: pytest.CaptureFixture[
 def test_what_is_left_open() -> None:
     assert not_judged([*DEFAULT_POLICY, "feeds"]) == ADDED[1:]
     assert all(decided(name) for name in DEFAULT_POLICY)
+
+
+@pytest.mark.parametrize(
+    "words", [("sense,feeds",), ("feeds", "sense"), ("feeds, sense", "feeds"), ("feeds,feeds,sense",)]
+)
+def test_names_with_commas_are_the_same_as_options_one_by_one(
+    job: Path, capsys: pytest.CaptureFixture[str], words: tuple[str, ...]
+) -> None:
+    _, said = report(capsys, str(job), *WITH, *(part for word in words for part in ("--also", word)))
+    assert said["not_judged"] == ["cutting", "gouges", "collisions"]
+
+
+@pytest.mark.parametrize(
+    ("asked", "codes"),
+    [("gouges", {"GP425"}), ("collisions", {"GP426"}), ("gouges,collisions", {"GP425", "GP426"})],
+)
+def test_bodies_that_nobody_stated_are_asked_for_once(
+    job: Path, capsys: pytest.CaptureFixture[str], asked: str, codes: set[str]
+) -> None:
+    """One finding a property, which says where they are stated."""
+    code, said = report(capsys, str(job), *WITH, "--also", asked)
+    found = said["findings"]
+    assert isinstance(found, list)
+    assert (code, {one["code"] for one in found}, len(found)) == (2, codes, len(codes))
+    assert all("in the setup file" in one["hint"] for one in found)
