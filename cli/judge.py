@@ -28,6 +28,7 @@ from gproof.passes.guards import GuardStretches
 from gproof.passes.knife import follow_knife
 from gproof.passes.limits import Limits
 from gproof.passes.plan import MotionEstimate
+from gproof.passes.stock_fields import Remains
 from gproof.passes.values import describe
 from gproof.passes.zone_check import Hears
 
@@ -47,8 +48,8 @@ class Summary:
     branches: outcomes of unknown conditions that were followed: with some, lengths are those of all of them together
     and the time is not known; begin, end: machine position before the job and behind it by axis, mm or degrees, NaN
     where it is not known, end empty where it has several; extents: the box with columns and forms; unit: mm
-    in the first unit that the job names, None: none; open_path: some finding leaves open where the tool goes, so that
-    nothing is proved."""
+    in the first unit that the job names, None: none; remains: of stock, where somebody watches the job (``observe``)
+    and it has one end; open_path: some finding leaves open where the tool goes, so that nothing is proved."""
 
     lines: int = 0
     blocks: int = 0
@@ -61,6 +62,7 @@ class Summary:
     begin: dict[str, float] = field(default_factory=dict)
     end: dict[str, float] = field(default_factory=dict)
     unit: float | None = None
+    remains: tuple[Remains, ...] = ()
     box: list[tuple[str, str, float, float]] = field(default_factory=list)
     extents: list[tuple[int, Affine, float, float]] = field(default_factory=list)
     open_path: bool = False
@@ -110,6 +112,7 @@ def judge(
         second, switched, more, _ = _pass(session, other, True, running, properties, None, beat, hears)
         summary.extents += switched.extents
         summary.open_path |= switched.open_path
+        summary.remains = ()
         results = [_both(session, findings, a, b) for a, b in zip(results, second, strict=True)]
         findings.join(other)
         assumed += [a for a in more if a not in assumed]
@@ -192,6 +195,7 @@ def _pass(
         at_least=estimate.unknown_rows > 0, box=limits.box(), extents=limits.extents(),
         begin=begin, end=ends[0] if len(ends) == 1 else {}, unit=unit,
         open_path=bool(open_path),
+        remains=tuple(left for check in added for left in check.remains()) if observe and len(ends) == 1 else (),
     )  # fmt: skip
     return [language, *results], summary, [*ex.assumed, *_standing(session, waits)], ex.met_deleted
 

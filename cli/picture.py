@@ -1,7 +1,8 @@
 """``check --picture``: the job as a drawing (SVG): what it cuts, where on the machine that is, what is wrong with it.
 
 Left the cut from above and from the front, at one scale, with holes and grooves as wide as the tool where the tool
-table gives diameters. Right the same on the whole machine with soft limits, tool change area and keep-out zones. All
+table gives diameters; below, what is left of stock, where ``collisions`` is asked for. Right the same on the whole
+machine with soft limits, tool change area and keep-out zones. All
 numbers are machine coordinates; where a work zero is not known, the cut stands relative to it, and the machine shows
 where that zero may lie. Rotary axes are not drawn. The same inputs give the same bytes.
 """
@@ -13,6 +14,7 @@ import math
 import os
 import tempfile
 import xml.etree.ElementTree as ET
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -20,6 +22,7 @@ import numpy as np
 
 from gproof.cli.judge import Judgement
 from gproof.cli.path_points import PathPoints
+from gproof.cli.relief import draw, legend
 from gproof.cli.scene import WEIGHT, Mark, Pair, Scene, by_weight, scene_of
 from gproof.cli.session import Session
 from gproof.cli.zones import outline, placed
@@ -82,6 +85,7 @@ class _View:
     top: float
     scale: float
     shift: Pair = (0.0, 0.0)
+    relief: bool = False
 
     @property
     def width(self) -> float:
@@ -187,6 +191,9 @@ class _Sheet:
         for row in rows:
             out += [replace(view, top=at) for view in row]
             at += max((view.height + 64 for view in row), default=0)
+        if self.scene.reliefs:
+            said = "What is left of the stock, at most"
+            out.append(replace(rows[0][0], name=said, top=at, relief=True))
         return out
 
     def _cut(self) -> tuple[_View, _View]:
@@ -256,6 +263,9 @@ class _Sheet:
         group.set("fill", "none")
         group.set("stroke-linejoin", "round")
         group.set("stroke-linecap", "round")
+        if view.relief:
+            self._relief(group, view)
+            return
         known = whole or not any(self.scene.forms[k] for k in view.axes)
         self._areas(group, view, known, whole)
         self._bodies(group, view)
@@ -267,6 +277,21 @@ class _Sheet:
         if known:
             self._limits(group, view)
         self._findings(group, view)
+
+    def _relief(self, group: ET.Element, view: _View) -> None:
+        """What is left of stock, and the outline of the part; what the colours mean at the right."""
+        for relief in self.scene.reliefs:
+            draw(group, relief, view.at)
+        for body in self.scene.bodies:
+            if body.role == "part":
+                self._outline(group, view, body.rings, "none", _BODIES["part"][1])
+        left, y = WIDTH - EDGE - MACHINE_WIDTH, view.top + 12
+        for colour, said in legend(self.scene.reliefs, *self._unit()):
+            box = ET.SubElement(self.root, "rect", x=f"{left:.1f}", y=f"{y - 11:.1f}", fill=colour, stroke="#bcaaa4")
+            box.set("width", "22")
+            box.set("height", "14")
+            self._say(left + 30, y, said, 12, _INK)
+            y += 21
 
     def _rulers(self, view: _View) -> None:
         """Grid and numbers along the left and the bottom, in the machine's own unit."""
@@ -341,12 +366,18 @@ class _Sheet:
             box = (view.left, view.top, view.left + view.width, view.top + view.height)
             if not _overlap((left, top, right, bottom), box):
                 continue
-            lines = ["M" + "L".join(f"{x:.1f} {y:.1f}" for x, y in ring) + "z" for ring in corners]
-            fill, stroke = _BODIES[body.role]
-            shape = ET.SubElement(group, "path", d="".join(lines), fill=fill, stroke=stroke)
-            shape.set("fill-rule", "evenodd")
-            shape.set("stroke-width", "1")
+            self._outline(group, view, rings, *_BODIES[body.role])
             self.used.add(body.role)
+
+    def _outline(
+        self, group: ET.Element, view: _View, rings: Sequence[Sequence[Pair]], fill: str, stroke: str
+    ) -> None:  # fmt: skip
+        """One body as a path, with its holes."""
+        corners = [[view.at(u + view.shift[0], v + view.shift[1]) for u, v in ring] for ring in rings]
+        lines = ["M" + "L".join(f"{x:.1f} {y:.1f}" for x, y in ring) + "z" for ring in corners]
+        shape = ET.SubElement(group, "path", d="".join(lines), fill=fill, stroke=stroke)
+        shape.set("fill-rule", "evenodd")
+        shape.set("stroke-width", "1")
 
     def _box(
         self, group: ET.Element, view: _View, x: Pair, y: Pair, *, stroke: str, fill: str = "none", width: str = "1",

@@ -8,6 +8,7 @@ import numpy as np
 
 from gproof.cli.judge import Judgement
 from gproof.cli.path_points import Forms, PathPoints, Points
+from gproof.cli.relief import Relief, relief_of
 from gproof.cli.session import Session
 from gproof.cli.workpieces import Drawn, drawn
 from gproof.cli.zones import entry, placed
@@ -41,7 +42,7 @@ class Scene:
 
     joined: (n,) the move to point i can be drawn; shift: by axis, mm to add for machine coordinates (None: not
     known, 0: they are); zero: by axis, where the unknown work zero may lie; tools: how many cut; bodies: stock,
-    part and fixtures.
+    part and fixtures; reliefs: what is left of stock.
     """
 
     points: Points
@@ -53,6 +54,7 @@ class Scene:
     marks: tuple[Mark, ...]
     tools: int
     bodies: tuple[Drawn, ...]
+    reliefs: tuple[Relief, ...]
     low: np.ndarray
     high: np.ndarray
 
@@ -82,9 +84,21 @@ def scene_of(path: PathPoints, session: Session, judgement: Judgement) -> Scene:
     return Scene(
         points=points, joined=joined, forms=forms[frame], shift=(shift[0], shift[1], shift[2]),
         zero=(zero[0], zero[1], zero[2]), marks=tuple(marks), tools=len(path.tools), bodies=tuple(bodies),
+        reliefs=_reliefs(judgement, bodies),
         low=shown.min(axis=0), high=shown.max(axis=0),
         plunges=tuple((x, y, d) for (x, y, f), d in path.plunges.items() if f == frame),
     )  # fmt: skip
+
+
+def _reliefs(judgement: Judgement, bodies: list[Drawn]) -> tuple[Relief, ...]:
+    """What is left of the bodies of stock that the picture has."""
+    stock = {body.number: body for body in bodies if body.role == "stock"}
+    found = []
+    for left in judgement.summary.remains:
+        if left.body in stock:
+            low = stock[left.body].low
+            found.append(relief_of(left, low[0] - float(left.grid[0]), low[1] - float(left.grid[1])))
+    return tuple(found)
 
 
 def _zero(judgement: Judgement, form: Affine) -> Pair | None:

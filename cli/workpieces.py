@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable
+from dataclasses import replace
 
 import numpy as np
 
@@ -28,13 +29,15 @@ _CHORDS = 72
 class Drawn:
     """A body in machine coordinates, or beside the unknown zero of the scene it is drawn in.
 
-    role: of ``ROLES``; rings: from above, holes too; low, high: its box.
+    role: of ``ROLES``; rings: from above, holes too; low, high: its box; number: its place among those of
+    its role in the setup.
     """
 
     role: str
     rings: tuple[tuple[Pair, ...], ...]
     low: Corner
     high: Corner
+    number: int = 0
 
 
 def extent(body: Body) -> tuple[Corner, Corner]:
@@ -127,7 +130,7 @@ def drawn(session: Session, forms: tuple[Affine, ...], tip: tuple[TipOffset, ...
     placing = Placing(session.program, session.machine, session.setup)
     found = []
     for role in ROLES:
-        for placed in getattr(workpiece, role):
+        for number, placed in enumerate(getattr(workpiece, role)):
             shift = []
             for axis, zero in enumerate(placing.zero(placed.work)):
                 value, form = zero.value, zero.form
@@ -137,7 +140,8 @@ def drawn(session: Session, forms: tuple[Affine, ...], tip: tuple[TipOffset, ...
                 shift.append(value if form == forms[axis] and (axis < 2 or tip is not None) else None)
             if shift[0] is None or shift[1] is None:
                 continue
-            found.append(_moved(role, placed.body, shift[0], shift[1], shift[2]))
+            moved = _moved(role, placed.body, shift[0], shift[1], shift[2])
+            found.append(replace(moved, number=number))
     return found
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Iterator
-from typing import TypedDict
+from typing import TYPE_CHECKING, TypedDict
 
 import numpy as np
 import numpy.typing as npt
@@ -15,6 +15,9 @@ from gproof.ir.machine import AXES, Machine
 from gproof.ir.setup import Interval, Setup
 from gproof.ir.trace import UNKNOWN, Affine, Chunk, Trace
 from gproof.ir.verdict import PropertyResult
+
+if TYPE_CHECKING:
+    from gproof.passes.stock_fields import Remains
 
 KEPT = 64
 """Offences of a chunk that are told one by one at least, and for which there is room at first."""
@@ -63,6 +66,10 @@ class Check(ABC):
     @abstractmethod
     def finish(self) -> PropertyResult:
         """The answer, after the last chunk."""
+
+    def remains(self) -> tuple[Remains, ...]:
+        """What is left of stock where the job ended last; nothing from checks that do not look at stock."""
+        return ()
 
 
 def row_span(trace: Trace, rows: Columns, row: int) -> Span:

@@ -26,7 +26,7 @@ from gproof.ir.verdict import PropertyResult, Verdict
 from gproof.ir.workpiece import Mesh, Placed
 from gproof.passes.check import Check, row_span
 from gproof.passes.placing import Placing, Reason, Tips
-from gproof.passes.stock_fields import MOST_CELLS, Field, field_of
+from gproof.passes.stock_fields import MOST_CELLS, Field, Remains, field_of, remains_of
 from gproof.passes.stock_kernels import (
     DEPTH,
     FLUTES,
@@ -109,6 +109,7 @@ class StockLeft(Check):
         self.placing = Placing(program, machine, setup)
         self.bodies: tuple[Placed, ...] = () if setup.workpiece is None else setup.workpiece.stock
         self._left: list[_Left] = []
+        self._ended: list[_Left] = []
         self._waiting: dict[int, list[_Left]] = {}
         self._section = -1
         self._from: dict[int, set[int]] = {}
@@ -127,6 +128,14 @@ class StockLeft(Check):
     def fields(self) -> list[Field]:
         """What is left of each body where the job stands."""
         return [left.field for left in self._left]
+
+    def remains(self) -> tuple[Remains, ...]:
+        """What is left of each body where the job ended last."""
+        if not self._ended:
+            return ()
+        assert self.setup.workpiece is not None
+        whole = [field_of(placed.body, self.setup.workpiece.cell, MOST_CELLS) for placed in self.bodies]
+        return tuple(remains_of(n, a, b.field) for n, (a, b) in enumerate(zip(whole, self._ended, strict=True)))
 
     def feed(self, chunk: Chunk) -> None:
         """Cut with some rows, and tell what they meet."""
@@ -171,6 +180,8 @@ class StockLeft(Check):
     def _leave(self, chunk: Chunk) -> None:
         """Hand what is left on to the sections that follow."""
         edges = {edge.target: edge for edge in reversed(chunk.edges) if edge.target >= 0}
+        if any(edge.target < 0 for edge in chunk.edges):
+            self._ended = [left.copy() for left in self._left] if edges else self._left
         size = sum(left.field.upper.size for left in self._left)
         for target, edge in edges.items():
             self._from.setdefault(target, set()).add(chunk.section)

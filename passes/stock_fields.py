@@ -24,6 +24,8 @@ Floats = npt.NDArray[np.float64]
 
 MOST_CELLS = 16_000_000
 """Of one body: 256 MB. Larger ones get larger cells."""
+SHOWN_CELLS = 240
+"""Along a side of what pictures show."""
 
 
 @record(slots=True, eq=False)
@@ -42,6 +44,37 @@ class Field:
     def copy(self) -> Field:
         """Another one that changes by itself."""
         return Field(self.grid, self.upper.copy(), self.lower.copy())
+
+
+@record(frozen=True, slots=True, eq=False)
+class Remains:
+    """What is left of a body, by larger cells: (ny, nx) heights that nothing of it stands above, -inf for nothing.
+
+    body: its place among those of the setup; grid: see Field; before: what stood there before the job.
+    """
+
+    body: int
+    grid: Floats
+    upper: Floats
+    before: Floats
+
+
+def remains_of(body: int, before: Field, after: Field) -> Remains:
+    """A field as pictures show it."""
+    ny, nx = after.upper.shape
+    by = math.ceil(ny / SHOWN_CELLS), math.ceil(nx / SHOWN_CELLS)
+    grid = after.grid.copy()
+    grid[2], grid[3] = grid[2] * by[1], grid[3] * by[0]
+    return Remains(body, grid, _highest(after.upper, by), _highest(before.upper, by))
+
+
+def _highest(upper: Floats, by: tuple[int, int]) -> Floats:
+    """The highest of so many cells by so many."""
+    short = [-size % step for size, step in zip(upper.shape, by, strict=True)]
+    padded = np.pad(upper, ((0, short[0]), (0, short[1])), constant_values=-math.inf)
+    ny, nx = padded.shape[0] // by[0], padded.shape[1] // by[1]
+    found: Floats = padded.reshape(ny, by[0], nx, by[1]).max(axis=(1, 3))
+    return found
 
 
 def field_of(body: Body, cell: float, most: int = MOST_CELLS) -> Field:
