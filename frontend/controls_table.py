@@ -46,6 +46,7 @@ def controls_from(root: TomlTable, before: Controls, unit: Fraction) -> Controls
         "start": table.text("start"),
         "end": table.text("end"),
         "abort": table.text("abort"),
+        "coolant": _channels(table, "coolant", top),
         "inputs": _channels(table, "inputs", top),
         "outputs": _channels(table, "outputs", top),
         "devices": _texts(table, "devices", DEVICES),

@@ -143,6 +143,7 @@ DISTANCES_NEVER_SET = code(
 )
 
 # 2xx meaning
+COMMAND_IGNORED = code(200, "command-ignored", _W, "{what}: the controller ignores it")
 AXIS_WORDS_MISSING = code(201, "axis-words-missing", _E, "{code} without axis words")
 AXIS_WORDS_UNUSED = code(202, "axis-words-unused", _E, "axis words, but no motion is active ({why})")
 ARC_CENTER_MISSING = code(203, "arc-center-missing", _E, "{code} needs {needed}", "arcs")

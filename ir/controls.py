@@ -171,6 +171,7 @@ class Controls:
 
     lexical: how lines are read; start, end: lines that run before and behind each job (cmdstart=, cmdend=), abort:
     behind one that is aborted; places: by these three names where each stands, no part of the value.
+    unit_stated: a file says in what numbers count (unit=). coolant: outputs that switch coolant.
     absolute: the distance mode at the start, None: that of the job before (nmode=).
     arc_tolerance: mm by which start and end radius may differ (arc_err=); smallest_arc: mm, arcs below are lines
     (arc_min=); arcs_modal: lines without a command behind an arc are arcs (g2modal=, arcs=, arctype=).
@@ -210,6 +211,8 @@ class Controls:
     start: str = ""
     end: str = ""
     abort: str = ""
+    unit_stated: bool = True
+    coolant: tuple[int, ...] = ()
     absolute: bool | None = None
     arc_tolerance: float | None = None
     smallest_arc: float | None = None

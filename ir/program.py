@@ -543,11 +543,13 @@ Scan = Callable[[bytes, int, int, int, int], tuple[Columns, int, int]]
 class SpindleOutputs:
     """Channels of outputs that run a spindle together, in either direction, as a shop's own definitions have it.
 
-    They are on behind the definition of its start (M3; backward: M4) and off behind that of its stop (M5).
+    They are on behind the definition of its start (M3; backward: M4) and off behind that of its stop (M5). coolant:
+    channels of outputs that M7 or M8 switches on and M9 off.
     """
 
     forward: tuple[int, ...] = ()
     backward: tuple[int, ...] = ()
+    coolant: tuple[int, ...] = ()
 
 
 NO_OUTPUTS = SpindleOutputs()

@@ -24,7 +24,7 @@ from gproof.ir.verdict import PropertyResult
 from gproof.passes.causes import Causes, answer
 from gproof.passes.check import Check, row_span
 from gproof.passes.cut_rows import SOMEWHERE, Bools, CutRows, Floats, Guarded, StateColumn, tool_column
-from gproof.passes.spin_up import Flow, Started, reached, runs_of, waited
+from gproof.passes.spin_up import BY_CODE, Flow, Started, reached, runs_of, waited
 
 SLACK = 1e-9
 NO_CODE, ABORTED = 1.0, 2.0
@@ -60,6 +60,8 @@ class Cutting(Check):
         self._limited = any(t.max_rpm is not None or t.min_rpm is not None for t in machine.tools)
         self._runs = runs_of(program, machine)
         devices = machine.controller.controls.devices
+        pumps = machine.controller.controls.coolant or program.spindle_outputs.coolant
+        self._pumps = frozenset(pumps) - self._runs.channels
         self._by_hand = bool(self._runs.channels) and devices is not None and "spindle" not in devices
         on = frozenset(c for c in self._runs.channels if setup.outputs.get(c) == 1.0)
         self._flow: dict[int, Flow] = {0: Flow(on=on, turns=_known(self._runs.turns(on)))}
@@ -253,7 +255,11 @@ class Cutting(Check):
                 before = turns
             elif kind == Op.COOLANT:
                 self._count_wet(chunk, cut, now.wet_from, at)
-                now.wet, now.wet_from = bool(rows["arg"][at].any()), at
+                others = now.wet - {BY_CODE}
+                now.wet, now.wet_from = others | {BY_CODE} if rows["arg"][at].any() else others, at
+            elif kind == Op.OUTPUT and rows["arg"][at, 0] in self._pumps:
+                self._count_wet(chunk, cut, now.wet_from, at)
+                now.wet, now.wet_from = _switched(now.wet, rows["arg"][at]), at
             elif kind == Op.TOOL_CHANGE:
                 self._names_tools = True
             elif kind == Op.SETPOINT:
@@ -304,7 +310,7 @@ class Cutting(Check):
             return
         tools = np.unique(self._tool.rows(chunk)[begin:end][cut[begin:end]])
         for tool in tools[tools > 0].astype(int).tolist():
-            self._wet.setdefault(tool, []).append(self._now.wet)
+            self._wet.setdefault(tool, []).append(bool(self._now.wet))
             if tool not in self._dry:
                 at = begin + int(np.argmax(cut[begin:end] & (self._tool.rows(chunk)[begin:end] == tool)))
                 self._dry[tool] = row_span(chunk.trace, chunk.rows, at)

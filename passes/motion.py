@@ -18,7 +18,7 @@ from gproof.passes.emitter import Emitter
 from gproof.passes.line import Line
 from gproof.passes.outputs import look_at
 from gproof.passes.probing import run_probe
-from gproof.passes.single_state import followed
+from gproof.passes.single_state import followed, tell_held_back
 from gproof.passes.spindle import note_speed_unknown, true_rpm
 from gproof.passes.synchronised import SYNCHRONISED, run_synchronised
 from gproof.passes.threading import run_threading
@@ -324,6 +324,7 @@ class Motion(Emitter):
             if op is Op.ARC and bound & {0, 1}:
                 what = "an arc while L13 couples or L300 locks X or Y"
                 raise Refusal(codes.UNSUPPORTED_CODE.at(span, code=what))
+            tell_held_back(self, target, span)
             target = followed(s.single, s.position, target)
         if s.compensation is not None and programmed is None:
             raise Refusal(codes.COMPENSATION_UNKNOWN.at(span, cause=compensated.APART, hint="G40 before"))

@@ -22,6 +22,7 @@ from gproof.ir.program import (
     Expr,
     If,
     Include,
+    Input,
     Jump,
     Label,
     Message,
@@ -145,9 +146,9 @@ class Written:
     def _fixed(self) -> Iterator[Finding]:
         """GP158; a loop without an end of its own, left by a jump or a return, is a way to write a loop."""
         for node in self._all:
-            if not isinstance(node, If | While | Repeat) or not _is_fixed(node.condition):
+            if not isinstance(node, If | While | Repeat) or not _is_fixed(_stated(node.condition)):
                 continue
-            value = _value(node.condition)
+            value = _value(_stated(node.condition))
             if value is None or (isinstance(node, While) and value) or (isinstance(node, Repeat) and not value):
                 continue
             yield codes.CONSTANT_CONDITION.at(node.condition.span, value="true" if value else "false")
@@ -225,6 +226,13 @@ def _some(body: tuple[Statement, ...]) -> Iterator[Statement]:
         if count > MOST_STATEMENTS:
             return
         yield node
+
+
+def _stated(expr: Expr) -> Expr:
+    """A condition with the number that it states in place of an input: M17.4 and M18.4 of WinCNC."""
+    if isinstance(expr, Input) and expr.kind == "given":
+        return expr.number
+    return Unary(expr.operator, _stated(expr.operand), expr.span) if isinstance(expr, Unary) else expr
 
 
 def _is_fixed(expr: Expr) -> bool:

@@ -6,6 +6,7 @@ without a command is the active motion, a feed, or a speed. Source: WinCNC Users
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
@@ -127,7 +128,7 @@ def _check_words(line: Command) -> None:
         for letter, least, most in command.ranges:
             value = line.values.get(letter, least)
             if not isinstance(value, Unknown) and not least <= value <= most:
-                allowed = f"{least:g} to {most:g}"
+                allowed = f"{least:g} or more" if most == math.inf else f"{least:g} to {most:g}"
                 raise Refusal(
                     codes.PARAMETER_RANGE.at(line.where(letter), code=command.text, word=letter, allowed=allowed)
                 )

@@ -19,7 +19,7 @@ from gproof.ir.trace import KNIFE, Op, Wait
 from gproof.passes import single_knife
 from gproof.passes.emitter import ProgramEnd
 from gproof.passes.expressions import Evaluator
-from gproof.passes.single_motion import Handler, follow, lose_places, note_assumptions, switch_output
+from gproof.passes.single_motion import Handler, follow, lose_places, note_assumptions, spindle_range, switch_output
 from gproof.passes.single_state import LEANING, KnifeNow, value_of, vertical_axes, with_pair
 from gproof.passes.values import NOWHERE, Position, Unknown, Value
 
@@ -102,6 +102,16 @@ def _bank(ex: Motion, line: Command, rule: CodeRule, on: bool) -> None:
         if bits >> n & 1:
             s.single = s.single.but(outputs=with_pair(s.single.outputs, first + n, float(on)))
             ex.event(Op.OUTPUT, line.span, arg=(float(first + n), float(on)))
+
+
+def analog(ex: Motion, line: Command, rule: CodeRule) -> None:
+    """L51: the D/A output by volts, percent or spindle speed, one of them."""
+    if len(line.values) > 1:
+        second = list(line.values)[1]
+        raise Refusal(codes.OUTPUT_VALUE.at(line.where(second), code=rule.text, what="only one of V, P and S"))
+    if "S" in line.values:
+        spindle_range(ex, line)
+    note(ex, line, rule)
 
 
 def wait(ex: Motion, line: Command, rule: CodeRule) -> None:
@@ -362,7 +372,7 @@ def lock(ex: Motion, line: Command, rule: CodeRule) -> None:
         s.jumped = True
         raise Refusal(codes.UNSUPPORTED_CODE.at(line.span, code=f"{rule.text} without axes (all of them, or none)"))
     locked = s.single.locked | axes if rule.function is F.LOCK_AXIS else s.single.locked - axes
-    s.single = s.single.but(locked=locked)
+    s.single = s.single.but(locked=locked, held_back=s.single.held_back - axes)
 
 
 # ---- guards
@@ -590,7 +600,7 @@ def level_heads(ex: Motion, line: Command, rule: CodeRule) -> None:
         height = min(-s.tool_offset[axis].value for axis in heads)
         for axis in heads:
             target[axis] = Position(height + s.tool_offset[axis].value)
-    ex.move(Op.TRAVERSE, follow(ex, target), line.span)
+    ex.move(Op.TRAVERSE, follow(ex, target, line.span), line.span)
     ex._moved = True
 
 
@@ -614,11 +624,14 @@ def recall(ex: Motion, line: Command, rule: CodeRule) -> None:
 
 
 def feed_override(ex: Motion, line: Command, rule: CodeRule) -> None:
-    """L40 P: percent of the programmed feed."""
+    """L40 P: percent of the programmed feed; GP200 outside of what override= allows (1 to 200: Feed Rate Override)."""
     s = ex.modal
     percent = line.number("P") or 0.0
     low, high = ex.machine.controller.controls.override or (None, None)
-    if not (1.0 if low is None else low) <= percent <= (200.0 if high is None else high):
+    low, high = 1.0 if low is None else low, 200.0 if high is None else high
+    if not low <= percent <= high:
+        what = f"{rule.text} P{percent:g} is not within {low:g} to {high:g} percent"
+        ex.findings.add(codes.COMMAND_IGNORED.at(line.where("P"), what=what, hint="L and H of override= set the range"))
         ex.event(Op.MESSAGE, line.span, text=ex._text(f"L40 P{percent:g} is ignored"))
         return
     s.feed_override = percent / 100.0
@@ -643,6 +656,7 @@ def subprogram_end(ex: Motion, line: Command, rule: CodeRule) -> None:
 
 HANDLERS: dict[F, Handler] = {
     F.DWELL: dwell,
+    F.ANALOG: analog,
     F.OUTPUT_ON: output,
     F.OUTPUT_OFF: output,
     F.OUTPUT_ON_MOVING: output,

@@ -20,7 +20,7 @@ from gproof.ir.trace import Op, Plane, Wait
 from gproof.passes import execute_kernels as k
 from gproof.passes.arc_condition import radius_arc_warning
 from gproof.passes.single_kernels import SAME, ZERO_RADIUS, agreed, distance
-from gproof.passes.single_state import LEANING, followed, turning, vertical_axes, with_pair
+from gproof.passes.single_state import LEANING, followed, tell_held_back, turning, vertical_axes, with_pair
 from gproof.passes.values import NOWHERE, Position, Unknown, Value, describe
 
 if TYPE_CHECKING:
@@ -89,7 +89,7 @@ def aim(ex: Motion, line: Command, *, machine: bool = False) -> list[Position]:
         target = list(s.position)
         for axis, value in words.items():
             target[axis] = _bounded(ex, axis, value, Position(0.0))
-        return follow(ex, target)
+        return follow(ex, target, line.span)
     target = list(s.position)
     scales = dict(s.single.scales)
     for axis, value in words.items():
@@ -104,7 +104,7 @@ def aim(ex: Motion, line: Command, *, machine: bool = False) -> list[Position]:
             target[0], target[1] = s.transform.absolute((pair[0], pair[1]), at, (s.offset(0), s.offset(1)))
         else:
             target[0], target[1] = s.transform.incremental((pair[0], pair[1]), at)
-    return follow(ex, target)
+    return follow(ex, target, line.span)
 
 
 def _scaled(value: Value, scaling: tuple[float, float], unit: float, *, absolute: bool) -> Value:
@@ -128,8 +128,9 @@ def _bounded(ex: Motion, axis: int, value: Value, origin: Position) -> Position:
     return ex.unknown_place("value", axis, (value.low * scale, value.high * scale), origin)
 
 
-def follow(ex: Motion, target: list[Position]) -> list[Position]:
-    """The target with what follows other axes step by step (L13), and without what is locked (L300)."""
+def follow(ex: Motion, target: list[Position], span: Span) -> list[Position]:
+    """The target with what follows other axes step by step (L13), and without what is locked (L300): GP200."""
+    tell_held_back(ex, target, span)
     return followed(ex.modal.single, ex.modal.position, target)
 
 
@@ -182,15 +183,20 @@ def _first_is_feed(line: Command) -> bool:
     return min(line.spans.items(), key=lambda pair: pair[1].column)[0] == "F"
 
 
+def spindle_range(ex: Motion, line: Command) -> None:
+    """GP271 for an S beyond what the spindle can do (spindle= R)."""
+    value, spindle = line.values["S"], ex.machine.spindle(0)
+    most = None if spindle is None else spindle.max_rpm
+    if most is not None and not isinstance(value, Unknown) and value > most:
+        ex.findings.add(codes.SPINDLE_RANGE.at(line.where("S"), value=value, low="0", high=f"{most:g}"))
+
+
 def spindle_speed(ex: Motion, line: Command) -> None:
     """S alone sets what the speed output gives; which way the spindle turns the program does not say."""
     value = line.values["S"]
     if not isinstance(value, Unknown) and value < 0:
         raise Refusal(codes.ILLEGAL_VALUE.at(line.where("S"), word="S", what=f"a speed of {value:g}"))
-    spindle = ex.machine.spindle(0)
-    most = None if spindle is None else spindle.max_rpm
-    if most is not None and not isinstance(value, Unknown) and value > most:
-        ex.findings.add(codes.SPINDLE_RANGE.at(line.where("S"), value=value, low="0", high=f"{most:g}"))
+    spindle_range(ex, line)
     devices = ex.machine.controller.controls.devices
     if devices is not None and "spinmac" in devices:
         raise Refusal(codes.UNSUPPORTED_CODE.at(line.where("S"), code="S with spindle=T2, which runs SPIN.MAC,"))
@@ -403,9 +409,9 @@ def stored_place(ex: Motion, line: Command, op: Op, *, machine: bool = False) ->
     target = list(s.position)
     for column, where in places:
         target[column] = where
-    target = follow(ex, target)
+    target = follow(ex, target, line.span)
     if lift:
-        over_heads(ex, line, target, [axis for axis in vertical_axes(ex.machine) if axis not in s.single.locked])
+        over_heads(ex, line, target, vertical_axes(ex.machine))
         return True
     if op is Op.FEED:
         use_feed(ex, line, target)
@@ -428,19 +434,20 @@ def stored_in(ex: Motion, name: str) -> tuple[tuple[tuple[int, Position], ...], 
 def lifted(ex: Motion, line: Command, rule: CodeRule) -> None:
     """G0.1: vertical heads up, over, down to where they were."""
     note_assumptions(ex)
-    s = ex.modal
     target = aim(ex, line)
     heads = vertical_axes(ex.machine)
     if any(axis in heads for axis in mapped(ex, line)):
         raise Refusal(codes.UNSUPPORTED_CODE.at(line.span, code=f"{rule.text} with a vertical axis"))
-    over_heads(ex, line, target, [axis for axis in heads if axis not in s.single.locked])
+    over_heads(ex, line, target, heads)
 
 
-def over_heads(ex: Motion, line: Command, target: list[Position], heads: list[int]) -> None:
-    """Heads up, how far the manual does not say; over; and down to where the target has them."""
+def over_heads(ex: Motion, line: Command, target: list[Position], heads: tuple[int, ...]) -> None:
+    """Heads up, how far the manual does not say; over; and down to where the target has them. Locked ones stay."""
     s = ex.modal
+    locked = s.single.locked
+    tell_held_back(ex, [NOWHERE if n in heads and n in locked else at for n, at in enumerate(s.position)], line.span)
     up, over = list(s.position), list(target)
-    for axis in heads:
+    for axis in (axis for axis in heads if axis not in locked):
         there = ex.machine.axis(AXIS_NAMES[axis])
         top = math.inf if there is None or there.upper is None else max(0.0, there.upper)
         low = s.position[axis].value
@@ -465,8 +472,7 @@ def machine_traverse(ex: Motion, line: Command, rule: CodeRule) -> None:
     else:
         target = list(s.position)
         for axis in vertical_axes(ex.machine):
-            if axis not in s.single.locked:
-                target[axis] = Position(0.0)
+            target[axis] = Position(0.0)
     ex.move(Op.TRAVERSE, target, line.span)
     ex._moved = True
 

@@ -422,7 +422,7 @@ def return_home(ex: Motion, line: Command, rule: CodeRule) -> None:
             what = f"{rule.text} for an axis that no L3 of this job stored"
             raise Refusal(codes.UNSUPPORTED_CODE.at(line.span, code=what))
         target[axis] = stored
-    ex.move(Op.TRAVERSE, follow(ex, target), line.span)
+    ex.move(Op.TRAVERSE, follow(ex, target, line.span), line.span)
     ex._moved = True
 
 

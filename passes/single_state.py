@@ -10,13 +10,16 @@ import math
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
+from gproof.ir import codes
 from gproof.ir.controls import Workspace
+from gproof.ir.finding import Span
 from gproof.ir.machine import AXES, AXIS_NAMES, AxisKind, Machine
 from gproof.ir.record import record
 from gproof.ir.trace import Boundary
 from gproof.passes.values import NOWHERE, Position, Unknown, Value
 
 if TYPE_CHECKING:
+    from gproof.passes.emitter import Emitter
     from gproof.passes.modal import Modal
 
 TURNING = 3
@@ -45,7 +48,8 @@ class SingleState:
     whose tool measure is off (G49). lower, upper: boundaries now, None: none. soft, bound: soft limits and boundaries
     are checked. outputs, virtual: states of channels that are known; tools: number of the tool in changer 1 and 2.
     registers: H registers. sources: by column, the letter's column whose words move it (L11, L12). slaves: (column that
-    follows, column) (L13). locked: columns (L300). arguments: words of the call that runs. keep_local: L92 was met.
+    follows, column) (L13). locked: columns (L300), held_back: those to which a move was given since then.
+    arguments: words of the call that runs. keep_local: L92 was met.
     absolute_once: of the line that runs, None: as the mode. touched: columns that stand at a limit switch. flags:
     names of devices that are on.
     heights: measures stored by tool number; switch_heights: TM1 and TM2; before: measures that G49 put aside.
@@ -74,6 +78,7 @@ class SingleState:
     sources: tuple[int, ...] = tuple(range(AXES))
     slaves: tuple[tuple[int, int], ...] = ()
     locked: frozenset[int] = frozenset()
+    held_back: frozenset[int] = frozenset()
     arguments: tuple[tuple[str, Value], ...] = ()
     keep_local: bool = False
     absolute_once: bool | None = None
@@ -117,6 +122,10 @@ def linear_axes(machine: Machine) -> tuple[bool, ...]:
     return tuple(kinds.get(n, n < 3) for n in range(AXES))
 
 
+SAME_PLACE = 1e-9
+"""mm or degrees: less is no move."""
+
+
 def vertical_axes(machine: Machine) -> tuple[int, ...]:
     """Columns of the axes that carry heads up and down."""
     return tuple(
@@ -140,6 +149,21 @@ def followed(single: SingleState, position: list[Position], target: list[Positio
     for axis in single.locked:
         target[axis] = position[axis]
     return target
+
+
+def tell_held_back(ex: Emitter, target: list[Position], span: Span) -> None:
+    """GP200 at the first move of each axis since L300 locked it."""
+    s = ex.modal
+    if not s.single.locked - s.single.held_back:
+        return
+    target = followed(s.single.but(locked=frozenset()), s.position, target)
+    for axis in sorted(s.single.locked - s.single.held_back):
+        wanted, there = target[axis], s.position[axis]
+        if wanted.form == there.form and abs(wanted.value - there.value) < SAME_PLACE:
+            continue
+        s.single = s.single.but(held_back=s.single.held_back | {axis})
+        what = f"{ex.machine.word(axis)} is locked (L300), and from here on moves of it are programmed"
+        ex.findings.add(codes.COMMAND_IGNORED.at(span, what=what, hint="L301 unlocks it"))
 
 
 def turned_shift(space: Workspace, axis: int) -> tuple[float, float] | None:

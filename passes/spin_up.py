@@ -53,6 +53,10 @@ def runs_of(program: Program, machine: Machine) -> Runs:
     return Runs(frozenset(found.forward), frozenset(found.backward), told)
 
 
+BY_CODE = -1
+"""What has coolant on where no output has."""
+
+
 @record(slots=True)
 class Started:
     """A spindle on its way to its speed. needed: seconds it takes; seconds: those that are over for certain."""
@@ -66,15 +70,15 @@ class Flow:
     """What one section leaves to the next.
 
     on, rpm: outputs that run the spindle and are on, the speed that was set; turns: the direction of the last order
-    to the spindle; started: it may be on its way to its speed; wet: coolant is on, wet_from: since this row of the
-    chunk. cutting: the last move was a cut.
+    to the spindle; started: it may be on its way to its speed; wet: what has coolant on, outputs or a code of the
+    language (``BY_CODE``), wet_from: since this row of the chunk. cutting: the last move was a cut.
     """
 
     on: frozenset[int] = frozenset()
     rpm: float = math.nan
     turns: float = 0.0
     started: Started | None = None
-    wet: bool = False
+    wet: frozenset[int] = frozenset()
     wet_from: int = 0
     cutting: bool = False
 
@@ -92,7 +96,7 @@ class Flow:
         one.turns = self.turns if self.turns == other.turns else 0.0
         late = [s for s in (self.started, other.started) if s is not None]
         one.started = copy.copy(max(late, key=lambda s: s.needed - s.seconds, default=None))
-        one.wet = self.wet and other.wet
+        one.wet = self.wet | other.wet if self.wet and other.wet else frozenset()
         return one
 
 

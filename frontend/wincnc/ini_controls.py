@@ -63,6 +63,7 @@ def read_controls(sheet: Sheet) -> Controls:
         end=sheet.text("cmdend"),
         abort=sheet.text("cmdabort"),
         places=_places(sheet, start="cmdstart", end="cmdend", abort="cmdabort"),
+        unit_stated=any(setting.key == "unit" for setting in sheet.ini.settings),
         absolute=None if mode is None else mode == 90,
         arc_tolerance=sheet.scaled(_or(sheet.bare("arc_err"), ARC_ERROR), sheet.unit),
         smallest_arc=sheet.scaled(_or(sheet.bare("arc_min"), SMALLEST_ARC), sheet.unit),

@@ -242,7 +242,7 @@ class _Loader:
 
     def _spindle_outputs(self) -> SpindleOutputs:
         """What CNC.MAC tells of the spindle; the files that tell it are among those of the program."""
-        if "M5" not in self.macros:
+        if "M5" not in self.macros and "M9" not in self.macros:
             return NO_OUTPUTS
         from gproof.frontend.wincnc.spindle_outputs import SpindleReader
 

@@ -51,17 +51,23 @@ class SpindleReader:
     read: list[SourceFile] = field(default_factory=list)
 
     def outputs(self) -> SpindleOutputs:
-        """The outputs that M3 and M4 switch on and M5 off; none where that is not certain."""
+        """The outputs that M3 and M4 switch on and M5 off, and those of coolant; none where that is not certain."""
         if not _OTHERS.isdisjoint(self.controls.devices or ()):
             return NO_OUTPUTS
+        forward, backward = self._switched("M3", "M4", "M5")
+        mist, flood = self._switched("M7", "M8", "M9")
+        return SpindleOutputs(forward, backward, tuple(sorted({*mist, *flood})))
+
+    def _switched(self, one: str, other: str, stop: str) -> tuple[tuple[int, ...], tuple[int, ...]]:
+        """The outputs that each of two codes leaves on and a third one switches off; none where that is not certain."""
         try:
-            forward, backward, stopped = (self._definition(name) for name in ("M3", "M4", "M5"))
+            first, second, stopped = (self._definition(name) for name in (one, other, stop))
         except _OpenError:
-            return NO_OUTPUTS
+            return (), ()
         # The output that is on during feed moves is switched by these.
         ends = {channel for channel, on in stopped.items() if not on} - {self.controls.auto_output}
-        ways = (tuple(sorted(c for c, on in way.items() if on and c in ends)) for way in (forward, backward))
-        return SpindleOutputs(*ways)
+        begun, other_way = (tuple(sorted(c for c, on in way.items() if on and c in ends)) for way in (first, second))
+        return begun, other_way
 
     def _definition(self, name: str) -> Switched:
         """What a code leaves switched; nothing for one that is not defined, or passed over."""

@@ -281,6 +281,10 @@ class Lines:
                 )
         if rule.letter == "M":
             return self._input_condition(values, rule, span)
+        tool = values.get("T")
+        if isinstance(tool, Number) and abs(tool.value - round(tool.value)) > self.rules.integer_tolerance:
+            at = tool.span
+            raise LineError(codes.NOT_AN_INTEGER, at.column - 1, at.end_column - 1, word="T", value=tool.value)
         if rule.text == "L113":
             above = Binary(">", values["V"], values["L"], span)
             below = Binary("<", values["V"], values["H"], span)
@@ -303,6 +307,11 @@ class Lines:
     def _input_condition(self, values: dict[str, Expr], rule: CodeRule, span: Span) -> Expr:
         simulated = values.get("D")
         answer = simulated.value if isinstance(simulated, Number) else None
+        if answer is not None and answer not in (0.0, 1.0):
+            at = values["D"].span
+            raise LineError(
+                codes.PARAMETER_RANGE, at.column - 1, at.end_column - 1, code=rule.text, word="D", allowed="0 or 1"
+            )
         kinds = {1: "input", 2: "output", 3: "virtual", 4: "given"}
         point = rule.tenths % 10
         if point == 4:

@@ -6,9 +6,12 @@ under which the code has its heading. docs/dialects/wincnc.md says how what the 
 
 from __future__ import annotations
 
+import math
+
 from gproof.ir.rules import CodeRule, LanguageRules
 from gproof.ir.rules import Function as F
 
+_ANY = math.inf
 _PARTS = {"G": "G Codes", "L": "L Codes", "M": "M Codes"}
 
 
@@ -33,14 +36,16 @@ def _open(
 
 _MOTION = "motion"
 _DRILL = "RQPFL"
+_POWER = (("L", 1.0, 100.0),)
+_STORED = (("P", 0, _ANY), ("H", 0, _ANY), ("T", 0, _ANY), ("L", 0, 1))
 _NO_METHOD = "how the controller does it is not described"
 
 _G = (
     _c("G", 0, F.TRAVERSE, "FPHT", axes=True, group=_MOTION),
     _c("G", 0.1, F.TRAVERSE_LIFTED, "F", axes=True),
-    _c("G", 1, F.FEED, "FLPHT", axes=True, group=_MOTION),
-    _c("G", 2, F.ARC_CW, "IJKRFL", axes=True, group=_MOTION),
-    _c("G", 3, F.ARC_CCW, "IJKRFL", axes=True, group=_MOTION),
+    _c("G", 1, F.FEED, "FLPHT", axes=True, group=_MOTION, ranges=_POWER),
+    _c("G", 2, F.ARC_CW, "IJKRFL", axes=True, group=_MOTION, ranges=_POWER),
+    _c("G", 3, F.ARC_CCW, "IJKRFL", axes=True, group=_MOTION, ranges=_POWER),
     _c("G", 4, F.DWELL, "X"),
     _c("G", 5, F.DIALOG, "T", has_text=True),
     _c("G", 9, F.SMOOTHING, "SA"),
@@ -75,7 +80,7 @@ _G = (
     _c("G", 92.4, F.LOCAL_CROSSING, "ABCDO", needs="ABCD"),
     _c("G", 93, F.FEED_INVERSE_TIME),
     _c("G", 94, F.FEED_PER_MINUTE),
-    _c("G", 95, F.FEED_ROTARY, "F"),
+    _c("G", 95, F.FEED_ROTARY, "F", ranges=(("F", 0, _ANY),)),
 )
 
 _SCAN = "where a scan goes depends on the object that is scanned"
@@ -111,8 +116,8 @@ _L = (
     _c("L", 31, F.KNIFE_OFF, device="knife"),
     _c("L", 32, F.SAW_ON, device="saw"),
     _c("L", 33, F.SAW_OFF, device="saw"),
-    _c("L", 34, F.AUTO_OUTPUT_ON, "D", device="autoaux"),
-    _c("L", 35, F.AUTO_OUTPUT_OFF, "D", device="autoaux"),
+    _c("L", 34, F.AUTO_OUTPUT_ON, "D", device="autoaux", ranges=(("D", 0, _ANY),)),
+    _c("L", 35, F.AUTO_OUTPUT_OFF, "D", device="autoaux", ranges=(("D", 0, _ANY),)),
     _c("L", 36, F.HEIGHT_ON, device="thc"),
     _c("L", 36.1, F.DEVICE, device="thc"),
     _c("L", 36.2, F.DEVICE, device="thc"),
@@ -123,7 +128,7 @@ _L = (
     _c("L", 40, F.FEED_OVERRIDE, "P", needs="P"),
     _c("L", 41, F.SHELL, has_text=True),
     _c("L", 48, F.DEVICE),
-    _c("L", 51, F.ANALOG, "VPS", device="da"),
+    _c("L", 51, F.ANALOG, "VPS", device="da", ranges=(("V", 0, _ANY), ("P", 0, 100), ("S", 0, _ANY))),
     _c("L", 53, F.LEVEL_HEADS),
     *(_c("L", n, F.DEVICE, device="pump") for n in (55, 56, 57, 58)),
     _c("L", 59, F.DEVICE, "M", device="pump"),
@@ -172,9 +177,9 @@ _L = (
     _c("L", 400, F.DEVICE, has_text=True),
     _c("L", 401, F.RECALL_POSITIONS),
     _open("L", 402, "its heading says that it saves, its text that it moves all axes", text=True),
-    _c("L", 500, F.STORE_POSITION, "PHTLCN", axes=True, has_text=True),
-    _c("L", 500.2, F.STORE_TOOL, "TNACOHM", needs="T"),
-    _c("L", 501, F.STORE_LOCAL_POSITION, "PHTLCN", axes=True, has_text=True),
+    _c("L", 500, F.STORE_POSITION, "PHTLCN", axes=True, has_text=True, ranges=_STORED),
+    _c("L", 500.2, F.STORE_TOOL, "TNACOHM", needs="T", ranges=tuple((letter, 0, _ANY) for letter in "TNAM")),
+    _c("L", 501, F.STORE_LOCAL_POSITION, "PHTLCN", axes=True, has_text=True, ranges=_STORED),
     _c("L", 502, F.DEVICE, "XYWH"),
     *(_open("L", n, "the map of an axis is not in the machine's file", axes=True) for n in (600, 601)),
     *(_open("L", n, "it moves along a map that is not in the machine's file", "NPSEV", axes=True)

@@ -446,3 +446,42 @@ def test_a_hint_names_the_outputs(tmp_path: Path) -> None:
     shown = in_this_process(["check", "job.tap", "--machine", "WINCNC.INI", "--also", "cutting"], tmp_path).out
     hint = "output = ... under [spindles.0] in the machine file, the output that runs it (this job switches on 2, 4)"
     assert hint in shown
+
+
+TWO_TOOLS = (
+    "S9000\nL110 T1\nM3\n{wet}\nG0 X100 Y100 Z-10\nG1 X120 F300\nG0 Z0\n{dry}\n"
+    "L110 T2\n{then}G0 X100\nG1 X120 F300\nG0 Z0\nM5\n"
+)
+CHANGER = SPEED + "atc1=H-10 O0 Z0 A2 M1\n"
+
+
+@pytest.mark.parametrize(
+    ("wet", "dry", "then", "definitions", "found"),
+    [
+        ("M8", "M9", "", "M8=M11C4\nM9=M12C4\n", {"GP538"}),
+        ("M8", "M9", "M8\n", "M8=M11C4\nM9=M12C4\n", set()),
+        ("M11C4", "M12C4", "", "M7=M11C4\nM9=M12C4\n", {"GP538"}),
+        # It stays on.
+        ("M8", "", "", "M8=M11C4\nM9=M12C4\n", set()),
+        # One of two is coolant too.
+        ("M7", "M9", "M8\n", "M7=M11C2\nM8=M11C4\nM9=M98 DRY.MAC\n", set()),
+        # Nothing tells what output 4 is: no M9 switches it off.
+        ("M8", "M12C4", "", "M8=M11C4\n", set()),
+    ],
+)
+def test_the_shop_s_own_coolant(
+    wet: str, dry: str, then: str, definitions: str, found: set[str], tmp_path: Path
+) -> None:  # fmt: skip
+    (tmp_path / "DRY.MAC").write_text("M12C2\nM12C4\n", encoding="ascii")
+    job = TWO_TOOLS.format(wet=wet, dry=dry, then=then)
+    assert by_macros(tmp_path, job, ONE + definitions, CHANGER)[1] == found
+
+
+def test_coolant_that_the_machine_file_names(tmp_path: Path) -> None:
+    job = TWO_TOOLS.format(wet="M11C4", dry="M12C4", then="")
+    assert by_macros(tmp_path, job, ONE, CHANGER)[1] == set()
+    (tmp_path / "m.toml").write_text(
+        'schema = "gproof-machine/1"\nunits = "mm"\nbase = "WINCNC.INI"\n[controls]\ncoolant = [4]\n', encoding="ascii"
+    )
+    words = ["check", "job.tap", "--machine", "m.toml", "--also", "cutting", "--format", "json"]
+    assert codes_of(json.loads(in_this_process(words, tmp_path).out)["findings"]) == {"GP538"}
