@@ -72,7 +72,8 @@ class Summary:
 class Judgement:
     """The answer of ``check``: the verdict of the policy, each property, assumptions of the whole.
 
-    accepted: findings that a comment or a baseline accepts, each with how (SARIF's word) and the reason.
+    accepted: findings that a comment or a baseline accepts, each with how (SARIF's word) and the reason; left_out:
+    properties that are answered and that the policy does not ask for: the verdict says nothing of them.
     """
 
     verdict: Verdict
@@ -81,6 +82,7 @@ class Judgement:
     summary: Summary
     findings: Findings
     accepted: dict[Finding, tuple[str, str]] = field(default_factory=dict)
+    left_out: tuple[str, ...] = ()
 
 
 def judge(

@@ -135,7 +135,8 @@ def under(policy: Policy, judgement: Judgement, job: Path) -> Judgement:
             findings.add(codes.UNSUPPORTED_CODE.at(Span(str(job), 0), code=what, hint="the policy asks for it"))
             results.append(PropertyResult(name=name, verdict=Verdict.UNKNOWN))
     verdict = worst(r.verdict for r in results if r.name in policy.properties)
-    return dataclasses.replace(judgement, verdict=verdict, properties=results, findings=findings)
+    left_out = tuple(r.name for r in results if r.name not in policy.properties)
+    return dataclasses.replace(judgement, verdict=verdict, properties=results, findings=findings, left_out=left_out)
 
 
 def _judged_again(result: PropertyResult, findings: Findings) -> PropertyResult:

@@ -78,7 +78,8 @@ def print_summary(
         parts = parts if result.verdict is Verdict.SAFE else []
         width = max((len(name) for name, _ in parts), default=0)
         first = _shade(result.verdict) + " " * (9 - len(result.verdict.value))
-        for n, detail in enumerate([f"if {name:<{width}} is {bounds}" for name, bounds in parts] or [""]):
+        aside = "the policy leaves it out" if result.name in judgement.left_out else ""
+        for n, detail in enumerate([f"if {name:<{width}} is {bounds}" for name, bounds in parts] or [aside]):
             _row("" if n else result.name, (" " * 9 if n else first) + detail)
     left = not_judged(result.name for result in judgement.properties)
     if left:
@@ -217,6 +218,7 @@ def report_json(session: Session, judgement: Judgement, code: int | None = None)
             }
             for r in judgement.properties
         },
+        **({"left_out": list(judgement.left_out)} if judgement.left_out else {}),
         "not_judged": list(not_judged(result.name for result in judgement.properties)),
         "assumptions": judgement.assumptions,
         "findings": [finding_json(f, n, judgement.accepted.get(f)) for f, n in distinct(judgement.findings)],
@@ -280,6 +282,9 @@ def _verdict_line(session: Session, judgement: Judgement, code: int) -> str:
     said = ""
     if code != judgement.verdict.exit_code:
         said = " (accepted)" if code == 0 else " (and findings that fail the check)"
+    open_to = [r.name for r in judgement.properties if r.name in judgement.left_out and r.verdict is not Verdict.SAFE]
+    if open_to and judgement.verdict is Verdict.SAFE:
+        said = f", {' and '.join(open_to)} left out by the policy" + said
     return f"{session.job}: {_shade(judgement.verdict)}{said}"
 
 

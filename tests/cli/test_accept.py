@@ -239,6 +239,23 @@ def test_less_properties_judge_less(check: Any) -> None:
     code, report = check(HEAD + FAR + "\n" + TAIL, "--policy", "shop.toml")
     assert (report["verdict"], report["properties"]["limits"]["verdict"]) == ("SAFE", "UNSAFE")
     assert code == 0
+    assert report["left_out"] == ["limits", "areas"]
+
+
+def test_a_verdict_names_what_the_policy_leaves_out(check: Any, capsys: pytest.CaptureFixture[str]) -> None:
+    """A SAFE that says nothing of the limits is not to be read as one that does."""
+    Path("shop.toml").write_text('schema = "gproof-policy/1"\nproperties = ["language", "arcs"]\n', encoding="utf-8")
+    check(HEAD + FAR + "\n" + TAIL)
+    words = ["job.cnc", "--machine", str(CODES / "machine.toml"), "--setup", "zero", "--policy", "shop.toml"]
+    assert main(["check", *words]) == 0
+    said = capsys.readouterr().out.splitlines()
+    assert "job.cnc: SAFE, limits left out by the policy" in said
+    assert "  limits      UNSAFE   the policy leaves it out" in said
+    assert main(["check", *words, "--quiet"]) == 0
+    assert capsys.readouterr().out.splitlines() == ["job.cnc: SAFE, limits left out by the policy"]
+    check(HEAD + TAIL)
+    assert main(["check", *words, "--quiet"]) == 0
+    assert capsys.readouterr().out.splitlines() == ["job.cnc: SAFE"]
 
 
 def test_a_comment_far_down_a_long_file_is_read(check: Any, monkeypatch: pytest.MonkeyPatch) -> None:
