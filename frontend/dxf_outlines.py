@@ -24,6 +24,8 @@ if TYPE_CHECKING:
 
 LARGEST_FILE = 256_000_000
 MOST_POINTS = 4_000_000
+MOST_CHORDS = 100_000
+"""Of one curve: a circle of two kilometres within a micrometre."""
 DEEPEST_BLOCK = 16
 _BESIDE = frozenset(
     "TEXT MTEXT DIMENSION ARC_DIMENSION POINT LEADER MULTILEADER MLEADER ATTRIB ATTDEF IMAGE VIEWPORT HATCH "
@@ -103,7 +105,7 @@ def layers(sheet: Sheet, names: Iterable[str] | None, error: float, join: float)
             chains.setdefault(name, []).append(chain)
     except DxfError:
         raise
-    except (ArithmeticError, LookupError, AttributeError, TypeError, ValueError, RecursionError) as failed:
+    except _UNREADABLE as failed:
         raise DxfError(f"an entity can not be read: {' '.join(str(failed).split())[:200]}") from None
     return {name: joined(found, join, name) for name, found in chains.items()}
 
@@ -123,11 +125,21 @@ def _chains(entities: Iterable[Any], error: float, block_layer: str, depth: int)
         make = _MAKERS.get(kind)
         if make is None:
             raise DxfError(f"{kind} on layer {layer!r} is no outline that is read; explode it to lines and arcs")
-        points, closed = make(entity, error)
+        try:
+            points, closed = make(entity, error)
+        except DxfError:
+            raise
+        except _UNREADABLE as failed:
+            said = " ".join(str(failed).split())[:200]
+            raise DxfError(f"{kind} on layer {layer!r} can not be read: {said}; explode it to lines and arcs") from None
         if not all(math.isfinite(value) for point in points for value in point):
             raise DxfError(f"{kind} on layer {layer!r}: a coordinate is not a finite number")
         if len(points) > 1:
             yield layer, Chain(points, f"{kind} on layer {layer!r}", closed)
+
+
+_UNREADABLE = (ArithmeticError, LookupError, AttributeError, TypeError, RecursionError, ValueError)
+"""What numbers that fit no curve make of its making; a ``DxfError``, which is one of them, says it itself."""
 
 
 # ---- entities to points
@@ -162,7 +174,7 @@ def arc_points(center: Point, radius: float, begin: float, sweep: float, error: 
 
 def _chords(needed: float, least: int) -> int:
     """So many chords; DxfError for a curve that no workpiece has."""
-    if not needed <= MOST_POINTS:
+    if not needed <= MOST_CHORDS:
         raise DxfError("a curve is too large, or its numbers are not finite")
     return max(least, math.ceil(needed))
 
@@ -250,6 +262,15 @@ def _ellipse(entity: Any, error: float) -> tuple[list[Point], bool]:
 
 def _spline(entity: Any, error: float) -> tuple[list[Point], bool]:
     what = f"SPLINE on layer {entity.dxf.layer!r}"
+    if not entity.control_point_count():
+        raise DxfError(
+            f"{what} has no control points, and several curves go through others; explode it to lines and arcs"
+        )
+    knots = [float(knot) for knot in entity.knots]
+    if len(knots) != entity.control_point_count() + entity.dxf.degree + 1 or knots != sorted(knots):
+        raise DxfError(f"{what} has knots that are not those of its control points")
+    if len(set(knots[: entity.dxf.degree + 1])) > 1 or len(set(knots[-entity.dxf.degree - 1 :])) > 1:
+        raise DxfError(f"{what} does not begin and end at its outer control points; explode it to lines and arcs")
     curve = entity.construction_tool()
     if curve.is_rational and len({round(w, 12) for w in curve.weights()}) > 1:
         raise DxfError(f"{what} has weights, which are not read; explode it to lines and arcs")

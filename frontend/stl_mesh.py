@@ -20,7 +20,8 @@ MOST_TRIANGLES = 10_000_000
 LARGEST = 1e7
 """Of a coordinate, file units."""
 _BINARY = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("extra", "<u2")])
-_VERTEX = re.compile(rb"^\s*vertex\s+(\S+)\s+(\S+)\s+(\S+)\s*$", re.IGNORECASE)
+_VERTEX = re.compile(rb"^\s*vertex\s+(\S{1,64})\s+(\S{1,64})\s+(\S{1,64})\s*$", re.IGNORECASE)
+"""Numbers of so many characters are those of the array that they are read into."""
 
 
 class StlError(ValueError):
@@ -73,9 +74,10 @@ def _binary(raw: bytes) -> Floats:
 
 
 def _text(raw: bytes) -> Floats:
+    last = 0
     values: list[tuple[bytes, bytes, bytes]] = []
     lines: list[int] = []
-    facets = 0
+    facets = solids = 0
     for number, line in enumerate(raw.splitlines(), 1):
         word = line.split(None, 1)[:1]
         kind = word[0].lower() if word else b""
@@ -91,10 +93,15 @@ def _text(raw: bytes) -> Floats:
                 raise StlError(f"a facet of {len(values) - 3 * (facets - 1)} corners is no triangle", number)
             if facets > MOST_TRIANGLES:
                 raise StlError(f"more than {MOST_TRIANGLES} triangles", number)
+        elif kind in _ENDS:
+            solids += _ENDS[kind]
+            last = number
         elif kind not in _WORDS:
             raise StlError("no line of a text STL file", number)
     if len(values) != 3 * facets:
         raise StlError("it ends within a facet", lines[-1] if lines else 0)
+    if solids:
+        raise StlError("a solid has no end: endsolid is missing" if solids > 0 else "endsolid without solid", last)
     try:
         corners = np.array(values, dtype="S64").astype(np.float64) if values else np.zeros((0, 3))
     except ValueError:
@@ -103,7 +110,8 @@ def _text(raw: bytes) -> Floats:
     return corners.reshape(-1, 3, 3)
 
 
-_WORDS = (b"", b"solid", b"facet", b"outer", b"endloop", b"endsolid")
+_WORDS = (b"", b"facet", b"outer", b"endloop")
+_ENDS = {b"solid": 1, b"endsolid": -1}
 
 
 def _is_number(text: bytes) -> bool:

@@ -131,7 +131,8 @@ class Distance(Check):
             self._assumed[PROBES] = None
             moves &= ~probes
         self._unplaced(chunk, scene, tips, np.flatnonzero(moves & ~tips.known))
-        at = np.flatnonzero(moves & tips.known)
+        # Of a way from nobody knows where, its end at least is known.
+        at = np.flatnonzero(moves & tips.end_known.all(axis=1))
         if not len(at):
             return
         tool = tips.tool[at]
@@ -145,7 +146,8 @@ class Distance(Check):
     ) -> None:  # fmt: skip
         """Moves of one tool."""
         rows, shape = chunk.rows, self.shape(tool)
-        start, end = tips.start[at], tips.end[at]
+        known, end = tips.known[at], tips.end[at]
+        start = np.where(known[:, None], tips.start[at], end)
         source = rows["file"][at].astype(np.int64) << 32 | rows["line"][at].astype(np.int64)
         place = np.stack([source, chunk.begin + at, np.zeros(len(at), dtype=np.int64)], axis=1)
         joined = np.ones(len(at), dtype=np.bool_)
@@ -156,7 +158,8 @@ class Distance(Check):
             self._begins(scene, tool, shape, start[k], int(place[k, 0]))
         self._behind[number] = (tool, end[-1].copy())
         op = rows["op"][at]
-        arcs = op == Op.ARC
+        arcs = (op == Op.ARC) & known
+        op = np.where(known, op, np.uint8(Op.FEED))
         if not self._straight:
             # Any way to the end, and the end itself, which is certain.
             place[:, 2] = (op == Op.TRAVERSE) & ((start != end).sum(axis=1) > 1)

@@ -312,6 +312,40 @@ def test_entities_that_are_not_read(tmp_path: Path) -> None:
     assert "weights" in mistake(tmp_path, text)[2]
 
 
+def test_splines_that_are_no_certain_curve(tmp_path: Path) -> None:
+    """Fit points have several curves through them; knots that are missing, do not rise or go around have none."""
+    text = '[[part]]\ndxf = "plate.dxf"\nbottom = 0\ntop = 1\n'
+    corners = [(0, 0, 0), (5, 9, 0), (10, 0, 0), (12, 3, 0), (0, 0, 0)]
+    for knots, what in (
+        ([], "knots that are not those"), ([0, 0, 0, 0, 1, 1, 1], "knots that are not those"),
+        ([0, 0, 0, 0, 3, 1, 1, 1, 1], "knots that are not those"),
+        ([0, 1, 2, 3, 4, 5, 6, 7, 8], "outer control points"),
+    ):  # fmt: skip
+        doc, path = drawing(tmp_path)
+        spline = doc.modelspace().add_spline(dxfattribs={"layer": "S"})
+        spline.dxf.degree, spline.control_points, spline.knots = 3, corners, knots
+        doc.saveas(path)
+        assert (said := mistake(tmp_path, text)[2]) and "SPLINE on layer 'S'" in said and what in said, said
+    doc, path = drawing(tmp_path)
+    doc.modelspace().add_spline(fit_points=corners)
+    doc.saveas(path)
+    assert "no control points" in mistake(tmp_path, text)[2]
+
+
+def test_a_curve_of_no_workpiece(tmp_path: Path) -> None:
+    """Millions of chords are a slip of a coordinate: told at once."""
+    doc, path = drawing(tmp_path)
+    doc.modelspace().add_lwpolyline([(0, 0, 0.3), (1e12, 0, 0.3), (5, 5, 0.3)], format="xyb", close=True)
+    doc.saveas(path)
+    text = '[[part]]\ndxf = "plate.dxf"\nbottom = 0\ntop = 1\n'
+    assert "a curve is too large" in mistake(tmp_path, text)[2]
+
+
+def test_a_kind_misspelt_is_named(tmp_path: Path) -> None:
+    _, found, _ = load(tmp_path, "[[part]]\npolygn = [[0, 0], [1, 0], [0, 1]]\nbottom = 0\ntop = 1\n")
+    assert [(code, line) for code, line, _ in found] == [("GP604", 2), ("GP602", 3)] and "part.polygn" in found[1][2]
+
+
 BROKEN = {
     "empty": b"",
     "text": b"this is no drawing\n",
@@ -394,6 +428,10 @@ BAD_MESHES = {
     "points": (binary([(0, 0, 0), (1, 1, 2)]), "all its triangles are points or lines"),
     "text": (text_form(FACES).replace(b"endloop", b"endlop", 1), "no line of a text STL file"),
     "number": (text_form(FACES).replace(b"10.0", b"1O.0", 1), "a coordinate is no number"),
+    "long": (text_form(FACES).replace(b"10.0", b"1." + b"0" * 70 + b"e1", 1), "a corner is vertex and three numbers"),
+    "open": (text_form(FACES).replace(b"endsolid part", b""), "endsolid is missing"),
+    "second": (text_form(FACES) + b"solid other\n", "endsolid is missing"),
+    "end": (text_form(FACES) + b"endsolid\n", "endsolid without solid"),
     "corner": (text_form(FACES).replace(b"vertex 0.0 ", b"vertex ", 1), "a corner is vertex and three numbers"),
 }
 

@@ -230,6 +230,29 @@ def test_the_worst_move_is_the_one_that_is_told(tmp_path: Path) -> None:
     assert number(found[0]) == pytest.approx(2.9, rel=0.03) and f"in line {START.count(chr(10)) + 4}" in found[0].hint
 
 
+def test_a_way_from_nobody_knows_where_ends_somewhere(tmp_path: Path) -> None:
+    """The first move is taken to be free, its end is not; nor is a place that only one tool stands at."""
+    clamp = fixture(Box(low=(0.0, 0.0, 0.0), high=(20.0, 20.0, 20.0)))
+    for text in ("G0 X{} Y10 Z5", "G0 X{} Y10 Z5\nM0", "G0 X{} Y10\nZ5", "G1 X{} Y10 Z5", "G0 X{} Y10 Z5\nT2 M6"):
+        for x, verdict in ((10.0, Verdict.UNSAFE), (-3.01, Verdict.SAFE)):
+            job = tmp_path / "job.cnc"
+            (tmp_path / "machine.toml").write_text(MACHINE)
+            (tmp_path / "setup.toml").write_text('schema = "gproof-setup/1"\ntool = 1\n')
+            job.write_text("G21 G17 G90 G94 G54 G40 F600 M3 S1000\n" + text.format(x) + "\nM30\n")
+            session = open_session(
+                job, machine=tmp_path / "machine.toml", setup=str(tmp_path / "setup.toml"), dialect="eding"
+            )
+            session.setup = dataclasses.replace(session.setup, workpiece=clamp)
+            session.machine = dataclasses.replace(
+                session.machine, tools=(dataclasses.replace(FLAT, holder=((40.0, 40.0, 30.0),)),)
+            )
+            made = judge(session, running=Running(10**9), properties=("language", "collisions"))
+            said = next(result.verdict for result in made.properties if result.name == "collisions")
+            if "G1" in text and verdict is Verdict.SAFE:
+                verdict = Verdict.UNKNOWN  # a feed from nobody knows where
+            assert said is verdict, (text, x)
+
+
 def cube(low: float, high: float) -> Mesh:
     corners, _ = facets_of(Box(low=(low, low, low), high=(high, high, high)))
     four = corners.reshape(-1, 4, 3)

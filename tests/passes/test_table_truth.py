@@ -1,4 +1,4 @@
-"""Verdicts of ``gouges`` and ``collisions`` of random jobs; ``table_jobs`` knows nothing of the checks."""
+"""Verdicts of ``gouges`` and ``collisions`` of random jobs; what is true of them is found without the checks."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ import json
 from pathlib import Path
 
 import pytest
+from passes.framed_jobs import Framed
 from passes.table_jobs import Scene
 from support.campaigns import seeds
 
@@ -17,9 +18,12 @@ from gproof.passes.surfaces import Surface
 from gproof.passes.tool_shape import HOLDER, SHANK, UNSTATED, shape_of
 
 
-@pytest.mark.parametrize("seed", seeds(10, 300))
-def test_verdicts_are_what_the_shapes_say(seed: int, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    scene = Scene(seed, tmp_path)
+@pytest.mark.parametrize("kind", [Scene, Framed])
+@pytest.mark.parametrize("seed", seeds(8, 300))
+def test_verdicts_are_what_the_shapes_say(
+    seed: int, kind: type[Scene], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    scene = kind(seed, tmp_path)
     assert main(scene.write()) in (0, 1, 2)
     properties = json.loads(capsys.readouterr().out)["properties"]
     for name, room in scene.truth().items():
