@@ -24,6 +24,7 @@ from gproof.ir.verdict import PropertyResult
 from gproof.passes.causes import Causes, answer
 from gproof.passes.check import Check, row_span
 from gproof.passes.cut_rows import SOMEWHERE, Bools, CutRows, Floats, Guarded, StateColumn, tool_column
+from gproof.passes.other_heads import OtherHeads
 from gproof.passes.spin_up import BY_CODE, Flow, Started, reached, runs_of, waited
 
 SLACK = 1e-9
@@ -60,6 +61,7 @@ class Cutting(Check):
         self._limited = any(t.max_rpm is not None or t.min_rpm is not None for t in machine.tools)
         self._runs = runs_of(program, machine)
         devices = machine.controller.controls.devices
+        self._others = OtherHeads(program, machine, self._runs)
         pumps = machine.controller.controls.coolant or program.spindle_outputs.coolant
         self._pumps = frozenset(pumps) - self._runs.channels
         self._by_hand = bool(self._runs.channels) and devices is not None and "spindle" not in devices
@@ -89,7 +91,7 @@ class Cutting(Check):
             self._held.clear()
         for rows, causes in ((cut, self._causes), (held, self._held)):
             if rows.any():
-                self._judge(chunk, rows, rpm, causes)
+                self._judge(chunk, rows, rpm, self._others.rows(chunk, way), causes)
         self._events(chunk, cut, on, way)
         self._heights(chunk, cut, way)
         if chunk.last:
@@ -164,14 +166,15 @@ class Cutting(Check):
             return 0.0
         return math.inf if math.isnan(turns) else turns * (math.nan if self._by_hand else self._now.rpm)
 
-    def _judge(self, chunk: Chunk, cut: Bools, rpm: Floats, causes: Causes) -> None:
+    def _judge(self, chunk: Chunk, cut: Bools, rpm: Floats, other: Bools, causes: Causes) -> None:
         """Cuts by what their spindle does and which tool it holds."""
         surface = self._surface.rows(chunk) != 0.0
         tool = self._tool.rows(chunk)
-        some = np.isinf(rpm)
+        some = np.isinf(rpm) & ~other
+        self._tell(causes, chunk, cut & other, codes.SPINDLE_NOT_TOLD, 2, self._others.hint)
         self._tell(causes, chunk, cut & some, codes.SPINDLE_NOT_TOLD, 1, self._which())
-        rpm = np.where(some, np.nan, rpm)
-        unsaid = cut & np.isnan(rpm) & ~surface & ~some
+        rpm = np.where(some | other, np.nan, rpm)
+        unsaid = cut & np.isnan(rpm) & ~surface & ~some & ~other
         if self._by_hand:
             # No program sets it: it counts where a tool has limits.
             unsaid &= ~(np.isnan(self._fastest.rows(chunk)) & np.isnan(self._slowest.rows(chunk)))

@@ -102,3 +102,31 @@ def test_units_that_no_file_states(tmp_path: Path) -> None:
     bare = INI.removeprefix("unit=MM\n")
     assert told(tmp_path, "G90\nG0 X10\n", top=bare) == [("GP150", 2)]
     assert told(tmp_path, "G22\nG90\nG0 X60\n", top=bare) == []
+
+
+HEADS = "auxout=c2 p7 b2 o0\nspindle=T1 R18000\ng54=X0 Y0 T0\ng55=X-80 Y0 T0 M0\n"
+
+
+@pytest.mark.parametrize(
+    ("text", "line"),
+    [
+        ("G1 Z-20 F300\nG0 Z0\n", 0),
+        ("G1 W-20 F300\nG0 W0\n", 5),  # W goes down, whatever G54 selects
+        ("L12 WZ\nG1 Z-20 F300\nG0 Z0\n", 6),  # the words of Z move W
+        ("G55\nG0 X200\nG1 X220 F300\n", 7),  # W is selected
+        ("G55\nG54\nG0 X60\nG1 X90 F300\n", 0),
+    ],
+)
+def test_the_spindle_of_another_head(text: str, line: int, tmp_path: Path) -> None:
+    """M3 runs the spindle of Z: that of W turns or not (manual: G54, G55, Head Swap)."""
+    definitions = "M3=M11C1\nM5=M12C1\n"
+    job = f"G90\nS9000\nM3\nG0 X60\n{text}M5\n"
+    told(tmp_path, job, HEADS)
+    (tmp_path / "CNC.MAC").write_text(definitions, encoding="ascii")
+    top = 'schema = "gproof-machine/1"\nunits = "mm"\nbase = "WINCNC.INI"\n[controls]\nshift_sign = 1\n'
+    for stated, expected in (("", [line] if line else []), ("[spindles.1]\noutput = 1\n", [])):
+        (tmp_path / "m.toml").write_text(top + stated, encoding="ascii")
+        words = ["check", "job.tap", "--machine", "m.toml", "--setup", "setup.toml", "--format", "json"]
+        found = json.loads(in_this_process([*words, "--also", "cutting"], tmp_path).out)["findings"]
+        assert [f["line"] for f in found if f["code"] == "GP531"] == expected
+        assert "GP530" not in {f["code"] for f in found}
