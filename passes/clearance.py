@@ -20,6 +20,7 @@ from gproof.ir.trace import UNKNOWN, Affine, Chunk, Op, Trace
 from gproof.ir.verdict import Condition
 from gproof.passes.check import form_interval, row_span, split_form
 from gproof.passes.values import describe
+from gproof.passes.zone_check import row_box
 from gproof.passes.zone_offsets import Ranges
 
 ROUNDING = 1e-9
@@ -70,10 +71,15 @@ class Clearance:
                 self._judge(self._heights(chunk, row), row_span(chunk.trace, rows, row), WAY)
 
     def _heights(self, chunk: Chunk, row: int) -> list[Height]:
-        """Z at both ends of a move."""
+        """Z at both ends of a move, of an arc where it is lowest."""
         trace, rows = chunk.trace, chunk.rows
         begin = float(chunk.starts()[row, 2]), trace.frames[int(chunk.start_frames()[row])][2]
-        return [begin, (float(rows["to"][row, 2]), trace.frames[int(rows["frame"][row])][2])]
+        form = trace.frames[int(rows["frame"][row])][2]
+        end = float(rows["to"][row, 2])
+        if rows["op"][row] == Op.ARC:
+            # In the planes of Z an arc may dip between its ends.
+            end = min(end, float(row_box(rows, row, chunk.starts()[row])[0][2]))
+        return [begin, (end, form)]
 
     def _ways_in(self, chunk: Chunk, moves: np.ndarray) -> Iterator[int]:
         """Moves from beside the tool change area, seen from above, to a place within it, or perhaps so."""

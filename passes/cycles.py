@@ -18,7 +18,7 @@ from gproof.passes.line import Line
 from gproof.passes.reach import reach_of
 from gproof.passes.spindle import need_turning, note_speed_unknown
 from gproof.passes.transform_codes import check_cycle
-from gproof.passes.values import Position, Unknown
+from gproof.passes.values import RISEN, Position, Unknown
 from gproof.passes.word_owner import owned
 
 if TYPE_CHECKING:
@@ -240,7 +240,7 @@ def _rise(ex: Motion, line: Line, drill: int, r: Position) -> None:
                     hint=f"move {AXIS_NAMES[drill].upper()} to a programmed height first",
                 )
             )  # fmt: skip
-        height = at if ends[0] >= ends[1] else ex.unknown_place("value", drill, ends, Position(0.0))
+        height = at if ends[0] >= ends[1] else ex.unknown_place(RISEN, drill, ends, Position(0.0))
         ex.risen[at, r] = ex.risen[height, r] = height
         ex.assumed["R of canned cycles lies within the limits of its axis"] = None
     along(ex, line, drill, height, Op.TRAVERSE)

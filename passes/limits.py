@@ -26,7 +26,7 @@ from gproof.passes.check import KEPT, Check, Like, form_interval, row_span, spli
 from gproof.passes.extent_kernels import row_boxes
 from gproof.passes.height_map import heights_of
 from gproof.passes.reach import Range, reach_of, reaches
-from gproof.passes.values import describe
+from gproof.passes.values import RISEN, describe
 
 Floats = npt.NDArray[np.float64]
 
@@ -582,6 +582,8 @@ class Limits(Check):
                 if most < least:
                     continue
                 form = self._trace.frames[slot // 2][index]
+                if any(symbol.startswith(f"{RISEN}.") for symbol, _ in form):
+                    continue  # the greater of two places that are here themselves
                 arose = tuple(term for term in form if term[0] in self._trace.symbols)
                 if arose:
                     # What arose in the run and is bounded shows as all the places it may mean.

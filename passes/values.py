@@ -83,13 +83,15 @@ class Position:
 
 NOWHERE = Position(0.0, UNKNOWN)
 
+RISEN = "risen"
+"""Kind of the symbols of heights that a cycle rises to: the greater of two places of the path."""
 BESIDE = "beside."
 """How the symbols of places beside a contour begin (docs/trace.md, Frames)."""
 
 
 def describe(form: Affine) -> str:
     """A form in words: ``G54 X offset + tool 3 length``."""
-    kinds = ("work", "g92", "tool", "head", "start", "probe", "home", "value", "beside")
+    kinds = ("work", "g92", "tool", "head", "start", "probe", "home", "value", RISEN, "beside")
     ordered = sorted(form, key=lambda term: kinds.index(k) if (k := term[0].split(".")[0]) in kinds else len(kinds))
     return " + ".join(describe_symbol(s) if c == 1 else f"{c} x {describe_symbol(s)}" for s, c in ordered)
 
@@ -115,6 +117,8 @@ def describe_symbol(symbol: str) -> str:
     if kind == "beside":
         tool = "".join(takewhile(str.isdigit, rest[0]))
         return f"where the corrected tool {tool} is beside its contour in {rest[1].upper()}"
+    if kind == RISEN:
+        return f"the height {rest[0]} of {rest[1].upper()} that a cycle rises to"
     if kind == "value":
         return f"the value {rest[0]} of {rest[1].upper()}"
     return "a value that nobody stated"

@@ -358,7 +358,7 @@ class ZoneCheck:
             self._open.widen(number, frame, starts.min(axis=0), starts.max(axis=0))
         # A known frame that meets an unknown one needs its own extent beside the same face, arcs their bulge as well.
         for row in np.flatnonzero(open_ & known[rows["frame"]]).tolist():
-            self._open.widen(number, int(rows["frame"][row]), *_row_box(rows, row, befores[row]))
+            self._open.widen(number, int(rows["frame"][row]), *row_box(rows, row, befores[row]))
         if self._symbolic is None:
             self._symbolic = row_span(trace, rows, 0)
 
@@ -378,7 +378,7 @@ class ZoneCheck:
         return ()
 
 
-def _row_box(rows: Columns, row: int, start: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def row_box(rows: Columns, row: int, start: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """((3,), (3,)): what one row reaches of X, Y and Z, its start left out."""
     end, center = _point(rows["to"][row]), _point(rows["center"][row])
     low, high = list(end), list(end)

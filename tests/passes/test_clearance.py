@@ -28,6 +28,14 @@ def test_the_way_into_the_area_is_high(tmp_path: Path) -> None:
         assert [one for one in found(judgement) if one[0] != "GP312"] == expected, z
 
 
+def test_an_arc_into_the_area_is_high_between_its_ends(tmp_path: Path) -> None:
+    """From X290 to X310 at Z50 in G18: G3 seen from +Y goes over the ends, G2 10 below them."""
+    way = f"{HEAD}G0 Z{{}}\nTCAGuard off\nG0 X290 Y350\nG18\nG{{}} X310 I10 K0\nG0 Z80\nG0 X0\nM30\n"
+    for z, code, expected in ((50, 2, []), (50, 3, []), (49.9, 3, []), (49.9, 2, [("GP339", 6)])):
+        judgement = run(tmp_path, way.format(z, code), MACHINE + ASKED + AREA, stated())
+        assert [one for one in found(judgement) if one[0] != "GP312"] == expected, (z, code)
+
+
 def test_the_first_move_is_high_where_that_is_asked(tmp_path: Path) -> None:
     start = ASKED + "at_start = true\n"
     assert found(run(tmp_path, f"{HEAD}G53 G0 Z50\nG0 X5\nZ5\nX9\nM30\n", MACHINE + start, stated())) == []

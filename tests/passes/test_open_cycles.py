@@ -52,6 +52,13 @@ def test_z_of_the_offset_has_room_for_the_hole_and_for_r(tmp_path: Path, z: floa
     assert ASSUMED not in run(tmp_path, DRILL.format(z=z), MACHINE, OPEN + at(0.0, 0.0, 0.0)).assumptions
 
 
+def test_what_a_machine_needs_is_not_more_for_it(tmp_path: Path) -> None:
+    """The heights that count are 50 of the machine, and -5 to 4 of the work: not those up to the limit."""
+    judgement = run(tmp_path, DRILL.format(z=50), MACHINE, OPEN)
+    heights = [(form, low, high) for axis, form, low, high in judgement.summary.box if axis == "z"]
+    assert sorted(heights) == [("", 50.0, 50.0), ("G54 Z offset", -5.0, 4.0)]
+
+
 def test_without_a_limit_above_or_without_its_guard_it_is_not_known(tmp_path: Path) -> None:
     for machine, job in (
         (MACHINE.replace("max = 100.0\n", ""), DRILL),
