@@ -23,7 +23,7 @@ from metamorphic.programs import Can, Maker, render
 from metamorphic.test_wincnc_spelling import job_of, judged_near, random_job
 from metamorphic.test_wincnc_verdicts import CALM
 from metamorphic.wincnc_jobs import run as run_wincnc
-from support import made_jobs as mcuwin_jobs
+from support import made_jobs
 from support.judging import UNBOUNDED
 
 from gproof.cli.fit import fit_session
@@ -258,13 +258,16 @@ def with_local(job: wincnc.Job, values: dict[str, float]) -> wincnc.Job:
     return replace(job, local=local)
 
 
+@pytest.mark.parametrize("dialect", ["mcuwin", "wincnc"])
 @seeds
-def test_ranges_of_the_offset_table_are_what_check_says(first: int, count: int, tmp_path: Path) -> None:
-    """McuWIN: the records of G54 and G55, and the offset in force at the start; a zone of the machine in some."""
+def test_offsets_where_g0_is_not_straight_are_what_check_says(
+    first: int, count: int, dialect: str, tmp_path: Path
+) -> None:
+    """McuWIN: the records of G54 and G55, and the offset at the start; WinCNC: G92. A zone of the machine in some."""
     kinds: dict[str, int] = {}
     for seed in range(first, first + count // 5):
-        rng = random.Random(f"mcuwin {seed}")
-        made = mcuwin_jobs.din(rng, sets=rng.random() < 0.2)
+        rng = random.Random(f"{dialect} {seed}")
+        made = {"mcuwin": made_jobs.din, "wincnc": made_jobs.single}[dialect](rng, sets=rng.random() < 0.2)
         points = made.points()
         room = [[rng.choice((0.01, 20.0, 100.0, 100.0)) - rng.choice((0.0, 0.0, 0.1)) for _ in "xyz"] for _ in "ab"]
         low = points.min(axis=0) - room[0]
@@ -274,12 +277,12 @@ def test_ranges_of_the_offset_table_are_what_check_says(first: int, count: int, 
             x, y, z = (points[rng.randrange(len(points))] + [rng.uniform(-40, 40) for _ in "xyz"]).tolist()
             zone = f'[[keep_out]]\nname = "clamp"\nx = [{x}, {x + 20.0}]\ny = [{y}, {y + 20.0}]\nz = [-inf, {z}]\n'
 
-        def ask(these: mcuwin_jobs.Made) -> Judgement:
-            session = mcuwin_jobs.opened(tmp_path, these, mcuwin_jobs.machine_of(these, limits, zone))  # noqa: B023
+        def ask(these: made_jobs.Made) -> Judgement:
+            session = made_jobs.opened(tmp_path, these, made_jobs.machine_of(these, limits, zone))  # noqa: B023
             return judge(session, running=Running(UNBOUNDED))
 
         before = ask(made)
-        fit = fit_job(tmp_path, job="job.src", dialect="mcuwin")
+        fit = fit_job(tmp_path, job=f"job.{made_jobs.SUFFIXES[dialect]}", dialect=dialect)
         kinds[fit.kind] = kinds.get(fit.kind, 0) + 1
         where = f"seed {seed}\n{made.program}{made.setup}{made.records}{limits}{zone}{fit}"
         assert fit.verdict is before.verdict, where
@@ -304,7 +307,7 @@ def test_ranges_of_the_offset_table_are_what_check_says(first: int, count: int, 
     assert len(kinds) > 1
 
 
-def with_records(made: mcuwin_jobs.Made, values: dict[str, float]) -> mcuwin_jobs.Made:
+def with_records(made: made_jobs.Made, values: dict[str, float]) -> made_jobs.Made:
     """The job with these offsets stated: in the table, or as the one at the start."""
     records = [list(row) for row in made.records]
     start = [0.0] * 3
@@ -313,8 +316,10 @@ def with_records(made: mcuwin_jobs.Made, values: dict[str, float]) -> mcuwin_job
         row = start if kind == "g92" else records[int(rest[0]) - 1]
         row["xyz".index(rest[-1])] = value
     table = "[g92]\n" + "".join(f"{axis} = {value!r}\n" for axis, value in zip("xyz", start, strict=True))
-    head, _, _ = made.setup.partition("[g92]")
-    return replace(made, setup=head + table, records=records)
+    head, _, behind = made.setup.partition("[g92]")
+    _, _, others = behind.partition("[measures]")
+    measures = f"[measures]{others}" if others else ""
+    return replace(made, setup=head + table + measures, records=records)
 
 
 def test_a_moved_job_has_moved_ranges(tmp_path: Path) -> None:

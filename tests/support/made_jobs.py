@@ -176,8 +176,11 @@ def din(rng: random.Random, *, sets: bool = True) -> Made:
     return Made("mcuwin", "\n".join([*lines, "M30", "%", ""]), setup, machine, moves, zeros, table)
 
 
-def single(rng: random.Random) -> Made:
-    """G0 to G3 in G90 and G91 with local coordinates (WinCNC manual: G0 to G3, G90, G91, G92, G22)."""
+def single(rng: random.Random, *, sets: bool = True) -> Made:
+    """G0 to G3 in G90 and G91 with local coordinates (WinCNC manual: G0 to G3, G90, G91, G92, G22).
+
+    sets: as for ``din``.
+    """
     local = [round(rng.uniform(-30, 30), 3) for _ in range(3)]
     at = [round(rng.uniform(-30, 30), 3) for _ in range(3)]
     setup = tables(start=at, g92=list(local), measures=[math.nan, math.nan, 0.0])
@@ -187,7 +190,13 @@ def single(rng: random.Random) -> Made:
     count = rng.randrange(2, 6)
     while len(moves) < count:
         kind = rng.random()
-        if kind < 0.15:
+        if not (sets or moves):
+            place = [round(rng.uniform(-50, 50), 3) for _ in "xyz"]
+            lines.append("G0 " + " ".join(f"{axis}{v}" for axis, v in zip("XYZ", place, strict=True)))
+            to = [a + b for a, b in zip(local, place, strict=True)]
+            moves.append(Move(straight(at, to), free=True))
+            at = to
+        elif kind < 0.15 and sets:
             axis, value = rng.randrange(3), round(rng.uniform(-20, 20), 3)
             lines.append(f"G92 {'XYZ'[axis]}{value}")
             local[axis] = at[axis] - value
