@@ -68,11 +68,13 @@ class GuardStretches:
         self._last = row_span(trace, rows, int(moving[-1]))
         self._moves += len(moving)
         # Places at the ends of moves are enough for a note: arcs within them have the findings of their own.
-        known = np.array([[form == () for form in frame] for frame in trace.frames], dtype=bool)[rows["frame"][moving]]
-        places = rows["to"][moving]
-        self._open = self._open or bool((~known & (places != chunk.starts()[moving])).any())
-        self._low = np.minimum(self._low, np.where(known, places, math.inf).min(axis=0))
-        self._high = np.maximum(self._high, np.where(known, places, -math.inf).max(axis=0))
+        of_frame = np.array([[form == () for form in frame] for frame in trace.frames], dtype=bool)
+        begins, ends = chunk.starts()[moving], rows["to"][moving]
+        self._open = self._open or bool((~of_frame[rows["frame"][moving]] & (ends != begins)).any())
+        for frames, places in ((chunk.start_frames()[moving], begins), (rows["frame"][moving], ends)):
+            known = of_frame[frames]
+            self._low = np.minimum(self._low, np.where(known, places, math.inf).min(axis=0))
+            self._high = np.maximum(self._high, np.where(known, places, -math.inf).max(axis=0))
 
     def _close(self) -> None:
         if self._off and self._moves:
