@@ -72,7 +72,7 @@ class Fit:
     value inside is SAFE; ``regions``: in the ranges, those are that lie in a region of each of ``zones`` as well;
     ``none``: no offsets are; ``unknown``. complete: outside nothing is SAFE. now: the verdict of the stated offsets,
     None where none were; open_sides: axes that no limit holds, as told; zones: where sums may lie together;
-    reason: why there is no range, where no finding says it.
+    reason: why there is no range, where no finding says it; assumed: of a start that nobody stated.
     """
 
     verdict: Verdict
@@ -83,6 +83,7 @@ class Fit:
     open_sides: tuple[str, ...] = field(default=())
     zones: tuple[Beside, ...] = ()
     reason: str = ""
+    assumed: str = ""
 
 
 def fit_of(
@@ -118,7 +119,8 @@ def fit_of(
     complete = asked.setup.height_map is None and asked.setup.cylinder is None
     return Fit(
         verdict=now or (Verdict.UNKNOWN if unlimited else Verdict.SAFE), kind="regions" if places else "ranges",
-        ranges=found, now=now, complete=complete and all(place.region.resolution is not None for place in places),
+        ranges=found, now=now, assumed=watch.assumed,
+        complete=complete and not watch.assumed and all(place.region.resolution is not None for place in places),
         open_sides=unlimited, zones=tuple(beside(place, asked) for place in places),
     )  # fmt: skip
 

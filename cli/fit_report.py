@@ -158,6 +158,7 @@ def blocking_findings(told: Told) -> Findings:
 def assumptions(told: Told) -> list[str]:
     """What the ranges stand on."""
     found = [*told.judgement.assumptions, *(a for r in told.judgement.properties for a in r.assumptions)]
+    found += [told.fit.assumed] if told.fit.assumed else []
     return list(dict.fromkeys(one for one in found if not one.startswith("setup zero")))
 
 

@@ -19,7 +19,7 @@ from gproof.ir.record import record
 from gproof.ir.setup import Interval
 from gproof.ir.trace import Affine, Chunk
 from gproof.ir.verdict import Condition
-from gproof.passes.open_zones import OpenZones, Place, Ranges, Stand
+from gproof.passes.open_zones import OpenZones, Place, Ranges, Resolve, Stand
 from gproof.passes.values import describe
 from gproof.passes.zone_offsets import View
 from gproof.passes.zone_regions import FAR, Layer, Pair, Solid
@@ -28,6 +28,8 @@ from gproof.passes.zone_shapes import Polygon, Rectangle, Shape
 _STATED = ("work", "g92", "tool", "head")
 _SIDE = 1e-3
 """mm by which the nearest place that is told lies inside."""
+_SIDES = 3
+"""Sides of all zones at which a start that nobody stated is tried."""
 _TRIED = 20_000
 """Choices of boxes of several groups that are looked at for one that all agree on."""
 
@@ -40,6 +42,8 @@ class ZoneWatch:
         self._rows = OpenZones()
         self._symbols: dict[str, Interval] = {}
         self._stands: dict[int, tuple[View, Stand]] = {}
+        self.assumed = ""
+        """What the places rest on of a start that nobody stated, in words."""
 
     def __call__(
         self, name: str, view: View, chunk: Chunk, mine: npt.NDArray[np.bool_], is_straight: bool | None
@@ -71,9 +75,37 @@ class ZoneWatch:
         # A zone that moves with the work is, for moves in machine coordinates, at the negative of the offset.
         ranges = ranges | {negated(form): (-high, -low) for form, (low, high) in ranges.items()}
         found = self._rows.places(resolve, ranges)
+        if found is None or any(place.region.empty and not place.region.hopeless for place in found):
+            found = self._from_elsewhere(resolve, ranges, starts) or found
         if found is None:
             return None
         return tuple(upright(place) for place in found if not _is_all(place, ranges))
+
+    def _from_elsewhere(self, resolve: Resolve, ranges: Ranges, starts: Ranges) -> tuple[Place, ...] | None:
+        """What is left where the job begins beside all zones: above them, or at the side with most room for it.
+
+        ``starts`` is narrowed for that, so that ``resolve`` knows; None where no side of them helps.
+        """
+        sides: list[tuple[bool, float, Affine, Pair]] = []
+        low, high = self._rows.faces()
+        for axis, name in enumerate("xyz"):
+            own: Affine = ((f"start.{name}", 1),)
+            if own not in starts or self._asked.stated(f"start.{name}") is not None:
+                continue
+            least, most = starts[own]
+            for ends in ((least, min(most, low[axis])), (max(least, high[axis]), most)):
+                if ends[0] < ends[1]:
+                    above = axis == 2 and ends[1] == most
+                    sides.append((not above, -min(ends[1] - ends[0], FAR), own, ends))
+        for _, _, own, ends in sorted(sides)[:_SIDES]:
+            before, starts[own] = starts[own], ends
+            found = self._rows.places(resolve, ranges)
+            if found is not None and all(not place.region.empty for place in found):
+                where = f"between {ends[0]:.4f} and {ends[1]:.4f} mm (machine coordinates)"
+                self.assumed = f"{describe(own)} lies {where}, beside all zones"
+                return found
+            starts[own] = before
+        return None
 
 
 def negated(form: Affine) -> Affine:

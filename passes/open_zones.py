@@ -111,6 +111,16 @@ class OpenZones:
         """Whether no row rests on anything unknown beside a zone."""
         return not self._rows
 
+    def faces(self) -> tuple[Floats, Floats]:
+        """(3,) each: lower and upper faces of a box around all zones, machine mm; infinite where that is not known."""
+        low, high = np.full(3, math.inf), np.full(3, -math.inf)
+        for stand, _ in self._rows.values():
+            for axis, (least, most) in enumerate(stand.solid.box()):
+                known = stand.form[axis] == ()
+                low[axis] = min(low[axis], least + stand.shift[axis] if known else -math.inf)
+                high[axis] = max(high[axis], most + stand.shift[axis] if known else math.inf)
+        return low, high
+
     def places(self, resolve: Resolve, ranges: Ranges) -> tuple[Place, ...] | None:
         """What is left of ``ranges`` (of sums; none: no bounds), for each group of sums that move together.
 

@@ -282,10 +282,13 @@ def test_without_a_start_one_side_of_a_zone_is_told(tmp_path: Path) -> None:
     """The first move may come from anywhere: only X below the zone as a whole is certain, the start as well."""
     put(tmp_path, machine=MACHINE + '[[keep_out]]\nname = "wall"\nx = [70, 100]\n', setup=ANYWHERE)
     told = report(tmp_path)
-    assert (told["kind"], told["verdict"], told["complete"]) == ("ranges", "SAFE", False)
-    # 70 less 30, less the backlash by which zones grow.
-    assert (told["offsets"][0]["low"], told["offsets"][0]["high"]) == (5.0, 39.5)
-    assert any("start position of X" in one for one in told["assumptions"])
+    assert (told["kind"], told["verdict"], told["complete"]) == ("regions", "SAFE", False)
+    # 70 less 30, less the backlash by which zones grow, to within the resolution.
+    (box,) = told["regions"][0]["boxes"]
+    assert box["x"]["low"] == 5.0
+    assert box["x"]["high"] == pytest.approx(39.5, abs=2e-3)
+    (beside,) = [one for one in told["assumptions"] if one.endswith("beside all zones")]
+    assert beside.startswith("the start position of X lies between 0.0000 and 69.5")
 
 
 def test_a_zone_that_moves_with_the_work_asks_nothing(tmp_path: Path) -> None:

@@ -28,9 +28,8 @@ def test_each_stretch_has_its_lines_and_its_reach(tmp_path: Path) -> None:
 
 
 def test_a_stretch_that_runs_again_is_told_once(tmp_path: Path) -> None:
-    program = (
-        f"{HEAD}G0 X6\n#1 = 0\nwhile [#1 < 40]\nTCAGuard off\nG0 X5\nG0 X6\nTCAGuard on\n#1 = [#1 + 1]\nendwhile\nM30\n"
-    )
+    again = "#1 = 0\nwhile [#1 < 40]\nTCAGuard off\nG0 X5\nG0 X6\nTCAGuard on\n#1 = [#1 + 1]\nendwhile\n"
+    program = f"{HEAD}G0 X6\n{again}M30\n"
     judgement = run(tmp_path, program, MACHINE, stated())
     assert notes(judgement) == [(5, "tool change area: off from here to line 7, for 2 moves, X 5.000 ... 6.000 mm")]
     assert judgement.findings.counts[338] == 40
