@@ -8,7 +8,6 @@ docs/verification.md with which bounds; ``distance_kernels`` has the proofs.
 from __future__ import annotations
 
 import itertools
-import math
 from collections.abc import Sequence
 
 import numpy as np
@@ -22,6 +21,7 @@ from gproof.ir.setup import Setup
 from gproof.ir.trace import Chunk, Op, PathMode, State
 from gproof.ir.verdict import PropertyResult, Verdict
 from gproof.ir.workpiece import Mesh, Placed, Workpiece
+from gproof.passes.arc_slack import chord_error, small_arcs
 from gproof.passes.check import Check, row_span
 from gproof.passes.distance_kernels import chords
 from gproof.passes.distance_scene import CHORD, Scene, Stretch
@@ -75,17 +75,9 @@ class Distance(Check):
         self._assumed: dict[str, None] = {}
         self._files: list[str] = []
         self._errors = 0
-        self._bow = self._chord_error()
+        self._bow = chord_error(machine)
         stated = machine.controller.straight_traverse
         self._straight = bool(program.rules.straight_traverse if stated is None else stated)
-
-    def _chord_error(self) -> float:
-        """mm that the controller's own chords of an arc lie inside it: a T² / 8 (docs/dialects/eding.md)."""
-        limits = [axis.max_acceleration for axis in self.machine.axes if axis.index < 3]
-        if any(limit is None for limit in limits) or not limits:
-            return 0.0
-        total = math.sqrt(sum(limit * limit for limit in limits if limit is not None))
-        return total * self.machine.controller.interpolation_time**2 / 8.0
 
     def shape(self, tool: int) -> Shape:
         """What is known of a tool's shape."""
@@ -175,7 +167,7 @@ class Distance(Check):
             scene.sweep(tool, shape, start, end, slack, np.zeros(len(at)), place)
             return
         center, turns, plane = tips.center[at], rows["turns"][at], rows["plane"][at]
-        slack = slack + np.where(arcs, self._bow + self._small_arcs(start, center, plane), 0.0)
+        slack = slack + np.where(arcs, self._bow + small_arcs(self.machine, start, center, plane), 0.0)
         room, begin = _SEGMENTS, 0
         places = np.zeros(1, dtype=np.int64)
         while begin < len(at):
@@ -189,16 +181,6 @@ class Distance(Check):
             begin = int(places[0])
             of, sag = of[:made], sag[:made]
             scene.sweep(tool, shape, points[:made, :3], points[:made, 3:], slack[of] + sag, sag, place[of])
-
-    def _small_arcs(self, start: Floats, center: Floats, plane: npt.NDArray[np.uint8]) -> Floats:
-        """mm by which a line in place of an arc below the controller's smallest one may lie beside it."""
-        smallest = self.machine.controller.controls.smallest_arc
-        if smallest is None:
-            return np.zeros(len(start))
-        away = start - center
-        away[np.arange(len(away)), np.select([plane == 1, plane == 2], [2, 1], 0)] = 0.0
-        radius = np.sqrt((away * away).sum(axis=1))
-        return np.where(radius <= smallest, 2.0 * radius, 0.0)
 
     def _unplaced(self, chunk: Chunk, scene: Scene, tips: Tips, at: Ints) -> None:
         """Moves at a place that is not known: clear where their height tells so, else a finding."""

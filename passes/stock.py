@@ -17,13 +17,15 @@ import numpy as np
 import numpy.typing as npt
 
 from gproof.ir import codes
+from gproof.ir.columns import Columns
 from gproof.ir.finding import Code, Findings, Severity, Span
 from gproof.ir.machine import Machine
 from gproof.ir.program import Program
 from gproof.ir.setup import Setup
-from gproof.ir.trace import Chunk, PathMode
+from gproof.ir.trace import Chunk, Op, PathMode
 from gproof.ir.verdict import PropertyResult, Verdict
 from gproof.ir.workpiece import Mesh, Placed
+from gproof.passes.arc_slack import chord_error, small_arcs
 from gproof.passes.check import Check, row_span
 from gproof.passes.placing import Placing, Reason, Tips
 from gproof.passes.stock_fields import MOST_CELLS, Field, Remains, field_of, remains_of
@@ -50,7 +52,7 @@ from gproof.passes.stock_tools import COLUMNS, NOT_KNOWN, PART_COLUMNS, Row, ass
 Floats = npt.NDArray[np.float64]
 
 PLACES = 256
-"""Places of plunges that are remembered, so that pecks back into their hole are known to be free."""
+"""Plunges, and lines of feeds, that are remembered: back in a hole, and back along a slot, a tool is free."""
 WAITING_CELLS = 32_000_000
 """Of fields that wait for their section: 512 MB. What is beyond that starts from whole stock, of which none is sure."""
 TOLD = 2000
@@ -83,12 +85,13 @@ class _Left:
     def __init__(self, field: Field) -> None:
         self.field = field
         self.memory = np.zeros(MEMORY)
-        self.places = np.full((PLACES, 4), math.nan)
+        self.places = np.full((PLACES, 5), math.nan)
+        self.lines = np.full((PLACES, 8), math.nan)
 
     def copy(self) -> _Left:
         """Another one that goes its own way."""
         other = _Left(self.field.copy())
-        other.memory, other.places = self.memory.copy(), self.places.copy()
+        other.memory, other.places, other.lines = self.memory.copy(), self.places.copy(), self.lines.copy()
         return other
 
     def join(self, other: _Left) -> None:
@@ -96,7 +99,7 @@ class _Left:
         np.maximum(self.field.upper, other.field.upper, out=self.field.upper)
         np.minimum(self.field.lower, other.field.lower, out=self.field.lower)
         self.memory[:] = 0.0
-        self.places[:] = math.nan
+        self.places[:], self.lines[:] = math.nan, math.nan
 
 
 class StockLeft(Check):
@@ -223,13 +226,14 @@ class StockLeft(Check):
             tips = whole[placed.work]
             tool_of = self._tool_rows(tips)
             tools, parts = self._tables()
+            bow = self._beside_arcs(rows, tips)
             straight = np.full(n, 0 if self._straight else 1, dtype=np.int64)
             said, by = np.zeros((n, KINDS), dtype=np.int64), np.zeros((n, KINDS))
             field = left.field
             follow.pick(_work(tips, tools[tool_of, 1], field))(
                 rows["op"], tips.start, tips.end, tips.center, rows["turns"], rows["plane"], _known(tips), tool_of,
-                beside, straight, tools, parts, self.setup.workpiece.clearance, field.upper, field.lower, field.grid,
-                left.memory, left.places, said, by,
+                beside, bow, straight, tools, parts, self.setup.workpiece.clearance, field.upper, field.lower,
+                field.grid, left.memory, left.places, left.lines, said, by,
             )  # fmt: skip
             worse = WEIGHT[said] > WEIGHT[told]
             more = (said == told) & (by > amount)
@@ -240,11 +244,18 @@ class StockLeft(Check):
         """By row: mm that the controller may leave the programmed path."""
         out = []
         for state in chunk.trace.states:
-            off = ROUNDING
-            if state.path_mode is PathMode.CONTINUOUS:
-                off += state.path_tolerance + state.simplify
-            out.append(off)
+            rounded = state.path_mode is PathMode.CONTINUOUS
+            out.append(ROUNDING + max(state.path_tolerance if rounded else 0.0, 0.0) + max(state.simplify, 0.0))
         beside: Floats = np.array(out, dtype=np.float64)[chunk.rows["state"]]
+        return beside
+
+    def _beside_arcs(self, rows: Columns, tips: Tips) -> Floats:
+        """By row: mm that the controller's own way along an arc may lie beside it."""
+        arcs = rows["op"] == Op.ARC
+        if not arcs.any():
+            return np.zeros(len(rows))
+        lines = small_arcs(self.machine, tips.start, tips.center, rows["plane"])
+        beside: Floats = np.where(arcs & tips.known, chord_error(self.machine) + lines, 0.0)
         return beside
 
     def _tool_rows(self, tips: Tips) -> npt.NDArray[np.int64]:

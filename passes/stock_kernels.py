@@ -33,10 +33,12 @@ HEIGHT, PLACE, START = 1, 2, 4
 """What is known of a row, bits: Z, X and Y, and that all else rests on where the axes stood at the beginning."""
 LOOKED = 4096
 """After so many rows the highest place that is left is looked for again."""
-MEMORY = 9
+MEMORY = 12
 """Numbers that are kept from chunk to chunk: see ``follow``."""
 TOUCH = 1e-7
 """mm: a tool that is this deep in stock touches it."""
+SAME, LEFT = 5e-10, 1e-8
+"""mm: places that are one, as sums of offsets round; and ways that nothing leaves but for rounding."""
 SHORTEST = 1e-6
 """mm of a move whose pieces are looked at no closer."""
 FLAT, BALL, BULL, CONE = 0, 1, 2, 3
@@ -231,7 +233,7 @@ def remove(
 ) -> None:  # fmt: skip
     """Take away what a tool cuts on a straight line.
 
-    tool: (family, R, c, k, 0, flutes, greatest depth); chord: (ax, ay, az, bx, by, bz) of the tip; beside, beneath: mm
+    tool: as in ``follow``; chord: (ax, ay, az, bx, by, bz) of the tip; beside, beneath: mm
     that the tool may be off it in X-Y and in Z; again: the same tool has cut up to the begin, as far off; top: of all
     stock; line: (2, nx + 1) scratch; most: (4,) by how much the flutes may be and surely are too short and the depth
     may be and surely is too great, updated.
@@ -247,13 +249,16 @@ def remove(
     if length > 0.0:
         ux, uy, slope, z = (bx - ax) / length, (by - ay) / length, (bz - az) / length, az
     # Flutes cut what stands between the tip and their end at all times, in a plunge what they come by.
-    reach = (low_z if length > 0.0 else high_z) + tool[5] - beneath
+    reach = (low_z if length > 0.0 else high_z) + tool[8] - beneath
+    if tool[10] < tool[1]:
+        # What its tip leaves is not known.
+        reach = -INF
     kind, radius, c, up = smaller(family, tool[1], tool[2], k, beside)
     up += beneath
     if radius > 0.0:
         first = max(math.ceil((min(ay, by) - radius - y0) / hy), 0)
         last = min(math.floor((max(ay, by) + radius - y0) / hy), ny)
-        easy = top - low_z + beneath <= min(tool[5], tool[6])
+        easy = top - low_z + beneath <= min(tool[5], tool[6], tool[8]) and reach > -INF
         back = behind(kind, radius, slope, again and length > 0.0) + hx * abs(ux) + hy * abs(uy)
         before_low, before_high = 1, 0
         for row in range(first, last + 1):
@@ -290,9 +295,9 @@ def remove(
                         tip_low, tip_high = max(min(p, n), low_z), min(max(p, n), high_z)
                     sure = lower[row - 1, i]
                     most[0] = max(most[0], was - tip_low - tool[5])
-                    most[1] = max(most[1], sure - tip_high - tool[5])
+                    most[1] = max(most[1], sure - tip_high - tool[5] if reach > -INF else -INF)
                     most[2] = max(most[2], was - tip_low - tool[6])
-                    most[3] = max(most[3], sure - tip_high - tool[6])
+                    most[3] = max(most[3], sure - tip_high - tool[6] if reach > -INF else -INF)
                     if was <= reach:
                         upper[row - 1, i] = gone if gone > floor else -INF
             before_low, before_high = low, high
@@ -341,14 +346,15 @@ def lessen(
 
 @kernel(compile_seconds=0.6)
 def meets(
-    box: Any, shape: Any, chord: Any, loose: bool, clearance: float, beside: float, beneath: float, high: float,
-    sure: float,
+    box: Any, shape: Any, certain: float, chord: Any, loose: bool, clearance: float, beside: float, beneath: float,
+    high: float, sure: float,
 ) -> tuple[int, float]:  # fmt: skip
     """Whether a body of revolution on a straight line enters what stands in a cell: (CLEAR, MAYBE or SURE, mm).
 
     box: (4,) low X, low Y, high X, high Y of the cell; shape: (family, R, c, k, up), its lower side ``up`` above the
-    tip; loose: it may be anywhere in the box of the chord; high: no stock stands higher; sure: it is so high.
-    The way is looked at in pieces, bounded by the box of each, halved where that does not do.
+    tip, for certain only within the radius ``certain``; loose: it may be anywhere in the box of the chord; high: no
+    stock stands higher; sure: it is so high. The way is looked at in pieces, bounded by the box of each, halved where
+    that does not do.
     """
     family, radius, c, k = int(shape[0]), shape[1], shape[2], shape[3]
     spare = clearance + beside
@@ -390,7 +396,7 @@ def meets(
             side = lower_side(family, radius, c, k, min(max(gap - spare, 0.0), radius))
             perhaps = max(perhaps, need - z - side)
         gap += beside
-        if gap < radius:
+        if gap < certain:
             deepest = max(deepest, sure - beneath - shape[4] - z - lower_side(family, radius, c, k, gap))
     if deepest > TOUCH:
         return SURE, deepest
@@ -399,8 +405,8 @@ def meets(
 
 @kernel(compile_seconds=1.0)
 def enter(
-    upper: Any, lower: Any, grid: Any, shape: Any, chord: Any, loose: bool, clearance: float, beside: float,
-    beneath: float, box: Any,
+    upper: Any, lower: Any, grid: Any, shape: Any, certain: float, chord: Any, loose: bool, clearance: float,
+    beside: float, beneath: float, box: Any,
 ) -> tuple[int, float]:  # fmt: skip
     """The same for all cells of a field: the worst answer, and by how much. box: (4,) scratch."""
     ny, nx = upper.shape
@@ -425,7 +431,7 @@ def enter(
                 continue
             box[0], box[1] = x0 + i * hx, y0 + row * hy
             box[2], box[3] = box[0] + hx, box[1] + hy
-            answer, into = meets(box, shape, chord, loose, clearance, beside, beneath, high, sure)
+            answer, into = meets(box, shape, certain, chord, loose, clearance, beside, beneath, high, sure)
             if answer > worst or (answer == worst and into > amount):
                 worst, amount = answer, into
     return worst, amount
@@ -444,11 +450,71 @@ def arc_sweep(u0: float, v0: float, u1: float, v1: float, turns: int) -> float:
 
 
 @kernel(compile_seconds=0.2)
-def is_visited(places: Any, tool: int, x: float, y: float, z: float) -> bool:
-    """Whether this tool has stood here at least as deep."""
+def visited(places: Any, tool: int, x: float, y: float, z: float) -> float:
+    """Up to which height this tool has stood here at least as deep and nothing is over it; -inf: it has not."""
+    free = -INF
     for n in range(len(places)):
-        if places[n, 0] == tool and places[n, 1] == x and places[n, 2] == y and places[n, 3] <= z:
+        near = abs(places[n, 1] - x) <= SAME and abs(places[n, 2] - y) <= SAME
+        if near and places[n, 0] == tool and places[n, 3] <= z + SAME:
+            free = max(free, places[n, 4])
+    return free
+
+
+@kernel(compile_seconds=0.4)
+def is_retraced(lines: Any, tool: int, chord: Any, up: float, clean: float) -> bool:
+    """Whether the tip, so much further up, stays on, or over, lines that feeds of this tool have gone along.
+
+    lines: (n, 8) tool, begin and end of each, 1 where surely nothing was left over it; clean: as that, at least. Where
+    the tool has been it has cut, and so has all of it above the tip.
+    """
+    ax, ay, az = chord[0], chord[1], chord[2]
+    dx, dy, dz = chord[3] - ax, chord[4] - ay, chord[5] - az
+    done = 0.0
+    for _ in range(len(lines)):
+        best = done
+        for n in range(len(lines)):
+            if lines[n, 0] != tool or lines[n, 7] < clean:
+                continue
+            px, py, pz = lines[n, 1], lines[n, 2], lines[n, 3]
+            vx, vy, vz = lines[n, 4] - px, lines[n, 5] - py, lines[n, 6] - pz
+            length = math.sqrt(vx * vx + vy * vy)
+            vx, vy, vz = vx / length, vy / length, vz / length
+            # At t the place is at s0 + t s1 along the line, c0 + t c1 beside it and h0 + t h1 over it.
+            s0, s1 = (ax - px) * vx + (ay - py) * vy, dx * vx + dy * vy
+            c0, c1 = (ay - py) * vx - (ax - px) * vy, dy * vx - dx * vy
+            h0, h1 = az + up - pz - s0 * vz, dz - s1 * vz
+            last = 1.0
+            if s1 > 0.0:
+                last = min((length + SAME - s0) / s1, 1.0)
+            elif s1 < 0.0:
+                last = min((-SAME - s0) / s1, 1.0)
+            here = s0 + done * s1
+            if here < -SAME or here > length + SAME or last <= best:
+                continue
+            beside = max(abs(c0 + done * c1), abs(c0 + last * c1))
+            over = min(h0 + done * h1, h0 + last * h1)
+            if beside <= LEFT and over >= -LEFT:
+                best = last
+        if best >= 1.0:
             return True
+        if best <= done:
+            return False
+        done = best
+    return False
+
+
+@kernel(compile_seconds=0.3)
+def is_under(upper: Any, grid: Any, wide: float, chord: Any, height: float) -> bool:
+    """Whether a cell that is within ``wide`` of a chord's box has stock above a height."""
+    ny, nx = upper.shape
+    left = max(math.floor((min(chord[0], chord[3]) - wide - grid[0]) / grid[2]), 0)
+    right = min(math.floor((max(chord[0], chord[3]) + wide - grid[0]) / grid[2]), nx - 1)
+    first = max(math.floor((min(chord[1], chord[4]) - wide - grid[1]) / grid[3]), 0)
+    last = min(math.floor((max(chord[1], chord[4]) + wide - grid[1]) / grid[3]), ny - 1)
+    for row in range(first, last + 1):
+        for i in range(left, right + 1):
+            if upper[row, i] > height:
+                return True
     return False
 
 
@@ -477,7 +543,7 @@ def through(
     beneath: float, box: Any, line: Any, told: Any, amount: Any,
 ) -> None:  # fmt: skip
     """A traverse on a straight line: told and amount of its row, and what it may have cut."""
-    answer, into = enter(upper, lower, grid, tool, chord, loose, clearance, beside, beneath, box)
+    answer, into = enter(upper, lower, grid, tool, tool[10], chord, loose, clearance, beside, beneath, box)
     if answer == CLEAR:
         return
     told[THROUGH], amount[THROUGH] = answer, into
@@ -490,19 +556,21 @@ def through(
 @kernel(seconds_per_unit=5e-6, compile_seconds=10.0)
 def follow(
     op: Any, start: Any, end: Any, center: Any, turns: Any, plane: Any, known: Any, tool_of: Any, beside_of: Any,
-    loose_of: Any, tools: Any, parts: Any, clearance: float, upper: Any, lower: Any, grid: Any, memory: Any,
-    places: Any, told: Any, amount: Any,
+    bow_of: Any, loose_of: Any, tools: Any, parts: Any, clearance: float, upper: Any, lower: Any, grid: Any,
+    memory: Any, places: Any, lines: Any, told: Any, amount: Any,
 ) -> None:  # fmt: skip
     """Follow rows of the trace through a field, which is updated.
 
     start, end, center: (n, 3) of the tip in the field's coordinates; known: (n,) bits HEIGHT, PLACE, START; tool_of:
-    (n,) index in ``tools``; beside_of: (n,) mm that the controller may leave the path; loose_of: (n,) 1 where a
-    traverse may be anywhere between its ends; tools: (t, 8) as in ``remove``, family -1: shape not known, and behind it
-    the height over the tip from which on nothing of the tool is known; parts: (t, p, 6) what does not cut: (family, R,
-    c, k, up, column of ``told``), R 0 for none; clearance: of traverses; memory: (MEMORY,) where the tool is: (known,
-    x, y, lowest z there, tool, index in places), the highest stock, rows so far, and by how much the way of a feed
-    to there may have been off, -1 for no feed; places: (m, 4) where it has stood: (tool, x, y, z); told, amount: (n,
-    KINDS), amounts in mm.
+    (n,) index in ``tools``; beside_of, bow_of: (n,) mm that the controller may leave the path, and an arc in its plane;
+    loose_of: (n,) 1 where a traverse may be anywhere between its ends; tools: (t, 11) family, R, c, k, 0, flutes,
+    greatest depth, heights over the tip from which on nothing of the tool is known, up to which it cuts, and from which
+    on it is thinner than R, and the radius within which its shape is certain; family -1: shape not known; parts: (t, p,
+    6) what does not cut: (family, R, c, k, up, column of ``told``), R 0 for none; clearance: of traverses; memory:
+    (MEMORY,) where the tool is: (known, x, y, lowest z there, tool, index in places), the highest stock, rows so far,
+    by how much the way of a feed to there may have been off, -1 for no feed, index in lines, 1 behind a way straight
+    down, up to which height nothing is over it; places: (m, 5) where it has stood: (tool, x, y, z, that height);
+    lines: (m, 8) where feeds went: as in ``is_retraced``; told, amount: (n, KINDS), amounts in mm.
     """
     chord, box, most = np.zeros(6), np.zeros(4), np.zeros(4)
     line = np.zeros((2, upper.shape[1] + 1))
@@ -534,7 +602,9 @@ def follow(
                 told[row, THROUGH] = NO_PLACE
                 lower[:, :] = -INF
             continue
-        upright = ax == bx and ay == by and o != ARC
+        upright = abs(ax - bx) <= SAME and abs(ay - by) <= SAME and o != ARC
+        if upright:
+            ax, ay = bx, by
         if memory[0] == 0.0 and az - slack < top:
             # Where the tool is found, it stands: what was there may be gone.
             chord[0] = chord[3] = ax
@@ -556,20 +626,47 @@ def follow(
                     False,
                     line,
                 )
-        here = memory[0] != 0.0 and memory[1] == ax and memory[2] == ay
+        here = memory[0] != 0.0 and abs(memory[1] - ax) <= SAME and abs(memory[2] - ay) <= SAME
         deep = min(memory[3], az) if here else az
-        # Straight up, or down to where this tool has been: nothing new is touched.
-        old = upright and (bz >= deep or (bz < az and is_visited(places, t, bx, by, bz)))
+        chord[0], chord[1], chord[2] = ax, ay, az
+        chord[3], chord[4], chord[5] = bx, by, bz
+        # Straight up, or down to where this tool has been, or along there: nothing new is touched but what a thinner
+        # part above the cutter may have left standing over it.
+        neck = tools[t, 9]
+        free = memory[11] if here else az + neck
+        after = max(free, max(az, bz) + neck) if upright else bz + neck
+        old = upright and bz >= deep
+        under = free
+        if upright and not old and bz < az:
+            under = visited(places, t, bx, by, bz)
+            old = under > -INF
+        one_way = upright or loose_of[row] == 0 or (az == bz and (ax == bx or ay == by))
+        if not old and o == TRAVERSE and slack <= LEFT and one_way and min(az, bz) < top:
+            old = is_retraced(lines, t, chord, 0.0, 0.0)
+            under = min(az, bz) + neck
+            if old and under < top and is_retraced(lines, t, chord, 0.0, 1.0):
+                under = INF
+        if old and o == TRAVERSE and under < top:
+            old = not is_under(upper, grid, tools[t, 1] + slack, chord, under)
+        if old and o == TRAVERSE:
+            after = INF
         as_before = here and az >= memory[3] and memory[8] == slack
-        memory[0], memory[1], memory[2] = 1.0, bx, by
+        if not (upright and here):
+            memory[1], memory[2] = bx, by
+        memory[0] = 1.0
         memory[3] = min(deep, bz) if upright else bz
-        if upright and bz < deep and o == FEED:
+        # Where something may be left of the corner between two moves, a plunge counts when it is turned back from.
+        turned = upright and here and bz > az and memory[8] > LEFT and memory[10] == 1.0
+        memory[10] = 1.0 if upright and bz < az else 0.0
+        memory[11] = after
+        if (upright and bz < deep and o == FEED and slack <= LEFT) or turned:
             spot = int(memory[5])
-            places[spot, 0], places[spot, 1], places[spot, 2], places[spot, 3] = t, bx, by, bz
+            places[spot, 0], places[spot, 1], places[spot, 2] = t, bx, by
+            places[spot, 3] = az + memory[8] if turned else bz
+            places[spot, 4] = after
             memory[5] = (spot + 1) % len(places)
         if old:
-            if bz < az:
-                memory[8] = -1.0
+            memory[8] = -1.0 if bz < az or not upright else memory[8]
             continue
         memory[8] = -1.0
         big, sweep, count, off = 0.0, 0.0, 1, 0.0
@@ -594,6 +691,17 @@ def follow(
             continue
         if o == FEED:
             memory[8] = slack
+            if not upright and slack <= LEFT:
+                spot = int(memory[9])
+                lines[spot, 0] = t
+                for n in range(6):
+                    lines[spot, 1 + n] = chord[n]
+                lines[spot, 7] = 0.0
+                if lowest + neck >= top or is_retraced(lines, t, chord, neck, 1.0):
+                    lines[spot, 7], memory[11] = 1.0, INF
+                memory[9] = (spot + 1) % len(lines)
+        if o != TRAVERSE and not upright and lowest + neck >= top:
+            memory[11] = INF
         family = tools[t, 0]
         if family < 0.0:
             memory[8] = -1.0
@@ -604,7 +712,7 @@ def follow(
             fine = CHORD * min(grid[2], grid[3])
             count = min(max(math.ceil(abs(sweep) * math.sqrt(big / (8.0 * fine))), 1), CHORDS)
             part, grow = abs(sweep) / count, abs(last_r - first_r) / count
-            off = (big * part * part + 2.0 * grow * part) / 8.0
+            off = (big * part * part + 2.0 * grow * part) / 8.0 + bow_of[row]
             if w != 2:
                 beneath += off
         chord[0], chord[1], chord[2] = ax, ay, az
@@ -636,11 +744,15 @@ def follow(
                 wide = parts[t, n, 1] + slack + off
                 if parts[t, n, 1] <= 0.0 or low_z + parts[t, n, 4] >= top or not near(grid, upper, wide, chord):
                     continue
-                answer, into = enter(upper, lower, grid, parts[t, n], chord, loose, 0.0, slack + off, beneath, box)
+                answer, into = enter(
+                    upper, lower, grid, parts[t, n], parts[t, n, 1], chord, loose, 0.0, slack + off, beneath, box
+                )
                 kind = int(parts[t, n, 5])
                 if answer > told[row, kind] or (answer == told[row, kind] and into > amount[row, kind]):
                     told[row, kind], amount[row, kind] = answer, into
             chord[0], chord[1], chord[2] = chord[3], chord[4], chord[5]
+        if o == TRAVERSE and told[row, THROUGH] == CLEAR:
+            memory[11] = INF
         for kind in range(2):
             if most[2 * kind + 1] > TOUCH:
                 told[row, FLUTES + kind], amount[row, FLUTES + kind] = SURE, most[2 * kind + 1]

@@ -48,7 +48,7 @@ class Shape:
         else:
             family = {"flat": kernels.FLAT, "ball": kernels.BALL, "bull": kernels.BULL}[self.name]
             first = [family, self.radius, self.radius if self.name == "ball" else self.corner, 0.0]
-        return [*first, 0.0, INF, INF, INF]
+        return [*first, 0.0, INF, INF, INF, INF, INF, self.radius]
 
 
 @dataclass
@@ -128,7 +128,7 @@ def sweep(
     lower = upper.copy()
     n = len(moves)
     told, amount = np.zeros((n, kernels.KINDS), dtype=np.int64), np.zeros((n, kernels.KINDS))
-    memory, places = np.zeros(kernels.MEMORY), np.full((16, 4), math.nan)
+    memory, places, lines = np.zeros(kernels.MEMORY), np.full((16, 5), math.nan), np.full((16, 8), math.nan)
     run = run or kernels.follow.compiled()
     tools, parts = np.array([tool or shape.row()], dtype=np.float64), np.zeros((1, 0, 6))
     op = np.array([m.op for m in moves], dtype=np.uint8)
@@ -142,8 +142,8 @@ def sweep(
     for k in range(0, n, step):
         s = slice(k, k + step)
         run(
-            op[s], start[s], end[s], center[s], turns[s], plane[s], whole[s], nothing[s], off[s], nothing[s], tools,
-            parts, clearance, upper, lower, grid, memory, places, told[s], amount[s],
+            op[s], start[s], end[s], center[s], turns[s], plane[s], whole[s], nothing[s], off[s], 0.0 * off[s],
+            nothing[s], tools, parts, clearance, upper, lower, grid, memory, places, lines, told[s], amount[s],
         )  # fmt: skip
     return Swept(upper, lower, grid, told, amount)
 

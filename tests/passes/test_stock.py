@@ -80,8 +80,8 @@ def test_a_loop_that_comes_back_with_less_stock_is_judged_once(tmp_path: Path) -
 
 
 def test_operators_stops_keep_what_is_left(tmp_path: Path) -> None:
-    job = Judged(tmp_path, SLOT + "G0 Z5\nM0\nG0 X25\nG0 Z-1\nM30\n")
-    assert job.told() == [(8, 436)]
+    assert Judged(tmp_path, SLOT + "G0 Z5\nM0\nG0 X25\nG0 Z-1\nM30\n").told() == []
+    assert Judged(tmp_path, SLOT + "G0 Z5\nM0\nG0 X25 Y20.1\nG0 Z-1\nM30\n").told() == [(8, 436)]
     assert Judged(tmp_path, SLOT + "G0 Z5\nM0\nG0 X25 Y30\nG0 Z-1\nM30\n").told() == [(8, 435)]
 
 

@@ -38,7 +38,10 @@ MUTANTS = {
     "traverses where they begin": ("px, qx = chord[0] + t * dx, chord[0] + end * dx", "px, qx = chord[0], chord[0]"),
     "a clearance that is not there": ("need = high + clearance + beneath", "need = high + beneath"),
     "stock that is not asked": ("if high <= free or high <= floor:", "if high <= free + 0.1 or high <= floor:"),
-    "a retract that is never looked at": ("old = upright and (bz >= deep", "old = upright and (bz >= deep - 1.0"),
+    "a retract that is never looked at": ("old = upright and bz >= deep", "old = upright and bz >= deep - 1.0"),
+    "lines that are wide": ("beside <= LEFT and over >= -LEFT", "over >= -LEFT"),
+    "lines that are deep": ("beside <= LEFT and over >= -LEFT", "beside <= LEFT"),
+    "lines without an end": ("last = min((-SAME - s0) / s1, 1.0)", "last = 1.0"),
 }
 
 
@@ -75,6 +78,10 @@ def told(run: Any) -> bool:
         ([Move(kernels.TRAVERSE, (-5.0, 5.0, 0.5), (17.0, 5.0, 0.5))], 0.5, True),
         ([feed, Move(kernels.TRAVERSE, (9.0, 5.0, -2.0), (9.0, 5.0, -2.5))], 0.0, False),
         ([feed, Move(kernels.TRAVERSE, (9.0, 5.0, -2.0), (9.0, 5.0, 2.0))], 0.0, True),
+        ([feed, Move(kernels.TRAVERSE, (9.0, 5.0, -2.0), (6.0, 5.0, -2.0))], 0.0, True),
+        ([feed, Move(kernels.TRAVERSE, (9.0, 5.0, -2.0), (6.0, 5.001, -2.0))], 0.0, False),
+        ([feed, Move(kernels.TRAVERSE, (9.0, 5.0, -2.0), (6.0, 5.0, -2.001))], 0.0, False),
+        ([feed, Move(kernels.TRAVERSE, (9.0, 5.0, -2.0), (5.999, 5.0, -2.0))], 0.0, False),
     )
     for moves, clearance, clear in cases:
         swept = sweep(flat, moves, cell=0.9, run=run, clearance=clearance)

@@ -5,7 +5,7 @@ G0 Z5
 G0 X20 Y30
 G1 Z-3
 X60
-G0 X30                  ; expect: GP436
+G0 X30 Y30.2                  ; expect: GP436
 G0 Z5
 M5
 M30
