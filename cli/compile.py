@@ -85,6 +85,9 @@ def run_compile(
     if key is not None:
         require_file(key, "key")
     session = open_session(job, machine=machine, setup=setup, dialect=dialect, call=running.call)
+    for name, _, role in session.inputs:
+        if name.encode("utf-8", "replace").decode("utf-8") != name:
+            raise UsageError(f"{role} {name}: a certificate names its files in UTF-8, which this name is not")
     policy = with_options(NO_POLICY, fail_on=None, warnings_are_errors=False, also=also)
     judgement = under(policy, judge(session, running=running, properties=policy.properties), job)
     for finding in judgement.findings.kept:

@@ -70,10 +70,13 @@ def require_place(path: Path, what: str, inputs: tuple[Path | str | None, ...] =
 
 
 def write_text(path: Path, text: str, what: str) -> None:
-    """Write a file in one step; UsageError, and no part of it, when that can not be done."""
+    """Write a file in one step; UsageError, and no part of it, when that can not be done.
+
+    Names of files that are no UTF-8 stand in it as on standard output: ``\\udcff`` for a byte 0xFF.
+    """
     draft = path.with_name(f".{path.name}.{os.getpid()}")
     try:
-        draft.write_text(text, encoding="utf-8")
+        draft.write_text(text, encoding="utf-8", errors="backslashreplace")
         os.replace(draft, path)
     except OSError as error:
         with contextlib.suppress(OSError):

@@ -121,7 +121,7 @@ def _artifact(name: str) -> dict[str, str]:
             path = path.relative_to(Path.cwd())
         except ValueError:
             return {"uri": path.as_uri()}
-    return {"uri": quote(path.as_posix()), "uriBaseId": ROOT}
+    return {"uri": quote(os.fsencode(path.as_posix())), "uriBaseId": ROOT}
 
 
 def _artifacts(outcomes: Sequence[Outcome]) -> list[dict[str, Any]]:

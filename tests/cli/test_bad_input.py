@@ -769,3 +769,28 @@ def test_the_same_machine_twice_is_one(gproof: Run) -> None:
     """A hook's ``args`` and a command line may say the same."""
     done = gproof("check", "job.cnc", *("--machine", "machine.toml", "--setup", "zero") * 2)
     assert (done.exit, done.err) == (0, "")
+
+
+@pytest.mark.parametrize("form", ["text", "json", "sarif", "junit", "github", "markdown"])
+def test_a_name_that_is_no_utf_8_is_reported(gproof: Run, folder: Path, form: str) -> None:
+    """Linux has names of any bytes; reports on standard output and in files say the same."""
+    names = [os.fsdecode(name) for name in (b"b\xffd.cnc", b"m\xff.toml", b"s\xff.toml")]
+    (folder / names[0]).write_text(JOB.replace("X1", "X1 Q5"))
+    (folder / names[1]).write_text(MACHINE)
+    (folder / names[2]).write_text('schema = "gproof-setup/1"\nstart = {x = 0.0}\n')
+    words = ("check", names[0], "--machine", names[1], "--setup", names[2], "--format", form)
+    done = gproof(*words)
+    assert (done.exit, done.err) == (1, "")
+    assert gproof(*words, "--output", "report").exit == 1
+    said = done.out.encode("utf-8", "backslashreplace")
+    assert (folder / "report").read_bytes() == said
+    assert {"sarif": b"b%FFd.cnc", "junit": "b\ufffdd.cnc".encode()}.get(form, b"b\\udcffd.cnc") in said
+    assert gproof(*words, "--write-baseline", "known").exit == 0
+    assert gproof(*words, "--baseline", "known").exit == 0
+
+
+def test_a_certificate_names_no_file_that_is_no_utf_8(gproof: Run, folder: Path) -> None:
+    name = os.fsdecode(b"b\xffd.cnc")
+    (folder / name).write_text(JOB)
+    done = gproof("compile", name, "--machine", "machine.toml", "--setup", "zero", "-o", "x.gpx", "--unsigned")
+    refused(done, "a certificate names its files in UTF-8")
