@@ -198,7 +198,7 @@ def depths(zone: Zone, low: float, high: float, diameter: float, points: Points)
 
 
 @pytest.mark.parametrize("name", MAKERS)
-@pytest.mark.parametrize("seed", seeds(2, 60))
+@pytest.mark.parametrize("seed", seeds(1, 60))
 def test_verdicts_are_what_the_path_does(name: str, seed: int, tmp_path: Path) -> None:
     seen: set[Verdict] = set()
     for case in range(25):
