@@ -8,7 +8,7 @@ from importlib import resources
 import click
 
 from gproof.cli.main import UsageError
-from gproof.ir.codes import CODES
+from gproof.ir.codes import CODES, RETIRED
 from gproof.ir.finding import Code
 
 _SHAPES = "codes look like GP301 or soft-limit"
@@ -21,6 +21,8 @@ SHOWN = 3
 def run_explain(text: str) -> int:
     """Print the explanation of a code given as ``GP301``, ``301``, ``soft-limit`` or ``soft limit``."""
     code = _meant(text)
+    if code is None and (gone := _retired(text)):
+        raise UsageError(gone)
     if code is None:
         raise UsageError(f"there is no finding {text!r}; {_near(text)}")
     page = resources.files("gproof.docs_codes") / code.label / "explanation.md"
@@ -34,6 +36,14 @@ def _meant(text: str) -> Code | None:
     if number:
         return CODES.get(int(number[1]))
     return next((code for code in CODES.values() if code.name == _name(text)), None)
+
+
+def _retired(text: str) -> str:
+    """What is to be said of a code that is no more; "" where none is meant."""
+    for number, (name, instead) in RETIRED.items():
+        if _name(text) in (name, f"gp{number}", str(number)):
+            return f"GP{number} [{name}] is retired: {instead}"
+    return ""
 
 
 def _name(text: str) -> str:

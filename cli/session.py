@@ -134,9 +134,12 @@ def open_session(
         program = load_mcuwin(job, findings, the_machine, machine)
     else:
         from gproof.frontend.eding.load import load_program
+        from gproof.frontend.eding.long_file import judge_length
 
         macro, the_machine = _macro_file(the_machine, machine, job)
         program = load_program(job, findings, macro)
+        if program is not None:
+            judge_length(program, the_machine.controller.super_long_file, findings)
     if program is not None and call is not None:
         _call_only(program, call, job)
     elif program is not None and not program.body and program.subprograms:

@@ -378,6 +378,7 @@ def _controller(root: TomlTable, before: Controller, unit: Fraction) -> Controll
             extruder=table.boolean("extruder"),
             spindle_ramp_time=table.positive("spindle_ramp_time", zero=True),
             macro_file=table.text("macro_file"),
+            super_long_file=table.positive("super_long_file"),
             homing_mandatory=table.boolean("homing_mandatory"),
             safety_feed=table.positive("safety_feed", zero=True),
             home_is_stop=table.boolean("home_is_stop"),

@@ -10,12 +10,20 @@ from __future__ import annotations
 from gproof.ir.finding import Code, Severity
 
 CODES: dict[int, Code] = {}
+RETIRED: dict[int, tuple[str, str]] = {
+    305: ("offset-box", "for which offsets a job is safe stands behind the verdict, and under conditions of a report"),
+    414: ("arc-too-small", "an arc without a radius is GP402, one that a controller cuts as a line GP407"),
+    516: ("jump-target", "a jump to nowhere is GP143, one into a block GP144"),
+}
+"""Numbers and names of codes that are no more, which no other code takes: what tells of the like now."""
 
 
 def code(number: int, name: str, severity: Severity, template: str, prop: str = "language") -> Code:
-    """Declare a code; a number or name used twice is an error at import."""
+    """Declare a code; a number or name used twice, or of a code that was retired, is an error at import."""
     if number in CODES or any(known.name == name for known in CODES.values()):
         raise ValueError(f"finding code {number} {name} declared twice")
+    if number in RETIRED or any(name == old for old, _ in RETIRED.values()):
+        raise ValueError(f"finding code {number} {name} was retired")
     CODES[number] = Code(number, name, severity, template, prop)
     return CODES[number]
 
@@ -351,7 +359,6 @@ NO_SAFE_OFFSET = code(
     "limits",
 )
 POSITION_UNKNOWN = code(304, "position-unknown", _U, "the position of {axis} depends on {cause}", "limits")
-OFFSET_BOX = code(305, "offset-box", _N, "safe for {box}", "limits")
 START_OUTSIDE_LIMITS = code(
     306, "start-outside-limits", _E, "the stated start {axis} {value:.4f} {unit} lies outside its limits", "limits"
 )

@@ -249,7 +249,8 @@ class Controller:
 
     laf_angle: degrees within which successive segments pass without a stop; None: not stated.
     interpolation_time, fifo_time: seconds. max_step_frequency: Hz. macro_file: name of the file of subprograms that
-    is loaded with each job, beside the machine file; None: the usual one. homing_mandatory: no job before homing;
+    is loaded with each job, beside the machine file; None: the usual one. super_long_file: kB beyond which a job is
+    executed without flow control, None: not stated. homing_mandatory: no job before homing;
     safety_feed: mm/s at most while the safety input is active or the machine not homed; home_is_stop: a home
     sensor stops the machine once it is homed; turning: a lathe, which starts in the X-Z plane; extruder: words E move
     what else is axis A (2.11).
@@ -272,6 +273,7 @@ class Controller:
     xz_seen_from: str | None = None
     spindle_ramp_time: float = 0.0
     macro_file: str | None = None
+    super_long_file: float | None = None
     homing_mandatory: bool | None = None
     safety_feed: float | None = None
     home_is_stop: bool | None = None

@@ -224,6 +224,8 @@ class Blocks(Origins):
             # The changer's own motion stands in a change_tool subprogram that was not given: not known.
             self._fail(codes.UNSUPPORTED_CODE.at(line.span, code="M6 on a machine that changes tools by itself"))
         else:
+            if changer is None and len(self.program.files) == 1:
+                self.assumed["no macro file is loaded with the job, so that M6 runs no change_tool (4.3)"] = None
             self._note_stop(line, "M6")
             self._end_section(Wait.TOOL_CHANGE, "tool changed", None, line.span)
 
@@ -303,6 +305,13 @@ class Blocks(Origins):
         )
         tolerance = line.number("P") if rule.function is F.CONTINUOUS else None
         simplify, angle = line.number("Q"), line.number("R")
+        for letter, value in (("P", tolerance), ("Q", simplify)):
+            if value is not None and value < 0.0:
+                what = f"a path can not be kept within {value:g}"
+                raise Refusal(codes.ILLEGAL_VALUE.at(line.where(letter), word=letter, what=what))
+        if angle is not None and not 0.0 <= angle <= 180.0:
+            what = f"a look-ahead angle of {angle:g} degrees; 0 to 180 make sense"
+            raise Refusal(codes.ILLEGAL_VALUE.at(line.where("R"), word="R", what=what))
         s.path_tolerance = 0.0 if tolerance is None else tolerance * s.unit
         s.simplify = 0.0 if simplify is None else simplify * s.unit
         s.laf_angle = math.nan if angle is None else angle

@@ -65,7 +65,8 @@ class Part(Line):
 class Gathered:
     """motion: words that move, with the code of the line or none; parts: other codes in order; settings: F, S, T, D.
 
-    moves_from, words_from: places of the first word of the motion, its code counted in or not, among the line's words.
+    moves_from, words_from: places of the first word of the motion, its code counted in or not, among the line's words;
+    feed_at: that of F.
     """
 
     motion: Part
@@ -73,6 +74,7 @@ class Gathered:
     settings: Part | None = None
     moves_from: int = 1 << 30
     words_from: int = 1 << 30
+    feed_at: int = 1 << 30
     order: list[str] = field(default_factory=list)
 
 
@@ -135,8 +137,10 @@ def _gather(ex: Motion, columns: dict[str, int], span: Span, words: Words, bare:
             line.moves_from, line.words_from = min(line.moves_from, at), min(line.words_from, at)
         elif taker is line.settings:
             line.order.append(letter)
+            line.feed_at = at if letter == "F" else line.feed_at
     for part in line.parts:
         assert part.rule is not None
+        _no_stolen(ex, line, part)
         for letter in part.rule.needs:
             if letter not in part.values:
                 needed = "a number" if letter == PARAMETER else letter
@@ -153,6 +157,17 @@ def _no_second(line: Gathered, part: Part) -> None:
         if other.rule is rule or (rule.group and rule.group != USER and other.rule.group == rule.group):
             what = f"{other.rule.text} and {rule.text} in one line"
             raise Refusal(codes.UNSUPPORTED_CODE.at(part.code_span(), code=what))
+
+
+def _no_stolen(ex: Motion, line: Gathered, part: Part) -> None:
+    """Refusal GP113 for the words of ``G00 G92 X0``: nothing says which of the two codes they belong to."""
+    motion, rule = line.motion.rule, part.rule
+    assert rule is not None
+    if motion is None or not rule.uses_axes or rule.function is F.INTERPOLATION_AXES or line.motion.values:
+        return
+    if line.moves_from < part.at and any(letter not in part.bare for letter in part.columns if letter in part.values):
+        what = f"axis words behind {motion.text} and {rule.text} (whose they are is not documented)"
+        raise Refusal(codes.UNSUPPORTED_CODE.at(part.span, code=what, hint="a line for each code"))
 
 
 def _taker(line: Gathered, owner: Part | None, columns: dict[str, int], letter: str, where: Span) -> Part:
@@ -219,13 +234,19 @@ def _execute(ex: Motion, line: Gathered, continued: str) -> None:
             raise Refusal(codes.UNSUPPORTED_CODE.at(part.code_span(), code=what))
     settings = line.settings
     assert settings is not None
-    # Units and modes first: the F of the line counts in what its own codes have chosen.
+    # Units and modes first: the F of the line counts in what the codes in front of it have chosen.
+    asked = ""
     for part in line.parts:
         assert part.rule is not None
         if part.rule.function not in _LATER:
+            counts = ex.modal.unit, ex.modal.din.time_unit
             _handle(ex, part)
+            if part.at > line.feed_at and counts != (ex.modal.unit, ex.modal.din.time_unit):
+                asked = part.rule.text
     for letter in line.order:
         din_events.SETTINGS[letter](ex, settings)
+    if asked:
+        ex.modal.din = ex.modal.din.but(asked=asked)
     for part in earlier:
         _handle(ex, part)
     if motion is not None:

@@ -21,7 +21,7 @@ from gproof.ir.rules import Function as F
 from gproof.ir.setup import Interval
 from gproof.ir.trace import Op, Plane
 from gproof.passes.din_contour import REACH, Element, judge
-from gproof.passes.din_state import SAME, din_of, factor
+from gproof.passes.din_state import SAME, DinState, din_of, factor
 from gproof.passes.values import BESIDE, NOWHERE, Position
 
 if TYPE_CHECKING:
@@ -29,6 +29,7 @@ if TYPE_CHECKING:
     from gproof.passes.motion import Motion
 
 _SECTIONS = {Plane.XY: "xy", Plane.XZ: "zx", Plane.YZ: "yz"}
+TOLD = "a correction for nothing"
 _RIGHT_HANDED = {Plane.XY: (0, 1), Plane.XZ: (2, 0), Plane.YZ: (1, 2)}
 
 
@@ -64,9 +65,30 @@ def correction(ex: Motion, line: Part, rule: CodeRule) -> None:
     correct(ex, line, 1 if rule.function is F.COMPENSATION_LEFT else -1)
 
 
+def note_record(ex: Motion) -> None:
+    """The record that counts before the first T is taken for granted where nobody states it."""
+    if not ex.modal.din.chosen and ex.setup.tool is None and ex.setup.default_offset is None:
+        ex.assumed["record 0 of the tool table is the one at the start, as after the start of the system (5.5)"] = None
+
+
+def is_for_nothing(din: DinState) -> bool:
+    """Whether a correction is on by record 0, without a radius, which no T has chosen: GP258 at its first move."""
+    return bool(din.idle) and din.tool == 0 and not din.chosen and TOLD not in din.told
+
+
+def tell_for_nothing(ex: Motion, line: Part) -> None:
+    """GP258, once: the tool that is really there goes along the contour with its middle (2.7, 5.5)."""
+    s = ex.modal
+    if is_for_nothing(s.din):
+        s.din = s.din.but(told=s.din.told | {TOLD})
+        hint = "record 0 is the one after the start of the system (5.5): T selects another"
+        ex.findings.add(codes.COMPENSATION_WITHOUT_TOOL.at(line.span, hint=hint))
+
+
 def correct(ex: Motion, line: Part, side: int) -> None:
     """The tool goes beside the contour from here, as far as its record has a radius in the plane."""
     s = ex.modal
+    note_record(ex)
     section = _SECTIONS[s.plane]
     found = [t for t in din_of(ex.machine).tools or () if t.number == s.din.tool and t.plane == section]
     if found and all(t.radius == 0.0 for t in found) and not s.din.plane_open:

@@ -325,7 +325,7 @@ def _record(ex: Motion, line: Part, number: int) -> None:
     """The record that is in force; how a length in it acts, and when, is not described (2.7)."""
     s = ex.modal
     tools = din_of(ex.machine).tools
-    s.din = s.din.but(tool=number)
+    s.din = s.din.but(tool=number, chosen=True)
     if s.din.idle:
         correct(ex, line, s.din.idle)
     elif s.din.side:
@@ -357,6 +357,8 @@ def correction_table(ex: Motion, line: Part) -> None:
         raise Refusal(codes.TASK_UNKNOWN.at(line.where("D"), code="D"))
     if stated is None:
         ex.assumed["D does nothing (5.6)"] = None
+        hint = 'T selects the record of the tool table; [din.task0] D = "..." of the machine file says what Task 0 does'
+        ex.findings.add(codes.COMMAND_IGNORED.at(line.where("D"), what="D, of which Task 0 is not stated", hint=hint))
     ex.event(Op.DEVICE, line.span, text=ex._text(f"D{'?' if isinstance(value, Unknown) else format(value, 'g')}"))
 
 

@@ -18,7 +18,7 @@ from gproof.ir.rules import CodeRule
 from gproof.ir.rules import Function as F
 from gproof.ir.trace import Op, Plane
 from gproof.passes.cycles import AXES_OF_PLANE
-from gproof.passes.din_compensation import before, contour_place, follow, no_arc
+from gproof.passes.din_compensation import before, contour_place, follow, no_arc, note_record, tell_for_nothing
 from gproof.passes.din_state import SAME, din_of, factor, has_tools, own_unit
 from gproof.passes.modal import ZERO
 from gproof.passes.motion_hints import of_value
@@ -46,6 +46,8 @@ def note_assumptions(ex: Motion) -> None:
         ex.assumed["axes of which no unit is stated count in millimetres and degrees in G00 (3.1)"] = None
     turns = any(axis.kind is AxisKind.ROTARY for axis in ex.machine.axes)
     ex.assumed.update({USUAL[key]: None for key in din.unstated if turns or key != "shortest_path"})
+    if any(record.length != 0.0 for record in din.tools or ()):
+        note_record(ex)
     if ex.setup.default_offset is None:
         ex.assumed["no reflection, no effective radius, no spline and no radius correction is on at the start"] = None
 
@@ -131,6 +133,8 @@ def move(ex: Motion, line: Part, rule: CodeRule) -> None:
     target = aim(ex, line, own=rule.function is F.TRAVERSE)
     if s.din.side:
         target = follow(ex, target)
+    elif rule.function is not F.TRAVERSE:
+        tell_for_nothing(ex, line)
     if rule.function is F.TRAVERSE:
         if target == s.position and tell_way(ex, line):
             ex.findings.add(codes.NO_WAY.at(Span(line.span.file, line.span.line), code=rule.text))

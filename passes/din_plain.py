@@ -15,7 +15,7 @@ from gproof.ir.finding import Span
 from gproof.ir.machine import AXIS_NAMES
 from gproof.ir.trace import Op, Plane
 from gproof.passes import plain_kernels as k
-from gproof.passes.din_compensation import is_beside
+from gproof.passes.din_compensation import is_beside, is_for_nothing
 from gproof.passes.din_state import SAME, DinState, own_unit
 from gproof.passes.single_state import letters_of
 from gproof.passes.values import NOWHERE
@@ -49,6 +49,7 @@ def is_plain(ex: Emitter) -> bool:
         and not din.reflected
         and not din.spline
         and not din.side
+        and not is_for_nothing(din)
         and not din.constant_speed
         and not din.asked
         and din.feed > 0.0

@@ -59,9 +59,9 @@ class DinState:
     must be given anew (3.21, 3.22, 3.28); time_unit: seconds, None: not stated; constant_speed: G96. center: I and J
     of the last arc in mm. side: of the radius compensation that is on, 1 left, -1 right, 0 off; idle: the same while
     the tool's radius is 0; corrected: what is known of the compensation, None: nothing; tool: the record that is
-    selected. lower, upper: software limits now, None: those of the machine's file; limits_open: columns whose limits
-    are not known. saved: values that the job saved (M901, M903), by the variable's number. contour: a move that can be
-    joined was the last one. stored: by axis what the last G153 left in CD50 and on,
+    selected, chosen: by a T of the job. lower, upper: software limits now, None: those of the machine's file;
+    limits_open: columns whose limits are not known. saved: values that the job saved (M901, M903), by the variable's
+    number. contour: a move that can be joined was the last one. stored: by axis what the last G153 left in CD50 and on,
     and the offset it stands for. told: what is told once.
     """
 
@@ -86,6 +86,7 @@ class DinState:
     idle: int = 0
     corrected: Correction | None = None
     tool: int | None = None
+    chosen: bool = False
     lower: tuple[float | None, ...] | None = None
     upper: tuple[float | None, ...] | None = None
     limits_open: frozenset[int] = frozenset()

@@ -77,6 +77,9 @@ def _output(ex: Motion, line: Line, rule: CodeRule) -> None:
         raise Refusal(codes.UNSUPPORTED_CODE.at(line.where("E"), code=f"{rule.text} E"))
     if channel is not None and pwm is not None:
         raise Refusal(codes.OUTPUT_VALUE.at(line.where("E"), code=rule.text, what="one output, in P or in E"))
+    letter, number = ("P", channel) if pwm is None else ("E", pwm)
+    if number is not None and number < 0:
+        raise Refusal(codes.OUTPUT_VALUE.at(line.where(letter), code=rule.text, what=f"there is no output {number}"))
     if pwm is None:
         if channel is None:
             raise Refusal(codes.WORD_MISSING.at(line.where_code(rule), code=rule.text, needed="its output in P"))

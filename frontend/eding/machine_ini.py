@@ -55,6 +55,7 @@ _SETTINGS: dict[str, tuple[str, tuple[str, ...]]] = {
     "diameter_programming": ("INTERPRETER", ("diameterProgramming",)),
     "extruder": ("INTERPRETER", ("is3DPrinter",)),
     "macro_file": ("INTERPRETER", ("macroFileName",)),
+    "super_long_file": ("USERINTERFACE", ("superLongFileModeCriterion",)),
     "knife_angle": ("TANKNIFE", ("tanKnifeAngle", "tanKnifeAngleForLiftUp")),
     "knife_lift": ("TANKNIFE", ("tanKnifeZUpDistance", "tanKnifeLiftUpDistance")),
     "knife_blend_angle": ("TANKNIFE", ("tanKnifeBlendAngle",)),
@@ -76,7 +77,7 @@ _KEPT = (
     " showinprogspeedanamulfactor homeinputsenselevel endofstrokeinputsenselevel usexhomeinputforallaxes"
     " useonlyhomexforallaxes estopinputsenselevel1 estopinputsenselevel2 exterrinputsenselevel"
     " exterrorinputsenselevel safetyinputportid feedoverrideinput feedholdinput speedoverrideinput speedholdinput"
-    " longfilemodecriterion superlongfilemodecriterion g0velocityfactor g0accelelerationfactor lafaccfilter"
+    " longfilemodecriterion g0velocityfactor g0accelelerationfactor lafaccfilter"
     " mincirclesegmentsize usermacrofilename storeprobepoints storeprobetouchpoints usehomeinput4"
     " probeusehomeinput4 probetouchpointfilename language connection ethernet password setuppassword invertjogkeys"
     " showstartupscreen simplezeroing showmaximized showm7 showm8 shutdownonfatal favoriteeditor icondirectory"
@@ -410,6 +411,7 @@ class _Reader:
             extruder=self.switch("extruder"),
             spindle_ramp_time=self.ini.at_least("SPINDLE_0", "spindleRampUpTime", 0.0) or 0.0,
             macro_file=macro or None,
+            super_long_file=self.at_least_0("super_long_file"),
             homing_mandatory=self.stated("homing_mandatory"),
             safety_feed=self.at_least_0("safety_feed"),
             home_is_stop=self.stated("home_is_stop"),

@@ -13,6 +13,7 @@ from gproof.ir.rules import Function as F
 
 MOTION, PLANE, MIRROR, RADIUS, OFFSET = "motion", "plane", "reflection", "radius", "offset"
 UNITS, DISTANCE, SPINDLE_MODE, SPLINE, CENTERS = "units", "distance", "speed mode", "spline", "centres"
+SPINDLE, COOLANT = "spindle", "coolant"
 USER = "user"
 """Group of G200 to G299 and M200 to M299, which the application defines."""
 
@@ -28,10 +29,11 @@ def _g(
 
 
 def _m(
-    number: int, function: F, source: str, *, axes: bool = False, takes: str = "", value: int = 0, needs: str = ""
+    number: int, function: F, source: str, group: str = "", *, axes: bool = False, takes: str = "", value: int = 0,
+    needs: str = "",
 ) -> CodeRule:  # fmt: skip
     return CodeRule(
-        letter="M", tenths=number * 10, function=function, group="", source=source, uses_axes=axes, takes=takes,
+        letter="M", tenths=number * 10, function=function, group=group, source=source, uses_axes=axes, takes=takes,
         value=value, needs=needs,
     )  # fmt: skip
 
@@ -83,12 +85,12 @@ _M = (
     _m(0, F.STOP, "4.1"),
     _m(1, F.OPTIONAL_STOP, "4.2"),
     _m(2, F.END, "4.3"),
-    _m(3, F.SPINDLE_CW, "4.4"),
-    _m(4, F.SPINDLE_CCW, "4.5"),
-    _m(5, F.SPINDLE_OFF, "4.6"),
+    _m(3, F.SPINDLE_CW, "4.4", SPINDLE),
+    _m(4, F.SPINDLE_CCW, "4.5", SPINDLE),
+    _m(5, F.SPINDLE_OFF, "4.6", SPINDLE),
     _m(6, F.TOOL_CHANGE, "4.7"),
-    _m(8, F.FLOOD_ON, "4.8"),
-    _m(9, F.COOLANT_OFF, "4.9"),
+    _m(8, F.FLOOD_ON, "4.8", COOLANT),
+    _m(9, F.COOLANT_OFF, "4.9", COOLANT),
     _m(17, F.RETURN, "4.10"),
     _m(26, F.OUTPUT_ON, "4.11", takes=PARAMETER, needs=PARAMETER),
     _m(27, F.OUTPUT_OFF, "4.12", takes=PARAMETER, needs=PARAMETER),

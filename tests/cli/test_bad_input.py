@@ -470,6 +470,8 @@ def test_a_picture_is_svg(folder: Path, gproof: Run) -> None:
         (["compile", "job.cnc", "-o", "x.gpx", "--key", "nothere.pem"], "key nothere.pem: no such file"),
         (["explain"], "CODE"),
         (["explain", "GP999"], "GP999"),
+        (["explain", "GP305"], "GP305 [offset-box] is retired"),
+        (["explain", "jump-target"], "GP143"),
         (["explain", "GP1"], "GP1"),
         (["explain", "0"], "'0'"),
         (["explain", ""], "''"),

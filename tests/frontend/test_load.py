@@ -234,3 +234,26 @@ def test_a_job_from_a_pipe(tmp_path: Path) -> None:
     writer.join()
     assert program is not None
     assert program.line_count == 2
+
+
+def test_flow_control_in_a_job_of_super_long_file_mode(tmp_path: Path) -> None:
+    """2.1.14: files beyond SuperLongFileModeCriterion have no while, if and subroutines; macro.cnc goes on."""
+    from gproof.frontend.eding.long_file import judge_length
+
+    def told(text: str, criterion: float | None, macro: str = "") -> list[tuple[str, int]]:
+        (tmp_path / "job.cnc").write_text(text, encoding="utf-8")
+        (tmp_path / "macro.cnc").write_text(macro, encoding="utf-8")
+        findings = Findings()
+        program = load_program(tmp_path / "job.cnc", findings)
+        assert program is not None
+        judge_length(program, criterion, findings)
+        return [(f.code.label, f.span.line) for f in findings.kept]
+
+    plain = "G0 X1\n" * 20
+    for flow in ("#1 = 0\nwhile [#1 < 1]\n#1 = 1\nendwhile\n", "#1 = 0\nif [#1 == 0]\nendif\n"):
+        assert told(plain + flow, 0.1) == [("GP113", 22)]
+        assert told(plain + flow, 1.0) == []
+        assert told(plain + flow, None) == []
+    assert told(plain + "gosub a\n", 0.1, "sub a\nendsub\n") == [("GP113", 21)]
+    assert told(plain + "gosub a\nsub a\nendsub\n", 0.1) == [("GP113", 21)]
+    assert told(plain, 0.1, "sub change_tool\nif [1 == 1]\nendif\nendsub\n") == []

@@ -70,7 +70,10 @@ def _tools(*records: tuple[str, int, float, float]) -> tuple[RadiusTool, ...]:
 
 def test_radius_correction() -> None:
     plain = machine(tools=_tools(("xy", 0, 0.0, 0.0), ("xy", 1, 5.0, 0.0), ("zx", 0, 2.0, 0.0)))
-    assert labels(run(["G41", "G01 X5 F100", "G40"], on=plain)[1]) == []
+    # Record 0, which counts before the first T, is no tool: told once, at the first move of the contour.
+    assert labels(run(["G41", "G01 X5 F100", "G01 X7", "G40"], on=plain)[1]) == ["GP258"]
+    assert labels(run(["T0", "G41", "G01 X5 F100", "G40"], on=plain)[1]) == []
+    assert labels(run(["G41", "G00 X5", "G40", "G01 X5 Y5 F100"], on=plain)[1]) == []
 
     # A correction by nothing becomes one when the tool or the plane does.
     def is_exact(*lines: str) -> bool:

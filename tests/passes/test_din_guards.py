@@ -142,7 +142,7 @@ def test_an_arc_through_an_axis_that_does_not_interpolate() -> None:
 
 def test_axis_d_of_the_manual_is_no_tool_table() -> None:
     assert labels(run(["G51 C20 D40"])[1]) == ["GP296"]
-    assert labels(run(["G51 C20", "D40"])[1]) == []
+    assert labels(run(["G51 C20", "D40"])[1]) == ["GP200"]
 
 
 def test_centre_words_behind_a_maintained_g92() -> None:
@@ -195,3 +195,23 @@ def test_a_reflection_that_is_on_already_changes_no_side() -> None:
 def test_axes_that_an_arc_or_a_correction_moves_have_had_a_reference_run(lines: list[str], expected: list[str]) -> None:
     some = dataclasses.replace(ZERO, homed=("x", "z"))
     assert labels(run(["G90 F100", *lines], on=machine(tools=TOOLS), setup=some)[1]) == expected
+
+
+@pytest.mark.parametrize(
+    ("line", "expected"),
+    [
+        # Which of two codes of one kind counts, and whose the words are, no section says (3, 4).
+        ("M03 M05", ["GP113"]), ("M04 M03", ["GP113"]), ("M08 M09", ["GP113"]), ("M03 M08", []), ("M05 M09", []),
+        ("G00 G92 X5", ["GP113"]), ("G01 G98 X-5", ["GP113"]), ("G92 X5 G00 X7", []), ("G90 G00 X5", []),
+        # F in front of a code of units (5.3).
+        ("F10 G70 M08", []), ("G70 F10 M08", []),
+    ],
+)  # fmt: skip
+def test_two_codes_of_a_line(line: str, expected: list[str]) -> None:
+    assert labels(run(["G90 F100", line])[1]) == expected
+
+
+def test_feed_in_front_of_its_unit() -> None:
+    assert labels(run(["G90", "F10 G70", "G01 X1"])[1]) == ["GP204"]
+    assert labels(run(["G90", "G70 F10", "G01 X1"])[1]) == []
+    assert labels(run(["G90", "F10 G71", "G01 X1"])[1]) == []
