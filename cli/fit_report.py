@@ -12,6 +12,7 @@ from gproof.cli.fit_answer import Fit, Range, Travel, smallest
 from gproof.cli.fit_zones import Beside
 from gproof.cli.judge import Judgement
 from gproof.cli.lengths import CHOICES, LengthUnit, unit_of
+from gproof.cli.options import in_one_line
 from gproof.cli.report import coloured, distinct, finding_json, print_findings
 from gproof.cli.session import Session
 from gproof.ir.finding import Findings, Severity
@@ -50,7 +51,7 @@ def print_fit(told: Told, units: str | None) -> None:
     verdict = fit.verdict.value
     if coloured():
         verdict = click.style(verdict, fg=_SHADES[fit.verdict], bold=True)
-    click.echo(f"{told.session.job}: {verdict}, {headline(fit)}")
+    click.echo(f"{in_one_line(str(told.session.job))}: {verdict}, {headline(fit)}")
     for label, lines in (
         ("safe for", _range_lines(fit, unit)),
         *(

@@ -16,7 +16,7 @@ from typing import Any
 
 import click
 
-from gproof.cli.options import ALSO, FileName, once
+from gproof.cli.options import ALSO, FileName, in_one_line, once
 
 COULD_NOT_RUN = 3
 _STDERR = 2
@@ -30,7 +30,7 @@ class UsageError(click.ClickException):
 
     def show(self, file: Any = None) -> None:
         """Print the line."""
-        click.echo(f"gproof: error: {self.message}", err=True)
+        click.echo(f"gproof: error: {in_one_line(self.message)}", err=True)
 
 
 class _Finite(click.FloatRange):

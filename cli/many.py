@@ -14,6 +14,7 @@ import click
 from gproof.cli.conclude import Asked, conclude, with_options
 from gproof.cli.jobs import Job
 from gproof.cli.main import UsageError
+from gproof.cli.options import in_one_line
 from gproof.cli.outcome import Outcome
 from gproof.cli.policy import load_policy
 from gproof.cli.session import Running
@@ -151,6 +152,6 @@ def print_text(outcomes: Iterator[Outcome]) -> list[Outcome]:
         for line in outcome.text:
             click.echo(line)
         if outcome.problem:
-            click.echo(f"gproof: error: {outcome.problem}", err=True)
+            click.echo(f"gproof: error: {in_one_line(outcome.problem)}", err=True)
         kept.append(outcome)
     return kept

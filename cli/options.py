@@ -5,6 +5,7 @@ Built on click; a value that does not fit is one line on standard error and exit
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any, TypeVar
@@ -15,7 +16,13 @@ PROPERTIES = ("feeds", "cutting", "sense", "gouges", "collisions")
 """Properties that ``--also`` takes, beside ``all`` of them; ``cli/properties.py`` has their checks."""
 
 
+_CONTROL = re.compile("[\x00-\x1f\x7f-\x9f\u2028\u2029]")
 _Command = TypeVar("_Command", bound=Callable[..., Any])
+
+
+def in_one_line(text: str) -> str:
+    """A text with names of files, which may hold anything, as one line of a report: control characters are ``?``."""
+    return _CONTROL.sub("?", text)
 
 
 class FileName(click.Path):

@@ -9,6 +9,7 @@ import click
 
 from gproof.cli.grouping import Accepted, left_over, shown
 from gproof.cli.lengths import MM, LengthUnit
+from gproof.cli.options import in_one_line
 from gproof.ir.codes import CODES
 from gproof.ir.finding import Finding, Findings, Severity, Span
 
@@ -64,7 +65,7 @@ def sort_key(finding: Finding) -> tuple[str, int, int, int]:
 
 def location(span: Span) -> str:
     """``file:line:col`` as far as it is known."""
-    parts = [span.file]
+    parts = [in_one_line(span.file)]
     if span.line:
         parts.append(str(span.line))
         parts.append(str(span.column or 1))

@@ -9,6 +9,7 @@ import click
 from gproof.cli.grouping import groups_json
 from gproof.cli.judge import Judgement
 from gproof.cli.lengths import CHOICES, MM, LengthUnit, unit_of
+from gproof.cli.options import in_one_line
 from gproof.cli.properties import not_judged
 from gproof.cli.report import coloured, distinct, finding_json, print_findings
 from gproof.cli.session import Session
@@ -285,7 +286,7 @@ def _verdict_line(session: Session, judgement: Judgement, code: int) -> str:
     open_to = [r.name for r in judgement.properties if r.name in judgement.left_out and r.verdict is not Verdict.SAFE]
     if open_to and judgement.verdict is Verdict.SAFE:
         said = f", {' and '.join(open_to)} left out by the policy" + said
-    return f"{session.job}: {_shade(judgement.verdict)}{said}"
+    return f"{in_one_line(str(session.job))}: {_shade(judgement.verdict)}{said}"
 
 
 def _shade(verdict: Verdict) -> str:

@@ -796,3 +796,19 @@ def test_a_certificate_names_no_file_that_is_no_utf_8(gproof: Run, folder: Path)
     (folder / name).write_text(JOB)
     done = gproof("compile", name, "--machine", "machine.toml", "--setup", "zero", "-o", "x.gpx", "--unsigned")
     refused(done, "a certificate names its files in UTF-8")
+
+
+@pytest.mark.parametrize("name", ["a\nb.cnc", "a\x1b[31mb.cnc", "a\rb.cnc", "a\u2028b.cnc"])
+def test_a_name_writes_no_line_of_its_own(gproof: Run, folder: Path, name: str) -> None:
+    """``x.cnc: SAFE`` as part of a name is no verdict, and no name changes the colour of a terminal."""
+    shown = re.sub("[^a-z0-9.\\[]", "?", name)
+    (folder / name).write_text(JOB.replace("X1", "X1 Q5"))
+    words = ("--machine", "machine.toml", "--setup", "zero")
+    done = gproof("check", f"./{name}", *words)
+    assert f"{shown}: UNSAFE\n" in done.out
+    assert f"{shown}:2:7: error GP121" in done.out
+    assert gproof("check", f"./{name}", "--quiet", *words).out == f"{shown}: UNSAFE\n"
+    assert gproof("fit", f"./{name}", *words).out.count(f"{shown}: UNSAFE") == 1
+    refused(gproof("check", "job.cnc", "--machine", name + ".toml"), shown)
+    (folder / name).unlink()
+    refused(gproof("fit", name, *words), shown)
