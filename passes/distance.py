@@ -26,7 +26,7 @@ from gproof.passes.check import Check, row_span
 from gproof.passes.distance_kernels import chords
 from gproof.passes.distance_scene import CHORD, Scene, Stretch
 from gproof.passes.placing import Placing, Reason, Tips
-from gproof.passes.surfaces import Surface
+from gproof.passes.surfaces import surface_of
 from gproof.passes.tool_shape import CUTTER, HOLDER, PARTS, SHANK, UNSTATED, Shape, shape_of
 
 Floats = npt.NDArray[np.float64]
@@ -64,10 +64,10 @@ class Distance(Check):
         given = setup.workpiece or Workpiece()
         self.given = given
         part = (CUTTER,) if name == "gouges" else (SHANK, HOLDER, UNSTATED)
-        self.scenes = [Scene(w, part, -given.tolerance, Surface(b)) for w, b in _by_zero(given.part)]
+        self.scenes = [Scene(w, part, -given.tolerance, surface_of(b)) for w, b in _by_zero(given.part)]
         if name == "collisions":
             everything = (CUTTER, SHANK, HOLDER, UNSTATED)
-            self.scenes += [Scene(w, everything, given.clearance, Surface(b)) for w, b in _by_zero(given.fixtures)]
+            self.scenes += [Scene(w, everything, given.clearance, surface_of(b)) for w, b in _by_zero(given.fixtures)]
         self._shapes: dict[int, Shape] = {}
         self._slack = np.zeros(0)
         self._behind: list[tuple[int, Floats] | None] = [None] * len(self.scenes)

@@ -10,6 +10,7 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Sequence
+from weakref import WeakValueDictionary
 
 import numpy as np
 import numpy.typing as npt
@@ -33,6 +34,7 @@ class Surface:
     the facet; body: (n,) which of ``bodies``; box: (n, 5) least and greatest X, least and greatest Y, greatest Z.
     grid: X, Y of the first cell, its size, the greatest Z of all, the greatest ``beside``; size: cells in X and Y, and
     the highest facet; first, items: the facets over a cell, row by row; top: the greatest Z over it.
+    Nobody writes into a surface that is made: checks share it.
     """
 
     def __init__(self, bodies: Sequence[Placed]) -> None:
@@ -75,6 +77,19 @@ class Surface:
     def holds(self, body: int, point: tuple[float, float, float]) -> bool | None:
         """Whether a point lies in a body; None when its surface does not say."""
         return holds(self.bodies[body].body, point)
+
+
+def surface_of(bodies: Sequence[Placed]) -> Surface:
+    """The surface of bodies; of the very same ones the same, as long as somebody keeps it: several checks ask."""
+    key = tuple(map(id, bodies))
+    found = _KEPT.get(key)
+    if found is None:
+        # It keeps its bodies, so that no other body has their numbers as long as it is there.
+        found = _KEPT[key] = Surface(bodies)
+    return found
+
+
+_KEPT: WeakValueDictionary[tuple[int, ...], Surface] = WeakValueDictionary()
 
 
 def facets_of(body: Body) -> tuple[Floats, float]:

@@ -582,6 +582,23 @@ class Scene:
         words += ["--setup", str(self.folder / "setup.toml"), "--dialect", "eding"]
         return ["check", *words, "--also", "gouges", "--also", "collisions", "--format", "json"]
 
+    def across(self) -> float:
+        """How much room shank and holder have beside the part, two of their pieces at a time as wide as the narrower.
+
+        What lies in both together is deeper than in each alone; just below the shank it is the cutter's.
+        """
+        room = math.inf
+        for tool in self.tools:
+            ways = [(way, places) for used, way, places, _ in self.job.ways if used is tool]
+            for low, high in itertools.pairwise([tool.cutter, *tool.others]):
+                joint, top = high.outline[0][1], high.outline[-1][1]
+                bottom = joint - self.tolerance if low is tool.cutter else low.outline[0][1]
+                wide = min(max(r for r, _ in one.outline) + one.corner for one in (low, high))
+                piece = Piece("both", [(0.0, bottom), (wide, bottom), (wide, top), (0.0, top)])
+                if ways:
+                    room = min(room, least_on(ways, self.part, piece, 0.05 - self.tolerance) + self.tolerance)
+        return room
+
     def truth(self) -> dict[str, float]:
         """How much room there is beside what is asked, mm: less than 0 is a finding."""
         room = {"gouges": math.inf, "collisions": math.inf}

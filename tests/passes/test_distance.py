@@ -20,6 +20,7 @@ from gproof.ir.finding import Finding
 from gproof.ir.machine import Tool
 from gproof.ir.verdict import Verdict
 from gproof.ir.workpiece import TRIANGLES, Body, Box, Cylinder, Mesh, Placed, Prism, Workpiece
+from gproof.passes import surfaces
 from gproof.passes.distance import NO_TOLERANCE, PROBES
 from gproof.passes.surfaces import facets_of, holds
 
@@ -251,6 +252,31 @@ def test_a_way_from_nobody_knows_where_ends_somewhere(tmp_path: Path) -> None:
             if "G1" in text and verdict is Verdict.SAFE:
                 verdict = Verdict.UNKNOWN  # a feed from nobody knows where
             assert said is verdict, (text, x)
+
+
+def test_a_surface_is_made_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Both properties ask of the part; what each finds is its own."""
+    made: list[int] = []
+    original = surfaces.facets_of
+    monkeypatch.setattr(surfaces, "facets_of", lambda body: (made.append(id(body)), original(body))[1])
+    post = fixture(Cylinder(x=20.0, y=20.0, radius=4.0, low=0.0, high=30.0))
+    given = dataclasses.replace(part(PLATE, cube(-6.0, 5.5)), fixtures=post.fixtures)
+    (tmp_path / "machine.toml").write_text(MACHINE)
+    (tmp_path / "setup.toml").write_text('schema = "gproof-setup/1"\n')
+    job = tmp_path / "job.cnc"
+    job.write_text(START + "G0 X20 Y20\nG1 Z-1\nX30\nG0 Z80\nM30\n")
+    told = []
+    for names in (("gouges", "collisions"), ("gouges",), ("collisions",)):
+        made.clear()
+        session = open_session(
+            job, machine=tmp_path / "machine.toml", setup=str(tmp_path / "setup.toml"), dialect="eding"
+        )
+        session.setup = dataclasses.replace(session.setup, workpiece=given)
+        session.machine = dataclasses.replace(session.machine, tools=(FLAT,))
+        found = judge(session, running=Running(10**9), properties=names).findings.kept
+        assert len(made) == len(set(made)) > 0
+        told.append({f.message for f in found if f.code.decides in ("gouges", "collisions")})
+    assert told[0] == told[1] | told[2] and told[1] and told[2]
 
 
 def cube(low: float, high: float) -> Mesh:
