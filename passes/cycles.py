@@ -18,7 +18,7 @@ from gproof.passes.line import Line
 from gproof.passes.reach import reach_of
 from gproof.passes.spindle import need_turning, note_speed_unknown
 from gproof.passes.transform_codes import check_cycle
-from gproof.passes.values import RISEN, Position, Unknown
+from gproof.passes.values import RISEN, Position, Unknown, not_known
 from gproof.passes.word_owner import owned
 
 if TYPE_CHECKING:
@@ -204,7 +204,7 @@ def _check_rotary(ex: Motion, line: Line, rule: CodeRule) -> None:
         if axis < 3:
             continue
         if isinstance(value, Unknown):
-            raise Refusal(codes.UNKNOWN_VALUE.at(line.span, word=AXIS_NAMES[axis].upper(), cause=value.cause))
+            raise Refusal(not_known(line.span, AXIS_NAMES[axis].upper(), value))
         moved = ex.target(axis, value).minus(ex.modal.position[axis])
         if moved.form or abs(moved.value) > 1e-9:
             raise Refusal(codes.CYCLE_ROTARY_MOTION.at(line.span, code=rule.text, axis=AXIS_NAMES[axis].upper()))

@@ -26,7 +26,7 @@ from gproof.passes.emitter import ProgramEnd
 from gproof.passes.modal import ZERO
 from gproof.passes.single_motion import lose_places
 from gproof.passes.single_state import letters_of, value_of, with_pair
-from gproof.passes.values import NOWHERE, Position, Unknown, Value
+from gproof.passes.values import NOWHERE, Position, Unknown, Value, not_known
 
 if TYPE_CHECKING:
     from gproof.passes.din import Part
@@ -393,7 +393,7 @@ def read_named(ex: Emitter, node: Named) -> Value:
 def wait(ex: Emitter, seconds: Value, span: Span) -> None:
     """wt: in the unit of the machine's file."""
     if isinstance(seconds, Unknown):
-        raise Refusal(codes.UNKNOWN_VALUE.at(span, word="wt", cause=seconds.cause))
+        raise Refusal(not_known(span, "wt", seconds))
     if seconds < 0:
         raise Refusal(codes.DWELL_NEGATIVE.at(span, seconds=seconds))
     unit = din_of(ex.machine).wait_unit

@@ -23,7 +23,7 @@ from gproof.passes.din_state import SAME, din_of, factor, has_tools, own_unit
 from gproof.passes.modal import ZERO
 from gproof.passes.motion_hints import of_value
 from gproof.passes.single_kernels import ZERO_RADIUS, distance
-from gproof.passes.values import NOWHERE, Position, Unknown, Value, describe
+from gproof.passes.values import NOWHERE, Position, Unknown, Value, describe, not_known
 
 if TYPE_CHECKING:
     from gproof.passes.din import Part
@@ -100,11 +100,12 @@ def aim(ex: Motion, line: Part, *, own: bool) -> list[Position]:
 def _placed(ex: Motion, line: Part, axis: int, value: Value, scale: float, origin: Position) -> Position:
     if not isinstance(value, Unknown):
         return Position(value * scale + origin.value, origin.form)
-    if not value.bounded or origin == NOWHERE:
+    if not value.bounded:
         word = _word(ex, axis)
-        hint = of_value(value.cause)
-        ex.findings.add(codes.UNKNOWN_VALUE.at(line.where(word), word=word, cause=value.cause, hint=hint))
+        ex.findings.add(not_known(line.where(word), word, value, of_value(value.cause)))
         return NOWHERE
+    if origin == NOWHERE:
+        return NOWHERE  # as from a plain number; what it rests on was told where it came about
     ends = value.low * scale, value.high * scale
     return ex.unknown_place("value", axis, (min(ends), max(ends)), origin)
 

@@ -19,7 +19,7 @@ from gproof.ir.trace import Op
 from gproof.passes.din_motion import Handler, note_assumptions
 from gproof.passes.din_state import SAME, din_of, own_unit
 from gproof.passes.modal import ZERO
-from gproof.passes.values import NOWHERE, Position, Unknown, Value, bounds, describe
+from gproof.passes.values import NOWHERE, Position, Unknown, Value, bounds, describe, not_known
 
 if TYPE_CHECKING:
     from gproof.passes.din import Part
@@ -124,7 +124,7 @@ def _number(ex: Motion, line: Part, axis: int, value: Value) -> Position:
         return Position(value * scale)
     word = ex.machine.word(axis)
     if not value.bounded:
-        ex.findings.add(codes.UNKNOWN_VALUE.at(line.where(word), word=word, cause=value.cause))
+        ex.findings.add(not_known(line.where(word), word, value))
         return NOWHERE
     return ex.unknown_place("value", axis, (value.low * scale, value.high * scale), ZERO)
 

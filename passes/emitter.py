@@ -268,6 +268,8 @@ class Emitter:
             self.findings.add(codes.LOOP_VARIABLE.at(span, name=name, hint="use a variable of its own behind the loop"))
         if value.cause != own:
             return value
+        if whole in self.modal.setup.parameter_ranges and whole not in self.modal.parameters:
+            return Unknown(name, value.low, value.high)  # what the setup states of it
         if whole not in self._warned:
             self._warned.add(whole)
             self.findings.add(codes.UNSET_PARAMETER.at(span, name=name))

@@ -12,7 +12,7 @@ from gproof.ir.finding import Refusal, Span
 from gproof.ir.program import PARAMETER
 from gproof.ir.record import field, record
 from gproof.ir.rules import CodeRule, Function, LanguageRules
-from gproof.passes.values import AXIS_INDEX, Unknown, Value
+from gproof.passes.values import AXIS_INDEX, Unknown, Value, not_known
 
 WordSpan = Callable[[str], Span]
 LARGEST = 1e12
@@ -71,7 +71,7 @@ class Line:
         self.used.add(letter)
         value = self.values.get(letter)
         if isinstance(value, Unknown):
-            raise Refusal(codes.UNKNOWN_VALUE.at(self.where(letter), word=_named(letter), cause=value.cause))
+            raise Refusal(not_known(self.where(letter), _named(letter), value))
         return value
 
     def whole(self, letter: str, tolerance: float) -> int | None:

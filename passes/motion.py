@@ -23,7 +23,7 @@ from gproof.passes.spindle import note_speed_unknown, true_rpm
 from gproof.passes.synchronised import SYNCHRONISED, run_synchronised
 from gproof.passes.threading import run_threading
 from gproof.passes.transform_codes import check_arc, settle
-from gproof.passes.values import NOWHERE, Position, Unknown, Value, describe
+from gproof.passes.values import NOWHERE, Position, Unknown, Value, describe, not_known
 
 _OUT_OF_PLANE = {Plane.XY: "K", Plane.XZ: "J", Plane.YZ: "I"}
 _CENTER_WORDS = {Plane.XY: ("I", "J"), Plane.XZ: ("I", "K"), Plane.YZ: ("J", "K")}
@@ -121,7 +121,7 @@ class Motion(Emitter):
                 word = AXIS_NAMES[axis].upper()
                 # Of a bounded value the position keeps the bounds, but not through a rotation.
                 if not value.bounded or (axis < 2 and machine is None and self.modal.transform.on):
-                    self.findings.add(codes.UNKNOWN_VALUE.at(line.where(word), word=word, cause=value.cause))
+                    self.findings.add(not_known(line.where(word), word, value))
         target = self.aim(line, machine=machine is not None)
         if rule.function in SYNCHRONISED:
             run_synchronised(self, line, rule, target)

@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from itertools import takewhile
 
+from gproof.ir import codes
+from gproof.ir.finding import Finding, Span
 from gproof.ir.machine import AXES, AXIS_NAMES
 from gproof.ir.record import record
 from gproof.ir.trace import UNKNOWN, Affine, Frame
@@ -26,6 +29,14 @@ class Unknown:
 
 
 Value = float | Unknown
+
+
+def not_known(span: Span, word: str, value: Unknown, hint: str = "") -> Finding:
+    """GP225 for a word whose value nobody stated, or of which only bounds are known where one number is needed."""
+    code = codes.UNKNOWN_VALUE
+    if value.bounded:
+        code = replace(code, template="{word} depends on {cause}, of which bounds are known, and no number")
+    return code.at(span, word=word, cause=value.cause, hint=hint)
 
 
 def behind_loop(name: str) -> str:

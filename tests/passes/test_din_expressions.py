@@ -12,7 +12,7 @@ from gproof.ir.dialects.mcuwin import MCUWIN
 from gproof.ir.finding import Findings, Refusal, Span
 from gproof.ir.program import Binary, Constant, Expr, Number, Unary, Variable
 from gproof.ir.rules import BINARY, UNARY
-from gproof.ir.setup import Setup
+from gproof.ir.setup import Interval, Setup
 from gproof.passes import ranges
 from gproof.passes.compiled import Slow, compile_condition
 from gproof.passes.expressions import BINARY_FUNCTIONS, UNARY_FUNCTIONS, Evaluator
@@ -142,6 +142,15 @@ def test_variables_are_named_as_programs_name_them() -> None:
     assert texts == [f"{name} is read before anything sets it" for name in ("CI650", "CD651", "V3")]
     assert "GP225" in labels(findings)
     assert moves(trace)
+
+
+def test_a_stated_range_is_no_unset_variable() -> None:
+    """CD600 between 20 and 40, CI601 (1601 of a setup) 1 or 2: nothing is unset, and a feed needs one number."""
+    setup = Setup(parameter_ranges={600: Interval(20.0, 40.0), 1601: Interval(1.0, 2.0)})
+    _, findings = run(["CD605 := CD600 * CI601", "G00 X(CD605) Y(CD600)"], setup=setup)
+    assert not {"GP225", "GP234"} & set(labels(findings))
+    _, findings = run(["G01 X0 F(CD600)"], setup=setup)
+    assert not [f.message for f in findings.kept if "nobody stated" in f.message or f.code.label == "GP234"]
 
 
 def test_whole_number_variables_have_32_bits() -> None:

@@ -30,7 +30,7 @@ def test_a_stated_value_is_read(tmp_path: Path, number: int, value: float) -> No
 @pytest.mark.parametrize(("number", "ends"), [(5069, (2, 9)), (5392, (-1, 1))])
 def test_stated_bounds_are_bounds(tmp_path: Path, number: int, ends: tuple[float, float]) -> None:
     trace, findings = run_whole(tmp_path, f"{HEAD}G53 G0 X#{number}\nM30\n", setup=STATED)
-    assert set(codes_of(findings)) <= {"GP234"}
+    assert codes_of(findings) == []
     assert [(s.low, s.high) for s in trace.symbols.values()] == [ends]
 
 
@@ -57,3 +57,21 @@ def test_bounds_of_the_tool_table_are_not_passed_over(tmp_path: Path) -> None:
     assert "GP255" in codes_of(findings)
     trace, _ = run_whole(tmp_path, HEAD + "T1 G43 H1\nG0 X5\nM30\n", machine=machine, setup=setup)
     assert trace.frames[int(trace.sections[-1].rows["frame"][-2])][0] != ()
+
+
+def test_a_stated_range_is_stated(tmp_path: Path) -> None:
+    """Read, it is no variable that nobody set (GP234); where one number is needed, that is what is said (GP225)."""
+    setup = dataclasses.replace(ZERO, parameter_ranges={110: Interval(2.0, 6.0)})
+    trace, findings = run_whole(tmp_path, f"{HEAD}#1 = #110\nG0 X#1 Y[#110 + 1]\nM30\n", setup=setup)
+    assert codes_of(findings) == []
+    assert [(round(s.low, 9), round(s.high, 9)) for s in trace.symbols.values()] == [(2.0, 6.0), (3.0, 7.0)]
+    _, findings = run_whole(tmp_path, f"{HEAD}G1 X5 F#110\nM30\n", setup=setup)
+    said = [f.message for f in findings.kept if f.code.label == "GP225"]
+    assert not any("nobody stated" in message for message in said)
+    _, findings = run_whole(tmp_path, f"{HEAD}G4 P#110\nM30\n", setup=setup)
+    assert [f.message for f in findings.kept if f.code.label == "GP225"] == [
+        "P depends on #110, of which bounds are known, and no number"
+    ]
+    _, findings = run_whole(tmp_path, f"{HEAD}G4 P#111\nM30\n", setup=NOTHING)
+    assert codes_of(findings) == ["GP234", "GP225"]
+    assert "#111, which nobody stated" in findings.kept[-1].message
