@@ -24,7 +24,7 @@ from gproof.cli.outcome import Outcome, closing_line, counted, exit_code
 from gproof.cli.policy import NO_POLICY, load_policy
 from gproof.cli.report import coloured
 from gproof.cli.session import Running, Session, open_session
-from gproof.cli.summary import print_brief, print_summary, report_json
+from gproof.cli.summary import print_brief, print_summary, report_for_people, report_json
 from gproof.ir.finding import Span
 from gproof.ir.trace import Chunk
 
@@ -211,7 +211,8 @@ def _check_one(
         drawing.write(picture, session, judgement)
     report = report_json(session, judgement, code) if form == "json" or told is not None else None
     if told is not None:
-        told.append(Outcome(job=str(job), report=report, code=code))
+        read = report_for_people(session, judgement, code, units)
+        told.append(Outcome(job=str(job), report=report, read=read, code=code))
     if form == "json":
         click.echo(json.dumps(report, indent=2, ensure_ascii=False))
     elif quiet:

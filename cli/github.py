@@ -17,7 +17,7 @@ def workflow_commands(outcomes: Sequence[Outcome], *, every: bool = False) -> st
     Findings of one kind are one command; every: each of them is.
     """
     lines: list[str] = []
-    found = [one for o in outcomes if o.report is not None for one in shown_json(o.report, every=every)]
+    found = [one for o in outcomes if o.shown is not None for one in shown_json(o.shown, every=every)]
     for finding, more in sorted(found, key=lambda one: -LEVELS.index(one[0]["severity"])):
         lines.append(_command(finding, more))
     for outcome in outcomes:

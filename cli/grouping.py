@@ -8,6 +8,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping
 from typing import Any
 
+from gproof.cli.lengths import MM, LengthUnit
 from gproof.ir.finding import Finding, Findings, Group, group_key, measure, pattern
 from gproof.ir.record import record
 
@@ -127,18 +128,19 @@ def left_over(findings: Findings, listed: Iterable[Shown]) -> dict[int, int]:
     return {number: count for number, count in sorted(rest.items()) if count > 0}
 
 
-def groups_json(findings: Findings) -> list[dict[str, Any]]:
-    """The kinds that came more than once, as docs/check-json.md defines them."""
+def groups_json(findings: Findings, unit: LengthUnit = MM) -> list[dict[str, Any]]:
+    """The kinds that came more than once, as docs/check-json.md defines them; unit: of the texts."""
     out = []
     for group in sorted(findings.groups.values(), key=lambda g: (g.file, g.line, g.code.number, g.pattern)):
         if group.times < 2:
             continue
         entry: dict[str, Any] = {
-            "code": group.code.label, "name": group.code.name, "file": group.file, "pattern": group.pattern,
-            "times": group.times, "line": group.line, "last_line": group.last_line,
+            "code": group.code.label, "name": group.code.name, "file": group.file,
+            "pattern": group.pattern.replace("# mm", f"# {unit.name}"), "times": group.times,
+            "line": group.line, "last_line": group.last_line,
         }  # fmt: skip
         if group.worst is not None:
-            entry["worst"] = {"line": group.worst.span.line, "message": group.worst.message}
+            entry["worst"] = {"line": group.worst.span.line, "message": unit.message(group.worst)}
         out.append(entry)
     return out
 

@@ -269,11 +269,11 @@ def _together(session: Session, findings: Findings, limits: PropertyResult, edge
 
 def _range(condition: Condition) -> str:
     ends = [
-        f"{side} {value + 0.0:.4f}"
+        f"{side} {value + 0.0:.4f} mm"
         for side, value in (("at least", condition.low), ("at most", condition.high))
         if math.isfinite(value)
     ]
-    return f"{describe(condition.terms)} {' and '.join(ends)} mm"
+    return f"{describe(condition.terms)} {' and '.join(ends)}"
 
 
 def _both(

@@ -19,12 +19,12 @@ def junit(outcomes: Sequence[Outcome]) -> str:
     totals = [0, 0, 0]
     for outcome in outcomes:
         suite = ET.SubElement(root, "testsuite", name=_clean(outcome.job))
-        if outcome.report is None:
+        if outcome.shown is None:
             case = ET.SubElement(suite, "testcase", classname=_clean(outcome.job), name="job")
             ET.SubElement(case, "error", message=_clean(outcome.problem), type="could not run")
             counts = [1, 0, 1]
         else:
-            counts = _cases(suite, outcome, outcome.report)
+            counts = _cases(suite, outcome, outcome.shown)
         totals = [a + b for a, b in zip(totals, counts, strict=True)]
         _count(suite, counts)
     _count(root, totals)

@@ -1,7 +1,7 @@
 """Lengths of text reports in the shop's unit; JSON reports and artefacts stay in millimetres.
 
 A report speaks the unit of the machine file; without one, that of the job's first change of the unit; ``--units`` says
-otherwise. Angles stay degrees, rates are not converted.
+otherwise. Angles stay degrees. Texts name each length with its unit behind it, so that the unit can be changed.
 """
 
 from __future__ import annotations
@@ -9,18 +9,29 @@ from __future__ import annotations
 import re
 from decimal import ROUND_CEILING, ROUND_FLOOR, Decimal
 
+from gproof.ir import codes
 from gproof.ir.finding import Finding
 from gproof.ir.record import record
 
 IN_MESSAGES = frozenset((
-    "reached", "over", "limit", "extent", "room", "wanted", "value",
-    "start", "end", "off", "allowed", "chord", "radius",
+    "reached", "over", "limit", "extent", "room", "wanted", "value", "start", "end", "off", "allowed", "chord",
+    "radius", "x", "y", "z", "depth", "under", "clear", "distance", "least", "arc", "needed", "below", "feed", "jump",
+    "velocity", "pitch",
 ))  # fmt: skip
-"""Names of values that are lengths in messages of the properties limits and arcs."""
+"""Names of numbers that are lengths, or lengths a minute, in messages that speak of mm."""
+NO_LENGTHS = {codes.STEP_FREQUENCY.number: frozenset(("needed", "allowed"))}
+"""Those that are not, by code: steps a second."""
 
-
-_BETWEEN = re.compile(r"(-?\d+\.\d{4}) and (-?\d+\.\d{4}) mm\b")
-"""How an assumption names two bounds."""
+_NUMBER = r"-?\d+(?:\.\d+)?"
+_LENGTHS = re.compile(
+    rf"(?<![\w.#$-])((?:[XYZ]{_NUMBER},? )*[XYZ]?{_NUMBER}"
+    r"|-?\d+\.\d{3,4} (?:and|to|\.\.\.) -?\d+\.\d{3,4}) mm(?![\w])"
+)
+"""Lengths in texts: ``1.5 mm``, ``40 mm/min``, ``X1.0 Y2.0 mm``, ``1.0000 and 2.0000 mm``, ``1.000 ... 2.000 mm``."""
+_PLACE = re.compile(rf"(?<!\w)([XYZ])({_NUMBER})(?![\w.])")
+"""A place in texts called ``where``."""
+_LITERAL = re.compile(r"(?<=\}) mm\b")
+"""The unit behind a number of a template."""
 
 
 @record(frozen=True, slots=True)
@@ -54,26 +65,40 @@ class LengthUnit:
         exact = round(Decimal(repr(millimetres)), 9) / (self.mm if axis_unit == "mm" else 1)
         return str(exact.quantize(Decimal("0.0001"), ROUND_CEILING if up else ROUND_FLOOR))
 
-    def sentence(self, assumption: str) -> str:
-        """An assumption, the bounds that it names in this unit."""
+    def sentence(self, text: str) -> str:
+        """A text, the lengths that it names in this unit."""
         if self.mm == 1:
-            return assumption
+            return text
+        return _LENGTHS.sub(lambda found: f"{re.sub(_NUMBER, self._number, found[1])} {self.name}", text)
 
-        def bounds(found: re.Match[str]) -> str:
-            low, high = (self.of(float(number)) for number in found.groups())
-            return f"{low:.4f} and {high:.4f} {self.name}"
-
-        return _BETWEEN.sub(bounds, assumption)
+    def _number(self, found: re.Match[str]) -> str:
+        """A number of mm within a text, with four decimals, or six where these would leave nothing of it."""
+        written = found[0]
+        value = self.of(float(written))
+        text = f"{value:.4f}" if value == 0.0 or abs(value) >= 0.00005 else f"{value:.6f}"
+        return text if len(written.partition(".")[2]) >= 3 else text.rstrip("0").rstrip(".")
 
     def message(self, finding: Finding) -> str:
-        """The message of a finding, its lengths in this unit where it names theirs."""
-        values = dict(finding.values)
-        if self.mm == 1 or values.get("unit") != "mm" or finding.code.decides not in ("limits", "arcs"):
+        """The message of a finding, its lengths in this unit."""
+        values, template = dict(finding.values), finding.code.template
+        if self.mm == 1:
             return finding.message
-        lengths = {
-            name: self.of(value) for name, value in values.items() if name in IN_MESSAGES and isinstance(value, float)
-        }
-        return finding.code.template.format(**(values | lengths | {"unit": self.name}))
+        if not values:
+            return self.sentence(finding.message)
+        speaks = "{unit}" in template or " mm" in template or "X{x:" in template
+        in_mm = speaks and values.get("unit", "mm") == "mm"
+        names = IN_MESSAGES - NO_LENGTHS.get(finding.code.number, frozenset()) if in_mm else frozenset[str]()
+        told = {name: self._value(name, value, names) for name, value in values.items()}
+        if in_mm:
+            told["unit"] = self.name
+        return _LITERAL.sub(f" {self.name}", template).format(**told)
+
+    def _value(self, name: str, value: object, lengths: frozenset[str]) -> object:
+        """A value of a message in this unit."""
+        if isinstance(value, str):
+            text = self.sentence(value)
+            return _PLACE.sub(lambda at: f"{at[1]}{self.of(float(at[2])):.4f}", text) if name == "where" else text
+        return self.of(value) if name in lengths and isinstance(value, float) else value
 
 
 MM = LengthUnit("mm", Decimal(1), 3, 1)

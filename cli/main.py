@@ -117,7 +117,9 @@ def _job_options(command: Any, *, machines: bool = False) -> Any:
 @click.option("--strict", is_flag=True, help="Conditional answers count as UNKNOWN.")
 @click.option("--picture", type=FileName(), help="Write a picture of the path (SVG).")
 @click.option(
-    "--units", type=click.Choice(["mm", "inch"]), help="Lengths of the text report; those of the machine file else."
+    "--units",
+    type=click.Choice(["mm", "inch"]),
+    help="Lengths in reports for people; those of the machine file else.",
 )
 def check(
     jobs: tuple[str, ...], machine: Path | None, setup: str | None, dialect: str | None, max_blocks: int | None,
@@ -146,7 +148,9 @@ def check(
 @partial(_job_options, machines=True)
 @click.option("--format", "form", type=click.Choice(["text", "json"]), default="text", help="Report as text or JSON.")
 @click.option(
-    "--units", type=click.Choice(["mm", "inch"]), help="Lengths of the text report; those of the machine file else."
+    "--units",
+    type=click.Choice(["mm", "inch"]),
+    help="Lengths in reports for people; those of the machine file else.",
 )
 @click.option("--picture", type=FileName(), help="Write a picture of where the zero may go (SVG).")
 def fit(

@@ -52,7 +52,7 @@ class _Text(io.StringIO):
 def judge_one(job: Job, how: How) -> Outcome:
     """Judge a job; one that can not be judged is an outcome too."""
     from gproof.cli.session import open_session
-    from gproof.cli.summary import print_brief, report_json
+    from gproof.cli.summary import print_brief, report_for_people, report_json
 
     text, errors = _Text(how.tty), _Text(False)
     try:
@@ -65,7 +65,8 @@ def judge_one(job: Job, how: How) -> Outcome:
         told = errors.getvalue().strip()
         return Outcome(job=str(job.path), problem=error.message, text=tuple(told.splitlines()))
     return Outcome(
-        job=str(job.path), report=report_json(session, judgement, code), text=tuple(text.getvalue().splitlines()),
+        job=str(job.path), report=report_json(session, judgement, code),
+        read=report_for_people(session, judgement, code, how.units), text=tuple(text.getvalue().splitlines()),
         code=code, known=known,
     )  # fmt: skip
 

@@ -55,10 +55,10 @@ def _summary(report: dict[str, Any]) -> str:
 
 
 def _details(outcome: Outcome, every: bool) -> list[str]:
-    shown = [] if outcome.report is None else shown_json(outcome.report, every=every)
+    shown = [] if outcome.shown is None else shown_json(outcome.shown, every=every)
     conditions = [
         condition["text"]
-        for answer in (outcome.report or {"properties": {}})["properties"].values()
+        for answer in (outcome.shown or {"properties": {}})["properties"].values()
         if answer["verdict"] == "SAFE"
         for condition in answer["conditions"]
     ]

@@ -20,11 +20,13 @@ LEVELS = ("note", "warning", "unknown", "error")
 class Outcome:
     """Of one job. report: as docs/check-json.md defines it, None where the job could not be judged; problem: why.
 
-    text: the report as text, lines; code: the exit code; known: of its findings, what a baseline says.
+    read: the report with its texts in the unit of the shop, for documents that people read, None where that is the
+    millimetre; text: the report as text, lines; code: the exit code; known: of its findings, what a baseline says.
     """
 
     job: str
     report: dict[str, Any] | None = None
+    read: dict[str, Any] | None = None
     problem: str = ""
     text: tuple[str, ...] = ()
     code: int = COULD_NOT_RUN
@@ -34,6 +36,11 @@ class Outcome:
     def verdict(self) -> Verdict | None:
         """The verdict of the policy, None without a report."""
         return None if self.report is None else Verdict(self.report["verdict"])
+
+    @property
+    def shown(self) -> dict[str, Any] | None:
+        """The report that people read."""
+        return self.report if self.read is None else self.read
 
     @property
     def findings(self) -> list[dict[str, Any]]:

@@ -92,9 +92,9 @@ def format_finding(
         line, *marks = _excerpt(finding.span, text)
         out += [line, *(click.style(mark, fg=shade) if colour else mark for mark in marks)]
     if finding.hint:
-        out.append(f"      = {click.style('hint', bold=True) if colour else 'hint'}: {finding.hint}")
+        out.append(f"      = {click.style('hint', bold=True) if colour else 'hint'}: {unit.sentence(finding.hint)}")
     for other in finding.related:
-        out.append(f"      = {location(other.span)}: {other.message}")
+        out.append(f"      = {location(other.span)}: {unit.sentence(other.message)}")
     return out
 
 
@@ -143,9 +143,9 @@ def print_findings(
 
 
 def finding_json(
-    finding: Finding, times: int = 1, accepted: tuple[str, str] | None = None
+    finding: Finding, times: int = 1, accepted: tuple[str, str] | None = None, unit: LengthUnit = MM
 ) -> dict[str, object]:  # fmt: skip
-    """One finding of ``check --format json``."""
+    """One finding of ``check --format json``; its texts in ``unit``, for reports that people read."""
     out: dict[str, object] = {
         "code": finding.code.label,
         "name": finding.code.name,
@@ -155,16 +155,16 @@ def finding_json(
         "line": finding.span.line,
         "column": finding.span.column,
         "end_column": finding.span.end_column,
-        "message": finding.message,
+        "message": unit.message(finding),
         "times": times,
     }
     if finding.hint:
-        out["hint"] = finding.hint
+        out["hint"] = unit.sentence(finding.hint)
     if accepted is not None:
         out["suppressed"] = {"kind": accepted[0], "reason": accepted[1]}
     if finding.related:
         out["related"] = [
-            {"file": r.span.file, "line": r.span.line, "column": r.span.column, "message": r.message}
+            {"file": r.span.file, "line": r.span.line, "column": r.span.column, "message": unit.sentence(r.message)}
             for r in finding.related
         ]
     return out

@@ -24,9 +24,9 @@ _NOWHERE = describe(UNKNOWN)
 _SHADES = {Verdict.SAFE: "green", Verdict.UNSAFE: "red", Verdict.UNKNOWN: "magenta"}
 
 
-def condition_text(condition: Condition) -> str:
+def condition_text(condition: Condition, unit: LengthUnit = MM) -> str:
     """``G54 X offset is 12.4000 ... 230.1000 mm``; bounds are rounded inwards."""
-    name, bounds = _condition_parts(condition, MM)
+    name, bounds = _condition_parts(condition, unit)
     return f"{name} is {' '.join(bounds.split())}"
 
 
@@ -41,6 +41,14 @@ def _condition_parts(condition: Condition, length: LengthUnit) -> tuple[str, str
         side = f"at least {low}" if low is not None else f"at most {high}" if high is not None else "anything, in"
         return describe(condition.terms), f"{side} {unit}"
     return describe(condition.terms), f"{low:>9} ... {high:>9} {unit}"
+
+
+def report_for_people(
+    session: Session, judgement: Judgement, code: int, units: str | None
+) -> dict[str, object] | None:  # fmt: skip
+    """The report with its texts in the unit that people read (``--units``); None where that is the millimetre."""
+    unit = unit_of_report(session, judgement) if units is None else CHOICES[units]
+    return None if unit is MM else report_json(session, judgement, code, unit)
 
 
 def unit_of_report(session: Session, judgement: Judgement) -> LengthUnit:
@@ -191,8 +199,13 @@ def duration_text(seconds: float | None, at_least: bool, machine_given: bool = T
     return f"{'at least' if at_least else 'about'} {text}, waits not counted"
 
 
-def report_json(session: Session, judgement: Judgement, code: int | None = None) -> dict[str, object]:
-    """The stable JSON report; docs/check-json.md defines it. code: the exit code, None: the verdict's."""
+def report_json(
+    session: Session, judgement: Judgement, code: int | None = None, unit: LengthUnit = MM
+) -> dict[str, object]:  # fmt: skip
+    """The stable JSON report; docs/check-json.md defines it. code: the exit code, None: the verdict's.
+
+    unit: of its texts; reports that people read are made from one in the unit of the shop.
+    """
     summary = judgement.summary
     return {
         "schema": SCHEMA,
@@ -206,10 +219,10 @@ def report_json(session: Session, judgement: Judgement, code: int | None = None)
         "properties": {
             r.name: {
                 "verdict": r.verdict.value,
-                "assumptions": list(r.assumptions),
+                "assumptions": [unit.sentence(one) for one in r.assumptions],
                 "conditions": [
                     {
-                        "text": condition_text(c),
+                        "text": condition_text(c, unit),
                         "terms": [{"symbol": s, "coefficient": k} for s, k in c.terms],
                         "low": _finite(c.low),
                         "high": _finite(c.high),
@@ -221,9 +234,9 @@ def report_json(session: Session, judgement: Judgement, code: int | None = None)
         },
         **({"left_out": list(judgement.left_out)} if judgement.left_out else {}),
         "not_judged": list(not_judged(result.name for result in judgement.properties)),
-        "assumptions": judgement.assumptions,
-        "findings": [finding_json(f, n, judgement.accepted.get(f)) for f, n in distinct(judgement.findings)],
-        "groups": groups_json(judgement.findings),
+        "assumptions": [unit.sentence(one) for one in judgement.assumptions],
+        "findings": [finding_json(f, n, judgement.accepted.get(f), unit) for f, n in distinct(judgement.findings)],
+        "groups": groups_json(judgement.findings, unit),
         "counts": {CODES[n].label: count for n, count in sorted(judgement.findings.counts.items())},
         "summary": {
             "lines": summary.lines,

@@ -94,7 +94,9 @@ class Refusal(Exception):
         self.finding = finding
 
 
-_NUMBER = re.compile(r"(?<![\w#$.])([XYZABCUVWIJKRFSPQEDH]?)[-+]?(?:\d+(?:\.\d*)?|\.\d+)(?![\w])", re.IGNORECASE)
+_NUMBER = re.compile(
+    r"(?<![\w#$.])([XYZABCUVWIJKRFSPQEDH]?)[-+]?(?:\d+(?:\.\d*)?|\.\d+)(?:e[-+]?\d+)?(?![\w])", re.IGNORECASE
+)
 """Numbers of messages, with the word they belong to. Behind other letters they are names: G54, M999, T3, C1."""
 GROUPS = 200
 """Groups of a code at most: what a program makes up (texts in messages) must not fill the memory."""

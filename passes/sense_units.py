@@ -100,20 +100,20 @@ class UnitEvidence:
             why.append(f"no move takes more than {self._most:.4f} mm a revolution")
         if self._moves >= LEAST_MOVES and self._fractions >= LEAST_SHARE * self._moves:
             why.append(f"{self._fractions} of {self._moves} ways are fractions of 64, and no hundredths")
-        sizes = ", ".join(f"{axis.word} {size:.2f} of {room:g} mm" for axis, size, room in across)
+        sizes = ", ".join(f"{axis.word} {size:.2f} mm of {room:g} mm" for axis, size, room in across)
         return [f"the path is {sizes}", *why] if len(why) > 1 else []
 
     def _millimetres(self) -> list[str]:
         why = []
         extents = [(axis, size, room) for axis, size in self._extents() if (room := _room(axis)) is not None]
-        long = [f"{axis.word} {size:.1f} of {room:g} mm" for axis, size, room in extents if size > room]
+        long = [f"{axis.word} {size:.1f} mm of {room:g} mm" for axis, size, room in extents if size > room]
         fits = all(size / INCH <= room for _, size, room in extents)
         if long and fits:
             why.append(f"the path is {', '.join(long)}")
         speeds = [axis.max_velocity for axis in self._linear()]
         known = [speed * 60.0 for speed in speeds if speed is not None]
         if len(known) == len(speeds) and known and self._fastest > max(known) >= self._fastest / INCH:
-            why.append(f"F is up to {self._fastest:g} mm/min, and no axis does more than {max(known):g}")
+            why.append(f"F is up to {self._fastest:g} mm/min, and no axis does more than {max(known):g} mm/min")
         if self._most > THICK >= self._most / INCH:
             why.append(f"a move takes {self._most:.2f} mm a revolution")
         far = fits and any(size > FAR * room for _, size, room in extents)

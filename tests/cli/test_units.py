@@ -110,6 +110,24 @@ def test_json_stays_in_millimetres(shop: Path, capsys: pytest.CaptureFixture[str
     assert made["summary"]["path_length_mm"] == pytest.approx(1752.6)
 
 
+@pytest.mark.parametrize("form", ["markdown", "github", "junit"])
+def test_documents_that_people_read_count_as_the_text_does(
+    form: str, shop: Path, capsys: pytest.CaptureFixture[str]
+) -> None:  # fmt: skip
+    """Ten lines at X60 and one at X70 of 50.4: one finding, the worst 19.6 past; JSON stays in mm."""
+    (shop / "job.tap").write_text("G1 X60 F50\n" + "Y1\nY2\n" * 5 + "X70\n", encoding="ascii")
+    words = "job.tap", "--machine", "WINCNC.INI", "--setup", "setup.toml"
+    shown = report(capsys, *words, "--format", form, "--report", "json=told.json")
+    assert "X would reach 60.0000 inch, 9.6000 past its upper limit 50.4000" in shown
+    assert form == "junit" or "the worst in line 12: X would reach 70.0000 inch, 19.6000 past" in shown
+    assert form == "junit" or shown.count("60.0000 inch, 9.6000 past") == 1
+    assert " mm" not in shown
+    told = json.loads((shop / "told.json").read_text(encoding="utf-8"))
+    assert "X would reach 1524.0000 mm, 243.8400 past" in json.dumps(told)
+    assert " inch" not in json.dumps(told)
+    assert "1524.0000 mm, 243.8400 past" in report(capsys, *words, "--format", form, "--units", "mm")
+
+
 def test_without_a_machine_file_the_job_says_it(shop: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """G20 and G22 of the job; WinCNC counts inches before."""
     for first, unit in (("G20\n", "inch"), ("G22\n", "mm"), ("", "inch")):
