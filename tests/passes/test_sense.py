@@ -143,6 +143,24 @@ def test_a_job_for_another_controller(controller: str, tmp_path: Path) -> None:
     assert f"looks like one for {controller}:" in looks[0]
 
 
+@pytest.mark.parametrize(
+    "lines",
+    [
+        # QtPlasmaC: materials by number, spindles by $, feeds from pins of HAL.
+        "M190 P2\nM66 P3 L3 Q1\nF#<_hal[plasmac.cut-feed-rate]>\n", "M3 $0 S1\nM5 $0\n", "M62 P1\nM67 E0 Q50\n",
+        # Polar words, splines.
+        "G0 @10 ^30\n^120\n", "G5.1 X10 Y10 I2 J3\nG5.2 X1 Y1 P1 L3\nG5.3\n",
+    ],
+)  # fmt: skip
+def test_what_only_linuxcnc_has(lines: str, tmp_path: Path) -> None:
+    """Words of its manual ("G Codes", "M Codes", "Polar Coordinates"); the temperature of a bed is M190 S."""
+    job = tmp_path / "job.cnc"
+    job.write_text(HEAD + lines + "M30\n", encoding="utf-8")
+    _, found = told(job, "--machine", str(DOCS / "machine.toml"), "--setup", "zero", "--dialect", "eding")
+    looks = [str(f["message"]) for f in found if f["code"] == "GP152"]
+    assert [one.partition(":")[0] for one in looks] == ["this job looks like one for LinuxCNC"]
+
+
 def test_an_eding_job_on_a_wincnc_machine(tmp_path: Path) -> None:
     job = tmp_path / "job.tap"
     job.write_text('msg "hello"\ngosub a\nG0 X10\nsub a\nendsub\n', encoding="utf-8")
