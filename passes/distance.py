@@ -261,15 +261,14 @@ class Distance(Check):
                 f"{scene.surface.high[2] - top:.4f} mm above the tip, and from {known:.4f} mm above the tip on "
                 "nothing is stated"
             )
-            hint = "flute_length, shank_diameter, stickout and holder of the tool in the machine file say what is there"
-            hint += _moves(stretch)
+            hint = "; ".join(filter(None, (_where_stated(self.machine, stretch.tool), _moves(stretch))))
             self.findings.add(self.unknown.at(span, cause=cause, hint=hint))
             return
         distance, tip, _ = scene.nearest(stretch)
         facet, slack = stretch.worst[0], stretch.worst[4]
         x, y, z = tip.tolist()
         what = f"the {PARTS[stretch.part]} of tool {stretch.tool} {_near(distance, name)}, {_allowed(scene.limit)}"
-        hint = _moves(stretch).removeprefix("; ")
+        hint = _moves(stretch)
         if stretch.certain:
             self._errors += 1
             self.findings.add(self._code(scene).at(span, what=what, x=x, y=y, z=z, hint=hint))
@@ -307,6 +306,19 @@ def _allowed(limit: float) -> str:
     return f"{abs(limit):g} mm allowed" if limit <= 0.0 else f"a clearance of {limit:g} mm is asked for"
 
 
+def _where_stated(machine: Machine, tool: int) -> str:
+    """Where what is missing of a tool is stated."""
+    if tool < 0:
+        return "tool = ... in the setup file, or a tool change before"
+    if machine.tool(tool) is None:
+        return (
+            f"[tools.{tool}] in the machine file"
+            if tool
+            else "a tool change before it, or tool = ... in the setup file"
+        )
+    return "flute_length, shank_diameter, stickout and holder of the tool in the machine file"
+
+
 def _moves(stretch: Stretch) -> str:
     """What a finding says of the moves of its stretch behind the first; "" where there are none."""
     if stretch.moves == 1:
@@ -314,4 +326,5 @@ def _moves(stretch: Stretch) -> str:
     worst = "none is worse"
     if stretch.deepest != stretch.place:
         worst = f"the worst in line {stretch.deepest & 0xFFFFFFFF}"
-    return f"; so do {stretch.moves - 1} more moves behind it, {worst}"
+    more = stretch.moves - 1
+    return f"{more} more move{'s' if more > 1 else ''} behind it, {worst}"

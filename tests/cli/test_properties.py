@@ -97,3 +97,24 @@ def test_bodies_that_nobody_stated_are_asked_for_once(
     assert isinstance(found, list)
     assert (code, {one["code"] for one in found}, len(found)) == (2, codes, len(codes))
     assert all("in the setup file" in one["hint"] for one in found)
+
+
+@pytest.mark.parametrize(
+    ("body", "hint"),
+    [
+        ("T9 M6\nG0 X5\n", "[tools.9] in the machine file"),
+        ("G0 X5\n", "a tool change before it, or tool = ... in the setup file"),
+    ],
+)
+def test_a_tool_without_a_shape_says_where_it_is_stated(
+    job: Path, capsys: pytest.CaptureFixture[str], body: str, hint: str
+) -> None:
+    job.write_text("G21 G90 G17 G40 G49 G80 G94\n" + body + "M30\n")
+    Path("setup.toml").write_text(
+        'schema = "gproof-setup/1"\ntool = 0\nactive_work = 1\nstart = {x = 0, y = 0, z = 0}\n'
+        "g92 = {x = 0, y = 0, z = 0}\n[work.1]\nx = 0\ny = 0\nz = 0\n[[fixtures]]\nbox = [[1, -5, -20], [9, 5, 20]]\n"
+    )
+    _, said = report(capsys, str(job), "--machine", str(MACHINE), "--setup", "setup.toml", "--also", "collisions")
+    found = said["findings"]
+    assert isinstance(found, list)
+    assert [one["hint"].split(";")[0] for one in found if one["code"] == "GP426"] == [hint]
