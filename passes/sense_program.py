@@ -8,9 +8,12 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 
+import numpy as np
+
 from gproof.ir import codes
 from gproof.ir.finding import Finding, Findings, Refusal, Span
 from gproof.ir.program import (
+    FLAG_DELETE,
     Binary,
     Block,
     BlockTable,
@@ -54,6 +57,8 @@ _MOVES = frozenset(
 _DISTANCES = (F.ABSOLUTE, F.INCREMENTAL)
 _FIRST_BYTES = 1 << 16
 _DEEPEST = 8
+_MOST_LINES = 100_000
+"""Of a table that is looked at for an end of the program."""
 
 
 def place(program: Program, node: Statement) -> Span:
@@ -85,8 +90,8 @@ class Written:
                 yield finding
 
     def _findings(self) -> Iterator[Finding]:
-        for body in self._bodies:
-            yield from self._dead(body)
+        for n, body in enumerate(self._bodies):
+            yield from self._dead(body, n > 0)
         yield from self._unused()
         yield from self._fixed()
         if not self.too_long:
@@ -94,22 +99,53 @@ class Written:
             for _, name, span in UnsetReads(self._program, self._setup).found():
                 yield codes.READ_BEFORE_SET.at(span, name=name, hint="an assignment before, on every way to it")
 
-    def _dead(self, body: tuple[Statement, ...]) -> Iterator[Finding]:
-        """GP153: behind a jump or a return, up to the next label."""
-        gone: Statement | None = None
+    def _dead(self, body: tuple[Statement, ...], inner: bool) -> Iterator[Finding]:
+        """GP153: behind a jump, a return or, in an inner body, an end of the program, up to the next label.
+
+        Behind the end of the body that runs first GP123 tells.
+        """
+        gone = ""
         for node in body:
             if isinstance(node, Jump | Return):
-                gone = gone or node
+                what = "jump" if isinstance(node, Jump) else "return"
+                gone = gone or f"the {what} in line {place(self._program, node).line}"
                 continue
             if isinstance(node, Label):
-                gone = None
-            elif gone is not None and not isinstance(node, _SILENT) and not self._is_end(node):
-                line = place(self._program, gone).line
-                what = "the jump" if isinstance(gone, Jump) else "the return"
-                yield codes.DEAD_CODE.at(place(self._program, node), what=f"{what} in line {line} is before it")
-                gone = None
+                gone = ""
+            elif gone and not isinstance(node, _SILENT) and not self._is_end(node):
+                yield codes.DEAD_CODE.at(place(self._program, node), what=f"{gone} is before it")
+                gone = ""
+            ends, behind = self._end_in(node) if inner else (0, 0)
+            if behind:
+                assert isinstance(node, BlockTable)
+                where = Span(self._program.files[node.file].name, behind)
+                yield codes.DEAD_CODE.at(where, what=f"the end of the program in line {ends} is before it")
+            elif ends:
+                gone = gone or f"the end of the program in line {ends}"
             for part in parts_of(node):
-                yield from self._dead(part)
+                yield from self._dead(part, True)
+
+    def _end_in(self, node: Statement) -> tuple[int, int]:
+        """The first line in a statement that ends the program, and the first behind it that does more; 0 for none."""
+        table = self._program.rules.codes
+        ends = [r for r in table.values() if r.function in (F.END, F.END_RESET) and r.letter == "M"]
+        if type(node) is Block and not node.deleted and not node.own:
+            found = [w for w in node.words if w.letter == "M" and isinstance(w.value, Number)]
+            values = {round(w.value.value * 10) for w in found if isinstance(w.value, Number)}
+            replaced = any(("M", value) in self._program.overrides for value in values)
+            is_end = any(rule.tenths in values for rule in ends) and not replaced
+            return (place(self._program, node).line, 0) if is_end else (0, 0)
+        if not isinstance(node, BlockTable) or node.last_line - node.first_line > _MOST_LINES:
+            return 0, 0
+        words, _, _ = self._program.load(node, node.begin, node.first_line, node.end - node.begin)
+        tenths = np.round(words["value"] * 10)
+        is_end = (words["letter"] == ord("M")) & (words["flags"] & FLAG_DELETE == 0)
+        is_end &= np.isin(tenths, [r.tenths for r in ends if ("M", r.tenths) not in self._program.overrides])
+        if not is_end.any():
+            return 0, 0
+        line = int(words["line"][int(np.flatnonzero(is_end)[0])])
+        behind = np.flatnonzero((words["line"] > line) & ~is_end & (words["letter"] != ord("N")))
+        return line, int(words["line"][int(behind[0])]) if len(behind) else 0
 
     def _is_end(self, node: Statement) -> bool:
         """Whether a line only ends the program: compilers ask for one, whatever leads to it."""

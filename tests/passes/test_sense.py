@@ -121,6 +121,33 @@ def test_labels_and_jumps(tmp_path: Path) -> None:
     assert mcuwin(tmp_path, "%P\nN1 G90 F300\nL10\nN2 G00 X100\nM96 L10\nN3 M30\n%\n") == []
 
 
+ENDS = {
+    # The text begins in line 4. Behind the end of the body that runs first GP123 tells; block delete may be on.
+    "M30\nG0 X1\n": [],
+    "if [#1 == 1]\nM30\nendif\n": [],
+    "if [#1 == 1]\n/M30\nG0 X1\nendif\n": [],
+    "if [#1 == 1]\nG0 X1\nM30\nG0 X2\nG0 X3\nendif\n": [("GP153", 7)],
+    "if [#1 == 1]\nM2\nelse\nG0 X1\nendif\n": [],
+    "if [#1 == 1]\nM30\n#5 = 3\nendif\nG0 X#5\n": [("GP153", 6)],
+    "if [#1 == 1]\nM30\nif [#1 == 2]\nG0 X1\nendif\nendif\n": [("GP153", 6)],
+    "if [#1 == 1]\nM30\nM2\nendif\n": [],
+    "while [#1 < 3]\n#1 = [#1 + 1]\nG0 X1 M30\nG0 X2\nendwhile\n": [("GP153", 7)],
+    "gosub a\nM30\nsub a\nM30\nG0 X2\nendsub\n": [("GP153", 8)],
+}
+
+
+@pytest.mark.parametrize("text", ENDS)
+def test_nothing_leads_behind_an_end_of_the_program(text: str, tmp_path: Path) -> None:
+    job = HEAD + "#1 = 2\n#5 = 0\n" + text
+    job += "" if "sub a" in text or text.startswith("M30") else "M30\n"
+    assert [one for one in eding(tmp_path, job) if one[0] == "GP153"] == ENDS[text]
+
+
+def test_nothing_leads_behind_an_end_within_a_condition(tmp_path: Path) -> None:
+    good = "%P\nN1 G90 F300\nCI600 := 0\n$if (CI600 < 3) then begin\nM30\nN2 G00 X1\n$end\nN3 M30\n%\n"
+    assert [one for one in mcuwin(tmp_path, good) if one[0] == "GP153"] == [("GP153", 6)]
+
+
 FOREIGN = {
     "LinuxCNC": "O100 sub\nG0 X1\nO100 endsub\nO100 call\n",
     "Fanuc or Mach": "O1234\nG65 P9010 A1\nM98 P1000\nIF [#1 EQ 2] GOTO 10\n",
