@@ -182,15 +182,17 @@ def _panel(root: ET.Element, told: Told, panel: _Panel, left: float, top: float)
     """Draw one; returns where it ends."""
     machine = told.session.machine
     limits: list[Pair] = []
+    shown: list[Pair] = []
     for axis in range(2):
         known = machine.axis(AXIS_NAMES[panel.axes[axis]])
         values = [point[axis] for ring in panel.rings for point in ring if abs(point[axis]) < FAR] or [0.0]
         low, high = (None, None) if known is None else (known.lower, known.upper)
-        low, high = min(values) if low is None else low, max(values) if high is None else high
-        values += [panel.now[axis]] if panel.now is not None else []
-        limits.append((min(low, *values), max(high, *values)))
-    pad = 0.04 * max(limits[0][1] - limits[0][0], limits[1][1] - limits[1][0], 1.0)
-    (x0, x1), (y0, y1) = ((low - pad, high + pad) for low, high in limits)
+        # A limit that nobody stated lies outside of what is shown.
+        limits.append((-math.inf if low is None else low, math.inf if high is None else high))
+        values += [v for v in (low, high, None if panel.now is None else panel.now[axis]) if v is not None]
+        shown.append((min(values), max(values)))
+    pad = 0.04 * max(shown[0][1] - shown[0][0], shown[1][1] - shown[1][0], 1.0)
+    (x0, x1), (y0, y1) = ((low - pad, high + pad) for low, high in shown)
     scale = min(PANEL / (x1 - x0), TALLEST / (y1 - y0))
 
     def at(x: float, y: float) -> str:

@@ -338,6 +338,22 @@ def test_a_picture_of_ranges_alone_and_of_nothing(tmp_path: Path) -> None:
     assert "There is no region" in (tmp_path / "p.svg").read_text(encoding="utf-8")
 
 
+def test_limits_are_drawn_where_they_are(tmp_path: Path) -> None:
+    """Also where the zero that is stated lies outside of them; from the front only where Z does not fit."""
+    for x, z in ((3.0, -70.0), (150.0, -20.0)):
+        put(tmp_path, setup=SETUP + f"[work.1]\nx = {x}\ny = 0.0\nz = {z}\na = 0.0\n")
+        fit(tmp_path, "--picture", "p.svg")
+        paths = ET.parse(tmp_path / "p.svg").getroot().iter("{http://www.w3.org/2000/svg}path")
+        drawn = [e.get("d", "") for e in paths if e.get("stroke-dasharray") == "9 4" and e.get("d", "").endswith("Z")]
+        ratios = []
+        for corners in drawn:
+            points = [tuple(map(float, point.split())) for point in corners.strip("MZ").split("L")]
+            wide, high = (max(p[n] for p in points) - min(p[n] for p in points) for n in (0, 1))
+            ratios.append(wide / high)
+        # X and Y are 100 by 80 mm, X and Z 100 by 50.
+        assert ratios == pytest.approx([100 / 80, 100 / 50] if z < -50 else [100 / 80], rel=5e-3)
+
+
 def corpus(words: str) -> dict[str, Any]:
     """The report for a job of the corpus."""
     return json.loads(in_this_process(["fit", *words.split(), "--format", "json"], ROOT / "corpus").out)
