@@ -19,7 +19,7 @@ from gproof.ir.trace import Op
 from gproof.passes.din_motion import Handler, note_assumptions
 from gproof.passes.din_state import SAME, din_of, own_unit
 from gproof.passes.modal import ZERO
-from gproof.passes.values import NOWHERE, Position, Unknown, Value, bounds, describe, not_known
+from gproof.passes.values import NOBODY, NOWHERE, Position, Unknown, Value, bounds, describe, not_known
 
 if TYPE_CHECKING:
     from gproof.passes.din import Part
@@ -163,7 +163,8 @@ def restore_offset(ex: Motion, line: Part, rule: CodeRule) -> None:
         if value is None:
             s.g92[axis.index] = NOWHERE
             ex.findings.add(codes.UNKNOWN_VALUE.at(
-                line.span, word=f"the zero offset of {axis.word}", cause=f"CD{OFFSETS_AT + number}"))  # fmt: skip
+                line.span, word=f"the zero offset of {axis.word}", cause=f"CD{OFFSETS_AT + number}",
+                why=NOBODY))  # fmt: skip
         elif isinstance(value, Unknown):
             # The very value that the last G153 left there, not one of the same description.
             same = stored is not None and value is stored[number][0]
@@ -171,7 +172,9 @@ def restore_offset(ex: Motion, line: Part, rule: CodeRule) -> None:
         elif value != 0.0 and _number_open(ex, axis.index):
             s.g92[axis.index] = NOWHERE
             cause = f"the unit in which CD{OFFSETS_AT + number} counts"
-            ex.findings.add(codes.UNKNOWN_VALUE.at(line.span, word=f"the zero offset of {axis.word}", cause=cause))
+            ex.findings.add(
+                codes.UNKNOWN_VALUE.at(line.span, word=f"the zero offset of {axis.word}", cause=cause, why=NOBODY)
+            )
         else:
             s.g92[axis.index] = Position(value * (s.unit if s.linear[axis.index] else 1.0))
     _changed(ex, line, rule.text, 0)

@@ -19,7 +19,7 @@ from gproof.passes.line import LARGEST, Line
 from gproof.passes.modal import NO_OFFSET, TOOL_LENGTH, TOOL_X_OFFSET
 from gproof.passes.motion import Motion
 from gproof.passes.transform_codes import shifts
-from gproof.passes.values import NOWHERE, Position, Unknown, Value
+from gproof.passes.values import NOBODY, NOWHERE, Position, Unknown, Value
 
 _AXIS_OFFSETS = (F.AXIS_OFFSET_SET, F.AXIS_OFFSET_RESET, F.AXIS_OFFSET_SUSPEND, F.AXIS_OFFSET_RESTORE)
 
@@ -164,7 +164,7 @@ class Origins(Motion):
             self.findings.add(
                 codes.UNKNOWN_VALUE.at(
                     line.span, word=f"the park position of {' '.join(unknown)}",
-                    cause=f"parameters #{number} to #{number + 5}",
+                    cause=f"parameters #{number} to #{number + 5}", why=NOBODY,
                     hint="state them under [parameters] in the setup file",
                 )
             )  # fmt: skip

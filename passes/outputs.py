@@ -16,7 +16,7 @@ from gproof.ir.rules import CodeRule
 from gproof.ir.rules import Function as F
 from gproof.ir.trace import Op, Wait
 from gproof.passes.line import Line
-from gproof.passes.values import NOWHERE, Position
+from gproof.passes.values import NOBODY, NOWHERE, Position
 
 if TYPE_CHECKING:
     from gproof.passes.motion import Motion
@@ -58,7 +58,7 @@ def look_at(ex: Motion, target: list[Position], span: Span) -> None:
         name = AXIS_NAMES[CLAMPED].upper()
         if way.form:
             cause = "whether the clamped axis moves"
-            raise Refusal(codes.UNKNOWN_VALUE.at(span, word=name, cause=cause))
+            raise Refusal(codes.UNKNOWN_VALUE.at(span, word=name, cause=cause, why=NOBODY))
         if abs(way.value) > 1e-9:
             raise Refusal(codes.AXIS_CLAMPED.at(span, axis=name, hint="M27 before"))
     if s.drives_were_off and target != s.position:

@@ -21,7 +21,7 @@ from gproof.passes.cycles import MAX_MOVES
 from gproof.passes.line import Line
 from gproof.passes.spindle import need_turning, note_speed_unknown
 from gproof.passes.synchronised import synchronised_move
-from gproof.passes.values import Position
+from gproof.passes.values import NOBODY, Position
 from gproof.passes.word_owner import owned
 
 if TYPE_CHECKING:
@@ -121,7 +121,9 @@ def _thread(ex: Motion, line: Line, rule: CodeRule, words: dict[str, float | Non
     end = ex.target(_Z, words["Z"] or 0.0)
     if end.minus(start).form:
         raise Refusal(
-            codes.UNKNOWN_VALUE.at(line.span, word="the length of the thread", cause="the start position of Z")
+            codes.UNKNOWN_VALUE.at(
+                line.span, word="the length of the thread", cause="the start position of Z", why=NOBODY
+            )
         )
     length = abs(end.value - start.value)
     peak = _peak(ex, line, rule, x, words["I"] or 0.0)
@@ -179,7 +181,9 @@ def _peak(ex: Motion, line: Line, rule: CodeRule, x: Position, value: float) -> 
             )
         )
     if across.form:
-        raise Refusal(codes.UNKNOWN_VALUE.at(line.where("I"), word="the depth to I", cause="the start position of X"))
+        raise Refusal(
+            codes.UNKNOWN_VALUE.at(line.where("I"), word="the depth to I", cause="the start position of X", why=NOBODY)
+        )
     if across.value == 0.0:
         raise Refusal(
             codes.THREAD_WORD.at(line.where("I"), code=rule.text, what="the tool starts at the thread's peak")

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from dataclasses import replace
 from itertools import takewhile
 
 from gproof.ir import codes
@@ -30,13 +29,13 @@ class Unknown:
 
 Value = float | Unknown
 
+NOBODY = "which nobody stated"
+
 
 def not_known(span: Span, word: str, value: Unknown, hint: str = "") -> Finding:
     """GP225 for a word whose value nobody stated, or of which only bounds are known where one number is needed."""
-    code = codes.UNKNOWN_VALUE
-    if value.bounded:
-        code = replace(code, template="{word} depends on {cause}, of which bounds are known, and no number")
-    return code.at(span, word=word, cause=value.cause, hint=hint)
+    why = "of which bounds are known, and no number" if value.bounded else NOBODY
+    return codes.UNKNOWN_VALUE.at(span, word=word, cause=value.cause, why=why, hint=hint)
 
 
 def behind_loop(name: str) -> str:

@@ -30,7 +30,7 @@ def told(name: str) -> list[tuple[str, str, int, str]]:
 @pytest.mark.parametrize(
     ("name", "places", "words"),
     [
-        ("mcuwin/engraver/carousel", [("carousel.src", 8)], [("never ends", "an end")]),
+        ("mcuwin/engraver/carousel", [("carousel.src", 9)], [("never ends", "an end")]),
         ("mcuwin/engraver/three-planes", [("three-planes.src", 12)], [("tool 2 is beside", "radius 0")]),
         (
             "mcuwin/engraver/which-fixture",
