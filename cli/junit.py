@@ -13,47 +13,63 @@ _NOT_XML = re.compile("[^\t\n\r\u0020-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]"
 """Characters that XML 1.0 can not carry."""
 
 
+COUNTED = ("tests", "failures", "errors", "skipped")
+SAFE = 0
+"""The exit code of a job that passes."""
+
+
 def junit(outcomes: Sequence[Outcome]) -> str:
-    """A document. A property that is UNSAFE or UNKNOWN is a failure, a job that could not be judged an error."""
+    """A document, in which a job fails where its exit code says so.
+
+    A property that is UNSAFE or UNKNOWN is a failure, unless the policy leaves it out (skipped) or all that speaks
+    against it is accepted; findings that fail the check by their weight alone are a case of their own; a job that could
+    not be judged is an error.
+    """
     root = ET.Element("testsuites", name="gproof check")
-    totals = [0, 0, 0]
+    totals = dict.fromkeys(COUNTED, 0)
     for outcome in outcomes:
         suite = ET.SubElement(root, "testsuite", name=_clean(outcome.job))
         if outcome.shown is None:
             case = ET.SubElement(suite, "testcase", classname=_clean(outcome.job), name="job")
             ET.SubElement(case, "error", message=_clean(outcome.problem), type="could not run")
-            counts = [1, 0, 1]
         else:
-            counts = _cases(suite, outcome, outcome.shown)
-        totals = [a + b for a, b in zip(totals, counts, strict=True)]
-        _count(suite, counts)
-    _count(root, totals)
+            _cases(suite, outcome, outcome.shown)
+        counts = {"tests": len(suite)}
+        counts |= {name: len(suite.findall(f"testcase/{name.rstrip('s')}")) for name in ("failures", "errors")}
+        counts["skipped"] = len(suite.findall("testcase/skipped"))
+        for name in COUNTED:
+            suite.set(name, str(counts[name]))
+            totals[name] += counts[name]
+    for name in COUNTED:
+        root.set(name, str(totals[name]))
     ET.indent(root)
     return '<?xml version="1.0" encoding="UTF-8"?>\n' + ET.tostring(root, encoding="unicode")
 
 
-def _count(element: ET.Element, counts: list[int]) -> None:
-    for name, number in zip(("tests", "failures", "errors"), counts, strict=True):
-        element.set(name, str(number))
-
-
-def _cases(suite: ET.Element, outcome: Outcome, report: dict[str, Any]) -> list[int]:
-    failures = 0
+def _cases(suite: ET.Element, outcome: Outcome, report: dict[str, Any]) -> None:
     names = list(report["properties"])
+    left_out = report.get("left_out", ())
     for name, answer in report["properties"].items():
         case = ET.SubElement(suite, "testcase", classname=_clean(outcome.job), name=name, file=_clean(outcome.job))
         own = [f for f in report["findings"] if f["property"] == name or (name == names[0] and _of_none(f, names))]
         lines = [_line(finding) for finding in own]
-        if answer["verdict"] == "SAFE":
-            if lines:
-                ET.SubElement(case, "system-out").text = _clean("\n".join(lines))
+        verdict = answer["verdict"]
+        if name in left_out:
+            ET.SubElement(case, "skipped", message="the policy leaves it out")
+        elif verdict != "SAFE" and outcome.code != SAFE:
+            told = [f for f in own if f["severity"] in ("error", "unknown")]
+            message = told[0]["message"] if told else f"{name} is {verdict}"
+            failure = ET.SubElement(case, "failure", message=_clean(message), type=verdict)
+            failure.text = _clean("\n".join(lines) or f"{name} is {verdict}")
             continue
-        failures += 1
-        told = [f for f in own if f["severity"] in ("error", "unknown")]
-        message = told[0]["message"] if told else f"{name} is {answer['verdict']}"
-        failure = ET.SubElement(case, "failure", message=_clean(message), type=answer["verdict"])
-        failure.text = _clean("\n".join(lines) or f"{name} is {answer['verdict']}")
-    return [len(names), failures, 0]
+        elif verdict != "SAFE":
+            lines.insert(0, f"{name} is {verdict} (accepted)")
+        if lines:
+            ET.SubElement(case, "system-out").text = _clean("\n".join(lines))
+    if outcome.code != SAFE and suite.find("testcase/failure") is None:
+        case = ET.SubElement(suite, "testcase", classname=_clean(outcome.job), name="policy", file=_clean(outcome.job))
+        failure = ET.SubElement(case, "failure", message="findings that fail the check", type="policy")
+        failure.text = _clean("\n".join(_line(f) for f in report["findings"] if "suppressed" not in f))
 
 
 def _of_none(finding: dict[str, Any], names: list[str]) -> bool:

@@ -41,7 +41,7 @@ def finding(**values: Any) -> dict[str, Any]:
 def outcome(*findings: dict[str, Any], job: str = "a.cnc", verdict: str = "UNSAFE") -> Outcome:
     answers = {name: {"verdict": verdict, "conditions": []} for name in ("language", "limits")}
     report = {"verdict": verdict, "properties": answers, "findings": list(findings), "inputs": []}
-    return Outcome(job=job, report=report)
+    return Outcome(job=job, report=report, code=("SAFE", "UNSAFE", "UNKNOWN").index(verdict))
 
 
 def test_every_code_is_valid_sarif(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
