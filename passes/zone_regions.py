@@ -32,6 +32,8 @@ FAR = 1e6
 """mm: what has no end is taken this long."""
 ROUND = 1e-3
 """mm by which an arc or a round edge may be blocked too widely."""
+WIDEST = 1.5
+"""Steps that a chord of a round edge spans at most."""
 CLIMB = 0.05
 """mm of height within which a climbing move is taken as level."""
 THIN = 1e-7
@@ -162,10 +164,11 @@ class Blocked:
     def _grown(self, shape: Any, grow: float) -> Any:
         if not grow:
             return shape
-        # The circle's polygon around it, not in it.
-        steps = max(8, math.ceil(math.pi / 4 / math.acos(1 / (1 + ROUND / grow))))
+        # The circle's polygon around it, not in it. GEOS rounds the number of chords at a corner: one of them may span
+        # half as much again as a step.
+        steps = max(8, math.ceil(WIDEST * math.pi / 4 / math.acos(1 / (1 + ROUND / grow))))
         self._at_best(ROUND)
-        return shape.buffer(grow / math.cos(math.pi / 4 / steps), quad_segs=steps)
+        return shape.buffer(grow / math.cos(WIDEST * math.pi / 4 / steps), quad_segs=steps)
 
     def _at_best(self, error: float) -> None:
         if self.resolution is not None:

@@ -193,6 +193,22 @@ def test_moves_along_an_axis_from_places_that_stay(seed: int) -> None:
     assert seen
 
 
+@pytest.mark.parametrize("turn", [0.01, 0.1, 0.3, 0.49, 0.51, 0.9, 1.3, 1.49, 1.51, 2.49, 2.6])
+def test_what_is_round_is_blocked_whole(turn: float) -> None:
+    """Corners of any angle, counted in steps of a quarter circle of 8: all places nearer than the tool's radius."""
+    angle = turn * math.pi / 2 / 8
+    corner = [(-40.0, 0.0), (0.0, 0.0), (-40.0 * math.cos(angle), -40.0 * math.sin(angle))]
+    for grow in (0.001, 0.01, 0.05, 1.0, 3.0):
+        solid = Solid(parts=(np.array(corner),), z=(-math.inf, math.inf), grow=grow)
+        region = region_of([solid], straight(np.zeros(3), np.array([1e-9, 0.0, 0.0]), ALL))
+        zone = shapely.Polygon(corner)
+        for k in range(400):
+            way = math.pi * (k / 200 - 1)
+            at = np.array([math.cos(way), math.sin(way), -50.0]) * (grow - 2e-7, grow - 2e-7, 1.0)
+            if zone.distance(shapely.Point(at[:2])) < grow - 1e-7:
+                assert not is_left(region, at), (grow, way)
+
+
 @pytest.mark.parametrize("seed", seeds(6, 300))
 def test_zones_that_are_polygons_and_round_tools(seed: int) -> None:
     rng = random.Random(seed)
