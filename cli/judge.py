@@ -211,9 +211,9 @@ def _standing(session: Session, waits: set[Wait]) -> list[str]:
     """What every answer about positions stands on."""
     out = []
     homed = session.setup.homed
-    missing = [axis.word for axis in session.machine.axes if axis.name not in homed]
-    if missing and session.machine_given:
-        out.append(f"{' '.join(missing)} are homed: machine positions are what the controller shows")
+    if homed is None and session.machine_given:
+        names = " ".join(axis.word for axis in session.machine.axes)
+        out.append(f"{names} are homed: machine positions are what the controller shows")
     if waits & {Wait.OPERATOR, Wait.TOOL_CHANGE}:
         out.append("while the job waits for the operator nobody moves the axes")
     return out

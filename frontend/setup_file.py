@@ -121,13 +121,14 @@ def _transform(table: TomlTable | None, unit: Fraction) -> InForce | None:
     return InForce(angle=angle, factor_x=fx, factor_y=fy, x=x or 0.0, y=y or 0.0)
 
 
-def _homed(root: TomlTable, columns: Columns) -> tuple[str, ...]:
+def _homed(root: TomlTable, columns: Columns) -> tuple[str, ...] | None:
+    """``homed``: the axes that have had their reference run, an empty list: none; None: not stated."""
     value = root.take("homed")
     if value is None:
-        return ()
+        return None
     if not isinstance(value, list) or any(not isinstance(axis, str) or axis not in columns for axis in value):
         root.bad("homed", f"not a list of axes such as {list(columns)[:3]}")
-        return ()
+        return None
     return tuple(column for name, (column, _) in columns.items() if name in value)
 
 

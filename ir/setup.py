@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from gproof.ir.machine import Area
+from gproof.ir.machine import Area, Machine
 from gproof.ir.record import field, record
 from gproof.ir.workpiece import Workpiece
 
@@ -98,8 +98,10 @@ class StoredPosition:
 class Setup:
     """The stated part of the machine's state.
 
-    start: machine position by axis name; work: offsets of coordinate systems 1..9 by (number, axis);
-    g92: axis offsets; tool_lengths: by tool number; parameters: numbered variables in the
+    homed: axes that have had their reference run, None: not stated; an axis that is stated and not among them has had
+    none, and nobody knows how its machine positions lie. start: machine position by axis name;
+    work: offsets of coordinate systems 1..9 by (number, axis); g92: axis offsets;
+    tool_lengths: by tool number; parameters: numbered variables in the
     controller's numbering; parameter_ranges: those that are only bounded, and what the operator or a measurement will
     put into them; default_*: what everything not listed is (None: unknown).
     cylinder: Y is mapped onto A, for the whole job; height_map: measured and loaded. Offsets are mm or degrees;
@@ -113,7 +115,7 @@ class Setup:
     """
 
     name: str = "(none)"
-    homed: tuple[str, ...] = ()
+    homed: tuple[str, ...] | None = None
     start: dict[str, Interval] = field(default_factory=dict)
     work: dict[tuple[int, str], Interval] = field(default_factory=dict)
     g92: dict[str, Interval] = field(default_factory=dict)
@@ -167,6 +169,12 @@ class Setup:
         if found is None and default is not None:
             return Interval(default, default)
         return found
+
+    def unhomed(self, machine: Machine) -> frozenset[int]:
+        """Columns of the machine's axes that are stated to have had no reference run; none where nothing is stated."""
+        if self.homed is None:
+            return frozenset()
+        return frozenset(axis.index for axis in machine.axes if axis.name not in self.homed)
 
     def parameter(self, number: int) -> float | None:
         """The stated value of a numbered parameter; None where only bounds are stated."""

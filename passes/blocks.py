@@ -337,6 +337,8 @@ class Blocks(Origins):
         s = self.modal
         if rule.function in (F.STOP, F.OPTIONAL_STOP, F.STOP_KEEP):
             optional = rule.function is F.OPTIONAL_STOP
+            if optional and self.setup.optional_stop is False:
+                return
             self.event(Op.STOP, line.span, arg=(float(optional), 0.0))
             self._note_stop(line, rule.text)
             self._end_section(Wait.OPERATOR, "cycle start", None, line.span)

@@ -45,6 +45,7 @@ def _home(ex: Emitter, node: Device) -> None:
         if axis == CLAMPED and ex.modal.clamped:
             ex._fail(codes.AXIS_CLAMPED.at(node.span, axis=name.upper(), hint="M27 before"))
         ex.modal.position[axis] = ex.unknown_place("home", axis, (-math.inf, math.inf), Position(0.0))
+    ex.modal.unhomed -= {AXIS_NAMES.index(name) for name in names}
     ex.assumed["homing moves do not leave the machine"] = None
     ex.findings.add(codes.HOMING.at(node.span, axes=" ".join(name.upper() for name in names)))
     ex._end_section(Wait.HOME, "homed", None, node.span)

@@ -118,15 +118,17 @@ def _home(ex: Motion, line: Part) -> None:
     ex.event(Op.HOME, line.span, text=ex._text(" ".join(axis.name for axis in axes)))
     for axis in axes:
         s.position[axis.index] = NOWHERE if axis.home_place is None else Position(axis.home_place)
+    s.unhomed -= {axis.index for axis in axes}
     ex.assumed["homing moves do not leave the machine"] = None
     ex.findings.add(codes.HOMING.at(line.span, axes=" ".join(axis.word for axis in axes)))
     ex._end_section(Wait.HOME, "homed", None, line.span)
 
 
 def optional_stop(ex: Motion, line: Part, rule: CodeRule) -> None:
-    """M01: a stop where the operator has switched it on."""
+    """M01: a stop where the operator has switched it on (4.2); nothing where the setup states that it is off."""
     end_contour(ex, line, rule.text)
-    _stop(ex, line, rule)
+    if ex.setup.optional_stop is not False:
+        _stop(ex, line, rule)
 
 
 def end(ex: Motion, line: Part, rule: CodeRule) -> None:

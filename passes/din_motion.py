@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 from gproof.ir import codes
 from gproof.ir.din import USUAL
 from gproof.ir.finding import Refusal, Span
-from gproof.ir.machine import AXES, AXIS_NAMES, AxisKind
+from gproof.ir.machine import AXES, AxisKind
 from gproof.ir.rules import CodeRule
 from gproof.ir.rules import Function as F
 from gproof.ir.trace import Op, Plane
@@ -130,7 +130,8 @@ def move(ex: Motion, line: Part, rule: CodeRule) -> None:
         _interpolated(ex, line, rule)
     if not words and not (arc and line.values):
         return
-    _referenced(ex, line, {*words, *(AXES_OF_PLANE[s.plane][:2] if arc or s.din.side else ())})
+    if ex.setup.homed is None:
+        ex.assumed["every axis has had its reference run"] = None
     target = aim(ex, line, own=rule.function is F.TRAVERSE)
     if s.din.side:
         target = follow(ex, target)
@@ -155,18 +156,6 @@ def move(ex: Motion, line: Part, rule: CodeRule) -> None:
 def tell_way(ex: Motion, line: Part) -> bool:
     """Whether the way that the line leads is known: an axis whose place is unknown may well move."""
     return all(place != NOWHERE for place in (ex.modal.position[axis] for axis in line.axes()))
-
-
-def _referenced(ex: Motion, line: Part, axes: set[int]) -> None:
-    """GP304 for axes that move, by words or in a plane, without a reference run: no limit is watched (2.4)."""
-    homed = ex.setup.homed
-    if not homed:
-        ex.assumed["every axis has had its reference run"] = None
-        return
-    for axis in sorted(axes):
-        if AXIS_NAMES[axis] not in homed and tell_once(ex, f"homed {axis}"):
-            cause = "its reference run, which the setup does not say it has had"
-            ex._fail(codes.POSITION_UNKNOWN.at(line.span, axis=_word(ex, axis), cause=cause))
 
 
 def _interpolated(ex: Motion, line: Part, rule: CodeRule) -> None:

@@ -59,7 +59,7 @@ def is_plain(ex: Emitter) -> bool:
         and all(letters.get(AXIS_NAMES[axis].upper()) == axis for axis in own)
         and not any(letter in letters and letters[letter] > 2 for letter in "XYZ")
         and not any(place == NOWHERE or is_beside(place) for place in s.position)
-        and (not ex.setup.homed or all(AXIS_NAMES[axis] in ex.setup.homed for axis in own))
+        and not own & s.unhomed
     )
 
 

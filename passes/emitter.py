@@ -219,7 +219,7 @@ class Emitter:
         return self.trace.files.index(span.file) if span.file in self.trace.files else 0
 
     def _frame(self) -> int:
-        return self.frames.frame(self.modal.position)
+        return self.frames.frame(self.modal.position, self.modal.unhomed)
 
     def _state_changed(self) -> None:
         self._state_index = -1

@@ -20,13 +20,13 @@ from gproof.ir.columns import occurring
 from gproof.ir.finding import Findings, Severity, Span
 from gproof.ir.machine import AXES, AXIS_NAMES, NO_MACHINE, Axis, AxisKind, Machine
 from gproof.ir.setup import Setup
-from gproof.ir.trace import HEIGHT_MAP, KNIFE, UNKNOWN, Affine, Chunk, Op, Trace
+from gproof.ir.trace import HEIGHT_MAP, KNIFE, UNKNOWN, Affine, Chunk, Op, Plane, Trace
 from gproof.ir.verdict import Condition, PropertyResult, Verdict
 from gproof.passes.check import KEPT, Check, Like, form_interval, row_span, split_form, told_of
 from gproof.passes.extent_kernels import row_boxes
 from gproof.passes.height_map import heights_of
 from gproof.passes.reach import Range, reach_of, reaches
-from gproof.passes.values import RISEN, describe
+from gproof.passes.values import RISEN, UNHOMED, describe
 
 Floats = npt.NDArray[np.float64]
 
@@ -37,6 +37,9 @@ FOLLOWED = {
     KNIFE: "the knife points along +X where its axis is at 0, turns counter-clockwise, the shorter way, and not in G0",
 }
 """What an answer about positions stands on while the controller adds to the path."""
+_ACROSS = (Plane.YZ, Plane.XZ, Plane.XY)
+"""Of X, Y and Z, the plane whose arcs do not move it by themselves."""
+HOMING_HINT = "home before the job, and state homed = [...] in the setup file"
 
 
 def _where_stated(machine: Machine, axis: str, off: bool) -> str:
@@ -67,6 +70,11 @@ def _with_forced(machine: Machine) -> Machine:
         lower = low if axis.lower is None else max(axis.lower, low)
         axes.append(dataclasses.replace(axis, lower=lower, travel_lower=travel))
     return dataclasses.replace(machine, axes=tuple(axes))
+
+
+def _is_lost(form: Affine) -> bool:
+    """Whether a place is that of an axis that has had no reference run."""
+    return any(symbol.startswith(f"{UNHOMED}.") for symbol, _ in form)
 
 
 class _Offset:
@@ -115,6 +123,8 @@ class Limits(Check):
         self._heights = heights_of(setup.height_map)
         self._plain = self._heights is None and all(reach.plain for reach in self.reaches.values())
         self._trace: Trace | None = None
+        # Axes that are stated to have had no reference run, of which that is not told yet.
+        self._unhomed = setup.unhomed(machine)
         self._used = [False] * AXES
         self._errors = 0
         self._needed: dict[Affine, tuple[float, float]] = {}
@@ -152,6 +162,8 @@ class Limits(Check):
                 what = "with Y mapped onto A it counts degrees of A, which a map of X and Y does not"
                 self.findings.add(codes.HEIGHT_MAP_UNKNOWN.at(row_span(trace, rows, 0), what=what))
             self._assumptions.append(FOLLOWED[name])
+        if self._unhomed:
+            self._never_homed(chunk)
         self._grow(len(trace.frames))
         known = self.known(trace)
         guards = np.array(["machine_area" in s.guards_off for s in trace.states], dtype=np.int64)
@@ -260,6 +272,27 @@ class Limits(Check):
             )
         )  # fmt: skip
         return True
+
+    def _never_homed(self, chunk: Chunk) -> None:
+        """GP304 at the first move of an axis whose machine positions nobody knows: no limit is watched there."""
+        rows, starts, frames = chunk.rows, chunk.starts(), chunk.start_frames()
+        goes = rows["op"] <= Op.PROBE
+        for axis in sorted(self._unhomed):
+            symbol = f"{UNHOMED}.{AXIS_NAMES[axis]}"
+            forms = [frame[axis] for frame in chunk.trace.frames]
+            lost = np.array([any(name == symbol for name, _ in form) for form in forms], dtype=bool)
+            kinds = np.array([forms.index(form) for form in forms])
+            moves = (rows["to"][:, axis] != starts[:, axis]) | (kinds[rows["frame"]] != kinds[frames])
+            if axis < 3:
+                moves |= (rows["op"] == Op.ARC) & (rows["plane"] != _ACROSS[axis])
+            found = np.flatnonzero(goes & moves & lost[rows["frame"]])
+            if len(found):
+                self._unhomed -= {axis}
+                known = self.machine.axis(AXIS_NAMES[axis])
+                cause = describe(((symbol, 1),))
+                where = row_span(chunk.trace, rows, int(found[0]))
+                word = AXIS_NAMES[axis].upper() if known is None else known.word
+                self.findings.add(codes.POSITION_UNKNOWN.at(where, axis=word, cause=cause, hint=HOMING_HINT))
 
     def _begin_mapping(self) -> None:
         """GP321 for what a mapping of Y onto A needs and nobody stated."""
@@ -407,6 +440,8 @@ class Limits(Check):
                     codes.POSITION_UNKNOWN.at(self._low_span[slot, index], axis=word, cause="something nobody stated")
                 )
                 continue
+            if _is_lost(form):
+                continue  # told at its first move
             low, high = self._sides(axis, off)
             if off and axis is not None:
                 low, high = self._guard_off(axis, form, slot, least, most)
@@ -428,7 +463,7 @@ class Limits(Check):
             offset = offsets.setdefault(form, _Offset(axis))
             offset.within(room, least, most, self._high_span[slot, index])
         form, at = self._start_forms[index], float(self._start[index])
-        if axis is not None and form not in ((), UNKNOWN):
+        if axis is not None and form not in ((), UNKNOWN) and not _is_lost(form):
             # The path begins at the start: what GP306 says of a stated one is a condition on an unknown one.
             low, high = self.reaches[axis.name].stated[False]
             room = -math.inf if low is None else low - at, math.inf if high is None else high - at

@@ -39,7 +39,8 @@ class Modal:
 
     feed: mm/min as programmed in G94, 1/min in G93, mm/rev in G95; feed_unit: mm of the unit F was given in.
     motion: Function number of the active motion mode, 0 for none. work: 1..9, 0 while not stated.
-    following: see ``State``; height_map_known: the map in use is the setup's. jumped: a refused line has moved the
+    following: see ``State``; height_map_known: the map in use is the setup's. unhomed: columns of axes that have had no
+    reference run, by the setup and in the job. jumped: a refused line has moved the
     position, and no row.
     spindle_speed: as programmed: rpm, with surface_speed_mode m/min; spindle_limit: rpm, NaN for none; pitch: mm a
     revolution of the move that is being made, 0 for moves that do not follow the spindle; direction_output: 1 on,
@@ -115,6 +116,7 @@ class Modal:
         self.following: tuple[str, ...] = ()
         if setup.height_map is not None and setup.height_map.on:
             self.following = (HEIGHT_MAP,)
+        self.unhomed = setup.unhomed(machine)
         self.clamped = False
         self.drives_were_off = False
         self.jumped = False

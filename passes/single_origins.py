@@ -353,6 +353,7 @@ def home(ex: Motion, line: Command, rule: CodeRule) -> None:
         place = there.home_place if there is not None else None
         s.position[axis] = Position(0.0 if place is None else place)
     s.single = s.single.but(touched=s.single.touched - set(axes))
+    s.unhomed -= set(axes)
     _warn_kept(ex, line, rule, axes)
     ex.assumed["homing moves do not leave the machine"] = None
     if any(s.g92[axis] != ZERO for axis in axes):

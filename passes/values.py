@@ -120,6 +120,8 @@ def describe_symbol(symbol: str) -> str:
         return "active tool length" if rest[0] == "0" else f"length of tool {rest[0]}"
     if kind == "probe":
         return f"the probe contact {rest[0]} in {rest[1].upper()}"
+    if kind == UNHOMED:
+        return f"the place of {rest[0].upper()}, which has had no reference run"
     if kind == "home":
         return f"the place of {rest[1].upper()} after homing {rest[0]}"
     if kind == "head":
@@ -132,6 +134,16 @@ def describe_symbol(symbol: str) -> str:
     if kind == "value":
         return f"the value {rest[0]} of {rest[1].upper()}"
     return "a value that nobody stated"
+
+
+UNHOMED = "unhomed"
+"""Kind of the symbols by which the positions of an axis that was never homed lie beside those of its machine."""
+NO_AXES = frozenset[int]()
+
+
+def _shifted(form: Affine, axis: int) -> Affine:
+    """A form of an axis that was never homed: wherever the controller shows it, it stands elsewhere."""
+    return form if form == UNKNOWN else add_forms(form, ((f"{UNHOMED}.{AXIS_NAMES[axis]}", 1),))
 
 
 class FrameTable:
@@ -151,10 +163,12 @@ class FrameTable:
             self.forms.append(form)
         return index
 
-    def frame(self, positions: list[Position]) -> int:
-        """The index of the frame in which these positions stand."""
+    def frame(self, positions: list[Position], unhomed: frozenset[int] = NO_AXES) -> int:
+        """The index of the frame in which these positions stand; unhomed: columns without a reference run."""
         p = positions
         frame = (p[0].form, p[1].form, p[2].form, p[3].form, p[4].form, p[5].form)
+        if unhomed:
+            frame = tuple(_shifted(form, axis) if axis in unhomed else form for axis, form in enumerate(frame))  # type: ignore[assignment]
         index = self._index.get(frame)
         if index is None:
             index = self._index[frame] = len(self.frames)

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any
 
 from gproof.ir import codes
 from gproof.ir.finding import Finding, Severity, Span
-from gproof.ir.machine import Machine
+from gproof.ir.machine import AXIS_NAMES, Machine
 from gproof.ir.record import record
 from gproof.ir.setup import CylinderMap, HeightMap, Interval, Setup
 from gproof.ir.stream import StepStream
@@ -140,7 +140,7 @@ def check_package(
         _check_verdicts(package, findings, where)
         _check_conditions(package, setup or package.setup, findings, where)
         if setup is not None:
-            _check_setup(package.setup, setup, findings, where)
+            _check_setup(package.setup, setup, findings, where, package.machine)
     except (LookupError, ValueError, TypeError, AttributeError, ArithmeticError) as error:
         findings.append(codes.CERTIFICATE_MALFORMED.at(where, what=f"the body is not of its form ({error})"))
     report = validate(package.stream, package.trace, package.machine, package.setup)
@@ -208,8 +208,8 @@ def _check_conditions(package: Package, setup: Setup, findings: list[Finding], w
                 )
 
 
-def _check_setup(made_for: Setup, now: Setup, findings: list[Finding], where: Span) -> None:
-    """What the stream was reckoned with is so now: offsets, tool lengths, parameters, start, switches.
+def _check_setup(made_for: Setup, now: Setup, findings: list[Finding], where: Span, machine: Machine) -> None:
+    """What the stream was reckoned with is so now: offsets, tool lengths, parameters, start, switches, homed axes.
 
     What the package's setup leaves open the stream does not depend on.
     """
@@ -230,6 +230,9 @@ def _check_setup(made_for: Setup, now: Setup, findings: list[Finding], where: Sp
                  "optional_stop", "transform"):  # fmt: skip
         plain.append((name, getattr(made_for, name), getattr(now, name)))
     differing += [(name, was, is_) for name, was, is_ in plain if was is not None and was != is_]
+    # Where nothing was stated, the axes were taken to be homed.
+    gone = sorted(now.unhomed(machine) - made_for.unhomed(machine))
+    differing += [(AXIS_NAMES[axis].upper(), "homed", "not homed") for axis in gone]
     # What is added to the path counts also where nothing was: motors went as the Trace says then.
     for name in ("cylinder", "height_map"):
         was, is_ = getattr(made_for, name), getattr(now, name)

@@ -17,7 +17,7 @@ from gproof.ir.finding import Span
 from gproof.ir.machine import AXES, AXIS_NAMES, Drive, Machine
 from gproof.ir.setup import Setup
 from gproof.ir.stream import EVENT, RUN, StepStream, StreamSection
-from gproof.ir.trace import HEIGHT_MAP, TRACE_ROW, Op, Plane, Trace, TraceSection
+from gproof.ir.trace import HEIGHT_MAP, TRACE_ROW, Op, Plane, Trace, TraceSection, Wait
 from gproof.verify import stream_kernels as kernels
 from gproof.verify.motor_map import bend, knots_of, motor_at
 from gproof.verify.stream_report import Collector
@@ -179,9 +179,34 @@ def unfollowed(trace: Trace, machine: Machine, setup: Setup) -> Iterator[str]:
     problem = setup.height_map.problem() if setup.height_map is not None else None
     if problem is not None:
         yield f"the height map: {problem}"
+    for name in never_homed(trace, machine, setup):
+        yield f"axis {name} moves, and the setup says that it has had no reference run"
     for axis in machine.axes:
         if axis.tip_feed and any(moves(section, axis.index) for section in trace.sections):
             yield f"the feed of axis {axis.name} is that of the tool over the material"
+
+
+def never_homed(trace: Trace, machine: Machine, setup: Setup) -> list[str]:
+    """Axes that move on some way through the sections before their reference run, and are stated to have had none."""
+    if setup.homed is None or not trace.sections:
+        return []
+    lost = {axis.name for axis in machine.axes if axis.name not in setup.homed}
+    at: dict[int, set[str]] = {0: lost}
+    moving: set[str] = set()
+    waiting = [0]
+    while waiting:
+        number = waiting.pop()
+        section = trace.sections[number]
+        moving |= {name for name in at[number] if moves(section, AXIS_NAMES.index(name))}
+        left = set(at[number])
+        for row in np.flatnonzero(section.rows["op"] == Op.HOME).tolist():
+            if any(edge.wait is Wait.HOME and edge.outcome == "homed" for edge in section.edges):
+                left -= set(trace.texts[int(section.rows["text"][row])].split())
+        for edge in section.edges:
+            if 0 <= edge.target < len(trace.sections) and (edge.target not in at or left - at[edge.target]):
+                at[edge.target] = at.get(edge.target, set()) | left
+                waiting.append(edge.target)
+    return sorted(moving)
 
 
 def moves(section: TraceSection, axis: int) -> bool:

@@ -154,7 +154,7 @@ bodies = st.one_of(
 placed = st.lists(st.builds(workpiece.Placed, name=names, body=bodies, work=st.integers(-1, 9)), max_size=2).map(tuple)
 workpieces = st.builds(workpiece.Workpiece, stock=placed, part=placed, fixtures=placed, tolerance=floats, cell=floats)
 setups = st.builds(
-    Setup, name=names, homed=st.lists(names, max_size=2).map(tuple),
+    Setup, name=names, homed=st.none() | st.lists(names, max_size=2).map(tuple),
     start=st.dictionaries(names, intervals, max_size=2),
     work=st.dictionaries(st.tuples(st.integers(1, 9), names), intervals, max_size=2),
     g92=st.dictionaries(names, intervals, max_size=1),

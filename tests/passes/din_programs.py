@@ -12,6 +12,7 @@ import dataclasses
 import re
 from typing import Any
 
+from gproof.ir.codes import POSITION_UNKNOWN
 from gproof.ir.dialects.mcuwin import MCUWIN
 from gproof.ir.din import Din, TaskCode
 from gproof.ir.finding import Findings, Span
@@ -41,8 +42,9 @@ from gproof.ir.program import (
     Word,
 )
 from gproof.ir.setup import ZERO, Setup
-from gproof.ir.trace import Op, Trace
+from gproof.ir.trace import Op, Trace, chunks
 from gproof.passes.execute import execute
+from gproof.passes.limits import Limits
 
 FILE = "job.src"
 TASKS = tuple(
@@ -207,6 +209,18 @@ def run(
     trace = execute(made, setup, on or machine(), findings, **more)
     trace.verify()
     return trace, findings
+
+
+def never_homed(items: list[Any], setup: Setup, on: Machine) -> list[tuple[str, int]]:
+    """(axis, line) of the first moves of axes that are stated to have had no reference run."""
+    trace, _ = run(items, setup=setup, on=on)
+    findings = Findings()
+    check = Limits(on, setup, findings)
+    for chunk in chunks(trace):
+        check.feed(chunk)
+    check.finish()
+    told = [f for f in findings.kept if f.code is POSITION_UNKNOWN and "no reference run" in f.message]
+    return [(str(f.message.split("position of ")[1][0]), f.span.line) for f in told]
 
 
 def labels(findings: Findings) -> list[str]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 
-from passes.din_programs import labels, machine, moves, run
+from passes.din_programs import labels, machine, moves, never_homed, run
 
 from gproof.ir.din import RadiusTool, TaskCode
 from gproof.ir.setup import ZERO
@@ -153,7 +153,7 @@ def test_limits_that_the_program_sets() -> None:
 
 def test_axes_without_a_reference_run() -> None:
     some = dataclasses.replace(ZERO, homed=("x",))
-    assert labels(run(["G00 X1", "G00 Y1", "G00 Y2"], setup=some)[1]) == ["GP304"]
+    assert never_homed(["G00 X1", "G00 Y1", "G00 Y2"], some, machine()) == [("Y", 2)]
 
 
 def test_outputs() -> None:

@@ -6,7 +6,7 @@ import dataclasses
 from typing import Any
 
 import pytest
-from passes.din_programs import labels, machine, moves, program, run
+from passes.din_programs import labels, machine, moves, never_homed, program, run
 
 from gproof.ir.din import RadiusTool, TaskCode
 from gproof.ir.finding import Findings
@@ -185,16 +185,18 @@ def test_a_reflection_that_is_on_already_changes_no_side() -> None:
 @pytest.mark.parametrize(
     ("lines", "expected"),
     [
-        (["G02 X10 I5 J0"], ["GP304"]),
-        (["G02 I5 J0", "G01 X1"], ["GP304"]),
+        (["G02 X10 I5 J0"], [("Y", 2)]),
+        (["G02 I5 J0", "G01 X1"], [("Y", 2)]),
         (["G01 X10"], []),
-        (["T1", "G41", "G01 X10"], ["GP304"]),
+        (["T1", "G41", "G01 X10"], [("Y", 4)]),
         (["T1", "G41", "G40", "G01 X10"], []),
     ],
 )
-def test_axes_that_an_arc_or_a_correction_moves_have_had_a_reference_run(lines: list[str], expected: list[str]) -> None:
+def test_axes_that_an_arc_or_a_correction_moves_have_had_a_reference_run(
+    lines: list[str], expected: list[tuple[str, int]]
+) -> None:  # fmt: skip
     some = dataclasses.replace(ZERO, homed=("x", "z"))
-    assert labels(run(["G90 F100", *lines], on=machine(tools=TOOLS), setup=some)[1]) == expected
+    assert never_homed(["G90 F100", *lines], some, machine(tools=TOOLS)) == expected
 
 
 @pytest.mark.parametrize(
