@@ -18,6 +18,7 @@ from gproof.cli.main import UsageError
 from gproof.cli.outcome import Fingerprints
 from gproof.cli.properties import not_judged
 from gproof.cli.report import distinct
+from gproof.frontend.own_keys import KEYS, suggestion, unknown_keys
 from gproof.frontend.toml_table import meant
 from gproof.ir import codes
 from gproof.ir.codes import CODES
@@ -189,6 +190,12 @@ def read_baseline(path: Path) -> Baseline:
         data = json.loads(path.read_text(encoding="utf-8"))
         if data["schema"] != SCHEMA:
             raise UsageError(f"baseline {path}: schema {data['schema']!r}; this gproof reads {SCHEMA!r}")
+        wrong = [
+            f"{'.'.join((*place, key))!r} ({suggestion(key, SCHEMA, (*keys.own, *keys.tables), ())})"
+            for place, key, keys in unknown_keys(data, KEYS[SCHEMA], {})
+        ]
+        if wrong:
+            raise UsageError(f"baseline {path}: there is no key {', nor '.join(wrong)}")
         known = {
             str(name): {str(entry["fingerprint"]): str(entry["message"]) for entry in found}
             for name, found in data["files"].items()

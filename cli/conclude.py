@@ -22,7 +22,7 @@ class Asked:
 
     also: properties that the command line asks for, which are in the policy already;
     new_baseline: the folder of a baseline that will be written, None: of none; fail_on: as the command line
-    says, which is in the policy already.
+    says, which is in the policy already; strict: as the command line or the job file says, beside the policy's.
     """
 
     policy: Policy = NO_POLICY
@@ -44,8 +44,9 @@ def conclude(
     if asked.baseline is not None or asked.new_baseline is not None or may_accept(session.program):
         session.findings.limit = MANY
     judgement = judge(
-        session, running=running, properties=asked.policy.properties, strict=asked.strict, observe=observe, beat=beat
-    )
+        session, running=running, properties=asked.policy.properties, strict=asked.strict or asked.policy.strict,
+        observe=observe, beat=beat,
+    )  # fmt: skip
     judgement = under(asked.policy, judgement, session.job)
     if session.program is not None:
         for finding in accept_comments(session.program, judgement):

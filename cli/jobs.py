@@ -26,8 +26,8 @@ _NO_JOBS = {".mac", ".inc", ".txt", ".iso"}
 class Job:
     """A job and what it is judged with.
 
-    also: properties asked for beyond the policy's; source: the job file that says so, None for
-    the command line.
+    also: properties asked for beyond the policy's; strict: a SAFE with conditions counts as UNKNOWN; source: the job
+    file that says so, None for the command line.
     """
 
     path: Path
@@ -36,6 +36,7 @@ class Job:
     dialect: str | None = None
     policy: Path | None = None
     also: tuple[str, ...] = ()
+    strict: bool = False
     source: Path | None = None
 
 
@@ -191,6 +192,7 @@ def _also(table: TomlTable, base: Job) -> tuple[str, ...]:
 
 def _settings(table: TomlTable, source: Path, base: Job) -> Job:
     machine, setup, policy = table.text("machine"), table.text("setup"), table.text("policy")
+    strict = table.boolean("strict")
     dialect = table.text("dialect", ("wincnc", "eding", "mcuwin"))
     folder = source.parent
     return replace(
@@ -200,4 +202,5 @@ def _settings(table: TomlTable, source: Path, base: Job) -> Job:
         dialect=base.dialect if dialect is None else dialect,
         policy=base.policy if policy is None else folder / policy,
         also=_also(table, base),
+        strict=base.strict if strict is None else strict,
     )

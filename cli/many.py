@@ -72,7 +72,9 @@ def judge_one(job: Job, how: How) -> Outcome:
 
 
 def _asked(job: Job, asked: Asked) -> Asked:
-    """What is asked of a job: a policy of the command line goes before that of its job file, ``also`` adds up."""
+    """What is asked of a job: a policy of the command line goes before that of its job file; ``also`` and ``strict``
+    add up."""
+    asked = replace(asked, strict=asked.strict or job.strict)
     own = job.policy is not None and not asked.policy.name
     if not own and not job.also:
         return asked

@@ -27,13 +27,15 @@ _OFF = "off"
 class Policy:
     """properties: all of which must be SAFE; severity: by number of a code, "off": not told.
 
-    fail_on: findings of this weight or more fail the check, whatever the verdict; name: of the file.
+    fail_on: findings of this weight or more fail the check, whatever the verdict; strict: a SAFE with conditions
+    counts as UNKNOWN; name: of the file.
     """
 
     properties: tuple[str, ...] = DEFAULT_POLICY
     severity: dict[int, str] = field(default_factory=dict)
     fail_on: str = "unknown"
     warnings_are_errors: bool = False
+    strict: bool = False
     name: str = ""
 
     def weight(self, finding: Finding) -> str:
@@ -93,7 +95,7 @@ def _read(root: TomlTable, name: str) -> Policy:
         severity[code.number] = wanted
     return Policy(
         properties=_properties(root), severity=severity, fail_on=root.text("fail_on", FAIL_ON) or NO_POLICY.fail_on,
-        warnings_are_errors=bool(root.boolean("warnings_are_errors")), name=name,
+        warnings_are_errors=bool(root.boolean("warnings_are_errors")), strict=bool(root.boolean("strict")), name=name,
     )  # fmt: skip
 
 

@@ -87,14 +87,17 @@ def _load_toml(path: Path, findings: Findings, depth: int) -> tuple[Machine | No
     if base is not None:
         if depth == 0:
             root.bad("base", "files refer to one another in a circle")
+            file.finish()
             return None, files
         target = path.parent / base
         if "\0" in base or (target.exists() and not target.is_file()):
             root.bad("base", f"{base!r} is not a regular file")
+            file.finish()
             return None, files
         machine, more = _load(target, findings, depth - 1)
         files = files + more
     if machine is None:
+        file.finish()
         return None, files
     machine = replace(
         machine,
@@ -123,7 +126,6 @@ def _load_toml(path: Path, findings: Findings, depth: int) -> tuple[Machine | No
     root.finish()
     if file.errors:
         return None, files
-    machine = replace(machine, unknown_keys=(*machine.unknown_keys, *file.unknown))
     machine.verify()
     return machine, files
 

@@ -1,7 +1,8 @@
 """Reading gproof's TOML files with a finding, at its line, for everything that does not fit.
 
 ``TomlFile`` reads and parses; ``TomlTable`` takes keys out of a table one by one, so that at the end it knows
-which ones nobody asked for. Decimal fractions keep their exact text (``Decimal``) until a reader rounds them.
+which ones nobody asked for: each is an error (GP611). ``-`` in a key is read as ``_``. Decimal fractions keep their
+exact text (``Decimal``) until a reader rounds them.
 """
 
 from __future__ import annotations
@@ -15,6 +16,7 @@ from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
+from gproof.frontend.own_keys import KEYS, Keys, suggestion, unknown_keys
 from gproof.ir import codes
 from gproof.ir.finding import Code, Findings, Severity, Span
 
@@ -47,12 +49,13 @@ class TomlFile:
         self.sha256 = ""
         self.errors = 0
         self.schema = schema
-        self.unknown: list[tuple[str, str]] = []
         self.root: TomlTable | None = None
+        self.taken: dict[tuple[str, ...], set[str]] = {}
+        self._reported: set[str] = set()
         self._lines: dict[str, int] = {}
-        parsed = self._parse()
-        if parsed is not None:
-            self.root = TomlTable(self, (), parsed)
+        self._parsed = self._parse()
+        if self._parsed is not None:
+            self.root = TomlTable(self, (), self._parsed, KEYS[schema])
             self._check_schema(schema)
 
     @property
@@ -70,10 +73,21 @@ class TomlFile:
         self.findings.add(code.at(span, **values))
 
     def line_of(self, key: str) -> int:
-        """Line of a dotted key, or of the nearest table that holds it, or 0."""
+        """Line of a dotted key, or of the nearest table that holds it, or 1."""
         while key and key not in self._lines:
             key = key.rpartition(".")[0]
-        return self._lines.get(key, 0)
+        return self._lines.get(key, 1)
+
+    def finish(self) -> None:
+        """A finding for each key that nobody knows, in tables too that nobody came to read."""
+        for path, key, keys in unknown_keys(self._parsed or {}, KEYS[self.schema], self.taken):
+            self.report_unknown(".".join((*path, key)), key, (*keys.own, *keys.tables), ())
+
+    def report_unknown(self, name: str, key: str, known: Iterable[str], given: Iterable[str]) -> None:
+        """The finding for a key that is none, once. name: dotted; known: keys of its table; given: those it has."""
+        if name not in self._reported:
+            self._reported.add(name)
+            self.add(codes.NO_SUCH_KEY, name, key=name, hint=suggestion(key, self.schema, known, given))
 
     def _parse(self) -> dict[str, Any] | None:
         try:
@@ -157,15 +171,28 @@ def _plain(dotted: str) -> str:
 class TomlTable:
     """One table of a file; every reader returns None for a missing key and for a bad value with its finding."""
 
-    def __init__(self, file: TomlFile, path: tuple[str, ...], values: dict[str, Any]) -> None:
+    def __init__(self, file: TomlFile, path: tuple[str, ...], values: dict[str, Any], keys: Keys | None = None) -> None:
         self.file = file
         self.path = path
-        self.values = values
-        self._taken: set[str] = set()
+        self.keys = keys
+        self.values: dict[str, Any] = {}
+        self._written: dict[str, str] = {}
+        for written, value in values.items():
+            key = written if keys is None else keys.spelt(written)
+            if key in self.values:
+                name = ".".join((*path, written))
+                file.add(codes.BAD_VALUE, name, key=name, what=f"given as {self._written[key]} too; both are one key")
+                continue
+            self.values[key], self._written[key] = value, written
+        self._taken = file.taken.setdefault(path, set())
 
     def name_of(self, key: str) -> str:
-        """The dotted name of a key of this table."""
-        return ".".join((*self.path, key))
+        """The dotted name of a key of this table, as it is written there."""
+        return ".".join((*self.path, self._written.get(key, key)))
+
+    def _inner(self, key: str, values: dict[str, Any], number: int = 1) -> TomlTable:
+        path = (*self.path, nth(self._written.get(key, key), number))
+        return TomlTable(self.file, path, values, None if self.keys is None else self.keys.inner(key))
 
     def bad(self, key: str, what: str) -> None:
         """A finding for the value of ``key``."""
@@ -270,7 +297,7 @@ class TomlTable:
         if not isinstance(value, dict):
             self.bad(key, f"{show(value)} is not a table")
             return None
-        return TomlTable(self.file, (*self.path, key), value)
+        return self._inner(key, value)
 
     def tables(self, key: str) -> list[TomlTable]:
         """The tables of a list, ``[[key]]``."""
@@ -280,7 +307,7 @@ class TomlTable:
         if not isinstance(value, list) or not all(isinstance(one, dict) for one in value):
             self.bad(key, f"{show(value)} is not a list of tables")
             return []
-        return [TomlTable(self.file, (*self.path, nth(key, n)), one) for n, one in enumerate(value, 1)]
+        return [self._inner(key, one, n) for n, one in enumerate(value, 1)]
 
     def grids(self, key: str) -> list[list[list[Fraction]] | None]:
         """A list of lists of lists of numbers, exactly."""
@@ -323,13 +350,14 @@ class TomlTable:
         return found
 
     def finish(self) -> None:
-        """A finding for each key that nobody asked for, with the one that may be meant."""
-        free = [key for key in self._taken if key not in self.values]
+        """A finding for each key that nobody asked for, with the one that may be meant; at the root for the file."""
+        known = self._taken.union(() if self.keys is None else (*self.keys.own, *self.keys.tables))
         for key in self.values:
             if key not in self._taken:
-                name = self.name_of(key)
-                self.file.unknown.append((self.file.path.name, name))
-                self.file.add(codes.UNKNOWN_KEY, name, key=name, hint=meant(key, free))
+                here = known if self.keys is not None and not self.keys.knows(key) else self._taken
+                self.file.report_unknown(self.name_of(key), self._written[key], here, self.values)
+        if not self.path:
+            self.file.finish()
 
     def _rounded(self, key: str, exact: Fraction) -> float | None:
         if abs(exact) > LARGEST:

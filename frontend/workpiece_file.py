@@ -42,8 +42,6 @@ COORDINATE_SYSTEMS = 9
 _WORK = {"machine": MACHINE, "active": ACTIVE}
 _DEFAULT = Workpiece()
 KINDS = ("box", "cylinder", "polygon", "dxf", "stl")
-_KEYS = frozenset((*KINDS, *"name units work rotate shift bottom top holes pockets layers join".split()))
-"""All that a table of a body may have: what else stands in one that is none is named, as it may be a kind misspelt."""
 CHORD = 0.1
 """Of the tolerance: how far chords may be from the curves of a drawing."""
 JOIN = 0.01
@@ -105,10 +103,7 @@ class Reader:
         else:
             bodies = _MAKERS[kinds[0]](self, table, unit, move, stated)
         if bodies:
-            table.finish()
-        else:
-            for key in table.values.keys() - _KEYS:
-                table.file.add(codes.UNKNOWN_KEY, table.name_of(key), key=table.name_of(key))
+            table.finish()  # else reading stopped early, and only what is no key at all is a mistake
         return [Placed(name=name, body=body, work=work) for body in bodies]
 
     def _box(self, table: TomlTable, unit: Fraction, move: Move, stated: str | None) -> Sequence[Body]:

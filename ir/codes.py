@@ -750,6 +750,7 @@ MACRO_FILE_MISSING = code(
 BAD_ALLOWANCE = code(608, "bad-allowance", _W, "this comment to gproof {what}; it accepts nothing", "policy")
 UNUSED_ALLOWANCE = code(609, "unused-allowance", _W, "nothing here is {codes}: the comment accepts nothing", "policy")
 ERROR_NOT_ALLOWED = code(610, "error-not-allowed", _W, "{code} is an error here, which no comment accepts", "policy")
+NO_SUCH_KEY = code(611, "no-such-key", _E, "there is no key {key!r}", "files")
 
 # 7xx printing and translation
 FORMAT_DIFFERS = code(

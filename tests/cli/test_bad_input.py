@@ -94,7 +94,7 @@ def bad_file(done: Done, role: str, *words: str) -> None:
     assert done.out == ""
     lines = done.err.splitlines()
     assert lines[-1] == f"gproof: error: the {role} file can not be used"
-    assert re.match(r".+?:.* error GP60\d \[[-a-z]+\] ", lines[0]), done.err
+    assert re.match(r".+?:.* error GP6[01]\d \[[-a-z]+\] ", lines[0]), done.err
     for word in words:
         assert word in done.err, done.err
 
@@ -330,9 +330,10 @@ def test_a_controller_file_that_makes_no_sense(old: str, new: str, what: str, fo
     bad_file(gproof("check", "job.cnc", "--machine", "cnc.ini", "--setup", "zero"), "machine", what)
 
 
-def test_an_unknown_key_is_a_warning(folder: Path, gproof: Run) -> None:
+def test_an_unknown_key_of_an_own_file_is_an_error(folder: Path, gproof: Run) -> None:
     (folder / "machine.toml").write_text(MACHINE + "maximum = 3\n[spindel]\nrpm = 1\n")
-    assert judged(gproof, "job.cnc", "--machine", "machine.toml", "--setup", "zero") == ("SAFE", {"GP602"})
+    done = gproof("check", "job.cnc", "--machine", "machine.toml", "--setup", "zero")
+    bad_file(done, "machine", "GP611", "maximum'", "did you mean 'spindle")
 
 
 def test_a_machine_file_that_can_not_be_read(folder: Path, gproof: Run) -> None:
@@ -391,7 +392,7 @@ def test_files_given_as_each_other(folder: Path, gproof: Run) -> None:
     ):  # fmt: skip
         done = gproof("check", "job.cnc", option, name)
         bad_file(done, role, f"hint: {other} takes this file")
-        assert "GP602" not in done.err
+        assert "GP611" not in done.err
     bad_file(gproof("check", "job.cnc", "--machine", "job.cnc"), "machine", "hint: a machine file is", "WINCNC.INI")
     bad_file(gproof("check", "job.cnc", "--setup", "job.cnc"), "setup", "hint: a setup file is")
 

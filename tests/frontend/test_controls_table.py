@@ -125,5 +125,5 @@ def test_mistakes_have_their_line(text: str, line: int, what: str, tmp_path: Pat
 
 def test_a_key_that_is_not_known(tmp_path: Path) -> None:
     machine, findings = load("[controls]\nshift = 1\n", tmp_path)
-    assert machine is not None
-    assert [(f.code.label, f.span.line) for f in findings.kept] == [("GP602", 5)]
+    assert machine is None
+    assert [(f.code.label, f.span.line) for f in findings.kept] == [("GP611", 5)]

@@ -343,7 +343,7 @@ def test_a_curve_of_no_workpiece(tmp_path: Path) -> None:
 
 def test_a_kind_misspelt_is_named(tmp_path: Path) -> None:
     _, found, _ = load(tmp_path, "[[part]]\npolygn = [[0, 0], [1, 0], [0, 1]]\nbottom = 0\ntop = 1\n")
-    assert [(code, line) for code, line, _ in found] == [("GP604", 2), ("GP602", 3)] and "part.polygn" in found[1][2]
+    assert [(code, line) for code, line, _ in found] == [("GP604", 2), ("GP611", 3)] and "part.polygn" in found[1][2]
 
 
 BROKEN = {
@@ -488,7 +488,7 @@ def test_mistakes(tmp_path: Path, text: str, line: int, code: str, what: str) ->
 def test_unknown_keys_are_told(tmp_path: Path) -> None:
     text = "[stock]\nbox = [[0,0,0],[1,1,1]]\nbottem = 1\n[[fixtures]]\nbox = [[0,0,0],[1,1,1]]\nclearence = 1\n"
     _, found, _ = load(tmp_path, text)
-    assert [(code, line) for code, line, _ in found] == [("GP602", 4), ("GP602", 7)]
+    assert [(code, line) for code, line, _ in found] == [("GP611", 4), ("GP611", 7)]
 
 
 def test_layers_that_are_not_there(tmp_path: Path) -> None:

@@ -73,7 +73,7 @@ def test_damaged_files_are_findings(tmp_path: Path, seed: int) -> None:
     findings = Findings()
     found, files = load_setup(tmp_path / "setup.toml", findings)
     labels = {finding.code.label for finding in findings.kept}
-    assert labels <= {"GP601", "GP602", "GP603", "GP604", "GP432"}
+    assert labels <= {"GP601", "GP611", "GP603", "GP604", "GP432"}
     assert (found is None) == bool(labels & {"GP601", "GP603", "GP604"})
     assert all(len(digest) == 64 for _, digest in files)
     if found is None or found.workpiece is None:

@@ -251,7 +251,7 @@ def test_homing_may_go_anywhere_along_its_axes(tmp_path: Path) -> None:
         ('[[keep_out]]\nname = "a"\npolygon = [[0, 0], [9, 9], [9, 0], [0, 9]]\n', "GP603"),
         ('[[keep_out]]\nname = "a"\npolygon = [[0, 0], [9, 0], [9, 9]]\nx = [0.0, 1.0]\n', "GP603"),
         ('[[keep_out]]\nname = "a"\nx = [0.0, 1.0]\n[[keep_out]]\nname = "a"\nx = [0.0, 1.0]\n', "GP603"),
-        ('[[keep_out]]\nname = "a"\nx = [0.0, 1.0]\nhigh = 3\n', "GP602"),
+        ('[[keep_out]]\nname = "a"\nx = [0.0, 1.0]\nhigh = 3\n', "GP611"),
     ],
 )  # fmt: skip
 def test_mistakes_in_zones_have_their_finding(tmp_path: Path, text: str, label: str) -> None:
