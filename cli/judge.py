@@ -27,15 +27,17 @@ from gproof.passes.execute import Executor
 from gproof.passes.guards import GuardStretches
 from gproof.passes.knife import follow_knife
 from gproof.passes.limits import Limits
+from gproof.passes.open_settings import note
 from gproof.passes.plan import MotionEstimate
 from gproof.passes.stock_fields import Remains
 from gproof.passes.values import describe
 from gproof.passes.zone_check import Hears
 
 _LEAVES_THE_PATH_OPEN = (
-    codes.NOT_MODELLED_SETTING, codes.MAPPED_AXIS, codes.HEIGHT_MAP_UNKNOWN, codes.KNIFE_UNKNOWN,
+    codes.MAPPED_AXIS, codes.HEIGHT_MAP_UNKNOWN, codes.KNIFE_UNKNOWN,
 )  # fmt: skip
-"""Unknowns that the limits report, and that leave open for every property where the tool goes."""
+"""Unknowns that the limits report, and that leave open for every property where the tool goes; settings that are not
+followed (GP605) say themselves what they leave open."""
 
 Observer = Callable[[Chunk], None]
 Beat = Callable[[int, Span], None]
@@ -170,6 +172,7 @@ def _pass(
         waits.update(edge.wait for edge in chunk.edges)
         for check in (*checks, edges, *added):
             check.feed(chunk)
+        ex.settings.feed(chunk)
         stretches.feed(chunk)
         timed(chunk, len(chunk.rows))
         sections += chunk.last
@@ -186,9 +189,11 @@ def _pass(
         results.append(
             functools.reduce(lambda a, b: _both(session, findings, a, b, f"the checks of {name}"), more, first)
         )
+    noted = [one for one in machine.not_modelled if not one.axis and not one.touches]
+    noted += [*ex.settings.noted, *limits.noted]
     open_path = ex.refused or any(code.number in findings.counts for code in _LEAVES_THE_PATH_OPEN)
-    if open_path:
-        results = [_not_proved(r) for r in results]
+    results = [_not_proved(r) if open_path or any(one.opens(r.name) for one in noted) else r for r in results]
+    open_path = open_path or any(one.opens("areas") for one in noted)
     language = PropertyResult(name="language", verdict=_language(findings))
     summary = Summary(
         lines=session.program.line_count, blocks=ex.blocks, sections=max(1, sections),
@@ -307,6 +312,5 @@ def _both(
 
 def _machine_findings(session: Session) -> None:
     for setting in session.machine.not_modelled:
-        if not setting.axis:
-            span = Span(setting.file or session.machine.name, setting.line)
-            session.findings.add(codes.NOT_MODELLED_SETTING.at(span, key=setting.text))
+        if not setting.axis and not setting.touches:
+            note(setting, session.machine, session.findings)

@@ -735,8 +735,8 @@ NOT_MODELLED_SETTING = code(605, "not-modelled-setting", _U, "{key} is set, and 
 ACCELERATION_BOUNDS = code(
     606,
     "acceleration-bounds",
-    _E,
-    "{axis}: acceleration times resolution is {steps:.0f}; the controller takes at most {allowed:.0f}",
+    _W,
+    "{axis}: acceleration times resolution is {steps:.0f} a second squared; the manual's highest is {allowed:.0f}",
     "files",
 )
 MACRO_FILE_MISSING = code(

@@ -294,13 +294,34 @@ class Board:
     direction_setup: float = 5e-6
 
 
+TOUCHES = {
+    "moves": "jobs that move any axis",
+    "limits": "jobs that move any axis; it decides about limits and boundaries alone",
+    "arcs": "jobs with arcs",
+    "cycles": "jobs with drill cycles",
+    "homing": "jobs that home",
+    "tools": "jobs that change or measure tools, or switch tool lengths",
+    "workspaces": "jobs that use the workspace of the number behind the dot",
+    "compensation": "jobs that compensate a cutter's diameter",
+    "knife": "jobs that switch the tangential knife on",
+    "saw": "jobs that switch the saw on",
+    "torch": "jobs that burn with the torch",
+    "probe": "jobs that measure with the probe",
+    "stored": "jobs that go to stored positions",
+    "drills": "jobs that lower drills of a bank",
+}
+"""Which jobs a setting that gproof can not follow touches."""
+
+
 @record(frozen=True, slots=True)
 class Unmodelled:
     """A setting that is on and that gproof can not follow.
 
     what: as the file has it; why: what is not known of it, "" where the setting says all; axis: the only one whose
     place rests on it, so that a job that does not move it may be judged, "" for all; file, line: where it stands;
-    stated_by: the keys of gproof's own machine file that settle it when they are there, with blanks between.
+    stated_by: the keys of gproof's own machine file that settle it when they are there, with blanks between;
+    touches: the jobs whose path rests on it, a name of ``TOUCHES``, with a number behind a dot where there are several
+    of a kind; "" for all, or for those that move ``axis``.
     """
 
     what: str
@@ -309,11 +330,18 @@ class Unmodelled:
     file: str = ""
     line: int = 0
     stated_by: str = ""
+    touches: str = ""
 
     @property
     def text(self) -> str:
         """As findings name it."""
         return f"{self.what} ({self.why})" if self.why else self.what
+
+    def opens(self, name: str) -> bool:
+        """Whether a property can not be proved of a job that it touches; the arcs' radii rest on no motor."""
+        if self.touches == "limits":
+            return name == "limits"
+        return name != "language" and not (name == "arcs" and (self.axis or self.touches in ("moves", "homing")))
 
 
 @record(frozen=True, slots=True, kw_only=True)

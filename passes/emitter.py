@@ -21,6 +21,7 @@ from gproof.passes.leaps import Leap
 from gproof.passes.line import Line
 from gproof.passes.manner import manner_of
 from gproof.passes.modal import Modal, stated_system
+from gproof.passes.open_settings import OpenSettings
 from gproof.passes.ranges import Range
 from gproof.passes.rows import RowBuffer
 from gproof.passes.spindle import commanded_rpm, own_ramp, told
@@ -58,6 +59,7 @@ class Emitter:
         self.stop_at_error = stop_at_error
         self.max_branches = max_branches
         self.modal = Modal(program.rules, setup, machine)
+        self.settings = OpenSettings(machine, findings)
         self.modal.transform = at_start(self.modal)
         self.modal.rendering = render
         self.trace = Trace(files=[f.name for f in program.files] or ["(program)"], macro_files=program.macro_files)

@@ -18,13 +18,14 @@ import numpy.typing as npt
 from gproof.ir import codes
 from gproof.ir.columns import occurring
 from gproof.ir.finding import Findings, Severity, Span
-from gproof.ir.machine import AXES, AXIS_NAMES, NO_MACHINE, Axis, AxisKind, Machine
+from gproof.ir.machine import AXES, AXIS_NAMES, NO_MACHINE, Axis, AxisKind, Machine, Unmodelled
 from gproof.ir.setup import Setup
 from gproof.ir.trace import HEIGHT_MAP, KNIFE, UNKNOWN, Affine, Chunk, Op, Plane, Trace
 from gproof.ir.verdict import Condition, PropertyResult, Verdict
 from gproof.passes.check import KEPT, Check, Like, form_interval, row_span, split_form, told_of
 from gproof.passes.extent_kernels import row_boxes
 from gproof.passes.height_map import heights_of
+from gproof.passes.open_settings import note
 from gproof.passes.reach import Range, reach_of, reaches
 from gproof.passes.values import RISEN, UNHOMED, describe
 
@@ -130,6 +131,7 @@ class Limits(Check):
         self._needed: dict[Affine, tuple[float, float]] = {}
         self._first: Span | None = None
         self._assumptions: list[str] = []
+        self.noted: list[Unmodelled] = []
 
     def _limit_arrays(self, *, sure: bool) -> tuple[Floats, Floats]:
         """(2, 6) with the guard on and off: what is past for certain, or what is not sure to be inside."""
@@ -400,11 +402,11 @@ class Limits(Check):
         )
 
     def _note_settings(self, name: str) -> None:
-        """GP605 for settings that make the place of this axis unknown once it moves."""
+        """GP605 for settings that make the place of this axis, or of every one, unknown once it moves."""
         for setting in self.machine.not_modelled:
-            if setting.axis == name:
-                span = Span(setting.file or self.machine.name, setting.line)
-                self.findings.add(codes.NOT_MODELLED_SETTING.at(span, key=setting.text))
+            if setting not in self.noted and (setting.axis == name or setting.touches in ("moves", "limits")):
+                note(setting, self.machine, self.findings)
+                self.noted.append(setting)
 
     def _moves(self, index: int) -> bool:
         """True when any row brings the axis somewhere else than it stood at the start."""

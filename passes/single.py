@@ -201,6 +201,7 @@ def _execute(ex: Motion, line: Command) -> None:
     if command.function in CHECKED_ONLY and command.function not in HANDLERS:
         single_events.note(ex, line, command)
         return
+    ex.settings.line(command, line.span)
     HANDLERS[command.function](ex, line, command)
 
 

@@ -84,12 +84,14 @@ def output(ex: Motion, line: Command, rule: CodeRule) -> None:
     passing = rule.function in (F.OUTPUT_ON_MOVING, F.OUTPUT_OFF_MOVING)
     ex.event(Op.OUTPUT, line.span, arg=(float(number), float(on)), text=int(passing))
     if controls.torch is not None and number == controls.torch.output:
+        ex.settings.meet("torch", line.span)
         _burning(ex, line, rule, on=on)
 
 
 def _bank(ex: Motion, line: Command, rule: CodeRule, on: bool) -> None:
     """M11 D: drills of a bank by the bits of a number."""
     banks = ex.machine.controller.controls.drill_banks
+    ex.settings.meet("drills", line.span)
     if len(banks) != 1:
         raise Refusal(codes.UNSUPPORTED_CODE.at(line.span, code=f"{rule.text} with D, and not one drillbank="))
     bits = line.whole("D", ex.program.rules.integer_tolerance) or 0

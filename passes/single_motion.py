@@ -42,6 +42,8 @@ def note_assumptions(ex: Motion) -> None:
     controls = ex.machine.controller.controls
     if "distance" not in stated and controls.absolute is None:
         ex.assumed["the job starts in absolute distances (G90)"] = None
+    if ex.settings.waiting:
+        ex.settings.meet(f"workspaces.{ex.modal.work + 53}")
     if ex.setup.active_work is None and "work" not in stated:
         ex.assumed["the job starts in workspace G54"] = None
     space = next((one for one in controls.workspaces if one.kind and one.number - 53 == ex.modal.work), None)
@@ -176,6 +178,7 @@ def without_command(ex: Motion, line: Command) -> None:
         raise Refusal(codes.UNSUPPORTED_CODE.at(line.span, code=what))
     from gproof.passes.single import HANDLERS as ALL
 
+    ex.settings.line(rule, line.span)
     ALL[rule.function](ex, line, rule)
 
 
@@ -389,6 +392,7 @@ def stored_place(ex: Motion, line: Command, op: Op, *, machine: bool = False) ->
         what = f"{given:g} is not the number of a stored position"
         raise Refusal(codes.STORED_POSITION_COMMAND.at(line.where(letter), code=letter, what=what))
     number = round(given)
+    ex.settings.meet("stored", line.span)
     if len(names) > 1 or line.axes():
         what = "a stored position can not stand beside another place"
         raise Refusal(codes.STORED_POSITION_COMMAND.at(line.where(letter), code=f"{letter}{number}", what=what))

@@ -177,6 +177,7 @@ def workspace(ex: Motion, line: Command, rule: CodeRule) -> None:
     """G54 to G59 of type 0: another head, at the same X and Y of the program; of others see ``_turn``."""
     s = ex.modal
     controls = ex.machine.controller.controls
+    ex.settings.meet(f"workspaces.{rule.value + 53}", line.span)
     spaces = {space.number: space for space in controls.workspaces}
     space = spaces.get(rule.value + 53)
     if space is None and rule.value != 1 and controls.devices is not None:

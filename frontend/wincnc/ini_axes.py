@@ -18,7 +18,8 @@ VERTICAL = "ZWUV"
 TYPE_VERTICAL = 3
 MOST_STEPS = 65535
 """Highest product of acceleration and resolution (Messages and Error Codes: Acceleration Out of Bounds), taken as steps
-a second squared: counted by the minute, the manual's own example would be out of bounds."""
+a second squared: counted by the minute, the manual's own example would be out of bounds. A warning: the manual names no
+time, and files of machines that run exceed it."""
 
 
 def read_axes(sheet: Sheet) -> tuple[Axis, ...]:
@@ -31,11 +32,12 @@ def read_axes(sheet: Sheet) -> tuple[Axis, ...]:
 
 
 def _count(sheet: Sheet) -> None:
-    """Each letter has its axisspec=, and each axisspec= its letter."""
+    """Each axisspec= has its letter; a letter without one keeps its number, and is an axis that is not there."""
     named = sheet.one("axischar")
     for at, letter in enumerate(sheet.letters[len(sheet.axes) :], len(sheet.axes)):
         place = (0,) if named is None else (named.line, named.value_column, named.value_column + len(named.text))
-        sheet.ini.add(codes.MISSING_KEY, *place, key=f"axisspec= of {letter}, axis number {at},")
+        hint = f"no axisspec= stands for it: a job that moves {letter} is refused"
+        sheet.ini.add(codes.MISSING_KEY.as_note(), *place, key=f"axisspec= of {letter}, axis number {at},", hint=hint)
     for own in sheet.axes[len(sheet.letters) :]:
         setting = own["axisspec"][0]
         sheet.ini.bad(setting, f"the letters of axischar= are only {len(sheet.letters)}")
@@ -98,7 +100,7 @@ def _acceleration(sheet: Sheet, spec: Setting, length: Fraction) -> float | None
 
 
 def _check_steps(sheet: Sheet, letter: str, spec: Setting) -> None:
-    """GP606 for an acceleration that the controller can not count."""
+    """GP606 for an acceleration that the controller may not be able to count."""
     steps = number(spec, "R") or Fraction(0)
     for word in (spec.word("A"), spec.word("F")):
         product = Fraction(0) if word is None else (word.value or 0) * steps / SECONDS_IN_MINUTE

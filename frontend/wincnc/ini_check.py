@@ -112,9 +112,28 @@ class Sheet:
         return None if value is None else float(value * unit)
 
     def open(self, setting: Setting, why: str, axis: str = "", word: Word | None = None) -> None:
-        """A setting that is on and that gproof does not follow."""
+        """A setting that is on and that gproof does not follow; which jobs it touches the table of keys says."""
         what = f"{setting.shown}={setting.text}" if word is None else f"{setting.shown}= {word.letter}{word.text}"
-        self.not_modelled.append(Unmodelled(what[:80], why, axis, Path(self.ini.name).name, setting.line))
+        touches = KEYS[setting.key].touches
+        touches = "" if axis or touches in ("axis", "all") else touches
+        file = Path(self.ini.name).name
+        self.not_modelled.append(Unmodelled(what[:80], why, axis, file, setting.line, touches=touches))
+
+    def odd(self, key: str) -> bool:
+        """Whether a setting of a key, of an axis or not, has a letter that the manual does not name."""
+        known = KEYS[key].letters
+        found = [*self.all(key), *(setting for own in self.axes for setting in own.get(key, ()))]
+        return any(word.letter not in known for setting in found for word in setting.words)
+
+    def _odd_letter(self, setting: Setting, word: Word, touches: str) -> None:
+        """A letter that the manual does not name: what rests on its key is UNKNOWN for the jobs that it touches."""
+        if touches in ("", "corners", "state"):
+            self.ini.report_unknown(setting, word)
+            return
+        at = len(self.axes) - (setting.key != "axisspec")
+        of_axis = touches == "axis" and 0 <= at < len(self.letters)
+        axis = self.columns[self.letters[at]] if of_axis else ""
+        self.open(setting, "the manual does not name this letter of the key", axis, word)
 
     # -- the file
 
@@ -194,10 +213,8 @@ class Sheet:
                     self.ini.report_unknown(setting, word, "there is no such axis")
             if kind is not None:
                 good = self._is_good(setting, word, _with_range(rule, word.letter, kind)) and good
-            elif rule.treatment == "modelled":
-                self.open(setting, "the manual does not name this letter of the key", word=word)
             else:
-                self.ini.report_unknown(setting, word)
+                self._odd_letter(setting, word, rule.touches)
         return setting if good else None
 
     def _is_good(self, setting: Setting, word: Word, kind: str) -> bool:

@@ -9,6 +9,7 @@ from fractions import Fraction
 
 from gproof.frontend.wincnc.ini_check import Sheet, number
 from gproof.frontend.wincnc.ini_file import Setting
+from gproof.frontend.wincnc.ini_keys import KEYS
 from gproof.ir.controls import (
     HIGHEST_CHANNEL,
     Changer,
@@ -202,6 +203,8 @@ def _feed_groups(sheet: Sheet) -> tuple[tuple[str, ...], str]:
 def _smoothing(sheet: Sheet) -> bool:
     corners = any(number(setting, "C") for own in sheet.axes for setting in own.get("axisvel", ()))
     others = any(sheet.all(key) for key in ("accel", "vmatch", "autoarcfeed"))
+    # What a letter that the manual lacks makes of velocities, nobody knows.
+    others = others or any(sheet.odd(key) for key, rule in KEYS.items() if rule.touches == "corners")
     return corners or others or bool(sheet.value("g08", "E")) or bool(sheet.value("g09", "S"))
 
 
@@ -258,17 +261,20 @@ def _channels(sheet: Sheet, key: str) -> tuple[int, ...]:
 
 
 def _unsteady(sheet: Sheet) -> tuple[int, ...]:
-    """Outputs that motion (auxout= T2, T3) or a pause (W) switches, whatever the job has said before."""
-    return tuple(
-        sorted(
-            {
-                int(channel)
-                for setting in sheet.all("auxout")
-                if (channel := number(setting, "C")) is not None
-                and (number(setting, "T") in (2, 3) or number(setting, "W") is not None)
-            }
-        )
-    )
+    """Outputs that motion (auxout= T2, T3) or a pause (W) switches, whatever the job has said before.
+
+    A letter that the manual does not name may be another such thing.
+    """
+    found = set()
+    for key in ("auxout", "autoaux"):
+        known = KEYS[key].letters
+        for setting in sheet.all(key):
+            odd = any(word.letter not in known for word in setting.words)
+            moved = key == "auxout" and (number(setting, "T") in (2, 3) or number(setting, "W") is not None)
+            channel = number(setting, "C")
+            if channel is not None and (odd or moved):
+                found.add(int(channel))
+    return tuple(sorted(found))
 
 
 def _drill_banks(sheet: Sheet) -> tuple[tuple[int, int], ...]:

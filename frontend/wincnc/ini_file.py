@@ -15,7 +15,7 @@ from typing import Any
 
 from gproof.frontend.toml_table import LARGEST
 from gproof.ir import codes
-from gproof.ir.finding import Code, Findings, Span
+from gproof.ir.finding import Code, Findings, Severity, Span
 from gproof.ir.record import record
 
 ENDS_OF_QUOTES = {'"': '"', "“": '”“"', "”": '”“"', "„": '”“"'}
@@ -80,8 +80,8 @@ class IniFile:
         self.hint = ""
 
     def add(self, code: Code, line: int, column: int = 0, end_column: int = 0, **values: Any) -> None:
-        """A finding at a place; all but an unknown key and what the controller itself refuses make the file bad."""
-        self.errors += code not in (codes.UNKNOWN_KEY, codes.ACCELERATION_BOUNDS)
+        """A finding at a place; an error makes the file bad."""
+        self.errors += code.severity is Severity.ERROR
         self.findings.add(code.at(Span(self.name, line, column, end_column), **values))
 
     def bad(self, setting: Setting, what: str, word: Word | None = None) -> None:

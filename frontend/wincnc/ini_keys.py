@@ -9,6 +9,10 @@ second), ``steps`` (a unit), ``degrees``, ``seconds``, ``percent``, ``number``, 
 ``letters`` (in quotes). A range behind a kind (``whole 0..3``), else that of the manual, is checked, except in keys
 that are only kept. Of an axis that turns, ``length`` means degrees.
 
+``touches`` says which jobs a letter that the manual does not name makes UNKNOWN (names of ``ir/machine.py: TOUCHES``;
+``axis``: those that move its axis; ``all``: every one; ``corners``: none, but corners are then not known to be sharp;
+``state``: none, but the state of its output is then not known; "": none, a warning GP602).
+
 Treatments: ``modelled``: what a job does rests on it, and gproof follows it; ``checked``: its values are judged, and
 nothing else rests on it; ``kept``: as text in ``Machine.kept``; ``unmodelled``: gproof does not follow it: where it is
 on, jobs are UNKNOWN (GP605).
@@ -34,7 +38,7 @@ class KeyRule:
 
     letters: kinds by letter; bare: what a value without letters is: a kind, ``=T`` for a number that stands for that
     letter's, "" where there is none; times: see ONCE; treatment: see the module; reason: what gproof does with it, or
-    why nothing.
+    why nothing; touches: see the module.
     """
 
     key: str
@@ -43,6 +47,7 @@ class KeyRule:
     times: str = ONCE
     treatment: str = "kept"
     reason: str = ""
+    touches: str = ""
 
     @property
     def named(self) -> Key:
@@ -74,7 +79,7 @@ _RULES = (
         reason="X, Y and Z have the columns x, y, z; A, B and C theirs; W, U and V what is left of a, b, c",
     ),
     KeyRule(
-        key="axisspec", times=EACH_AXIS, treatment="modelled",
+        key="axisspec", touches="axis", times=EACH_AXIS, treatment="modelled",
         letters=_letters(
             "P whole, S whole, D whole, R steps, A acceleration, F acceleration, O switch, E switch,"
             " T whole, B length, K number"
@@ -82,28 +87,28 @@ _RULES = (
         reason="R, A, F, T, B; of A and F the lower one for every move; O and E are wiring: steps count as they are",
     ),
     KeyRule(
-        key="axisvel", times=EACH_AXIS, treatment="modelled",
+        key="axisvel", touches="corners", times=EACH_AXIS, treatment="modelled",
         letters=_letters("R feed, F feed, S feed, M feed, H feed, A number, C feed"),
         reason="R, F; with C corners are rounded; S, M, H and A are of the keyboard",
     ),
     KeyRule(
-        key="axismode", times=EACH_AXIS, bare="text", treatment="unmodelled",
+        key="axismode", touches="axis", times=EACH_AXIS, bare="text", treatment="unmodelled",
         reason="the manual has only its name",
     ),
     KeyRule(
-        key="axisadj", times=EACH_AXIS, treatment="unmodelled",
+        key="axisadj", touches="axis", times=EACH_AXIS, treatment="unmodelled",
         letters=_letters(
             "T switch, A axis, V feed, U channel, D channel, I switch, B axis, S channel"
         ),
         reason="keys and inputs move the axis while a job runs, from the start unless I is 0",
     ),
     KeyRule(
-        key="axismap", times=EACH_AXIS, treatment="unmodelled",
+        key="axismap", touches="moves", times=EACH_AXIS, treatment="unmodelled",
         letters=_letters("S length, E length, M length"),
         reason="the adjustments themselves are in no file that is described",
     ),
     KeyRule(
-        key="altaxisspec", times=EACH_AXIS, treatment="modelled",
+        key="altaxisspec", touches="axis", times=EACH_AXIS, treatment="modelled",
         letters=_letters("P whole, S whole, D whole, O switch, E switch"),
         reason="a second motor, for the rest like the first",
     ),
@@ -116,7 +121,7 @@ _RULES = (
         for key in ("exaltaxislo", "exaltaxishi")
     ),
     KeyRule(
-        key="accel", letters=_letters("S number"), bare="=S", treatment="modelled",
+        key="accel", touches="corners", letters=_letters("S number"), bare="=S", treatment="modelled",
         reason="velocities are not planned as gproof does",
     ),
     KeyRule(
@@ -133,25 +138,27 @@ _RULES = (
         reason="smaller arcs are lines; without it .002 in the file's unit",
     ),
     KeyRule(
-        key="arcs", letters=_letters("M switch, A switch"), treatment="modelled",
+        key="arcs", touches="arcs", letters=_letters("M switch, A switch"), treatment="modelled",
         reason="M1: G2 and G3 are modal; A1: I and J are positions",
     ),
     KeyRule(
-        key="arctype", letters=_letters("I length, M switch, O number"), treatment="modelled",
+        key="arctype", touches="arcs", letters=_letters("I length, M switch, O number"), treatment="modelled",
         reason="M1: G2 and G3 are modal; with I other than 0 arcs are chords, which gproof does not follow",
     ),
     *(
         KeyRule(
-            key=key, letters=_CHANGER, treatment="modelled", reason="the height, sensor, axis and storage of its tools"
+            key=key, letters=_CHANGER, treatment="modelled", reason="the height, sensor, axis and storage of its tools",
+            touches="tools",
         )
         for key in ("atc1", "atc2")
     ),
     KeyRule(
-        key="autoarcfeed", letters=_letters("F number, S length, L length, M feed, A degrees"), treatment="modelled",
+        key="autoarcfeed", touches="corners", letters=_letters("F number, S length, L length, M feed, A degrees"),
+        treatment="modelled",
         reason="velocities are not planned as gproof does",
     ),
     KeyRule(
-        key="autoaux", letters=_letters("C channel 1..64, I switch, S seconds, E seconds, T switch"),
+        key="autoaux", touches="state", letters=_letters("C channel 1..64, I switch, S seconds, E seconds, T switch"),
         treatment="modelled", reason="an output that is on during feed moves",
     ),
     KeyRule(key="autodir", bare="text", reason="a folder for automatic runs"),
@@ -169,7 +176,7 @@ _RULES = (
         reason="C: the inputs that are there; pins, debounce and the function of push buttons move nothing",
     ),
     KeyRule(
-        key="auxout", times=MANY, treatment="modelled",
+        key="auxout", touches="state", times=MANY, treatment="modelled",
         letters=_letters(
             "C channel 1..64, P whole, B whole, O switch, S switch, E switch, T whole, X switch, W switch, R switch"
         ),
@@ -177,7 +184,7 @@ _RULES = (
     ),
     KeyRule(key="auxoutvel", bare="percent 0..100", treatment="checked", reason="an output that follows the velocity"),
     KeyRule(
-        key="backlash", letters=_letters("B switch, S number, F feed"), treatment="modelled",
+        key="backlash", touches="moves", letters=_letters("B switch, S number, F feed"), treatment="modelled",
         reason="with B0 the backlash of axisspec= is not compensated at the start; without the line it counts",
     ),
     KeyRule(key="bitmapdir", bare="text", reason=_SHOWN),
@@ -197,11 +204,13 @@ _RULES = (
         for key in ("cmdrestart", "cmdrestartfeed", "cmdrestartrapid")
     ),
     KeyRule(key="commatodec", bare="switch", treatment="modelled", reason="a comma is a decimal point"),
-    KeyRule(key="comchars", bare="text", treatment="modelled", reason="further signs that begin a comment"),
+    KeyRule(
+        key="comchars", touches="all", bare="text", treatment="modelled", reason="further signs that begin a comment"
+    ),
     KeyRule(key="comdll", bare="text", reason="a file of the program"),
     KeyRule(key="contdelay", bare="seconds 0..", treatment="checked", reason="a pause behind a pause"),
     KeyRule(
-        key="cutcomp", letters=_letters("T switch, D number"), treatment="modelled",
+        key="cutcomp", touches="compensation", letters=_letters("T switch, D number"), treatment="modelled",
         reason="neither changes that compensation by anything but nothing is UNKNOWN (G41, G42)",
     ),
     *(KeyRule(key=f"ctrlf{n}", bare="text", reason="a command of the keyboard") for n in range(1, 9)),
@@ -210,8 +219,8 @@ _RULES = (
         treatment="modelled", reason="the device da: its voltage is not judged",
     ),
     KeyRule(
-        key="drillbank", times=MANY, letters=_letters("C channel 1..64, N whole"), treatment="modelled",
-        reason="the first output of a row of drills and their number",
+        key="drillbank", touches="drills", times=MANY, letters=_letters("C channel 1..64, N whole"),
+        treatment="modelled", reason="the first output of a row of drills and their number",
     ),
     KeyRule(key="editor", bare="text", reason=_SHOWN),
     KeyRule(
@@ -222,29 +231,29 @@ _RULES = (
     KeyRule(key="esc_step", bare="whole 0..", treatment="checked", reason="how the escape key stops the machine"),
     KeyRule(key="filetype", bare="text", reason="names that dialogs show"),
     KeyRule(
-        key="forcelim", treatment="modelled",
+        key="forcelim", touches="limits", treatment="modelled",
         reason="the lower corner of what a limited machine may reach; the higher of the two readings beside lolim=",
     ),
     KeyRule(key="fslock", bare="switch", treatment="checked", reason="digitizing"),
     KeyRule(
-        key="g08", letters=_letters("E switch, L length, N whole, T degrees"), treatment="modelled",
+        key="g08", touches="corners", letters=_letters("E switch, L length, N whole, T degrees"), treatment="modelled",
         reason="with E1 velocities are not planned as gproof does",
     ),
     KeyRule(
-        key="g09", letters=_letters("S number, A degrees"), bare="=S", treatment="modelled",
+        key="g09", touches="corners", letters=_letters("S number, A degrees"), bare="=S", treatment="modelled",
         reason="velocities are not planned as gproof does",
     ),
-    KeyRule(key="g2modal", bare="switch", treatment="modelled", reason="G2 and G3 are modal"),
+    KeyRule(key="g2modal", touches="arcs", bare="switch", treatment="modelled", reason="G2 and G3 are modal"),
     KeyRule(key="g28altmove", reason="squares a gantry while homing"),
     KeyRule(key="g28check", bare="switch", treatment="checked", reason="asks the operator behind homing"),
     KeyRule(key="g28checktol", reason="asks the operator behind homing"),
     KeyRule(
-        key="g28coord", treatment="modelled",
+        key="g28coord", touches="homing", treatment="modelled",
         reason="the machine position behind homing; 0 where it is not given or all are 0",
     ),
     KeyRule(key="g28_lim_cnt", bare="whole 0..", treatment="checked", reason="debounce of switches"),
     KeyRule(
-        key="g28move", times=MANY, treatment="modelled",
+        key="g28move", touches="homing", times=MANY, treatment="modelled",
         letters=_letters("R length, F feed, T feed, A number, M number, L length"),
         reason="the order of homing, the way from each switch and the velocities",
     ),
@@ -254,31 +263,31 @@ _RULES = (
     ),
     *(
         KeyRule(
-            key=f"g{n}", letters=_WORKSPACE, treatment="modelled",
+            key=f"g{n}", letters=_WORKSPACE, treatment="modelled", touches=f"workspaces.{n}",
             reason="type 0: its shift and whether axes move; what selects type 3 or 5 is UNKNOWN; A is not explained",
         )
         for n in range(54, 60)
     ),
     KeyRule(
-        key="g81set", letters=_letters("D seconds, R length, L length"), treatment="modelled",
+        key="g81set", touches="cycles", letters=_letters("D seconds, R length, L length"), treatment="modelled",
         reason="dwell, approach and lift of drilling cycles",
     ),
     KeyRule(key="g81dwell", bare="seconds 0..", treatment="modelled", reason="dwell of drilling cycles"),
     KeyRule(key="helpfile", bare="text", reason=_SHOWN),
     KeyRule(
-        key="hibound", treatment="modelled", reason="upper boundaries, which count workspace offsets"
+        key="hibound", touches="limits", treatment="modelled", reason="upper boundaries, which count workspace offsets"
     ),
-    KeyRule(key="hilim", treatment="modelled", reason="upper limits of machine positions"),
+    KeyRule(key="hilim", touches="limits", treatment="modelled", reason="upper limits of machine positions"),
     KeyRule(key="homedir", bare="text", reason="a folder"),
     KeyRule(key="keyfact", bare="number", reason="the licence key"),
     KeyRule(key="keypad", times=MANY, letters=_letters("C whole, B whole, P whole, S number"), reason="a hand panel"),
     KeyRule(key="keypaddir", bare="text", reason="a hand panel"),
     KeyRule(
-        key="knifeangle", letters=_letters("A degrees, M switch, X length, Y length"), treatment="modelled",
-        reason="a blade that leans or stands beside its axis: L30 is then UNKNOWN",
+        key="knifeangle", touches="knife", letters=_letters("A degrees, M switch, X length, Y length"),
+        treatment="modelled", reason="a blade that leans or stands beside its axis: L30 is then UNKNOWN",
     ),
     KeyRule(
-        key="knifemode", treatment="modelled",
+        key="knifemode", touches="knife", treatment="modelled",
         letters=_letters(
             "T whole, A degrees, L length, Z length, P length, N axis, C channel, D seconds,"
             " M switch, R switch, V axis"
@@ -301,11 +310,11 @@ _RULES = (
     KeyRule(key="lim_mode", bare="whole 0..3", treatment="checked", reason="what a limit switch stops"),
     KeyRule(key="lim_step", bare="whole 0..", treatment="checked", reason="how a limit switch stops the machine"),
     KeyRule(
-        key="lobound", treatment="modelled", reason="lower boundaries, which count workspace offsets"
+        key="lobound", touches="limits", treatment="modelled", reason="lower boundaries, which count workspace offsets"
     ),
     KeyRule(key="logdir", bare="text", reason="a folder"),
     KeyRule(key="logfile", bare="text", reason="a file"),
-    KeyRule(key="lolim", treatment="modelled", reason="lower limits of machine positions"),
+    KeyRule(key="lolim", touches="limits", treatment="modelled", reason="lower limits of machine positions"),
     KeyRule(key="mapping", letters=_letters("I length, R switch"), reason="of axismap=, which is not followed"),
     KeyRule(
         key="maxstepv", bare="number 1..", treatment="modelled", reason="pulses a second of an axis; without it 30000"
@@ -327,8 +336,8 @@ _RULES = (
     ),
     KeyRule(key="pci24h", letters=_letters("A whole"), treatment="checked", reason="pins of a card"),
     KeyRule(
-        key="positions", letters=_letters("P whole, H whole, T whole, W switch"), treatment="modelled",
-        reason="how many positions can be stored",
+        key="positions", touches="stored", letters=_letters("P whole, H whole, T whole, W switch"),
+        treatment="modelled", reason="how many positions can be stored",
     ),
     KeyRule(
         key="pumpcont", letters=_letters("T whole, L feed, H feed, A number, B number, I number, R number"),
@@ -340,11 +349,11 @@ _RULES = (
     KeyRule(key="rapidjog", bare="switch", treatment="checked", reason="moves by hand"),
     KeyRule(key="restart", letters=_letters("V switch"), reason="jobs are judged from their first line on"),
     KeyRule(
-        key="sawmode", letters=_letters("T whole, A axis, R length, O degrees, Z length"),
+        key="sawmode", touches="saw", letters=_letters("T whole, A axis, R length, O degrees, Z length"),
         treatment="modelled", reason="the device saw; L32 is UNKNOWN",
     ),
     KeyRule(
-        key="scan", treatment="modelled",
+        key="scan", touches="probe", treatment="modelled",
         letters=_letters(
             "T whole, A axis, C channel 1..64, S whole, H length, F feed, P number, D whole"
         ),
@@ -356,14 +365,17 @@ _RULES = (
         reason="a push button: jobs are judged as they run without it",
     ),
     KeyRule(
-        key="skipchars", times=MANY, letters=_letters("C text, N whole"), treatment="modelled",
+        key="skipchars", touches="all", times=MANY, letters=_letters("C text, N whole"), treatment="modelled",
         reason="signs at the beginning of a line that make lines be left out",
     ),
     KeyRule(
-        key="softlim", letters=_letters("T whole, M switch, B switch, V switch"), bare="=T",
+        key="softlim", touches="limits", letters=_letters("T whole, M switch, B switch, V switch"), bare="=T",
         treatment="modelled", reason="limits and boundaries at the start, and what is done beyond them",
     ),
-    KeyRule(key="spinchar", bare="text", treatment="unmodelled", reason="another letter than S sets the spindle"),
+    KeyRule(
+        key="spinchar", touches="all", bare="text", treatment="unmodelled",
+        reason="another letter than S sets the spindle",
+    ),
     KeyRule(
         key="spindle", letters=_letters("T whole, R number, I number"), treatment="modelled",
         reason="the device spindle; R: its highest speed",
@@ -376,7 +388,7 @@ _RULES = (
         key="table", letters=_letters("X length, Y length, W length, H length, B length, Z whole"), reason=_SHOWN
     ),
     KeyRule(
-        key="thc", treatment="modelled",
+        key="thc", touches="torch", treatment="modelled",
         letters=_letters(
             "A axis, F feed, V number, S seconds, E seconds, P percent, O channel, I channel,"
             " D length, L length, T number, C seconds, W seconds, M number"
@@ -389,7 +401,7 @@ _RULES = (
     KeyRule(key="thclim", letters=_letters("L number, H number"), reason="the torch's voltage"),
     KeyRule(key="thcvel", times=MANY, letters=_letters("F feed, V number"), reason="the torch's voltage"),
     KeyRule(
-        key="torchbevel", letters=_letters("B axis, C axis, R length"), treatment="modelled",
+        key="torchbevel", touches="torch", letters=_letters("B axis, C axis, R length"), treatment="modelled",
         reason="the device bevel; bevelled cuts are not followed",
     ),
     KeyRule(key="tranadj", bare="number 0..", treatment="checked", reason="moves by hand"),
@@ -398,7 +410,7 @@ _RULES = (
         reason="axes that share a feed; behind F: those whose feed an F without axes sets",
     ),
     KeyRule(
-        key="vmatch", letters=_letters("P number, T number"), treatment="modelled",
+        key="vmatch", touches="corners", letters=_letters("P number, T number"), treatment="modelled",
         reason="velocities are not planned as gproof does",
     ),
     KeyRule(key="watch", times=MANY, letters=_letters("T whole, D number, C channel"), reason="a signal of life"),

@@ -46,6 +46,8 @@ from gproof.ir.program import (
 )
 from gproof.ir.record import record
 
+_FILE_NAME = re.compile(r"[^\s=]*[A-Za-z_][^\s=]*\.[A-Za-z]\w{0,3}")
+"""What can be nothing but the name of a file: a command has no letters behind a point."""
 HELD_LINES = 2000
 HELD_IN_ALL = 200_000
 """A table of at most so many lines holds its words, until the tables of a program hold that many."""
@@ -320,9 +322,13 @@ class _Loader:
         try:
             parsed = self.lines.parse(" " * (place.column - 1) + text, place.file, place.line)
         except LineError as error:
+            if _FILE_NAME.fullmatch(text.strip()):
+                what = f"cmd{name}={text.strip()}, which names a file where a command should stand,"
+                return (Unsupported(what=what, span=place),)
             finding = error.finding(place.file, place.line)
-            self.findings.add(dataclasses.replace(finding, message=f"cmd{name}={text}: {finding.message}"))
-            return ()
+            message = f"cmd{name}={text}: {finding.message}"
+            # What stands there is a mistake of the jobs that come to it alone.
+            return (Mistake(code=finding.code.number, message=message, span=place, text=text.strip()),)
         if parsed is None:
             return ()
         if isinstance(parsed, Head | ArrayLine):

@@ -21,6 +21,7 @@ from gproof.ir.dialects.wincnc import WINCNC
 from gproof.ir.dialects.wincnc_keys import KEYS, VARIABLES, Key
 from gproof.ir.dialects.wincnc_messages import MESSAGES, ControllerMessage
 from gproof.ir.dialects.wincnc_words import G_CODES, L_CODES, LETTERS, M_CODES, Axes, Command, Parameter
+from gproof.ir.machine import TOUCHES
 from gproof.ir.rules import CHECKED_ONLY, CodeRule
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -169,18 +170,28 @@ def key_status(rule: KeyRule) -> str:
     return f"{TREATMENTS[rule.treatment]}{where}{reason}"
 
 
+def odd_letter(rule: KeyRule) -> str:
+    """What a letter that the manual does not name does: which jobs are UNKNOWN by it (GP605)."""
+    kind, _, number = rule.touches.partition(".")
+    told = {"axis": "jobs that move the axis", "all": "every job", "corners": "a warning; corners are not sharp",
+            "state": "a warning; the output's state is not known", "": "a warning"}  # fmt: skip
+    if not rule.letters and rule.named.form != "axes":
+        return "–"
+    return told.get(kind) or TOUCHES[kind].replace("the workspace of the number behind the dot", f"G{number}")
+
+
 def _value(key: Key) -> str:
     forms = {"number": "a number", "text": "a text", "command": "a command", "axes": "axis words", "letters": ""}
     return "; ".join(filter(None, [forms[key.form], *_parameters(key.parameters)]))
 
 
 def _keys() -> Iterator[str]:
-    yield "| key | meaning | value | default | moves axes | status |"
-    yield "|---|---|---|---|---|---|"
+    yield "| key | meaning | value | default | moves axes | a letter that the manual lacks makes UNKNOWN | status |"
+    yield "|---|---|---|---|---|---|---|"
     for key in KEYS.values():
         moves = "yes" if key.moves else "no"
         status = key_status(RULES[key.name])
-        yield f"| {key.name}= | {key.meaning} | {_value(key)} | {key.default} | {moves} | {status} |"
+        yield f"| {key.name}= | {key.meaning} | {_value(key)} | {key.default} | {moves} | {odd_letter(RULES[key.name])} | {status} |"
 
 
 def variable_status(name: str, folder: Path) -> str:

@@ -167,10 +167,14 @@ def test_letters_that_can_be_no_axes(value: str, what: str, tmp_path: Path) -> N
 
 
 def test_axes_without_settings_and_settings_without_axes(tmp_path: Path) -> None:
-    _, kept = load("axischar=XYZ\naxisspec=r1a1\naxisspec=r1a1\n", tmp_path)
+    machine, kept = load("axischar=XYZ\naxisspec=r1a1\naxisspec=r1a1\n", tmp_path)
     assert [(*places([f])[0], f.message) for f in kept] == [
         ("GP604", 1, 10, 13, "axisspec= of Z, axis number 2, is missing")
     ]
+    assert machine is not None
+    assert kept[0].severity.value == "note"
+    # The letter keeps its number; a job that moves the axis is refused: tests/cli/test_open_settings.py.
+    assert [one.name for one in machine.axes] == ["x", "y"]
     _, kept = load("axischar=XY\naxisspec=r1a1\naxisspec=r1a1\naxisspec=r1a1\n", tmp_path)
     assert places(kept) == [("GP603", 4, 10, 14)]
     _, kept = load("axischar=XY\naxisvel=r1\naxisspec=r1a1\naxisspec=r1a1\n", tmp_path)
