@@ -155,7 +155,10 @@ class Sheet:
         """The letters of axischar= and the column of each; ("", {}) when they can not be."""
         setting = next((one for one in self.ini.settings if one.key == "axischar"), None)
         if setting is None:
-            self.ini.add(codes.MISSING_KEY, 0, key="axischar=", hint=self.ini.hint)
+            # It belongs above the first axis.
+            first = next((one for one in self.ini.settings if one.key == "axisspec"), None)
+            place = (1,) if first is None else (first.line, first.column, first.end_column)
+            self.ini.add(codes.MISSING_KEY, *place, key="axischar=", hint=self.ini.hint)
             return "", {}
         letters = "".join(setting.text.split()).upper()
         columns, problem = columns_of(letters)

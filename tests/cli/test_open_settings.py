@@ -162,7 +162,7 @@ def test_an_axis_without_its_line_is_refused_in_the_jobs_that_move_it(tmp_path: 
 
 
 ABORTS = ["abort.mac", "M98 nothere.mac", "M12 C99", "?"]
-"""What a shop's cmdabort= may hold that can not be run: a file's name, a file that is not there, no channel, nothing."""
+"""What cmdabort= may hold that can not be run: a file's name, a file that is not there, no channel, no command."""
 
 
 @pytest.mark.parametrize("key", ["cmdabort", "cmdstart", "cmdend"])

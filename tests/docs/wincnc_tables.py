@@ -190,8 +190,9 @@ def _keys() -> Iterator[str]:
     yield "|---|---|---|---|---|---|---|"
     for key in KEYS.values():
         moves = "yes" if key.moves else "no"
-        status = key_status(RULES[key.name])
-        yield f"| {key.name}= | {key.meaning} | {_value(key)} | {key.default} | {moves} | {odd_letter(RULES[key.name])} | {status} |"
+        rule = RULES[key.name]
+        odd, status = odd_letter(rule), key_status(rule)
+        yield f"| {key.name}= | {key.meaning} | {_value(key)} | {key.default} | {moves} | {odd} | {status} |"
 
 
 def variable_status(name: str, folder: Path) -> str:
