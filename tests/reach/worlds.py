@@ -52,7 +52,7 @@ def _machine(file: Path, dialect: str, program: Path) -> Session:
 
 
 def answered(world: World, program: str, folder: Path, changes: tuple[Change, ...]) -> dict[str, str]:
-    """What is answered of a program; paths begin with ``machine`` or ``setup``. The program is ``job`` in ``folder``."""
+    """What is answered of a program, put into ``folder``; paths begin with ``machine`` or ``setup``."""
     job = folder / f"job.{_SUFFIX[world.dialect]}"
     job.write_text(program, encoding="utf-8")
     place = Place(job, CORPUS / world.machine, None, world.dialect)

@@ -1,0 +1,80 @@
+"""The tables of docs/reach.md, and the fields of the types that they are about."""
+
+from __future__ import annotations
+
+import dataclasses
+import re
+from dataclasses import dataclass
+from types import ModuleType
+
+from corpus.expectations import ROOT
+from reach.answers import TARGETS
+
+from gproof.ir import controls, din, machine, setup, trace, workpiece
+
+PAGE = ROOT / "docs" / "reach.md"
+STATED: tuple[ModuleType, ...] = (machine, setup, controls, din, workpiece)
+_ROW = re.compile(r"^\| (`.*`) \| (.*) \| (.*) \|$")
+_NAME = re.compile(r"`([\w.]+)`")
+_REF = re.compile(r"`((?:\w+/)+\w+\.py)(?:: ([\w.]+))?`")
+
+
+@dataclass(frozen=True)
+class Row:
+    """What the page says of a field. reaches: targets; unknown, elsewhere: those with ``?`` and with ``*``."""
+
+    field: str
+    reaches: frozenset[str]
+    unknown: frozenset[str]
+    elsewhere: frozenset[str]
+    text: str
+
+    @property
+    def places(self) -> list[tuple[str, str]]:
+        """(file, function or "") that the row names."""
+        return _REF.findall(self.text)
+
+
+def rows() -> dict[str, Row]:
+    """By field, ``Axis.lower``; ValueError for a field with two rows or a target that is none."""
+    found: dict[str, Row] = {}
+    section = ""
+    for line in PAGE.read_text(encoding="utf-8").splitlines():
+        if line.startswith("## "):
+            section = line.removeprefix("## ").split(",")[0].strip()
+        match = _ROW.match(line)
+        if match is None:
+            continue
+        words = [word.strip() for word in match[2].split(",")] if match[2] != "-" else []
+        plain = [word.strip("?*") for word in words]
+        if set(plain) - set(TARGETS):
+            raise ValueError(f"{line}: {sorted(set(plain) - set(TARGETS))} are no targets")
+        for name in _NAME.findall(match[1]):
+            field = name if "." in name else f"{section}.{name}"
+            if field in found:
+                raise ValueError(f"{field} has two rows")
+            found[field] = Row(
+                field,
+                frozenset(plain),
+                frozenset(word.strip("?*") for word in words if word.startswith("?")),
+                frozenset(word.strip("?*") for word in words if word.endswith("*")),
+                match[3],
+            )
+    return found
+
+
+def stated_fields() -> set[str]:
+    """Fields of every record that a setup file or a machine file can fill."""
+    return {name for module in STATED for name in _fields(module)} | _of(trace.State)
+
+
+def _fields(module: ModuleType) -> set[str]:
+    found: set[str] = set()
+    for value in vars(module).values():
+        if isinstance(value, type) and dataclasses.is_dataclass(value) and value.__module__ == module.__name__:
+            found |= _of(value)
+    return found
+
+
+def _of(cls: type) -> set[str]:
+    return {f"{cls.__name__}.{field.name}" for field in dataclasses.fields(cls)}
