@@ -14,6 +14,7 @@ from gproof.cli.offsets import contradiction
 from gproof.cli.properties import added_checks, decided
 from gproof.cli.session import Running, Session
 from gproof.ir import codes
+from gproof.ir.dialects.accepts import MANUALS
 from gproof.ir.finding import Finding, Findings, Severity, Span
 from gproof.ir.machine import Machine
 from gproof.ir.record import field, record
@@ -204,7 +205,8 @@ def _pass(
         open_path=bool(open_path),
         remains=tuple(left for check in added for left in check.remains()) if observe and len(ends) == 1 else (),
     )  # fmt: skip
-    return [language, *results], summary, [*ex.assumed, *_standing(session, waits)], ex.met_deleted
+    assumed = [*session.program.assumed, *ex.assumed, *_standing(session, waits)]
+    return [language, *results], summary, assumed, ex.met_deleted
 
 
 def _places(machine: Machine, at: Sequence[float], frame: Frame) -> dict[str, float]:
@@ -219,6 +221,10 @@ def _standing(session: Session, waits: set[Wait]) -> list[str]:
     if homed is None and session.machine_given:
         names = " ".join(axis.word for axis in session.machine.axes)
         out.append(f"{names} are homed: machine positions are what the controller shows")
+    version = session.machine.controller.version
+    manual = MANUALS.get(session.dialect, "")
+    if version and not f"{version}.".startswith(f"{manual.rpartition(' ')[2]}."):
+        out.append(f"the controller, version {version}, does what the {manual} says")
     if waits & {Wait.OPERATOR, Wait.TOOL_CHANGE}:
         out.append("while the job waits for the operator nobody moves the axes")
     return out

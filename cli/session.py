@@ -9,6 +9,7 @@ from typing import TypedDict, TypeVar
 from gproof.cli.files import require_file, require_program
 from gproof.cli.main import UsageError
 from gproof.ir import codes
+from gproof.ir.dialects.accepts import USER_MACRO_FILE
 from gproof.ir.finding import Findings, Span
 from gproof.ir.machine import NO_MACHINE, Machine, Unmodelled
 from gproof.ir.program import Call, Program
@@ -133,11 +134,17 @@ def open_session(
             the_machine = NO_MCUWIN
         program = load_mcuwin(job, findings, the_machine, machine)
     else:
-        from gproof.frontend.eding.load import load_program
+        from gproof.frontend.eding.load import load_program, own_macros
         from gproof.frontend.eding.long_file import judge_length
 
         macro, the_machine = _macro_file(the_machine, machine, job)
-        program = load_program(job, findings, macro)
+        accepts = the_machine.controller.accepts
+        own = own_macros(job, macro)
+        if own is not None and USER_MACRO_FILE.name not in accepts:
+            why = f"whether this controller loads it is not stated: {USER_MACRO_FILE.hint}"
+            left_out = Unmodelled(own.name, why)
+            the_machine = dataclasses.replace(the_machine, not_modelled=(*the_machine.not_modelled, left_out))
+        program = load_program(job, findings, macro, call=call or "", accepts=accepts)
         if program is not None:
             judge_length(program, the_machine.controller.super_long_file, findings)
     if program is not None and call is not None:

@@ -15,8 +15,9 @@ from typing import Any
 from gproof.frontend.areas_table import areas_from
 from gproof.frontend.controls_table import controls_from
 from gproof.frontend.mcuwin.machine import with_axes
-from gproof.frontend.toml_table import MILLIMETRES, TomlFile, TomlTable
+from gproof.frontend.toml_table import MILLIMETRES, TomlFile, TomlTable, meant
 from gproof.frontend.tool_table import check_shape, shape_keys
+from gproof.ir.dialects.accepts import ACCEPTS, TEXT_AFTER_COMMENT, names_of
 from gproof.ir.finding import Findings
 from gproof.ir.machine import (
     AXIS_NAMES,
@@ -43,6 +44,7 @@ HIGHEST_CHANNEL = 9999
 LETTERS = ("W", "U", "V")
 """Letters that an axis of column a, b or c may have in programs in place of its own."""
 THREAD_PEAKS = ("position", "offset")
+LIMITS_HOLD = ("motor", "programmed")
 LENGTH_UNITS = {"mm": 1.0, "cm": 10.0, "m": 1000.0, "um": 0.001, "inch": 25.4}
 ANGLE_UNITS = {"deg": 1.0, "rev": 360.0, "rad": math.degrees(1.0)}
 
@@ -387,10 +389,40 @@ def _controller(root: TomlTable, before: Controller, unit: Fraction) -> Controll
             turning=table.boolean("turning"),
             thread_peak=table.text("thread_peak", THREAD_PEAKS),
             straight_traverse=table.boolean("straight_traverse"),
+            version=_version(table),
+            accepts=_accepts(table, table.values.get("dialect", before.dialect)),
+            limits_hold=table.text("limits_hold", LIMITS_HOLD),
         ),
     )
     table.finish()
+    if TEXT_AFTER_COMMENT.name in controller.accepts:
+        lexical = replace(controller.controls.lexical, continued=True)
+        controller = replace(controller, controls=replace(controller.controls, lexical=lexical))
     return controller
+
+
+def _version(table: TomlTable) -> str | None:
+    """The version of the controller's software, a text that is not empty."""
+    version = table.text("version")
+    if version is not None and not version.strip():
+        table.bad("version", "an empty text")
+    return version.strip() if version else None
+
+
+def _accepts(table: TomlTable, dialect: object) -> tuple[str, ...] | None:
+    """Names of ``ir/dialects/accepts.py``, each once; ``_`` counts as ``-``."""
+    names = table.texts("accepts")
+    if names is None:
+        return None
+    known = names_of(dialect if isinstance(dialect, str) else None)
+    found = tuple(dict.fromkeys(name.replace("_", "-") for name in names))
+    for name in found:
+        if name in ACCEPTS and name not in known:
+            table.bad("accepts", f"{name!r} is nothing that {dialect} has: {', '.join(known) or 'no entry is'}")
+        elif name not in ACCEPTS:
+            near = meant(name, known)
+            table.bad("accepts", f"{name!r} is none of {', '.join(known)}{'; ' * bool(near)}{near}")
+    return found
 
 
 def _board(root: TomlTable, before: Board) -> Board:

@@ -220,6 +220,16 @@ class TomlTable:
             return None
         return value
 
+    def texts(self, key: str) -> tuple[str, ...] | None:
+        """A list of texts."""
+        value = self.take(key)
+        if value is None:
+            return None
+        if not isinstance(value, list) or not all(isinstance(one, str) for one in value):
+            self.bad(key, f"{show(value)} is not a list of texts")
+            return None
+        return tuple(value)
+
     def boolean(self, key: str) -> bool | None:
         """``true`` or ``false``."""
         value = self.take(key)

@@ -157,12 +157,14 @@ class Lexical:
     """How lines are read.
 
     comment_signs: characters beside those of the language that begin a comment; skips: (characters, count): a line
-    that begins with one of them makes so many lines be left out; comma: a comma is a decimal point too.
+    that begins with one of them makes so many lines be left out; comma: a comma is a decimal point too; continued:
+    words after a closed comment are executed (``accepts`` of the machine file).
     """
 
     comment_signs: str = ""
     skips: tuple[tuple[str, int], ...] = ()
     comma: bool = False
+    continued: bool = False
 
 
 @record(frozen=True, slots=True, kw_only=True)

@@ -257,11 +257,17 @@ class Controller:
     xz_seen_from: ``+y`` or ``-y``: from where the XZ plane is looked at by G2, G3, G41 and G42; None: not stated.
     thread_peak: what I of a threading cycle is, "position" or "offset"; None: not stated.
     straight_traverse: a traverse of several axes is a straight line; None: as the controller's manual says.
+    version: of the controller's software, as text; None: not stated. accepts: what it takes beyond its manual, names of
+    ``ir/dialects/accepts.py``. limits_hold: soft limits hold for the "motor" or for the "programmed" position, to which
+    compensation of backlash and pitch adds; None: not stated.
     controls: what controllers of one command a line have beside all that; din: what those of DIN blocks with Pascal
     have, None for others.
     """
 
     dialect: str | None = None
+    version: str | None = None
+    accepts: tuple[str, ...] = ()
+    limits_hold: str | None = None
     laf_angle: float | None = None
     interpolation_time: float = 0.005
     fifo_time: float = 0.25

@@ -195,6 +195,10 @@ class DeferredBlock(Block):
         """File and line, without making the block."""
         return self._file, self._line
 
+    def has_letter(self, letter: str) -> bool:
+        """Whether its line has this letter anywhere, without making the block."""
+        return letter.encode() in self._raw.upper()
+
     def made(self) -> Block:
         """The block itself."""
         block: Block = self._make(self._raw, self._file, self._line)
@@ -409,12 +413,14 @@ class Message:
     (the head of an If).
 
     question: its number among those of the program, 0 for what is none. in_comment: written as a comment of its line,
-    where its text stands among the notes too. deleted: the line began with a slash. line: see Call.
+    where its text stands among the notes too. deleted: the line began with a slash. line: see Call. formats: such as
+    ``%d`` among its parts, which only shape its text.
     """
 
     kind: str
     parts: tuple[Expr, ...]
     span: Span
+    formats: tuple[str, ...] = ()
     in_comment: bool = False
     deleted: bool = False
     question: int = 0
@@ -568,7 +574,7 @@ class Program:
     that was not given may define codes that the language does not have. spindle_outputs: those that run the spindle
     where no code of the language does and the shop's definitions tell. unended: subprograms, "" for the body, of which
     a finding of the frontend says that they have no end. macro_files: names of those files that run only where a
-    command that the machine defines (a macro, a setting) calls them.
+    command that the machine defines (a macro, a setting) calls them. assumed: what reading the files took for granted.
     """
 
     dialect: str
@@ -586,6 +592,7 @@ class Program:
     spindle_outputs: SpindleOutputs = NO_OUTPUTS
     unended: frozenset[str] = field(default=frozenset(), compare=False, repr=False)
     macro_files: frozenset[str] = field(default=frozenset(), compare=False, repr=False)
+    assumed: list[str] = field(default_factory=list, compare=False, repr=False)
     scan: Scan | None = field(default=None, compare=False, repr=False)
     annotate: Annotate | None = field(default=None, compare=False, repr=False)
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 
 from gproof.ir import codes
+from gproof.ir.dialects import accepts
 from gproof.ir.finding import Refusal, Span
 from gproof.ir.machine import AXES
 from gproof.ir.rules import CodeRule
@@ -140,6 +141,12 @@ class Blocks(Origins):
             if takers:
                 taker = takers[0]
                 raise Refusal(codes.TWO_AXIS_COMMANDS.at(line.where_code(taker), first=motion.text, second=taker.text))
+            if not axes and motion.function in (F.TRAVERSE, F.FEED):
+                if not self.takes(accepts.MOTION_ALONE) or once is not None:
+                    where, hint = line.where_code(motion), accepts.MOTION_ALONE.hint
+                    raise Refusal(codes.AXIS_WORDS_MISSING.at(where, code=motion.text, hint=hint))
+                self._set_motion(motion)
+                return None
             if not axes and motion.function not in (*CYCLES, F.THREADING):
                 raise Refusal(codes.AXIS_WORDS_MISSING.at(line.where_code(motion), code=motion.text))
             return motion
@@ -154,9 +161,13 @@ class Blocks(Origins):
         if self.modal.motion == F.UNSUPPORTED:
             raise Refusal(codes.UNSUPPORTED_CODE.at(line.span, code="the active motion"))
         active = self._motion_rules.get(self.modal.motion)
+        if active is None and self.takes(accepts.KEPT_MOTION):
+            return self._motion_rules[int(F.TRAVERSE)]
         if active is None or active.function is F.MOTION_CANCEL:
             why = "no motion code before" if active is None else "G80"
             hint = "G0 or G1 on this line says how to go there"
+            if active is None:
+                hint += f"; {accepts.KEPT_MOTION.hint}"
             raise Refusal(codes.AXIS_WORDS_UNUSED.at(line.span, why=why, hint=hint))
         return active
 

@@ -6,6 +6,7 @@ import math
 from collections.abc import Callable
 
 from gproof.ir import codes
+from gproof.ir.dialects.accepts import Accepted
 from gproof.ir.finding import Code, Finding, Findings, Refusal, Related, Severity, Span
 from gproof.ir.machine import AXIS_NAMES, Machine
 from gproof.ir.program import Input, Named, Program, Statement
@@ -145,6 +146,13 @@ class Emitter:
         self._alarm = min(self.budget + 1, self.blocks + BEAT)
         if self.on_beat is not None:
             self.on_beat(self.blocks, span)
+
+    def takes(self, what: Accepted) -> bool:
+        """Whether the shop says that its controller takes this beyond its manual; then it is an assumption."""
+        if what.name not in self.machine.controller.accepts:
+            return False
+        self.assumed[what.assumption] = None
+        return True
 
     def _fail(self, finding: Finding, *, told: bool = False) -> None:
         """Report a finding, unless another one that says as much is ``told`` already, and end what it ends."""

@@ -41,6 +41,8 @@ FOLLOWED = {
 _ACROSS = (Plane.YZ, Plane.XZ, Plane.XY)
 """Of X, Y and Z, the plane whose arcs do not move it by themselves."""
 HOMING_HINT = "home before the job, and state homed = [...] in the setup file"
+PROGRAMMED = "soft limits hold for programmed positions: the backlash comes on top of them (limits_hold)"
+HOLD_HINT = 'limits_hold = "programmed" under [controller], if the controller leaves the backlash out there'
 
 
 def _where_stated(machine: Machine, axis: str, off: bool) -> str:
@@ -237,6 +239,7 @@ class Limits(Check):
                 codes.MOTOR_LIMIT.at(
                     row_span(chunk.trace, chunk.rows, row), axis=axis.axis.word, reached=plain,
                     unit=axis.axis.unit, side="lower" if below else "upper", limit=limit, what=what,
+                    hint=HOLD_HINT if axis.what == "backlash compensation" and not off else "",
                 )
             )  # fmt: skip
 
@@ -390,6 +393,10 @@ class Limits(Check):
             if self._moves(index):
                 self._note_settings(AXIS_NAMES[index])
                 self._judge_axis(index, offsets)
+        if self.machine.controller.limits_hold == "programmed" and any(
+            self._moves(axis.index) and any(drive.backlash for drive in axis.drives()) for axis in self.machine.axes
+        ):
+            self._assumptions.append(PROGRAMMED)
         results = self._conditions(offsets)
         needed = tuple(Condition(terms=form, low=low, high=high) for form, (low, high) in sorted(self._needed.items()))
         verdict = Verdict.SAFE

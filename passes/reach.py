@@ -38,7 +38,7 @@ class Reach:
 
 def reaches(machine: Machine, setup: Setup) -> dict[str, Reach]:
     """By axis name; Y under a mapping has what A leaves it."""
-    found = {axis.name: _reach(axis) for axis in machine.axes}
+    found = {axis.name: _reach(axis, programmed=_programmed(machine)) for axis in machine.axes}
     if setup.cylinder is not None and "y" in found:
         found["y"] = _mapped(found["y"].axis, found.get("a"), setup)
     return found
@@ -47,17 +47,25 @@ def reaches(machine: Machine, setup: Setup) -> dict[str, Reach]:
 def reach_of(machine: Machine, name: str) -> Reach | None:
     """What an axis's own motors leave it."""
     axis = machine.axis(name)
-    return None if axis is None else _reach(axis)
+    return None if axis is None else _reach(axis, programmed=_programmed(machine))
 
 
-def _reach(axis: Axis) -> Reach:
+def _programmed(machine: Machine) -> bool:
+    """Whether the shop says that soft limits hold for programmed positions, to which backlash is added."""
+    return machine.controller.limits_hold == "programmed"
+
+
+def _reach(axis: Axis, *, programmed: bool) -> Reach:
+    """programmed: soft limits leave the backlash out; the end stops never do."""
     drives = axis.drives()
     stated: list[Range] = []
     sure: list[Range] = []
     for off in (False, True):
         sides = [(d.travel_lower, d.travel_upper) if off else (d.lower, d.upper) for d in drives]
         stated.append((_most([low for low, _ in sides]), _least([high for _, high in sides])))
-        inner = [_inner(drive, side) for drive, side in zip(drives, sides, strict=True)]
+        beside = programmed and not off
+        inner = [_inner(d, side, 0.0 if beside else d.backlash) for d, side in zip(drives, sides, strict=True)]
+        inner += [_inner(d, _ends(d), d.backlash) for d in drives if beside]
         sure.append((_most([low for low, _ in inner]), _least([high for _, high in inner])))
     names = [
         name
@@ -70,18 +78,24 @@ def _reach(axis: Axis) -> Reach:
     return Reach(axis, (stated[0], stated[1]), (sure[0], sure[1]), " and ".join(names))
 
 
-def _inner(drive: Drive, side: Range) -> Range:
+def _ends(drive: Drive) -> Range:
+    """The end stops of a motor; infinite where they are not stated."""
+    low, high = drive.travel_lower, drive.travel_upper
+    return -math.inf if low is None else low, math.inf if high is None else high
+
+
+def _inner(drive: Drive, side: Range, backlash: float) -> Range:
     """Axis positions at which this motor is within ``side`` in every reading of its pitch table and backlash."""
     low, high = side
     return (
-        None if low is None else max(_readings(drive.pitch, low + drive.backlash)),
-        None if high is None else min(_readings(drive.pitch, high - drive.backlash)),
+        None if low is None else max(_readings(drive.pitch, low + backlash)),
+        None if high is None else min(_readings(drive.pitch, high - backlash)),
     )
 
 
 def _readings(table: PitchTable | None, motor: float) -> tuple[float, ...]:
     """Axis positions at which the motor is at ``motor``: with the table, with it the other way round, without."""
-    if table is None:
+    if table is None or math.isinf(motor):
         return (motor,)
     return motor, axis_position(table, motor), motor_position(table, motor)
 

@@ -11,6 +11,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from gproof.ir import codes
+from gproof.ir.dialects.accepts import REPEATED_CHANNEL
 from gproof.ir.finding import Refusal, Severity, Span
 from gproof.ir.program import Text
 from gproof.ir.record import field, record
@@ -71,12 +72,18 @@ def gather(
         elif line.command is not None and line.command.function in _MAPPINGS and letter in columns:
             line.letters += letter
         elif letter in line.values:
-            raise Refusal(codes.REPEATED_WORD.at(where, letter=letter))
+            hint = REPEATED_CHANNEL.hint if letter == "C" and line.command in _switches(rules) else ""
+            raise Refusal(codes.REPEATED_WORD.at(where, letter=letter, hint=hint))
         else:
             line.values[letter] = value
             line.spans[letter] = where
     _check_words(line)
     return line
+
+
+def _switches(rules: LanguageRules) -> tuple[CodeRule | None, ...]:
+    """M11 and M12."""
+    return rules.codes.get(("M", 110)), rules.codes.get(("M", 120))
 
 
 def _code(rules: LanguageRules, letter: str, value: Value, where: Span, line: Command) -> CodeRule | None:
@@ -142,6 +149,20 @@ def run(
     if behind:
         run(ex, span, words[:behind], texts=texts, comment=comment, bare=bare)
         words = words[behind:]
+    for part in _channels_apart(ex, words):
+        _run_alone(ex, span, part, texts, comment, bare)
+
+
+def _channels_apart(ex: Motion, words: Words) -> list[Words]:
+    """A line that switches several channels as one for each, where the controller takes it so."""
+    channels = [word for word in words if word[0] == "C"]
+    others = [word for word in words if word[0] != "C"]
+    if len(channels) < 2 or [(letter, value) for letter, value, _ in others] not in ([("M", 11.0)], [("M", 12.0)]):
+        return [words]
+    return [[*others, one] for one in channels] if ex.takes(REPEATED_CHANNEL) else [words]
+
+
+def _run_alone(ex: Motion, span: Span, words: Words, texts: Texts, comment: str, bare: frozenset[str]) -> None:
     line: Command | None = None
     moves = ex._moves
     devices = ex.machine.controller.controls.devices

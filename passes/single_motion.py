@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 
 from gproof.ir import codes
 from gproof.ir.controls import Controls
+from gproof.ir.dialects import accepts
 from gproof.ir.finding import Refusal, Span
 from gproof.ir.machine import AXES, AXIS_NAMES
 from gproof.ir.rules import CodeRule
@@ -162,8 +163,9 @@ def without_command(ex: Motion, line: Command) -> None:
             what = "an F in front of axes without numbers: a feed for them, or a move to 0 besides"
             feed_word(ex, line, columns)
             raise Refusal(codes.UNSUPPORTED_CODE.at(line.span, code=what))
-    if s.motion == 0 and not s.cycle_code and not stored:
-        raise Refusal(codes.AXIS_WORDS_UNUSED.at(line.span, why="no motion code before"))
+    if s.motion == 0 and not s.cycle_code and not stored and not ex.takes(accepts.KEPT_MOTION):
+        hint = accepts.KEPT_MOTION.hint
+        raise Refusal(codes.AXIS_WORDS_UNUSED.at(line.span, why="no motion code before", hint=hint))
     rule = ex.program.rules.codes["G", s.cycle_code] if s.cycle_code else ex._motion_rules.get(s.motion)
     if rule is None:
         rule = ex.program.rules.codes["G", 0]

@@ -235,6 +235,8 @@ def motor_arrays(
             collector.assume("stream-position", what)
             # Rounded up, the backlash may ask for a step more than the limit of the axis leaves for it.
             more = int(abs(slack[m]) > abs(Fraction(drive.backlash) * motor.steps_per_unit))
+            if machine.controller.limits_hold == "programmed":
+                more = abs(int(slack[m]))
             low[m], high[m] = (low[m] - more, high[m]) if slack[m] > 0 else (low[m], high[m] + more)
         if None in (drive.lower, drive.upper):
             collector.assume("stream-limit", f"axis {name} needs no limit where the machine file states none")

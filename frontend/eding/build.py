@@ -280,8 +280,9 @@ class Builder:
 
     def message(self, tokens: Tokens) -> Message:
         kind = _MESSAGE_KINDS[str(tokens[0]).lower()]
-        parts = tuple(part.node for part in tokens[1:])
-        return Message(kind=kind, parts=parts, span=_range_span(self, tokens))
+        parts = tuple(part.node for part in tokens[1:] if isinstance(part, Part))
+        formats = tuple(str(part) for part in tokens[1:] if not isinstance(part, Part))
+        return Message(kind=kind, parts=parts, span=_range_span(self, tokens), formats=formats)
 
     def dialog(self, tokens: Tokens) -> Message:
         """Parts: the title, then by turns the name of a value and the number of its parameter."""
@@ -395,7 +396,8 @@ _TANDEM = {
     "movestavetomaster": "align_slave",  # so printed once in 2.10.3
 }
 BENT_KNIFE_DEGREES = 90  # 2.1.9
-_NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
+_NAME = re.compile(r"[A-Za-z0-9_]+")
+"""A name; who collects the lines says whether it may begin with a digit."""
 
 
 def _range(token: Token) -> tuple[int, int]:

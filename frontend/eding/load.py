@@ -8,59 +8,97 @@ only for its lines with expressions and flow control.
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator
+from collections.abc import Collection, Iterable, Iterator
 from pathlib import Path
 
-from gproof.frontend.eding.build import STRUCTURAL, Structural
+from gproof.frontend.eding.build import STRUCTURAL, Parsed, Structural
 from gproof.frontend.eding.notes import annotate
 from gproof.frontend.eding.prepare import LineError, structure_of
 from gproof.frontend.eding.scan import index, scan
 from gproof.frontend.eding.shapes import Reader
-from gproof.frontend.eding.structure import Assembler
+from gproof.frontend.eding.structure import JOB, MACROS, OWN_MACROS, Assembler
 from gproof.frontend.lines import LineIndex
 from gproof.frontend.source import UTF8_MARK, decode, read_source
 from gproof.ir import codes
 from gproof.ir.columns import Columns
+from gproof.ir.dialects import accepts as known
 from gproof.ir.dialects import rules_named
+from gproof.ir.dialects.accepts import Accepted
 from gproof.ir.finding import Finding, Findings, Refusal, Span
-from gproof.ir.program import BlockTable, Call, If, Program, SourceFile, Statement, While
+from gproof.ir.program import (
+    Block,
+    BlockTable,
+    Call,
+    DeferredBlock,
+    If,
+    Message,
+    Number,
+    Program,
+    SourceFile,
+    Statement,
+    While,
+    Word,
+)
 from gproof.ir.rules import LanguageRules
 
 MACRO_FILE = "macro.cnc"
 """Loaded with every job from the job's folder (manual 4.3)."""
+USER_MACRO_FILE = "user_macro.cnc"
+"""Loaded with it, where the shop says so (``accepts``)."""
 
 HELD_LINES = 2000
 HELD_IN_ALL = 200_000
 """A table of at most so many lines holds its words, until the tables of a program hold that many."""
 
 
-def load_program(path: Path, findings: Findings, macro: Path | None = None) -> Program | None:
+def load_program(
+    path: Path, findings: Findings, macro: Path | None = None, *, call: str = "", accepts: Collection[str] = ()
+) -> Program | None:
     """The program in ``path``, with the subprograms of its macro file; None when a file is refused.
 
     macro: the macro file, instead of ``macro.cnc`` in the folder of ``path``. Mistakes go into ``findings``
     (GP101–GP124), one for each line; a line with a mistake is left out of the program. Where the job never runs such a
     line of the macro file, the finding is GP126.
+    call: a subprogram that is run in place of the job's own lines: what it never runs is GP126 in the job too.
+    accepts: what the controller takes beyond its manual (``ir/dialects/accepts.py``).
     """
     program = Program(dialect="eding", rules=rules_named("eding"), scan=scan, annotate=annotate)
-    loader = _Loader(program, findings)
+    loader = _Loader(program, findings, call=call.lower(), accepts=accepts)
     before = sum(findings.counts.values())
     try:
-        program.body = loader.load(path)
-        beside = path.with_name(MACRO_FILE)
-        if macro is not None:
-            loader.load(macro)
-        elif beside.is_file() and path.name.lower() != MACRO_FILE:
-            loader.load(beside)
+        is_macros = path.name.lower() == MACRO_FILE
+        program.body = loader.load(path, place=MACROS if is_macros else JOB)
+        own = own_macros(path, macro)
+        if own is not None and loader.takes(known.USER_MACRO_FILE):
+            loader.load(own, place=OWN_MACROS)
+        beside = macro_beside(path, macro)
+        if beside is not None:
+            loader.load(beside, place=MACROS)
     except Refusal as refusal:
         findings.add(refusal.finding)
         return None
     program.subprograms = loader.assembler.subprograms
     program.overrides = overrides_of(program.subprograms, program.rules)
     loader.settle()
+    program.assumed += loader.assumed
     is_clean = sum(findings.counts.values()) == before
     if is_clean and not program.body and not loader.subprograms_in_job:
         findings.add(codes.EMPTY_PROGRAM.at(Span(str(path), 0)))
     return program
+
+
+def macro_beside(path: Path, macro: Path | None = None) -> Path | None:
+    """The macro file that is loaded with a job: the one that is named, else ``macro.cnc`` in its folder, if any."""
+    beside = macro if macro is not None else path.with_name(MACRO_FILE)
+    if macro is None and (not beside.is_file() or path.name.lower() == MACRO_FILE):
+        return None
+    return beside
+
+
+def own_macros(path: Path, macro: Path | None = None) -> Path | None:
+    """``user_macro.cnc`` beside the macro file of a job, which some controllers load too; None where there is none."""
+    own = (macro or path).with_name(USER_MACRO_FILE)
+    return own if own.is_file() and own.resolve() != path.resolve() else None
 
 
 def load_alone(path: Path, findings: Findings, name: str = "") -> Program | None:
@@ -94,28 +132,51 @@ def overrides_of(names: Iterable[str], rules: LanguageRules) -> dict[tuple[str, 
     return found
 
 
-def reachable(program: Program) -> set[str]:
-    """Names of the subprograms that a job may run: from its statements, and those that replace a code."""
+def reachable(program: Program, call: str = "") -> set[str]:
+    """Names of the subprograms that a job may run: those that it calls, and those that replace its codes (4.4).
+
+    call: the subprogram that is run in place of the job's own lines.
+    """
     found: set[str] = set()
-    names = [*program.overrides.values(), *_called(program.body)]
+    names = [call] if call else [*_called(program, program.body)]
     while names:
         name = names.pop()
         if name not in found and name in program.subprograms:
             found.add(name)
-            names += _called(program.subprograms[name].body)
+            names += _called(program, program.subprograms[name].body)
     return found
 
 
-def _called(body: Iterable[Statement]) -> Iterator[str]:
-    """Names of the calls in statements and in the blocks inside them."""
+def _called(program: Program, body: Iterable[Statement]) -> Iterator[str]:
+    """Names of the calls in statements and in the blocks inside them, and of what replaces their codes."""
+    overrides = {tenths: name for (letter, tenths), name in program.overrides.items() if letter == "M"}
     for node in body:
         if isinstance(node, Call):
             yield node.name
         elif isinstance(node, If):
-            yield from _called(node.then)
-            yield from _called(node.otherwise)
+            yield from _called(program, node.then)
+            yield from _called(program, node.otherwise)
         elif isinstance(node, While):
-            yield from _called(node.body)
+            yield from _called(program, node.body)
+        elif overrides and isinstance(node, Block):
+            if not isinstance(node, DeferredBlock) or node.has_letter("M"):
+                yield from _replacing(overrides, node.words)
+        elif overrides and isinstance(node, BlockTable):
+            if node.words is None:
+                yield from overrides.values()  # its words are not held: any code may be there
+                continue
+            values = node.words["value"][node.words["letter"] == ord("M")]
+            yield from (name for value in set(values.tolist()) if (name := overrides.get(round(value * 10))))
+
+
+def _replacing(overrides: dict[int, str], words: Iterable[Word]) -> Iterator[str]:
+    """Names of the subprograms that may replace an M of these words."""
+    for word in words:
+        if word.letter == "M" and isinstance(word.value, Number):
+            name = overrides.get(round(word.value.value * 10))
+            yield from [name] if name else []
+        elif word.letter == "M":
+            yield from overrides.values()
 
 
 def _unreached(finding: Finding, inside: str) -> Finding:
@@ -126,20 +187,30 @@ def _unreached(finding: Finding, inside: str) -> Finding:
 
 
 class _Loader:
-    """Loads the files of one program one after another."""
+    """Loads the files of one program one after another.
 
-    def __init__(self, program: Program, findings: Findings) -> None:
+    call: the subprogram that is run in place of the job; accepts: see ``load_program``.
+    """
+
+    def __init__(
+        self, program: Program, findings: Findings, *, call: str = "", accepts: Collection[str] = ()
+    ) -> None:  # fmt: skip
         self.program = program
         self.findings = findings
-        self.assembler = Assembler(findings)
+        self.call = call
+        self.accepts = accepts
+        self.assumed: list[str] = []
+        self.assembler = Assembler(self.mistake, self.twice)
         self.reader = Reader()
         self.held = 0
         self.subprograms_in_job = 0
         self.waiting: list[tuple[Finding, str]] = []
-        """Mistakes in lines of the macro file, and the subprogram of each."""
+        """Mistakes that count where the job runs their line, and the subprogram of each."""
+        self.beyond: list[tuple[Accepted, str]] = []
+        """What was met of what the controller takes beyond its manual, and the subprogram of each."""
 
-    def load(self, path: Path, name: str = "") -> tuple[Statement, ...]:
-        """Read a file; its statements outside subprograms."""
+    def load(self, path: Path, name: str = "", *, place: int = JOB) -> tuple[Statement, ...]:
+        """Read a file; its statements outside subprograms. place: what it is (``structure.py``)."""
         source = read_source(path)
         source.name = name or source.name
         number = len(self.program.files)
@@ -152,26 +223,51 @@ class _Loader:
         first_end = source.data.find(b"\n")
         source.newline = "\r\n" if first_end > 0 and source.data[first_end - 1 : first_end] == b"\r" else "\n"
         self.program.line_count = self.program.line_count or found.line_count
-        self.assembler.begin_file(source.name)
+        self.assembler.begin_file(source.name, place)
         self._lines(number, source, begin, found)
         body = self.assembler.end_file()
         if number == 0:
             self.subprograms_in_job = len(self.assembler.subprograms)
         return body
 
+    def takes(self, what: Accepted) -> bool:
+        """Whether the controller takes this beyond its manual; an assumption where the job needs it."""
+        if what.name in self.accepts:
+            self.beyond.append((what, self.assembler.subprogram))
+            return True
+        return False
+
+    def mistake(self, finding: Finding, inside: str = "", *, sure: bool = False) -> None:
+        """A mistake in a subprogram, "" outside of all. sure: it counts, whether the job runs its line or not."""
+        if not sure and (len(self.program.files) > 1 or self.call):
+            self.waiting.append((finding, inside))
+        else:
+            self.findings.add(finding)
+
+    def twice(self, finding: Finding, name: str) -> None:
+        """Two subprograms of one name: a mistake where something calls it."""
+        self.waiting.append((finding, name))
+
     def settle(self) -> None:
         """Findings that need every subprogram: missing ones, and mistakes that the job may never meet."""
-        reached = reachable(self.program)
+        if not self.waiting and not self.assembler.calls and not self.beyond:
+            return
+        reached = reachable(self.program, self.call)
+        reached |= set() if self.call else {""}
         job = self.program.files[0].name
         for call, inside in self.assembler.calls:
             if call.name not in self.program.subprograms:
                 finding = codes.UNKNOWN_SUBPROGRAM.at(call.span, name=call.name)
-                if call.span.file == job:
+                if call.span.file == job and not self.call:
                     self.findings.add(finding)
                 else:
                     self.waiting.append((finding, inside))
+        of_macro = {file.name for file in self.program.files[1:]}
         for finding, inside in self.waiting:
-            self.findings.add(finding if inside in reached else _unreached(finding, inside))
+            runs = inside in reached and (inside or finding.span.file not in of_macro)
+            self.findings.add(finding if runs else _unreached(finding, inside))
+        needed = (what.assumption for what, inside in self.beyond if inside in reached or not inside)
+        self.assumed += dict.fromkeys(needed)
 
     def _lines(self, file: int, source: SourceFile, begin: int, found: LineIndex) -> None:
         """Tables and statements of a file in order."""
@@ -205,13 +301,33 @@ class _Loader:
                     codes.LINE_TOO_LONG, limit, len(raw), structure=structure, length=len(raw), allowed=limit
                 )
             for statement in self.reader.read(raw, source.name, number):
+                self._beyond(statement)
                 self.assembler.add(statement)
         except LineError as error:
             span = Span(source.name, number, error.begin + 1, error.end + 1)
             finding = error.code.at(span, **error.values)
-            if len(self.program.files) > 1 and error.structure not in ("sub", "endsub"):
-                self.waiting.append((finding, self.assembler.subprogram))
-            else:
-                self.findings.add(finding)
+            self.mistake(finding, self.assembler.subprogram, sure=error.structure in ("sub", "endsub"))
             if error.structure in STRUCTURAL:
                 self.assembler.add(Structural(error.structure, span))
+
+    def _beyond(self, statement: Parsed) -> None:
+        """A finding for what only some controllers take, where nobody says that this one does."""
+        what: Accepted | None = None
+        if isinstance(statement, Structural | Call) and statement.name[:1].isdigit():
+            what, inside = known.DIGIT_NAMES, self.assembler.subprogram
+            if isinstance(statement, Structural):
+                inside = statement.name
+            text = f"{statement.name!r} is not a name: a letter, then letters, digits and _"
+            end = statement.span.end_column
+            name = Span(statement.span.file, statement.span.line, end - len(statement.name), end)
+            finding = codes.UNDECODABLE_NAME.at(name, what=text, hint=what.hint)
+        elif isinstance(statement, Message) and statement.formats:
+            what, inside = known.MESSAGE_FORMATS, self.assembler.subprogram
+            text = f"{statement.formats[0]!r} is not expected here"
+            finding = codes.SYNTAX.at(statement.span, what=text, hint=what.hint)
+        if what is None:
+            return
+        if what.name in self.accepts:
+            self.beyond.append((what, inside))
+        else:
+            self.mistake(finding, inside)

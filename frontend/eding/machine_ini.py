@@ -42,6 +42,7 @@ Files = list[tuple[str, str]]
 _SETTINGS: dict[str, tuple[str, tuple[str, ...]]] = {
     "units": ("GENERAL", ("units",)),
     "inch": ("GENERAL", ("inchModeActive",)),
+    "version": ("GENERAL", ("version", "softwareVersion")),
     "max_step_frequency": ("GENERAL", ("maxStepFrequency",)),
     "laf_angle": ("TRAJECTORY", ("lafMinimumAngle", "lafAngle")),
     "interpolation_time": ("TRAJECTORY", ("interpolationTime",)),
@@ -401,6 +402,7 @@ class _Reader:
         macro = (self.text("macro_file") or "").replace("\\", "/").rpartition("/")[2]
         return Controller(
             dialect="eding",
+            version=self.text("version"),
             laf_angle=self.at_least_0("laf_angle"),
             interpolation_time=usual.interpolation_time if interpolation is None else interpolation,
             fifo_time=usual.fifo_time if fifo is None else fifo,

@@ -6,9 +6,11 @@ closed, or closed without being open, is a finding, and what is inside it stays 
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 from gproof.frontend.eding.build import Parsed, Structural
 from gproof.ir import codes
-from gproof.ir.finding import Findings, Related, Span
+from gproof.ir.finding import Finding, Related, Span
 from gproof.ir.program import Call, Expr, If, Number, Statement, Subprogram, Unsupported, While
 from gproof.ir.record import field, record
 
@@ -33,21 +35,32 @@ class _Open:
 NESTING = 100
 """Blocks within blocks that a Program holds; programs are walked by recursion."""
 
+JOB, MACROS, OWN_MACROS = range(3)
+"""What a file is: the job, the macro file, the shop's own macros beside it."""
+
 _CLOSES = {"endif": "if", "endwhile": "while", "endsub": "sub"}
 
 
 class Assembler:
-    """Collects one program out of its files; see the module's text."""
+    """Collects one program out of its files; see the module's text.
 
-    def __init__(self, findings: Findings) -> None:
-        self.findings = findings
+    mistake: takes a finding, the subprogram it stands in, and (``sure``) whether it counts anyway; twice: takes one
+    about two subprograms of a name, and the name.
+    """
+
+    def __init__(self, mistake: Callable[..., None], twice: Callable[[Finding, str], None]) -> None:
+        self.mistake = mistake
+        self.twice = twice
+        self._place = JOB
+        self._places: dict[str, int] = {}
         self.subprograms: dict[str, Subprogram] = {}
         self.calls: list[tuple[Call, str]] = []
         """Each call and the subprogram it stands in ("" outside)."""
         self._stack: list[_Open] = []
 
-    def begin_file(self, file: str) -> None:
-        """Start with the first line of a file."""
+    def begin_file(self, file: str, place: int = JOB) -> None:
+        """Start with the first line of a file; place: JOB, MACROS or OWN_MACROS, which count before MACROS."""
+        self._place = place
         start = Span(file, 0)
         self._stack = [_Open("file", start, Number(0.0, start))]
 
@@ -90,7 +103,7 @@ class Assembler:
     def _end(self, line: Structural) -> None:
         wanted = _CLOSES[line.keyword]
         if all(block.keyword != wanted for block in self._stack):
-            self._unbalanced(line.span, f"{line.keyword!r} without {wanted!r}")
+            self._unbalanced(line.span, f"{line.keyword!r} without {wanted!r}", sure=wanted == "sub")
             return
         while self._stack[-1].keyword != wanted:
             self._unclosed(self._stack[-1], f"before {line.keyword!r} in line {line.span.line}")
@@ -103,7 +116,8 @@ class Assembler:
             self._unbalanced(line.span, "'else' without 'if'")
         elif innermost.otherwise is not None:
             first = (Related(innermost.span, "the 'if' is here"),)
-            self.findings.add(codes.UNBALANCED_BLOCK.at(line.span, what="a second 'else' for one 'if'", related=first))
+            finding = codes.UNBALANCED_BLOCK.at(line.span, what="a second 'else' for one 'if'", related=first)
+            self.mistake(finding, self.subprogram)
         else:
             innermost.otherwise = []
             innermost.else_span = line.span
@@ -129,15 +143,19 @@ class Assembler:
             )
         elif block.keyword == "while":
             outer.append(While(condition=block.condition, body=body, span=block.span, end_span=end))
-        elif block.name in self.subprograms:
+        elif (self._place, self._places.get(block.name)) == (MACROS, OWN_MACROS):
+            pass  # the one that is there counts
+        elif block.name in self.subprograms and (self._place, self._places[block.name]) != (OWN_MACROS, MACROS):
             first = (Related(self.subprograms[block.name].span, "the first is here"),)
             finding = codes.DUPLICATE_SUBPROGRAM.at(block.span, name=block.name, related=first)
-            self.findings.add(finding)
+            self.twice(finding, block.name)
         elif block.name:
+            self._places[block.name] = self._place
             self.subprograms[block.name] = Subprogram(name=block.name, body=body, span=block.span, end_span=end)
 
     def _unclosed(self, block: _Open, where: str = "before the end of the file") -> None:
-        self._unbalanced(block.span, f"{block.keyword!r} has no 'end{block.keyword}' {where}")
+        what = f"{block.keyword!r} has no 'end{block.keyword}' {where}"
+        self._unbalanced(block.span, what, sure=block.keyword == "sub")
 
-    def _unbalanced(self, span: Span, what: str) -> None:
-        self.findings.add(codes.UNBALANCED_BLOCK.at(span, what=what))
+    def _unbalanced(self, span: Span, what: str, *, sure: bool = False) -> None:
+        self.mistake(codes.UNBALANCED_BLOCK.at(span, what=what), self.subprogram, sure=sure)

@@ -13,6 +13,7 @@ from typing import Any
 from gproof.frontend.wincnc.scan import CLOSING, COMMENT_SIGNS
 from gproof.ir import codes
 from gproof.ir.controls import Lexical
+from gproof.ir.dialects.accepts import TEXT_AFTER_COMMENT
 from gproof.ir.finding import Code, Finding, Span
 from gproof.ir.program import Binary, Expr, Named, Number, Text, Word
 from gproof.ir.record import field, record
@@ -62,6 +63,9 @@ class Items:
     end: int = 0
 
 
+_CONTINUED = TEXT_AFTER_COMMENT.hint
+
+
 class LineReader:
     """Reads lines with the settings of one machine. text_codes: letter and tenths of codes with a text behind them."""
 
@@ -69,6 +73,9 @@ class LineReader:
         self.signs = COMMENT_SIGNS + lexical.comment_signs
         self.number = _COMMA_NUMBER if lexical.comma else _NUMBER
         self.text_codes = text_codes
+        self.continued = lexical.continued
+        self.has_continued = False
+        """Whether words after a closed comment were met, where they are executed."""
 
     def cut(self, text: str) -> tuple[str, str]:
         """A line without its comments, and the last comment; LineError GP134 for text behind a closed one."""
@@ -83,7 +90,11 @@ class LineReader:
             comment = text[at + 1 : end if end >= 0 else len(text)].strip()
             at = len(text) if end < 0 else _skip(text, end + 1)
             if at < len(text) and text[at] not in self.signs:
-                raise LineError(codes.TEXT_BEHIND_COMMENT, at, len(text), text=text[at:].strip())
+                if not self.continued:
+                    raise LineError(codes.TEXT_BEHIND_COMMENT, at, len(text), text=text[at:].strip(), hint=_CONTINUED)
+                self.has_continued = True
+                more, last = self.cut(" " * at + text[at:])
+                return code + more[len(code) :], last or comment
         return code, comment
 
     def read(self, text: str, file: str, line: int) -> Items:

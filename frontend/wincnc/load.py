@@ -24,6 +24,7 @@ from gproof.ir import codes
 from gproof.ir.columns import Columns
 from gproof.ir.controls import Controls
 from gproof.ir.dialects import rules_named
+from gproof.ir.dialects.accepts import TEXT_AFTER_COMMENT
 from gproof.ir.finding import Findings, Refusal, Severity, Span
 from gproof.ir.machine import Machine
 from gproof.ir.notes import NO_NOTES
@@ -74,6 +75,8 @@ def load_program(
     except Refusal as refusal:
         findings.add(refusal.finding)
         return None
+    if loader.reader.has_continued:
+        program.assumed.append(TEXT_AFTER_COMMENT.assumption)
     if sum(findings.counts.values()) == before and not program.body:
         findings.add(codes.EMPTY_PROGRAM.at(Span(str(path), 0)))
     return program

@@ -118,7 +118,7 @@ sub user_1
   gosub none            ; 21
   gosub a
 endsub
-sub 9
+sub a-9
 endsub
 """
 
@@ -126,12 +126,18 @@ endsub
 @pytest.mark.parametrize(
     ("job", "reached"),
     [
-        ("m30", {14, 17}),
-        ("gosub b", {10, 14, 17}),
-        ("if [#1]\nelse\nwhile [#1]\ngosub a\nendwhile\nendif", {3, 4, 10, 14, 17}),
-        ("sub own\ngosub a\nendsub", {14, 17}),
-        ("sub own\ngosub a\nendsub\ngosub own", {3, 4, 10, 14, 17}),
-        ("sub m5\ngosub user_1\nendsub", {3, 4, 10, 14, 17, 20, 21}),
+        ("m30", set()),
+        ("gosub b", {10}),
+        ("if [#1]\nelse\nwhile [#1]\ngosub a\nendwhile\nendif", {3, 4, 10}),
+        ("sub own\ngosub a\nendsub", set()),
+        ("sub own\ngosub a\nendsub\ngosub own", {3, 4, 10}),
+        ("sub m5\ngosub user_1\nendsub", set()),
+        ("sub m5\ngosub user_1\nendsub\nm5", {3, 4, 10, 20, 21}),
+        ("g0 x1\nt1 m6", {17}),
+        ("m[5 + 1]", {14, 17}),
+        ("g0 x[1] m100", {14}),
+        ("if [#1]\ng1 x1 f100\nm06\nendif", {17}),
+        ("sub own\nm6\nendsub\ngosub own", {17}),
     ],
 )
 def test_mistakes_of_the_macro_file_count_where_the_job_may_run_them(

@@ -1,0 +1,109 @@
+"""What a controller takes beyond its manual, where a shop says so: ``accepts`` of a machine file's ``[controller]``.
+
+One row for each name. The reader of machine files, the hints of findings and docs/machine-files.md use this table
+(tests/docs/test_accepts.py). Without its entry a job is judged by the manual alone.
+"""
+
+from __future__ import annotations
+
+from gproof.ir.record import record
+
+MANUALS = {"eding": "Eding CNC manual 4.01", "wincnc": "WinCNC Users Guide", "mcuwin": "McuWIN manual 2.5.3.133"}
+"""What judges a dialect; where a shop states another version of its controller, that is an assumption."""
+ANY = ("eding", "wincnc")
+
+
+@record(frozen=True, slots=True)
+class Accepted:
+    """A fact that a shop may state.
+
+    name: as machine files have it; dialects: of whose controllers it may be said; means: what the controller then
+    does, which is also the assumption that is printed where a job needed it; source: the place of the manual that does
+    not have it, and who has; codes: numbers of the findings that name it in their hint.
+    """
+
+    name: str
+    dialects: tuple[str, ...]
+    means: str
+    source: str
+    codes: tuple[int, ...]
+
+    @property
+    def assumption(self) -> str:
+        """How reports say that a job needed it."""
+        return f"{self.means} (accepts {self.name})"
+
+    @property
+    def hint(self) -> str:
+        """How findings name it."""
+        return f'accepts = ["{self.name}"] under [controller] of the machine file, if this controller takes it'
+
+
+MOTION_ALONE = Accepted(
+    "motion-alone",
+    ("eding",),
+    "a motion code without axis words sets the mode and moves nothing",
+    "Eding 3.4.1, 3.4.2 ask for an axis word; change_tool of the macro files that come with V4.02 and V4.03 ends so",
+    (201,),
+)
+MESSAGE_FORMATS = Accepted(
+    "message-formats",
+    ("eding",),
+    "a format such as %d after the parts of a message only shapes its text",
+    "Eding 4.2 has texts and values only",
+    (101,),
+)
+DIGIT_NAMES = Accepted(
+    "digit-names",
+    ("eding",),
+    "names of subprograms may begin with a digit",
+    "Eding 4.1 shows names that begin with a letter",
+    (124,),
+)
+USER_MACRO_FILE = Accepted(
+    "user-macro-file",
+    ("eding",),
+    "user_macro.cnc is loaded with macro.cnc; of two subprograms of one name the one in user_macro.cnc counts",
+    "Eding 4.3 has macro.cnc only; V4.03 has both",
+    (115, 605),
+)
+KEPT_MOTION = Accepted(
+    "kept-motion",
+    ANY,
+    "axis words before the first motion code go straight, in the mode that the job before left; judged as G0",
+    "Eding 3.3, WinCNC G0 and G1: modes stay, and nothing is said of the next file",
+    (202,),
+)
+REPEATED_CHANNEL = Accepted(
+    "repeated-channel",
+    ("wincnc",),
+    "each C of an M11 or M12 is a channel that it switches",
+    "WinCNC M11, M12 have one C; real installations have lines of the form M11 C1 C2",
+    (109,),
+)
+TEXT_AFTER_COMMENT = Accepted(
+    "text-after-comment",
+    ("wincnc",),
+    "words after a closed comment are executed",
+    "WinCNC, Parameters in [Brackets]: the closing bracket is optional, and nothing is said of what follows it",
+    (134,),
+)
+
+ACCEPTS = {
+    row.name: row
+    for row in (
+        MOTION_ALONE,
+        MESSAGE_FORMATS,
+        DIGIT_NAMES,
+        USER_MACRO_FILE,
+        KEPT_MOTION,
+        REPEATED_CHANNEL,
+        TEXT_AFTER_COMMENT,
+    )
+}
+"""Name -> row, in the order of the documentation."""
+
+
+def names_of(dialect: str | None) -> tuple[str, ...]:
+    """The entries that a machine file may have for a dialect; all where it does not say which."""
+    return tuple(name for name, row in ACCEPTS.items() if dialect is None or dialect in row.dialects)
