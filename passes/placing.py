@@ -33,6 +33,8 @@ Floats = npt.NDArray[np.float64]
 Bools = npt.NDArray[np.bool_]
 
 OWN_ZERO = "where no tool length is in force, the zero was taken with the tool that is in the spindle"
+SMOOTHED = "the controller rounds no corner as far as a body"
+"""Assumption: how far smoothing goes beside the path is in no file (WinCNC accel=, g08=, g09=, vmatch=)."""
 OTHER_HEADS = "heads other than the first one touch nothing: {axes} is not looked at"
 
 
@@ -113,6 +115,8 @@ class Placing:
         self._heads = [axis.index for axis in heads]
         if heads:
             self._assumed[OTHER_HEADS.format(axes=" ".join(axis.word for axis in heads))] = None
+        if machine.controller.controls.smoothing:
+            self._assumed[SMOOTHED] = None
 
     @property
     def assumptions(self) -> tuple[str, ...]:

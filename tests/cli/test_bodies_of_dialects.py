@@ -117,3 +117,20 @@ def test_offsets_that_are_stated_change_nothing(tmp_path: Path, dialect: str) ->
     stated = "[g92]\nx = 3.0\ny = -4.0\nz = 5.0\n" + ("" if dialect == "wincnc" else "[work.1]\nx=7.0\ny=8.0\nz=9.0\n")
     assert judged(tmp_path, dialect, 17.0, 35.0, "gouges", stated)[0] == "SAFE"
     assert judged(tmp_path, dialect, 17.2, 35.0, "gouges", stated)[0] == "UNSAFE"
+
+
+def test_each_property_says_that_smoothing_is_not_followed(tmp_path: Path) -> None:
+    """How far a controller rounds corners is in no file: zones, gouges and collisions rest on the same assumption."""
+    job, text, machine = machine_of(tmp_path, "wincnc")
+    (tmp_path / job).write_text(text.format(x=17.0, y=35.0))
+    (tmp_path / "machine.toml").write_text(machine)
+    zone = '[[keep_out]]\nname = "post"\nx = [90.0, 95.0]\ny = [0.0, 5.0]\n'
+    (tmp_path / "setup.toml").write_text(SETUP + zone)
+    words = ["check", str(tmp_path / job), "--machine", str(tmp_path / "machine.toml"), "--dialect", "wincnc"]
+    words += ["--setup", str(tmp_path / "setup.toml"), "--also", "gouges", "--also", "collisions", "--format", "json"]
+    for smoothing, said in (("", False), ("accel=s50\n", True)):
+        (tmp_path / "WINCNC.INI").write_text(INI + smoothing)
+        properties = json.loads(in_this_process(words, ROOT).out)["properties"]
+        for name in ("areas", "gouges", "collisions"):
+            assumed = properties[name]["assumptions"]
+            assert any("rounds no corner" in sentence for sentence in assumed) is said, (name, assumed)
