@@ -46,6 +46,16 @@ w("Controller.home_is_stop", EDING, CUT, "machine.controller.home_is_stop", True
 w("Controller.fifo_time", EDING, CUT, "machine.controller.fifo_time", 0.01)
 w("Controller.dialect", EDING, CUT, "machine.controller.dialect", None)
 w("Controller.macro_file", EDING, CUT, "machine.controller.macro_file", "no-such-file.cnc")
+w("Controller.version", EDING, CUT, "machine.controller.version", "4.03")
+w("Controller.accepts", EDING, "G0 X1; G1; M30", "machine.controller.accepts", ("motion-alone",))
+BACKLASH = EDING.but(*m(("machine.axes.0.backlash", 0.1)))
+w(
+    "Controller.limits_hold",
+    BACKLASH,
+    "G53 G0 X0; G53 G0 X5; G53 G0 X0; M30",
+    "machine.controller.limits_hold",
+    "programmed",
+)
 w("Board.name", EDING, CUT, "machine.board.name", "other")
 w("Board.tick_frequency", EDING, CUT, "machine.board.tick_frequency", 1_000_000)
 w("Board.step_pulse", EDING, CUT, "machine.board.step_pulse", 1e-5)
@@ -78,6 +88,7 @@ for made in (
 STRANGE = EDING.but(*m(("machine.not_modelled", (Unmodelled("strange = 1", "why"),))))
 for name in ("what", "why", "file"):
     w(f"Unmodelled.{name}", STRANGE, CUT, f"machine.not_modelled.0.{name}", "other")
+w("Unmodelled.touches", STRANGE, CUT, "machine.not_modelled.0.touches", "limits")
 w("Unmodelled.line", STRANGE, CUT, "machine.not_modelled.0.line", 7)
 w("Unmodelled.axis", STRANGE, CUT, "machine.not_modelled.0.axis", "y")
 w("Machine.kinematics", EDING, CUT, "machine.kinematics", "scara")
