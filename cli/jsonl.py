@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from typing import Any
 
 from gproof.ir.finding import Finding
-from gproof.ir.machine import Machine
+from gproof.ir.machine import AXIS_NAMES, Machine
 from gproof.ir.trace import Chunk, Op, Plane
 from gproof.passes.values import describe
 
@@ -67,7 +67,8 @@ def _event(op: Op, arg: list[float], texts: list[str], text: int) -> dict[str, A
         case Op.TOOL_CHANGE | Op.TOOL_OFFSET:
             return {"tool": None if math.isnan(first) else int(first)}
         case Op.OUTPUT:
-            return {"channel": int(first), "value": second, "synchronised": bool(text)}
+            of = {"word": AXIS_NAMES[-1 - text]} if text < 0 else {}
+            return {"channel": int(first), "value": second, "synchronised": text > 0, **of}
         case Op.SETPOINT:
             return {"name": texts[text], "channel": int(first), "value": _number(second)}
         case Op.INPUT_WAIT:

@@ -45,11 +45,15 @@ def with_din(root: TomlTable, machine: Machine, unit: Fraction) -> tuple[Machine
     left = tuple(key for key in before.unstated if key not in table.values)
     din = replace(before, **stated, tasks=_tasks(table, before), unstated=left)
     tools, files = _tools(table, din, [root.file.path.parent, root.file.path.parent / base])
-    controller = replace(machine.controller, din=replace(din, tools=tools))
+    if tools:
+        left = tuple(key for key in left if key != "tool_file")
+    controller = replace(machine.controller, din=replace(din, tools=tools, unstated=left))
     controller = replace(controller, dialect=controller.dialect or "mcuwin")
     machine = replace(without_stated(machine, set(table.values)), controller=controller)
     if table.boolean("shortest_path"):
         machine = replace(machine, not_modelled=(*machine.not_modelled, *_shortest_path(table, machine)))
+    if table.boolean("error_compensation"):
+        machine = replace(machine, not_modelled=(*machine.not_modelled, *_error_compensation(table, machine)))
     table.finish()
     return machine, files
 
@@ -66,6 +70,14 @@ def _shortest_path(table: TomlTable, machine: Machine) -> tuple[Unmodelled, ...]
     file, line = table.file.path.name, table.file.line_of("din.shortest_path")
     turning = [axis.name for axis in machine.axes or NO_MACHINE.axes if axis.kind is AxisKind.ROTARY]
     return tuple(Unmodelled("din.shortest_path", why, name, file, line) for name in turning)
+
+
+def _error_compensation(table: TomlTable, machine: Machine) -> tuple[Unmodelled, ...]:
+    """Of each axis: where it goes beside its place by a table of spindle or angle errors is not known (2.8)."""
+    why = "what the compensation files add to the axis is not known"
+    file, line = table.file.path.name, table.file.line_of("din.error_compensation")
+    moving = [axis.name for axis in machine.axes or NO_MACHINE.axes]
+    return tuple(Unmodelled("din.error_compensation", why, name, file, line) for name in moving)
 
 
 def _settings(table: TomlTable, unit: Fraction, axes: tuple[Axis, ...]) -> dict[str, Any]:

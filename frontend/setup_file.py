@@ -6,6 +6,7 @@ docs/setup-files.md lists every key; all are optional, and what is not stated is
 from __future__ import annotations
 
 import math
+import re
 from fractions import Fraction
 from pathlib import Path
 
@@ -15,6 +16,7 @@ from gproof.frontend.machine_file import HIGHEST_HEAD, HIGHEST_TOOL, Files
 from gproof.frontend.setup_channels import Columns, axes_of, columns_of, with_channels
 from gproof.frontend.toml_table import MILLIMETRES, TomlFile, TomlTable, small_number
 from gproof.ir.dialects import rules_named
+from gproof.ir.dialects.mcuwin import COMMON, PROTECTED
 from gproof.ir.finding import Findings
 from gproof.ir.machine import NO_MACHINE, Machine
 from gproof.ir.setup import CylinderMap, InForce, Interval, Setup
@@ -22,6 +24,7 @@ from gproof.ir.workpiece import Workpiece
 
 SCHEMA = "gproof-setup/1"
 COORDINATE_SYSTEMS = 9
+_RESIDENT = re.compile(r"C([ID])([1-9][0-9]{2})", re.ASCII)
 _LINEAR: Columns = {name: (name, False) for name in "xyz"}
 
 
@@ -45,6 +48,9 @@ def load_setup(path: Path, findings: Findings, machine: Machine = NO_MACHINE) ->
         if length is not None:
             lengths[number] = Interval(*length)
         table.finish()
+    in_force = root.interval("tool_length", unit=unit)
+    if in_force is not None:
+        lengths[0] = Interval(*in_force)
     parameters, ranges = _parameters(root.table("parameters"))
     heads: dict[tuple[int, str], Interval] = {}
     for number, table in root.numbered("heads", 1, HIGHEST_HEAD):
@@ -65,6 +71,7 @@ def load_setup(path: Path, findings: Findings, machine: Machine = NO_MACHINE) ->
         tool_lengths=lengths,
         parameters=parameters,
         parameter_ranges=ranges,
+        resident=_resident(root.table("resident")),
         active_work=root.whole("active_work", 1, COORDINATE_SYSTEMS),
         tool=root.whole("tool", 0, HIGHEST_TOOL),
         block_delete=root.boolean("block_delete"),
@@ -79,6 +86,26 @@ def load_setup(path: Path, findings: Findings, machine: Machine = NO_MACHINE) ->
     setup = with_channels(setup, root, unit, columns, machine)
     root.finish()
     return (None if file.errors else setup), file.files + more
+
+
+def _resident(table: TomlTable | None) -> dict[int, Interval]:
+    """``[resident]``: what M901 and M903 of an earlier job have kept, by the names of McuWIN: ``CI601``, ``CD601``."""
+    found: dict[int, Interval] = {}
+    for name in table.values if table else ():
+        assert table is not None
+        written = _RESIDENT.fullmatch(name.upper())
+        ends = table.interval(name)
+        if written is None or not PROTECTED <= int(written[2]) < COMMON:
+            table.bad(name, f"{name!r} is not CI or CD and a number from {PROTECTED} to {COMMON - 1}")
+            continue
+        if ends is None:
+            continue
+        whole = written[1] == "I"
+        if whole and not all(end == math.floor(end) and abs(end) < 2.0**31 for end in ends):
+            table.bad(name, f"{name} is a whole number of 32 bits")
+            continue
+        found[int(written[2]) + COMMON * whole] = Interval(*ends)
+    return found
 
 
 def _cylinder(table: TomlTable | None, unit: Fraction) -> CylinderMap | None:

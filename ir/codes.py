@@ -118,6 +118,11 @@ LOOP_VARIABLE = code(
     149, "loop-variable", _W, "{name} is read behind its for loop, where it holds its last value, or one beyond it"
 )
 
+MIRRORED_JOB = code(
+    169, "mirrored-job", _W,
+    "{code} mirrors {axes} here, from the first move to the end of the job; elsewhere it is a unit or a zone",
+)  # fmt: skip
+
 # 15x: what makes no sense, told where the property sense is asked for (docs/cutting-sense.md)
 UNITS_NEVER_SET = code(
     150,

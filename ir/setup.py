@@ -103,7 +103,8 @@ class Setup:
     work: offsets of coordinate systems 1..9 by (number, axis); g92: axis offsets;
     tool_lengths: by tool number; parameters: numbered variables in the
     controller's numbering; parameter_ranges: those that are only bounded, and what the operator or a measurement will
-    put into them; default_*: what everything not listed is (None: unknown).
+    put into them; resident: what an earlier job has kept of
+    variables (McuWIN M901, M903); default_*: what everything not listed is (None: unknown).
     cylinder: Y is mapped onto A, for the whole job; height_map: measured and loaded. Offsets are mm or degrees;
     parameters are in the program's own numbers. heads: what is added to positions while a head (``Op.HEAD``) is
     selected, by (number, axis); transform: of X and Y, None where nothing is stated.
@@ -122,6 +123,7 @@ class Setup:
     tool_lengths: dict[int, Interval] = field(default_factory=dict)
     parameters: dict[int, float] = field(default_factory=dict)
     parameter_ranges: dict[int, Interval] = field(default_factory=dict)
+    resident: dict[int, Interval] = field(default_factory=dict)
     active_work: int | None = None
     tool: int | None = None
     default_start: float | None = None

@@ -102,7 +102,8 @@ ARGUMENTS = {
     Op.SPINDLE: "arg[0]: direction (+1 cw, -1 ccw, 0 off); arg[1]: revolutions a minute (NaN: unknown)",
     Op.COOLANT: "arg[0]: mist (0 or 1); arg[1]: flood",
     Op.TOOL_CHANGE: "arg[0]: tool number (NaN: unknown)",
-    Op.OUTPUT: "arg[0]: channel; arg[1]: value, the bits of all of a group; text: 1 when motion does not stop for it",
+    Op.OUTPUT: "arg[0]: channel; arg[1]: value, the bits of all of a group; text: 1 when motion does not stop for "
+    "it; -1 - n: a word of all outputs of the axis in column n",
     Op.SETPOINT: "text: what is set (SETPOINTS); arg[0]: channel, 0 where there is one; arg[1]: value (NaN: unknown)",
     Op.INPUT_WAIT: "arg[0]: channel; arg[1]: value",
     Op.STOP: "arg[0]: 1 when optional",

@@ -12,7 +12,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from gproof.ir import codes
-from gproof.ir.dialects.mcuwin import MOTION, USER, has_code
+from gproof.ir.dialects.mcuwin import COOLANT, MOTION, SPINDLE, USER, has_code
 from gproof.ir.din import FIRST_USER_CODE, LAST_USER_CODE
 from gproof.ir.finding import Refusal, Severity, Span
 from gproof.ir.program import PARAMETER
@@ -116,7 +116,7 @@ def _gather(ex: Motion, columns: dict[str, int], span: Span, words: Words, bare:
             rule = _code(ex, letter, value, where)
             part = Part(span, columns=columns, rule=rule, rules=[rule], code_spans=[where], bare=bare, at=at)
             if rule.group != MOTION:
-                _no_second(line, part)
+                _no_second(ex, line, part)
                 line.parts.append(part)
                 owner = part
                 continue
@@ -148,13 +148,26 @@ def _gather(ex: Motion, columns: dict[str, int], span: Span, words: Words, bare:
     return line
 
 
-def _no_second(line: Gathered, part: Part) -> None:
+_ACTS_ON = {"spindle_cw": SPINDLE, "spindle_ccw": SPINDLE, "spindle_off": SPINDLE, "coolant_on": COOLANT,
+            "coolant_off": COOLANT, "stop": "stop", "end": "stop"}  # fmt: skip
+"""Of what Task 0 does for a code, the group in which one of two counts."""
+
+
+def _group(ex: Motion, rule: CodeRule) -> str:
+    """The group of a code: the manual's, or by what the machine's file says that Task 0 does; "" for none."""
+    stated = din_of(ex.machine).task(rule.text)
+    own = "" if rule.group == USER else rule.group
+    return own if stated is None else _ACTS_ON.get(stated.action, own)
+
+
+def _no_second(ex: Motion, line: Gathered, part: Part) -> None:
     """Refusal GP113 for two codes of one group, or the same code twice."""
     rule = part.rule
     assert rule is not None
+    group = _group(ex, rule)
     for other in line.parts:
         assert other.rule is not None
-        if other.rule is rule or (rule.group and rule.group != USER and other.rule.group == rule.group):
+        if other.rule is rule or (group and _group(ex, other.rule) == group):
             what = f"{other.rule.text} and {rule.text} in one line"
             raise Refusal(codes.UNSUPPORTED_CODE.at(part.code_span(), code=what))
 

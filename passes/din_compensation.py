@@ -12,7 +12,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from gproof.ir import codes
-from gproof.ir.din import VERSIONS
+from gproof.ir.din import USUAL, VERSIONS
 from gproof.ir.finding import Refusal
 from gproof.ir.machine import AXIS_NAMES
 from gproof.ir.record import record
@@ -57,12 +57,23 @@ def correction(ex: Motion, line: Part, rule: CodeRule) -> None:
         s.din = s.din.but(side=0, idle=0, corrected=None if left is None else replace(left, last=None, at=None))
         return
     tools = din_of(ex.machine).tools
+    if tools is not None and not tools and "tool_file" in din_of(ex.machine).unstated:
+        hint = 'tool_file under [din] of the machine file names the tool table; "": it is switched off'
+        cause = f"{rule.text}: the tool table, which nobody stated"
+        raise Refusal(codes.COMPENSATION_UNKNOWN.at(line.code_span(), cause=cause, hint=hint))
     if tools is not None and not tools:
         hint = "a tool table with contents must be loaded (2.7)"
         raise Refusal(
             codes.NOT_ENABLED.at(line.code_span(), code=rule.text, device="tools", key="tool_file", hint=hint)
         )
     correct(ex, line, 1 if rule.function is F.COMPENSATION_LEFT else -1)
+
+
+def note_no_table(ex: Motion) -> None:
+    """That no tool table is loaded is taken for granted where nobody states one (2.7)."""
+    din = din_of(ex.machine)
+    if din.tools is not None and "tool_file" in din.unstated:
+        ex.assumed[USUAL["tool_file"]] = None
 
 
 def note_record(ex: Motion) -> None:

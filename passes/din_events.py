@@ -18,15 +18,15 @@ from gproof.ir.program import PARAMETER, Named
 from gproof.ir.rules import CodeRule
 from gproof.ir.rules import Function as F
 from gproof.ir.trace import Op, Wait
-from gproof.passes.din_compensation import correct, unfollowed
-from gproof.passes.din_motion import Handler
+from gproof.passes.din_compensation import correct, note_no_table, unfollowed
+from gproof.passes.din_motion import Handler, tell_once
 from gproof.passes.din_origins import end_contour
 from gproof.passes.din_state import din_of, has_tools, own_unit
 from gproof.passes.emitter import ProgramEnd
 from gproof.passes.modal import ZERO
 from gproof.passes.single_motion import lose_places
 from gproof.passes.single_state import letters_of, value_of, with_pair
-from gproof.passes.values import NOWHERE, Position, Unknown, Value, not_known
+from gproof.passes.values import NOWHERE, Position, Unknown, Value, between, not_known
 
 if TYPE_CHECKING:
     from gproof.passes.din import Part
@@ -103,10 +103,22 @@ def _stop(ex: Motion, line: Part, rule: CodeRule) -> None:
 
 
 def _end(ex: Motion, line: Part, rule: CodeRule) -> None:
+    tell_mirrored(ex)
     ex.event(Op.END, line.span)
     ex._end = rule.text, line.span.line
     ex._end_section(Wait.END, "end", -1, line.span)
     raise ProgramEnd
+
+
+def tell_mirrored(ex: Motion) -> None:
+    """GP169 for a job that is a mirror image as a whole: G21 to G23 are units and zones elsewhere (3.9 to 3.11)."""
+    s = ex.modal
+    if s.din.mirrored is not None and ex._moves:
+        code, span = s.din.mirrored
+        axes = " and ".join(ex.machine.word(axis) for axis in sorted(s.din.reflected))
+        hint = "without it, if millimetres are meant (G71); G24 before the end, if a mirror image is"
+        if tell_once(ex, "mirrored job"):
+            ex.findings.add(codes.MIRRORED_JOB.at(span, code=code, axes=axes, hint=hint))
 
 
 def _home(ex: Motion, line: Part) -> None:
@@ -221,7 +233,7 @@ def output_word(ex: Motion, line: Part, rule: CodeRule) -> None:
     for k in range(1, 100):
         outputs = tuple(with_pair(outputs, first + k, float(bits >> (k - 1) & 1)))  # type: ignore[arg-type]
     s.single = s.single.but(outputs=outputs)
-    ex.event(Op.OUTPUT, line.span, arg=(float(first), float(bits)))
+    ex.event(Op.OUTPUT, line.span, arg=(float(first), float(bits)), text=-1 - line.columns[letter])
 
 
 # ---- resident variables
@@ -243,7 +255,10 @@ def restore(ex: Motion, line: Part, rule: CodeRule) -> None:
     s = ex.modal
     kept = value_of(s.din.saved, number)
     name = ex.program.rules.name_of(number)
-    s.parameters[number] = Unknown(f"what an earlier job kept of {name}") if kept is None else kept
+    if kept is None:
+        stated, cause = ex.setup.resident.get(number), f"what an earlier job kept of {name}"
+        kept = Unknown(cause) if stated is None else between(cause, (stated.low, stated.high))
+    s.parameters[number] = kept
     device(ex, line, rule)
 
 
@@ -304,6 +319,7 @@ def tool(ex: Motion, line: Part) -> None:
         raise Refusal(codes.TOOL_NUMBER.at(line.where("T"), value=number, highest=ex.program.rules.highest_tool))
     s.selected_tool = number
     stated = din_of(ex.machine).task("T")
+    note_no_table(ex)
     if has_tools(ex.machine) is not False:
         _record(ex, line, number)
     action = "unknown" if stated is None else stated.action
@@ -328,6 +344,7 @@ def _record(ex: Motion, line: Part, number: int) -> None:
     s = ex.modal
     tools = din_of(ex.machine).tools
     s.din = s.din.but(tool=number, chosen=True)
+
     if s.din.idle:
         correct(ex, line, s.din.idle)
     elif s.din.side:

@@ -56,6 +56,8 @@ def reflect(ex: Motion, line: Part, rule: CodeRule) -> None:
     if new != s.din.reflected:
         # The other side of the contour, from here on, or not.
         unfollowed(ex, line, rule.text)
+    if not ex._moves and s.din.mirrored is None:
+        s.din = s.din.but(mirrored=(rule.text, line.code_span()))
     s.din = s.din.but(reflected=frozenset(new))
 
 
@@ -65,13 +67,15 @@ def reflect_off(ex: Motion, line: Part, rule: CodeRule) -> None:
     if s.din.reflected:
         unfollowed(ex, line, rule.text)
     factors = tuple(by if by == -1.0 else math.nan for by in s.din.factors)
-    s.din = s.din.but(reflected=frozenset(), factors=(factors[0], factors[1]))
+    s.din = s.din.but(reflected=frozenset(), factors=(factors[0], factors[1]), mirrored=None)
 
 
 def position_factor(ex: Motion, line: Part, rule: CodeRule) -> None:
     """G39: factors of reflected axes; alone: all are -1 again."""
     s = ex.modal
     words = line.axes()
+    # Who gives a factor means a reflection.
+    s.din = s.din.but(mirrored=None)
     factors = list(s.din.factors) if words else [-1.0, -1.0]
     columns = mirror_columns(ex.machine)
     for axis, value in words.items():
@@ -153,10 +157,9 @@ def spline(ex: Motion, line: Part, rule: CodeRule) -> None:
 
 
 def centers(ex: Motion, line: Part, rule: CodeRule) -> None:
-    """G162: relative. G161: absolute; whether that rests on the option of IniCfg (3.35) is open where it is not on."""
+    """G161: places in G90 (3.35); G162: distances (3.36). Each stands over what IniCfg has."""
     s = ex.modal
-    option = din_of(ex.machine).absolute_centers or None
-    s.din = s.din.but(centers_absolute=option if rule.function is F.CENTERS_ABSOLUTE else False, center=None)
+    s.din = s.din.but(centers_absolute=rule.function is F.CENTERS_ABSOLUTE, center=None)
 
 
 def interpolation_axes(ex: Motion, line: Part, rule: CodeRule) -> None:

@@ -13,9 +13,10 @@ from typing import TYPE_CHECKING
 from gproof.ir import codes
 from gproof.ir.din import USUAL
 from gproof.ir.finding import Refusal, Span
-from gproof.ir.machine import AXES, AxisKind
+from gproof.ir.machine import AXES, AXIS_NAMES, AxisKind
 from gproof.ir.rules import CodeRule
 from gproof.ir.rules import Function as F
+from gproof.ir.setup import Interval
 from gproof.ir.trace import Op, Plane
 from gproof.passes.cycles import AXES_OF_PLANE
 from gproof.passes.din_compensation import before, contour_place, follow, no_arc, note_record, tell_for_nothing
@@ -23,7 +24,7 @@ from gproof.passes.din_state import SAME, din_of, factor, has_tools, own_unit
 from gproof.passes.modal import ZERO
 from gproof.passes.motion_hints import of_value
 from gproof.passes.single_kernels import ZERO_RADIUS, distance
-from gproof.passes.values import NOWHERE, Position, Unknown, Value, describe, not_known
+from gproof.passes.values import MIRRORED, NOWHERE, Position, Unknown, Value, describe, not_known
 
 if TYPE_CHECKING:
     from gproof.passes.din import Part
@@ -45,7 +46,8 @@ def note_assumptions(ex: Motion) -> None:
     if any(axis.position_unit is None for axis in ex.machine.axes):
         ex.assumed["axes of which no unit is stated count in millimetres and degrees in G00 (3.1)"] = None
     turns = any(axis.kind is AxisKind.ROTARY for axis in ex.machine.axes)
-    ex.assumed.update({USUAL[key]: None for key in din.unstated if turns or key != "shortest_path"})
+    unused = {"tool_file"} if turns else {"tool_file", "shortest_path"}
+    ex.assumed.update({USUAL[key]: None for key in din.unstated if key not in unused})
     if any(record.length != 0.0 for record in din.tools or ()):
         note_record(ex)
     if ex.setup.default_offset is None:
@@ -83,18 +85,32 @@ def aim(ex: Motion, line: Part, *, own: bool) -> list[Position]:
     target = list(s.position)
     for axis, value in words.items():
         by, unit = factor(s, axis), unit_of(ex, axis, own=own)
-        if s.absolute and by != 1.0 and s.offset(axis) != ZERO:
-            what = f"whether {_word(ex, axis)} is reflected about the zero offset or about the machine's zero"
-            raise Refusal(codes.TRANSFORM_OPEN.at(line.span, what=what))
         if math.isnan(by):
             what = f"the factor of {_word(ex, axis)} after G24 and before the next G39"
             raise Refusal(codes.TRANSFORM_OPEN.at(line.span, what=what))
         if math.isnan(unit):
             what = f"the effective radius of {_word(ex, axis)}, given in another unit"
             raise Refusal(codes.TRANSFORM_OPEN.at(line.span, what=what))
-        origin = s.offset(axis) if s.absolute else s.position[axis]
+        origin = _zero(ex, line, axis, by) if s.absolute else s.position[axis]
         target[axis] = _placed(ex, line, axis, value, by * unit, origin)
     return target
+
+
+def _zero(ex: Motion, line: Part, axis: int, by: float) -> Position:
+    """Where words of an axis, times ``by``, count from in G90: under a reflection the zero offset or the machine's.
+
+    Both are followed (3.9, 3.26): one unknown, the same for all places under the offset, holds the two.
+    """
+    offset = ex.modal.offset(axis)
+    if by == 1.0 or offset == ZERO:
+        return offset
+    if offset.form:
+        what = f"whether {_word(ex, axis)} is reflected about the zero offset or about the machine's zero"
+        raise Refusal(codes.TRANSFORM_OPEN.at(line.span, what=what, hint="an offset that is stated: both are followed"))
+    apart = (by - 1.0) * offset.value
+    symbol = f"{MIRRORED}.{repr(apart).replace('.', ',')}.{AXIS_NAMES[axis]}"
+    ex.trace.symbols[symbol] = Interval(min(0.0, apart), max(0.0, apart))
+    return Position(offset.value, ((symbol, 1),))
 
 
 def _placed(ex: Motion, line: Part, axis: int, value: Value, scale: float, origin: Position) -> Position:
@@ -331,14 +347,15 @@ def _center(
         raise Refusal(codes.ARC_UNKNOWN.at(line.span, cause="a centre word left out with absolute centres on"))
     places = []
     for axis, by, value, at in zip(axes, factors, values, start, strict=True):
-        origin = s.offset(axis)
-        if by != 1.0 and origin != ZERO:
-            what = f"whether {_word(ex, axis)} is reflected about the zero offset or about the machine's zero"
-            raise Refusal(codes.TRANSFORM_OPEN.at(line.span, what=what))
+        origin = _zero(ex, line, axis, by)
         if origin.form != contour_place(at).form:
             raise Refusal(codes.ARC_UNKNOWN.at(line.span, cause=describe(origin.minus(at).form)))
         places.append(origin.value + by * value)
     if s.din.centers_absolute is None and any(abs(a - b) > SAME for a, b in zip(places, relative, strict=True)):
         cause = "whether centres are places or distances in G90: IniCfg's option is not stated to be on (3.3, 3.35)"
-        raise Refusal(codes.ARC_UNKNOWN.at(line.span, cause=cause, hint="G162 before says that they are distances"))
+        raise Refusal(
+            codes.ARC_UNKNOWN.at(
+                line.span, cause=cause, hint="G161 before says that they are places, G162 that they are distances"
+            )
+        )
     return places

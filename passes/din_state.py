@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 from gproof.ir.dialects.mcuwin import COMMON, DECLARED
 from gproof.ir.din import NO_DIN, Din
+from gproof.ir.finding import Span
 from gproof.ir.machine import AXES, AXIS_NAMES, Machine
 from gproof.ir.program import Declare, Program
 from gproof.ir.record import record
@@ -62,7 +63,8 @@ class DinState:
     selected, chosen: by a T of the job. lower, upper: software limits now, None: those of the machine's file;
     limits_open: columns whose limits are not known. saved: values that the job saved (M901, M903), by the variable's
     number. contour: a move that can be joined was the last one. stored: by axis what the last G153 left in CD50 and on,
-    and the offset it stands for. told: what is told once.
+    and the offset it stands for. told: what is told once. mirrored: a code that reflects
+    axes since before the first move, and its place.
     """
 
     mode_open: bool = False
@@ -94,6 +96,7 @@ class DinState:
     contour: bool = False
     stored: tuple[tuple[Value, Position], ...] | None = None
     told: frozenset[str] = frozenset()
+    mirrored: tuple[str, Span] | None = None
 
     def but(self, **changes: Any) -> DinState:
         """The same with some values changed."""

@@ -99,6 +99,10 @@ BESIDE = "beside."
 """How the symbols of places beside a contour begin (docs/trace.md, Frames)."""
 
 
+MIRRORED = "mirrored"
+"""Kind of the symbols of reflections about one of two zeros (docs/trace.md, Frames)."""
+
+
 def describe(form: Affine) -> str:
     """A form in words: ``G54 X offset + tool 3 length``."""
     kinds = ("work", "g92", "tool", "head", "start", "probe", "home", "value", RISEN, "beside")
@@ -129,6 +133,8 @@ def describe_symbol(symbol: str) -> str:
     if kind == "beside":
         tool = "".join(takewhile(str.isdigit, rest[0]))
         return f"where the corrected tool {tool} is beside its contour in {rest[1].upper()}"
+    if kind == MIRRORED:
+        return f"the zero that {rest[1].upper()} is reflected about (the offset's, or the machine's)"
     if kind == RISEN:
         return f"the height {rest[0]} of {rest[1].upper()} that a cycle rises to"
     if kind == "value":

@@ -230,6 +230,9 @@ def _check_setup(made_for: Setup, now: Setup, findings: list[Finding], where: Sp
                  "optional_stop", "transform"):  # fmt: skip
         plain.append((name, getattr(made_for, name), getattr(now, name)))
     differing += [(name, was, is_) for name, was, is_ in plain if was is not None and was != is_]
+    for number, kept in sorted(made_for.resident.items()):
+        if now.resident.get(number) != kept:
+            differing.append((f"resident {number}", kept, now.resident.get(number)))
     # Where nothing was stated, the axes were taken to be homed.
     gone = sorted(now.unhomed(machine) - made_for.unhomed(machine))
     differing += [(AXIS_NAMES[axis].upper(), "homed", "not homed") for axis in gone]

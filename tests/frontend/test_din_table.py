@@ -82,7 +82,7 @@ G210 = { parameters = 2 }
         ),
         angle_unit="degrees", wait_unit=1.0, arc_tolerance=0.01, program_size=500_000,
         pre_include="lib/init.src", post_include="end.src", keeps_over_codes=True, tools=(),
-        unstated=("shortest_path",),
+        unstated=("shortest_path", "tool_file", "error_compensation"),
     )  # fmt: skip
 
 
@@ -225,7 +225,8 @@ def test_a_file_refines_mcuwin_ini(tmp_path: Path) -> None:
     assert machine is not None
     assert not findings.kept
     assert [axis.name for axis in machine.axes] == ["x", "z"]
-    assert machine.controller.din == Din(tools=(RadiusTool(plane="xy", number=1, radius=2.0),))
+    left = ("pre_include", "post_include", "shortest_path", "error_compensation")
+    assert machine.controller.din == Din(tools=(RadiusTool(plane="xy", number=1, radius=2.0),), unstated=left)
     assert machine.kept == (("[MCU] MessageTask1Continue", "1"),)
     machine, _ = load('[din]\ntool_file = "ctrl/ToolComp.INI"\nposition_unit = "inch"\n', tmp_path, BASE)
     assert machine is not None
@@ -258,8 +259,17 @@ def test_the_shortest_path_leaves_jobs_open_that_turn(tmp_path: Path) -> None:
 
 
 def test_what_no_file_states_is_remembered(tmp_path: Path) -> None:
-    assert din_of("[din]\n", tmp_path).unstated == ("pre_include", "post_include", "shortest_path")
-    assert din_of('[din]\npost_include = ""\nshortest_path = false\n', tmp_path).unstated == ("pre_include",)
+    assert din_of("[din]\n", tmp_path).unstated == (
+        "pre_include", "post_include", "shortest_path", "tool_file", "error_compensation",
+    )  # fmt: skip
+    text = '[din]\npost_include = ""\nshortest_path = false\nerror_compensation = false\ntool_file = ""\n'
+    assert din_of(text, tmp_path).unstated == ("pre_include",)
+
+
+def test_compensated_errors_leave_every_axis_open(tmp_path: Path) -> None:
+    machine, _ = load(AXES + "[din]\nerror_compensation = true\n", tmp_path)
+    assert machine is not None
+    assert [one.axis for one in machine.not_modelled] == [axis.name for axis in machine.axes]
 
 
 def test_a_file_refines_another_one(tmp_path: Path) -> None:

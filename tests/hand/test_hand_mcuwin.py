@@ -36,7 +36,7 @@ def run(program: Path, stated: dict[str, Any]) -> tuple[list[dict[str, Any]], li
     if session.program is None:
         return [], open_or_wrong(session.findings.kept)
     inputs = {int(n): float(on) for n, on in stated.get("inputs", {}).items()}
-    setup = dataclasses.replace(ZERO, inputs=inputs, default_parameter=None)
+    setup = dataclasses.replace(ZERO, inputs=inputs, default_parameter=None, optional_stop=None)
     findings: Findings = session.findings
     executor = Executor(session.program, setup, session.machine, findings)
     given = session.machine, setup, findings

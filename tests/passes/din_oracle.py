@@ -313,7 +313,7 @@ class Oracle:
                         raise Stop(n, "open", "G154")
                     self.zero[axis] = self.values[f"CD{50 + k}"] * (1.0 if axis == "C" else self.unit)
             case 161:
-                self.centre, self.last_centre = (True if self.shop.absolute else None), None
+                self.centre, self.last_centre = True, None
             case 162:
                 self.centre, self.last_centre = False, None
 
@@ -350,7 +350,7 @@ class Oracle:
         for axis in axes:
             scale = self.scale(axis, rapid=motion == "G0")
             if self.absolute and self.by(axis) != 1.0 and self.zero[axis]:
-                raise Stop(n, "open", "reflected about")
+                raise Stop(n, "both", "reflected about")
             if axis in self.mirror and axis in self.factor_open:
                 raise Stop(n, "open", "factor")
             if scale is None:
@@ -404,7 +404,7 @@ class Oracle:
         if self.absolute and self.centre is not False:
             for a in (u, v):
                 if self.by(a) != 1.0 and self.zero[a]:
-                    raise Stop(n, "open", "reflected about")
+                    raise Stop(n, "both", "reflected about")
             place = {a: self.zero[a] + self.by(a) * value[a] for a in (u, v)}
             if self.centre is None and any(abs(place[a] - relative[a]) > 1e-6 for a in (u, v)):
                 raise Stop(n, "open", "centres places or not")

@@ -14,7 +14,7 @@ from typing import Any
 
 from gproof.ir.codes import POSITION_UNKNOWN
 from gproof.ir.dialects.mcuwin import MCUWIN
-from gproof.ir.din import Din, TaskCode
+from gproof.ir.din import USUAL, Din, TaskCode
 from gproof.ir.finding import Findings, Span
 from gproof.ir.machine import NO_MACHINE, Controller, Machine
 from gproof.ir.program import (
@@ -56,6 +56,7 @@ TASKS = tuple(
 )  # fmt: skip
 DIN = Din(
     position_unit=1.0, time_unit=60.0, absolute_centers=False, interpolation_axes="XYZABC", tasks=TASKS, tools=(),
+    unstated=tuple(key for key in USUAL if key != "tool_file"),
     zero_offsets=((10.0, 20.0, 30.0, 0.0, 0.0, 0.0), (1.0, 2.0, 3.0, 0.0, 0.0, 0.0)),
 )  # fmt: skip
 

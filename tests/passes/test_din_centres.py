@@ -14,9 +14,12 @@ def test_centres_are_places_where_the_option_is_on() -> None:
     assert labels(findings) == []
 
 
-def test_whether_they_are_is_not_known_where_the_option_is_off_or_not_stated() -> None:
+def test_g161_makes_them_places_whatever_the_option_is() -> None:
+    """3.35: in G90 they are absolute as well."""
     for option in (False, None):
-        assert labels(run(AWAY, on=machine(absolute_centers=option))[1]) == ["GP405"]
+        there, findings = run(AWAY, on=machine(absolute_centers=option))
+        assert labels(findings) == []
+        assert [m[1:] for m in moves(there)] == [m[1:] for m in moves(run(AWAY, on=machine(absolute_centers=True))[0])]
         trace, findings = run(["G161", "G03 X20 Y0 I10 J0 F100"], on=machine(absolute_centers=option))
         assert moves(trace) == [("ARC", 20, 0, 0)]
         assert labels(findings) == []

@@ -263,7 +263,7 @@ def test_elements_between_inside_corners() -> None:
     assert found("T1", "G41", "G01 X1.9 F100", "G01 Y9", "G40", "G01 X0 Y0") == ["GP256"]
     assert found("T1", "G41", "G01 X9 F100", "G01 Y1.9", "G40", "G01 X0 Y0") == ["GP256"]
     # A mirror image: on which side the tool is then, is open; in other planes too.
-    assert found("G22", "T1", "G42", "G01 X20 F100", "G01 Y3", "G01 X0") == ["GP256"]
+    assert found("G22", "T1", "G42", "G01 X20 F100", "G01 Y3", "G01 X0") == ["GP256", "GP169"]
     assert found("G18", "T1", "G41", "G01 X20 F100", "G01 Z3", "G01 X0") == ["GP256"]
     assert found("G18", "T1", "G42", "G01 X20 F100", "G01 Z3", "G01 X0") == ["GP256"]
     # A plunge between them is no element.

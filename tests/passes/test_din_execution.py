@@ -45,7 +45,6 @@ def test_reflection_about_the_zero_offset() -> None:
     trace, findings = run(["G90", "G22", "G00 X5 Y5", "G39 X2", "G00 X5", "G91 G00 X1", "G24", "G00 X1"])
     assert [m[1:3] for m in moves(trace)] == [(-5, 5), (10, 5), (12, 5), (13, 5)]
     assert labels(findings) == []
-    assert "GP276" in labels(run(["G54", "G22", "G00 X5"])[1])
     assert "GP276" in labels(run(["G22", "G39 X2", "G24", "G22", "G00 X5"])[1])
 
 
