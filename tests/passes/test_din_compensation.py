@@ -14,12 +14,14 @@ import random
 from collections.abc import Iterator
 
 import pytest
-from passes.din_programs import labels, machine, run
+from passes.din_programs import labels, machine, program, run
 
-from gproof.ir.din import RadiusTool
+from gproof.ir.din import USUAL, RadiusTool
+from gproof.ir.finding import Findings
 from gproof.ir.machine import Machine
 from gproof.ir.setup import NOTHING, ZERO
 from gproof.ir.trace import UNKNOWN, Op, Trace
+from gproof.passes.execute import Executor
 
 SEEDS = int(os.environ.get("GPROOF_RANDOM_RUNS", "60"))
 
@@ -339,3 +341,15 @@ def test_a_loop_of_contours_comes_to_an_end() -> None:
     assert "GP506" in labels(findings)
     assert "GP256" not in labels(findings)
     assert len(trace.sections) == 2
+
+
+def test_a_tool_table_that_nobody_states_is_none_that_is_switched_off() -> None:
+    """2.7, 5.5: with none there is no correction; whether there is one nobody knows."""
+    silent = machine(tools=(), unstated=("tool_file",))
+    assert labels(run(["G41"], on=machine(tools=()))[1]) == ["GP285"]
+    assert labels(run(["G41"], on=silent)[1]) == ["GP256"]
+    for on, told in ((machine(tools=()), False), (silent, True)):
+        ex = Executor(program(["T1", "G00 X1", "M30"]), ZERO, on, Findings())
+        for _ in ex.run():
+            pass
+        assert (USUAL["tool_file"] in ex.assumed) == told
