@@ -37,8 +37,8 @@ kernels: $(READY) # Compiled once, beside mypy, and not by each process of the t
 goldens: $(READY) ## Rewrite the expected texts of golden tests; never the `; expect:` markers
 	$(BIN)/pytest tests --refresh-goldens
 
-soak: $(READY) ## The long random tests
-	GPROOF_SOAK=1 $(BIN)/pytest -n 2 -m soak tests
+soak: $(READY) ## The long random tests; ONLY=name: one campaign (CONTRIBUTING.md has the names)
+	GPROOF_SOAK=1 $(BIN)/pytest -n 2 -m soak $(if $(ONLY),-k "$(ONLY)") tests
 
 bench: $(READY) $(PEERS) ## Side-by-side benchmarks
 	$(BIN)/python bench/run.py

@@ -1,4 +1,4 @@
-"""The option `--refresh-goldens` (`make goldens`) and the fixture through which tests reach golden files."""
+"""The option `--refresh-goldens` (`make goldens`), how tests reach golden files, and the figures of campaigns."""
 
 from __future__ import annotations
 
@@ -34,3 +34,17 @@ def golden(refresh_goldens: bool) -> Golden:
         judge(path, actual, refresh=refresh_goldens)
 
     return compare
+
+
+def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
+    """The figures that campaigns record (`record_property("figures", text)`), whether they passed or not."""
+    told = [
+        str(value)
+        for outcome in ("passed", "failed")
+        for report in terminalreporter.stats.get(outcome, [])
+        for name, value in getattr(report, "user_properties", ())
+        if name == "figures"
+    ]
+    if told:
+        terminalreporter.section("figures of the campaigns")
+        terminalreporter.write_line("\n".join(told))
