@@ -146,7 +146,7 @@ def _pass(
     stated = machine.controller.straight_traverse
     straight = session.program.rules.straight_traverse if stated is None else stated
     area = Areas(
-        machine, setup, findings, straight=straight, measured=session.program.rules.measured_tools,
+        machine, setup, findings, straight=straight,
         zero=ex.modal.zero_at_start, hears=hears,
     )  # fmt: skip
     checks = [limits, area, ArcRadius(machine, setup, findings)]

@@ -173,6 +173,15 @@ class TipOffset:
     form: Affine = ()
 
 
+@record(frozen=True, slots=True)
+class ToolDiameter:
+    """The diameter of a tool that counts instead of the machine file's tool table: low <= it <= high, mm."""
+
+    tool: int
+    low: float
+    high: float
+
+
 @record(frozen=True, slots=True, kw_only=True, eq=False)
 class State:
     """The slow part of the machine's state, shared by many rows.
@@ -188,6 +197,10 @@ class State:
     following: what the controller adds to the programmed path, see ``FOLLOWING``.
     boundaries: of the work, by axis; their guard is ``boundaries``.
     tip: what positions have more than the tip of the tool, its length above all; axes that are not named: nothing.
+    machine_tip: the same in machine coordinates, where it is not ``tip``: tool measures of some controllers are places,
+    so that machine heights are those of the tip of the tool that was in the spindle when the job began.
+    diameters: what the program or the setup has written over the diameter in the tool table, of the tool in the
+    spindle, or of all tools where it is not known which one that is.
     """
 
     tool: int = -1
@@ -210,6 +223,12 @@ class State:
     head: int = 0
     boundaries: tuple[Boundary, ...] = ()
     tip: tuple[TipOffset, ...] = ()
+    machine_tip: tuple[TipOffset, ...] | None = None
+    diameters: tuple[ToolDiameter, ...] = ()
+
+    def tip_beside(self, work: int) -> tuple[TipOffset, ...]:
+        """``tip`` in a coordinate system, 0: ``machine_tip``."""
+        return self.tip if work or self.machine_tip is None else self.machine_tip
 
     def __eq__(self, other: object) -> bool:
         """Bit for bit: NaN, which stands for "not stated", equals itself."""

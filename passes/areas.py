@@ -29,16 +29,16 @@ Zeros = Callable[[int, int], Position]
 class Areas(Check):
     """See the module's text.
 
-    straight: whether a traverse of several axes is a straight line on this controller, None: not known; measured: tools
-    have no lengths but places (``LanguageRules.measured_tools``); zero: of the coordinate systems, for zones that count
-    from one; hears: gets the rows whose places rest on something unknown, of which the answer then says nothing.
+    straight: whether a traverse of several axes is a straight line on this controller, None: not known; zero: of the
+    coordinate systems, for zones that count from one; hears: gets the rows whose places rest on something unknown, of
+    which the answer then says nothing.
     """
 
     name = "areas"
 
     def __init__(
         self, machine: Machine, setup: Setup, findings: Findings, *, straight: bool | None = True,
-        measured: bool = False, zero: Zeros | None = None, hears: Hears | None = None,
+        zero: Zeros | None = None, hears: Hears | None = None,
     ) -> None:  # fmt: skip
         super().__init__(machine, setup, findings)
         heights = heights_of(setup.height_map)
@@ -47,8 +47,8 @@ class Areas(Check):
         def check(area: Area, *, change: bool = False, part: int = CUTTER, told: Told | None = None) -> None:
             self._zones.append(
                 ZoneCheck(
-                    area, machine, setup, findings, heights=heights, straight=straight, measured=measured,
-                    origin=_origin(area, zero), change=change, hears=hears, part=part, told=told,
+                    area, machine, setup, findings, heights=heights, straight=straight, origin=_origin(area, zero),
+                    change=change, hears=hears, part=part, told=told,
                 )
             )  # fmt: skip
 

@@ -34,6 +34,7 @@ Ints = npt.NDArray[np.int64]
 
 _SEGMENTS = 1 << 15
 """Segments at a time."""
+NO_TOOL = "no tool is in the spindle"
 FIRST_WAY = "the way from where the axes stand when the job begins touches nothing"
 PROBES = "probing moves end where they touch, and do no harm there"
 NO_TOLERANCE = "G64 without P does not round corners"
@@ -80,15 +81,16 @@ class Distance(Check):
         self._straight = bool(program.rules.straight_traverse if stated is None else stated)
 
     def shape(self, tool: int) -> Shape:
-        """What is known of a tool's shape."""
+        """What is known of the shape of a tool, by its key."""
         if tool not in self._shapes:
-            entry = self.machine.tool(tool)
+            entry = self.placing.tools.entry(tool)
             if tool < 0:
                 made = Shape(problem="which tool is in the spindle is not stated")
-            elif entry is None:
-                made = Shape(problem=f"tool {tool} is not in the tool table" if tool else "no tool is in the spindle")
+            elif entry.tool is None:
+                number = entry.number
+                made = Shape(problem=f"tool {number} is not in the tool table" if number else NO_TOOL)
             else:
-                made = shape_of(entry)
+                made = Shape(problem=entry.doubt) if entry.doubt else shape_of(entry.tool)
             self._shapes[tool] = made
             if not made.problem:
                 self._assumed.update(dict.fromkeys(made.assumed))
@@ -210,13 +212,17 @@ class Distance(Check):
             if inside:
                 self._errors += 1
                 code = codes.GOUGE if self.name == "gouges" else codes.COLLISION
-                what = f"the {PARTS[part]} of tool {tool} is inside {name} where this move begins"
+                what = f"the {PARTS[part]} of tool {self._number(tool)} is inside {name} where this move begins"
                 self.findings.add(
                     code.at(self._span(place), what=what, x=float(tip[0]), y=float(tip[1]), z=float(tip[2]))
                 )
             else:
-                what = f"whether the {PARTS[part]} of tool {tool} begins inside {name}: its surface is not closed"
+                whose = f"the {PARTS[part]} of tool {self._number(tool)}"
+                what = f"whether {whose} begins inside {name}: its surface is not closed"
                 self.findings.add(self.unknown.at(self._span(place), cause=what))
+
+    def _number(self, tool: int) -> int:
+        return self.placing.tools.entry(tool).number
 
     def _span(self, place: int) -> Span:
         return Span(self._files[place >> 32], place & 0xFFFFFFFF)
@@ -252,22 +258,22 @@ class Distance(Check):
         source = placed.body.source if isinstance(placed.body, Mesh) else ""
         if source and source not in name:
             name = f"{name} ({source})"
-        shape = self.shape(stretch.tool)
+        shape, number = self.shape(stretch.tool), self._number(stretch.tool)
         if stretch.part == UNSTATED:
             top = stretch.first[2][2] + min(0.0, float(stretch.first[3][2]))
             known = scene.ladder(stretch.tool, shape).pieces[stretch.first[1]].tip
             cause = shape.problem or (
-                f"{PARTS[UNSTATED]} {stretch.tool} may touch {name}: that ends "
+                f"{PARTS[UNSTATED]} {number} may touch {name}: that ends "
                 f"{scene.surface.high[2] - top:.4f} mm above the tip, and from {known:.4f} mm above the tip on "
                 "nothing is stated"
             )
-            hint = "; ".join(filter(None, (_where_stated(self.machine, stretch.tool), _moves(stretch))))
+            hint = "; ".join(filter(None, (_where_stated(self.machine, number), _moves(stretch))))
             self.findings.add(self.unknown.at(span, cause=cause, hint=hint))
             return
         distance, tip, _ = scene.nearest(stretch)
         facet, slack = stretch.worst[0], stretch.worst[4]
         x, y, z = tip.tolist()
-        what = f"the {PARTS[stretch.part]} of tool {stretch.tool} {_near(distance, name)}, {_allowed(scene.limit)}"
+        what = f"the {PARTS[stretch.part]} of tool {number} {_near(distance, name)}, {_allowed(scene.limit)}"
         hint = _moves(stretch)
         if stretch.certain:
             self._errors += 1

@@ -17,6 +17,7 @@ from gproof.passes.beside import Ahead
 from gproof.passes.compiled import Condition, FastBlock
 from gproof.passes.din_state import whole_numbers
 from gproof.passes.expressions import Evaluator
+from gproof.passes.foreseen import lengths_foreseen
 from gproof.passes.frames import Frame, Lap, Path, Pending
 from gproof.passes.leaps import Leap
 from gproof.passes.line import Line
@@ -61,6 +62,7 @@ class Emitter:
         self.max_branches = max_branches
         self.modal = Modal(program.rules, setup, machine)
         self.settings = OpenSettings(machine, findings)
+        self.modal.lengths_used = self.modal.lengths_used or lengths_foreseen(program, machine, setup)
         self.modal.transform = at_start(self.modal)
         self.modal.rendering = render
         self.trace = Trace(files=[f.name for f in program.files] or ["(program)"], macro_files=program.macro_files)

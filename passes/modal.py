@@ -11,7 +11,7 @@ from gproof.ir.finding import Refusal, Span
 from gproof.ir.machine import AXES, AXIS_NAMES, Machine
 from gproof.ir.rules import LanguageRules, ParameterRange
 from gproof.ir.setup import Interval, Setup
-from gproof.ir.trace import HEIGHT_MAP, Boundary, PathMode, Plane, State, TipOffset
+from gproof.ir.trace import HEIGHT_MAP, Boundary, PathMode, Plane, State, TipOffset, ToolDiameter
 from gproof.passes import din_state
 from gproof.passes.compensation import Compensation
 from gproof.passes.heads import head_offset
@@ -29,7 +29,7 @@ NO_OFFSET = [ZERO] * AXES
 
 _PARK_DEFAULTS = {"park_1": 5161, "park_2": 5181}
 TOOL_LENGTH, TOOL_DIAMETER, TOOL_X_OFFSET, TOOL_ORIENTATION = 5400, 5500, 5600, 5700
-_CONSTANT = ("rules", "setup", "machine", "axis_there", "linear", "ranges")
+_CONSTANT = ("rules", "setup", "machine", "axis_there", "linear", "ranges", "_tool_table")
 _OTHER = frozenset((*_CONSTANT, "parameters"))
 NO_NUMBERS = frozenset[int]()
 
@@ -56,6 +56,7 @@ class Modal:
         self.machine = machine
         self.axis_there = tuple(machine.axis(name) is not None for name in AXIS_NAMES)
         self.linear = linear_axes(machine) if rules.one_command or rules.source_order else LENGTHS
+        self._tool_table = next(((e.first, e.last) for e in rules.parameters if e.kind == "tool_diameter"), (0, -1))
         self.unit = 1.0
         self.absolute = True
         self.plane = Plane.XZ if machine.controller.turning else Plane.XY
@@ -89,7 +90,9 @@ class Modal:
         self.selected_tool: int | None = setup.tool
         self.length_follows_tool = False
         self.offset_tool: int | None = None
-        self.length_tool: int | None = setup.tool
+        in_force = self._symbol("tool.0.z")
+        # With none in force the tool stands out all the same; one that nobody states is taken for the tool's own.
+        self.length_tool: int | None = 0 if in_force == ZERO else setup.tool
         self.lengths_used = any(not ends.exact or ends.low for ends in (*setup.measures.values(), *_length_now(setup)))
         self.stated: set[str] = {"spindle"} if zero else set()
         self.work = setup.active_work if setup.active_work is not None else self._stated_system()
@@ -272,7 +275,8 @@ class Modal:
             simplify=self.simplify, laf_angle=self.laf_angle, work=self.work, overrides=self.overrides,
             arc_tolerance=self.arc_tolerance(), guards_off=self.guards_off,
             compensation=0 if comp is None else comp.side * comp.plane,
-            following=self.following, boundaries=self._boundaries(), tip=self._tip(),
+            following=self.following, boundaries=self._boundaries(), tip=self._tip(), machine_tip=self._machine_tip(),
+            diameters=self._diameters(),
         )  # fmt: skip
 
     def _tip(self) -> tuple[TipOffset, ...]:
@@ -280,6 +284,35 @@ class Modal:
             return ()
         places = [(axis, self.beside_tip(axis)) for axis in range(AXES)]
         return tuple(TipOffset(axis, place.value, place.form) for axis, place in places if place != ZERO)
+
+    def _machine_tip(self) -> tuple[TipOffset, ...] | None:
+        """See ``State.machine_tip``."""
+        if not self.rules.measured_tools:
+            return None
+        if self.single.reference is None:
+            return ()
+        places = [(axis, self.beside_tip(axis).minus(there)) for axis, there in enumerate(self.single.reference)]
+        return tuple(TipOffset(axis, place.value, place.form) for axis, place in places if place != ZERO)
+
+    def _diameters(self) -> tuple[ToolDiameter, ...]:
+        """What program and setup have written over the tool table, see ``State.diameters``."""
+        if self.rules.one_command:
+            return self.single.diameters if self.tool is None else tuple(
+                each for each in self.single.diameters if each.tool == self.tool)  # fmt: skip
+        first, last = self._tool_table
+        found = []
+        for number in range(1, last - first + 2) if self.tool is None else (self.tool,):
+            variable = TOOL_DIAMETER + number
+            if not first <= variable <= last:
+                continue
+            if not any(variable in those for those in
+                       (self.parameters, self.setup.parameters, self.setup.parameter_ranges)):  # fmt: skip
+                continue
+            # A negative one is that of a tool on the other side of the contour (Eding manual 5.3).
+            ends = bounds(self.tool_diameter(number))
+            low, high = sorted(map(abs, ends))
+            found.append(ToolDiameter(number, 0.0 if ends[0] < 0.0 < ends[1] else low, high))
+        return tuple(found)
 
     def _boundaries(self) -> tuple[Boundary, ...]:
         """What rows carry of limits that a program may set."""

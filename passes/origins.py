@@ -81,6 +81,8 @@ class Origins(Motion):
     def _table_written(self, number: int, span: Span) -> None:
         """GP298 when the program writes the length or X offset that is in use: whether it acts at once is open."""
         s = self.modal
+        if TOOL_LENGTH < number < TOOL_X_OFFSET + 100:
+            self._state_changed()  # rows carry what is known of the tool
         if s.offset_in_use(number):
             what, hint = f"#{number}", "G10 L2, G92 or selecting the coordinate system again says when it acts"
             self.findings.add(codes.OFFSET_IN_USE.at(span, what=what, hint=hint))

@@ -6,9 +6,9 @@ included. Positions of rows and zeros are sums of numbers and unknowns (``ir/tra
 stated cancels, and one that the program sets itself is followed. What does not cancel, and is not stated exactly, is
 not known, and ``Reason`` says why.
 
-The tip is where a position is, less what ``State.tip`` takes for the tool: the length that is in force. Where none is,
-the zero was taken with that very tool, which ``assumptions`` says. Cutter radius compensation needs nothing: rows are
-the tool's own path.
+The tip is where a position is, less what ``State.tip`` takes for the tool: its length, in force or not, in a job that
+uses lengths. In others the zero was taken with that very tool, which ``assumptions`` says. Cutter radius compensation
+needs nothing: rows are the tool's own path.
 """
 
 from __future__ import annotations
@@ -27,6 +27,7 @@ from gproof.ir.setup import Setup
 from gproof.ir.trace import HEIGHT_MAP, UNKNOWN, Affine, Chunk, Op, State, TipOffset, Trace
 from gproof.ir.workpiece import ACTIVE, MACHINE
 from gproof.passes.modal import Modal
+from gproof.passes.spindle_tool import SpindleTools
 from gproof.passes.values import Position, add_forms, describe
 
 Floats = npt.NDArray[np.float64]
@@ -71,8 +72,8 @@ class Tips:
 
     start, end: (n, 3) before and behind the row, NaN where it is not known; center: (n, 3) of arcs, 0 for other rows;
     axes: (n, 3) whether start and end are known of X, Y, Z; known: (n,) of all three; reason: (n,) ``Reason``;
-    start_known, end_known: (n, 3) each end for itself; tool: (n,) the number of the tool in the spindle, 0 none, -1 not
-    known.
+    start_known, end_known: (n, 3) each end for itself; tool: (n,) the key of the tool in the spindle
+    (``Placing.tools``).
     """
 
     start: Floats
@@ -97,11 +98,12 @@ class Placing:
         self.setup = setup
         self._modal = Modal(program.rules, setup, machine)
         self._zeros: dict[int, tuple[Position, ...]] = {}
+        self.tools = SpindleTools(machine)
         self._turning = self._rotary_axes()
         self._begin: tuple[tuple[float, ...], tuple[Affine, ...]] | None = None
         self._states: list[State] = []
         self._tips: dict[tuple[TipOffset, ...], int] = {(): 0}
-        self._tip_of = np.zeros(0, dtype=np.int64)
+        self._tip_of = {on_machine: np.zeros(0, dtype=np.int64) for on_machine in (False, True)}
         self._why_of = np.zeros(0, dtype=np.uint8)
         self._tool_of = np.zeros(0, dtype=np.int64)
         self._left: dict[tuple[int, int, int], tuple[Affine, Affine, Affine]] = {}
@@ -149,7 +151,7 @@ class Placing:
         self._learn(trace)
         states = rows["state"]
         starts, frames, start_frames = chunk.starts(), rows["frame"].astype(np.int64), chunk.start_frames()
-        tips = self._tip_of[states]
+        tips = self._tip_of[work == MACHINE][states]
         off = np.zeros((n, 3))
         before, behind = np.ones((n, 3), dtype=np.bool_), np.ones((n, 3), dtype=np.bool_)
         reason = np.full(n, int(self._always), dtype=np.uint8)
@@ -206,7 +208,7 @@ class Placing:
         reason = int(self.tips(_only(chunk, row), work).reason[0])
         if reason not in (Reason.START, Reason.OFFSET):
             return WHY[Reason(reason)]
-        tip = int(self._tip_of[int(chunk.rows["state"][row])])
+        tip = int(self._tip_of[work == MACHINE][int(chunk.rows["state"][row])])
         names: dict[str, None] = {}
         for frame in (int(chunk.start_frames()[row]), int(chunk.rows["frame"][row])):
             for axis, form in enumerate(self.rest(chunk.trace, tip, frame, work)):
@@ -224,11 +226,12 @@ class Placing:
         if not new:
             return
         self._states = [*self._states, *new]
-        tips = [self._tips.setdefault(state.tip, len(self._tips)) for state in new]
         why = [int(self._state_reason(state)) for state in new]
-        self._tip_of = np.concatenate([self._tip_of, np.array(tips, dtype=np.int64)])
+        for on_machine, those in self._tip_of.items():
+            tips = [self._tips.setdefault(state.tip_beside(not on_machine), len(self._tips)) for state in new]
+            self._tip_of[on_machine] = np.concatenate([those, np.array(tips, dtype=np.int64)])
         self._why_of = np.concatenate([self._why_of, np.array(why, dtype=np.uint8)])
-        self._tool_of = np.concatenate([self._tool_of, np.array([state.tool for state in new], dtype=np.int64)])
+        self._tool_of = np.concatenate([self._tool_of, np.array(list(map(self.tools.key, new)), dtype=np.int64)])
 
     def _state_reason(self, state: State) -> Reason:
         if state.head:

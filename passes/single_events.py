@@ -15,13 +15,13 @@ from gproof.ir.machine import AXES, AXIS_NAMES
 from gproof.ir.program import Input, Named
 from gproof.ir.rules import CodeRule
 from gproof.ir.rules import Function as F
-from gproof.ir.trace import KNIFE, Op, Wait
+from gproof.ir.trace import KNIFE, Op, ToolDiameter, Wait
 from gproof.passes import single_knife
 from gproof.passes.emitter import ProgramEnd
 from gproof.passes.expressions import Evaluator
 from gproof.passes.single_motion import Handler, follow, lose_places, note_assumptions, spindle_range, switch_output
 from gproof.passes.single_state import LEANING, KnifeNow, value_of, vertical_axes, with_pair
-from gproof.passes.values import NOWHERE, Position, Unknown, Value
+from gproof.passes.values import NOWHERE, Position, Unknown, Value, bounds
 
 if TYPE_CHECKING:
     from gproof.passes.emitter import Emitter
@@ -242,6 +242,9 @@ def tool_number(ex: Motion, line: Command, rule: CodeRule) -> None:
     tools = list(s.single.tools)
     tools[rule.value - 1] = float(number)
     s.single = s.single.but(tools=(tools[0], tools[1]))
+    if rule.value == 1 and s.tool != number and s.single.reference is None:
+        s.lengths_used = True
+        s.single = s.single.but(reference=tuple(s.beside_tip(axis) for axis in range(AXES)))
     changers = {changer.number: changer for changer in ex.machine.controller.controls.changers}
     changer = changers.get(rule.value)
     axis = AXIS_NAMES.index(changer.axis) if changer is not None else 2
@@ -276,6 +279,14 @@ def store_tool(ex: Motion, line: Command, rule: CodeRule) -> None:
     if {"H", "O", "C"} & line.values.keys():
         heights = {**dict(s.single.heights), number: NOWHERE}
         s.single = s.single.but(heights=tuple(sorted(heights.items(), key=lambda pair: pair[0])))
+    given = nominal if actual is None else actual
+    if given is not None:
+        # In which unit the library has them is not said: in the job's, or the machine's.
+        scales = (s.unit, ex.machine.unit)
+        ends = [abs(end * scale) for end in bounds(given) for scale in scales]
+        others = tuple(each for each in s.single.diameters if each.tool != number)
+        s.single = s.single.but(diameters=(*others, ToolDiameter(number, min(ends), max(ends))))
+        ex._state_changed()
     note(ex, line, rule)
 
 

@@ -15,7 +15,7 @@ from gproof.ir.controls import Workspace
 from gproof.ir.finding import Span
 from gproof.ir.machine import AXES, AXIS_NAMES, AxisKind, Machine
 from gproof.ir.record import record
-from gproof.ir.trace import Boundary
+from gproof.ir.trace import Boundary, ToolDiameter
 from gproof.passes.values import NOWHERE, Position, Unknown, Value
 
 if TYPE_CHECKING:
@@ -58,7 +58,8 @@ class SingleState:
     Y (G51), a factor of NaN: open; places: stored positions as (name, places by column, whether heads are lifted);
     auto_dwell: seconds behind switching the automatic output on and off. knife: its settings now, None: those of the
     machine's file; spans: ((column, low, high), place) of places between two readings. unworn: tools of the
-    library that L500.2 gave one diameter, nominal and actual, and nothing to compensate.
+    library that L500.2 gave one diameter, nominal and actual, and nothing to compensate; diameters: those that it gave.
+    reference: what positions had more than the tip of the tool of the start when another one came, None before.
     """
 
     feeds: tuple[float, ...] = (math.nan,) * AXES
@@ -95,6 +96,8 @@ class SingleState:
     knife: KnifeNow | None = None
     spans: tuple[tuple[tuple[int, float, float], Position], ...] = ()
     unworn: frozenset[int] = frozenset()
+    diameters: tuple[ToolDiameter, ...] = ()
+    reference: tuple[Position, ...] | None = None
 
     def but(self, **changes: Any) -> SingleState:
         """The same with some values changed."""

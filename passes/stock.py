@@ -259,13 +259,14 @@ class StockLeft(Check):
         return beside
 
     def _tool_rows(self, tips: Tips) -> npt.NDArray[np.int64]:
-        """By row: the index of its tool in the tables, which grow."""
+        """By row: the index of its tool in the tables, by keys, which grow."""
         numbers, index = np.unique(tips.tool, return_inverse=True)
         for number in numbers.tolist():
             if number not in self._numbers:
                 self._numbers[number] = len(self._tools)
-                tool = self.machine.tool(number)
-                problem = problem_of(tool, number)
+                entry = self.placing.tools.entry(number)
+                tool = entry.tool
+                problem = entry.doubt or problem_of(tool, entry.number)
                 row, parts = (NOT_KNOWN, []) if problem or tool is None else rows_of(tool)
                 self._tools.append(row)
                 self._parts.append(parts)
@@ -302,12 +303,13 @@ class StockLeft(Check):
                 continue
             span = row_span(chunk.trace, chunk.rows, row)
             work = self.bodies[0].work
-            number = int(whole[work].tool[row])
+            key = int(whole[work].tool[row])
+            number = self.placing.tools.entry(key).number
             if answer == NO_PLACE:
                 work = next(w for w, tips in whole.items() if not tips.known[row])
                 self.findings.add(code.at(span, cause=self.placing.cause(chunk, row, work)))
             elif answer == NO_SHAPE:
-                self.findings.add(code.at(span, cause=self._problems[self._numbers[number]]))
+                self.findings.add(code.at(span, cause=self._problems[self._numbers[key]]))
             elif kind == THROUGH:
                 hint = f"cells of {cells:.4g} mm; smaller ones may tell" if answer == MAYBE else ""
                 self.findings.add(code.at(span, depth=by, hint=hint))

@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 
 import numpy as np
 import numpy.typing as npt
@@ -20,12 +21,13 @@ from gproof.ir import codes
 from gproof.ir.columns import Columns, occurring
 from gproof.ir.finding import Findings, Span
 from gproof.ir.machine import AXIS_NAMES, Area, Machine
-from gproof.ir.setup import Setup
+from gproof.ir.setup import ZERO, Setup
 from gproof.ir.trace import HEIGHT_MAP, UNKNOWN, Chunk, Op, Plane, State
 from gproof.ir.verdict import Condition
 from gproof.passes.check import row_span
 from gproof.passes.extent_kernels import arc_extreme, row_boxes, rows_near
 from gproof.passes.height_map import Heights
+from gproof.passes.spindle_tool import entries
 from gproof.passes.values import Position
 from gproof.passes.zone_offsets import EVERYWHERE, OpenPlaces, Ranges, View
 from gproof.passes.zone_shapes import (
@@ -41,7 +43,7 @@ from gproof.passes.zone_shapes import (
     segment_enters,
     shape_of,
 )
-from gproof.passes.zone_tool import CUTTER, Part, Told, part_of
+from gproof.passes.zone_tool import CUTTER, TIP, Pair, Part, Told, part_of
 
 GUARD = "tool_change_area"
 MOST = 10_000
@@ -63,14 +65,13 @@ class ZoneCheck:
 
     def __init__(
         self, area: Area, machine: Machine, setup: Setup, findings: Findings, *, heights: Heights | None,
-        straight: bool | None, measured: bool = False, origin: tuple[Position, Position, Position] | None = None,
+        straight: bool | None, origin: tuple[Position, Position, Position] | None = None,
         change: bool = False, hears: Hears | None = None, part: int = CUTTER, told: Told | None = None,
     ) -> None:  # fmt: skip
         self.area, self.machine, self.setup, self.findings = area, machine, setup, findings
         self.errors = 0
         self._heights, self._straight, self._origin, self._change = heights, straight, origin, change
         self._hears, self._number, self._told = hears, part, told
-        self._lengths = not change and not measured
         self._views: list[View] = []
         self._of_key: dict[object, int] = {}
         self._of_state: list[int] = []
@@ -81,57 +82,58 @@ class ZoneCheck:
 
     def _view_of(self, state: State) -> int:
         following = HEIGHT_MAP in state.following and self._heights is not None
-        part, certain = self._part(state)
+        part = self._part(state)
         if part is None:
             return -1
+        tip = state.tip_beside(self.area.work)
         if self._change:
             key: object = GUARD in state.guards_off, following
         else:
-            key = following, state.tip, part, certain, self._other_head(state), state.path_tolerance + state.simplify
+            key = following, tip, part, self._other_head(state), state.path_tolerance + state.simplify
         if key not in self._of_key:
+            if self._beside_cylinder(part):
+                return -1
             self._of_key[key] = len(self._views)
-            self._views.append(self._make(state, following, part, certain))
+            self._views.append(self._make(state, following, part))
         return self._of_key[key]
 
-    def _part(self, state: State) -> tuple[Part | None, bool]:
-        """What of the tool in the spindle is judged, and whether that is certain; None: nothing of it."""
+    def _part(self, state: State) -> Part | None:
+        """What of the tool in the spindle is judged; None: nothing of it."""
         if self._change:
-            return Part("", (0.0, 0.0), (0.0, 0.0)), True
-        at_tip = self._origin is not None or (self._lengths and any(one.axis == 2 for one in state.tip))
-        if self._number != CUTTER and not at_tip:
-            return None, True
-        return part_of(self.machine.tools, state.tool, self._number)
+            return Part("", TIP, TIP, TIP)
+        # The setup "zero" says tool 0 of any machine: what is in its spindle nobody knows.
+        known = state.tool > 0 or (state.tool == 0 and self.setup.name != ZERO.name)
+        those = entries(self.machine, state if known else replace(state, tool=-1))
+        return part_of(those, self._number, known=known)
 
-    def _make(self, state: State, following: bool, part: Part, certain: bool) -> View:
-        x, y, z = self.area.box
+    def _make(self, state: State, following: bool, part: Part) -> View:
+        x, y, _ = self.area.box
         causes: list[str] = []
         zero = Position(0.0)
-        tips = {one.axis: Position(one.mm, one.form) for one in state.tip}
-        offsets = [tips.get(axis, zero) for axis in range(3)]
-        base, tip = (zero, zero, zero), None
-        if self._origin is not None:
-            base = tuple(o.plus(t) for o, t in zip(self._origin, offsets, strict=True))  # type: ignore[assignment]
-            z = z[0] - part.heights[1], z[1] - part.heights[0]
-        elif self._number != CUTTER:
-            base, z = (zero, zero, offsets[2]), (z[0] - part.heights[1], z[1] - part.heights[0])
-        elif self._lengths and offsets[2].form:
-            tip, z = offsets[2], (z[0] - part.heights[1], z[1])
-        elif self._lengths and 2 in tips:
-            length = offsets[2].value
-            z = z[0] - max(0.0, part.heights[1] - length), z[1] + max(0.0, length)
-        wide, narrow = z, z
+        tips = {} if self._change else {one.axis: one for one in state.tip_beside(self.area.work)}
+        offsets = [Position(tips[axis].mm, tips[axis].form) if axis in tips else zero for axis in range(3)]
+        origin = self._origin or (zero, zero, zero)
+        base = tuple(o.plus(t) for o, t in zip(origin, offsets, strict=True))
+        tip: Position | None = None
+        # How far the tool surely goes up beyond what is stated of it: in machine coordinates to the controlled point.
+        up = 0.0
+        if self._origin is None and offsets[2].form:
+            base, tip = (*base[:2], zero), offsets[2]
+        elif self._origin is None:
+            up = max(0.0, offsets[2].value)
+        wide = self._heights_of(part.heights, up)
+        narrow = None if part.sure is None else self._heights_of(part.sure, up)
         if following:
             assert self._heights is not None
             least, most = self._heights.least(), self._heights.most()
-            wide, narrow = (z[0] - most, z[1] - least), (z[0] - least, z[1] - most)
+            wide = wide[0] - most, wide[1] - least
+            narrow = None if narrow is None else (narrow[0] - least, narrow[1] - most)
             causes.append("the height map")
         slack = [0.0 if axis is None else max(d.backlash for d in axis.drives())
                  for axis in map(self.machine.axis, AXIS_NAMES[:3])]  # fmt: skip
         around, above = (0.0, 0.0) if self._change else (math.hypot(slack[0], slack[1]), slack[2])
-        if not certain and part.width[0] != part.width[1]:
-            causes.append("which tool is in the spindle")
-        elif part.width[0] != part.width[1]:
-            causes.append("where its holder tapers")
+        if part.doubt:
+            causes.append(part.doubt)
         if around or above:
             causes.append("the backlash of axes")
         # The controller may leave the path by so much at corners, and where it makes one line of several.
@@ -139,23 +141,25 @@ class ZoneCheck:
         if blend:
             around, above = around + blend, above + blend
             causes.append("how the controller rounds corners (P, Q)")
-        shape = shape_of(self.area)
-        sure = certain or self._number == CUTTER
+        shape, outer_shape = shape_of(self.area), shape_of(self.area)
+        grow = part.width[1] / 2 + around
+        if math.isinf(grow):
+            outer_shape, x, y, grow = Rectangle(EVERYWHERE, EVERYWHERE), EVERYWHERE, EVERYWHERE, 0.0
         cylinder = self.setup.cylinder
         if cylinder is not None:
             # With Y mapped onto A the machine's Y stays where the axis of rotation is (Eding manual 2.2.5.4).
             at = cylinder.y
-            sure = at is not None and y[0] < at < y[1] and not self.area.rings and self._origin is None
-            if not sure:
+            sides = self.area.box[1]
+            if at is None or not sides[0] < at < sides[1] or self.area.rings or self._origin is not None:
+                narrow = None
                 causes.append("where the axis of rotation of A is")
-            shape, y = Rectangle(x, EVERYWHERE), EVERYWHERE
-        outer = Zone(shape=shape, z=wide, grow=part.width[1] / 2 + around, rise=above)
-        inner = Zone(shape=shape, z=narrow, grow=part.width[0] / 2) if sure else None
+            shape, outer_shape, y = Rectangle(self.area.box[0], EVERYWHERE), Rectangle(x, EVERYWHERE), EVERYWHERE
+        outer = Zone(shape=outer_shape, z=wide, grow=grow, rise=above)
+        inner = None if narrow is None else Zone(shape=shape, z=narrow, grow=part.width[0] / 2)
         shift = base[0].value, base[1].value, base[2].value
-        g, rise = outer.grow, outer.rise
         box = tuple(
             (low - by + at, high + by + at)
-            for (low, high), by, at in zip((x, y, wide), (g, g, rise), shift, strict=True)
+            for (low, high), by, at in zip((x, y, wide), (grow, grow, above), shift, strict=True)
         )
         return View(
             shift=shift, form=(base[0].form, base[1].form, base[2].form), outer=outer, inner=inner,
@@ -164,28 +168,29 @@ class ZoneCheck:
             part="" if self._number == CUTTER else f"its {part.name}, {part.width[1]:g} mm wide",
         )  # fmt: skip
 
+    def _heights_of(self, heights: Pair, up: float) -> Pair:
+        """Where the tip must be so that what has these heights above it is as high as the zone."""
+        low, high = self.area.box[2]
+        return low - max(heights[1], up if self._number == CUTTER else 0.0), high - heights[0]
+
     def _other_head(self, state: State) -> bool:
         """Whether what moves is not the head of X, Y and Z; a preconfigured workspace may choose another one."""
         spaces = self.machine.controller.controls.workspaces
         return state.head != 0 or (state.work > 1 and any(space.number == state.work + 53 for space in spaces))
 
-    def _never(self) -> bool:
+    def _beside_cylinder(self, part: Part) -> bool:
         """With Y mapped onto A: whether the machine's Y, which then stays, is beside the zone."""
         at = None if self.setup.cylinder is None else self.setup.cylinder.y
         if at is None or self._origin is not None:
             return False
-        grow = 0.0
-        if not self._change:
-            widest, _ = part_of(self.machine.tools, -1, self._number)
-            grow = 0.0 if widest is None else widest.width[1] / 2
         low, high = self.area.box[1]
-        return not low - grow < at < high + grow
+        return not low - part.width[1] / 2 < at < high + part.width[1] / 2
 
     # -- rows
 
     def feed(self, chunk: Chunk) -> None:
         """Findings for lines of the chunk that enter the zone; extents of those whose place is not known."""
-        if not len(chunk.rows) or self.errors > MOST or self._never():
+        if not len(chunk.rows) or self.errors > MOST:
             return
         self._open.trace = chunk.trace
         self._of_state += [self._view_of(state) for state in chunk.trace.states[len(self._of_state) :]]

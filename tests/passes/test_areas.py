@@ -28,6 +28,7 @@ length = 30.0
 diameter = 6.0
 [tools.2]
 length = 0.0
+diameter = 1e-9
 [controller]
 dialect = "eding"
 """

@@ -47,7 +47,7 @@ def zone_near(rng: random.Random, made: Made, tool: Tool) -> Zone:
     """A box or a polygon, with a hole now and then, whose edge lies near a place of the path."""
     work = rng.choice((0, 0, *made.zeros))
     move = rng.choice(made.moves)
-    below, above, diameter, _ = rng.choice(tool.parts(move, work))
+    below, above, diameter, _ = rng.choice([part for part in tool.parts(move, work) if math.isfinite(part[1])])
     spot = move.at(np.array([rng.random()]))[0] - np.array([0.0, 0.0, move.length])
     if work:
         spot = spot - np.array(made.zeros[work])
@@ -107,12 +107,15 @@ class Tool:
         return self.flute or 0.0
 
     def parts(self, move: Move, work: int) -> list[Part]:
-        """What is looked at: beside a zone of the machine from the tip up to the controlled point, and no less."""
-        known = bool(work) or move.length > 0.0
-        if not known:
-            return [(0.0, 0.0, self.diameter, self.diameter)]
+        """What is looked at: beside a zone of the machine from the tip up to the controlled point, and no less.
+
+        Above what is stated the tool goes on, perhaps as wide; of one without a diameter only the tip is certain.
+        """
         top = self.high if work else max(self.high, move.length)
-        out = [(0.0, top, self.diameter, self.diameter)]
+        if self.diameter:
+            out = [(0.0, top, self.diameter, self.diameter), (0.0, math.inf, -math.inf, self.diameter)]
+        else:
+            out = [(0.0, 0.0 if work else move.length, 0.0, 0.0), (0.0, math.inf, -math.inf, math.inf)]
         if self.flute is not None and self.shank is not None and self.shank > self.diameter:
             out.append((self.flute, max(self.flute, self.stickout or 0.0), self.shank, self.shank))
         at = self.stickout
@@ -125,10 +128,10 @@ class Tool:
 
 
 def tool_of(rng: random.Random) -> Tool:
-    """A point, a plain cutter, or one with a shank and a holder."""
-    diameter = rng.choice((0.0, 0.0, 3.0, 12.5))
+    """One of which nobody knows the width, a plain cutter, or one with a shank and a holder."""
+    diameter = rng.choice((0.0, 1.0, 3.0, 3.0, 12.5, 12.5))
     if rng.random() < 0.5:
-        return Tool(diameter)
+        return Tool(diameter, rng.choice((None, 60.0)))
     flute = rng.choice((None, 4.0, 11.0))
     stickout = rng.choice((None, 11.0, 20.0))
     holder = ((20.0, 20.0, 6.0), (20.0, 30.0, 5.0), (30.0, 30.0, 9.0))[: rng.randrange(4)] if stickout else ()

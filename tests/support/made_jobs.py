@@ -31,7 +31,7 @@ class Move:
     at: Callable[[Points], Points]
     free: bool = False
     length: float = 0.0
-    """By which the tip is below; 0 where no length was used yet."""
+    """By which the tip is below; 0 where the job uses no length."""
     arc: tuple[complex, complex, float] | None = None
     """Centre and start in the plane of X and Y, and the turn, radians; None: a line, or one of `support.paths`."""
 
@@ -62,16 +62,11 @@ class Made:
 
 
 class Tracked(RandomPath):
-    """Keeps by how much the tip is below in each move: once lengths are used, a tool stands out without G43 too."""
+    """Keeps by how much the tip is below: where lengths are used anywhere, the tool stands out without G43 too."""
 
     def __init__(self, rng: random.Random, start: list[float], offsets: Offsets) -> None:
-        self.lengths: list[float] = [0.0]
         self.out = 0.0
         super().__init__(rng, start, offsets, LENGTH)
-
-    def _go(self, piece: Callable[[Points], Points], end: list[float]) -> None:
-        super()._go(piece, end)
-        self.lengths.append(self.out)
 
     def change_state(self) -> None:
         super().change_state()
@@ -88,7 +83,7 @@ def eding(rng: random.Random) -> Made:
     path = Tracked(rng, start, Offsets({n: list(row) for n, row in work.items()}, list(g92)))
     for _ in range(rng.randrange(1, 6)):
         path.random_move()
-    moves = [Move(at, length=n) for at, n in zip(path.pieces, path.lengths, strict=True)][1:]
+    moves = [Move(at, length=path.out) for at in path.pieces][1:]
     return Made("eding", path.text, setup, "", moves, zeros)
 
 
