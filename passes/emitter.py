@@ -62,7 +62,7 @@ class Emitter:
         self.max_branches = max_branches
         self.modal = Modal(program.rules, setup, machine)
         self.settings = OpenSettings(machine, findings)
-        self.modal.lengths_used = self.modal.lengths_used or lengths_foreseen(program, machine, setup)
+        self.modal.lengths_used = self.modal.lengths_used or lengths_foreseen(program)
         self.modal.transform = at_start(self.modal)
         self.modal.rendering = render
         self.trace = Trace(files=[f.name for f in program.files] or ["(program)"], macro_files=program.macro_files)

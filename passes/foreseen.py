@@ -7,25 +7,28 @@ as bytes; a code that an expression makes is not seen.
 
 from __future__ import annotations
 
+import functools
 import re
 from collections.abc import Iterable, Iterator
 
-from gproof.ir.machine import Machine
+import numpy as np
+
+from gproof.ir.mapped import forget
 from gproof.ir.program import Block, BlockTable, Call, DeferredBlock, Number, Program, Replaced, Statement, parts_of
 from gproof.ir.rules import Function as F
-from gproof.ir.setup import Setup
 
 LENGTHS = frozenset((F.TOOL_OFFSET_ON, F.TOOL_OFFSET_DYNAMIC, F.MEASURE_TOOL, F.TOOL_NUMBER))
 """Functions behind which positions count with the lengths of tools, or with their measures."""
 _PIECE = 1 << 20
+_NEAR = 12
+"""Bytes that a code takes at most, with blanks and zeros."""
+_BEFORE = np.frombuffer(b"Gg0+ \t", np.uint8)
 
 Code = tuple[str, int]
 
 
-def lengths_foreseen(program: Program, machine: Machine, setup: Setup) -> bool:
-    """Whether the job uses lengths of tools, asked where bodies or zones make a difference of it."""
-    if setup.workpiece is None and not (setup.keep_out or machine.keep_out):
-        return False
+def lengths_foreseen(program: Program) -> bool:
+    """Whether the job uses lengths of tools."""
     codes = frozenset(code for code, rule in program.rules.codes.items() if rule.function in LENGTHS)
     return any(code in codes for code in _codes(program, codes | program.overrides.keys()))
 
@@ -60,8 +63,7 @@ def _all(body: Iterable[Statement]) -> Iterator[Statement]:
 def _of(program: Program, node: Statement, wanted: frozenset[Code]) -> Iterator[Code]:
     """Codes of one statement."""
     if isinstance(node, DeferredBlock):
-        raw = node._raw
-        if not any(_pattern(code).search(raw) for code in wanted):
+        if not _pattern(wanted).search(node._raw):
             return
         node = node.made()
     if isinstance(node, Block):
@@ -76,8 +78,7 @@ def _of(program: Program, node: Statement, wanted: frozenset[Code]) -> Iterator[
 
 def _of_table(program: Program, table: BlockTable, wanted: frozenset[Code]) -> Iterator[Code]:
     if table.words is None:
-        data = program.files[table.file].data
-        wanted = frozenset(code for code in wanted if _pattern(code).search(data, table.begin, table.end))
+        wanted = _perhaps(program.files[table.file].data, table.begin, table.end, wanted)
     begin, line = table.begin, table.first_line
     while wanted and begin < table.end:
         words, begin, line = program.load(table, begin, line, _PIECE)
@@ -89,10 +90,35 @@ def _of_table(program: Program, table: BlockTable, wanted: frozenset[Code]) -> I
             return
 
 
-def _pattern(code: Code) -> re.Pattern[bytes]:
-    """Where a code may stand in a text, blanks and leading zeros as they come."""
-    whole, tenth = divmod(code[1], 10)
-    letter = f"[{code[0].upper()}{code[0].lower()}]"
-    fraction = rf"[ \t]*\.[ \t]*{tenth}" if tenth else r"(?![ \t]*[0-9])"
-    digits = r"[ \t]*".join(str(whole))
-    return re.compile(rf"{letter}[ \t+]*[0 \t]*{digits}{fraction}".encode())
+def _perhaps(data: bytes, begin: int, end: int, wanted: frozenset[Code]) -> frozenset[Code]:
+    """Those codes that may stand in a long text: what has their letter and their digits near one another.
+
+    Letters of few words (L, M) are looked for themselves, G by its digits: most lines have one.
+    """
+    found: set[Code] = set()
+    for at in range(begin, end, _PIECE):
+        piece = np.frombuffer(data, np.uint8, min(end, at + _PIECE + _NEAR) - at, at)
+        left = wanted - found
+        for letter, whole in {(letter, str(tenths // 10)) for letter, tenths in left}:
+            if letter == "G" and len(whole) > 1:
+                hits = np.flatnonzero((piece[:-1] == ord(whole[0])) & (piece[1:] == ord(whole[1])))
+                hits = hits[np.isin(piece[hits - 1], _BEFORE) | (hits == 0)]
+            else:
+                hits = np.flatnonzero((piece == ord(letter)) | (piece == ord(letter.lower())))
+            codes = frozenset(code for code in left if code[0] == letter and str(code[1] // 10) == whole)
+            pattern = _pattern(codes)
+            if any(pattern.search(data, max(begin, at + n - _NEAR), at + n + _NEAR) for n in hits.tolist()):
+                found |= codes
+        forget(data, at, min(end, at + _PIECE))
+    return frozenset(found)
+
+
+@functools.cache
+def _pattern(codes: frozenset[Code]) -> re.Pattern[bytes]:
+    """Where some codes may stand in a text, blanks and leading zeros as they come."""
+    forms = []
+    for letter, tenths in sorted(codes):
+        whole, tenth = divmod(tenths, 10)
+        fraction = rf"[ \t]*\.[ \t]*{tenth}" if tenth else r"(?![ \t]*[0-9])"
+        forms.append(rf"[{letter.upper()}{letter.lower()}][ \t+]*[0 \t]*{whole}{fraction}")
+    return re.compile("|".join(forms).encode() if forms else b"(?!)")

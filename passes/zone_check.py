@@ -141,7 +141,7 @@ class ZoneCheck:
         if blend:
             around, above = around + blend, above + blend
             causes.append("how the controller rounds corners (P, Q)")
-        shape, outer_shape = shape_of(self.area), shape_of(self.area)
+        shape = outer_shape = shape_of(self.area)
         grow = part.width[1] / 2 + around
         if math.isinf(grow):
             outer_shape, x, y, grow = Rectangle(EVERYWHERE, EVERYWHERE), EVERYWHERE, EVERYWHERE, 0.0

@@ -32,6 +32,7 @@ min = -90
 max = 90
 [tools.1]
 length = 12
+diameter = 1e-9
 """
 SETUP = """schema = "gproof-setup/1"
 homed = ["x", "y", "z", "a"]

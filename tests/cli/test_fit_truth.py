@@ -135,7 +135,7 @@ class Zoned(Job):
     """With a keep-out zone, and tools that have a diameter."""
 
     zone: str = ""
-    diameter: float = 0.0
+    diameter: float = 1.0
 
     def machine_text(self) -> str:
         text = super().machine_text()
@@ -156,7 +156,7 @@ def zoned(rng: random.Random, job: Job) -> Zoned:
     z = "" if rng.random() < 0.4 else f"z = [-inf, {rng.uniform(-30, 60)!r}]\n"
     zone = f'[[keep_out]]\nname = "clamp"\n{where}{z}'
     fields = {f.name: getattr(job, f.name) for f in dataclasses.fields(Job)} | {"area": None}
-    return Zoned(**fields, zone=zone, diameter=rng.choice((0.0, 6.0)))
+    return Zoned(**fields, zone=zone, diameter=rng.choice((1.0, 6.0)))
 
 
 def agrees(rng: random.Random, folder: Path, job: Job, fit: Fit, where: str) -> None:
@@ -276,6 +276,7 @@ def test_offsets_where_g0_is_not_straight_are_what_check_says(
         if rng.random() < 0.5:
             x, y, z = (points[rng.randrange(len(points))] + [rng.uniform(-40, 40) for _ in "xyz"]).tolist()
             zone = f'[[keep_out]]\nname = "clamp"\nx = [{x}, {x + 20.0}]\ny = [{y}, {y + 20.0}]\nz = [-inf, {z}]\n'
+            zone += "[tools.1]\ndiameter = 2.0\n"
 
         def ask(these: made_jobs.Made) -> Judgement:
             session = made_jobs.opened(tmp_path, these, made_jobs.machine_of(these, limits, zone))  # noqa: B023

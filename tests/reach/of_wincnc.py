@@ -6,7 +6,7 @@ from reach.witness import Witnesses, m
 from reach.worlds import WINCNC, World, exactly
 
 from gproof.ir.controls import SawMode, TorchControl, Workspace
-from gproof.ir.machine import Area, AxisKind
+from gproof.ir.machine import Area, AxisKind, Tool
 
 w = Witnesses()
 # -- Controls
@@ -109,7 +109,9 @@ w(
     f"{K}.smoothing",
     False,
 )
-HOMER = WINCNC.with_setup(keep_out=(Area(name="post", box=((30.0, 40.0), (-50.0, 9.0), (-150.0, -9.0))),))
+HOMER = WINCNC.but(*m(("machine.tools", (Tool(number=1, diameter=6.0),)))).with_setup(
+    tool=1, keep_out=(Area(name="post", box=((30.0, 40.0), (-50.0, 9.0), (-150.0, -9.0))),)
+)
 w("Controls.homing", HOMER, "G28; G0 X1", f"{K}.homing", ())
 for name, value in (
     ("distances", (("y", 5.0),)),
