@@ -58,9 +58,10 @@ BOX = (40.0, -10.0, -60.0, 60.0, 10.0, 0.0)
 
 
 def bodies(work: str = "1") -> str:
-    """The same box as a zone, a fixture, the part and stock that nothing may rapid through."""
+    """The same box as a zone, a fixture, and the part."""
     low, high = list(BOX[:3]), list(BOX[3:])
-    zone = f'[[keep_out]]\nname = "zone"\nx = [{low[0]}, {high[0]}]\ny = [{low[1]}, {high[1]}]\nz = [{low[2]}, {high[2]}]\n'
+    sides = "".join(f"{axis} = [{a}, {b}]\n" for axis, a, b in zip("xyz", low, high, strict=True))
+    zone = f'[[keep_out]]\nname = "zone"\n{sides}'
     zone += "" if work == '"machine"' else f"work = {work}\n"
     tables = ("[[fixtures]]", "[[part]]")
     return zone + "".join(f"{table}\nbox = [{low}, {high}]\nwork = {work}\n" for table in tables)
@@ -157,7 +158,7 @@ def test_a_tool_that_the_table_lacks_may_be_anything(tmp_path: Path) -> None:
 def test_a_diameter_of_the_tool_library(tmp_path: Path, line: str, verdict: Verdict) -> None:
     """WinCNC L500.2: A is the actual diameter of a tool, N the nominal one."""
     machine = MACHINE + '[controller]\ndialect = "wincnc"\nstraight_traverse = true\n'
-    setup = SETUP.split("[work.1]")[0] + "measures = {z = 0.0}\n" + bodies()
+    setup = SETUP.split("[work.1]", maxsplit=1)[0] + "measures = {z = 0.0}\n" + bodies()
     program = f"G90\n{line}\nG0 Z150\nG0 X0 Y15\nG1 Z-20 F600\nG1 X100\nG0 Z100\n"
     assert all_are(verdicts(tmp_path, program, setup=setup, machine=machine, dialect="wincnc"), verdict)
 
