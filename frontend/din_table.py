@@ -26,6 +26,8 @@ OFFSET_ROWS = 5
 LARGEST_PROGRAM = 12 * 2**20
 """Bytes that SZTSK3 may be set to, about (13.1.1.13)."""
 MOST_PARAMETERS = 50
+MOST_CHANNELS = 9
+"""The number of a channel is one digit of M26 and M27 (4.11)."""
 
 TIME_UNITS = {"min": 60.0, "s": 1.0}
 WAIT_UNITS = {"ms": 0.001, "s": 1.0}
@@ -101,6 +103,7 @@ def _settings(table: TomlTable, unit: Fraction, axes: tuple[Axis, ...]) -> dict[
         "program_size": table.whole("program_size", 1, LARGEST_PROGRAM),
         "pre_include": _file_name(table, "pre_include"),
         "post_include": _file_name(table, "post_include"),
+        "channels": table.whole("channels", 1, MOST_CHANNELS),
         "keeps_over_codes": None if persistence is None else persistence == "keep",
     }
 

@@ -757,6 +757,8 @@ UNUSED_ALLOWANCE = code(609, "unused-allowance", _W, "nothing here is {codes}: t
 ERROR_NOT_ALLOWED = code(610, "error-not-allowed", _W, "{code} is an error here, which no comment accepts", "policy")
 NO_SUCH_KEY = code(611, "no-such-key", _E, "there is no key {key!r}", "files")
 
+FOREIGN_FACT = code(630, "foreign-fact", _U, "{what}; what it says is not used", "files")
+
 # 7xx printing and translation
 FORMAT_DIFFERS = code(
     701, "format-differs", _E, "the formatted text would be another program: {what}; nothing was written", "printing"

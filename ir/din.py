@@ -69,7 +69,8 @@ class Din:
     rw_SymPas; wait_unit: seconds in the unit of wt. arc_tolerance: mm by which the radii at start and end of an arc may
     differ. program_size: bytes that a compiled program may have (SZTSK3, 13.1.1.13). pre_include, post_include: files
     that are compiled before and behind each job, relative to the machine file. keeps_over_codes: a bare line goes on
-    with the last motion even behind another G code or a ``$`` line. unstated: those of ``USUAL`` that no file states.
+    with the last motion even behind another G code or a ``$`` line. channels: axis channels of the board, which M26 and
+    M27 number (4.11), None: not stated. unstated: those of ``USUAL`` that no file states.
     """
 
     version: str = VERSIONS[0]
@@ -89,6 +90,7 @@ class Din:
     pre_include: str = ""
     post_include: str = ""
     keeps_over_codes: bool = False
+    channels: int | None = None
     unstated: tuple[str, ...] = tuple(USUAL)
 
     def task(self, code: str) -> TaskCode | None:

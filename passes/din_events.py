@@ -203,9 +203,21 @@ def _whole(ex: Motion, line: Part, rule: CodeRule, low: int, high: int) -> int:
     return number
 
 
+def _channel_there(ex: Motion, line: Part, rule: CodeRule, channel: int) -> None:
+    """GP296 for an axis channel that the board is stated not to have; GP113 where the machine's axes do not show it."""
+    channels = din_of(ex.machine).channels
+    if channels is not None and channel > channels:
+        raise Refusal(codes.AXIS_NOT_THERE.at(line.where(PARAMETER), axis=f"channel {channel} ({rule.text})"))
+    if channels is None and channel > len(ex.machine.axes):
+        what = f"{rule.text} of axis {channel}, of {len(ex.machine.axes)} that the machine file has"
+        hint = "channels under [din] of the machine file says how many the board has"
+        raise Refusal(codes.UNSUPPORTED_CODE.at(line.where(PARAMETER), code=what, hint=hint))
+
+
 def output(ex: Motion, line: Part, rule: CodeRule) -> None:
     """M26, M27: axis number and output; 00: all outputs of the axis. Motion does not stop for it."""
     number = _whole(ex, line, rule, 100, 999)
+    _channel_there(ex, line, rule, number // 100)
     on = float(rule.function is F.OUTPUT_ON)
     channels = range(number + 1, number + 100) if number % 100 == 0 else (number,)
     s = ex.modal

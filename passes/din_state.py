@@ -138,9 +138,9 @@ def has_tools(machine: Machine) -> bool | None:
 
 
 def zero_offset_table(modal: Modal, record: int, axis: int) -> Position:
-    """A number of the zero offset table, G54 first (3.19): the machine's file, else the setup, else an unknown."""
+    """A number of the zero offset table, G54 first (3.19): the setup's, else the machine's file, else an unknown."""
     table = din_of(modal.machine).zero_offsets
-    if table is not None:
+    if table is not None and (record, AXIS_NAMES[axis]) not in modal.setup.work:
         row = table[record - 1] if record <= len(table) else ()
         return Position(row[axis]) if axis < len(row) else NOWHERE
     return modal._symbol(f"work.{record}.{AXIS_NAMES[axis]}")
@@ -169,6 +169,11 @@ def prepare(modal: Modal) -> None:
     for number in range(1, 6):
         for axis in range(AXES):
             modal.work_offsets[number, axis] = zero_offset_table(modal, number, axis)
+    if setup.active_work is not None and 1 <= setup.active_work <= 5:
+        # The offset in force, where [g92] does not state it, is that record.
+        for axis, name in enumerate(AXIS_NAMES):
+            if setup.interval(f"g92.{name}") is None:
+                modal.g92[axis] = modal.work_offsets[setup.active_work, axis]
     modal.tool = setup.tool
     modal.tool_offset = [Position(0.0)] * AXES
     if din.tools is None and setup.default_offset is None:

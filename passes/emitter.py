@@ -15,6 +15,7 @@ from gproof.ir.setup import Interval, Setup
 from gproof.ir.trace import Edge, Op, Trace, Wait
 from gproof.passes.beside import Ahead
 from gproof.passes.compiled import Condition, FastBlock
+from gproof.passes.din_facts import foreign
 from gproof.passes.din_state import whole_numbers
 from gproof.passes.expressions import Evaluator
 from gproof.passes.foreseen import lengths_foreseen
@@ -96,6 +97,9 @@ class Emitter:
         # Where cycles rise to from a place whose height beside their R is not known, by place and R.
         self.risen: dict[tuple[Position, Position], Position] = {}
         self._start_system(setup)
+        if program.rules.source_order:
+            for what in foreign(setup, machine):
+                self._fail(codes.FOREIGN_FACT.at(Span(setup.name, 0), what=what))
         # What is still to do, and what branches and loops keep of it: passes/branches.py, passes/loops.py.
         self.branches = 0
         self._stack: list[Frame] = [Frame(program.body)]

@@ -9,6 +9,7 @@ from gproof.frontend.mcuwin.pascal_expressions import COMMON, ExpressionParser
 from gproof.frontend.mcuwin.pascal_lexer import Token
 from gproof.frontend.mcuwin.pascal_types import Parameter, Symbol, Type, assignable
 from gproof.ir import codes
+from gproof.ir.dialects.mcuwin import OFFSETS_AT, PROTECTED
 from gproof.ir.dialects.mcuwin_pascal import KEYWORDS, SYSTEM_NAMES
 from gproof.ir.program import (
     Assign,
@@ -25,8 +26,18 @@ from gproof.ir.program import (
 )
 
 _SYSTEM_POSITIONS = range(60, 68)
+_ERROR_BITS = 48
 ENDS = frozenset(("end", "until", "else"))
 Statements = tuple[Statement, ...]
+
+
+def _is_system(number: int, type_: Type) -> bool:
+    """Whether a common variable belongs to the controller, so that writing it may change anything (4.20, 11).
+
+    Not the offsets of G153 and G154 (CD50 and on, 3.33) and the error bits that are the application's (CI48).
+    """
+    own = OFFSETS_AT <= number < OFFSETS_AT + 10 if type_ is Type.DOUBLE else number == _ERROR_BITS
+    return number < PROTECTED and not own
 
 
 class CommandParser(ExpressionParser):
@@ -53,6 +64,11 @@ class CommandParser(ExpressionParser):
             if isinstance(node, Variable) and type_ is Type.DOUBLE and int(token.text[2:]) in _SYSTEM_POSITIONS:
                 what = f"{token.text.upper()} holds a reference position of the system, and is written"
                 self.report(codes.PASCAL_OPEN, token, what=what, hint="McuWIN manual 14 (2.5.3.40): use CD600 to CD699")
+            elif isinstance(node, Variable) and _is_system(int(token.text[2:]), type_):
+                what = f"{token.text.upper()} is one of the controller's own, and is written"
+                self.report(
+                    codes.PASCAL_OPEN, token, what=what, hint="McuWIN manual 11: use CI600 to CI699, CD600 to CD699"
+                )
             return (node, type_) if isinstance(node, Variable) else (None, type_)
         symbol = self.symbols.resolve(token.text, self.lexer.span(token))
         if symbol is None:

@@ -1,0 +1,80 @@
+"""What a setup or machine file states that controllers of DIN blocks with Pascal inside (McuWIN) do not have: GP630.
+
+Such a statement is true of another controller, or is meant for a setting that has another name here. Nothing of it
+reaches the job's answer, so that the answer is UNKNOWN. Source: APCI-8001 G-code manual, McuWIN V 2.5.3.133, which has
+no rotation and no scaling (3), lengths of tools in ToolComp.INI alone (2.7), five records of zero offsets (3.19), and
+whole numbers in CI (11).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+
+from gproof.ir.controls import NO_CONTROLS
+from gproof.ir.dialects.mcuwin import COMMON, DECLARED
+from gproof.ir.din import NO_DIN
+from gproof.ir.machine import AXIS_NAMES, Machine
+from gproof.ir.setup import Interval, Setup
+
+RECORDS = 5
+"""Of zero offsets: G54 to G58 (3.19, 14 (2.5.3.23))."""
+_FIRST_INPUT = 101
+"""Digital inputs have the number of their axis in front (4.11, 7)."""
+
+
+def _contradicted(setup: Setup, machine: Machine, name: str) -> bool:
+    """Whether [g92] and the record that active_work names state zero offsets in force that exclude each other."""
+    number, now = setup.active_work, setup.g92.get(name)
+    if number is None or now is None or number > RECORDS:
+        return False
+    record = setup.work.get((number, name))
+    table = (machine.controller.din or NO_DIN).zero_offsets or ()
+    if record is None and number <= len(table):
+        record = Interval(table[number - 1][AXIS_NAMES.index(name)], table[number - 1][AXIS_NAMES.index(name)])
+    return record is not None and (record.high < now.low or record.low > now.high)
+
+
+def foreign(setup: Setup, machine: Machine) -> Iterator[str]:
+    """What of both no McuWIN has, in the words of the files; what is neutral everywhere is left out."""
+    turned = setup.transform
+    if turned is not None and (
+        math.fmod(turned.angle or 0.0, 360.0) or (turned.factor_x or 1.0, turned.factor_y or 1.0) != (1.0, 1.0)
+    ):
+        yield "[transform]: no code of this controller rotates or scales"
+    if any(ends.low or ends.high for ends in setup.heads.values()):
+        yield "[heads]: no code of this controller selects a head"
+    if setup.cylinder is not None:
+        yield "[cylinder]: a cylinder is programmed by G51 (3.17)"
+    if setup.height_map is not None:
+        yield "[height_map]: this controller follows none"
+    if any(ends.low or ends.high for ends in setup.tool_lengths.values()):
+        yield "lengths of tools ([tools], tool_length): this controller has them in ToolComp.INI (2.7)"
+    if any(ends.low or ends.high for ends in setup.measures.values()):
+        yield "[measures]: this controller has lengths of tools in ToolComp.INI (2.7)"
+    if any(number > RECORDS and (ends.low or ends.high) for (number, _), ends in setup.work.items()):
+        yield "[work.6] and on: there are five records of zero offsets, G54 to G58 (3.19)"
+    if setup.active_work is not None and setup.active_work > RECORDS:
+        yield f"active_work = {setup.active_work}: there are five records of zero offsets, G54 to G58 (3.19)"
+    other = [name for name in AXIS_NAMES if _contradicted(setup, machine, name)]
+    if other:
+        names = " ".join(name.upper() for name in other)
+        yield f"active_work = {setup.active_work} beside [g92], which states another zero offset in force for {names}"
+    strange = [number for number in setup.inputs if number < _FIRST_INPUT]
+    if strange:
+        yield f'[inputs] {strange[0]}: inputs here have an axis, "X.digib.1" (7)'
+    stated = {**{n: (v, v) for n, v in setup.parameters.items()},
+              **{n: (r.low, r.high) for n, r in setup.parameter_ranges.items()}}  # fmt: skip
+    for number, ends in sorted(stated.items()):
+        if number >= DECLARED:
+            yield f"[parameters] {number}: CD0 is 0, CI0 is {COMMON}, and CI999 is {DECLARED - 1}"
+        elif number >= COMMON and not all(end == math.floor(end) and abs(end) < 2.0**31 for end in ends):
+            yield f"[parameters] {number}: CI{number - COMMON} is a whole number of 32 bits (11)"
+    controller = machine.controller
+    for key in ("diameter_programming", "absolute_arc_centers", "turning", "extruder"):
+        if getattr(controller, key):
+            yield f"{key} of the machine file: this controller does not have it"
+    if machine.knife is not None:
+        yield "[knife] of the machine file: this controller turns none"
+    if controller.controls != NO_CONTROLS:
+        yield "[controls] of the machine file: settings of another controller"
