@@ -16,7 +16,8 @@ from gproof.ir.program import FLAG_BARE
 from gproof.passes.execute_kernels import LARGEST, badly_conditioned, radius_center
 
 # Layout of the integer state; what a run leaves: RESET: a motion mode was set; USED: feeds of moves were taken;
-# NOTED: a line with a motion was executed; LINES: how many lines were.
+# NOTED: a line with a motion was executed; LINES: how many lines were. KEPT: I and J of the arc
+# before: 0 there are none, 1 known, 2 not known (after R, another unit, an arc of open words) until a line has both.
 (
     MOTION, ABSOLUTE, CENTER_ABSOLUTE, CENTER_KNOWN, ARCS_MODAL, HELICAL, LINEAR, KEPT, RESET, USED, NOTED, LINES,
     DOUBT, SHARE,
@@ -270,13 +271,13 @@ def run_moves(
                 # Nearly half circles get a warning: Python path, as errors do.
                 if bad != 0 or badly_conditioned(p0, p1, p2, t0, t1, t2, 1, vr * unit) == 1:
                     return word, row
-                kept = 0
+                kept = 2
             else:
                 if seen & 192 == 192:
                     kept = 1
                     i = vi * unit
                     j = vj * unit
-                elif seen & 192 or kept == 0:
+                elif seen & 192 or kept != 1:
                     return word, row
                 if ints[CENTER_ABSOLUTE] == 0:
                     c0 = p0 + i

@@ -594,7 +594,7 @@ def _keep_words(s: Modal, line: Command) -> None:
     """I and J that a later arc counts with, of an arc that nobody can follow."""
     given = [line.values.get(letter) for letter in "IJ"]
     if "R" in line.values:
-        s.single = s.single.but(center=None)
+        s.single = s.single.but(center=(math.nan, math.nan))
     elif given != [None, None]:
         i, j = (value * s.unit if isinstance(value, float) else math.nan for value in given)
         s.single = s.single.but(center=(math.nan, math.nan) if math.isnan(i + j) else (i, j))
@@ -626,7 +626,8 @@ def _center(
         warning = radius_arc_warning(line.span, chord, radius, s.unit != 1.0)
         if warning is not None:
             ex.findings.add(warning)
-        s.single = s.single.but(center=None)
+        # Whether R leaves the I and J before it, those of its own centre, or none is not told.
+        s.single = s.single.but(center=(math.nan, math.nan))
         return [x, y]
     kept = s.single.center
     if not given:

@@ -44,7 +44,6 @@ def is_plain(s: Modal) -> bool:
         and not s.feed_unknown
         and s.pitch == 0.0
         and not s.following
-        and not (single.center is not None and math.isnan(single.center[0]))
         and not (s.clamped or s.drives_were_off or s.not_programmed)
     )
 
@@ -104,7 +103,7 @@ class PlainLines:
         ints: Any = [
             s.motion, int(s.absolute),
             int(ex.machine.controller.absolute_arc_centers), int(known), int(controls.arcs_modal),
-            int(controls.helical_arcs), self.linear, int(kept is not None), 0, 0, 0, 0, int(s.single.feed_doubt),
+            int(controls.helical_arcs), self.linear, _known(kept), 0, 0, 0, 0, int(s.single.feed_doubt),
             -1 if controls.arcs_share_feed is None else int(controls.arcs_share_feed),
         ]  # fmt: skip
         smallest = -math.inf if controls.smallest_arc is None else controls.smallest_arc
@@ -121,6 +120,11 @@ class PlainLines:
         return ints, floats, form, offset_form
 
 
+def _known(kept: tuple[float, float] | None) -> int:
+    """KEPT of the kernels: 0 none, 1 known, 2 not known."""
+    return 0 if kept is None else 2 if math.isnan(kept[0]) else 1
+
+
 def _unpack(ex: Motion, state: tuple[Any, Any, Any, Any], rows: int) -> None:
     """Take over what ``run_moves`` has made of the state."""
     ints, floats = (part if isinstance(part, list) else part.tolist() for part in state[:2])
@@ -128,7 +132,9 @@ def _unpack(ex: Motion, state: tuple[Any, Any, Any, Any], rows: int) -> None:
     ex.blocks += ints[k.LINES]
     if ints[k.LINES]:
         feeds = tuple(floats[k.FEEDS : k.FEEDS + AXES])
-        center = (floats[k.KEPT_I], floats[k.KEPT_J]) if ints[k.KEPT] else None
+        # One object for what is not known: states are compared.
+        lost = (math.nan, math.nan) if ints[k.KEPT] == 2 else None
+        center = (floats[k.KEPT_I], floats[k.KEPT_J]) if ints[k.KEPT] == 1 else lost
         arc_feed = None if floats[k.ARC_FEED] < 0 else floats[k.ARC_FEED]
         s.single = s.single.but(feeds=feeds, center=center, arc_feed=arc_feed, feed_doubt=bool(ints[k.DOUBT]))
     if ints[k.NOTED]:

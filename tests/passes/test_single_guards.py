@@ -125,3 +125,31 @@ def test_codes_of_a_macro_file_that_was_not_given(tmp_path: Path, code: str) -> 
     assert "GP112" not in {finding.code.label for finding in found.findings.kept}
     assert any("CNC.MAC" in finding.hint for finding in found.findings.kept)
     assert answer(tmp_path, f"G90\n{code}\n")[1] >= {"GP112"}
+
+
+BEHIND_R = [
+    # J left out after R: 10, that of the arc before, or 0, or that of R's own centre
+    ("G2 X0 Y20 I0 J10\nG2 X10 Y20 R20\nG2 I5\n", "GP405"),
+    ("G2 X0 Y20 I0 J10\nG2 X10 Y20 R20\nG2 J5\n", "GP405"),
+    # the circle about I and J before R, or about the centre that R had
+    ("G2 X0 Y20 I0 J10\nG2 X10 Y20 R20\nG2\n", "GP405"),
+    ("G2 X10 Y0 R20\nG3\n", "GP405"),
+    ("G2 X10 Y0 R20\nG3 I5\n", "GP405"),
+    # with both words nothing is open
+    ("G2 X0 Y20 I0 J10\nG2 X10 Y20 R20\nG2 I5 J0\n", ""),
+    ("G2 X0 Y20 I0 J10\nG2 X10 Y20 R20\nG2 I5 J0\nG2\n", ""),
+    ("G2 X10 Y0 R20\nG3 X0 Y0 R20\n", ""),
+]
+
+
+@pytest.mark.parametrize(("text", "code"), BEHIND_R)
+@pytest.mark.parametrize("between", ["", "[not a plain line]\nG4 X0.1\n"])
+def test_i_and_j_after_a_radius_are_not_taken_to_be_zero(tmp_path: Path, text: str, code: str, between: str) -> None:
+    """G2, G3: "previous I J values are kept" says nothing of an arc by R between them."""
+    lines = text.splitlines()
+    job = "\n".join([*lines[:-1], *between.splitlines(), lines[-1]])
+    verdict, found = answer(tmp_path, f"G90\nG92\nG0 X100 Y100 Z-10\nG92 X0 Y0\n{job}\n")
+    assert (verdict, found & {"GP405", "GP203"}) == (
+        Verdict.UNKNOWN if code else Verdict.SAFE,
+        {code} if code else set(),
+    )

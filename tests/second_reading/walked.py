@@ -13,7 +13,7 @@ from dataclasses import dataclass, field
 Point = dict[str, float]
 Limits = Mapping[str, tuple[float | None, float | None]]
 MOST_READINGS = 96
-STEP_OF_ARC = math.radians(0.5)
+STEP_OF_ARC = math.radians(1.0)
 
 
 class NotRead(Exception):

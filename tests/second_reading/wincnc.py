@@ -593,7 +593,7 @@ class Run:
                 targets[receiver] = value
         if self.sends and len({r for a in words for r in self.sends.get(a, (a,))}) < len(words):
             raise NotRead("two words for one axis")
-        end = dict(self.last)
+        end = self.programmed() if self.relative else dict(self.last)
         for axis, value in targets.items():
             distance = value * self.size(axis)
             end[axis] = end[axis] + distance if self.relative else distance

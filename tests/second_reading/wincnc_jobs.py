@@ -14,6 +14,9 @@ AXES = ("X", "Y", "Z", "W")
 SETTLED = {
     "L10: cells from the first start, from where the last ended": 0,  # the page: from where the array began
     "L3 stores places of the machine, local places": 0,  # the page: machine positions
+    "M37 under G92: its value is in the workspace, in local coordinates": 0,  # the page: it sets the workspace
+    # as for Eding CNC: a coordinate that a line does not name is that of where the axes are
+    "the program's place when rotation or scaling changes: that of the machine, the last programmed": 0,
     "G52: A turns counter-clockwise, clockwise": 0,  # docs/dialects/wincnc.md: a setting, rotation_sign
 }
 """Where the page of the dialect follows one reading of an open place."""
