@@ -112,8 +112,9 @@ class Unary:
 class Binary:
     """operator: ``+``, ``**``, ``mod``, ``atan`` (two-argument arc tangent, left over right) ..., see BINARY.
 
-    doubtful: the grouping with its neighbours rests on a precedence that the manual does not state. whole: its type is
-    that of whole numbers of 32 bits; what no such number is has no value.
+    doubtful: the grouping with its neighbours rests on a precedence that the manual does not state. readings: of the
+    outermost operator of such a chain: every tree that may be meant, the usual one first, without doubtful operators.
+    whole: its type is that of whole numbers of 32 bits; what no such number is has no value.
     """
 
     operator: str
@@ -122,6 +123,7 @@ class Binary:
     span: Span
     doubtful: bool = False
     whole: bool = field(default=False, compare=False)
+    readings: tuple[Expr, ...] = field(default=(), compare=False, repr=False)
 
 
 Expr = Number | Text | Variable | Constant | Named | Input | Unary | Binary

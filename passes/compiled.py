@@ -15,7 +15,7 @@ from typing import Any
 from gproof.ir.program import Binary, Block, Constant, DeferredBlock, Expr, Number, Unary, Variable
 from gproof.ir.record import record
 from gproof.ir.rules import LanguageRules
-from gproof.passes.expressions import BINARY_FUNCTIONS, LEAST_WHOLE, MOST_WHOLE, UNARY_FUNCTIONS, open_rem
+from gproof.passes.expressions import BINARY_FUNCTIONS, LEAST_WHOLE, MOST_WHOLE, UNARY_FUNCTIONS, open_mod, open_rem
 
 HOT_LETTERS = frozenset("GFXYZABCIJKR")
 """Words of lines that ``execute_kernels.run_lines`` may take."""
@@ -113,6 +113,12 @@ def _guarded(compute: Callable[..., float]) -> Callable[..., float]:
     return guarded
 
 
+def _sure_mod(x: float, y: float) -> float:
+    if open_mod(x, y) is not None:
+        raise Slow
+    return BINARY_FUNCTIONS["mod"](x, y)
+
+
 def _sure_rem(x: float, y: float) -> float:
     if open_rem(x, y) is not None:
         raise Slow
@@ -123,7 +129,7 @@ _OPERATORS: dict[str, Callable[..., float]] = {
     **{op: BINARY_FUNCTIONS[op] for op in ("and", "or", "xor", ">", ">=", "<", "<=", "atan")},
     **{op: _compare(op) for op in ("==", "<>")},
     "**": _guarded(math.pow),
-    "mod": _guarded(BINARY_FUNCTIONS["mod"]),
+    "mod": _guarded(_sure_mod),
     "div": _guarded(BINARY_FUNCTIONS["div"]),
     "rem": _sure_rem,
     "*": _guarded(BINARY_FUNCTIONS["*"]),
@@ -169,7 +175,7 @@ class _Code:
                 return f"(-{inner})" if node.operator == "neg" else inner
             found = f"{_UNARY_NAMES[node.operator]}({inner})"
             return f"whole({found})" if node.whole else found
-        if isinstance(node, Binary) and not node.doubtful:
+        if isinstance(node, Binary) and not node.doubtful and not node.readings:
             return self._spine(node)
         raise Slow
 

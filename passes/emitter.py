@@ -69,7 +69,7 @@ class Emitter:
         self.trace = Trace(files=[f.name for f in program.files] or ["(program)"], macro_files=program.macro_files)
         self.frames = FrameTable(self.trace.frames)
         self.modal.ranges = self.trace.symbols
-        self.evaluator = Evaluator(self._read, findings, self._read_other)
+        self.evaluator = Evaluator(self._read, findings, self._read_other, self.takes)
         # A motion mode is known by the first code of its function.
         g_codes = [rule for rule in program.rules.codes.values() if rule.letter == "G"]
         self._motion_rules: dict[int, CodeRule] = {int(rule.function): rule for rule in reversed(g_codes)}

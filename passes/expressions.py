@@ -9,6 +9,7 @@ import math
 from collections.abc import Callable, Iterator
 
 from gproof.ir import codes
+from gproof.ir.dialects.accepts import USUAL_PRECEDENCE, Accepted
 from gproof.ir.finding import Findings, Refusal, Span
 from gproof.ir.program import Binary, Constant, Expr, Input, Named, Number, Text, Unary, Variable
 from gproof.passes import ranges
@@ -73,7 +74,15 @@ def open_rem(x: float, y: float) -> tuple[float, float] | None:
 
     With the sign of the first, with that of the second, or never negative: Pascals differ.
     """
-    rest = _rem(x, y)
+    return _either_rest(x, y, _rem(x, y))
+
+
+def open_mod(x: float, y: float) -> tuple[float, float] | None:
+    """The same of numbers that need not be whole: which sign a remainder has no manual of RS274 says."""
+    return None if not y or math.isinf(x) else _either_rest(x, y, math.fmod(x, y))
+
+
+def _either_rest(x: float, y: float, rest: float) -> tuple[float, float] | None:
     if (x >= 0 and y > 0) or rest == 0:
         return None
     other = rest - math.copysign(abs(y), rest)
@@ -93,7 +102,7 @@ UNARY_FUNCTIONS: dict[str, Callable[[float], float]] = {
     "fup": lambda x: float(math.ceil(x)),
     "int": lambda x: float(math.trunc(x)),
     "ln": math.log,
-    "round": _round,
+    "round": _nearest,
     "sin": lambda x: math.sin(math.radians(x)),
     "sqrt": math.sqrt,
     "tan": lambda x: math.tan(math.radians(x)),
@@ -141,6 +150,21 @@ BINARY_FUNCTIONS: dict[str, Callable[[float, float], float]] = {
 }
 
 
+NEARLY = 1e-4
+"""Numbers that are no farther apart may count as equal: what 3.2.2.1 (Eding) allows whole numbers to be off."""
+_EXACT_DIGITS = 15
+
+
+def inexact(x: float, y: float) -> bool:
+    """Whether rounding, or what a controller takes as near enough, decides if two numbers are equal.
+
+    Not of whole numbers, and not of one decimal number of up to 15 digits with itself.
+    """
+    if abs(x - y) > NEARLY or (x == math.floor(x) and y == math.floor(y)):
+        return False
+    return x != y or float(f"{x:.{_EXACT_DIGITS}g}") != x
+
+
 def _nothing(node: Named | Input) -> Value:
     raise Refusal(codes.BAD_EXPRESSION.at(node.span, what="there is nothing to read here"))
 
@@ -149,13 +173,15 @@ class Evaluator:
     """Evaluates trees.
 
     read: gives the live value of a numbered variable; read_other: of a named one, and of a channel. names: what
-    numbered variables are called that have a name.
+    numbered variables are called that have a name. takes: whether the controller does this beyond its manual.
     """
 
     def __init__(
         self, read: Callable[[float, Span], Value], findings: Findings,
         read_other: Callable[[Named | Input], Value] | None = None,
+        takes: Callable[[Accepted], bool] = lambda what: False,
     ) -> None:  # fmt: skip
+        self.takes = takes
         self.read = read
         self.read_other = read_other or _nothing
         self.findings = findings
@@ -189,7 +215,7 @@ class Evaluator:
             if ranges.unary_may_fail(expr.operator, bounds(x)):
                 self._doubt(expr.span, expr.operator, x.cause)
             return between(x.cause, self._of_32_bits(expr, ranges.unary(expr.operator, bounds(x)), x.cause))
-        if expr.operator == "nearest" and x - math.floor(x) == 0.5:
+        if expr.operator in ("nearest", "round") and x - math.floor(x) == 0.5:
             cause = "how a half is rounded"
             return between(cause, self._of_32_bits(expr, (math.floor(x), math.ceil(x)), cause))
         try:
@@ -199,6 +225,8 @@ class Evaluator:
             raise _fail(expr.span, f"{shown} of {x:g} has no value") from None
 
     def _binary(self, expr: Binary) -> Value:
+        if expr.readings:
+            return self._readings(expr)
         # A chain of operators of one group is a deep left spine: walked, not recursed.
         spine = [expr]
         while isinstance(spine[-1].left, Binary):
@@ -207,6 +235,35 @@ class Evaluator:
         for node in reversed(spine):
             value = self._apply(node, value, self._right(node, value))
         return value
+
+    def _readings(self, expr: Binary) -> Value:
+        """The value of a chain that the manual lets group in several ways: between all of theirs, where they differ."""
+        usual, *others = expr.readings
+        if not others or self.takes(USUAL_PRECEDENCE):
+            return self.value(usual)
+        values: list[Value] = []
+        failed: list[Refusal] = []
+        for tree in expr.readings:
+            try:
+                values.append(self.value(tree))
+            except Refusal as refusal:
+                if refusal.finding.code != codes.ARITHMETIC:
+                    raise
+                failed.append(refusal)
+        if not values:
+            raise failed[0]
+        names = " and ".join(sorted({_SHOWN.get(one, one) for one in _operators(expr)}))
+        cause = f"an open precedence of {names}"
+        if failed:
+            self._doubt(expr.span, names, cause)
+        low, high = min(bounds(value)[0] for value in values), max(bounds(value)[1] for value in values)
+        if low == high and not failed:
+            return values[0]
+        ends = f"{low:g} to {high:g}: " if math.isfinite(high - low) and not failed else ""
+        self._tell(codes.PRECEDENCE.number, expr.span, lambda: codes.PRECEDENCE.at(
+            expr.span, operators=names, hint=f"{ends}brackets say what is meant, or {USUAL_PRECEDENCE.hint}",
+        ))  # fmt: skip
+        return Unknown(cause, low, high)
 
     def _right(self, node: Binary, left: Value) -> Value:
         """What stands on the right. Where the left side decides, a controller may pass it over: no error then."""
@@ -230,26 +287,29 @@ class Evaluator:
 
     def _apply(self, expr: Binary, x: Value, y: Value) -> Value:
         if expr.doubtful:
+            # Too many ways to group, or a sign that Pascal takes either way: nothing is known of the value.
+            names = " and ".join(sorted({_SHOWN.get(one, one) for one in _operators(expr)}))
             self._tell(codes.PRECEDENCE.number, expr.span, lambda: codes.PRECEDENCE.at(
-                expr.span, operators=" and ".join(sorted({_SHOWN.get(one, one) for one in _operators(expr)})),
-                hint="brackets say what is meant",
+                expr.span, operators=names, hint="brackets say what is meant",
             ))  # fmt: skip
+            return Unknown(f"an open precedence of {names}")
         if isinstance(x, Unknown) or isinstance(y, Unknown):
             cause = x.cause if isinstance(x, Unknown) else y.cause if isinstance(y, Unknown) else ""
             if ranges.binary_may_fail(expr.operator, bounds(x), bounds(y)):
                 self._doubt(expr.span, expr.operator, cause)
             return between(cause, self._of_32_bits(expr, ranges.binary(expr.operator, bounds(x), bounds(y)), cause))
-        if expr.operator in ("==", "<>") and not (x == math.floor(x) and y == math.floor(y)):
+        if expr.operator in ("==", "<>") and inexact(x, y):
             self._tell(codes.INEXACT_COMPARISON.number, expr.span, lambda: codes.INEXACT_COMPARISON.at(
                 expr.span, left=x, right=y, operator=expr.operator,
                 hint="compare against a range instead",
             ))  # fmt: skip
+            return Unknown(f"whether {x!r} and {y!r} are equal", 0.0, 1.0)
         if expr.operator == "shr" and x < 0:
             return Unknown("what shr makes of a negative number")
         if expr.whole and expr.operator in ("<<", "shr") and y >= _BITS:
             return Unknown(f"a shift by {y:g} bits")
         result = self._result(expr, self._compute(expr, x, y))
-        either = open_rem(x, y) if expr.operator == "rem" else None
+        either = open_rem(x, y) if expr.operator == "rem" else open_mod(x, y) if expr.operator == "mod" else None
         return result if either is None else Unknown("mod of or by a negative number", *either)
 
     def _result(self, expr: Unary | Binary, x: float) -> float:

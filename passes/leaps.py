@@ -93,7 +93,7 @@ def leap_of(node: While | Repeat | For, rules: LanguageRules) -> Leap | None:
         own = _number(node.variable, rules)
         return None if own is None or own in steps else Leap(tuple(steps.items()))
     test = node.condition
-    if not isinstance(test, Binary) or test.operator not in _NOT or test.doubtful:
+    if not isinstance(test, Binary) or test.operator not in _NOT or test.doubtful or test.readings:
         return None
     operator, left, right = test.operator, test.left, test.right
     counter = _number(left, rules)
@@ -127,7 +127,7 @@ def _literal(node: Expr) -> float | None:
 
 def _step(value: Expr, rules: LanguageRules) -> tuple[int, float] | None:
     """(variable, what is added to it) of ``v + c``, ``c + v`` and ``v - c``."""
-    if not isinstance(value, Binary) or value.operator not in ("+", "-") or value.doubtful:
+    if not isinstance(value, Binary) or value.operator not in ("+", "-") or value.doubtful or value.readings:
         return None
     number, step = _number(value.left, rules), _literal(value.right)
     if number is None and value.operator == "+":

@@ -11,7 +11,7 @@ from gproof.ir.finding import Refusal, Span
 from gproof.ir.machine import AXES, AXIS_NAMES, Machine
 from gproof.ir.rules import LanguageRules, ParameterRange
 from gproof.ir.setup import Interval, Setup
-from gproof.ir.trace import HEIGHT_MAP, Boundary, PathMode, Plane, State, TipOffset, ToolDiameter
+from gproof.ir.trace import HEIGHT_MAP, UNKNOWN, Boundary, PathMode, Plane, State, TipOffset, ToolDiameter
 from gproof.passes import din_state
 from gproof.passes.compensation import Compensation
 from gproof.passes.heads import head_offset
@@ -231,6 +231,8 @@ class Modal:
             and not self.drives_were_off
             and not self.jumped
             and not self.feed_unknown
+            # From nowhere an arc goes nowhere: whether its ends fit nobody can say.
+            and all(place.form != UNKNOWN for place in self.position)
         )
 
     @property

@@ -123,8 +123,10 @@ def binary(operator: str, x: Range, y: Range) -> Range:
     if operator == "/" and not y[0] <= 0.0 <= y[1]:
         values = [_quotient(a, b) for a in x for b in y]
         return ANY if any(math.isnan(v) for v in values) else widened(min(values), max(values))
-    if operator == "mod" and y[0] == y[1] and y[0] > 0:
-        return 0.0, y[0]
+    if operator == "mod" and math.isfinite(y[0]) and math.isfinite(y[1]) and not y[0] <= 0.0 <= y[1]:
+        # Whichever sign the remainder has where one of the two is negative.
+        most = max(abs(y[0]), abs(y[1]))
+        return (0.0 if x[0] >= 0.0 and y[0] > 0.0 else -most), most
     if operator == "atan":
         return -180.0, 180.0
     return ANY

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from gproof.frontend.eding.prepare import Line, LineError
 from gproof.frontend.eding.scan import WORD_LETTERS
 from gproof.ir import codes
-from gproof.ir.dialects.eding_operators import LEVEL, SIGN, is_doubtful
+from gproof.ir.dialects.eding_operators import LEVEL, SIGN, Tree, groupings, is_doubtful
 from gproof.ir.finding import Code, Span
 from gproof.ir.program import (
     Assign,
@@ -82,22 +82,52 @@ def grouped(values: Sequence[Part], operators: Sequence[str], span: Callable[[in
     """
     done: list[Part] = [values[0]]
     waiting: list[str] = []
+    doubt = False
     for operator, value in zip(operators, values[1:], strict=True):
         while waiting and LEVEL[waiting[-1]] >= LEVEL[operator]:
-            _combine(done, waiting.pop(), span)
+            doubt |= _combine(done, waiting.pop(), span)
         waiting.append(operator)
         done.append(value)
     while waiting:
-        _combine(done, waiting.pop(), span)
-    return done[0].node
+        doubt |= _combine(done, waiting.pop(), span)
+    node = done[0].node
+    if doubt and isinstance(node, Binary):
+        trees = groupings(tuple(operators), tuple(value.operator == SIGN for value in values))
+        return replace(node, readings=tuple(_grown(tree, values, operators, span).node for tree in trees))
+    return node
 
 
-def _combine(done: list[Part], operator: str, span: Callable[[int, int], Span]) -> None:
-    """The last two values become one."""
+def _grown(
+    tree: Tree, values: Sequence[Part], operators: Sequence[str], span: Callable[[int, int], Span]
+) -> Part:  # fmt: skip
+    """The nodes of a tree of places."""
+    if isinstance(tree, int):
+        if tree >= 0:
+            return values[tree]
+        signed = values[~tree]
+        assert isinstance(signed.node, Unary)
+        return Part(signed.node.operand, signed.begin, signed.end)
+    operator, one, other = tree
+    right = _grown(other, values, operators, span)
+    if operator == SIGN:
+        assert isinstance(one, int)
+        signed = values[one]
+        assert isinstance(signed.node, Unary)
+        node: Expr = Unary(signed.node.operator, right.node, span(signed.begin, right.end))
+        return Part(node, signed.begin, right.end, SIGN)
+    assert isinstance(operator, int)
+    left = _grown(one, values, operators, span)
+    node = Binary(operators[operator], left.node, right.node, span(left.begin, right.end))
+    return Part(node, left.begin, right.end, operators[operator])
+
+
+def _combine(done: list[Part], operator: str, span: Callable[[int, int], Span]) -> bool:
+    """The last two values become one; whether the manual leaves open that they do."""
     right, left = done.pop(), done.pop()
     doubtful = is_doubtful(operator, left.operator) or is_doubtful(operator, right.operator)
     node = Binary(operator, left.node, right.node, span(left.begin, right.end), doubtful)
     done.append(Part(node, left.begin, right.end, operator))
+    return doubtful
 
 
 ATAN_TAKES_TWO = "'atan' takes two values: atan[y]/[x]"

@@ -67,6 +67,13 @@ USER_MACRO_FILE = Accepted(
     "Eding 4.3 has macro.cnc only; V4.03 has both",
     (115, 605),
 )
+USUAL_PRECEDENCE = Accepted(
+    "usual-precedence",
+    ("eding",),
+    "operators are performed in this order: **, * / mod, + -, << >>, comparisons, band bor bxor, and or xor",
+    "Eding 3.2.2.3 groups nine operators, and/or/xor with + and -; 4.2 lists the others without a place among them",
+    (230,),
+)
 KEPT_MOTION = Accepted(
     "kept-motion",
     ANY,
@@ -96,6 +103,7 @@ ACCEPTS = {
         MESSAGE_FORMATS,
         DIGIT_NAMES,
         USER_MACRO_FILE,
+        USUAL_PRECEDENCE,
         KEPT_MOTION,
         REPEATED_CHANNEL,
         TEXT_AFTER_COMMENT,
