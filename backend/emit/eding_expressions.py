@@ -19,11 +19,16 @@ class Unprintable(Exception):
     """The dialect has no text for this; the argument says for what."""
 
 
-def inside(node: Expr) -> str:
-    """An expression as it stands between brackets."""
+def inside(node: Expr, *, keep: bool = False) -> str:
+    """An expression as it stands between brackets.
+
+    keep: it is part of a chain that groups in several ways, in which no bracket may go.
+    """
     if isinstance(node, Binary) and node.operator != "atan":
-        left = _operand(node.operator, node.left, node.doubtful, is_right=False)
-        right = _operand(node.operator, node.right, node.doubtful, is_right=True)
+        keep = keep or bool(node.readings)
+        left = _operand(node, node.left, keep and node.span.column < node.left.span.column, keep, is_right=False)
+        more = keep and node.right.span.end_column < node.span.end_column
+        right = _operand(node, node.right, more, keep, is_right=True)
         return f"{left} {node.operator} {right}"
     if isinstance(node, Binary):
         return f"atan[{inside(node.left)}]/[{inside(node.right)}]"
@@ -38,9 +43,10 @@ def inside(node: Expr) -> str:
     raise Unprintable("a text in an expression")
 
 
-def _operand(operator: str, node: Expr, doubtful: bool, *, is_right: bool) -> str:
+def _operand(outer: Binary, node: Expr, bracketed: bool, keep: bool, *, is_right: bool) -> str:
     """One side of a binary operator, in brackets where it would group otherwise or be doubtful without."""
-    text = inside(node)
+    operator = outer.operator
+    text = inside(node, keep=keep and not bracketed)
     if isinstance(node, Binary) and node.operator != "atan":
         inner = node.operator
         grouped = LEVEL[inner] <= LEVEL[operator] if is_right else LEVEL[inner] < LEVEL[operator]
@@ -48,7 +54,8 @@ def _operand(operator: str, node: Expr, doubtful: bool, *, is_right: bool) -> st
         inner, grouped = SIGN, False
     else:
         return text
-    return f"[{text}]" if grouped or (is_doubtful(operator, inner) and not doubtful) else text
+    doubt = is_doubtful(operator, inner) and not outer.doubtful
+    return f"[{text}]" if grouped or bracketed or doubt else text
 
 
 def _signed(node: Expr) -> str:

@@ -114,6 +114,8 @@ def load_alone(path: Path, findings: Findings, name: str = "") -> Program | None
     except Refusal as refusal:
         findings.add(refusal.finding)
         return None
+    for finding, _ in loader.waiting:
+        findings.add(finding)
     program.subprograms = loader.assembler.subprograms
     program.overrides = overrides_of(program.subprograms, program.rules)
     return program
