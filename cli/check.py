@@ -167,9 +167,10 @@ def _document(outcomes: list[Outcome], form: str, every: bool) -> str:
         outcome.report if outcome.report is not None else {"job": outcome.job, "problem": outcome.problem}
         for outcome in outcomes
     ]
-    counts = dict.fromkeys(("SAFE", "UNSAFE", "UNKNOWN", "not_judged"), 0)
+    counts = dict.fromkeys(("SAFE", "UNSAFE", "UNKNOWN", "not_judged", "conditional"), 0)
     for outcome in outcomes:
         counts[outcome.verdict.value if outcome.verdict else "not_judged"] += 1
+        counts["conditional"] += outcome.report is not None and bool(outcome.report["conditional"])
     return json.dumps({"schema": SCHEMA_OF_SEVERAL, "counts": counts, "jobs": answers}, indent=2, ensure_ascii=False)
 
 
@@ -208,7 +209,7 @@ def _check_one(
         if progress is not None:
             progress.stop()
     if drawing is not None and picture is not None:
-        drawing.write(picture, session, judgement)
+        drawing.write(picture, session, judgement, units)
     report = report_json(session, judgement, code) if form == "json" or told is not None else None
     if told is not None:
         read = report_for_people(session, judgement, code, units)

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import click
 
 from gproof.cli.conclude import with_options
+from gproof.cli.conditions import conditions_of
 from gproof.cli.files import require_file, require_place
 from gproof.cli.judge import Judgement, judge
 from gproof.cli.main import UsageError
@@ -16,7 +17,7 @@ from gproof.cli.policy import NO_POLICY, under
 from gproof.cli.properties import not_judged
 from gproof.cli.report import print_findings
 from gproof.cli.session import Running, Session, open_session
-from gproof.cli.summary import print_summary, unit_of_report
+from gproof.cli.summary import condition_text, print_summary, unit_of_report
 from gproof.ir.finding import Severity
 from gproof.ir.plan import Plan
 from gproof.ir.record import record
@@ -113,6 +114,9 @@ def run_compile(
     count = len(lowered.stream.sections)
     sections = f"{count} section{'s' if count > 1 else ''}"
     click.echo(f"{output}: certified, {report.steps} steps in {sections}, {seconds:.1f} s")
+    for name, conditions in conditions_of(judgement).items():
+        for condition in conditions:
+            click.echo(f"  if          {condition_text(condition, unit_of_report(session, judgement))} ({name})")
     click.echo(f"  certificate {digest}")
     click.echo(f"  signed by   {signer}")
     return 0

@@ -16,6 +16,7 @@ from gproof.cli.files import write_text
 from gproof.cli.fit_answer import Range
 from gproof.cli.fit_report import Told, headline
 from gproof.cli.fit_zones import Beside
+from gproof.cli.picture_text import wrapped
 from gproof.ir.machine import AXIS_NAMES, Area
 from gproof.ir.record import record
 from gproof.ir.trace import Affine
@@ -61,12 +62,12 @@ def draw(told: Told, path: Path) -> None:
     _say(root, EDGE, 40, verdict.value, 21, _BADGE[verdict], bold=True)
     job = told.session.job
     name = f"{job.parent.name}/{job.name}".lstrip("/")
-    _say(root, EDGE + 130, 32, f"{name}: {headline(told.fit)}"[:90], 15, _INK, bold=True)
+    y = _lines(root, EDGE + 130, 32, f"{name}: {headline(told.fit)}", 15, _INK, bold=True)
     panels = list(_panels(told))
     front = " and from the front" if any(panel.axes == FRONT for panel in panels) else ""
     where = f"where the work zero may lie on {told.session.machine.name}, from above{front}"
-    _say(root, EDGE + 130, 52, where[:110], 13, _SOFT)
-    top, bottom = 100.0, 100.0
+    y = _lines(root, EDGE + 130, y, where, 13, _SOFT)
+    top = bottom = max(100.0, y + 28)
     for row in _pairs(panels):
         for column, panel in enumerate(row):
             left = EDGE + RULER + column * (PANEL + RULER + 38)
@@ -206,7 +207,9 @@ def _panel(root: ET.Element, told: Told, panel: _Panel, left: float, top: float)
             element.set(key.replace("_", "-"), value)
 
     wide, tall = (x1 - x0) * scale, (y1 - y0) * scale
-    _say(root, left, top - 12, panel.title, 13, _INK, bold=True)
+    title = wrapped(panel.title, 13, PANEL, bold=True)
+    for n, line in enumerate(reversed(title)):
+        _say(root, left, top - 12 - 17 * n, line, 13, _INK, bold=True)
     for n, (low, high, length) in enumerate(((x0, x1, wide), (y0, y1, tall))):
         unit = machine.unit
         step = _step((high - low) / unit * (56 if n == 0 else 30) / length)
@@ -268,6 +271,14 @@ def _legend(root: ET.Element, y: float) -> float:
         _say(root, x + 32, y, said, 12, _INK)
         x += 60 + 6.6 * len(said)
     return y + 24
+
+
+def _lines(root: ET.Element, x: float, y: float, text: str, size: float, colour: str, *, bold: bool = False) -> float:
+    """Write a text in as many lines as it needs; returns where the next one goes."""
+    for line in wrapped(text, size, WIDTH - EDGE - x, bold):
+        _say(root, x, y, line, size, colour, bold=bold)
+        y += size + 5
+    return y
 
 
 def _say(

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
+from gproof.cli.conditions import conditions_of_report, in_words
 from gproof.cli.grouping import More, shown_json
 from gproof.cli.outcome import LEVELS, Outcome, closing_line
 
@@ -25,9 +26,14 @@ def workflow_commands(outcomes: Sequence[Outcome], *, every: bool = False) -> st
             lines.append(f"::error title=gproof::{_data(outcome.problem)}")
     for outcome in outcomes:
         # A path may begin with what would be a command.
-        lines.append(f"gproof: {_data(outcome.job)}: {outcome.verdict.value if outcome.verdict else 'not judged'}")
+        lines.append(f"gproof: {_data(outcome.job)}: {_data(_verdict(outcome))}")
     lines.append(closing_line(list(outcomes)))
     return "\n".join(lines)
+
+
+def _verdict(outcome: Outcome) -> str:
+    found = {} if outcome.shown is None else conditions_of_report(outcome.shown)
+    return f"SAFE {in_words(found)}" if found else outcome.word
 
 
 def _command(finding: dict[str, Any], more: More | None) -> str:

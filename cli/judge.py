@@ -6,7 +6,7 @@ import dataclasses
 import functools
 import itertools
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 
 import numpy as np
 
@@ -18,6 +18,7 @@ from gproof.ir.dialects.accepts import MANUALS
 from gproof.ir.finding import Finding, Findings, Severity, Span
 from gproof.ir.machine import Machine
 from gproof.ir.record import field, record
+from gproof.ir.setup import ZERO
 from gproof.ir.trace import Affine, Chunk, Frame, Op, Wait, verify_rows
 from gproof.ir.verdict import DEFAULT_POLICY, Condition, PropertyResult, Verdict, worst
 from gproof.passes.arc_radius import ArcRadius
@@ -76,7 +77,8 @@ class Judgement:
     """The answer of ``check``: the verdict of the policy, each property, assumptions of the whole.
 
     accepted: findings that a comment or a baseline accepts, each with how (SARIF's word) and the reason; left_out:
-    properties that are answered and that the policy does not ask for: the verdict says nothing of them.
+    properties that are answered and that the policy does not ask for: the verdict says nothing of them; strict: those
+    that are UNKNOWN only because their SAFE would have conditions.
     """
 
     verdict: Verdict
@@ -86,6 +88,7 @@ class Judgement:
     findings: Findings
     accepted: dict[Finding, tuple[str, str]] = field(default_factory=dict)
     left_out: tuple[str, ...] = ()
+    strict: tuple[str, ...] = ()
 
 
 def judge(
@@ -123,15 +126,13 @@ def judge(
         assumed += [a for a in more if a not in assumed]
         assumed.append("judged with block delete off and on")
     results = _after_language(results, _language(findings))
-    if strict:
-        results = [
-            dataclasses.replace(r, verdict=Verdict.UNKNOWN) if r.conditions and r.verdict is Verdict.SAFE else r
-            for r in results
-        ]
-    if session.setup.name == "zero":
-        assumed.insert(0, "setup zero: homed, at machine position 0, no offsets, parameters 0, tool 0")
+    conditional = tuple(r.name for r in results if r.conditions and r.verdict is Verdict.SAFE) if strict else ()
+    results = [dataclasses.replace(r, verdict=Verdict.UNKNOWN) if r.name in conditional else r for r in results]
     verdict = worst(r.verdict for r in results if r.name in properties)
-    return Judgement(verdict=verdict, properties=results, assumptions=assumed, summary=summary, findings=findings)
+    return Judgement(
+        verdict=verdict, properties=results, assumptions=assumed, summary=summary, findings=findings,
+        strict=conditional,
+    )  # fmt: skip
 
 
 def _pass(
@@ -205,8 +206,23 @@ def _pass(
         open_path=bool(open_path),
         remains=tuple(left for check in added for left in check.remains()) if observe and len(ends) == 1 else (),
     )  # fmt: skip
-    assumed = [*session.program.assumed, *ex.assumed, *_standing(session, waits)]
+    assumed = [
+        *_taken_as_zero(session, ex.modal.zero_lengths),
+        *session.program.assumed,
+        *ex.assumed,
+        *_standing(session, waits),
+    ]
     return [language, *results], summary, assumed, ex.met_deleted
+
+
+def _taken_as_zero(session: Session, lengths: Iterable[int]) -> list[str]:
+    """What the setup zero says of a machine that it was not made for, lengths of tools by name."""
+    if session.setup.name != ZERO.name:
+        return []
+    said = ["setup zero: homed, at machine position 0, no offsets, parameters 0, tool 0"]
+    if tools := ", ".join(f"T{number}" for number in sorted(lengths)):
+        said.append(f"setup zero: length 0 of {tools}, which no file describes")
+    return said
 
 
 def _places(machine: Machine, at: Sequence[float], frame: Frame) -> dict[str, float]:

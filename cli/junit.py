@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from typing import Any
 from xml.etree import ElementTree as ET
 
+from gproof.cli.conditions import conditions_of_report, in_words
 from gproof.cli.outcome import Outcome
 
 _NOT_XML = re.compile("[^\t\n\r\u0020-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
@@ -34,7 +35,7 @@ def junit(outcomes: Sequence[Outcome]) -> str:
             ET.SubElement(case, "error", message=_clean(outcome.problem), type="could not run")
         else:
             _cases(suite, outcome, outcome.shown)
-        counts = {"tests": len(suite)}
+        counts = {"tests": len(suite.findall("testcase"))}
         counts |= {name: len(suite.findall(f"testcase/{name.rstrip('s')}")) for name in ("failures", "errors")}
         counts["skipped"] = len(suite.findall("testcase/skipped"))
         for name in COUNTED:
@@ -49,6 +50,10 @@ def junit(outcomes: Sequence[Outcome]) -> str:
 def _cases(suite: ET.Element, outcome: Outcome, report: dict[str, Any]) -> None:
     names = list(report["properties"])
     left_out = report.get("left_out", ())
+    conditions = conditions_of_report(report)
+    said = ET.SubElement(ET.SubElement(suite, "properties"), "property", name="verdict", value=outcome.word)
+    if conditions:
+        said.set("value", _clean(f"SAFE {in_words(conditions)}"))
     for name, answer in report["properties"].items():
         case = ET.SubElement(suite, "testcase", classname=_clean(outcome.job), name=name, file=_clean(outcome.job))
         own = [f for f in report["findings"] if f["property"] == name or (name == names[0] and _of_none(f, names))]
@@ -62,6 +67,8 @@ def _cases(suite: ET.Element, outcome: Outcome, report: dict[str, Any]) -> None:
             failure = ET.SubElement(case, "failure", message=_clean(message), type=verdict)
             failure.text = _clean("\n".join(lines) or f"{name} is {verdict}")
             continue
+        elif name in conditions:
+            lines[:0] = [f"{name} is SAFE if {text}" for text in conditions[name]]
         elif verdict != "SAFE":
             lines.insert(0, f"{name} is {verdict} (accepted)")
         if lines:

@@ -6,12 +6,13 @@ import re
 from collections.abc import Sequence
 from typing import Any
 
+from gproof.cli.conditions import SAFE_IF, conditions_of_report, word_of_report
 from gproof.cli.grouping import shown_json
 from gproof.cli.outcome import LEVELS, Outcome, closing_line, counted
 
 _LISTED = 50
 """Findings of a job that are listed."""
-_MARKS = {"SAFE": "✅ SAFE", "UNSAFE": "❌ UNSAFE", "UNKNOWN": "❓ UNKNOWN"}
+_MARKS = {"SAFE": "✅ SAFE", SAFE_IF: "☑️ SAFE-IF", "UNSAFE": "❌ UNSAFE", "UNKNOWN": "❓ UNKNOWN"}
 
 
 def markdown(outcomes: Sequence[Outcome], *, every: bool = False) -> str:
@@ -23,8 +24,8 @@ def markdown(outcomes: Sequence[Outcome], *, every: bool = False) -> str:
             rows.append([_code(outcome.job), "not judged", *("" for _ in names), _text(outcome.problem)])
             continue
         answers = outcome.report["properties"]
-        verdicts = [answers[name]["verdict"] if name in answers else "" for name in names]
-        rows.append([_code(outcome.job), _MARKS[outcome.report["verdict"]], *verdicts, _summary(outcome.report)])
+        verdicts = [word_of_report(answers[name]) if name in answers else "" for name in names]
+        rows.append([_code(outcome.job), _MARKS[outcome.word], *verdicts, _summary(outcome.report)])
     lines = ["## gproof", "", f"{closing_line(list(outcomes))}.", "", *_table(rows)]
     for outcome in outcomes:
         lines += _details(outcome, every)
@@ -56,16 +57,11 @@ def _summary(report: dict[str, Any]) -> str:
 
 def _details(outcome: Outcome, every: bool) -> list[str]:
     shown = [] if outcome.shown is None else shown_json(outcome.shown, every=every)
-    conditions = [
-        condition["text"]
-        for answer in (outcome.shown or {"properties": {}})["properties"].values()
-        if answer["verdict"] == "SAFE"
-        for condition in answer["conditions"]
-    ]
+    conditions = {} if outcome.shown is None else conditions_of_report(outcome.shown)
     if not shown and not conditions:
         return []
     lines = ["", f"### {_code(outcome.job)}", ""]
-    lines += [f"- SAFE if {_text(text)}" for text in dict.fromkeys(conditions)]
+    lines += [f"- SAFE if {_text(text)} ({name})" for name, texts in conditions.items() for text in texts]
     for finding, more in sorted(shown, key=lambda one: -LEVELS.index(one[0]["severity"]))[:_LISTED]:
         place = finding["file"] + (f":{finding['line']}" if finding["line"] else "")
         hint = f" *Hint: {_text(finding['hint'])}*" if finding.get("hint") else ""

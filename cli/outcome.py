@@ -7,6 +7,7 @@ import re
 from collections.abc import Iterable, Iterator, Sequence
 from typing import Any
 
+from gproof.cli.conditions import SAFE_IF, word_of_report
 from gproof.cli.main import COULD_NOT_RUN
 from gproof.cli.report import source_lines
 from gproof.ir.record import field, record
@@ -38,6 +39,11 @@ class Outcome:
         return None if self.report is None else Verdict(self.report["verdict"])
 
     @property
+    def word(self) -> str:
+        """The verdict in one word, ``SAFE-IF`` for a SAFE with conditions; ``not judged`` without a report."""
+        return "not judged" if self.report is None else word_of_report(self.report)
+
+    @property
     def shown(self) -> dict[str, Any] | None:
         """The report that people read."""
         return self.report if self.read is None else self.read
@@ -60,9 +66,9 @@ def counted(number: int, what: str) -> str:
 
 
 def closing_line(outcomes: list[Outcome]) -> str:
-    """``7 jobs: 5 SAFE, 1 UNSAFE, 1 UNKNOWN``."""
-    names = [*(verdict.value for verdict in Verdict), "not judged"]
-    said = [outcome.verdict.value if outcome.verdict else "not judged" for outcome in outcomes]
+    """``7 jobs: 4 SAFE, 1 SAFE-IF, 1 UNSAFE, 1 UNKNOWN``."""
+    names = ["SAFE", SAFE_IF, "UNSAFE", "UNKNOWN", "not judged"]
+    said = [outcome.word for outcome in outcomes]
     parts = [f"{said.count(name)} {name}" for name in names if name in said]
     return f"{counted(len(outcomes), 'job')}: {', '.join(parts) or 'none'}"
 

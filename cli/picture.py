@@ -20,11 +20,15 @@ from pathlib import Path
 
 import numpy as np
 
+from gproof.cli.conditions import conditions_of, word, word_of
 from gproof.cli.judge import Judgement
+from gproof.cli.lengths import CHOICES, LengthUnit
 from gproof.cli.path_points import PathPoints
+from gproof.cli.picture_text import wide, wrapped
 from gproof.cli.relief import draw, legend
 from gproof.cli.scene import WEIGHT, Mark, Pair, Scene, by_weight, scene_of
 from gproof.cli.session import Session
+from gproof.cli.summary import condition_text, unit_of_report
 from gproof.cli.zones import outline, placed
 from gproof.ir.codes import CODES
 from gproof.ir.finding import Severity
@@ -59,9 +63,10 @@ class Drawing:
         """Remember the chunk's motion."""
         self._path.add(chunk)
 
-    def write(self, path: Path, session: Session, judgement: Judgement) -> None:
-        """Draw and write the file, whole or not at all."""
-        text = _Sheet(scene_of(self._path, session, judgement), session, judgement).text()
+    def write(self, path: Path, session: Session, judgement: Judgement, units: str | None = None) -> None:
+        """Draw and write the file, whole or not at all; units: of lengths, None: those of the machine file."""
+        unit = unit_of_report(session, judgement) if units is None else CHOICES[units]
+        text = _Sheet(scene_of(self._path, session, judgement), session, judgement, unit).text()
         handle, name = tempfile.mkstemp(dir=path.parent, suffix=".svg")
         try:
             with os.fdopen(handle, "w", encoding="utf-8") as out:
@@ -109,8 +114,8 @@ class _View:
 class _Sheet:
     """The page."""
 
-    def __init__(self, scene: Scene, session: Session, judgement: Judgement) -> None:
-        self.scene, self.session, self.judgement = scene, session, judgement
+    def __init__(self, scene: Scene, session: Session, judgement: Judgement, unit: LengthUnit) -> None:
+        self.scene, self.session, self.judgement, self.length = scene, session, judgement, unit
         self.machine = session.machine
         self.root = ET.Element("svg", xmlns="http://www.w3.org/2000/svg")
         self.root.set("font-family", "DejaVu Sans, Verdana, Arial, sans-serif")
@@ -140,14 +145,10 @@ class _Sheet:
 
     def _say(
         self, x: float, y: float, text: str, size: float, colour: str, *, bold: bool = False, anchor: str = "start",
-        room: float = 0.0, parent: ET.Element | None = None,
+        parent: ET.Element | None = None,
     ) -> float:  # fmt: skip
-        """Write a line, cut to ``room``; returns about how wide it is."""
+        """Write a line; returns about how wide it is."""
         text = "".join(c if c.isprintable() else "?" for c in text)
-        if room and _wide(text, size, bold) > room:
-            while text and _wide(text + "…", size, bold) > room:
-                text = text[:-1]
-            text = text.rstrip() + "…"
         element = ET.SubElement(
             self.root if parent is None else parent, "text", x=f"{x:.1f}", y=f"{y:.1f}", fill=colour
         )
@@ -157,27 +158,37 @@ class _Sheet:
         if anchor != "start":
             element.set("text-anchor", anchor)
         element.text = text
-        return _wide(text, size, bold)
+        return wide(text, size, bold)
+
+    def _lines(self, x: float, y: float, text: str, size: float, colour: str, *, bold: bool = False) -> float:
+        """Write a text in as many lines as it needs up to the right edge; returns where the next one goes."""
+        for line in wrapped(text, size, WIDTH - EDGE - x, bold):
+            self._say(x, y, line, size, colour, bold=bold)
+            y += size + 7
+        return y
 
     def _heading(self) -> float:
-        verdict = self.judgement.verdict
-        width = 28 + _wide(verdict.value, 21, bold=True)
+        verdict, said = self.judgement.verdict, word(self.judgement)
+        width = 28 + wide(said, 21, bold=True)
         badge = ET.SubElement(self.root, "rect", x=f"{EDGE:.0f}", y="18", width=f"{width:.0f}", height="42", rx="6",
                               fill=_BADGE[verdict])  # fmt: skip
-        self._say(EDGE + width / 2, 46, verdict.value, 21, "#ffffff", bold=True, anchor="middle")
+        self._say(EDGE + width / 2, 46, said, 21, "#ffffff", bold=True, anchor="middle")
         left = EDGE + width + 16
         badge.set("stroke", "none")
         job = self.session.job
-        self._say(left, 36, f"{job.parent.name}/{job.name}".lstrip("/"), 18, _INK, bold=True, room=WIDTH - EDGE - left)
-        self._say(left, 57, f"on {self.machine.name}", 13, _SOFT, room=WIDTH - EDGE - left)
-        x, y = float(EDGE), 84.0
+        y = self._lines(left, 36, f"{job.parent.name}/{job.name}".lstrip("/"), 18, _INK, bold=True)
+        y = self._lines(left, y - 4, f"on {self.machine.name}", 13, _SOFT)
+        x, y = float(EDGE), max(84.0, y + 7)
         for result in self.judgement.properties:
-            name, answer = _wide(result.name, 13) + 5, _wide(result.verdict.value, 13, bold=True)
+            name, answer = wide(result.name, 13) + 5, wide(word_of(result), 13, bold=True)
             if x > EDGE and x + name + answer > WIDTH - EDGE:
                 x, y = float(EDGE), y + 20
             self._say(x, y, result.name, 13, _SOFT)
-            self._say(x + name, y, result.verdict.value, 13, _BADGE[result.verdict], bold=True)
+            self._say(x + name, y, word_of(result), 13, _BADGE[result.verdict], bold=True)
             x += name + answer + 18
+        for name, conditions in conditions_of(self.judgement).items():
+            for condition in conditions:
+                y = self._lines(EDGE, y + 20, f"if {condition_text(condition, self.length)} ({name})", 13, _INK) - 20
         return y + 16
 
     # Views
@@ -208,7 +219,8 @@ class _Sheet:
             for k, least in enumerate((CUT_WIDTH, CUT_LEAST, CUT_LEAST))
         )
         mm, unit = self._unit()
-        sizes = " x ".join(f"{v:.1f}" if v >= 10 else f"{v:.2f}" for v in ((high - low)[:2] / mm).tolist())
+        places = (1, 2) if unit == "mm" else (2, 3)
+        sizes = " x ".join(f"{v:.{places[v < 10]}f}" for v in ((high - low)[:2] / mm).tolist())
         said, left = f"The cut from above ({sizes} {unit})", EDGE + RULER
         return (
             _View(name=said, axes=(0, 1), low=(x[0], y[0]), high=(x[1], y[1]), left=left, top=0.0, scale=scale),
@@ -217,8 +229,8 @@ class _Sheet:
         )  # fmt: skip
 
     def _unit(self) -> tuple[float, str]:
-        """The machine's own unit of length: mm in it, its name."""
-        return (self.machine.unit, "in") if self.machine.unit != 1.0 else (1.0, "mm")
+        """The unit of lengths: mm in it, its name."""
+        return float(self.length.mm), self.length.name
 
     def _whole(self) -> tuple[_View | None, _View | None]:
         """On the whole machine, as far as its limits and the place of the job are known."""
@@ -252,7 +264,7 @@ class _Sheet:
 
     def _view(self, view: _View, number: int) -> None:
         whole = view.name.startswith("On")
-        self._say(view.left, view.top - 8, view.name, 13, _INK, bold=True, room=view.width)
+        self._say(view.left, view.top - 8, view.name, 13, _INK, bold=True)
         self._rulers(view)
         clip = ET.SubElement(ET.SubElement(self.root, "clipPath", id=f"view{number}"), "rect")
         for element in (clip, ET.SubElement(self.root, "rect", fill="none", stroke="#cfd8dc")):
@@ -457,7 +469,7 @@ class _Sheet:
             self._label(view, x, y, mark)
 
     def _label(self, view: _View, x: float, y: float, mark: Mark) -> None:
-        width = _wide(mark.text, 12, bold=True)
+        width = wide(mark.text, 12, bold=True)
         for dx, dy in (
             (11, -9),
             (11, 19),
@@ -486,21 +498,20 @@ class _Sheet:
         for key, said, style in _LEGEND:
             if key not in self.used:
                 continue
-            if x + 40 + _wide(said, 12) > WIDTH - EDGE:
+            if x + 40 + wide(said, 12) > WIDTH - EDGE:
                 x, y = EDGE, y + 22
             shape = "m7 0a6 6 0 1 0 12 0a6 6 0 1 0 -12 0m-3 0h18m-9 -9v18" if key == "plunge" else "h26"
             ET.SubElement(self.root, "path", {"d": f"M{x:.0f} {y - 4:.0f}{shape}", "fill": "none", **style})
             x += 32 + self._say(x + 32, y, said, 12, _INK) + 20
         y += 24
         for note in self._notes():
-            self._say(EDGE, y, note, 13, _SOFT, room=WIDTH - 2 * EDGE)
-            y += 20
+            y = self._lines(EDGE, y, note, 13, _SOFT)
         findings = self.judgement.findings
         judged = sorted((f for f in findings.kept if f.severity in WEIGHT), key=by_weight)
-        weighty = {f"{f.code.label}{f' line {f.span.line}' if f.span.line else ''}: {f.message}": f for f in judged}
+        places = [f" line {f.span.line}" if f.span.line else "" for f in judged]
+        weighty = {f"{f.code.label}{at}: {self.length.message(f)}": f for f, at in zip(judged, places, strict=True)}
         for said, f in list(weighty.items())[:_LISTED]:
-            self._say(EDGE, y, said, 13, WEIGHT[f.severity], room=WIDTH - 2 * EDGE)
-            y += 20
+            y = self._lines(EDGE, y, said, 13, WEIGHT[f.severity])
         more = len(weighty) - _LISTED + sum(findings.hidden(c) for c in CODES.values() if c.severity in WEIGHT)
         if more > 0:
             self._say(EDGE, y, f"and {more} more", 13, _SOFT)
@@ -535,12 +546,6 @@ _LEGEND: tuple[tuple[str, str, dict[str, str]], ...] = (
     ("finding", "not safe", {"stroke": WEIGHT[Severity.ERROR], "stroke-width": "2.4"}),
     ("open", "not known", {"stroke": WEIGHT[Severity.UNKNOWN], "stroke-width": "2.4"}),
 )
-
-
-def _wide(text: str, size: float, bold: bool = False) -> float:
-    """About how wide a text is drawn, rather more than less."""
-    units = sum(0.36 if c in " .,:;'|!()[]iljtf" else 0.76 if c.isupper() or c in "mwMW…" else 0.63 for c in text)
-    return units * size * (1.1 if bold else 1.0)
 
 
 def _widened(low: float, high: float, least: float) -> Pair:

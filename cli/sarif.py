@@ -11,6 +11,7 @@ from pathlib import Path, PurePath
 from typing import Any
 from urllib.parse import quote
 
+from gproof.cli.conditions import conditions_of_report
 from gproof.cli.outcome import Fingerprints, Outcome, exit_code
 from gproof.ir.codes import CODES
 from gproof.ir.finding import Code
@@ -54,7 +55,12 @@ def sarif(outcomes: Sequence[Outcome]) -> str:
         "artifacts": _artifacts(outcomes),
         "results": results,
         "properties": {
-            "verdicts": {outcome.job: outcome.verdict.value if outcome.verdict else None for outcome in outcomes}
+            "verdicts": {outcome.job: outcome.word if outcome.verdict else None for outcome in outcomes},
+            "conditions": {
+                outcome.job: found
+                for outcome in outcomes
+                if outcome.report is not None and (found := conditions_of_report(outcome.report))
+            },
         },
     }
     log = {"$schema": SCHEMA, "version": "2.1.0", "runs": [run]}

@@ -6,6 +6,7 @@ import math
 
 import click
 
+from gproof.cli.conditions import SAFE_IF, conditions_of, in_words, word_of
 from gproof.cli.grouping import groups_json
 from gproof.cli.judge import Judgement
 from gproof.cli.lengths import CHOICES, MM, LengthUnit, unit_of
@@ -15,13 +16,13 @@ from gproof.cli.report import coloured, distinct, finding_json, print_findings
 from gproof.cli.session import Session
 from gproof.ir.codes import CODES, SYNTAX
 from gproof.ir.machine import Axis
-from gproof.ir.trace import UNKNOWN, Affine
+from gproof.ir.trace import UNKNOWN
 from gproof.ir.verdict import Condition, Verdict
 from gproof.passes.values import describe
 
 SCHEMA = "gproof-check/1"
 _NOWHERE = describe(UNKNOWN)
-_SHADES = {Verdict.SAFE: "green", Verdict.UNSAFE: "red", Verdict.UNKNOWN: "magenta"}
+_SHADES = {"SAFE": "green", SAFE_IF: "yellow", "SAFE if": "yellow", "UNSAFE": "red", "UNKNOWN": "magenta"}
 
 
 def condition_text(condition: Condition, unit: LengthUnit = MM) -> str:
@@ -81,19 +82,25 @@ def print_summary(
         print_findings(judgement.findings, unit=unit, accepted=judgement.accepted, every=every)
     if judgement.findings.kept:
         click.echo()
-    click.echo(_verdict_line(session, judgement, judgement.verdict.exit_code if code is None else code))
+    code = judgement.verdict.exit_code if code is None else code
+    conditions = conditions_of(judgement)
+    click.echo(_verdict_line(session, judgement, code, f" the conditions of {' and '.join(conditions)} hold"))
     for result in judgement.properties:
-        parts = [_condition_parts(c, unit) for c in result.conditions if not _is_start(c)]
-        parts = parts if result.verdict is Verdict.SAFE else []
+        parts = [_condition_parts(c, unit) for c in conditions.get(result.name, ())]
         width = max((len(name) for name, _ in parts), default=0)
-        first = _shade(result.verdict) + " " * (9 - len(result.verdict.value))
+        said = result.verdict.value if parts else word_of(result)
+        first = _shade(said) + " " * (9 - len(said))
         aside = "the policy leaves it out" if result.name in judgement.left_out else ""
+        if result.name in judgement.strict:
+            aside = "SAFE under conditions only, which --strict does not take"
         for n, detail in enumerate([f"if {name:<{width}} is {bounds}" for name, bounds in parts] or [aside]):
             _row("" if n else result.name, (" " * 9 if n else first) + detail)
     left = not_judged(result.name for result in judgement.properties)
     if left:
         _row("not judged", ", ".join(left))
+    starts = tuple(f"{describe(c.terms)} lies between" for found in conditions.values() for c in found)
     assumed = [*judgement.assumptions, *(a for r in judgement.properties for a in r.assumptions)]
+    assumed = [one for one in assumed if not one.startswith(starts)]  # a condition already
     _rows("assuming", [unit.sentence(one) for one in dict.fromkeys(assumed)])
     _row("machine", session.machine.name)
     _row("dialect", f"{session.dialect} ({session.dialect_reason})")
@@ -182,10 +189,6 @@ def _count(number: int, what: str) -> str:
     return f"{number} {what}{'' if number == 1 else 's'}"
 
 
-def _is_start(condition: Condition) -> bool:
-    return len(condition.terms) == 1 and condition.terms[0][0].startswith("start.")
-
-
 def duration_text(seconds: float | None, at_least: bool, machine_given: bool = True) -> str:
     """``about 3 min 12 s``, or why it is not known."""
     if seconds is None:
@@ -215,6 +218,7 @@ def report_json(
         "setup": session.setup.name,
         "inputs": [{"file": name, "sha256": digest, "role": role} for name, digest, role in session.inputs],
         "verdict": judgement.verdict.value,
+        "conditional": bool(conditions_of(judgement)),
         "exit_code": judgement.verdict.exit_code if code is None else code,
         "properties": {
             r.name: {
@@ -227,7 +231,7 @@ def report_json(
                         "low": _finite(c.low),
                         "high": _finite(c.high),
                     }
-                    for c in r.conditions
+                    for c in (r.conditions if r.verdict is Verdict.SAFE else ())
                 ],
             }
             for r in judgement.properties
@@ -274,33 +278,35 @@ def _finite(value: float | None) -> float | None:
 def print_brief(
     session: Session, judgement: Judgement, code: int, units: str | None, *, quiet: bool, every: bool = False
 ) -> None:  # fmt: skip
-    """One of several jobs: findings other than notes, its verdict, and what a SAFE rests on; quiet: the verdict."""
+    """One of several jobs: findings other than notes, its verdict, and what a SAFE rests on; quiet: in one line."""
     unit = unit_of_report(session, judgement) if units is None else CHOICES[units]
     if not quiet:
         print_findings(judgement.findings, unit=unit, notes=False, accepted=judgement.accepted, every=every)
-    click.echo(_verdict_line(session, judgement, code))
-    if quiet or judgement.verdict is not Verdict.SAFE:
+    conditions = conditions_of(judgement)
+    texts = {name: [condition_text(c, unit) for c in found] for name, found in conditions.items()}
+    click.echo(_verdict_line(session, judgement, code, in_words(texts).removeprefix("if") if quiet else ""))
+    if quiet:
         return
-    bounds: dict[Affine, tuple[float, float]] = {}
-    for condition in (c for r in judgement.properties for c in r.conditions if not _is_start(c)):
-        low, high = bounds.get(condition.terms, (-math.inf, math.inf))
-        bounds[condition.terms] = max(low, condition.low), min(high, condition.high)
-    parts = [_condition_parts(Condition(terms=terms, low=a, high=b), unit) for terms, (a, b) in bounds.items()]
-    width = max((len(name) for name, _ in parts), default=0)
-    for name, ends in parts:
-        click.echo(f"  if {name:<{width}} is {ends}")
+    parts = [(name, *_condition_parts(c, unit)) for name, found in conditions.items() for c in found]
+    width = max((len(name) for _, name, _ in parts), default=0)
+    for prop, name, ends in parts:
+        click.echo(f"  if {name:<{width}} is {ends} ({prop})")
 
 
-def _verdict_line(session: Session, judgement: Judgement, code: int) -> str:
-    """``job.cnc: UNKNOWN (accepted)``: the verdict, and where the exit code says something else, why."""
+def _verdict_line(session: Session, judgement: Judgement, code: int, condition: str) -> str:
+    """``job.cnc: UNKNOWN (accepted)``: the verdict, and where the exit code says something else, why.
+
+    condition: what follows ``SAFE if`` where the SAFE has conditions.
+    """
     said = ""
     if code != judgement.verdict.exit_code:
         said = " (accepted)" if code == 0 else " (and findings that fail the check)"
     open_to = [r.name for r in judgement.properties if r.name in judgement.left_out and r.verdict is not Verdict.SAFE]
     if open_to and judgement.verdict is Verdict.SAFE:
         said = f", {' and '.join(open_to)} left out by the policy" + said
-    return f"{in_one_line(str(session.job))}: {_shade(judgement.verdict)}{said}"
+    verdict = f"{_shade('SAFE if')}{condition}" if conditions_of(judgement) else _shade(judgement.verdict.value)
+    return f"{in_one_line(str(session.job))}: {verdict}{said}"
 
 
-def _shade(verdict: Verdict) -> str:
-    return click.style(verdict.value, fg=_SHADES[verdict], bold=True) if coloured() else verdict.value
+def _shade(word: str) -> str:
+    return click.style(word, fg=_SHADES[word], bold=True) if coloured() else word

@@ -29,7 +29,7 @@ NO_OFFSET = [ZERO] * AXES
 
 _PARK_DEFAULTS = {"park_1": 5161, "park_2": 5181}
 TOOL_LENGTH, TOOL_DIAMETER, TOOL_X_OFFSET, TOOL_ORIENTATION = 5400, 5500, 5600, 5700
-_CONSTANT = ("rules", "setup", "machine", "axis_there", "linear", "ranges", "_tool_table")
+_CONSTANT = ("rules", "setup", "machine", "axis_there", "linear", "ranges", "_tool_table", "zero_lengths")
 _OTHER = frozenset((*_CONSTANT, "parameters"))
 NO_NUMBERS = frozenset[int]()
 
@@ -97,6 +97,8 @@ class Modal:
         self.stated: set[str] = {"spindle"} if zero else set()
         self.work = setup.active_work if setup.active_work is not None else self._stated_system()
         self.parameters: dict[int, Value] = {}
+        # Tools of which no file states the length that the setup takes as 0.
+        self.zero_lengths: dict[int, None] = {}
         self.work_offsets = {(n, a): self._symbol(f"work.{n}.{AXIS_NAMES[a]}") for n in range(10) for a in range(AXES)}
         self.written_work: dict[tuple[int, int], Position] = {}
         self.g92 = [self._symbol(f"g92.{name}") for name in AXIS_NAMES]
@@ -135,6 +137,9 @@ class Modal:
         """The stated exact value of a symbol, or the symbol itself."""
         known = self.setup.interval(symbol)
         if known is not None and known.exact:
+            kind, number, *_ = symbol.split(".")
+            if kind == "tool" and number != "0" and int(number) not in self.setup.tool_lengths:
+                self.zero_lengths[int(number)] = None
             return Position(known.low)
         return Position(0.0, ((symbol, 1),))
 

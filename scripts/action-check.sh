@@ -82,8 +82,9 @@ verdict=$("$bin/python" -c '
 import json, sys
 with open(sys.argv[1], encoding="utf-8") as file:
     report = json.load(file)
-counts = report.get("counts", {}) if "jobs" in report else {report["verdict"]: 1}
-names = {"not_judged": "not-judged", "UNSAFE": "UNSAFE", "UNKNOWN": "UNKNOWN", "SAFE": "SAFE"}
+one = {report.get("verdict"): 1, "conditional": report.get("conditional")}
+counts = report.get("counts", {}) if "jobs" in report else one
+names = {"not_judged": "not-judged", "UNSAFE": "UNSAFE", "UNKNOWN": "UNKNOWN", "conditional": "SAFE-IF", "SAFE": "SAFE"}
 print(next(shown for name, shown in names.items() if counts.get(name)))
 ' "$reports/check.json")
 if [ -f "$reports/check.md" ]; then
