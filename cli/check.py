@@ -5,9 +5,6 @@ from __future__ import annotations
 import contextlib
 import io
 import json
-import os
-import sys
-import time
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 
@@ -22,10 +19,10 @@ from gproof.cli.main import UsageError
 from gproof.cli.many import How, judge_all, print_text, with_progress
 from gproof.cli.outcome import Outcome, closing_line, counted, exit_code
 from gproof.cli.policy import NO_POLICY, load_policy
+from gproof.cli.progress import progress
 from gproof.cli.report import coloured
-from gproof.cli.session import Running, Session, open_session
+from gproof.cli.session import Running, open_session
 from gproof.cli.summary import print_brief, print_summary, report_for_people, report_json
-from gproof.ir.finding import Span
 from gproof.ir.trace import Chunk
 
 SCHEMA_OF_SEVERAL = "gproof-check-several/1"
@@ -194,22 +191,20 @@ def _check_one(
     if picture is not None:
         require_place(picture, "picture", (job, machine, setup))
         require_picture(picture)
-    session = open_session(job, machine=machine, setup=setup, dialect=dialect, call=running.call)
     drawing = None
-    if picture is not None:
-        from gproof.cli.picture import Drawing
+    with progress("reading") as shown:
+        session = open_session(job, machine=machine, setup=setup, dialect=dialect, call=running.call)
+        if picture is not None:
+            from gproof.cli.picture import Drawing
 
-        drawing = Drawing(session.machine)
-    progress = progress_bar(session)
-    observe = _observers(progress, drawing.add if drawing is not None else None)
-    try:
-        beat = None if progress is None else progress.beat
+            drawing = Drawing(session.machine)
+        shown.phase("checking", None if session.program is None else session.program.line_count)
+        observe = _observers(shown.see if shown.wanted else None, None if drawing is None else drawing.add)
+        beat = shown.beat if shown.wanted else None
         judgement, code, _ = conclude(session, asked, running=running, observe=observe, beat=beat)
-    finally:
-        if progress is not None:
-            progress.stop()
-    if drawing is not None and picture is not None:
-        drawing.write(picture, session, judgement, units)
+        if drawing is not None and picture is not None:
+            shown.phase("drawing")
+            drawing.write(picture, session, judgement, units)
     report = report_json(session, judgement, code) if form == "json" or told is not None else None
     if told is not None:
         read = report_for_people(session, judgement, code, units)
@@ -225,8 +220,8 @@ def _check_one(
     return code
 
 
-def _observers(progress: Progress | None, draw: Callable[[Chunk], None] | None) -> Callable[[Chunk], None] | None:
-    parts = [f for f in (progress, draw) if f is not None]
+def _observers(*wanted: Callable[[Chunk], None] | None) -> Callable[[Chunk], None] | None:
+    parts = [f for f in wanted if f is not None]
     if not parts:
         return None
 
@@ -235,49 +230,3 @@ def _observers(progress: Progress | None, draw: Callable[[Chunk], None] | None) 
             part(chunk)
 
     return observe
-
-
-class Progress:
-    """A bar on standard error for jobs that take longer than a second, by source line."""
-
-    def __init__(self, lines: int) -> None:
-        self.lines = lines
-        self.began = time.monotonic()
-        self.bar: object = None
-        self.task: object = None
-
-    def __call__(self, chunk: Chunk) -> None:
-        """Move the bar to the chunk's last line."""
-        if len(chunk.rows) and self._is_long():
-            self.bar.update(self.task, completed=int(chunk.rows["line"][-1]))  # type: ignore[attr-defined]
-
-    def beat(self, blocks: int, span: Span) -> None:
-        """A loop goes round: tell where, and how many blocks that has come to."""
-        if self._is_long():
-            told = f"checking, {blocks:,} blocks executed"
-            self.bar.update(self.task, completed=span.line, description=told)  # type: ignore[attr-defined]
-
-    def _is_long(self) -> bool:
-        """Whether there is a bar by now."""
-        if time.monotonic() - self.began < 1.0:
-            return False
-        if self.bar is None:
-            from rich.console import Console
-            from rich.progress import Progress as Bar
-
-            bar = Bar(console=Console(stderr=True), transient=True)
-            self.bar, self.task = bar, bar.add_task("checking", total=self.lines)
-            bar.start()
-        return True
-
-    def stop(self) -> None:
-        """Take the bar away."""
-        if self.bar is not None:
-            self.bar.stop()  # type: ignore[attr-defined]
-
-
-def progress_bar(session: Session) -> Progress | None:
-    """A bar when standard error is a terminal and the job is long."""
-    if session.program is None or not sys.stderr.isatty() or os.environ.get("CI"):
-        return None
-    return Progress(session.program.line_count)

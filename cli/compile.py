@@ -14,6 +14,7 @@ from gproof.cli.files import require_file, require_place
 from gproof.cli.judge import Judgement, judge
 from gproof.cli.main import UsageError
 from gproof.cli.policy import NO_POLICY, under
+from gproof.cli.progress import Progress, progress
 from gproof.cli.properties import not_judged
 from gproof.cli.report import print_findings
 from gproof.cli.session import Running, Session, open_session
@@ -85,30 +86,53 @@ def run_compile(
         raise UsageError("--key and --unsigned exclude each other")
     if key is not None:
         require_file(key, "key")
+    with progress("reading") as shown:
+        return _run(
+            job, machine=machine, setup=setup, dialect=dialect, running=running, output=output, key=key,
+            unsigned=unsigned, also=also, shown=shown,
+        )  # fmt: skip
+
+
+def _run(
+    job: Path, *, machine: Path | None, setup: str | None, dialect: str | None, running: Running, output: Path,
+    key: Path | None, unsigned: bool, also: tuple[str, ...], shown: Progress,
+) -> int:  # fmt: skip
     session = open_session(job, machine=machine, setup=setup, dialect=dialect, call=running.call)
     for name, _, role in session.inputs:
         if name.encode("utf-8", "replace").decode("utf-8") != name:
             raise UsageError(f"{role} {name}: a certificate names its files in UTF-8, which this name is not")
     policy = with_options(NO_POLICY, fail_on=None, warnings_are_errors=False, also=also)
-    judgement = under(policy, judge(session, running=running, properties=policy.properties), job)
+    shown.phase("checking", None if session.program is None else session.program.line_count)
+    judged = judge(
+        session, running=running, properties=policy.properties, observe=shown.see if shown.wanted else None,
+        beat=shown.beat if shown.wanted else None,
+    )  # fmt: skip
+    judgement = under(policy, judged, job)
     for finding in judgement.findings.kept:
         if finding not in session.findings.times:
             session.findings.add(finding)
     if judgement.verdict is not Verdict.SAFE:
+        shown.stop()
         return _refuse(session, judgement, judgement.verdict, "the job is not SAFE")
+    shown.phase("planning the motion and its steps")
     lowered = _quiet_lower(session, running)
     findings = session.findings
     if lowered.stream is None or findings.has(Severity.UNKNOWN) or findings.has(Severity.ERROR):
         verdict = Verdict.UNSAFE if findings.has(Severity.ERROR) else Verdict.UNKNOWN
+        shown.stop()
         return _refuse(session, judgement, verdict, "the job is SAFE, but no step stream can be made of it")
     from gproof.verify.stream import validate
 
+    shown.phase("verifying every step")
     report = validate(lowered.stream, lowered.trace, session.machine, session.setup)
     for finding in report.findings:
         findings.add(finding)
     if report.verdict is not Verdict.SAFE:
+        shown.stop()
         return _refuse(session, judgement, report.verdict, "the stream checker refuses the stream")
+    shown.phase("writing")
     digest, signer = _write(session, judgement, lowered, report, output, key, unsigned)
+    shown.stop()
     print_findings(findings, unit=unit_of_report(session, judgement))
     seconds = sum(s.duration for s in lowered.stream.sections) / lowered.stream.tick_frequency
     count = len(lowered.stream.sections)

@@ -78,7 +78,9 @@ def write_text(path: Path, text: str, what: str) -> None:
     try:
         draft.write_text(text, encoding="utf-8", errors="backslashreplace")
         os.replace(draft, path)
-    except OSError as error:
+    except BaseException as error:
         with contextlib.suppress(OSError):
             draft.unlink()
+        if not isinstance(error, OSError):
+            raise
         raise UsageError(f"{what} {path}: {error.strerror or error}") from None

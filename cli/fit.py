@@ -6,6 +6,7 @@ import dataclasses
 import json
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 import click
 
@@ -16,6 +17,7 @@ from gproof.cli.fit_report import Told, print_fit, print_machines, report_json
 from gproof.cli.fit_zones import ZoneWatch
 from gproof.cli.judge import judge
 from gproof.cli.main import UsageError
+from gproof.cli.progress import Progress, progress
 from gproof.cli.session import Running, Session, open_session
 from gproof.ir.verdict import Verdict
 
@@ -51,18 +53,26 @@ def run_fit(
 
 def _answer(job: Path, *, machine: Path, setup: str | None, dialect: str | None, running: Running) -> Told:
     """The answer for one machine."""
-    return fit_session(open_session(job, machine=machine, setup=setup, dialect=dialect, call=running.call), running)
+    with progress("reading") as shown:
+        session = open_session(job, machine=machine, setup=setup, dialect=dialect, call=running.call)
+        return fit_session(session, running, shown)
 
 
-def fit_session(session: Session, running: Running) -> Told:
+def fit_session(session: Session, running: Running, shown: Progress | None = None) -> Told:
     """The answer for a job that is read.
 
     Where no region beside zones is found, the one side of them that ``check`` finds is the answer, if it does.
     """
+    seen: dict[str, Any] = {}
+    if shown is not None and shown.wanted:
+        shown.phase("fitting", None if session.program is None else session.program.line_count)
+        seen = {"observe": shown.see, "beat": shown.beat}
     other, asked = opened(session)
     watch = ZoneWatch(asked)
-    judged = judge(other, running=running, hears=watch)
-    stated = judge(session, running=running) if asked.anything and session.program is not None else None
+    judged = judge(other, running=running, hears=watch, **seen)
+    stated = judge(session, running=running, **seen) if asked.anything and session.program is not None else None
+    if shown is not None:
+        shown.phase("looking for places of the zero")
     fit = fit_of(session.machine, asked, judged, stated, watch)
     if fit.kind == "unknown" and fit.reason:
         again = judge(opened(session)[0], running=running)

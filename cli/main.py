@@ -1,6 +1,6 @@
 """The command ``gproof``: arguments in, exit code out. Everything heavy is imported by the command that needs it.
 
-Exit codes: 0 SAFE (or done), 1 UNSAFE, 2 UNKNOWN, 3 the command itself could not run.
+Exit codes: 0 SAFE (or done), 1 UNSAFE, 2 UNKNOWN, 3 the command itself could not run, 130 interrupted (Ctrl-C).
 """
 
 from __future__ import annotations
@@ -19,6 +19,8 @@ import click
 from gproof.cli.options import ALSO, FileName, in_one_line, once
 
 COULD_NOT_RUN = 3
+INTERRUPTED = 130
+"""128 and the number of SIGINT, as shells have it."""
 _STDERR = 2
 _DIALECTS = ["wincnc", "eding", "mcuwin"]
 
@@ -31,6 +33,27 @@ class UsageError(click.ClickException):
     def show(self, file: Any = None) -> None:
         """Print the line."""
         click.echo(f"gproof: error: {in_one_line(self.message)}", err=True)
+
+
+class _Interrupted(click.ClickException):
+    """Ctrl-C, before click says something of its own."""
+
+    exit_code = INTERRUPTED
+
+    def show(self, file: Any = None) -> None:
+        """Print the line, on a terminal not behind its ``^C``."""
+        click.echo("\n" * sys.stderr.isatty() + self.message, err=True)
+
+
+class _Commands(click.Group):
+    """The commands; an interrupt of any is an exit code of its own."""
+
+    def invoke(self, ctx: click.Context) -> Any:
+        """Run a command."""
+        try:
+            return super().invoke(ctx)
+        except KeyboardInterrupt:
+            raise _Interrupted("gproof: interrupted") from None
 
 
 class _Finite(click.FloatRange):
@@ -53,7 +76,7 @@ def _version(context: click.Context, _: click.Parameter, wanted: bool) -> None:
     context.exit()
 
 
-@click.group(context_settings={"help_option_names": ["-h", "--help"]}, no_args_is_help=True)
+@click.group(cls=_Commands, context_settings={"help_option_names": ["-h", "--help"]}, no_args_is_help=True)
 @click.option("--version", is_flag=True, is_eager=True, expose_value=False, callback=_version, help="Show the version.")
 def cli() -> None:
     """Check G-code before a machine sees it, compile it to certified steps, and run those on a board."""
@@ -326,10 +349,10 @@ def _run(arguments: list[str] | None) -> int:
         return COULD_NOT_RUN
     except click.ClickException as error:
         error.show()
-        return COULD_NOT_RUN
+        return error.exit_code if isinstance(error, _Interrupted) else COULD_NOT_RUN
     except (click.Abort, KeyboardInterrupt):
         click.echo("gproof: interrupted", err=True)
-        return COULD_NOT_RUN
+        return INTERRUPTED
     except SystemExit:
         # click's answer to a reader that went away (``| head``); its exit code is that of a verdict.
         return COULD_NOT_RUN

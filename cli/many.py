@@ -5,7 +5,7 @@ from __future__ import annotations
 import contextlib
 import io
 import os
-import sys
+import signal
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
@@ -17,6 +17,7 @@ from gproof.cli.main import UsageError
 from gproof.cli.options import in_one_line
 from gproof.cli.outcome import Outcome
 from gproof.cli.policy import load_policy
+from gproof.cli.progress import progress
 from gproof.cli.session import Running
 from gproof.ir.record import record
 
@@ -99,7 +100,9 @@ def judge_all(jobs: Sequence[Job], how: How, workers: int | None) -> Iterator[Ou
     from multiprocessing import get_context
 
     # Forked children would share whatever threads and locks this process has.
-    with ProcessPoolExecutor(count, mp_context=get_context("spawn")) as pool:
+    # Ctrl-C reaches every process of the terminal: this one ends the others.
+    deaf = signal.SIGINT, signal.SIG_IGN
+    with ProcessPoolExecutor(count, mp_context=get_context("spawn"), initializer=signal.signal, initargs=deaf) as pool:
         waiting = [pool.submit(judge_one, job, how) for job in jobs]
         try:
             for job, future in zip(jobs, waiting, strict=True):
@@ -108,6 +111,10 @@ def judge_all(jobs: Sequence[Job], how: How, workers: int | None) -> Iterator[Ou
                 except BrokenProcessPool:
                     problem = f"{job.path}: a process ended before its answer (out of memory?); --jobs 1 uses one"
                     yield Outcome(job=str(job.path), problem=problem)
+        except KeyboardInterrupt:
+            for process in list(pool._processes.values()):
+                process.terminate()
+            raise
         finally:
             for future in waiting:
                 future.cancel()
@@ -124,28 +131,11 @@ def _workers(jobs: Sequence[Job]) -> int:
 
 def with_progress(outcomes: Iterator[Outcome], count: int) -> Iterator[Outcome]:
     """The outcomes, with a bar on standard error where that is a terminal and it takes longer than a second."""
-    if not sys.stderr.isatty() or os.environ.get("CI"):
-        yield from outcomes
-        return
-    import time
-
-    began, done, bar = time.monotonic(), 0, None
-    try:
-        for outcome in outcomes:
-            done += 1
-            if bar is None and time.monotonic() - began > 1.0 and done < count:
-                from rich.console import Console
-                from rich.progress import Progress
-
-                bar = Progress(console=Console(stderr=True), transient=True)
-                task = bar.add_task("checking", total=count)
-                bar.start()
-            if bar is not None:
-                bar.update(task, completed=done, description=f"checking {outcome.job}")
+    with progress("checking") as shown:
+        shown.phase("checking", count)
+        for done, outcome in enumerate(outcomes, 1):
+            shown.done(done, f"checking {outcome.job}")
             yield outcome
-    finally:
-        if bar is not None:
-            bar.stop()
 
 
 def print_text(outcomes: Iterator[Outcome]) -> list[Outcome]:

@@ -186,9 +186,9 @@ class _Sheet:
             self._say(x, y, result.name, 13, _SOFT)
             self._say(x + name, y, word_of(result), 13, _BADGE[result.verdict], bold=True)
             x += name + answer + 18
-        for name, conditions in conditions_of(self.judgement).items():
+        for asks, conditions in conditions_of(self.judgement).items():
             for condition in conditions:
-                y = self._lines(EDGE, y + 20, f"if {condition_text(condition, self.length)} ({name})", 13, _INK) - 20
+                y = self._lines(EDGE, y + 20, f"if {condition_text(condition, self.length)} ({asks})", 13, _INK) - 20
         return y + 16
 
     # Views

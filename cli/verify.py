@@ -8,6 +8,7 @@ import click
 
 from gproof.cli.files import require_file
 from gproof.cli.main import UsageError
+from gproof.cli.progress import progress
 from gproof.cli.report import print_findings
 from gproof.ir.finding import Findings, Severity
 from gproof.ir.machine import Machine
@@ -28,13 +29,15 @@ def run_verify(path: Path, *, machine: Path | None, trust: tuple[Path, ...]) -> 
     except (ValueError, OSError) as error:
         raise UsageError(str(error)) from None
     try:
-        package = read_package(path)
+        with progress("reading"):
+            package = read_package(path)
     except CertificateError as error:
         findings.add(error.finding)
         print_findings(findings)
         click.echo(f"{path}: {Verdict.UNSAFE.value}")
         return Verdict.UNSAFE.exit_code
-    check = check_package(package, given, None, trusted)
+    with progress("verifying every step"):
+        check = check_package(package, given, None, trusted)
     for finding in check.findings:
         findings.add(finding)
     print_findings(findings)
