@@ -293,9 +293,9 @@ def _printed(
     else:
         what = difference(program, again) or form.judge(program, again)
     if what:
-        return codes.FORMAT_DIFFERS.at(Span(name, 0), what=what)
+        return codes.FORMAT_DIFFERS.at(Span(name, 1), what=what)
     others = form.others(source, scratch)
-    return codes.NOT_PRINTABLE.at(Span(name, 0), what=others) if others else None
+    return codes.NOT_PRINTABLE.at(Span(name, 1), what=others) if others else None
 
 
 def _print_file(path: Path) -> None:

@@ -282,14 +282,14 @@ def _together(session: Session, findings: Findings, limits: PropertyResult, edge
         hint = "what soft limits and boundaries ask excludes each other; " + ", ".join(asked)
         findings.add(
             codes.NO_SAFE_OFFSET.at(
-                Span(str(session.job), 0), name=names, extent=missed, unit="mm", room=0.0, hint=hint
+                Span(str(session.job), 1), name=names, extent=missed, unit="mm", room=0.0, hint=hint
             )
         )  # fmt: skip
         return dataclasses.replace(fits, verdict=Verdict.UNSAFE, conditions=())
     if not missed and fits.verdict is Verdict.SAFE and contradiction(fits.conditions):
         cause = "limits and boundaries: no offsets suit all conditions at once"
         names = " and ".join(describe(c.terms) for c in fits.conditions)
-        findings.add(codes.POSITION_UNKNOWN.at(Span(str(session.job), 0), axis=names, cause=cause))
+        findings.add(codes.POSITION_UNKNOWN.at(Span(str(session.job), 1), axis=names, cause=cause))
         return dataclasses.replace(fits, verdict=Verdict.UNKNOWN)
     return fits
 
@@ -322,7 +322,7 @@ def _both(
         if c.empty and not refuted:
             both = "both of its settings" if what == "the block delete switch" else "both"
             cause = f"{what}: no {describe(c.terms)} suits {both}"
-            where = Span(str(session.job), 0)
+            where = Span(str(session.job), 1)
             if a.name == "areas":
                 findings.add(codes.TOOL_CHANGE_AREA_UNKNOWN.at(where, cause=cause))
             else:

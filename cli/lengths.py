@@ -10,7 +10,7 @@ import re
 from decimal import ROUND_CEILING, ROUND_FLOOR, Decimal
 
 from gproof.ir import codes
-from gproof.ir.finding import Finding
+from gproof.ir.finding import Finding, filled, fixed
 from gproof.ir.record import record
 
 IN_MESSAGES = frozenset((
@@ -72,10 +72,9 @@ class LengthUnit:
         return _LENGTHS.sub(lambda found: f"{re.sub(_NUMBER, self._number, found[1])} {self.name}", text)
 
     def _number(self, found: re.Match[str]) -> str:
-        """A number of mm within a text, with four decimals, or six where these would leave nothing of it."""
+        """A number of mm within a text, with four decimals, or more where these would leave nothing of it."""
         written = found[0]
-        value = self.of(float(written))
-        text = f"{value:.4f}" if value == 0.0 or abs(value) >= 0.00005 else f"{value:.6f}"
+        text = fixed(self.of(float(written)), 4)
         return text if len(written.partition(".")[2]) >= 3 else text.rstrip("0").rstrip(".")
 
     def message(self, finding: Finding) -> str:
@@ -91,7 +90,7 @@ class LengthUnit:
         told = {name: self._value(name, value, names) for name, value in values.items()}
         if in_mm:
             told["unit"] = self.name
-        return _LITERAL.sub(f" {self.name}", template).format(**told)
+        return filled(_LITERAL.sub(f" {self.name}", template), told)
 
     def _value(self, name: str, value: object, lengths: frozenset[str]) -> object:
         """A value of a message in this unit."""

@@ -134,7 +134,7 @@ def under(policy: Policy, judgement: Judgement, job: Path) -> Judgement:
     for name in policy.properties:
         if not decided(name):
             what = f"{name}, which this version does not judge"
-            findings.add(codes.UNSUPPORTED_CODE.at(Span(str(job), 0), code=what, hint="the policy asks for it"))
+            findings.add(codes.UNSUPPORTED_CODE.at(Span(str(job), 1), code=what, hint="the policy asks for it"))
             results.append(PropertyResult(name=name, verdict=Verdict.UNKNOWN))
     verdict = worst(r.verdict for r in results if r.name in policy.properties)
     left_out = tuple(r.name for r in results if r.name not in policy.properties)

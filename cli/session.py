@@ -123,7 +123,7 @@ def open_session(
         if job.name.lower() == MACRO_FILE:
             program = load_macro_file(job, findings, machine=the_machine)
             if program is not None and not program.body:
-                findings.add(codes.EMPTY_PROGRAM.at(Span(str(job), 0)))
+                findings.add(codes.EMPTY_PROGRAM.at(Span(str(job), 1)))
         else:
             program = load_wincnc(job, findings, the_machine, machine, read)
     elif dialect == "mcuwin":
@@ -151,7 +151,7 @@ def open_session(
         _call_only(program, call, job)
     elif program is not None and not program.body and program.subprograms:
         inside = (sub.span for sub in program.subprograms.values() if sub.span.file == str(job))
-        first = min(inside, key=lambda span: span.line, default=Span(str(job), 0))
+        first = min(inside, key=lambda span: span.line, default=Span(str(job), 1))
         findings.add(codes.ONLY_SUBPROGRAMS.at(first, hint=f"--call {min(program.subprograms)} judges one of them"))
     if program is not None:
         settings = {name for name, _, role in inputs if role == "machine"}

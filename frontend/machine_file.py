@@ -114,9 +114,9 @@ def _load_toml(path: Path, findings: Findings, depth: int) -> tuple[Machine | No
         **_given(spindle_started=root.boolean("spindle")),
     )
     if machine.kinematics != "trivial" and "kinematics" in root.values:
-        machine = replace(
-            machine, not_modelled=(*machine.not_modelled, Unmodelled(f"kinematics = {machine.kinematics}"))
-        )
+        said, line = f"kinematics = {machine.kinematics}", file.line_of("kinematics")
+        stated = Unmodelled(said, file=path.name, line=line)
+        machine = replace(machine, not_modelled=(*machine.not_modelled, stated))
     change, keep_out = areas_from(root, machine.tool_change_area, machine.keep_out, unit)
     machine = replace(machine, tool_change_area=change, keep_out=keep_out)
     machine = _clearance(root, machine, unit)

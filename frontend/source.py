@@ -35,8 +35,9 @@ def read_source(path: Path, *, dos: bool = False) -> SourceFile:
         raise Refusal(codes.FILE_UNREADABLE.at(Span(name, 0), what=what)) from None
     _refuse_utf16(name, data)
     digest = hashlib.sha256()
+    line = 1
     for begin, piece in pieces(data):
-        _refuse_nul(name, piece, begin)
+        line = _refuse_nul(name, piece, begin, line)
         digest.update(piece)
     if dos and data[-1:] == CTRL_Z:
         data = _without_last(path, data)
@@ -54,11 +55,12 @@ def _refuse_utf16(name: str, data: bytes) -> None:
         raise Refusal(codes.NOT_TEXT.at(Span(name, 1), byte=f"0x{data[0]:02X}", offset=0, hint="UTF-16?"))
 
 
-def _refuse_nul(name: str, piece: bytes, begin: int) -> None:
-    """Of the piece of a file that begins at byte ``begin``."""
+def _refuse_nul(name: str, piece: bytes, begin: int, line: int) -> int:
+    """Of the piece of a file that begins at byte ``begin``, in a line; returns that of the next piece."""
     at = piece.find(b"\0")
     if at >= 0:
-        raise Refusal(codes.NOT_TEXT.at(Span(name, 0), byte="0x00", offset=begin + at))
+        raise Refusal(codes.NOT_TEXT.at(Span(name, line + piece.count(b"\n", 0, at)), byte="0x00", offset=begin + at))
+    return line + piece.count(b"\n")
 
 
 def _bytes_of(path: Path) -> bytes:

@@ -65,7 +65,11 @@ class TomlFile:
 
     def add(self, code: Code, where: str, /, **values: Any) -> None:
         """A finding at the line of the dotted key ``where`` ("": the file as a whole)."""
-        self.add_at(code, Span(self.name, self.line_of(where)), **values)
+        self.add_at(code, self.place(where), **values)
+
+    def place(self, where: str) -> Span:
+        """The line of a dotted key."""
+        return Span(self.name, self.line_of(where))
 
     def add_at(self, code: Code, span: Span, /, **values: Any) -> None:
         """A finding at a place of this file."""

@@ -220,7 +220,7 @@ class Reader:
             return self._layers(table, layered, sheet, scale, unit, heights, JOIN if join is None else join, move)
         except (DxfError, OSError) as wrong:
             said = wrong.strerror if isinstance(wrong, OSError) else str(wrong)
-            table.file.add_at(codes.FILE_UNREADABLE, Span(str(target), 0), what=f"{target.name}: {said}")
+            table.file.add(codes.FILE_UNREADABLE, table.name_of("dxf"), what=f"{target.name}: {said}")
             return ()
 
     def _layers(
@@ -295,16 +295,16 @@ class Reader:
         try:
             mesh = read_stl(target)
         except StlError as wrong:
-            table.file.add_at(codes.FILE_UNREADABLE, Span(str(target), wrong.line), what=f"{target.name}: {wrong}")
+            place = table.file.place(table.name_of("stl")) if not wrong.line else Span(str(target), wrong.line)
+            table.file.add_at(codes.FILE_UNREADABLE, place, what=f"{target.name}: {wrong}")
             return ()
         except OSError as wrong:
             table.bad("stl", f"{target.name}: {wrong.strerror or wrong}")
             return ()
         if mesh.opening:
             hint = "export it as a closed body; gouges and collisions with it are UNKNOWN"
-            table.file.findings.add(
-                codes.OPEN_MESH.at(Span(str(target), 0), name=target.name, what=mesh.opening, hint=hint)
-            )
+            where = table.file.place(table.name_of("stl"))
+            table.file.findings.add(codes.OPEN_MESH.at(where, name=target.name, what=mesh.opening, hint=hint))
         corners = mesh.corners * float(unit)
         c, s = move.turn
         turned = np.stack(

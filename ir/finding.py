@@ -7,9 +7,12 @@ makes a ``Finding``. Spans are required: a finding without a place names its fil
 from __future__ import annotations
 
 import enum
+import math
 import re
-from collections.abc import Callable, Container, Iterable
+import string
+from collections.abc import Callable, Container, Iterable, Mapping
 from dataclasses import replace
+from typing import Any
 
 from gproof.ir.record import field, record
 
@@ -21,6 +24,39 @@ class Severity(enum.Enum):
     UNKNOWN = "unknown"
     WARNING = "warning"
     NOTE = "note"
+
+
+_FIXED = re.compile(r"\.(\d+)f")
+_LEAST = 0.5
+"""Nothing that is larger than this prints as 0."""
+
+
+def fixed(value: float, places: int) -> str:
+    """A number with so many decimals; with as many as it needs, or a power of ten, where these would say 0."""
+    text = f"{value:.{places}f}"
+    if value == 0.0 or not math.isfinite(value) or float(text) != 0.0:
+        return text
+    needed = 1 - math.floor(math.log10(abs(value)))
+    return f"{value:.{needed}f}" if needed <= _MOST_DECIMALS else f"{value:.1e}"
+
+
+_MOST_DECIMALS = 9
+
+
+class _Filler(string.Formatter):
+    """Templates of messages: no number prints as 0 that is not 0."""
+
+    def format_field(self, value: Any, format_spec: str) -> Any:
+        """A field."""
+        found = _FIXED.fullmatch(format_spec) if isinstance(value, float) else None
+        return super().format_field(value, format_spec) if found is None else fixed(value, int(found[1]))
+
+
+def filled(template: str, values: Mapping[str, object]) -> str:
+    """The message of a template."""
+    if any(isinstance(value, float) and 0.0 < abs(value) < _LEAST for value in values.values()):
+        return _Filler().vformat(template, (), values)
+    return template.format(**values)
 
 
 @record(frozen=True, slots=True)
@@ -58,7 +94,7 @@ class Code:
 
     def at(self, span: Span, *, hint: str = "", related: Iterable[Related] = (), **values: object) -> Finding:
         """A finding of this kind at ``span``; ``values`` fill the template."""
-        return Finding(self, span, self.template.format(**values), hint, tuple(related), tuple(values.items()))
+        return Finding(self, span, filled(self.template, values), hint, tuple(related), tuple(values.items()))
 
 
 @record(frozen=True, slots=True)

@@ -105,13 +105,13 @@ class Boundaries(Check):
         self._trace: Trace | None = None
         self._errors = 0
         self._units = {axis.index: axis.unit for axis in machine.axes}
-        self._first = Span("", 0)
+        self._first = Span("", 1)
 
     def feed(self, chunk: Chunk) -> None:
         """Rows under each set of boundaries that occurs."""
         trace, rows = chunk.trace, chunk.rows
         if self._trace is None:
-            self._trace, self._first = trace, Span(trace.files[0], 0)
+            self._trace, self._first = trace, Span(trace.files[0], 1)
         if not len(rows):
             return
         keys = {_key(trace.states[index]) for index in occurring(rows["state"])}

@@ -73,8 +73,8 @@ class Check(ABC):
 
 
 def row_span(trace: Trace, rows: Columns, row: int) -> Span:
-    """The source line of a row."""
-    return Span(trace.files[int(rows["file"][row])], int(rows["line"][row]))
+    """The source line of a row; of what no line says, the first."""
+    return Span(trace.files[int(rows["file"][row])], max(1, int(rows["line"][row])))
 
 
 def of_one_kind(

@@ -38,7 +38,7 @@ def on_surface(trace: Trace, machine: Machine, setup: Setup) -> tuple[Trace, Mac
     ):
         if missing:
             what = f"Y is mapped onto A without {what}"
-            raise Refusal(codes.NOT_STEPPED.at(Span(trace.files[0], 0), what=what, hint=hint))
+            raise Refusal(codes.NOT_STEPPED.at(Span(trace.files[0], 1), what=what, hint=hint))
     assert turned is not None
     assert across is not None
     mm = mm_per_degree(cylinder)
@@ -92,7 +92,7 @@ def _refuse_another_start(trace: Trace, setup: Setup, cylinder: CylinderMap, mm:
     if not stated.low - _ALIKE <= angle <= stated.high + _ALIKE:
         what = f"A is stated to start at {stated.low:g} and the mapping has it at {angle:.4f}"
         hint = "start and zero of [cylinder] in the setup file must agree"
-        raise Refusal(codes.NOT_STEPPED.at(Span(trace.files[0], 0), what=what, hint=hint))
+        raise Refusal(codes.NOT_STEPPED.at(Span(trace.files[0], 1), what=what, hint=hint))
 
 
 def _scaled(axis: Axis, mm: float, *, name: str, kind: AxisKind, tip_feed: bool) -> Axis:

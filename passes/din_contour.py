@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 
+from gproof.ir.finding import fixed
 from gproof.ir.record import record
 from gproof.passes.single_kernels import distance
 
@@ -163,6 +164,6 @@ def judge(last: Element | None, new: Element, sides: tuple[int, ...], tool: floa
             return problem, new
         if last.taken[n] + before > last.length + _SLACK or behind > new.length + _SLACK:
             short = min(last.length - last.taken[n] - before, new.length - behind)
-            return f"an inside corner with an element {-short:.4f} mm too short for it", new
+            return f"an inside corner with an element {fixed(-short, 4)} mm too short for it", new
         taken[n] = behind
     return "", Element(new.start, new.end, new.center, new.turns, (taken[0], taken[1]))

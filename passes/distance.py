@@ -14,7 +14,7 @@ import numpy as np
 import numpy.typing as npt
 
 from gproof.ir import codes
-from gproof.ir.finding import Code, Findings, Severity, Span
+from gproof.ir.finding import Code, Findings, Severity, Span, fixed
 from gproof.ir.machine import Machine
 from gproof.ir.program import Program
 from gproof.ir.setup import Setup
@@ -225,11 +225,11 @@ class Distance(Check):
         return self.placing.tools.entry(tool).number
 
     def _span(self, place: int) -> Span:
-        return Span(self._files[place >> 32], place & 0xFFFFFFFF)
+        return Span(self._files[place >> 32], max(1, place & 0xFFFFFFFF))
 
     def finish(self) -> PropertyResult:
         """UNSAFE with something that is certainly too near, UNKNOWN with something that may be, else SAFE."""
-        first = Span(self._files[0] if self._files else "", 0)
+        first = Span(self._files[0] if self._files else "", 1)
         if self.name == "gouges" and not self.given.part:
             self.findings.add(self.unknown.at(first, cause="nobody stated the part that is to be left", hint=_PART))
         elif self.name == "collisions" and not (self.given.part or self.given.fixtures or self.given.stock):
@@ -305,7 +305,9 @@ def _by_zero(bodies: Sequence[Placed]) -> list[tuple[int, list[Placed]]]:
 
 
 def _near(distance: float, name: str) -> str:
-    return f"goes {-distance:.4f} mm into {name}" if distance < 0.0 else f"comes within {distance:.4f} mm of {name}"
+    if distance < 0.0:
+        return f"goes {fixed(-distance, 4)} mm into {name}"
+    return f"comes within {fixed(distance, 4)} mm of {name}"
 
 
 def _allowed(limit: float) -> str:

@@ -132,7 +132,7 @@ class Emitter:
             return
         whole = round(value)
         if abs(value - whole) > self.program.rules.integer_tolerance or not 1 <= whole <= 9:
-            self.findings.add(codes.STARTUP_COORDINATE_SYSTEM.at(Span(setup.name, 0), value=value))
+            self.findings.add(codes.STARTUP_COORDINATE_SYSTEM.at(Span(setup.name, 1), value=value))
 
     def spend(self, span: Span) -> None:
         """Count one executed block; Refusal GP233 when the budget is used up."""

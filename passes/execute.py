@@ -97,7 +97,7 @@ class Executor(Flow):
                 self._end_section(Wait.UNKNOWN, refusal.finding.message, -1, refusal.finding.span)
         if not self._ended:
             if self.failed is None:
-                span = Span(self.trace.files[self._file], self.program.line_count)
+                span = Span(self.trace.files[self._file], max(1, self.program.line_count))
                 self.event(Op.END, span, arg=(2.0 if self._last is self.program.abort else 1.0, 0.0))
             self._close((Edge(wait=Wait.END, outcome="end", target=-1),))
 

@@ -359,7 +359,7 @@ class Flow(Endless):
             line = last.last_line
         elif last is not None:
             line = (getattr(last, "end_span", None) or last.span).line
-        span = Span(self.trace.files[self._file], line or self.program.line_count)
+        span = Span(self.trace.files[self._file], line or max(1, self.program.line_count))
         hint = "M17 at its end" if isinstance(node, Subprogram) else "M30 or M02 at its end"
         finding = codes.MODULE_END.at(span, name=name, hint=hint)
         self.refused = True

@@ -34,7 +34,7 @@ class GuardStretches:
         self._sets: dict[Guards, int] = {(): 0}
         self._of_state: list[int] = []
         self._off: Guards = ()
-        self._first = self._last = Span("", 0)
+        self._first = self._last = Span("", 1)
         self._moves = 0
         self._open = False
         self._low, self._high = np.full(AXES, math.inf), np.full(AXES, -math.inf)

@@ -75,7 +75,7 @@ def follow(trace: Trace, setup: Setup, machine: Machine, findings: Findings) -> 
     try:
         if setup.cylinder is not None:
             if lifts.any() or on_at_start:
-                where = Span(trace.files[0], 0)
+                where = Span(trace.files[0], 1)
                 raise Refusal(
                     codes.NOT_STEPPED.at(where, what="a height map is followed on a cylinder", hint=ON_ITS_CONTROLLER)
                 )

@@ -337,7 +337,7 @@ class Limits(Check):
     def _begin(self, chunk: Chunk) -> None:
         self._start = chunk.start
         self._start_forms = chunk.trace.frames[chunk.start_frame]
-        self._first = Span(chunk.trace.files[0], 0)
+        self._first = Span(chunk.trace.files[0], 1)
         if self.setup.cylinder is not None:
             self._begin_mapping()
         for reach in self.reaches.values():

@@ -316,7 +316,7 @@ def plan(
         rows = Columns(PLAN_ROW, columns)
         sections.append(PlanSection(number=section.number, rows=rows, duration=float(totals[k.T_TIME])))
     refusals.finish()
-    _report_rates(machine, slow, Span(trace.files[0], 0), findings)
+    _report_rates(machine, slow, Span(trace.files[0], 1), findings)
     return Plan(sections=sections) if sound else None
 
 

@@ -181,7 +181,7 @@ class Refusals:
     # ---- spans
 
     def _at(self, edge: Edge) -> Span:
-        return Span(self.trace.files[edge.file], edge.line)
+        return Span(self.trace.files[edge.file], max(1, edge.line))
 
     def _row(self, chunk: Chunk, row: int) -> Span:
         return row_span(self.trace, chunk.rows, row)

@@ -51,7 +51,7 @@ def note_assumptions(ex: Motion) -> None:
     if space is not None and "turned" not in ex.modal.single.flags:
         ex.modal.single = ex.modal.single.but(flags=ex.modal.single.flags | {"turned"})
         what = f"the job's first workspace, G{space.number}, {turning(space)}"
-        ex._fail(codes.UNSUPPORTED_CODE.at(Span(ex.trace.files[0], 0), code=what))
+        ex._fail(codes.UNSUPPORTED_CODE.at(Span(ex.trace.files[0], 1), code=what))
     if ex.setup.default_offset is None:
         ex.assumed[
             "no rotation, no scaling, no axis mapping, no cutter compensation, no knife and no array is on at the start"

@@ -189,7 +189,7 @@ class _Section:
             form = trace.frames[section.start_frame][axis.index]
             if form:
                 cause = f"{axis.word} depends on {describe(form)}"
-                where = row_span(trace, self.rows, 0) if len(self.rows) else Span(trace.files[0], 0)
+                where = row_span(trace, self.rows, 0) if len(self.rows) else Span(trace.files[0], 1)
                 raise Refusal(codes.PLAN_NEEDS_NUMBERS.at(where, cause=cause, hint=of_forms([form])))
         self._open_loop()
         if planned.duration * stepper.frequency > _FARTHEST:

@@ -109,6 +109,7 @@ class StockLeft(Check):
 
     def __init__(self, program: Program, machine: Machine, setup: Setup, findings: Findings) -> None:
         super().__init__(machine, setup, findings)
+        self._job = program.files[0].name if program.files else ""
         self.placing = Placing(program, machine, setup)
         self.bodies: tuple[Placed, ...] = () if setup.workpiece is None else setup.workpiece.stock
         self._left: list[_Left] = []
@@ -157,7 +158,7 @@ class StockLeft(Check):
         out = []
         for placed in self.bodies:
             if isinstance(placed.body, Mesh) and not placed.body.closed:
-                where = Span(placed.body.source or self.setup.name, 0)
+                where = Span(placed.body.source or self._job, 1)
                 self.findings.add(codes.STOCK_UNKNOWN.at(where, cause=f"{placed.name} is not closed"))
             field = field_of(placed.body, cell, MOST_CELLS)
             said = f"what is left of {placed.name} is known by cells of {field.cell:.4g} mm"
@@ -190,7 +191,7 @@ class StockLeft(Check):
             self._from.setdefault(target, set()).add(chunk.section)
             if target in self._seen:
                 if not self._always_through(target, chunk.section):
-                    where = Span(chunk.trace.files[edge.file] if chunk.trace.files else "", edge.line)
+                    where = Span(chunk.trace.files[edge.file] if chunk.trace.files else "", max(1, edge.line))
                     cause = "what follows was judged with what another way to it has left"
                     self.findings.add(codes.STOCK_UNKNOWN.at(where, cause=cause))
             elif target in self._waiting:
@@ -342,9 +343,7 @@ class StockLeft(Check):
             said = "no stock is stated: what meets it is not looked at"
             return PropertyResult(name=self.name, verdict=Verdict.SAFE, assumptions=(said,))
         self.findings.add(
-            codes.STOCK_UNKNOWN.at(
-                Span(self.setup.name, 0), cause="no stock is stated", hint="[stock] in the setup file"
-            )
+            codes.STOCK_UNKNOWN.at(Span(self._job, 1), cause="no stock is stated", hint="[stock] in the setup file")
         )
         return PropertyResult(name=self.name, verdict=Verdict.UNKNOWN)
 

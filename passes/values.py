@@ -107,7 +107,30 @@ def describe(form: Affine) -> str:
     """A form in words: ``G54 X offset + tool 3 length``."""
     kinds = ("work", "g92", "tool", "head", "start", "probe", "home", "value", RISEN, "beside")
     ordered = sorted(form, key=lambda term: kinds.index(k) if (k := term[0].split(".")[0]) in kinds else len(kinds))
-    return " + ".join(describe_symbol(s) if c == 1 else f"{c} x {describe_symbol(s)}" for s, c in ordered)
+    alike: dict[tuple[str, str, int], list[int]] = {}
+    for symbol, count in ordered if len(form) > ONE_BY_ONE else ():
+        kind, *rest = symbol.split(".")
+        if kind in _SEVERAL and len(rest) == 2 and rest[0].isdigit():
+            alike.setdefault((kind, rest[1], count), []).append(int(rest[0]))
+    said: dict[str, None] = {}
+    for symbol, count in ordered:
+        kind, *rest = symbol.split(".")
+        numbers = alike.get((kind, rest[-1] if rest else "", count), ())
+        one = describe_symbol(symbol)
+        if len(numbers) > ONE_BY_ONE:
+            many = f"{len(numbers)} {_SEVERAL[kind].format(axis=rest[1].upper())}"
+            one = f"{many} ({min(numbers)} ... {max(numbers)})"
+        said[one if count == 1 else f"{count} x {one}"] = None
+    return " + ".join(said)
+
+
+ONE_BY_ONE = 3
+"""So many unknowns of a kind are named one by one."""
+_SEVERAL = {
+    "probe": "probe contacts in {axis}", "home": "places of {axis} after homing", "tool": "lengths of tools",
+    RISEN: "heights of {axis} that cycles rise to", "value": "values of {axis}",
+}  # fmt: skip
+"""Kinds of which there may be many in one sum, in words."""
 
 
 def describe_symbol(symbol: str) -> str:

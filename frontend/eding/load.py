@@ -83,7 +83,7 @@ def load_program(
     program.assumed += loader.assumed
     is_clean = sum(findings.counts.values()) == before
     if is_clean and not program.body and not loader.subprograms_in_job:
-        findings.add(codes.EMPTY_PROGRAM.at(Span(str(path), 0)))
+        findings.add(codes.EMPTY_PROGRAM.at(Span(str(path), 1)))
     return program
 
 

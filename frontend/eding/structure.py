@@ -61,7 +61,7 @@ class Assembler:
     def begin_file(self, file: str, place: int = JOB) -> None:
         """Start with the first line of a file; place: JOB, MACROS or OWN_MACROS, which count before MACROS."""
         self._place = place
-        start = Span(file, 0)
+        start = Span(file, 1)
         self._stack = [_Open("file", start, Number(0.0, start))]
 
     def end_file(self) -> tuple[Statement, ...]:

@@ -51,7 +51,7 @@ def load_program(
         findings.add(refusal.finding)
         return None
     if sum(findings.counts.values()) == before and not any(does_something(node) for node in program.body):
-        findings.add(codes.EMPTY_PROGRAM.at(Span(str(path), 0)))
+        findings.add(codes.EMPTY_PROGRAM.at(Span(str(path), 1)))
     return program
 
 
@@ -142,7 +142,7 @@ class _Loader:
         program = self.program
         number = self._take_in(self.path)
         program.files[number].name = self.name
-        whole = Span(self.name, 0)
+        whole = Span(self.name, 1)
         if self.din.pre_include:
             self._include(self.din.pre_include, whole, self._machine_folders())
         if self.within is not None:

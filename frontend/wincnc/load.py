@@ -78,7 +78,7 @@ def load_program(
     if loader.reader.has_continued:
         program.assumed.append(TEXT_AFTER_COMMENT.assumption)
     if sum(findings.counts.values()) == before and not program.body:
-        findings.add(codes.EMPTY_PROGRAM.at(Span(str(path), 0)))
+        findings.add(codes.EMPTY_PROGRAM.at(Span(str(path), 1)))
     return program
 
 
@@ -226,7 +226,7 @@ class _Loader:
         while self.files.wanted:
             key = self.files.wanted.pop()
             path = self.files.paths[key]
-            span = Span(str(path), 0)
+            span = Span(str(path), 1)
             try:
                 inner = self.load(path, is_job=False)
             except Refusal as refusal:
@@ -312,7 +312,7 @@ class _Loader:
         if self.machine_file is not None:
             name = self.machine_file.name
             self.findings.add(
-                codes.MACRO_FILE_MISSING.at(Span(str(self.machine_file), 0), name="CNC.MAC", machine=name)
+                codes.MACRO_FILE_MISSING.at(Span(str(self.machine_file), 1), name="CNC.MAC", machine=name)
             )
 
     def _command(self, name: str, text: str) -> tuple[Statement, ...]:
@@ -320,7 +320,7 @@ class _Loader:
         if not text.strip():
             return ()
         file = str(self.machine_file) if self.machine_file is not None else "(machine file)"
-        place = self.controls.place(name) or Span(file, 0)
+        place = self.controls.place(name) or Span(file, 1)
         self._settings_file(place.file)
         try:
             parsed = self.lines.parse(" " * (place.column - 1) + text, place.file, place.line)

@@ -27,6 +27,11 @@ MACHINE = (
 )
 JOB = "G21 G90 G94 G17 G40 G49 G54\nF600\nG1 X10\nG1 X0\nM30\n"
 ENDLESS = "G21 G90 G94 G17 G40 G49 G54\n#1=0\nwhile [#1 >= 0]\n#1=[#1+1]\nG0 X[#1*#1/[#1*#1+1]]\nendwhile\nM30\n"
+START = (
+    "import signal, sys; signal.signal(signal.SIGINT, signal.default_int_handler); "
+    "from gproof.cli.main import main; sys.exit(main())"
+)
+"""As from a shell: what runs in the background is born deaf to Ctrl-C."""
 COMMANDS = [
     ["check", "job.cnc", "--machine", "m.toml", "--setup", "zero"],
     ["check", "job.cnc", "job.cnc", "--machine", "m.toml", "--setup", "zero"],
@@ -74,7 +79,7 @@ def run_on_a_terminal(words: list[str], folder: Path, seconds: float) -> tuple[i
     """Exit code and standard error of a command whose terminal sends Ctrl-C after a time."""
     near, far = pty.openpty()
     process = subprocess.Popen(
-        [sys.executable, "-m", "gproof.cli.main", *words], cwd=folder, stdout=subprocess.DEVNULL, stderr=far,
+        [sys.executable, "-c", START, *words], cwd=folder, stdout=subprocess.DEVNULL, stderr=far,
         env={**os.environ, "TERM": "xterm"},
     )  # fmt: skip
     os.close(far)
@@ -82,6 +87,8 @@ def run_on_a_terminal(words: list[str], folder: Path, seconds: float) -> tuple[i
     said, until = b"", time.monotonic() + seconds
     asked = False
     while process.poll() is None:
+        if time.monotonic() > until + 60.0:
+            process.kill()
         if not asked and time.monotonic() > until:
             asked = True
             process.send_signal(signal.SIGINT)
