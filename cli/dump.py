@@ -56,6 +56,7 @@ def _print(value: object) -> None:
 
 def _jsonl(session: Session, running: Running) -> bool:
     from gproof.cli.jsonl import chunk_lines, error_line
+    from gproof.passes.arc_radius import ArcRadius
     from gproof.passes.execute import Executor
     from gproof.passes.knife import follow_knife
 
@@ -69,9 +70,16 @@ def _jsonl(session: Session, running: Running) -> bool:
         session.program, session.setup, session.machine, session.findings, stop_at_error=True,
         block_delete=bool(session.setup.block_delete), **session.options(running),
     )  # fmt: skip
+    arcs = ArcRadius(session.machine, session.setup, session.findings)
     for chunk in follow_knife(ex.run(), session.machine, session.findings):
-        for line in chunk_lines(chunk, session.machine, str(session.job)):
+        refused = arcs.first_mismatch(chunk)
+        row = None if refused is None else refused[0]
+        for line in chunk_lines(chunk, session.machine, str(session.job), before=row):
             click.echo(line)
+        if refused is not None:
+            session.findings.add(refused[1])
+            click.echo(error_line(refused[1]))
+            return False
     if ex.failed is not None:
         click.echo(error_line(ex.failed))
     return ex.failed is None

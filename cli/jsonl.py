@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import Any
 
 from gproof.ir.finding import Finding
 from gproof.ir.machine import AXIS_NAMES, Machine
-from gproof.ir.trace import Chunk, Op, Plane
+from gproof.ir.trace import Chunk, Edge, Op, Plane, Trace, Wait
 from gproof.passes.values import describe
 
 _PLANES = {Plane.XY: ("XY", 0, 1), Plane.XZ: ("XZ", 0, 2), Plane.YZ: ("YZ", 1, 2)}
@@ -22,23 +22,59 @@ def _number(value: float) -> float | None:
     return None if math.isnan(value) else value
 
 
-def chunk_lines(chunk: Chunk, machine: Machine, job: str) -> Iterator[str]:
-    """The rows of a chunk, a JSON object each."""
-    trace, rows = chunk.trace, chunk.rows
+def chunk_lines(chunk: Chunk, machine: Machine, job: str, before: int | None = None) -> Iterator[str]:
+    """The rows of a chunk, a JSON object each, between the marks of sections; before: none from this one on."""
+    rows = chunk.rows
     columns = {axis.word.lower(): axis.index for axis in machine.axes}
+    if chunk.section and not chunk.begin:
+        yield _section(chunk, columns, job)
+    yield from _rows(chunk, columns, job, len(rows) if before is None else before)
+    if chunk.last and before is None:
+        for edge in chunk.edges:
+            if edge.wait is not Wait.END:
+                yield _branch(chunk, edge, job)
+
+
+def _section(chunk: Chunk, columns: dict[str, int], job: str) -> str:
+    """Where a section but the first begins: rows that follow go on from here, not from those before."""
+    line = int(chunk.rows["line"][0]) if len(chunk.rows) else 0
+    out: dict[str, Any] = {"op": "section", "line": line}
+    if line and chunk.trace.files[int(chunk.rows["file"][0])] != job:
+        out["file"] = chunk.trace.files[int(chunk.rows["file"][0])]
+    return json.dumps(
+        out | {"section": chunk.section} | _place(chunk.trace, chunk.start, chunk.start_frame, columns),
+        ensure_ascii=False,
+    )
+
+
+def _branch(chunk: Chunk, edge: Edge, job: str) -> str:
+    """What ends the wait at the end of a section, and which section follows then; none: the program is over."""
+    out: dict[str, Any] = {"op": "branch", "line": edge.line}
+    if chunk.trace.files and chunk.trace.files[edge.file] != job:
+        out["file"] = chunk.trace.files[edge.file]
+    out |= {"section": chunk.section, "wait": edge.wait.name.lower(), "outcome": edge.outcome}
+    return json.dumps({**out, "target": None if edge.target < 0 else edge.target}, ensure_ascii=False)
+
+
+def _place(trace: Trace, at: Sequence[float], frame: int, columns: dict[str, int]) -> dict[str, Any]:
+    """A position by axis, with what has to be added to it."""
+    forms = trace.frames[frame]
+    unknown = {name: describe(forms[column]) for name, column in columns.items() if forms[column]}
+    place = {"to": {name: at[column] for name, column in columns.items()}}
+    return {**place, "relative_to": unknown} if unknown else place
+
+
+def _rows(chunk: Chunk, columns: dict[str, int], job: str, end: int) -> Iterator[str]:
+    trace, rows = chunk.trace, chunk.rows
     cells = {c.name: rows[c.name].tolist() for c in rows.schema.columns}
-    for i in range(len(rows)):
+    for i in range(end):
         row = {name: values[i] for name, values in cells.items()}
         op = Op(row["op"])
         out: dict[str, Any] = {"op": op.name.lower(), "line": row["line"]}
         if trace.files[row["file"]] != job:
             out["file"] = trace.files[row["file"]]
         if op < Op.DWELL:
-            out["to"] = {name: row["to"][column] for name, column in columns.items()}
-            frame = trace.frames[row["frame"]]
-            unknown = {name: describe(frame[column]) for name, column in columns.items() if frame[column]}
-            if unknown:
-                out["relative_to"] = unknown
+            out |= _place(trace, row["to"], row["frame"], columns)
             if op is not Op.TRAVERSE:
                 out["feed"] = _number(row["feed"])
                 if trace.states[row["state"]].synchronised:

@@ -52,6 +52,20 @@ class ArcRadius(Check):
                 radii, allowed = (float(start[kind, n]), float(end[kind, n])), tolerance[rows["state"][found[kind, n]]]
                 self.findings.add(say(chunk, int(found[kind, n]), radii, float(chord[kind, n]), float(allowed)), **like)
 
+    def first_mismatch(self, chunk: Chunk) -> tuple[int, Finding] | None:
+        """The row of the first arc that no controller takes, and its GP401."""
+        if not len(chunk.rows):
+            return None
+        states = chunk.trace.states
+        tolerance = np.array([s.arc_tolerance for s in states], dtype=np.float64)
+        made = np.array([s.compensation != 0 for s in states], dtype=np.int64)
+        counts, found, start, end, chord = self._odd(chunk, tolerance, made, 1)
+        if not counts[MISMATCH]:
+            return None
+        row = int(found[MISMATCH, 0])
+        radii, allowed = (float(start[MISMATCH, 0]), float(end[MISMATCH, 0])), tolerance[chunk.rows["state"][row]]
+        return row, self._mismatch(chunk, row, radii, float(chord[MISMATCH, 0]), float(allowed))
+
     def _odd(
         self, chunk: Chunk, tolerance: Floats, made: Integers, room: int
     ) -> tuple[Integers, Integers, Floats, Floats, Floats]:

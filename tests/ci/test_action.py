@@ -31,6 +31,10 @@ INPUTS = {name: str(value["default"]) for name, value in ACTION["inputs"].items(
 STEPS = {step.get("id", step["name"]): step for step in ACTION["runs"]["steps"]}
 EXPRESSION = re.compile(r"\$\{\{ *(.*?) *\}\}")
 PLATE = ROOT / "corpus" / "eding" / "drilled-plate"
+SETUP = (
+    'schema = "gproof-setup/1"\nhomed = ["x", "y", "z"]\nactive_work = 1\ntool = 0\nblock_delete = false\n'
+    "start = {x = 0.0, y = 0.0, z = 0.0}\ng92 = {x = 0.0, y = 0.0, z = 0.0}\n[work.1]\nx = 0.0\ny = 0.0\nz = 0.0\n"
+)
 TOO_FAR = "G21 G90\nG0 X10\nG1 X9000 F600\nM30\n"
 
 
@@ -243,6 +247,7 @@ def test_the_workflow_of_the_page_runs_with_what_it_names(runner: Runner) -> Non
         shutil.copy(PLATE / "job.cnc", runner.workspace / name)
     for name in ("machines/router.toml", "lathe/machine.toml"):
         shutil.copy(PLATE / "machine.toml", runner.workspace / name)
+    (runner.workspace / "machines" / "router-setup.toml").write_text(SETUP, encoding="utf-8")
     (runner.workspace / "parts" / "new-draft.cnc").write_text(TOO_FAR, encoding="utf-8")
     (runner.workspace / "lathe.toml").write_text(
         'schema = "gproof-job/1"\njob = "lathe/plate.cnc"\nmachine = "lathe/machine.toml"\nsetup = "zero"\n',

@@ -103,10 +103,11 @@ def judged(gproof: Run, job: str | Path, *more: str | Path) -> tuple[str, set[st
     """(verdict, codes) of a job: the same in both formats, and the exit code with them."""
     text = gproof("check", job, *more)
     report = gproof("check", job, *more, "--format", "json")
-    verdict = re.search(r"^(?:.+): (SAFE|UNSAFE|UNKNOWN)$", text.out, re.M)
+    verdict = re.search(r"^(?:.+): (SAFE|UNSAFE|UNKNOWN)( if the conditions of [\w ]+ hold)?$", text.out, re.M)
     assert verdict is not None, text
     data = json.loads(report.out)
     assert data["verdict"] == verdict[1]
+    assert data["conditional"] == bool(verdict[2])
     assert text.exit == report.exit == EXIT[verdict[1]]
     assert text.err == report.err == ""
     codes = {item["code"] for item in data["findings"]}

@@ -46,4 +46,4 @@ def test_rows_have_the_listed_keys(folder: Path, capsys: pytest.CaptureFixture[s
 
 
 def test_every_operation_is_listed() -> None:
-    assert {op.name.lower() for op in Op} | {"error"} == set(listed())
+    assert {op.name.lower() for op in Op} | {"error", "section", "branch"} == set(listed())
