@@ -5,15 +5,18 @@ Text reports take them from ``Findings``, reports for other programs from the JS
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Callable, Iterable, Mapping
 from typing import Any
 
 from gproof.cli.lengths import MM, LengthUnit
-from gproof.ir.finding import Finding, Findings, Group, group_key, measure, pattern
+from gproof.ir.finding import Finding, Findings, Group, group_key, key_of, measure, pattern
 from gproof.ir.record import record
 
 ALONE = 3
 """So many findings of a kind are shown one by one."""
+FIRST_KEYS = 6
+"""So many keys that are not known are named in one line."""
 NAMED = 8
 """So many lines are named one by one."""
 Accepted = Mapping[Finding, tuple[str, str]]
@@ -25,7 +28,8 @@ class More:
     """What else there is of a kind: how many, where, and the worst of all.
 
     line, last_line: all are between them (0: not known); lines: the others', () when not all are known; worst_line: 0
-    where nothing says which one it is; worst: its message, "" when it is the one shown.
+    where nothing says which one it is; worst: its message, "" when it is the one shown; keys: the first of the others
+    that are named, where they are keys.
     """
 
     count: int
@@ -34,6 +38,7 @@ class More:
     lines: tuple[int, ...] = ()
     worst_line: int = 0
     worst: str = ""
+    keys: tuple[str, ...] = ()
 
     def text(self) -> str:
         """``and 312 more like this in lines 5 ... 403; the worst in line 403: …``."""
@@ -43,7 +48,8 @@ class More:
         furthest = ""
         if self.worst_line:
             furthest = f"; the worst in line {self.worst_line}: {self.worst}" if self.worst else "; none is worse"
-        return f"and {self.count} more like this{where}{furthest}"
+        keys = f": {', '.join(self.keys)}{' ...' if self.count > len(self.keys) else ''}" if self.keys else ""
+        return f"and {self.count} more like this{where}{furthest}{keys}"
 
 
 @record(frozen=True, slots=True, kw_only=True)
@@ -109,8 +115,13 @@ def _more(
     return More(
         count=count, line=line, last_line=last, lines=_others(first.span.line, rest),
         worst_line=0 if worst is None else worst.span.line or first.span.line,
-        worst="" if worst is None or same else say(worst),
+        worst="" if worst is None or same else say(worst), keys=_keys(f.message for f in members[1:]),
     )  # fmt: skip
+
+
+def _keys(messages: Iterable[str]) -> tuple[str, ...]:
+    """The first keys that messages name."""
+    return tuple(itertools.islice(filter(None, map(key_of, messages)), FIRST_KEYS))
 
 
 def _others(first: int, lines: Iterable[int]) -> tuple[int, ...]:
@@ -173,6 +184,7 @@ def shown_json(report: Mapping[str, Any], *, every: bool) -> list[tuple[dict[str
                 lines=_others(f["line"], lines if total <= own else ()),
                 worst_line=0 if worst is None else worst["line"] or line,
                 worst="" if worst is None or worst["message"] == f["message"] else worst["message"],
+                keys=_keys(one["message"] for one in members[1:]),
             )  # fmt: skip
             out.append((f, more))
     return out

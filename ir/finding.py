@@ -138,9 +138,22 @@ GROUPS = 200
 """Groups of a code at most: what a program makes up (texts in messages) must not fill the memory."""
 
 
+UNKNOWN_KEYS = 602
+"""The code of keys of a controller's file that are not known. Such a file has hundreds: they are of one kind, and all
+of them are kept."""
+MOST_KEYS = 100_000
+_KEY = re.compile(r"key (?P<mark>['\"])(?P<key>.*)(?P=mark) is not known and was ignored", re.DOTALL)
+
+
 def pattern(message: str) -> str:
     """A message without its numbers; findings of a code with the same one are of a kind."""
-    return _NUMBER.sub(r"\1#", message)
+    return "key # is not known and was ignored" if _KEY.fullmatch(message) else _NUMBER.sub(r"\1#", message)
+
+
+def key_of(message: str) -> str:
+    """The key that a finding of an unknown key names, "" for any other."""
+    found = _KEY.fullmatch(message)
+    return found["key"] if found is not None else ""
 
 
 def measure(finding: Finding) -> float | None:
@@ -229,7 +242,8 @@ class Findings:
             return
         different = self._different.get(number, 0)
         is_first = group is not None and not group.kept
-        if different < self.limit or (is_first and different < 2 * self.limit):
+        limit = MOST_KEYS if number == UNKNOWN_KEYS else self.limit
+        if different < limit or (is_first and different < 2 * limit):
             self._different[number] = different + 1
             self._keep(finding, 1)
             if group is not None:
@@ -295,7 +309,8 @@ class Findings:
             number, key = finding.code.number, group_key(finding)
             if finding not in always:
                 first = key not in kinds and key in self.groups
-                if told.get(number, 0) >= (2 * limit if first else limit):
+                most = MOST_KEYS if number == UNKNOWN_KEYS else limit
+                if told.get(number, 0) >= (2 * most if first else most):
                     continue
                 told[number] = told.get(number, 0) + 1
                 kinds.add(key)

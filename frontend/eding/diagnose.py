@@ -9,6 +9,7 @@ from __future__ import annotations
 import re
 from typing import TYPE_CHECKING, Any
 
+from gproof.frontend.comment_hints import comment_hint
 from gproof.frontend.eding.prepare import FUNCTIONS, STRUCTURE, Line, LineError
 from gproof.ir import codes
 from gproof.ir.finding import Code
@@ -69,7 +70,10 @@ def diagnose(line: Line, error: UnexpectedInput) -> LineError:
         found = kind(stop)
         if found is not None:
             return found
-    return stop.error(codes.SYNTAX, at, at + 1, what=_incomplete(stop) if at >= size else _unexpected(stop))
+    if at >= size:
+        return stop.error(codes.SYNTAX, at, at + 1, what=_incomplete(stop))
+    hint = comment_hint("eding", line.code, at)
+    return stop.error(codes.SYNTAX, at, at + 1, what=_unexpected(stop), **({"hint": hint} if hint else {}))
 
 
 def _structure(stop: _Stop) -> LineError | None:

@@ -10,6 +10,7 @@ from __future__ import annotations
 import re
 from typing import Any
 
+from gproof.frontend.comment_hints import comment_hint
 from gproof.frontend.wincnc.scan import CLOSING, COMMENT_SIGNS
 from gproof.ir import codes
 from gproof.ir.controls import Lexical
@@ -110,7 +111,8 @@ class LineReader:
             letter = code[at].upper()
             if not ("A" <= letter <= "Z" and code[at].isascii()):
                 what = "this is no command, word or file name of WinCNC"
-                raise LineError(codes.SYNTAX, at, len(code.rstrip()), what=what)
+                hint = comment_hint("wincnc", code, at)
+                raise LineError(codes.SYNTAX, at, len(code.rstrip()), what=what, hint=hint)
             at = _skip(code, at + 1)
             if code[at : at + 1] in ('"', "“", "”") and code[at : at + 1]:
                 at = self._quoted(items, letter, code, at, file, line)
