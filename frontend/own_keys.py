@@ -92,7 +92,7 @@ KEYS: dict[str, Keys] = {
         controller=_keys(
             "dialect laf_angle interpolation_time fifo_time max_step_frequency auto_tool_change absolute_arc_centers"
             " xz_seen_from diameter_programming extruder spindle_ramp_time macro_file super_long_file homing_mandatory"
-            " safety_feed home_is_stop turning thread_peak straight_traverse"
+            " safety_feed home_is_stop turning thread_peak straight_traverse version accepts limits_hold"
         ),
         controls=_keys(
             "highest_channel around_files array_order absolute soft_limits limits_available adjust_boundary"
