@@ -11,7 +11,7 @@ from gproof.ir.record import field, record
 
 DEVICES = (
     "knife", "saw", "laser", "laserscan", "thc", "bevel", "pump", "da", "spindle", "autoaux", "probe", "axisadj",
-    "drillbank", "spinmac",
+    "drillbank", "spinmac", "axismap",
 )  # fmt: skip
 """Features that a machine file can set up (``Controls.devices``)."""
 HIGHEST_CHANNEL = 64

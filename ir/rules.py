@@ -207,6 +207,7 @@ class Function(enum.IntEnum):
     SAVE_VARIABLE = 215
     RESTORE_VARIABLE = 216
     JUMP = 217
+    MAP_ADJUSTMENT = 228
 
 
 CHECKED_ONLY = frozenset(

@@ -15,6 +15,7 @@ from gproof.ir.machine import AXES, AXIS_NAMES
 from gproof.ir.program import Input, Named
 from gproof.ir.rules import CodeRule
 from gproof.ir.rules import Function as F
+from gproof.ir.setup import Interval
 from gproof.ir.trace import KNIFE, Op, ToolDiameter, Wait
 from gproof.passes import single_knife
 from gproof.passes.emitter import ProgramEnd
@@ -618,8 +619,18 @@ def level_heads(ex: Motion, line: Command, rule: CodeRule) -> None:
 
 
 def measured(ex: Motion, line: Command, rule: CodeRule) -> None:
-    """L82, L83: the probe goes down until it touches: the height, and what counts from it, is not known before."""
+    """L82, L83: the probe goes down until it touches: the height, and what counts from it, is not known before.
+
+    L82 where the setup states the contact of the probe's axis: the surface is there, and gets the number of Z. How far
+    the probe rises again is not said: between the surface and where it came from.
+    """
     s = ex.modal
+    controls = ex.machine.controller.controls
+    axis = AXIS_NAMES.index(controls.probe_axis)
+    contact = ex.setup.contacts.get(controls.probe_axis)
+    if rule.function is F.MEASURE_SURFACE and contact is not None and not s.position[axis].form:
+        _surface(ex, line, axis, contact)
+        return
     for axis in vertical_axes(ex.machine):
         s.position[axis] = NOWHERE
         if rule.function is F.MEASURE_SURFACE:
@@ -628,6 +639,48 @@ def measured(ex: Motion, line: Command, rule: CodeRule) -> None:
         s.position[axis] = NOWHERE
     s.jumped = True
     raise Refusal(codes.UNSUPPORTED_CODE.at(line.span, code=f"{rule.text}, which measures with the probe,"))
+
+
+def _surface(ex: Motion, line: Command, axis: int, contact: Interval) -> None:
+    """L82 down to a contact that the setup states, in machine coordinates."""
+    s = ex.modal
+    start = s.position[axis]
+    if contact.low > start.value:
+        what = f"L82 from below the contact that the setup states of {ex.machine.word(axis)}"
+        raise Refusal(codes.UNSUPPORTED_CODE.at(line.span, code=what))
+    note_assumptions(ex)
+    word = ex.machine.word(axis)
+    ex.assumed[f"the setup says where the probe of {word} touches, and it rises no higher than it came from"] = None
+    down = list(s.position)
+    down[axis] = Position(contact.low)
+    s.feed = math.nan
+    ex.move(Op.FEED, down, line.span)
+    ex._moved = True
+    high = min(contact.high, start.value)
+    known = contact.low == high
+    place = Position(high) if known else ex.unknown_place("home", axis, (contact.low, high), Position(0.0))
+    value = line.values.get("Z", 0.0)
+    base = s.work_offsets[s.work, axis].plus(s.beside_work(axis))
+    s.g92[axis] = NOWHERE if isinstance(value, Unknown) else place.minus(base).moved(-value * s.scale(axis))
+    ex._state_changed()
+    ex.event(Op.OFFSET, line.span, arg=(0.0, 0.0))
+    ends = contact.low, start.value
+    s.position[axis] = ex.unknown_place("home", axis, ends, Position(0.0)) if ends[0] < ends[1] else place
+    ex._end_section(Wait.PROBE, "touched", None, line.span)
+
+
+def map_adjustment(ex: Motion, line: Command, rule: CodeRule) -> None:
+    """L600, L601: adjustments of axismap= off and on: nothing on a machine that has no map."""
+    devices = ex.machine.controller.controls.devices
+    if devices is not None and "axismap" not in devices:
+        note(ex, line, rule)
+        return
+    if not line.axes():
+        lose_places(ex)
+    for axis in line.axes():
+        ex.modal.position[axis] = NOWHERE
+    ex.modal.jumped = True
+    raise Refusal(codes.UNSUPPORTED_CODE.at(line.where_code(rule), code=f"{rule.text} ({rule.open})"))
 
 
 def recall(ex: Motion, line: Command, rule: CodeRule) -> None:
@@ -711,6 +764,7 @@ HANDLERS: dict[F, Handler] = {
     F.MEASURE_SURFACE: measured,
     F.MEASURE_DEPTH: measured,
     F.RECALL_POSITIONS: recall,
+    F.MAP_ADJUSTMENT: map_adjustment,
     F.FEED_OVERRIDE: feed_override,
     F.PROBE_ON: _device("probe", True, moves=True),
     F.PROBE_OFF: _device("probe", False),

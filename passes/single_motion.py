@@ -384,7 +384,10 @@ def _stated_contact(ex: Motion, axis: int, start: Position, ends: tuple[float, f
 
 
 def stored_place(ex: Motion, line: Command, op: Op, *, machine: bool = False) -> bool:
-    """Go to a stored position (P), home position (H) or tool position (T); whether the line says so."""
+    """Go to a stored position (P), home position (H) or tool position (T); whether the line says so.
+
+    Beside G53 axes choose what of it counts, and a number is a distance from there (``G53 T3 X Y-2``).
+    """
     names = [letter for letter in "PHT" if letter in line.values]
     if not names:
         return False
@@ -395,9 +398,12 @@ def stored_place(ex: Motion, line: Command, op: Op, *, machine: bool = False) ->
         raise Refusal(codes.STORED_POSITION_COMMAND.at(line.where(letter), code=letter, what=what))
     number = round(given)
     ex.settings.meet("stored", line.span)
-    if len(names) > 1 or line.axes():
+    if len(names) > 1:
         what = "a stored position can not stand beside another place"
         raise Refusal(codes.STORED_POSITION_COMMAND.at(line.where(letter), code=f"{letter}{number}", what=what))
+    if line.axes() and not machine:
+        what = f"{letter}{number} beside axes in a line without G53 (what counts is not said)"
+        raise Refusal(codes.UNSUPPORTED_CODE.at(line.where(letter), code=what))
     s = ex.modal
     controls = ex.machine.controller.controls
     most = {"P": controls.positions, "H": controls.homes, "T": controls.tool_positions}[letter]
@@ -413,17 +419,35 @@ def stored_place(ex: Motion, line: Command, op: Op, *, machine: bool = False) ->
         raise Refusal(codes.UNSUPPORTED_CODE.at(line.where(letter), code=what, hint=hint))
     places, lift = place
     target = list(s.position)
+    words = mapped(ex, line)
     for column, where in places:
-        target[column] = where
+        if not words or column in words:
+            target[column] = where if column not in words else _bounded(ex, column, words[column], where)
+    for column in words.keys() - {column for column, _ in places}:
+        target[column] = NOWHERE
     target = follow(ex, target, line.span)
     if lift:
-        over_heads(ex, line, target, vertical_axes(ex.machine))
+        heads = vertical_axes(ex.machine)
+        over_heads(ex, line, target, heads)
+        for column in set(heads) - words.keys() if words else ():
+            # A head that is not named: whether it comes down again behind the lift is not said.
+            top = ex.machine.axis(AXIS_NAMES[column])
+            high = math.inf if top is None or top.upper is None else max(0.0, top.upper)
+            s.position[column] = _up_to(ex, column, target[column], high)
+            s.jumped = True
         return True
     if op is Op.FEED:
         use_feed(ex, line, target)
     ex.move(op, target, line.span)
     ex._moved = True
     return True
+
+
+def _up_to(ex: Motion, column: int, place: Position, high: float) -> Position:
+    """Anywhere between a place and machine position ``high`` above it."""
+    if place.form or place.value >= high:
+        return NOWHERE if place.form else place
+    return ex.unknown_place("value", column, (0.0, high - place.value), place)
 
 
 def stored_in(ex: Motion, name: str) -> tuple[tuple[tuple[int, Position], ...], bool] | None:

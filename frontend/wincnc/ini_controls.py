@@ -48,8 +48,7 @@ def read_controls(sheet: Sheet) -> Controls:
     on, available = _soft_limits(sheet)
     auto = sheet.one("autoaux")
     devices = [name for key, name in _DEVICES if sheet.all(key)]
-    if any(own.get("axisadj") for own in sheet.axes):
-        devices.append("axisadj")
+    devices += [key for key in ("axisadj", "axismap") if any(own.get(key) for own in sheet.axes)]
     speed = sheet.one("spindle")
     kind = None if speed is None else speed.word("T")
     if kind is not None and kind.value == 2:

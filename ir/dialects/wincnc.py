@@ -181,7 +181,8 @@ _L = (
     _c("L", 500.2, F.STORE_TOOL, "TNACOHM", needs="T", ranges=tuple((letter, 0, _ANY) for letter in "TNAM")),
     _c("L", 501, F.STORE_LOCAL_POSITION, "PHTLCN", axes=True, has_text=True, ranges=_STORED),
     _c("L", 502, F.DEVICE, "XYWH"),
-    *(_open("L", n, "the map of an axis is not in the machine's file", axes=True) for n in (600, 601)),
+    *(_c("L", n, F.MAP_ADJUSTMENT, axes=True, reason="the map of an axis is in no file that is described")
+      for n in (600, 601)),
     *(_open("L", n, "it moves along a map that is not in the machine's file", "NPSEV", axes=True)
       for n in (602, 603, 604, 605, 606)),
     _c("L", 800, F.PROBE_OFF, device="probe"),
