@@ -291,7 +291,7 @@ class _Loader:
                 pairs = [(ord(w.letter), w.value.value if isinstance(w.value, Number) else None) for w in node.words]
                 same = not node.texts and _switch(pairs, torch)
             else:
-                same = False
+                same = isinstance(node, Mistake)  # does nothing, however often
             if not same:
                 return False
         return True
