@@ -310,9 +310,12 @@ def speed(ex: Motion, line: Part) -> None:
         ex.event(Op.DEVICE, line.span, text=ex._text("S"))
         return
     spindle = ex.machine.spindle(0)
-    most = None if spindle is None else spindle.max_rpm
-    if most is not None and not isinstance(value, Unknown) and value > most:
-        ex.findings.add(codes.SPINDLE_RANGE.at(line.where("S"), value=value, low="0", high=f"{most:g}"))
+    least, most = (None, None) if spindle is None else (spindle.min_rpm, spindle.max_rpm)
+    known = math.nan if isinstance(value, Unknown) else value
+    if known > (math.inf if most is None else most) or 0.0 < known < (least or 0.0):
+        # Error 4000 (13.1.1.25); a speed of 0 is a spindle that rests.
+        high = "..." if most is None else f"{most:g}"
+        ex.findings.add(codes.SPINDLE_RANGE.at(line.where("S"), value=known, low=f"{least or 0.0:g}", high=high))
     s.spindle_speed = value
     rpm = math.nan if isinstance(value, Unknown) else value
     if s.spindle_direction:

@@ -10,7 +10,7 @@ from passes.din_programs import labels, machine, moves, never_homed, program, ru
 
 from gproof.ir.din import RadiusTool, TaskCode
 from gproof.ir.finding import Findings
-from gproof.ir.machine import Machine
+from gproof.ir.machine import Machine, Spindle
 from gproof.ir.setup import ZERO, Setup
 from gproof.passes.execute import Executor, collect
 
@@ -217,3 +217,14 @@ def test_feed_in_front_of_its_unit() -> None:
     assert labels(run(["G90", "F10 G70", "G01 X1"])[1]) == ["GP204"]
     assert labels(run(["G90", "G70 F10", "G01 X1"])[1]) == []
     assert labels(run(["G90", "F10 G71", "G01 X1"])[1]) == []
+
+
+@pytest.mark.parametrize(
+    ("s", "expected"),
+    [("S3000", []), ("S0", []), ("S2999", ["GP271"]), ("S24000", []), ("S24001", ["GP271"]), ("S(CD600)", ["GP234"])],
+)
+def test_speeds_that_the_spindle_does_not_have(s: str, expected: list[str]) -> None:
+    """Error 4000 (13.1.1.25): above its greatest speed and below its least; a speed of 0 is one that rests."""
+    on = dataclasses.replace(machine(), spindles=(Spindle(number=0, min_rpm=3000.0, max_rpm=24000.0),))
+    setup = dataclasses.replace(ZERO, default_parameter=None)
+    assert labels(run([s, "G00 X1"], on=on, setup=setup)[1]) == expected
