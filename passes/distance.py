@@ -24,9 +24,10 @@ from gproof.ir.workpiece import Mesh, Placed, Workpiece
 from gproof.passes.arc_slack import chord_error, small_arcs
 from gproof.passes.check import Check, row_span
 from gproof.passes.distance_kernels import chords
-from gproof.passes.distance_scene import CHORD, Scene, Stretch
+from gproof.passes.distance_scene import ANYTHING, CHORD, Scene, Stretch
 from gproof.passes.placing import Placing, Reason, Tips
 from gproof.passes.surfaces import surface_of
+from gproof.passes.tip_ranges import NOWHERE_KNOWN, homing, hull, may_meet
 from gproof.passes.tool_shape import CUTTER, HOLDER, PARTS, SHANK, UNSTATED, Shape, shape_of
 
 Floats = npt.NDArray[np.float64]
@@ -35,6 +36,7 @@ Ints = npt.NDArray[np.int64]
 _SEGMENTS = 1 << 15
 """Segments at a time."""
 NO_TOOL = "no tool is in the spindle"
+HOMING = "what nobody states of a tool, above its stated lengths, keeps clear while axes home"
 FIRST_WAY = "the way from where the axes stand when the job begins touches nothing"
 PROBES = "probing moves end where they touch, and do no harm there"
 NO_TOLERANCE = "G64 without P does not round corners"
@@ -64,11 +66,17 @@ class Distance(Check):
         self.placing = Placing(program, machine, setup)
         given = setup.workpiece or Workpiece()
         self.given = given
-        part = (CUTTER,) if name == "gouges" else (SHANK, HOLDER, UNSTATED)
+        part: tuple[int, ...] = (CUTTER,) if name == "gouges" else (SHANK, HOLDER, UNSTATED)
+        everything: tuple[int, ...] = (CUTTER, SHANK, HOLDER, UNSTATED)
         self.scenes = [Scene(w, part, -given.tolerance, surface_of(b)) for w, b in _by_zero(given.part)]
         if name == "collisions":
-            everything = (CUTTER, SHANK, HOLDER, UNSTATED)
             self.scenes += [Scene(w, everything, given.clearance, surface_of(b)) for w, b in _by_zero(given.fixtures)]
+        # Bodies that homing moves may meet, with what of a tool is asked for, by the zeros that they count from.
+        self._homed = [(part, bodies) for part, bodies in ((part, _by_zero(given.part)),) if bodies]
+        if name == "collisions":
+            self._homed += [(everything, those) for those in map(_by_zero, (given.fixtures, given.stock)) if those]
+        # What is stated as a range is where the first move may come from; what is not stated at all, an assumption.
+        self._free_start = all(ends.exact for ends in setup.start.values())
         self._shapes: dict[int, Shape] = {}
         self._slack = np.zeros(0)
         self._behind: list[tuple[int, Floats] | None] = [None] * len(self.scenes)
@@ -99,7 +107,11 @@ class Distance(Check):
     def feed(self, chunk: Chunk) -> None:
         """Look at the moves of a chunk."""
         self._files = chunk.trace.files
-        if not len(chunk.rows) or not self.scenes:
+        if not len(chunk.rows):
+            return
+        if self._homed and (chunk.rows["op"] == Op.HOME).any():
+            self._homing(chunk)
+        if not self.scenes:
             return
         have = len(self._slack)
         new = [self._deviation(state) for state in chunk.trace.states[have:]]
@@ -184,16 +196,45 @@ class Distance(Check):
             of, sag = of[:made], sag[:made]
             scene.sweep(tool, shape, points[:made, :3], points[:made, 3:], slack[of] + sag, sag, place[of])
 
+    def _homing(self, chunk: Chunk) -> None:
+        """Homing moves go anywhere along their axes, as in zones (``ZoneCheck._homing``)."""
+        rows = chunk.rows
+        self._assumed[HOMING] = None
+        for row in np.flatnonzero(rows["op"] == Op.HOME).tolist():
+            names = chunk.trace.texts[int(rows["text"][row])].split()
+            for parts, by_zero in self._homed:
+                for work, bodies in by_zero:
+                    key = int(self.placing.tips(chunk, work).tool[row])
+                    shape = self.shape(key)
+                    pieces = (ANYTHING,) if shape.problem else shape.of(*(p for p in parts if p != UNSTATED))
+                    start = self.placing.span(chunk, row, work, behind=False)
+                    shift = self.placing.machine_shift(chunk, row, work)
+                    for body in bodies:
+                        if any(
+                            may_meet(pieces, (body.body,), spans, self.given.clearance)
+                            for spans in homing(self.machine, names, start, shift)
+                        ):
+                            cause = f"whether homing moves keep clear of {body.name}, on a way that nobody states"
+                            self.findings.add(self.unknown.at(row_span(chunk.trace, rows, row), cause=cause))
+
     def _unplaced(self, chunk: Chunk, scene: Scene, tips: Tips, at: Ints) -> None:
         """Moves at a place that is not known: clear where their height tells so, else a finding."""
         rows = chunk.rows
         summit = scene.surface.high[2] + float(scene.surface.grid[4])
         for k in at.tolist():
             reason = Reason(int(tips.reason[k]))
-            if reason is Reason.START and rows["op"][k] == Op.TRAVERSE and not tips.axes[k, 2]:
+            tool = int(tips.tool[k])
+            if rows["op"][k] == Op.ARC:
+                spans = NOWHERE_KNOWN
+            else:
+                spans = hull(*(self.placing.span(chunk, k, scene.work, behind=end) for end in (False, True)))
+            if spans != NOWHERE_KNOWN and not scene.may_meet(
+                tool, self.shape(tool), spans, float(self._slack[rows["state"][k]]) + self._bow
+            ):
+                continue
+            if self._free_start and reason is Reason.START and rows["op"][k] == Op.TRAVERSE and not tips.axes[k, 2]:
                 self._assumed[FIRST_WAY] = None
                 continue
-            tool = int(tips.tool[k])
             if tips.axes[k, 2] and int(rows["plane"][k]) < 2:
                 lowest = min(float(tips.start[k, 2]), float(tips.end[k, 2])) - self._slack[rows["state"][k]] - self._bow
                 if lowest + scene.lowest(tool, self.shape(tool)) > summit:

@@ -14,6 +14,7 @@ import numpy.typing as npt
 from gproof.ir.record import record
 from gproof.passes.distance_kernels import separation, sweep
 from gproof.passes.surfaces import Surface
+from gproof.passes.tip_ranges import Span, may_meet
 from gproof.passes.tool_shape import CUTTER, UNSTATED, WIDE, Piece, Shape, grown
 
 Floats = npt.NDArray[np.float64]
@@ -23,7 +24,7 @@ GAP = 1e-6
 """mm between "nearer than allowed, proved" and "not, proved"."""
 CHORD = 2e-4
 """mm that an arc may lie beside its chords; twice that at most."""
-_ANYTHING = Piece(part=UNSTATED, rims=((WIDE, 0.0), (WIDE, WIDE)))
+ANYTHING = Piece(part=UNSTATED, rims=((WIDE, 0.0), (WIDE, WIDE)))
 """All of space above the tip: of a tool whose shape nobody stated."""
 _LEVELS = 600
 _RATIO = 1.03
@@ -124,7 +125,7 @@ class Scene:
     def ladder(self, tool: int, shape: Shape) -> Ladder:
         """What of a tool must stay clear of these bodies."""
         if tool not in self._ladders:
-            pieces = (_ANYTHING,) if shape.problem else shape.of(*self.parts)
+            pieces = (ANYTHING,) if shape.problem else shape.of(*self.parts)
             # What lies deeper than allowed in both together, but in neither alone; without depth there is none.
             depth = max(-self.limit, 0.0)
             reach = 2.0 * depth + _SLIT
@@ -191,6 +192,12 @@ class Scene:
         ladder = self.ladder(tool, shape)
         bottoms = [piece.tip for piece in ladder.pieces]
         return min(bottoms, default=np.inf) - max(self.limit, 0.0)
+
+    def may_meet(self, tool: int, shape: Shape, tips: Span, slack: float) -> bool:
+        """Whether what of a tool must stay clear may come too near where its tip is somewhere in a box."""
+        pieces = self.ladder(tool, shape).pieces
+        room = max(self.limit, 0.0) + slack + float(self.surface.grid[4])
+        return may_meet(pieces, [placed.body for placed in self.surface.bodies], tips, room)
 
     def within(self, tool: int, shape: Shape, tip: Floats) -> list[tuple[int, int, bool | None]]:
         """(body, part, whether) of the bodies that hold a part of the tool, or may, at one place of its tip."""

@@ -26,8 +26,10 @@ from gproof.ir.record import record
 from gproof.ir.setup import Setup
 from gproof.ir.trace import HEIGHT_MAP, UNKNOWN, Affine, Chunk, Op, State, TipOffset, Trace
 from gproof.ir.workpiece import ACTIVE, MACHINE
+from gproof.passes.check import form_interval
 from gproof.passes.modal import Modal
 from gproof.passes.spindle_tool import SpindleTools
+from gproof.passes.tip_ranges import EVERYWHERE, NOWHERE_KNOWN, Span
 from gproof.passes.values import Position, add_forms, describe
 
 Floats = npt.NDArray[np.float64]
@@ -155,13 +157,10 @@ class Placing:
         off = np.zeros((n, 3))
         before, behind = np.ones((n, 3), dtype=np.bool_), np.ones((n, 3), dtype=np.bool_)
         reason = np.full(n, int(self._always), dtype=np.uint8)
-        zero = self.zero(work)
         feeds = (rows["op"] < Op.DWELL) & (rows["op"] != Op.TRAVERSE)
-        tables = list(self._tips)
         for tip in occurring(tips):
             at = tips == tip
-            own = [sum(each.mm for each in tables[tip] if each.axis == axis) for axis in range(3)]
-            off[at] = [zero[axis].value + own[axis] for axis in range(3)]
+            off[at] = self._shift(tip, work)
             for column, known in ((frames, behind), (start_frames, before)):
                 for index in occurring(column[at]):
                     left = self.rest(trace, tip, index, work)
@@ -203,6 +202,37 @@ class Placing:
             found = self._left[key] = (forms[0], forms[1], forms[2])
         return found
 
+    def span(self, chunk: Chunk, row: int, work: int, *, behind: bool) -> Span:
+        """Between what the tip is at one end of a row, mm; asked behind ``tips`` of its chunk."""
+        trace, rows = chunk.trace, chunk.rows
+        state = int(rows["state"][row])
+        if max(self._always, self._why_of[state]) >= Reason.HEIGHT_MAP:
+            return NOWHERE_KNOWN
+        if behind:
+            place, frame = rows["to"][row], int(rows["frame"][row])
+        else:
+            place, frame = chunk.starts()[row], int(chunk.start_frames()[row])
+        tip = int(self._tip_of[work == MACHINE][state])
+        left, shift = self.rest(trace, tip, frame, work), self._shift(tip, work)
+        found = []
+        for axis in range(3):
+            known = None if left[axis] == UNKNOWN else form_interval(left[axis], self.setup, trace)
+            at = float(place[axis]) - shift[axis]
+            found.append(EVERYWHERE if known is None else (at + known.low, at + known.high))
+        return found[0], found[1], found[2]
+
+    def machine_shift(self, chunk: Chunk, row: int, work: int) -> list[float | None]:
+        """What machine positions of X, Y, Z have more than the tip at a row; None where that is not a number."""
+        tip = int(self._tip_of[work == MACHINE][int(chunk.rows["state"][row])])
+        open_ = {each.axis for each in list(self._tips)[tip] if each.form}
+        zero, shift = self.zero(work), self._shift(tip, work)
+        return [None if zero[axis].form or axis in open_ else shift[axis] for axis in range(3)]
+
+    def _shift(self, tip: int, work: int) -> list[float]:
+        own = list(self._tips)[tip]
+        zero = self.zero(work)
+        return [zero[axis].value + sum(each.mm for each in own if each.axis == axis) for axis in range(3)]
+
     def cause(self, chunk: Chunk, row: int, work: int) -> str:
         """Why the place of a row is not known, in words; asked behind ``tips`` of its chunk."""
         reason = int(self.tips(_only(chunk, row), work).reason[0])
@@ -210,6 +240,7 @@ class Placing:
             return WHY[Reason(reason)]
         tip = int(self._tip_of[work == MACHINE][int(chunk.rows["state"][row])])
         names: dict[str, None] = {}
+        ranged = False
         for frame in (int(chunk.start_frames()[row]), int(chunk.rows["frame"][row])):
             for axis, form in enumerate(self.rest(chunk.trace, tip, frame, work)):
                 if form == UNKNOWN:
@@ -217,7 +248,9 @@ class Placing:
                     continue
                 for symbol, _ in form:
                     names[describe(((symbol, 1),))] = None
-        return f"{', '.join(names)}: not stated" if names else WHY[Reason(reason)]
+                    ranged = ranged or self.setup.interval(symbol) is not None
+        said = "not stated exactly" if ranged else "not stated"
+        return f"{', '.join(names)}: {said}" if names else WHY[Reason(reason)]
 
     def _learn(self, trace: Trace) -> None:
         """The states that have come since the last chunk."""

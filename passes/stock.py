@@ -27,6 +27,7 @@ from gproof.ir.verdict import PropertyResult, Verdict
 from gproof.ir.workpiece import Mesh, Placed
 from gproof.passes.arc_slack import chord_error, small_arcs
 from gproof.passes.check import Check, row_span
+from gproof.passes.distance_scene import ANYTHING
 from gproof.passes.placing import Placing, Reason, Tips
 from gproof.passes.stock_fields import MOST_CELLS, Field, Remains, field_of, remains_of
 from gproof.passes.stock_kernels import (
@@ -48,6 +49,8 @@ from gproof.passes.stock_kernels import (
     follow,
 )
 from gproof.passes.stock_tools import COLUMNS, NOT_KNOWN, PART_COLUMNS, Row, assumed, problem_of, rows_of
+from gproof.passes.tip_ranges import hull, may_meet
+from gproof.passes.tool_shape import Shape, shape_of
 
 Floats = npt.NDArray[np.float64]
 
@@ -127,6 +130,7 @@ class StockLeft(Check):
         self._counts: dict[int, int] = {}
         stated = machine.controller.straight_traverse
         self._straight = program.rules.straight_traverse if stated is None else stated
+        self._ranged = any(not ends.exact for ends in setup.start.values())
 
     @property
     def fields(self) -> list[Field]:
@@ -227,12 +231,12 @@ class StockLeft(Check):
             tips = whole[placed.work]
             tool_of = self._tool_rows(tips)
             tools, parts = self._tables()
-            bow = self._beside_arcs(rows, tips)
+            bow, known = self._beside_arcs(rows, tips), self._bits(chunk, placed, tips)
             straight = np.full(n, 0 if self._straight else 1, dtype=np.int64)
             said, by = np.zeros((n, KINDS), dtype=np.int64), np.zeros((n, KINDS))
             field = left.field
             follow.pick(_work(tips, tools[tool_of, 1], field))(
-                rows["op"], tips.start, tips.end, tips.center, rows["turns"], rows["plane"], _known(tips), tool_of,
+                rows["op"], tips.start, tips.end, tips.center, rows["turns"], rows["plane"], known, tool_of,
                 beside, bow, straight, tools, parts, self.setup.workpiece.clearance, field.upper, field.lower,
                 field.grid, left.memory, left.places, left.lines, said, by,
             )  # fmt: skip
@@ -240,6 +244,26 @@ class StockLeft(Check):
             more = (said == told) & (by > amount)
             told, amount = np.where(worse, said, told), np.where(worse | more, by, amount)
         self._tell(chunk, whole, told, amount)
+
+    def _bits(self, chunk: Chunk, placed: Placed, tips: Tips) -> npt.NDArray[np.int64]:
+        """By row the bits HEIGHT, PLACE and START: what comes from the start is taken to be free, or, where a range is
+        stated for that, is free where all of the range is."""
+        known = tips.axes[:, 2] * HEIGHT + (tips.axes[:, 0] & tips.axes[:, 1]) * PLACE
+        start = tips.reason == Reason.START
+        for row in np.flatnonzero(start).tolist() if self._ranged else ():
+            start[row] = not self._may_meet(chunk, row, placed, int(tips.tool[row]))
+        known += start * START
+        found: npt.NDArray[np.int64] = known.astype(np.int64)
+        return found
+
+    def _may_meet(self, chunk: Chunk, row: int, placed: Placed, key: int) -> bool:
+        """Whether a move may come to a body, wherever in the stated range it begins."""
+        assert self.setup.workpiece is not None
+        entry = self.placing.tools.entry(key)
+        shape = Shape(problem="?") if entry.tool is None or entry.doubt else shape_of(entry.tool)
+        spans = hull(*(self.placing.span(chunk, row, placed.work, behind=end) for end in (False, True)))
+        room = self.setup.workpiece.clearance + float(self._beside(chunk)[row])
+        return may_meet((ANYTHING,) if shape.problem else shape.pieces, (placed.body,), spans, room)
 
     def _beside(self, chunk: Chunk) -> Floats:
         """By row: mm that the controller may leave the programmed path."""
@@ -346,14 +370,6 @@ class StockLeft(Check):
             codes.STOCK_UNKNOWN.at(Span(self._job, 1), cause="no stock is stated", hint="[stock] in the setup file")
         )
         return PropertyResult(name=self.name, verdict=Verdict.UNKNOWN)
-
-
-def _known(tips: Tips) -> npt.NDArray[np.int64]:
-    """By row the bits HEIGHT, PLACE and START."""
-    known = tips.axes[:, 2] * HEIGHT + (tips.axes[:, 0] & tips.axes[:, 1]) * PLACE
-    known += (tips.reason == Reason.START) * START
-    found: npt.NDArray[np.int64] = known.astype(np.int64)
-    return found
 
 
 def _work(tips: Tips, radius: Floats, field: Field) -> float:

@@ -11,7 +11,7 @@ says. Shanks and holders that are wider have a check each (``zone_tool``).
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -28,6 +28,7 @@ from gproof.passes.check import row_span
 from gproof.passes.extent_kernels import arc_extreme, row_boxes, rows_near
 from gproof.passes.height_map import Heights
 from gproof.passes.spindle_tool import entries
+from gproof.passes.tip_ranges import homing
 from gproof.passes.values import Position
 from gproof.passes.zone_offsets import EVERYWHERE, OpenPlaces, Ranges, View
 from gproof.passes.zone_shapes import (
@@ -314,25 +315,11 @@ class ZoneCheck:
                       for v, f, g in zip(place, frame, view.form, strict=False)]  # fmt: skip
             if view.tip is not None:
                 ranges[2] = EVERYWHERE
-            for axes in self._homed_together(chunk.trace.texts[int(rows["text"][row])].split()):
-                for axis in axes:
-                    ranges[axis] = EVERYWHERE
-                if axes and box_enters(view.outer, ranges[0], ranges[1], ranges[2]):
-                    self._doubt(row_span(chunk.trace, rows, row), "the way of homing moves", view)
-                    break
-                for axis in axes:
-                    home = self.machine.axis(AXIS_NAMES[axis])
-                    at = None if home is None else home.home_place
-                    if at is not None and view.form[axis] == ():
-                        ranges[axis] = (at - view.shift[axis],) * 2
-
-    def _homed_together(self, names: list[str]) -> Iterator[list[int]]:
-        left = [name for name in names if name in AXIS_NAMES[:3]]
-        for line in self.machine.controller.controls.homing:
-            these = [name for name, _ in line.distances if name in left]
-            left = [name for name in left if name not in these]
-            yield [AXIS_NAMES.index(name) for name in these]
-        yield [AXIS_NAMES.index(name) for name in left]
+            names = chunk.trace.texts[int(rows["text"][row])].split()
+            shift = [by if form == () else None for by, form in zip(view.shift, view.form, strict=True)]
+            start = ranges[0], ranges[1], ranges[2]
+            if any(box_enters(view.outer, *spans) for spans in homing(self.machine, names, start, shift)):
+                self._doubt(row_span(chunk.trace, rows, row), "the way of homing moves", view)
 
     # -- places that nobody knows
 

@@ -170,3 +170,78 @@ def test_stock_sees_the_diameter_too(tmp_path: Path) -> None:
     for written, verdict in (("", SAFE), ("#5501 = 16\n", UNSAFE)):
         found = verdicts(tmp_path, program.format(written), setup=setup, properties=("collisions",))
         assert all_are(found, verdict), written
+
+
+@pytest.mark.parametrize("body", ["zone", "fixture", "stock"])
+@pytest.mark.parametrize(
+    ("start", "verdict"),
+    [
+        ("x = [0.0, 100.0], y = 0.0, z = 3.0", SAFE),
+        ("x = [0.0, 100.0], y = 0.0, z = -10.0", UNKNOWN),
+        ("x = [0.0, 30.0], y = 0.0, z = -10.0", SAFE),
+        ("x = 0.0, y = [0.0, 1.0], z = [-20.0, 0.0]", SAFE),
+        ("x = 0.0, y = [0.0, 50.0], z = [-20.0, 0.0]", SAFE),
+    ],
+)
+def test_the_first_move_comes_from_anywhere_in_the_stated_range(
+    tmp_path: Path, start: str, verdict: Verdict, body: str
+) -> None:
+    """From there to X0 Y20: a move that may pass the box, or that is clear of it wherever it begins."""
+    everything = bodies()
+    one = {
+        "zone": everything.split("[[fixtures]]", maxsplit=1)[0],
+        "fixture": "[[fixtures]]" + everything.split("[[fixtures]]")[1].split("[[part]]")[0],
+        "stock": "[[stock]]" + everything.split("[[part]]")[1],
+    }[body]
+    setup = SETUP.replace("x = 0.0, y = 0.0, z = 200.0", start) + one
+    program = f"{HEAD}G0 X0 Y20\nG0 Z100\nM30\n"
+    name = "areas" if body == "zone" else "collisions"
+    assert all_are(verdicts(tmp_path, program, setup=setup, properties=(name,)), verdict)
+
+
+@pytest.mark.parametrize("dialect", ["eding", "wincnc", "mcuwin"])
+@pytest.mark.parametrize(("axes", "verdict"), [("x", UNKNOWN), ("y", SAFE), ("z", SAFE), ("x y z", UNKNOWN)])
+def test_homing_goes_anywhere_along_its_axes(tmp_path: Path, axes: str, verdict: Verdict, dialect: str) -> None:
+    """From X0 Y0 at a height where the box is: along X it may pass the box, along Y and Z it can not."""
+    program = {
+        "eding": f"{HEAD}home {axes.split(maxsplit=1)[0]}\nM30\n" if " " not in axes else f"{HEAD}homeall\nM30\n",
+        "wincnc": f"G90\nG28 {axes.upper()}\n",
+        "mcuwin": f"%P\nG90 G53\nG74 {axes.upper()}\nM30\n%\n",
+    }[dialect]
+    more = {"eding": "", "wincnc": '[controller]\ndialect = "wincnc"\n', "mcuwin": '[controller]\ndialect = "mcuwin"\n'}
+    if dialect == "mcuwin":
+        more["mcuwin"] += (
+            '[din]\ncase_sensitive = false\ninterpolation_axes = "XYZ"\n[din.task0]\nG74 = "home"\nM30 = "end"\n'
+        )
+    setup = SETUP.replace("z = 200.0", "z = -20.0")
+    if dialect != "eding":
+        setup = setup.split("[work.1]", maxsplit=1)[0]
+    if dialect == "wincnc":
+        setup += "measures = {z = 0.0}\n"
+    box = bodies() if dialect == "eding" else bodies('"machine"')
+    found = verdicts(tmp_path, program, setup=setup + box, machine=MACHINE + more[dialect], dialect=dialect)
+    assert all_are(found, verdict)
+
+
+@pytest.mark.parametrize(
+    ("lines", "longer"),
+    [
+        ("", 0.0),
+        ("G49", 0.0),
+        ("M37 Z0", 0.0),
+        ("L101 T2", 40.0),
+        ("L101 T2\nL101 T1", 0.0),
+        ("M37 Z0\nL101 T2", -90.0),
+    ],
+)
+@pytest.mark.parametrize("below", [False, True])
+def test_machine_heights_where_measures_are_places(tmp_path: Path, lines: str, longer: float, below: bool) -> None:
+    """WinCNC: machine heights are those of the tip of tool 1, measured or not; tool 2 is longer by what its measure is
+    higher (-110 and -150, or -20 where M37 measures tool 1 at 20 less 0)."""
+    machine = MACHINE + '[controller]\ndialect = "wincnc"\nstraight_traverse = true\n'
+    setup = SETUP.split("[work.1]", maxsplit=1)[0].replace("z = 200.0", "z = -20.0").replace("x = 0.0, y", "x = 0.0, y")
+    setup += "[measures]\nz = -150.0\n[tools.1]\nlength = -150.0\n[tools.2]\nlength = -110.0\n" + bodies('"machine"')
+    z = (-1.0 if below else 1.0) + longer
+    program = f"G90\n{lines}\nG53 Z250\nG53 X50 Y0\nG53 Z{z}\nG53 Z250\n"
+    found = verdicts(tmp_path, program, setup=setup, machine=machine, dialect="wincnc")
+    assert all_are(found, UNSAFE if below else SAFE)

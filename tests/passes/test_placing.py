@@ -203,7 +203,7 @@ def test_a_turned_axis(tmp_path: Path) -> None:
 
 
 def test_another_head(tmp_path: Path) -> None:
-    machine = TABLE + "[spindles.1]\noffset = {x = 50.0, y = 0.0, z = 0.0}\n"
+    machine = TABLE + "[spindles.1]\nx = 50.0\ny = 0.0\nz = 0.0\n"
     job = Placed(tmp_path, "job.cnc", START + "M91\nG0 X1\nM90\nG0 X2\nM30\n", machine)
     assert Reason.HEAD in job.reasons()
 
