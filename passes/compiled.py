@@ -20,7 +20,7 @@ from gproof.passes.expressions import BINARY_FUNCTIONS, LEAST_WHOLE, MOST_WHOLE,
 HOT_LETTERS = frozenset("GFXYZABCIJKR")
 """Words of lines that ``execute_kernels.run_lines`` may take."""
 
-_LARGE = 1e150
+LARGE = 1e150
 """Beyond this the evaluator decides: products and sums of anything smaller are finite or raise here."""
 
 _KINDS = ("free", "persistent")
@@ -46,7 +46,7 @@ class FastBlock:
 def compile_block(node: Block, rules: LanguageRules) -> FastBlock | None:
     """A function for a block; None when something in it needs the evaluator every time."""
     node = node.made() if isinstance(node, DeferredBlock) else node
-    code = _Code(rules)
+    code = Code(rules)
     try:
         targets = tuple(code.number(a.target) for a in node.assigns)
         values = [code.expr(w.value) for w in node.words] + [code.expr(a.value) for a in node.assigns]
@@ -64,7 +64,7 @@ Condition = tuple[Callable[[dict[int, Any]], float], list[int]]
 
 def compile_condition(condition: Expr, rules: LanguageRules) -> Condition | None:
     """A function for a condition; None when something in it needs the evaluator every time."""
-    code = _Code(rules)
+    code = Code(rules)
     try:
         value = code.expr(condition)
     except Slow:
@@ -73,7 +73,7 @@ def compile_condition(condition: Expr, rules: LanguageRules) -> Condition | None
 
 
 def _checked(value: float) -> float:
-    if not -_LARGE < value < _LARGE:
+    if not -LARGE < value < LARGE:
         raise Slow
     return value
 
@@ -86,7 +86,7 @@ def _whole(value: float) -> float:
 
 def _all_checked(values: tuple[float, ...]) -> tuple[float, ...]:
     for value in values:
-        if not -_LARGE < value < _LARGE:
+        if not -LARGE < value < LARGE:
             raise Slow
     return values
 
@@ -106,7 +106,7 @@ def _compare(operator: str) -> Callable[[float, float], float]:
 def _guarded(compute: Callable[..., float]) -> Callable[..., float]:
     def guarded(*values: float) -> float:
         result = compute(*values)
-        if not -_LARGE < result < _LARGE:
+        if not -LARGE < result < LARGE:
             raise Slow
         return result
 
@@ -136,7 +136,7 @@ _OPERATORS: dict[str, Callable[..., float]] = {
     "/": _guarded(BINARY_FUNCTIONS["/"]),
 }
 _FUNCTIONS = {name: _guarded(function) for name, function in UNARY_FUNCTIONS.items()}
-_NAMES: dict[str, Any] = {
+NAMES: dict[str, Any] = {
     "Slow": Slow, "checked": _checked, "all_checked": _all_checked, "whole": _whole,
     **{f"b{n}": f for n, f in enumerate(_OPERATORS.values())},
     **{f"u{n}": f for n, f in enumerate(_FUNCTIONS.values())},
@@ -145,7 +145,12 @@ _BINARY_NAMES = {op: f"b{n}" for n, op in enumerate(_OPERATORS)}
 _UNARY_NAMES = {op: f"u{n}" for n, op in enumerate(_FUNCTIONS)}
 
 
-class _Code:
+def loading(name: str, number: int) -> tuple[str, str]:
+    """Source that takes a variable's value into a name; Slow for what is no number, or large."""
+    return f"{name} = p[{number}]", f"if not {-LARGE!r} < {name} < {LARGE!r}: raise Slow"
+
+
+class Code:
     """Source of one function; ``reads`` are the variables it loads first."""
 
     def __init__(self, rules: LanguageRules) -> None:
@@ -164,7 +169,7 @@ class _Code:
     def expr(self, node: Expr) -> str:
         """Its source; Slow for what the evaluator must do."""
         if isinstance(node, Number | Constant):
-            if not -_LARGE < node.value < _LARGE:
+            if not -LARGE < node.value < LARGE:
                 raise Slow
             return f"({node.value!r})"
         if isinstance(node, Variable):
@@ -203,9 +208,9 @@ class _Code:
         """The function that loads the variables, checks them, and gives the value."""
         lines = ["def run(p):"]
         for number, name in self.reads.items():
-            lines += [f"    {name} = p[{number}]", f"    if not {-_LARGE!r} < {name} < {_LARGE!r}: raise Slow"]
+            lines += [f"    {text}" for text in loading(name, number)]
         lines.append(f"    return {'all_checked' if many else 'checked'}({value})")
-        scope = dict(_NAMES)
+        scope = dict(NAMES)
         exec("\n".join(lines), scope)  # made of numbers and names of this module alone
         made: Callable[[dict[int, Any]], Any] = scope["run"]
         return made

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import bisect
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from gproof.ir import codes
 from gproof.ir.finding import Refusal, Span
-from gproof.ir.program import Block, Call, Input, Named, Unsupported
+from gproof.ir.program import Block, Call, Expr, Input, Named, Number, Unsupported
 from gproof.passes import din, din_events, din_plain
 from gproof.passes import execute_kernels as k
 from gproof.passes.din_state import fits
@@ -54,21 +55,40 @@ class DinManner(Manner):
 
     def hot(self, ex: Straight, run: Any, columns: tuple[Any, ...], count: int, at: int, compiled: bool) -> int:
         """Run lines in the kernel from word ``at``; returns the first word it left over."""
-        s, frame, rows = ex.modal, ex._stack[-1], ex.rows
-        if not ex._moved or not s.plain_motion or not din_plain.begin(ex, frame.continued):
-            return at
-        start = [p.value for p in s.position]
-        stop = bisect.bisect_left(frame.stops, at)
-        count = frame.stops[stop] if stop < len(frame.stops) else count
-        state = ex._packed(start, compiled)
-        state[0][k.ARC_ABSOLUTE] = int(not din_plain.arcs_are_plain(ex))
-        state[0][k.ACTIVE_AXES] &= 7
-        before, first = rows.count, at
-        at = ex.run_kernel(run, columns, state, count, at)
-        ex._unpack(state)
-        frame.continued = din_plain.taken(ex, start, before, columns[:3], first, at)
-        s.motion = 0
+        frame = ex._stack[-1]
+        at, frame.continued = _hot(ex, run, columns, count, at, compiled, frame.stops, frame.continued)
         return at
+
+    def motion_of(self, letters: Sequence[str], values: Sequence[Expr], continued: str) -> tuple[str | None, bool]:
+        """The motion of a line of a loop, its own or the one that goes on."""
+        own = [value for letter, value in zip(letters, values, strict=True) if letter == "G"]
+        if len(own) > 1 or not all(isinstance(value, Number) for value in own):
+            return None, False
+        if set(letters) == {"F"}:
+            return (continued, False) if continued in din_plain.MOTIONS else (None, False)
+        if own:
+            assert isinstance(own[0], Number)
+            motion = f"G{own[0].value:g}"
+            return (motion if motion in din_plain.MOTIONS else None), False
+        return (continued, True) if continued in din_plain.MOTIONS else (None, False)
+
+    def stops(self, ex: Straight, columns: tuple[Any, ...], count: int) -> list[int]:
+        """First words of lines of a loop that the kernel must not run."""
+        found: list[int] = cold_words(columns, count, din_plain.hot_letters(ex.modal.din), pairs=True)[1]
+        return found
+
+    def hot_lines(
+        self, ex: Straight, run: Any, columns: tuple[Any, ...], count: int, at: int, compiled: bool, stops: list[int],
+        motion: str, numbers: Any,
+    ) -> int:  # fmt: skip
+        """As ``hot``, for lines of a loop: see ``Manner``."""
+        return _hot(ex, run, columns, count, at, compiled, stops, motion, numbers)[0]
+
+    def again(
+        self, ex: Straight, span: Span, words: list[tuple[str, Value, Span]], motion: str, distances: str
+    ) -> None:  # fmt: skip
+        """Execute a line of a loop that the kernel left over."""
+        din.run(ex, span, words, continued=motion, distances=distances)
 
     def call(self, ex: Executor, node: Call) -> None:
         """Run a subprogram so often as the call says (4.21)."""
@@ -97,3 +117,25 @@ class DinManner(Manner):
     def unsupported(self, ex: Executor, node: Unsupported) -> None:
         """All places and all variables: the statement may have changed any."""
         din_events.lose_all(ex, node.what)
+
+
+def _hot(
+    ex: Straight, run: Any, columns: tuple[Any, ...], count: int, at: int, compiled: bool, stops: list[int],
+    continued: str, numbers: Any = None,
+) -> tuple[int, str]:  # fmt: skip
+    """Run lines in the kernel from word ``at``: the first word it left over, and the code that goes on there."""
+    s, rows = ex.modal, ex.rows
+    if not ex._moved or not s.plain_motion or not din_plain.begin(ex, continued):
+        return at, continued
+    start = [p.value for p in s.position]
+    stop = bisect.bisect_left(stops, at)
+    count = stops[stop] if stop < len(stops) else count
+    state = ex._packed(start, compiled)
+    state[0][k.ARC_ABSOLUTE] = int(not din_plain.arcs_are_plain(ex))
+    state[0][k.ACTIVE_AXES] &= 7
+    before, first = rows.count, at
+    at = ex.run_kernel(run, columns, state, count, at)
+    ex._unpack(state)
+    continued = din_plain.taken(ex, start, before, columns[:3], first, at, numbers)
+    s.motion = 0
+    return at, continued

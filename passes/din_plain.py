@@ -27,7 +27,7 @@ assert (Op.TRAVERSE, Op.ARC) == (k.TRAVERSE, k.ARC)
 
 _HOT = [int(chr(letter) in "XYZIJGF") for letter in range(256)]
 _I, _J = (ord(letter) for letter in "IJ")
-_MOTIONS = {"G0": 1, "G1": 2, "G2": 3, "G3": 4}
+MOTIONS = {"G0": 1, "G1": 2, "G2": 3, "G3": 4}
 
 
 def hot_letters(din: DinState) -> list[int]:
@@ -66,7 +66,7 @@ def is_plain(ex: Emitter) -> bool:
 def begin(ex: Emitter, continued: str) -> bool:
     """Take over what a line goes on with; whether the kernel may run lines from here."""
     s = ex.modal
-    motion = _MOTIONS.get(continued)
+    motion = MOTIONS.get(continued)
     if motion is None or not is_plain(ex):
         return False
     s.motion = motion
@@ -80,16 +80,21 @@ def arcs_are_plain(ex: Emitter) -> bool:
     return s.plane is Plane.XY and (not s.absolute or s.din.centers_absolute is False)
 
 
-def taken(ex: Emitter, start: list[float], before: int, words: tuple[Any, Any, Any], at: int, stop: int) -> str:
+def taken(
+    ex: Emitter, start: list[float], before: int, words: tuple[Any, Any, Any], at: int, stop: int, numbers: Any = None
+) -> str:  # fmt: skip
     """What the rows from ``before`` on leave, which the words from ``at`` to ``stop`` made; what goes on behind them.
 
-    start: where the axes stood.
+    start: where the axes stood; numbers: lines of the source by those that the rows have, None where these are it.
     """
     s, rows = ex.modal, ex.rows
     continued = f"G{s.motion - 1}"
     din = s.din if s.feed == s.din.feed else s.din.but(feed=s.feed, given=True)
     if rows.count > before:
         out, made = rows.arrays, rows.count - before
+        if numbers is not None:
+            new = out["line"][before : rows.count]
+            new[:] = numbers[new]
         still, off, radii = np.empty(made, np.int64), np.empty(made, np.int64), np.empty((made, 2))
         allowed = ex.modal.arc_tolerance()
         stills, offs, arcs = k.judge_moves.pick(made)(

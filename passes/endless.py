@@ -21,11 +21,11 @@ from gproof.passes.branches import FEW, Branches
 from gproof.passes.din_state import fits
 from gproof.passes.emitter import ProgramEnd
 from gproof.passes.expressions import LEAST_WHOLE, MOST_WHOLE
-from gproof.passes.frames import Lap
+from gproof.passes.frames import Frame, Lap
 from gproof.passes.idle import MOST_STEP
 from gproof.passes.leaps import leap_of
 from gproof.passes.modal import NO_NUMBERS
-from gproof.passes.values import Unknown
+from gproof.passes.values import Unknown, bounds
 
 AWAY_PASSES = 64
 """So many passes of a loop between two looks at whether it leads out of the machine."""
@@ -188,6 +188,14 @@ class Endless(Branches):
         self._let_go(lap)
         self.findings.add(codes.ALIKE_PASSES.at(span, done=lap.count))
         return True
+
+    def _ends(self, frame: Frame, node: For) -> tuple[float, float]:
+        """The least and the greatest that the last value of the variable may be; both negative where it falls."""
+        low, high = bounds(frame.last)
+        if isinstance(frame.last, Unknown) and frame.last.bounded:
+            # Bounds are whole numbers, and rounding has widened the range.
+            low, high = float(math.ceil(low)), float(math.floor(high))
+        return (-high, -low) if node.down else (low, high)
 
     # ---- loops that only count
 

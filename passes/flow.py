@@ -30,8 +30,8 @@ from gproof.ir.trace import Edge, Wait
 from gproof.passes.branches import LOOPS
 from gproof.passes.din_state import din_of
 from gproof.passes.emitter import ProgramEnd
-from gproof.passes.endless import Endless
 from gproof.passes.frames import ANY, Frame, Path
+from gproof.passes.hot_passes import HotPasses
 from gproof.passes.leaps import LEFT
 from gproof.passes.modal import Modal
 from gproof.passes.values import Unknown, Value, behind_loop, bounds
@@ -41,7 +41,7 @@ MAX_NESTED = 200
 """Blocks within blocks, those of calls counted in; a program that nests deeper is not followed."""
 
 
-class Flow(Endless):
+class Flow(HotPasses):
     """What changes the order of statements."""
 
     def _enter(self, span: Span) -> None:
@@ -63,6 +63,7 @@ class Flow(Endless):
         self._came_back = self._came_back or at < self._stack[depth].at
         self._leave_frames(depth, at)
         self._lap((id(node), "jump"), node.span)
+        self._hot_jump(self._stack[depth], node, at)
 
     def _label(self, name: str) -> tuple[int, int] | None:
         """Which frame has the label, and the place behind it."""
@@ -158,9 +159,11 @@ class Flow(Endless):
             if self._passes[id(node), "loop"] > 1:
                 # A pass has told what there is to tell.
                 self._leap(node)
+                self._hot_loop(frame, node)
         if isinstance(node, For):
             if goes_on:
                 self._pass(frame, node)
+                self._hot_for(frame, node)
             else:
                 self._after_for(frame, node, self.modal)
         return goes_on
@@ -179,6 +182,7 @@ class Flow(Endless):
         if frame.again:
             frame.again -= 1
             frame.at = 0
+            self._hot_call(frame, node)
             return True
         return False
 
@@ -223,14 +227,6 @@ class Flow(Endless):
             frame.is_open = True
             return None
         return goes_on
-
-    def _ends(self, frame: Frame, node: For) -> tuple[float, float]:
-        """The least and the greatest that the last value of the variable may be; both negative where it falls."""
-        low, high = bounds(frame.last)
-        if isinstance(frame.last, Unknown) and frame.last.bounded:
-            # Bounds are whole numbers, and rounding has widened the range.
-            low, high = float(math.ceil(low)), float(math.floor(high))
-        return (-high, -low) if node.down else (low, high)
 
     def _counted_value(self, frame: Frame, node: For) -> Value:
         """What the variable holds during a pass."""

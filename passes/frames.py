@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from typing import Any
 
-from gproof.ir.columns import Columns
+import numpy as np
+
+from gproof.ir.columns import Array, Columns
 from gproof.ir.finding import Span
-from gproof.ir.program import Block, Statement
+from gproof.ir.program import Block, BlockTable, Statement
 from gproof.ir.record import field, record
 from gproof.passes.modal import Modal
 from gproof.passes.overrides import Words
@@ -126,14 +129,97 @@ class Frame:
         return 0
 
 
+@record(frozen=True, slots=True, eq=False)
+class HotLine:
+    """A line of motion that is evaluated ahead of its execution.
+
+    node: its block, or None for a line of a table, which is ``table``: (table, words, begin, end, first byte of the
+    piece). motion: the code that moves it, as ``Block.continued``; added: that code stands in front of its own words.
+    """
+
+    number: int
+    file: int
+    letters: tuple[str, ...]
+    node: Block | None = None
+    table: tuple[BlockTable, Columns, int, int, int] | None = None
+    motion: str = ""
+    added: bool = False
+
+    @property
+    def words(self) -> int:
+        """How many there are, what was added counted in."""
+        return len(self.letters)
+
+
+class Stretch:
+    """Lines of motion that are executed together: their words in columns but for the values.
+
+    letter: (words,) u1; line: (words,) i4, counts ``lines``; numbers: (lines,) i4, where they stand in the source.
+    """
+
+    __slots__ = ("letter", "line", "lines", "numbers")
+
+    def __init__(self, lines: Sequence[HotLine]) -> None:
+        self.lines = tuple(lines)
+        self.letter = np.array([ord(x) for line in lines for x in line.letters], dtype=np.uint8)
+        self.line = np.repeat(np.arange(len(lines), dtype=np.int32), [line.words for line in lines])
+        self.numbers = np.array([line.number for line in lines], dtype=np.int32)
+
+
 @record(slots=True)
 class Pending:
-    """Lines of motion that are evaluated and not executed yet: words in columns, ``line`` counts ``nodes``."""
+    """Lines of motion that are evaluated and not executed yet; value: of all their words."""
 
-    nodes: list[Block] = field(default_factory=list)
-    line: list[int] = field(default_factory=list)
-    letter: list[int] = field(default_factory=list)
+    parts: list[Stretch] = field(default_factory=list)
     value: list[float] = field(default_factory=list)
+    lines: int = 0
+
+    def columns(self) -> tuple[Array, Array, Array, Array]:
+        """Line (from 0), letter and value of the words; for each line where it stands in the source."""
+        sizes = [len(part.line) for part in self.parts]
+        first = np.cumsum([0, *(len(part.lines) for part in self.parts)])[:-1]
+        line = np.concatenate([part.line for part in self.parts])
+        line += np.repeat(first.astype(np.int32), sizes)
+        letter = np.concatenate([part.letter for part in self.parts])
+        numbers = np.concatenate([part.numbers for part in self.parts])
+        return line, letter, np.array(self.value, dtype=np.float64), numbers
+
+    def nth(self, number: int) -> HotLine:
+        """The line that ``line`` counts as ``number``."""
+        for part in self.parts:
+            if number < len(part.lines):
+                return part.lines[number]
+            number -= len(part.lines)
+        raise IndexError
+
+
+@record(frozen=True, slots=True)
+class Passes:
+    """run: (variables, passes to go on after at most, values, stretches) -> (passes that were followed by another one,
+    blocks in all of them, whether the last one is at its end: else it has not begun).
+
+    most: blocks of a pass at most; modes: distance modes in which its lines stand (``Block.distances``); reads: numbers
+    of the variables. ``run`` raises one of ``FALLS_BACK`` where a variable has no number, before it does anything.
+    """
+
+    run: Callable[[dict[int, Any], int, list[float], list[Stretch]], tuple[int, int, bool]]
+    most: int
+    modes: frozenset[str]
+    reads: tuple[int, ...]
+
+
+@record(slots=True)
+class Hot:
+    """A place whose passes are compiled. make: compiles them; at: where a pass ends in its body; cost: blocks between
+    two passes; back, done: how often one was taken back, and how many were done.
+    """
+
+    make: Callable[[], Passes | None]
+    passes: Passes | None = None
+    at: int = 0
+    cost: int = 1
+    back: int = 0
+    done: int = 0
 
 
 @record(slots=True)

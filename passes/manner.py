@@ -6,6 +6,7 @@ their own, which are imported only for programs that need them.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -13,7 +14,7 @@ import numpy as np
 from gproof.ir import codes
 from gproof.ir.finding import Refusal, Span
 from gproof.ir.kernel import Kernel
-from gproof.ir.program import Block, Call, Input, Named, Unsupported
+from gproof.ir.program import Block, Call, Expr, Input, Named, Unsupported
 from gproof.ir.rules import LanguageRules
 from gproof.passes import execute_kernels as k
 from gproof.passes.plain_kernels import cold_lines
@@ -77,6 +78,37 @@ class Manner:
         columns: line, letter, value and flags of the words.
         """
         return ex._hot(run, columns, count, at, compiled)
+
+    def motion_of(self, letters: Sequence[str], values: Sequence[Expr], continued: str) -> tuple[str | None, bool]:
+        """The code with which a line of a loop is to move, and whether it must be added to its words.
+
+        None: the line is not for the kernel. continued: see ``ir.program.Block``.
+        """
+        return "", False
+
+    def stops(self, ex: Straight, columns: tuple[Any, ...], count: int) -> list[int]:
+        """First words of lines of a loop that the kernel must not run."""
+        return []
+
+    def hot_lines(
+        self, ex: Straight, run: Any, columns: tuple[Any, ...], count: int, at: int, compiled: bool, stops: list[int],
+        motion: str, numbers: Any,
+    ) -> int:  # fmt: skip
+        """As ``hot``, for lines of a loop, the first of which moves with ``motion``.
+
+        numbers: where the lines stand in the source, by the numbers that they have in ``columns``.
+        """
+        before = ex.rows.count
+        at = ex._hot(run, columns, count, at, compiled)
+        made = ex.rows.arrays["line"][before : ex.rows.count]
+        made[:] = numbers[made]
+        return at
+
+    def again(
+        self, ex: Straight, span: Span, words: list[tuple[str, Value, Span]], motion: str, distances: str
+    ) -> None:  # fmt: skip
+        """Execute a line of a loop that the kernel left over."""
+        ex._line(span, words)
 
     def call(self, ex: Executor, node: Call) -> None:
         """Run a subprogram with the words of its call."""

@@ -19,7 +19,7 @@ from gproof.passes import execute_kernels as k
 from gproof.passes.blocks import Blocks
 from gproof.passes.frames import Frame
 from gproof.passes.outputs import CLAMPED
-from gproof.passes.values import Position
+from gproof.passes.values import Position, Value
 
 CHUNK_BYTES = 1 << 20
 _State = tuple[Any, Any, Any, Any]
@@ -195,6 +195,14 @@ class Straight(Blocks):
 
     def _cold(self, table: BlockTable, words: Columns, begin: int, end: int, base: int) -> None:
         """One plain line in Python."""
+        span, line, bare = self._words_of(table, words, begin, end, base)
+        self.spend(span)
+        self._manner.line(self, span, line, bare)
+
+    def _words_of(
+        self, table: BlockTable, words: Columns, begin: int, end: int, base: int
+    ) -> tuple[Span, list[tuple[str, Value, Span]], frozenset[str]]:
+        """Words ``begin`` to ``end`` of a piece of a table as a line: its span, its words, letters without a number."""
         name, number = self.trace.files[table.file], int(words["line"][begin])
         data = self.program.files[table.file].data
         offsets = words["offset"][begin:end].tolist()
@@ -211,12 +219,11 @@ class Straight(Blocks):
         if not before.isascii():
             spans = [_in_characters(span, before) for span in spans]
         letters = [chr(x) for x in words["letter"][begin:end].tolist()]
-        values: list[float] = words["value"][begin:end].tolist()
+        values: list[Value] = words["value"][begin:end].tolist()
         span = Span(name, number, spans[0].column, spans[-1].end_column)
-        self.spend(span)
         flags = words["flags"][begin:end].tolist()
         bare = frozenset(letter for letter, flag in zip(letters, flags, strict=True) if flag & FLAG_BARE)
-        self._manner.line(self, span, list(zip(letters, values, spans, strict=True)), bare)
+        return span, list(zip(letters, values, spans, strict=True)), bare
 
 
 def _run(
