@@ -8,15 +8,24 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from gproof.ir import codes
 from gproof.ir.finding import Refusal, Severity
-from gproof.ir.program import Array
+from gproof.ir.program import FLAG_BARE, FLAG_DELETE, Array, Block, BlockTable
 from gproof.ir.trace import Op
-from gproof.passes.frames import Cells, Frame, Kept
+from gproof.passes.compiled import FALLS_BACK, compile_block
+from gproof.passes.frames import Cells, Frame, Kept, PlainCell
+from gproof.passes.straight import CHUNK_BYTES
 from gproof.passes.values import NOWHERE, Unknown
 
 if TYPE_CHECKING:
     from gproof.passes.execute import Executor
+
+FEW_CELLS = 4
+"""So many cells at once are worth the call."""
+MOST_LINES = 1000
+"""Lines of a cell that is run with others at once; in longer ones what lies between cells is no matter."""
 
 
 def begin_array(ex: Executor, node: Array) -> None:
@@ -106,7 +115,34 @@ def next_cell(ex: Executor, frame: Frame) -> bool:
     if again:
         ex.spend(frame.node.span)
         frame.at = 0
+        _many_cells(ex, frame, cells)
     return again
+
+
+def _many_cells(ex: Executor, frame: Frame, cells: Cells) -> None:
+    """Where a cell begins: those that are plain lines and nothing else, all but the last, at once."""
+    node = frame.node
+    assert isinstance(node, Array)
+    left = cells.count - 1 - frame.cell
+    if left < FEW_CELLS:
+        return
+    if id(node) not in ex._cells:
+        ex._cells[id(node)] = _plain_cell(ex, node)
+    cell = ex._cells[id(node)]
+    places = [ex.modal.position[axis] for axis in (0, 1)]
+    if cell is None or any(a.form != b.form for a, b in zip(places, cells.start, strict=True)):
+        return
+    room = (ex._alarm - 1 - ex.blocks) // (cell.lines + 1)
+    if room < 1:
+        return
+    numbers = [cells.place(frame.cell + 1 + n) for n in range(min(left, room))]
+    ends = [[cells.start[k].moved(at[k] * cells.step[k]).value for k in (0, 1)] for at in numbers]
+    file, ex._file = ex._file, cell.file
+    done = ex._manner.cells(ex, cell.columns, np.array(ends, dtype=np.float64), node.span.line)
+    ex._file = file
+    if done:
+        frame.cell += done
+        ex.blocks += done
 
 
 def back_from_file(ex: Executor, kept: Kept | None) -> None:
@@ -118,3 +154,36 @@ def back_from_file(ex: Executor, kept: Kept | None) -> None:
         s.g92 = list(kept.local)
     s.single = s.single.but(keep_local=kept.keep_local, arguments=kept.arguments)
     ex._state_changed()
+
+
+def _plain_cell(ex: Executor, node: Array) -> PlainCell | None:
+    """The words of a cell where they are literal, all of one file; None where they are not."""
+    line, letter, value, flags, file, lines = [], [], [], [], ex._file, 0
+    for one in node.body:
+        if isinstance(one, BlockTable):
+            words, after, _ = ex._ahead.load(one, one.begin, one.first_line, CHUNK_BYTES)
+            if after < one.end or one.file != file or (words["flags"] & FLAG_DELETE).any():
+                return None
+            lines += one.last_line - one.first_line + 1
+            line += words["line"].tolist()
+            letter += words["letter"].tolist()
+            value += words["value"].tolist()
+            flags += words["flags"].tolist()
+        elif isinstance(one, Block):
+            fast = None if one.deleted or one.texts else compile_block(one, ex.program.rules)
+            if fast is None or fast.reads or fast.targets or ex._file_of(one.span) != file:
+                return None
+            lines += 1
+            try:
+                value += fast.run({})
+            except FALLS_BACK:
+                return None
+            line += [one.span.line] * len(fast.letters)
+            letter += [ord(x) for x in fast.letters]
+            flags += [FLAG_BARE * word.bare for word in one.words]
+        else:
+            return None
+    if not 0 < lines <= MOST_LINES:
+        return None
+    types = (line, np.int32), (letter, np.uint8), (value, np.float64), (flags, np.uint8)
+    return PlainCell(tuple(np.array(column, dtype=kind) for column, kind in types), lines, file)

@@ -19,7 +19,7 @@ from gproof.passes.din_facts import foreign
 from gproof.passes.din_state import whole_numbers
 from gproof.passes.expressions import Evaluator
 from gproof.passes.foreseen import lengths_foreseen
-from gproof.passes.frames import Frame, Hot, Lap, Path, Pending, Stretch
+from gproof.passes.frames import Frame, Hot, Lap, Path, Pending, PlainCell, Stretch
 from gproof.passes.leaps import Leap
 from gproof.passes.line import Line
 from gproof.passes.manner import manner_of
@@ -115,6 +115,7 @@ class Emitter:
         self._stretches: dict[int, Stretch] = {}
         self._pending = Pending()
         self._hots: dict[object, Hot] = {}
+        self._cells: dict[int, PlainCell | None] = {}
         self._loops = 0
         self._laps: dict[object, Lap] = {}
         self._counted: dict[object, Lap] = {}

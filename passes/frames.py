@@ -63,6 +63,15 @@ class Cells:
         return cell // self.rows, cell % self.rows
 
 
+@record(frozen=True, slots=True, eq=False)
+class PlainCell:
+    """Literal words that each cell of an array is: line, letter, value and flags; how many lines, and of which file."""
+
+    columns: tuple[Array, ...]
+    lines: int
+    file: int
+
+
 @record(frozen=True, slots=True)
 class Caller:
     """Where a call came from; rest: words of its line that are executed when it is back.

@@ -110,6 +110,13 @@ class Manner:
         """Execute a line of a loop that the kernel left over."""
         ex._line(span, words)
 
+    def cells(self, ex: Straight, columns: tuple[Any, ...], places: Any, line: int) -> int:
+        """Run cells of an array that are these words each; returns how many were.
+
+        columns: line, letter, value and flags of the words; places, line: see ``single_kernels.run_cells``.
+        """
+        return 0
+
     def call(self, ex: Executor, node: Call) -> None:
         """Run a subprogram with the words of its call."""
         ex._called(node.name, node.span)

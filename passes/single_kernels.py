@@ -20,12 +20,12 @@ from gproof.passes.execute_kernels import LARGEST, badly_conditioned, radius_cen
 # before: 0 there are none, 1 known, 2 not known (after R, another unit, an arc of open words) until a line has both.
 (
     MOTION, ABSOLUTE, CENTER_ABSOLUTE, CENTER_KNOWN, ARCS_MODAL, HELICAL, LINEAR, KEPT, RESET, USED, NOTED, LINES,
-    DOUBT, SHARE,
-) = range(14)  # fmt: skip
+    DOUBT, SHARE, MODES,
+) = range(15)  # fmt: skip
 # Layout of the float state: mm in a unit; by column mm or degrees in a unit, positions, offsets, feeds; feed of the
 # last move; I and J of the last arc; radius below which an arc is a line; room for feeds of the line that runs; mm that
 # radii may differ; feed of arcs, below 0 before their first F, and what it is then, of lines in X. DOUBT: the last
-# F was an arc's, and another one than that of lines.
+# F was an arc's, and another one than that of lines. MODES: G90 and G91 only choose how words count.
 UNIT, SCALE, POSITION, OFFSET, FEEDS, FEED, KEPT_I, KEPT_J, SMALLEST, NEXT = 0, 1, 7, 13, 19, 25, 26, 27, 28, 29
 TOLERANCE, ARC_FEED, USUAL = 35, 36, 37
 
@@ -96,8 +96,8 @@ def run_moves(
     word = first_word
     v0 = v1 = v2 = v3 = v4 = v5 = vi = vj = vr = vf = 0.0
     unit = floats[UNIT]
-    absolute = ints[ABSOLUTE] == 1
     while word < count and row < capacity:
+        absolute = ints[ABSOLUTE] == 1
         here = line[word]
         end = word
         seen = 0
@@ -136,9 +136,13 @@ def run_moves(
                     motion = 3
                 elif number == 3.0:
                     motion = 4
+                elif abs(number - 90.5) == 0.5 and ints[MODES] == 1:
+                    absolute = number == 90.0
+                    bit = 4096
                 else:
                     plain = False
-                bit = 2048
+                if bit == 0:
+                    bit = 2048
             elif code == 70:
                 bit = 1024
                 vf = number
@@ -168,16 +172,22 @@ def run_moves(
         has_feed = seen & 1024
         if has_feed and not vf > 0.0:
             return word, row
-        if command == 0 and seen == 1024:
+        if seen == 4096:
+            ints[ABSOLUTE] = 1 if absolute else 0
+            ints[LINES] += 1
+            word = end
+            continue
+        if command == 0 and seen & ~4096 == 1024:
             for axis in range(6):
                 if named[0] & (1 << axis):
                     floats[FEEDS + axis] = vf * floats[SCALE + axis]
             if named[0] & 3:
                 ints[DOUBT] = 0
+            ints[ABSOLUTE] = 1 if absolute else 0
             ints[LINES] += 1
             word = end
             continue
-        if command == 0 and has_feed and all_bare and letter[word] == 70:
+        if command == 0 and has_feed and ((all_bare and letter[word] == 70) or seen & 4096):
             # A feed for the axes that it names, or a move of them to 0.
             return word, row
         if motion < 1 or motion > 4:
@@ -200,6 +210,7 @@ def run_moves(
                 for axis in range(6):
                     floats[FEEDS + axis] = floats[NEXT + axis]
             ints[DOUBT] = doubt
+            ints[ABSOLUTE] = 1 if absolute else 0
             ints[MOTION] = motion
             ints[RESET] = 1
             ints[NOTED] = 1
@@ -318,6 +329,7 @@ def run_moves(
             for axis in range(6):
                 floats[FEEDS + axis] = floats[NEXT + axis]
         ints[DOUBT] = doubt
+        ints[ABSOLUTE] = 1 if absolute else 0
         floats[ARC_FEED] = arc_feed
         if motion != 1:
             floats[FEED] = rate
@@ -350,3 +362,73 @@ def run_moves(
         row += 1
         word = end
     return word, row
+
+
+@kernel(seconds_per_unit=2e-6, compile_seconds=4.5)
+def run_cells(
+    line: Any,
+    letter: Any,
+    value: Any,
+    flags: Any,
+    count: Any,
+    columns: Any,
+    named: Any,
+    ints: Any,
+    floats: Any,
+    kept_ints: Any,
+    kept_floats: Any,
+    form: Any,
+    offset_form: Any,
+    op: Any,
+    line_out: Any,
+    to: Any,
+    feed: Any,
+    center: Any,
+    turns: Any,
+    plane: Any,
+    row: Any,
+    capacity: Any,
+    places: Any,
+    cells: Any,
+    array_line: Any,
+) -> tuple[int, int]:
+    """Cells of an array, each of them all ``count`` words; returns (cells, next row).
+
+    places: (cells, 2) X and Y at which the next cell begins, in mm: behind each cell a traverse goes there, which has
+    line ``array_line``, unless the axes are there. kept_ints, kept_floats: room for a copy of the state. A cell that
+    ``run_moves`` does not run to its end, and that for which there is no room, is not begun. The rest: ``run_moves``.
+    """
+    done = 0
+    while done < cells:
+        for n in range(len(ints)):
+            kept_ints[n] = ints[n]
+        for n in range(len(floats)):
+            kept_floats[n] = floats[n]
+        word, last = run_moves(
+            line, letter, value, flags, count, 0, columns, named, ints, floats, form, offset_form, op, line_out, to,
+            feed, center, turns, plane, row, capacity,
+        )  # fmt: skip
+        if word < count or last >= capacity:
+            for n in range(len(ints)):
+                ints[n] = kept_ints[n]
+            for n in range(len(floats)):
+                floats[n] = kept_floats[n]
+            break
+        x, y = places[done, 0], places[done, 1]
+        if x != floats[POSITION] or y != floats[POSITION + 1]:
+            floats[POSITION] = x
+            floats[POSITION + 1] = y
+            op[last] = 1
+            line_out[last] = array_line
+            for axis in range(6):
+                to[last, axis] = floats[POSITION + axis]
+            feed[last] = 0.0
+            center[last, 0] = 0.0
+            center[last, 1] = 0.0
+            center[last, 2] = 0.0
+            turns[last] = 0
+            plane[last] = 0
+            last += 1
+        row = last
+        done += 1
+    return done, row

@@ -48,6 +48,12 @@ class SingleManner(Manner):
             self.plain = PlainLines(ex)
         return self.plain.run(ex, run, columns, count, at, compiled)
 
+    def cells(self, ex: Straight, columns: tuple[Any, ...], places: Any, line: int) -> int:
+        """Run cells of an array; see ``Manner``."""
+        if self.plain is None:
+            self.plain = PlainLines(ex)
+        return self.plain.cells(ex, columns, len(columns[0]), places, line)
+
     def named(self, ex: Emitter, node: Named) -> Value:
         """What the controller holds under a name."""
         return read_named(ex, node)

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from gproof.ir.machine import AXES
+from gproof.ir.rules import Function as F
 from gproof.passes import single_kernels as k
 from gproof.passes.single_motion import feed_columns, note_assumptions, usual_feed
 from gproof.passes.single_state import LEANING, letters_of
@@ -65,6 +66,10 @@ class PlainLines:
         ]
         self.columns, self.named = columns, named
         self.arrays = np.array(columns, dtype=np.int64), np.array(named, dtype=np.int64)
+        rules = [ex.program.rules.codes.get(("G", tenths)) for tenths in (900, 910)]
+        self.modes = [rule is not None and rule.companion and rule.function for rule in rules] == [
+            F.ABSOLUTE, F.INCREMENTAL,
+        ]  # fmt: skip
         self.linear = _bits({axis for axis in _ALL if ex.modal.linear[axis]})
 
     def run(
@@ -82,7 +87,37 @@ class PlainLines:
             *words, count, at, *tables, *state, out["op"], out["line"], out["to"], out["feed"], out["center"],
             out["turns"], out["plane"], before, rows.capacity,
         )  # fmt: skip
-        rows.count = int(row)
+        self._taken(ex, state, int(row))
+        return int(stop)
+
+    def cells(
+        self, ex: Motion, words: tuple[Any, ...], count: int, places: Any, line: int
+    ) -> int:  # fmt: skip
+        """Run cells of an array in the kernel; returns how many. words, places, line: see ``run_cells``."""
+        s, rows = ex.modal, ex.rows
+        if not is_plain(s):
+            return 0
+        kernel: Any = k.run_cells.pick(len(places) * count / 3)
+        compiled = kernel is not k.run_cells.python
+        state = self._packed(ex, compiled)
+        tables = self.arrays if compiled else (self.columns, self.named)
+        if not compiled:
+            words = tuple(column.tolist() for column in words)
+        ints, floats, *forms = state
+        out: Mapping[str, Any] = rows.arrays
+        done, row = kernel(
+            *words, count, *tables, ints, floats, ints.copy(), floats.copy(), *forms, out["op"], out["line"],
+            out["to"], out["feed"], out["center"], out["turns"], out["plane"], rows.count, rows.capacity, places,
+            len(places), line,
+        )  # fmt: skip
+        self._taken(ex, state, int(row))
+        return int(done)
+
+    def _taken(self, ex: Motion, state: tuple[Any, Any, Any, Any], row: int) -> None:
+        """Take over the rows up to ``row``, and what they leave."""
+        rows = ex.rows
+        out: Mapping[str, Any] = rows.arrays
+        before, rows.count = rows.count, row
         if rows.count > before:
             new = slice(before, rows.count)
             # As a span finds its file: by name.
@@ -91,7 +126,6 @@ class PlainLines:
             # The same for all of these lines, and made only where there are rows.
             out["frame"][new], out["state"][new] = ex._frame(), ex._state()
         _unpack(ex, state, rows.count - before)
-        return int(stop)
 
     def _packed(self, ex: Motion, compiled: bool) -> tuple[Any, Any, Any, Any]:
         """The state of ``run_moves``: integers, floats, frames of the axes and of their offsets."""
@@ -105,6 +139,7 @@ class PlainLines:
             int(ex.machine.controller.absolute_arc_centers), int(known), int(controls.arcs_modal),
             int(controls.helical_arcs), self.linear, _known(kept), 0, 0, 0, 0, int(s.single.feed_doubt),
             -1 if controls.arcs_share_feed is None else int(controls.arcs_share_feed),
+            int(self.modes and "distance" in s.stated),
         ]  # fmt: skip
         smallest = -math.inf if controls.smallest_arc is None else controls.smallest_arc
         floats: Any = [
@@ -130,6 +165,7 @@ def _unpack(ex: Motion, state: tuple[Any, Any, Any, Any], rows: int) -> None:
     ints, floats = (part if isinstance(part, list) else part.tolist() for part in state[:2])
     s = ex.modal
     ex.blocks += ints[k.LINES]
+    s.absolute = bool(ints[k.ABSOLUTE])
     if ints[k.LINES]:
         feeds = tuple(floats[k.FEEDS : k.FEEDS + AXES])
         # One object for what is not known: states are compared.
