@@ -1,6 +1,6 @@
 """``make bench``: gproof beside LinuxCNC's ``rs274`` on the same programs, in one run on this machine.
 
-    python bench/run.py [--only start|lines|scale|parse|steps] [--lines 2000,100000] [--shapes raster] [--repeat 5]
+    python bench/run.py [--only lines|loops|...] [--lines 2000,100000] [--shapes raster] [--repeat 5]
                         [--dialects wincnc,mcuwin] [--long] [--json FILE] [--svg FILE]
 
 Timings are no tests: the exit code is 0 whatever they are. bench/README.md explains the columns.
@@ -23,6 +23,7 @@ from typing import Any
 
 import collisions
 import gouges
+import loops
 import stock
 from measure import Runs, gproof_command, gproof_itself, rs274_command, run_once
 from plot import Line, Panel, plot
@@ -37,7 +38,7 @@ DIALECTS = {
 """Name, suffix of programs, machine."""
 PARSED = ("eding", "mcuwin")
 """Dialects whose reading is measured."""
-PARTS = ("start", "lines", "scale", "parse", "steps", "collisions", "gouges", "stock")
+PARTS = ("start", "lines", "scale", "parse", "steps", "collisions", "gouges", "stock", "loops")
 LINES = (2_000, 100_000, 1_000_000)
 SCALE = (10_000, 100_000, 1_000_000, 10_000_000)
 SCALE_SHAPES = ("raster",)
@@ -363,6 +364,10 @@ def main() -> None:
             rows = stock.measured(bench.folder, bench.warm_environment, gproof_itself(), bench.repeat)
             stock.show(rows)
             answer["stock"] = rows
+        if "loops" in parts:
+            rows = loops.measured(bench.folder, bench.warm_environment, gproof_itself(), bench.repeat)
+            loops.show(rows)
+            answer["loops"] = rows
     if asked.json is not None:
         asked.json.write_text(json.dumps(answer, indent=2) + "\n", encoding="utf-8")
 

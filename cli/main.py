@@ -97,7 +97,7 @@ def _job_options(command: Any, *, machines: bool = False) -> Any:
             click.option(
                 "--max-blocks",
                 type=click.IntRange(1),
-                help="Blocks to execute at most; 10 million and 4 a line by default.",
+                help="Blocks to execute at most; 5 million and 4 a line by default.",
             ),
             click.option(
                 "--max-branches",

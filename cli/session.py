@@ -43,6 +43,11 @@ class Options(TypedDict):
     render: bool
 
 
+BUDGET = 5_000_000
+"""Blocks that loops may add to the lines of a job: at 200,000 a second some 25 seconds, and a hundred times what the
+longest macro of a shop runs (a thousand by a thousand probed points are 4 million). docs/codes/GP233 says so too."""
+
+
 @record(slots=True, kw_only=True)
 class Session:
     """A job with its surroundings. program is None when nothing of it could be read.
@@ -63,7 +68,7 @@ class Session:
     def options(self, running: Running) -> Options:
         """Keyword arguments of an Executor; by default it executes so many blocks that only endless loops meet it."""
         lines = self.program.line_count if self.program is not None else 0
-        budget = 10_000_000 + 4 * lines if running.max_blocks is None else running.max_blocks
+        budget = BUDGET + 4 * lines if running.max_blocks is None else running.max_blocks
         return {"budget": budget, "max_branches": running.max_branches, "render": running.render}
 
 

@@ -135,10 +135,17 @@ def _many_cells(ex: Executor, frame: Frame, cells: Cells) -> None:
     room = (ex._alarm - 1 - ex.blocks) // (cell.lines + 1)
     if room < 1:
         return
-    numbers = [cells.place(frame.cell + 1 + n) for n in range(min(left, room))]
-    ends = [[cells.start[k].moved(at[k] * cells.step[k]).value for k in (0, 1)] for at in numbers]
+    next_ones = np.arange(frame.cell + 1, frame.cell + 1 + min(left, room))
+    if cells.by_rows:
+        column, row = next_ones % cells.columns, next_ones // cells.columns
+    else:
+        column, row = next_ones // cells.rows, next_ones % cells.rows
+    # As ``next_cell`` has them.
+    ends = np.stack(
+        [cells.start[axis].value + times * cells.step[axis] for axis, times in enumerate((column, row))], axis=1
+    )
     file, ex._file = ex._file, cell.file
-    done = ex._manner.cells(ex, cell.columns, np.array(ends, dtype=np.float64), node.span.line)
+    done = ex._manner.cells(ex, cell.columns, ends, node.span.line)
     ex._file = file
     if done:
         frame.cell += done

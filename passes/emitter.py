@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import time
 from collections.abc import Callable
 
 from gproof.ir import codes
@@ -32,8 +33,10 @@ from gproof.passes.transform_codes import at_start
 from gproof.passes.values import FrameTable, Position, Unknown, Value, behind_loop
 
 DEFAULT_BUDGET = 100_000_000
-BEAT = 1 << 12
-"""Blocks between two signs of life."""
+FIRST_BEAT, MOST_BEAT, LEAST_BEAT = 1 << 8, 1 << 14, 1 << 4
+"""Blocks between two signs of life: first, at most, and at least where each of them takes long."""
+SOON, LATE = 0.05, 0.25
+"""Seconds between two signs of life: where they take less, more blocks come between them, and the other way round."""
 DEFAULT_BRANCHES = 4096
 """Outcomes that are explored, of conditions that rest on what nobody knows before the job runs."""
 
@@ -58,7 +61,8 @@ class Emitter:
         self.budget = budget
         # Who wants to hear how far it is: (blocks executed, place).
         self.on_beat: Callable[[int, Span], None] | None = None
-        self._alarm = min(budget + 1, BEAT)
+        self._beat, self._rang = FIRST_BEAT, time.monotonic()
+        self._alarm = min(budget + 1, self._beat)
         self.stop_at_error = stop_at_error
         self.max_branches = max_branches
         self.modal = Modal(program.rules, setup, machine)
@@ -152,7 +156,13 @@ class Emitter:
                 hint = f"the loop here has come to pass {longest.count}; {hint}"
                 span, related = longest.span, (Related(span, "here the last one of them was executed"),)
             raise Refusal(codes.STEP_BUDGET.at(span, budget=self.budget, hint=hint, related=related))
-        self._alarm = min(self.budget + 1, self.blocks + BEAT)
+        now = time.monotonic()
+        if now - self._rang < SOON:
+            self._beat = min(2 * self._beat, MOST_BEAT)
+        elif now - self._rang > LATE:
+            self._beat = max(self._beat // 2, LEAST_BEAT)
+        self._rang = now
+        self._alarm = min(self.budget + 1, self.blocks + self._beat)
         if self.on_beat is not None:
             self.on_beat(self.blocks, span)
 
