@@ -49,6 +49,34 @@ def programs() -> dict[tuple[str, str], tuple[str, str, Path]]:
     }  # fmt: skip
 
 
+MACROS = HERE / "macros" / "probing.cnc"
+"""Routines of a shop that measures a surface point by point with another try after a miss, corners, holes and tools."""
+PROBING = ("surface_grid", "find_corner", "find_hole", "measure_tool")
+GOAL_PROBING = 10.0, 500.0
+"""Seconds and MB."""
+
+
+def probing(environment: Mapping[str, str], gproof: Sequence[str]) -> list[dict[str, Any]]:
+    """One row a probing macro: its name and its runs."""
+    rows = []
+    for name in PROBING:
+        runs = Runs()
+        command = [*gproof, "check", "--setup", "zero", "--machine", str(HERE / "machine.toml"), "--dialect", "eding"]
+        run_once([*command, "--call", name, str(MACROS)], environment, runs, VERDICTS)
+        rows.append({"macro": name, "runs": runs.as_json()})
+    return rows
+
+
+def show_probing(rows: Sequence[Mapping[str, Any]]) -> None:
+    """The rows as a table."""
+    print("\nProbing macros, judged with --call: outcomes of contacts that are not known")
+    seconds, most = GOAL_PROBING
+    for row in rows:
+        cpu, peak = min(row["runs"]["cpu_s"]), row["runs"]["peak_mb"]
+        verdict = "PASS" if cpu <= seconds and peak <= most else "MISS"
+        print(f"  {row['macro']:<14} {cpu:6.2f} s {peak:5.0f} MB  at most {seconds:g} s, {most:g} MB  {verdict}")
+
+
 def measured(
     folder: Path, environment: Mapping[str, str], gproof: Sequence[str], repeat: int
 ) -> list[dict[str, Any]]:  # fmt: skip

@@ -367,6 +367,8 @@ def main() -> None:
         if "loops" in parts:
             rows = loops.measured(bench.folder, bench.warm_environment, gproof_itself(), bench.repeat)
             loops.show(rows)
+            answer["probing"] = loops.probing(bench.warm_environment, gproof_itself())
+            loops.show_probing(answer["probing"])
             answer["loops"] = rows
     if asked.json is not None:
         asked.json.write_text(json.dumps(answer, indent=2) + "\n", encoding="utf-8")

@@ -9,11 +9,12 @@ import numpy as np
 
 from gproof.ir.columns import Array, Columns
 from gproof.ir.finding import Span
+from gproof.ir.machine import AXES
 from gproof.ir.program import Block, BlockTable, Statement
 from gproof.ir.record import field, record
 from gproof.passes.modal import Modal
 from gproof.passes.overrides import Words
-from gproof.passes.values import Position, Unknown, Value, bounds
+from gproof.passes.values import NOWHERE, Position, Unknown, Value, bounds
 
 
 @record(slots=True, eq=False)
@@ -273,14 +274,15 @@ EXACT = 32
 def merged(paths: list[Path], *, exact: bool) -> list[tuple[Path, list[Path]]]:
     """Paths that stand at one place, as (path that goes on, paths that it stands for).
 
-    When they are not to be kept apart, those that differ in nothing but numbered variables become one: a variable that
-    differs is unknown between the least and the greatest of its values, so that all that any does, the one may do.
+    When they are not to be kept apart, those that differ in nothing but numbered variables and what the last probing
+    move has left become one: what differs is unknown between the least and the greatest of its values, so that all that
+    any does, the one may do.
     """
     if exact:
         return [(path, [path]) for path in paths]
     alike: dict[object, list[Path]] = {}
     for path in paths:
-        alike.setdefault(path.modal.key(parameters=False), []).append(path)
+        alike.setdefault(path.modal.key(parameters=False, probed=False), []).append(path)
     return [(_hull(same), same) for same in alike.values()]
 
 
@@ -291,10 +293,24 @@ def _hull(paths: list[Path]) -> Path:
     modal = first.modal.copy()
     numbers = {number for path in paths for number in path.modal.parameters}
     for number in sorted(numbers):
+        own = first.modal.parameters.get(number)
+        if own is not None and all(path.modal.parameters.get(number) == own for path in paths):
+            continue
         values = [path.modal.read(float(number), NO_PLACE) for path in paths]
         if any(value != values[0] for value in values):
-            ends = [bounds(value) for value in values]
-            cause = next((value.cause for value in values if isinstance(value, Unknown)), "earlier inputs")
-            low, high = min(low for low, _ in ends), max(high for _, high in ends)
-            modal.parameters[number] = Unknown(cause, low, high)
+            modal.parameters[number] = _either(values)
+    modal.probe_hit = _either([path.modal.probe_hit for path in paths])
+    for axis in range(AXES):
+        modal.probed_work[axis] = _either([path.modal.probed_work[axis] for path in paths])
+        if any(path.modal.probed[axis] != modal.probed[axis] for path in paths):
+            modal.probed[axis] = NOWHERE
     return Path(first.stack, modal, -1, first.place)
+
+
+def _either(values: list[Value]) -> Value:
+    """What is known of a value that may be any of these."""
+    if all(value == values[0] for value in values):
+        return values[0]
+    ends = [bounds(value) for value in values]
+    cause = next((value.cause for value in values if isinstance(value, Unknown)), "earlier inputs")
+    return Unknown(cause, min(low for low, _ in ends), max(high for _, high in ends))

@@ -21,6 +21,10 @@ class Unknown:
     low: float = -math.inf
     high: float = math.inf
 
+    def __hash__(self) -> int:
+        # Equal ones have equal bounds; many of them are parts of the keys of states.
+        return hash((self.low, self.high))
+
     @property
     def bounded(self) -> bool:
         """True when it lies between two finite numbers."""
