@@ -29,11 +29,7 @@ NO_OFFSET = [ZERO] * AXES
 
 _PARK_DEFAULTS = {"park_1": 5161, "park_2": 5181}
 TOOL_LENGTH, TOOL_DIAMETER, TOOL_X_OFFSET, TOOL_ORIENTATION = 5400, 5500, 5600, 5700
-<<<<<<< HEAD
-_CONSTANT = ("rules", "setup", "machine", "axis_there", "linear", "ranges", "_tool_table", "zero_lengths")
-=======
-_CONSTANT = ("fixed", "rules", "setup", "machine", "axis_there", "linear", "ranges")
->>>>>>> 6a9ed0f (States of outcomes are compared in a tenth of the time and kept in a third of the memory; probing macros in the benchmarks)
+_CONSTANT = ("fixed", "rules", "setup", "machine", "axis_there", "linear", "ranges", "_tool_table", "zero_lengths")
 _OTHER = frozenset((*_CONSTANT, "parameters"))
 _OTHER_OR_PROBED = _OTHER | {"probed", "probed_work", "probe_hit"}
 NO_NUMBERS = frozenset[int]()
