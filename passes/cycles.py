@@ -64,9 +64,6 @@ def run_cycle(ex: Motion, line: Line, rule: CodeRule) -> None:
     words |= _back_bore(ex, line, rule, sticky)
     repeats = _repeats(line, rule)
     _check_rotary(ex, line, rule)
-    if rule.function in _SPINDLE:
-        need_turning(ex, line, rule)
-    _check_tap(ex, line, rule)
     _need_feed(ex, line, rule)
     unit, absolute = s.unit, s.absolute
     if absolute:
@@ -91,6 +88,11 @@ def run_cycle(ex: Motion, line: Line, rule: CodeRule) -> None:
     s.cycle = words
     s.cycle_code = rule.tenths
     s.motion = rule.function
+    # Where nobody stated whether the spindle turns, the controller stops here or the cycle is in force from now on:
+    # lines of words alone after it are holes too, no mistakes.
+    if rule.function in _SPINDLE:
+        need_turning(ex, line, rule)
+    _check_tap(ex, line, rule)
     clear = _preliminary(ex, line, drill, r)
     hole = Hole(
         rule=rule, first=first, second=second, drill=drill, r=r, depth=depth, clear=clear, dwell=words.get("P", 0.0),

@@ -157,6 +157,7 @@ class Writer:
 
     def mirrored(self) -> None:
         rng = self.rng
+        uneven = rng.random() < 0.5
         if rng.random() < 0.4:
             self.say(rng.choice(("G39 X2 Y2", "G39 X-0.5", "G39", "G39 X-1 Y-1", "G39 X2 Y-2")))
         if rng.random() < 0.5:
@@ -165,11 +166,14 @@ class Writer:
         self.say("G91" if rng.random() < 0.3 else "G90")
         self.relative = self.lines[-1] == "G91"
         for _ in range(rng.randrange(1, 4)):
-            (self.move if rng.random() < 0.65 else self.arc)()
+            (self.move if rng.random() < 0.65 or uneven else self.arc)()
         self.say("G24")
 
     def limits(self) -> None:
         rng = self.rng
+        if self.relative and rng.random() < 0.9:
+            self.say("G90")
+            self.relative = False
         self.say(
             rng.choice(
                 (
