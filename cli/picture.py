@@ -188,7 +188,8 @@ class _Sheet:
             x += name + answer + 18
         for asks, conditions in conditions_of(self.judgement).items():
             for condition in conditions:
-                y = self._lines(EDGE, y + 20, f"if {condition_text(condition, self.length)} ({asks})", 13, _INK) - 20
+                text = f"if {condition_text(self.session, condition, self.length)} ({asks})"
+                y = self._lines(EDGE, y + 20, text, 13, _INK) - 20
         return y + 16
 
     # Views

@@ -25,16 +25,16 @@ _NOWHERE = describe(UNKNOWN)
 _SHADES = {"SAFE": "green", SAFE_IF: "yellow", "SAFE if": "yellow", "UNSAFE": "red", "UNKNOWN": "magenta"}
 
 
-def condition_text(condition: Condition, unit: LengthUnit = MM) -> str:
+def condition_text(session: Session, condition: Condition, unit: LengthUnit = MM) -> str:
     """``G54 X offset is 12.4000 ... 230.1000 mm``; bounds are rounded inwards."""
-    name, bounds = _condition_parts(condition, unit)
+    name, bounds = _condition_parts(session, condition, unit)
     return f"{name} is {' '.join(bounds.split())}"
 
 
-def _condition_parts(condition: Condition, length: LengthUnit) -> tuple[str, str]:
+def _condition_parts(session: Session, condition: Condition, length: LengthUnit) -> tuple[str, str]:
     """Name and bounds, the bounds in columns."""
     axis = condition.terms[0][0].rpartition(".")[2] if condition.terms else "x"
-    own = "deg" if axis in "abc" else "mm"
+    own = _counts_in(session.machine.axis(axis), axis)  # a, b and c may be linear: heads W, U, V
     low = length.inward(condition.low, own, up=True) if math.isfinite(condition.low) else None
     high = length.inward(condition.high, own, up=False) if math.isfinite(condition.high) else None
     unit = length.named(own)
@@ -86,7 +86,7 @@ def print_summary(
     conditions = conditions_of(judgement)
     click.echo(_verdict_line(session, judgement, code, f" the conditions of {' and '.join(conditions)} hold"))
     for result in judgement.properties:
-        parts = [_condition_parts(c, unit) for c in conditions.get(result.name, ())]
+        parts = [_condition_parts(session, c, unit) for c in conditions.get(result.name, ())]
         width = max((len(name) for name, _ in parts), default=0)
         said = result.verdict.value if parts else word_of(result)
         first = _shade(said) + " " * (9 - len(said))
@@ -226,7 +226,7 @@ def report_json(
                 "assumptions": [unit.sentence(one) for one in r.assumptions],
                 "conditions": [
                     {
-                        "text": condition_text(c, unit),
+                        "text": condition_text(session, c, unit),
                         "terms": [{"symbol": s, "coefficient": k} for s, k in c.terms],
                         "low": _finite(c.low),
                         "high": _finite(c.high),
@@ -283,11 +283,11 @@ def print_brief(
     if not quiet:
         print_findings(judgement.findings, unit=unit, notes=False, accepted=judgement.accepted, every=every)
     conditions = conditions_of(judgement)
-    texts = {name: [condition_text(c, unit) for c in found] for name, found in conditions.items()}
+    texts = {name: [condition_text(session, c, unit) for c in found] for name, found in conditions.items()}
     click.echo(_verdict_line(session, judgement, code, in_words(texts).removeprefix("if") if quiet else ""))
     if quiet:
         return
-    parts = [(name, *_condition_parts(c, unit)) for name, found in conditions.items() for c in found]
+    parts = [(name, *_condition_parts(session, c, unit)) for name, found in conditions.items() for c in found]
     width = max((len(name) for _, name, _ in parts), default=0)
     for prop, name, ends in parts:
         click.echo(f"  if {name:<{width}} is {ends} ({prop})")

@@ -7,6 +7,7 @@ import re
 from pathlib import Path
 
 import pytest
+from support.command import in_this_process
 
 from gproof.cli.main import main
 
@@ -135,3 +136,15 @@ def test_without_a_machine_file_the_job_says_it(shop: Path, capsys: pytest.Captu
     for first, unit in (("G20\n", "inch"), ("G22\n", "mm"), ("", "inch")):
         (shop / "job.tap").write_text(f"{first}G90\nG0 X1 Y2\nX3\n", encoding="ascii")
         assert f"path        2.{'00 inch' if unit == 'inch' else '0 mm'}" in report(capsys, "job.tap")
+
+
+def test_a_second_heads_length_is_a_length(tmp_path: Path) -> None:
+    """W of a WinCNC machine has the column of a rotary axis and is none: its tool measure is in mm, or in inches."""
+    axes = "".join(f"axisspec=p0 s{n} d{n} r100 a100 t{t}\naxisvel=r3000 f1000\n" for n, t in enumerate((1, 2, 3, 3)))
+    ini = f"unit=mm\naxischar=XYZW\n{axes}lolim=x0 y0 z-100 w-100\nhilim=x500 y500 z0 w0\nsoftlim=T1\n"
+    files = {"WINCNC.INI": ini, "CNC.MAC": "", "job.tap": "G22\nG90\nG92\nG0 X1 Y1 W-25.4\n"}
+    for name, text in files.items():
+        (tmp_path / name).write_text(text)
+    for units, said in (("mm", "-74.6000 ... 25.4000 mm"), ("inch", "-2.9370 ... 1.0000 in")):
+        done = in_this_process(["check", "job.tap", "--machine", "WINCNC.INI", "--units", units], tmp_path)
+        assert f"active tool length is {said}" in " ".join(done.out.split()), done.out
