@@ -140,7 +140,8 @@ def _run(
     click.echo(f"{output}: certified, {report.steps} steps in {sections}, {seconds:.1f} s")
     for name, conditions in conditions_of(judgement).items():
         for condition in conditions:
-            click.echo(f"  if          {condition_text(session, condition, unit_of_report(session, judgement))} ({name})")
+            text = condition_text(session, condition, unit_of_report(session, judgement))
+            click.echo(f"  if          {text} ({name})")
     click.echo(f"  certificate {digest}")
     click.echo(f"  signed by   {signer}")
     return 0
