@@ -18,6 +18,7 @@ _ELSEWHERE = (";", "'", "//", "#", "%", "{", "!", "--", "[", "*")
 def comment_hint(dialect: str, text: str, at: int) -> str:
     """The sentence, where the text at a place begins a comment in another language; "" elsewhere."""
     own, said = _HERE[dialect]
+    at -= text[max(0, at - 1) : at + 1] == "//"  # the first slash may have been taken for a block delete
     begins = next((sign for sign in _ELSEWHERE if text.startswith(sign, at)), "")
     # A sign alone may be a slip; with words behind it, it is a comment.
     return said if begins and begins not in own and text[at + len(begins) :].strip() else ""

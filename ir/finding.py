@@ -130,6 +130,10 @@ class Refusal(Exception):
         self.finding = finding
 
 
+class FollowsRefusal(Refusal):
+    """A line can not be followed because an earlier one was refused, and that is reported there: one cause, once."""
+
+
 _NUMBER = re.compile(
     r"(?<![\w#$.])([XYZABCUVWIJKRFSPQEDH]?)[-+]?(?:\d+(?:\.\d*)?|\.\d+)(?:e[-+]?\d+)?(?![\w])", re.IGNORECASE
 )

@@ -6,7 +6,7 @@ import math
 
 from gproof.ir import codes
 from gproof.ir.dialects import accepts
-from gproof.ir.finding import Refusal, Span
+from gproof.ir.finding import FollowsRefusal, Refusal, Span
 from gproof.ir.machine import AXES
 from gproof.ir.rules import CodeRule
 from gproof.ir.rules import Function as F
@@ -38,7 +38,7 @@ class Blocks(Origins):
         except Refusal as refusal:
             if line is not None and moves == self._moves:
                 self._recover(line)
-            self._refuse(refusal.finding)
+            self._refuse(refusal.finding, told=isinstance(refusal, FollowsRefusal))
 
     def _beside(self, line: Line, unsupported: CodeRule) -> None:
         """GP113 for a code that is not modelled; what else the line says counts.
@@ -59,7 +59,13 @@ class Blocks(Origins):
         self._stop(line)
 
     def _recover(self, line: Line) -> None:
-        """After an error the axes of the line are taken to be where it sent them, else anywhere."""
+        """After an error the axes of the line are taken to be where it sent them, else anywhere.
+
+        A cycle that did not begin is in force nevertheless: the places of the lines behind it are holes.
+        """
+        cycle = line.group("G1")
+        if cycle is not None and cycle.function in CYCLES and self.modal.motion != cycle.function:
+            self.modal.motion = F.UNSUPPORTED
         if any(rule.uses_axes and rule.group != "G1" for rule in line.rules):
             return
         before = [self.modal.programmed(axis) for axis in range(AXES)]
@@ -159,7 +165,7 @@ class Blocks(Origins):
         if motion is not None:
             raise Refusal(codes.AXIS_WORDS_UNUSED.at(line.span, why=f"{motion.text} on this line"))
         if self.modal.motion == F.UNSUPPORTED:
-            raise Refusal(codes.UNSUPPORTED_CODE.at(line.span, code="the active motion"))
+            raise FollowsRefusal(codes.UNSUPPORTED_CODE.at(line.span, code="the active motion"))
         active = self._motion_rules.get(self.modal.motion)
         if active is None and self.takes(accepts.KEPT_MOTION):
             return self._motion_rules[int(F.TRAVERSE)]

@@ -14,7 +14,7 @@ from gproof.passes import din, din_events, din_plain
 from gproof.passes import execute_kernels as k
 from gproof.passes.din_state import fits
 from gproof.passes.frames import Frame
-from gproof.passes.manner import Manner, cold_words
+from gproof.passes.manner import Manner, cold_words, settings_of
 from gproof.passes.values import Value
 
 if TYPE_CHECKING:
@@ -28,7 +28,7 @@ class DinManner(Manner):
 
     def block(self, ex: Executor, node: Block, words: list[tuple[str, Value, Span]]) -> None:
         """Execute a line."""
-        settings = [ex._setting(a) for a in node.assigns]
+        settings = settings_of(ex, node)
         for number, value, span in settings:
             if not fits(round(number), value, ex._whole):
                 name = ex.evaluator.names.get(round(number)) or ex.program.rules.name_of(round(number))

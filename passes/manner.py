@@ -14,11 +14,11 @@ import numpy as np
 from gproof.ir import codes
 from gproof.ir.finding import Refusal, Span
 from gproof.ir.kernel import Kernel
-from gproof.ir.program import Block, Call, Expr, Input, Named, Unsupported
+from gproof.ir.program import Block, Call, Expr, Input, Named, Number, Unsupported
 from gproof.ir.rules import LanguageRules
 from gproof.passes import execute_kernels as k
 from gproof.passes.plain_kernels import cold_lines
-from gproof.passes.values import Value
+from gproof.passes.values import Unknown, Value
 
 if TYPE_CHECKING:
     from gproof.passes.emitter import Emitter
@@ -45,6 +45,21 @@ def cold_words(columns: tuple[Any, ...], count: int, hot: list[int], *, pairs: b
     return lines[:found].tolist(), firsts[:found].tolist()
 
 
+def settings_of(ex: Executor, node: Block) -> list[tuple[float, Value, Span]]:
+    """What the assignments of a line give: variable, value, place.
+
+    Where one is refused, none takes place: what was to be written is not known then, and not what it was before.
+    """
+    try:
+        return [ex._setting(one) for one in node.assigns]
+    except Refusal:
+        for one in node.assigns:
+            if isinstance(one.target.number, Number):
+                number = round(one.target.number.value)
+                ex.modal.parameters[number] = Unknown(f"{one.target.name or f'#{number}'} (its line is refused)")
+        raise
+
+
 class Manner:
     """Lines of many commands."""
 
@@ -53,7 +68,7 @@ class Manner:
 
     def block(self, ex: Executor, node: Block, words: list[tuple[str, Value, Span]]) -> None:
         """Execute a line; words: of the node, evaluated."""
-        settings = [ex._setting(a) for a in node.assigns]
+        settings = settings_of(ex, node)
         # Settings take effect once every value of the line is found, before anything moves (3.2.3).
         for number, value, span in settings:
             ex.modal.write(number, value, span)
