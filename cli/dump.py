@@ -55,7 +55,7 @@ def _print(value: object) -> None:
 
 
 def _jsonl(session: Session, running: Running) -> bool:
-    from gproof.cli.jsonl import chunk_lines, error_line
+    from gproof.cli.jsonl import error_line, marked_lines
     from gproof.passes.arc_radius import ArcRadius
     from gproof.passes.execute import Executor
     from gproof.passes.knife import follow_knife
@@ -74,7 +74,7 @@ def _jsonl(session: Session, running: Running) -> bool:
     for chunk in follow_knife(ex.run(), session.machine, session.findings):
         refused = arcs.first_mismatch(chunk)
         row = None if refused is None else refused[0]
-        for line in chunk_lines(chunk, session.machine, str(session.job), before=row):
+        for line in marked_lines(chunk, session.machine, str(session.job), before=row):
             click.echo(line)
         if refused is not None:
             session.findings.add(refused[1])

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import json
 import math
 from collections.abc import Iterator, Sequence
@@ -22,17 +23,20 @@ def _number(value: float) -> float | None:
     return None if math.isnan(value) else value
 
 
-def chunk_lines(chunk: Chunk, machine: Machine, job: str, before: int | None = None) -> Iterator[str]:
-    """The rows of a chunk, a JSON object each, between the marks of sections; before: none from this one on."""
-    rows = chunk.rows
-    columns = {axis.word.lower(): axis.index for axis in machine.axes}
+def marked_lines(chunk: Chunk, machine: Machine, job: str, before: int | None = None) -> Iterator[str]:
+    """The rows of a chunk between the marks of sections; before: none from this row on."""
     if chunk.section and not chunk.begin:
-        yield _section(chunk, columns, job)
-    yield from _rows(chunk, columns, job, len(rows) if before is None else before)
+        yield _section(chunk, _columns(machine), job)
+    yield from itertools.islice(chunk_lines(chunk, machine, job), before)
     if chunk.last and before is None:
         for edge in chunk.edges:
             if edge.wait is not Wait.END:
                 yield _branch(chunk, edge, job)
+
+
+def _columns(machine: Machine) -> dict[str, int]:
+    """Columns by the words of the machine's axes."""
+    return {axis.word.lower(): axis.index for axis in machine.axes}
 
 
 def _section(chunk: Chunk, columns: dict[str, int], job: str) -> str:
@@ -64,10 +68,12 @@ def _place(trace: Trace, at: Sequence[float], frame: int, columns: dict[str, int
     return {**place, "relative_to": unknown} if unknown else place
 
 
-def _rows(chunk: Chunk, columns: dict[str, int], job: str, end: int) -> Iterator[str]:
+def chunk_lines(chunk: Chunk, machine: Machine, job: str) -> Iterator[str]:
+    """The rows of a chunk, a JSON object each."""
     trace, rows = chunk.trace, chunk.rows
+    columns = _columns(machine)
     cells = {c.name: rows[c.name].tolist() for c in rows.schema.columns}
-    for i in range(end):
+    for i in range(len(rows)):
         row = {name: values[i] for name, values in cells.items()}
         op = Op(row["op"])
         out: dict[str, Any] = {"op": op.name.lower(), "line": row["line"]}

@@ -248,7 +248,7 @@ def test_findings_come_in_the_order_of_lines(tmp_path: Path) -> None:
 @pytest.mark.parametrize("text", ["", "\n", "%\n%\n", "(only a comment)\n; and one\n", "\ufeff", "N10\n"])
 def test_a_program_without_code(tmp_path: Path, text: str) -> None:
     program, findings = load(tmp_path, text)
-    assert shown(findings) == [("GP120", 0, 0, 0)]
+    assert shown(findings) == [("GP120", 1, 0, 0)]
     assert program is not None
     assert program.body == ()
 

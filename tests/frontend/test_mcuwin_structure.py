@@ -235,9 +235,9 @@ def test_a_label_of_a_block_and_of_what_is_around_it(tmp_path: Path) -> None:
         ("M98 L2\nM30\n%\n%2\nM17\n%\n%3\nL2\nM17\n", [("GP142", 8, 1, 3)]),
         ("M30\n%\n%2\nM17\n%\n%2\nM17\n%\n", [("GP142", 6, 1, 3)]),
         ("%2 G0\nM30\n", [("GP101", 1, 4, 6)]),
-        ("%\n", [("GP120", 0, 0, 0)]),
-        ("", [("GP120", 0, 0, 0)]),
-        ("var step : double;\n", [("GP120", 0, 0, 0)]),
+        ("%\n", [("GP120", 1, 0, 0)]),
+        ("", [("GP120", 1, 0, 0)]),
+        ("var step : double;\n", [("GP120", 1, 0, 0)]),
     ],
 )
 def test_mistakes_of_modules(tmp_path: Path, text: str, findings: list[tuple[str, int, int, int]]) -> None:
@@ -329,7 +329,7 @@ def test_files_before_and_behind_each_job(tmp_path: Path) -> None:
     on = machine(pre_include="before.inc", post_include="behind.inc")
     program = program_of(tmp_path, "%1\nstep := 1\nM98 L900\nM30\n%\n", on)
     assert listed(program.body) == "mode pascal; Declare; mode din; step := 1; call 900; M30"
-    assert found(tmp_path, "M30\n", machine(pre_include="nowhere.inc")) == [("GP130", 0, 0, 0)]
+    assert found(tmp_path, "M30\n", machine(pre_include="nowhere.inc")) == [("GP130", 1, 0, 0)]
 
 
 def test_a_library_before_the_job(tmp_path: Path) -> None:

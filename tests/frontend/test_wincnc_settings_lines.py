@@ -105,13 +105,13 @@ def test_what_stands_behind_the_end_of_the_job(
     assert [(f["file"], f["line"]) for f in found] == told
 
 
-def test_a_file_over_the_machine_s_own_has_no_line(shop: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_file_over_the_machine_s_own_has_its_first_line(shop: Path, capsys: pytest.CaptureFixture[str]) -> None:
     loaded("cmdstart=M11C9\ncmdend=M11C9\n")
     text = 'schema = "gproof-machine/1"\nunits = "mm"\nbase = "WINCNC.INI"\n[controls]\nstart = "M11 C8"\n'
     Path("shop.toml").write_text(text)
     main(["check", "job.tap", "--machine", "shop.toml", "--setup", "zero", "--format", "json"])
     found = [f for f in json.loads(capsys.readouterr().out)["findings"] if f["code"] == "GP128"]
-    assert [(f["file"], f["line"]) for f in found] == [("WINCNC.INI", FIRST + 1), ("shop.toml", 0)]
+    assert [(f["file"], f["line"]) for f in found] == [("WINCNC.INI", FIRST + 1), ("shop.toml", 1)]
 
 
 def test_every_file_is_an_input_once(shop: Path, capsys: pytest.CaptureFixture[str]) -> None:
