@@ -6,6 +6,7 @@ their own, which are imported only for programs that need them.
 
 from __future__ import annotations
 
+import contextlib
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
@@ -56,7 +57,9 @@ def settings_of(ex: Executor, node: Block) -> list[tuple[float, Value, Span]]:
         for one in node.assigns:
             if isinstance(one.target.number, Number):
                 number = round(one.target.number.value)
-                ex.modal.parameters[number] = Unknown(f"{one.target.name or f'#{number}'} (its line is refused)")
+                lost = Unknown(f"{one.target.name or f'#{number}'} (its line is refused)")
+                with contextlib.suppress(Refusal):
+                    ex.modal.write(number, lost, one.target.span)
         raise
 
 
