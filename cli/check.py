@@ -95,6 +95,8 @@ def _told(outcomes: Iterator[Outcome], form: str, output: Path | None, every: bo
     kept = list(outcomes)
     for outcome in kept:
         if outcome.problem:
+            for line in outcome.text:
+                click.echo(line, err=True)
             click.echo(f"gproof: error: {outcome.problem}", err=True)
     with _into(output):
         click.echo(_document(kept, form, every))
@@ -161,7 +163,9 @@ def _document(outcomes: list[Outcome], form: str, every: bool) -> str:
 
         return markdown(outcomes, every=every)
     answers = [
-        outcome.report if outcome.report is not None else {"job": outcome.job, "problem": outcome.problem}
+        outcome.report
+        if outcome.report is not None
+        else {"job": outcome.job, "problem": outcome.problem, **({"details": outcome.text} if outcome.text else {})}
         for outcome in outcomes
     ]
     counts = dict.fromkeys(("SAFE", "UNSAFE", "UNKNOWN", "not_judged", "conditional"), 0)

@@ -32,7 +32,8 @@ def junit(outcomes: Sequence[Outcome]) -> str:
         suite = ET.SubElement(root, "testsuite", name=_clean(outcome.job))
         if outcome.shown is None:
             case = ET.SubElement(suite, "testcase", classname=_clean(outcome.job), name="job")
-            ET.SubElement(case, "error", message=_clean(outcome.problem), type="could not run")
+            error = ET.SubElement(case, "error", message=_clean(outcome.problem), type="could not run")
+            error.text = _clean("\n".join(outcome.text)) or None
         else:
             _cases(suite, outcome, outcome.shown)
         counts = {"tests": len(suite.findall("testcase"))}
