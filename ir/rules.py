@@ -208,6 +208,7 @@ class Function(enum.IntEnum):
     RESTORE_VARIABLE = 216
     JUMP = 217
     MAP_ADJUSTMENT = 228
+    LOAD_REGISTERS = 218
 
 
 CHECKED_ONLY = frozenset(

@@ -40,6 +40,7 @@ def begin_array(ex: Executor, node: Array) -> None:
         ex._refuse(refusal.finding)
     ex._enter(node.span)
     ex._stack.append(Frame(node.body, node, cells=cells))
+    s.single = s.single.but(cell_open=cells is not None and cells.count > 1)
     if is_open:
         s.position[0] = s.position[1] = NOWHERE
         s.jumped = True
@@ -103,6 +104,7 @@ def next_cell(ex: Executor, frame: Frame) -> bool:
         ex.modal.jumped = True
         return False
     again = frame.cell < cells.count
+    ex.modal.single = ex.modal.single.but(cell_open=again)
     if not again and not cells.goes_back:
         return False
     assert isinstance(frame.node, Array)

@@ -18,7 +18,7 @@ from gproof.passes.emitter import Emitter
 from gproof.passes.line import Line
 from gproof.passes.outputs import look_at
 from gproof.passes.probing import run_probe
-from gproof.passes.single_state import followed, tell_held_back
+from gproof.passes.single_state import drifted, followed, tell_held_back
 from gproof.passes.spindle import note_speed_unknown, true_rpm
 from gproof.passes.synchronised import SYNCHRONISED, run_synchronised
 from gproof.passes.threading import run_threading
@@ -326,6 +326,8 @@ class Motion(Emitter):
                 raise Refusal(codes.UNSUPPORTED_CODE.at(span, code=what))
             tell_held_back(self, target, span)
             target = followed(s.single, s.position, target)
+            if s.single.slaves:
+                s.single = drifted(s.single, s.position, target)
         if s.compensation is not None and programmed is None:
             raise Refusal(codes.COMPENSATION_UNKNOWN.at(span, cause=compensated.APART, hint="G40 before"))
         if s.jumped:

@@ -13,8 +13,9 @@ from gproof.ir.finding import Refusal
 from gproof.ir.rules import CodeRule
 from gproof.ir.rules import Function as F
 from gproof.ir.trace import Op
-from gproof.passes.single_motion import Handler, aim, feed_word, is_absolute, mapped, note_assumptions
-from gproof.passes.values import Position
+from gproof.passes.single_motion import Handler, aim, feed_word, is_absolute, mapped, note_assumptions, place_of
+from gproof.passes.single_state import UNSCALED
+from gproof.passes.values import NOWHERE, Position
 
 if TYPE_CHECKING:
     from gproof.passes.motion import Motion
@@ -62,19 +63,24 @@ def drill(ex: Motion, line: Command, rule: CodeRule) -> None:
             where = line.where(letter)
             ex.findings.add(codes.CYCLE_WORD_IGNORED.at(where, word=f"{letter}{words[letter]:g}", code=rule.text))
     _tell_settings(ex, line, rule, found["P"])
-    unit = s.unit
-    origin = s.offset(DRILL)
-    r, depth = origin.moved(r_word * unit), origin.moved(depth_word * unit)
+    if any(axis != source and DRILL in (axis, source) for axis, source in enumerate(s.single.sources)):
+        raise Refusal(codes.UNSUPPORTED_CODE.at(line.span, code=f"{rule.text} while L11 or L12 maps Z"))
+    factor = dict(s.single.scales).get(DRILL, UNSCALED)[0]
+    r, depth = place_of(ex, DRILL, r_word), place_of(ex, DRILL, depth_word)
+    if NOWHERE in (r, depth) or factor < 0.0:
+        raise Refusal(codes.TRANSFORM_OPEN.at(line.span, what=f"where {rule.text} ends under G51"))
     if r.value <= depth.value:
         raise Refusal(
             codes.CYCLE_R_BELOW_DEPTH.at(line.where("R"), code=rule.text, r=r_word, letter="Z", depth=depth_word)
         )
-    peck = (peck_word or 0.0) * unit
+    _doubt_kept(line, rule, s.single.cycle_at if sticky else None, depth, r)
+    peck = (peck_word or 0.0) * s.scale(DRILL)
     if rule.function in _PECKS and (r.value - depth.value) / peck > MAX_PECKS:
         raise Refusal(codes.UNSUPPORTED_CODE.at(line.span, code=f"a cycle of more than {MAX_PECKS} pecks"))
     feed_word(ex, line, {DRILL})
     s.cycle_code = rule.tenths
     s.cycle = {letter: value for letter, value in found.items() if value is not None}
+    s.single = s.single.but(cycle_at=(depth, r))
     target = list(s.position)
     aimed = aim(ex, line)
     target[0], target[1] = aimed[0], aimed[1]
@@ -82,13 +88,23 @@ def drill(ex: Motion, line: Command, rule: CodeRule) -> None:
     ex._moved = True
     _go(ex, line, Op.TRAVERSE, r)
     if rule.function is F.DRILL_PECK:
-        _pecks(ex, line, r, depth, peck, found["L"])
+        _pecks(ex, line, r, depth, peck, found["L"], scaled=factor != 1.0)
     elif rule.function is F.DRILL_CHIP_BREAK:
-        _chips(ex, line, r, depth, peck)
+        _chips(ex, line, r, depth, peck, scaled=factor != 1.0)
     else:
         _go(ex, line, Op.FEED, depth)
     _dwell(ex, line, rule, found["P"])
     _go(ex, line, Op.TRAVERSE, r)
+
+
+def _doubt_kept(
+    line: Command, rule: CodeRule, before: tuple[Position, Position] | None, depth: Position, r: Position
+) -> None:  # fmt: skip
+    """Refusal GP113 for a Z or R of the hole before that would now be another place: number or place is not said."""
+    for letter, now, old in zip("ZR", (depth, r), before or (depth, r), strict=True):
+        if letter not in line.values and now != old:
+            what = f"{letter} of the hole before under another zero or scale"
+            raise Refusal(codes.UNSUPPORTED_CODE.at(line.span, code=f"{rule.text} with {what}"))
 
 
 def _tell_settings(ex: Motion, line: Command, rule: CodeRule, pause: float | None) -> None:
@@ -118,10 +134,13 @@ def _go(ex: Motion, line: Command, op: Op, place: Position) -> None:
         ex.move(op, target, line.span)
 
 
-def _pecks(ex: Motion, line: Command, r: Position, depth: Position, peck: float, lift_word: float | None) -> None:
+def _pecks(
+    ex: Motion, line: Command, r: Position, depth: Position, peck: float, lift_word: float | None, *, scaled: bool
+) -> None:  # fmt: skip
     """G83: back to R after each peck but the last, then rapid to just above where it was.
 
     With g81set=L the way back ends so far above R: the top of the hole, from which it counts, is nowhere above R.
+    scaled: whether G51 makes other pecks of Q is not said: they end anywhere on the way.
     """
     settings = ex.machine.controller.controls.drill
     approach = APPROACH if settings.approach is None else settings.approach
@@ -131,6 +150,11 @@ def _pecks(ex: Motion, line: Command, r: Position, depth: Position, peck: float,
     if settings.lift is not None and settings.lift > 0.0:
         top = Position(r.value + settings.lift, r.form)
         ex.assumed["between pecks (G83) a drill lifts no higher than g81set=L above R"] = None
+    if scaled:
+        for op, place in ((Op.FEED, _between(ex, r, depth)), (Op.TRAVERSE, top), (Op.TRAVERSE, _between(ex, r, depth))):
+            _go(ex, line, op, place)
+        _go(ex, line, Op.FEED, depth)
+        return
     at = r.value
     while at - peck > depth.value + 1e-9:
         at -= peck
@@ -140,8 +164,21 @@ def _pecks(ex: Motion, line: Command, r: Position, depth: Position, peck: float,
     _go(ex, line, Op.FEED, depth)
 
 
-def _chips(ex: Motion, line: Command, r: Position, depth: Position, peck: float) -> None:
-    """G73: a little lift after each peck but the last."""
+def _between(ex: Motion, r: Position, depth: Position) -> Position:
+    """Somewhere in the hole."""
+    return ex.unknown_place("value", DRILL, (depth.value - r.value, 0.0), r)
+
+
+def _chips(
+    ex: Motion, line: Command, r: Position, depth: Position, peck: float, *, scaled: bool
+) -> None:  # fmt: skip
+    """G73: a little lift after each peck but the last. scaled: see ``_pecks``."""
+    if scaled:
+        top = ex.unknown_place("value", DRILL, (depth.value - r.value, APPROACH), r)
+        for op, place in ((Op.FEED, _between(ex, r, depth)), (Op.TRAVERSE, top)):
+            _go(ex, line, op, place)
+        _go(ex, line, Op.FEED, depth)
+        return
     at = r.value
     while at - peck > depth.value + 1e-9:
         at -= peck

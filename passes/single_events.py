@@ -21,8 +21,16 @@ from gproof.passes import single_knife
 from gproof.passes.emitter import ProgramEnd
 from gproof.passes.expressions import Evaluator
 from gproof.passes.single_motion import Handler, follow, lose_places, note_assumptions, spindle_range, switch_output
-from gproof.passes.single_state import LEANING, KnifeNow, value_of, vertical_axes, with_pair
-from gproof.passes.values import NOWHERE, Position, Unknown, Value, bounds
+from gproof.passes.single_state import (
+    COUPLING_OPEN,
+    LEANING,
+    REGISTERS_OPEN,
+    KnifeNow,
+    value_of,
+    vertical_axes,
+    with_pair,
+)
+from gproof.passes.values import NOWHERE, Position, Unknown, Value, between, bounds
 
 if TYPE_CHECKING:
     from gproof.passes.emitter import Emitter
@@ -149,6 +157,29 @@ def read_named(ex: Emitter, node: Named) -> Value:
         return found
     if name not in ex.program.rules.variables:
         raise Refusal(codes.BAD_EXPRESSION.at(node.span, what=f"{name} is no variable of WinCNC"))
+    value = _internal(ex, name)
+    if name[:2] in ("TH", "TM", "LZ") and s.unit != ex.machine.unit and not _turns(ex, name):
+        # In the unit of the program or in that of the file: of which, the manual says nothing.
+        low, high = bounds(value)
+        factor = s.unit / ex.machine.unit
+        ends = low, high, low * factor, high * factor
+        cause = f"{name}, in the unit of the job or of the machine's file,"
+        return between(
+            value.cause if isinstance(value, Unknown) and not value.bounded else cause, (min(ends), max(ends))
+        )
+    return value
+
+
+def _turns(ex: Emitter, name: str) -> bool:
+    """Whether a local zero is that of an axis that turns."""
+    number = int(name[2]) if name[:2] == "LZ" else 0
+    axes = ex.machine.axes
+    return name[:2] == "LZ" and number < len(axes) and not ex.modal.linear[axes[number].index]
+
+
+def _internal(ex: Emitter, name: str) -> Value:
+    """The value of a variable of the controller, lengths in the program's unit."""
+    s = ex.modal
     controls = ex.machine.controller.controls
     if name in ("TP1", "TP2"):
         return s.single.tools[int(name[2]) - 1]
@@ -251,6 +282,8 @@ def tool_number(ex: Motion, line: Command, rule: CodeRule) -> None:
     axis = AXIS_NAMES.index(changer.axis) if changer is not None else 2
     register = line.whole("R", ex.program.rules.integer_tolerance) if "R" in line.values else number
     offset = dict(s.single.heights).get(register if register is not None else number)
+    if offset is None and REGISTERS_OPEN in s.single.flags:
+        offset = NOWHERE
     if offset is None:
         offset = s._symbol(f"tool.{register}.{AXIS_NAMES[axis]}") if number else s._symbol(
             f"tool.{number}.{AXIS_NAMES[axis]}")  # fmt: skip
@@ -289,6 +322,14 @@ def store_tool(ex: Motion, line: Command, rule: CodeRule) -> None:
         s.single = s.single.but(diameters=(*others, ToolDiameter(number, min(ends), max(ends))))
         ex._state_changed()
     note(ex, line, rule)
+
+
+def load_registers(ex: Motion, line: Command, rule: CodeRule) -> None:
+    """L1.2: what registers hold then, a file says that nobody knows."""
+    s = ex.modal
+    s.single = s.single.but(heights=(), registers=(), flags=s.single.flags | {REGISTERS_OPEN})
+    what = f"{rule.text} (which file the registers are loaded from is not said)"
+    raise Refusal(codes.UNSUPPORTED_CODE.at(line.span, code=what))
 
 
 # ---- compensation
@@ -369,12 +410,38 @@ def map_pulses(ex: Motion, line: Command, rule: CodeRule) -> None:
     s = ex.modal
     letters = line.letters
     if not letters:
-        s.single = s.single.but(slaves=())
+        s.single = s.single.but(slaves=(), flags=s.single.flags - {COUPLING_OPEN})
         return
-    if len(letters) != 2 or letters[0] == letters[1]:
+    if len(letters) == 1 or len(set(letters)) != len(letters):
         raise Refusal(codes.ILLEGAL_VALUE.at(line.span, word=rule.text, what="two axes"))
-    leader, follower = (line.columns[letter] for letter in letters)
-    s.single = s.single.but(slaves=((follower, leader),))
+    columns = [line.columns[letter] for letter in letters]
+    pairs = {(columns[1], columns[0])}
+    what = ""
+    if len(columns) > 2:
+        # Any of them may follow any other.
+        pairs, what = (
+            {(a, b) for a in columns for b in columns if a != b},
+            "of more than two axes (which follows which)",
+        )
+    elif set(s.single.slaves) - pairs:
+        pairs, what = pairs | set(s.single.slaves), "while another one is in force (whether that one ends)"
+    elif not _same_steps(ex, *columns):
+        what = "of axes that differ in their steps (whether the follower goes as many steps or as far)"
+    flags = s.single.flags | {COUPLING_OPEN} if what else s.single.flags
+    s.single = s.single.but(slaves=tuple(sorted(pairs)), flags=flags)
+    if what:
+        raise Refusal(codes.UNSUPPORTED_CODE.at(line.span, code=f"{rule.text} {' '.join(letters)} {what}"))
+
+
+def _same_steps(ex: Motion, leader: int, follower: int) -> bool:
+    """Whether a step of two axes is equally long; what no file says of it is assumed."""
+    drives = [axis for axis in ex.machine.axes if axis.index in (leader, follower)]
+    if len({axis.kind for axis in drives}) > 1:
+        return False
+    steps = {None if axis.steps_per_unit is None else abs(axis.steps_per_unit) for axis in drives}
+    if None in steps:
+        ex.assumed["axes that L13 couples have equally long steps"] = None
+    return len(steps - {None}) < 2
 
 
 def lock(ex: Motion, line: Command, rule: CodeRule) -> None:
@@ -732,6 +799,7 @@ HANDLERS: dict[F, Handler] = {
     F.VIRTUAL_ON: virtual,
     F.VIRTUAL_OFF: virtual,
     F.TOOL_NUMBER: tool_number,
+    F.LOAD_REGISTERS: load_registers,
     F.STORE_TOOL: store_tool,
     F.STORE_POSITION: store_position,
     F.STORE_LOCAL_POSITION: store_position,

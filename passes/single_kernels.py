@@ -153,7 +153,7 @@ def run_moves(
                 bit = 128
                 vj = number
             elif code == 75:
-                # K of an arc in X and Y says nothing, unless it is not 0.
+                # K of 0 says nothing beside I and J.
                 bit = 256
                 plain = plain and number == 0.0
             elif code == 82:
@@ -276,7 +276,7 @@ def run_moves(
             if ints[CENTER_KNOWN] == 0 or (ints[HELICAL] == 0 and axes & 60 == 4):
                 return word, row
             if seen & 512:
-                if seen & 192 or not vr > 0.0:
+                if seen & 448 or not vr > 0.0:
                     return word, row
                 c0, c1, bad = radius_center(p0, p1, t0, t1, vr * unit, 1 if motion == 4 else 0)
                 # Nearly half circles get a warning: Python path, as errors do.
@@ -288,7 +288,7 @@ def run_moves(
                     kept = 1
                     i = vi * unit
                     j = vj * unit
-                elif seen & 192 or kept != 1:
+                elif seen & 448 or kept != 1:
                     return word, row
                 if ints[CENTER_ABSOLUTE] == 0:
                     c0 = p0 + i

@@ -21,7 +21,18 @@ from gproof.ir.trace import Op, Plane, Wait
 from gproof.passes import execute_kernels as k
 from gproof.passes.arc_condition import radius_arc_warning
 from gproof.passes.single_kernels import SAME, ZERO_RADIUS, agreed, distance
-from gproof.passes.single_state import LEANING, followed, tell_held_back, turning, vertical_axes, with_pair
+from gproof.passes.single_state import (
+    LEANING,
+    REGISTERS_OPEN,
+    UNSCALED,
+    followed,
+    own_way,
+    tell_held_back,
+    turning,
+    vertical_axes,
+    went_along,
+    with_pair,
+)
 from gproof.passes.values import NOWHERE, Position, Unknown, Value, describe
 
 if TYPE_CHECKING:
@@ -85,37 +96,91 @@ def aim(ex: Motion, line: Command, *, machine: bool = False) -> list[Position]:
     """Where the axis words send all axes, in machine coordinates; machine: the words are such."""
     s = ex.modal
     words = mapped(ex, line)
+    if s.single.cell_open and words.keys() & {0, 1}:
+        what = "an array without G92 X Y behind its L10, which the manual asks for,"
+        raise Refusal(codes.UNSUPPORTED_CODE.at(line.span, code=what))
+    target = list(s.position)
     if machine:
-        if not is_absolute(ex) and words:
-            what = "G53 with distances (G91, L91)"
-            raise Refusal(codes.UNSUPPORTED_CODE.at(line.span, code=what))
-        target = list(s.position)
+        _doubt_machine(ex, line, words)
         for axis, value in words.items():
             target[axis] = _bounded(ex, axis, value, Position(0.0))
-        return follow(ex, target, line.span)
-    target = list(s.position)
-    scales = dict(s.single.scales)
+        return follow(ex, target, line.span, frozenset(words))
     for axis, value in words.items():
-        origin = s.offset(axis) if is_absolute(ex) else s.position[axis]
-        if axis in scales:
-            value = _scaled(value, scales[axis], s.scale(axis), absolute=is_absolute(ex))
-        target[axis] = _bounded(ex, axis, value, origin)
+        if s.single.sources[axis] != axis:
+            _doubt_source(ex, line, axis)
+        target[axis] = place_of(ex, axis, value)
     if s.transform.on and (0 in words or 1 in words):
+        _doubt_turning(ex, line)
         pair = tuple(_in_mm(ex, axis, words.get(axis)) for axis in (0, 1))
         at = s.position[0], s.position[1]
         if is_absolute(ex):
             target[0], target[1] = s.transform.absolute((pair[0], pair[1]), at, (s.offset(0), s.offset(1)))
         else:
             target[0], target[1] = s.transform.incremental((pair[0], pair[1]), at)
-    return follow(ex, target, line.span)
+    return follow(ex, target, line.span, frozenset(words))
 
 
-def _scaled(value: Value, scaling: tuple[float, float], unit: float, *, absolute: bool) -> Value:
-    """A word of an axis that G51 scales by a factor about a place in mm."""
-    factor, center = scaling
-    if isinstance(value, Unknown) or math.isnan(factor):
-        return Unknown("what G51 makes of an axis")
-    return center / unit + factor * (value - center / unit) if absolute else factor * value
+def _doubt_machine(ex: Motion, line: Command, words: dict[int, Value]) -> None:
+    """Refusal where more than tool measures and local coordinates, which G53 ignores, lies between words and places."""
+    s = ex.modal
+    if not is_absolute(ex) and words:
+        raise Refusal(codes.UNSUPPORTED_CODE.at(line.span, code="G53 with distances (G91, L91)"))
+    if (s.transform.on and words.keys() & {0, 1}) or words.keys() & {axis for axis, _ in scaled_axes(s)}:
+        raise Refusal(codes.TRANSFORM_OPEN.at(line.span, what="whether G53 is scaled and turned by G51 and G52"))
+
+
+def _doubt_turning(ex: Motion, line: Command) -> None:
+    """Refusal where X or Y is scaled or turned and mapped: which comes first is not said."""
+    for axis, source in enumerate(ex.modal.single.sources):
+        if axis != source and {axis, source} & {0, 1}:
+            raise Refusal(codes.TRANSFORM_OPEN.at(line.span, what="whether L11 maps words before or after they turn"))
+
+
+def place_of(ex: Motion, axis: int, value: Value) -> Position:
+    """Where a word sends an axis by itself, as G51 scales it; of X and Y nobody can say that while G51 or G52 is on."""
+    s = ex.modal
+    absolute = is_absolute(ex)
+    origin = s.offset(axis) if absolute else s.position[axis]
+    factor, center, zero = dict(s.single.scales).get(axis, UNSCALED)
+    if factor == 1.0:
+        return _bounded(ex, axis, value, origin)
+    if isinstance(value, Unknown) or math.isnan(factor) or (absolute and zero != origin):
+        return NOWHERE
+    about = center / s.scale(axis)
+    return _bounded(ex, axis, about + factor * (value - about) if absolute else factor * value, origin)
+
+
+def _doubt_source(ex: Motion, line: Command, axis: int) -> None:
+    """Where L11 or L12 has another axis's words move one: whose zero and scale count, that axis's or its own?
+
+    A tool's measure is that of the head that moves (Head Swap, Tool Length Offset). GP304, once for each axis, where
+    local coordinates differ, the row having its own; GP276 where the scales do.
+    """
+    s = ex.modal
+    source = s.single.sources[axis]
+    scales = dict(s.single.scales)
+    if {scales.get(axis, UNSCALED)[0], scales.get(source, UNSCALED)[0]} != {1.0} or s.scale(axis) != s.scale(source):
+        what = f"whether {ex.machine.word(axis)}, which L11 or L12 maps, is scaled as itself or as the letter's axis"
+        raise Refusal(codes.TRANSFORM_OPEN.at(line.span, what=what))
+    zeros = [s.g92[n].plus(s.work_offsets[s.work, n]) for n in (axis, source)]
+    if zeros[0] != zeros[1] and is_absolute(ex):
+        what = "whose local zero counts for words that L11 or L12 maps"
+        tell_open(ex, line.span, axis, what)
+
+
+def tell_open(ex: Motion, span: Span, axis: int, cause: str) -> None:
+    """GP304 for a place that another reading has elsewhere, once for each axis and cause; nothing is proved then."""
+    s = ex.modal
+    name = f"open {axis} {cause[:12]}"
+    if name in s.single.flags:
+        return
+    s.single = s.single.but(flags=s.single.flags | {name})
+    ex._refuse(codes.POSITION_UNKNOWN.at(span, axis=ex.machine.word(axis), cause=cause))
+
+
+def scaled_axes(s: Modal) -> list[tuple[int, float]]:
+    """Columns beside X and Y that G51 scales, and their factors, NaN where it is not known."""
+    return [(axis, factor) for axis, (factor, _, _) in s.single.scales if factor != 1.0]
 
 
 def _in_mm(ex: Motion, axis: int, value: Value | None) -> Value | None:
@@ -131,8 +196,16 @@ def _bounded(ex: Motion, axis: int, value: Value, origin: Position) -> Position:
     return ex.unknown_place("value", axis, (value.low * scale, value.high * scale), origin)
 
 
-def follow(ex: Motion, target: list[Position], span: Span) -> list[Position]:
-    """The target with what follows other axes step by step (L13), and without what is locked (L300): GP200."""
+def follow(
+    ex: Motion, target: list[Position], span: Span, named: frozenset[int] = frozenset()
+) -> list[Position]:  # fmt: skip
+    """The target with what follows other axes step by step (L13), and without what is locked (L300): GP200.
+
+    named: columns of the line's words. Refusal GP113 for a follower that is sent somewhere itself.
+    """
+    own_way(ex, target, span, named)
+    for axis in went_along(ex.modal, target, named):
+        tell_open(ex, span, axis, "whether the steps count that it followed another axis (L13)")
     tell_held_back(ex, target, span)
     return followed(ex.modal.single, ex.modal.position, target)
 
@@ -455,6 +528,8 @@ def stored_in(ex: Motion, name: str) -> tuple[tuple[tuple[int, Position], ...], 
     for known, places, lift in ex.modal.single.places:
         if known == name:
             return places, lift
+    if name[0] == "H" and REGISTERS_OPEN in ex.modal.single.flags:
+        return tuple((axis.index, NOWHERE) for axis in ex.machine.axes), False
     stated = ex.setup.positions.get(name)
     if stated is None:
         return None
@@ -485,6 +560,7 @@ def over_heads(ex: Motion, line: Command, target: list[Position], heads: tuple[i
         up[axis] = over[axis] = (
             ex.unknown_place("value", axis, (low, max(low, top)), Position(0.0)) if known else NOWHERE
         )  # fmt: skip
+    own_way(ex, [NOWHERE if n in heads and n not in locked else at for n, at in enumerate(up)], line.span, frozenset())
     for place_of_all in (up, over, target):
         ex.move(Op.TRAVERSE, list(place_of_all), line.span)
     ex._moved = True
@@ -503,6 +579,7 @@ def machine_traverse(ex: Motion, line: Command, rule: CodeRule) -> None:
         target = list(s.position)
         for axis in vertical_axes(ex.machine):
             target[axis] = Position(0.0)
+        target = follow(ex, target, line.span)
     ex.move(Op.TRAVERSE, target, line.span)
     ex._moved = True
 
@@ -529,9 +606,10 @@ def arc(ex: Motion, line: Command, rule: CodeRule) -> None:
         raise Refusal(codes.ARC_SCALED.at(line.span, axes="X or Y", code="G51"))
     if not moved & {3, 4, 5} and not controls.helical_arcs and moved & {2}:
         raise Refusal(codes.HELIX_NOT_SUPPORTED.at(line.span, axes="Z"))
-    if "K" in line.values and line.number("K"):
+    if "K" in line.values and (not {"I", "J"} <= line.values.keys() or line.number("K")):
+        # With I and J beside it a K of 0 says nothing; else it may be the centre of an arc in another plane.
         _keep_words(s, line)
-        raise Refusal(codes.UNSUPPORTED_CODE.at(line.where("K"), code=f"K of {rule.text}"))
+        raise Refusal(codes.UNSUPPORTED_CODE.at(line.where("K"), code=f"K of {rule.text}, an arc in another plane,"))
     target = aim(ex, line)
     turns = 1 if rule.function is F.ARC_CCW else -1
     start, end = (s.position[0], s.position[1]), (target[0], target[1])

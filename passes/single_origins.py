@@ -7,6 +7,7 @@ G59, G90 to G95, L3, L4, L28, L92, M37. A position is machine = words + workspac
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from typing import TYPE_CHECKING, NoReturn
 
 from gproof.ir import codes
@@ -17,8 +18,8 @@ from gproof.ir.rules import CodeRule
 from gproof.ir.rules import Function as F
 from gproof.ir.trace import Op, Wait
 from gproof.passes.modal import INCH, ZERO
-from gproof.passes.single_motion import Handler, _in_mm, follow, note_assumptions, stored_in
-from gproof.passes.single_state import turned_shift, turning, vertical_axes, with_pair
+from gproof.passes.single_motion import Handler, _in_mm, follow, note_assumptions, scaled_axes, stored_in
+from gproof.passes.single_state import REGISTERS_OPEN, turned_shift, turning, vertical_axes, with_pair
 from gproof.passes.transform import NO_TRANSFORM, Transform
 from gproof.passes.values import NOWHERE, Position, Unknown, Value
 
@@ -102,6 +103,9 @@ def local_set(ex: Motion, line: Command, rule: CodeRule) -> None:
         _set_local(ex, line, dict.fromkeys(range(AXES), ZERO))
         return
     _set_local(ex, line, {axis: _local_from(ex, axis, value) for axis, value in axes.items()})
+    if {0, 1} <= axes.keys():
+        s = ex.modal
+        s.single = s.single.but(cell_open=False)
 
 
 def local_shift_machine(ex: Motion, line: Command, rule: CodeRule) -> None:
@@ -253,8 +257,8 @@ def _turn(ex: Motion, line: Command, rule: CodeRule, space: Workspace | None) ->
 
 
 def _doubt_transform(ex: Motion, line: Command, rule: CodeRule) -> None:
-    """Where zero is moved while G51 or G52 is on, what they turn about is open."""
-    if ex.modal.transform.on:
+    """Where zero is moved while G51 or G52 is on, what they turn and scale about is open."""
+    if ex.modal.transform.on or scaled_axes(ex.modal):
         raise Refusal(codes.TRANSFORM_OPEN.at(line.span, what=f"what {rule.text} does while G51 or G52 is on"))
 
 
@@ -268,7 +272,9 @@ def transform_off(ex: Motion, line: Command, rule: CodeRule) -> None:
 def _begin_transform(ex: Motion, line: Command, rule: CodeRule, made: Transform) -> None:
     s = ex.modal
     if s.transform.on and (made.scaled, made.rotated) != (s.transform.scaled, s.transform.rotated):
-        raise Refusal(codes.TRANSFORM_OPEN.at(line.span, what=f"what {rule.text} does while G51 or G52 is on"))
+        what = f"what {rule.text} does while G51 or G52 is on"
+        s.transform = replace(s.transform, open=what)
+        raise Refusal(codes.TRANSFORM_OPEN.at(line.span, what=what))
     s.transform = made
     ex._state_changed()
 
@@ -286,18 +292,18 @@ def scaling(ex: Motion, line: Command, rule: CodeRule) -> None:
     common = line.number("C") or 0.0
     i, j, k = (common if line.number(letter) is None else line.number(letter) or 0.0 for letter in "IJK")
     # An axis that an earlier G51 scaled and this one does not name: whether it still is, nobody says.
-    scales = {axis: (math.nan, 0.0) for axis, _ in s.single.scales}
+    scales = {axis: (math.nan if factor != 1.0 else 1.0, 0.0, ZERO) for axis, (factor, _, _) in s.single.scales}
     for axis, factor in numbers.items():
         if axis > 1:
-            scales[axis] = factor, (k if axis == 2 else common) * s.scale(axis)
-    s.single = s.single.but(scales=tuple(sorted(scales.items())))
-    if not {0, 1} & numbers.keys():
-        return
+            scales[axis] = factor, (k if axis == 2 else common) * s.scale(axis), s.offset(axis)
+    s.single = s.single.but(scales=tuple(sorted(scales.items(), key=lambda pair: pair[0])))
     missing = [axis for axis in (0, 1) if axis not in numbers and s.transform.factors[axis] != 1.0]
     if missing:
-        raise Refusal(
-            codes.TRANSFORM_OPEN.at(line.span, what="whether an axis that this G51 does not name stays scaled")
-        )
+        what = "whether an axis that this G51 does not name stays scaled"
+        s.transform = replace(s.transform, open=what)
+        raise Refusal(codes.TRANSFORM_OPEN.at(line.span, what=what))
+    if not {0, 1} & numbers.keys():
+        return
     factors = tuple(numbers.get(axis, 1.0) for axis in (0, 1))
     center = (i * s.unit, j * s.unit)
     origin = s.offset(0), s.offset(1)
@@ -353,7 +359,7 @@ def home(ex: Motion, line: Command, rule: CodeRule) -> None:
         there = ex.machine.axis(AXIS_NAMES[axis])
         place = there.home_place if there is not None else None
         s.position[axis] = Position(0.0 if place is None else place)
-    s.single = s.single.but(touched=s.single.touched - set(axes))
+    s.single = s.single.but(touched=s.single.touched - set(axes), drift=_without(s.single.drift, axes))
     s.unhomed -= set(axes)
     _warn_kept(ex, line, rule, axes)
     ex.assumed["homing moves do not leave the machine"] = None
@@ -362,6 +368,12 @@ def home(ex: Motion, line: Command, rule: CodeRule) -> None:
     letters = {axis.index: axis.word for axis in ex.machine.axes}
     ex.findings.add(codes.HOMING.at(line.span, axes=" ".join(letters.get(axis, "?") for axis in axes)))
     ex._end_section(Wait.HOME, "homed", None, line.span)
+
+
+def _without(
+    pairs: tuple[tuple[int, Position], ...], axes: list[int]
+) -> tuple[tuple[int, Position], ...]:  # fmt: skip
+    return tuple(pair for pair in pairs if pair[0] not in axes)
 
 
 def _warn_kept(ex: Motion, line: Command, rule: CodeRule, axes: list[int]) -> None:
@@ -383,7 +395,8 @@ def set_machine(ex: Motion, line: Command, rule: CodeRule) -> None:
         if axis not in s.single.touched and s.position[axis] != _distance(ex, axis, value):
             ex._fail(codes.MACHINE_ZERO_MOVED.at(line.span, code=rule.text))
         s.position[axis] = _distance(ex, axis, value)
-    s.single = s.single.but(touched=s.single.touched - set(line.axes()))
+    axes = list(line.axes())
+    s.single = s.single.but(touched=s.single.touched - set(axes), drift=_without(s.single.drift, axes))
     ex._end_section(Wait.HOME, "position set", None, line.span)
 
 
@@ -471,8 +484,19 @@ def measure_tool(ex: Motion, line: Command, rule: CodeRule) -> None:
         ex._state_changed()
         what = f"{rule.text} with O" if "O" in line.values else f"{rule.text} without an axis"
         raise Refusal(codes.UNSUPPORTED_CODE.at(line.span, code=f"{what} (which way it counts is not said)"))
+    if axes.keys() & {axis for axis, _ in scaled_axes(s)}:
+        for axis in axes:
+            set_measure(ex, axis, NOWHERE)
+        ex._state_changed()
+        raise Refusal(codes.TRANSFORM_OPEN.at(line.span, what=f"what {rule.text} names while G51 scales its axis"))
     for axis, value in axes.items():
         offset = s.position[axis].minus(s.work_offsets[s.work, axis]).minus(_distance(ex, axis, value))
+        if s.g92[axis] != ZERO:
+            # The place reads so with local coordinates or without them: which, is not said.
+            local = s.g92[axis]
+            known = not local.form and offset != NOWHERE
+            ends = min(0.0, -local.value), max(0.0, -local.value)
+            offset = ex.unknown_place("value", axis, ends, offset) if known else NOWHERE
         set_measure(ex, axis, offset)
         for letter in "HT":
             if letter in line.values:
@@ -495,16 +519,17 @@ def shift_measures(ex: Motion, line: Command, rule: CodeRule) -> None:
     """M37.3: measures, registers and workspaces are shifted; of what is stored nobody knows it then."""
     s = ex.modal
     axes = line.axes()
-    if "T" in line.values or "M" in line.values:
-        s.single = s.single.but(heights=(), switch_heights=(Unknown("TM1"), Unknown("TM2")))
+    if line.values.keys() & set("HTM"):
+        s.single = s.single.but(
+            heights=(), registers=(), switch_heights=(Unknown("TM1"), Unknown("TM2")),
+            flags=s.single.flags | {REGISTERS_OPEN},
+        )  # fmt: skip
         for axis in vertical_axes(ex.machine):
             set_measure(ex, axis, NOWHERE)
-    if "H" in line.values:
-        s.single = s.single.but(registers=())
     for axis in axes:
         s.work_offsets[s.work, axis] = NOWHERE
     ex._state_changed()
-    if axes or "T" in line.values or "M" in line.values:
+    if axes or line.values.keys() & set("HTM"):
         what = f"{rule.text} (which way the shift counts is not said)"
         raise Refusal(codes.UNSUPPORTED_CODE.at(line.span, code=what))
 
@@ -515,7 +540,14 @@ def store_register(ex: Motion, line: Command, rule: CodeRule) -> None:
     if number is None or not 0 <= number < 30:
         raise Refusal(codes.PARAMETER_RANGE.at(line.where("N"), code=rule.text, word="N", allowed="0 to 29"))
     s = ex.modal
-    s.single = s.single.but(registers=with_pair(s.single.registers, number, line.values["V"]))
+    # Whether L101 and home positions (H) of that number are the same register, and how V counts there, is not said.
+    heights = {**dict(s.single.heights), number: NOWHERE}
+    places = tuple((known, where, lift) for known, where, lift in s.single.places if known != f"H{number}")
+    s.single = s.single.but(
+        registers=with_pair(s.single.registers, number, line.values["V"]),
+        heights=tuple(sorted(heights.items(), key=lambda pair: pair[0])),
+        places=(*places, (f"H{number}", tuple((axis, NOWHERE) for axis in _all_axes(ex)), False)),
+    )
 
 
 HANDLERS: dict[F, Handler] = {

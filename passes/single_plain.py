@@ -39,6 +39,8 @@ def is_plain(s: Modal) -> bool:
         and not s.cycle_code
         and not (s.machine.controller.controls.adjust_boundary or s.machine.controller.controls.adjust_vertical)
         and single.absolute_once is None
+        and not single.cell_open
+        and not single.drift
         and not s.transform.on
         and s.compensation is None
         and not s.jumped

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 from gproof.ir import codes
 from gproof.ir.controls import Workspace
-from gproof.ir.finding import Span
+from gproof.ir.finding import Refusal, Span
 from gproof.ir.machine import AXES, AXIS_NAMES, AxisKind, Machine
 from gproof.ir.record import record
 from gproof.ir.trace import Boundary, ToolDiameter
@@ -24,10 +24,18 @@ if TYPE_CHECKING:
 
 TURNING = 3
 """Type of a workspace whose spindle turns (WinCNC g54= T)."""
+COUPLING_OPEN = "coupling open"
+"""Flag: which axes follow which (L13), and how far, is not known for certain."""
+REGISTERS_OPEN = "registers open"
+"""Flag: nobody knows what H registers hold that the job has not written since."""
+STILL = Position(0.0)
 LEANING = "leaning knife"
 """Flag: a knife is on whose blade leans."""
 
 Pairs = tuple[tuple[int, Value], ...]
+Scaling = tuple[float, float, Position]
+UNSCALED: Scaling = (1.0, 0.0, Position(0.0))
+"""Of an axis: factor, mm about which, and the offset under which that was said."""
 
 
 @record(frozen=True, slots=True)
@@ -54,12 +62,14 @@ class SingleState:
     names of devices that are on.
     heights: measures stored by tool number; switch_heights: TM1 and TM2; before: measures that G49 put aside.
     arc_feed: mm/min of arcs, None before their first F; feed_doubt: an arc had an F since the last one of lines in X
-    and Y, another one; scales: (column, (factor, mm about which)) of axes beside X and
-    Y (G51), a factor of NaN: open; places: stored positions as (name, places by column, whether heads are lifted);
-    auto_dwell: seconds behind switching the automatic output on and off. knife: its settings now, None: those of the
-    machine's file; spans: ((column, low, high), place) of places between two readings. unworn: tools of the
-    library that L500.2 gave one diameter, nominal and actual, and nothing to compensate; diameters: those that it gave.
-    reference: what positions had more than the tip of the tool of the start when another one came, None before.
+    and Y, another one; scales: (column, Scaling) of axes beside X and Y (G51), a factor of NaN: open; places: stored
+    positions as (name, places by column, whether heads are lifted); auto_dwell: seconds behind switching the automatic
+    output on and off. knife: its settings now, None: those of the machine's file; spans: ((column, low, high), place)
+    of places between two readings. unworn: tools of the library that L500.2 gave one diameter, nominal and actual, and
+    nothing to compensate; diameters: those that it gave. reference: what positions had more than the tip of the tool of
+    the start when another one came, None before. cell_open: the cell of an array has named no local zero of X and Y
+    yet. drift: (column, way) that followers have gone with their leaders, which the controller counts or not. cycle_at:
+    bottom and R of the last hole.
     """
 
     feeds: tuple[float, ...] = (math.nan,) * AXES
@@ -90,7 +100,7 @@ class SingleState:
     before: tuple[Position, ...] | None = None
     arc_feed: float | None = None
     feed_doubt: bool = False
-    scales: tuple[tuple[int, tuple[float, float]], ...] = ()
+    scales: tuple[tuple[int, Scaling], ...] = ()
     places: tuple[tuple[str, tuple[tuple[int, Position], ...], bool], ...] = ()
     auto_dwell: tuple[float, float] = (0.0, 0.0)
     knife: KnifeNow | None = None
@@ -98,6 +108,9 @@ class SingleState:
     unworn: frozenset[int] = frozenset()
     diameters: tuple[ToolDiameter, ...] = ()
     reference: tuple[Position, ...] | None = None
+    cell_open: bool = False
+    drift: tuple[tuple[int, Position], ...] = ()
+    cycle_at: tuple[Position, Position] | None = None
 
     def but(self, **changes: Any) -> SingleState:
         """The same with some values changed."""
@@ -148,10 +161,43 @@ def followed(single: SingleState, position: list[Position], target: list[Positio
         target[:2] = [NOWHERE, NOWHERE]
     for axis, leader in single.slaves:
         way = target[leader].minus(position[leader])
-        target[axis] = position[axis].plus(way)
+        is_open = COUPLING_OPEN in single.flags and way != STILL
+        target[axis] = NOWHERE if is_open else position[axis].plus(way)
     for axis in single.locked:
         target[axis] = position[axis]
     return target
+
+
+def own_way(ex: Emitter, target: list[Position], span: Span, named: frozenset[int]) -> None:
+    """Refusal GP113 for a follower (L13) that is sent somewhere itself: whether it goes, and how far, is not said.
+
+    named: columns of the line's words.
+    """
+    s = ex.modal
+    for axis, leader in s.single.slaves:
+        if target[axis] != s.position[axis] or (axis in named and target[leader] != s.position[leader]):
+            what = f"a move of {ex.machine.word(axis)}, which follows {ex.machine.word(leader)} (L13),"
+            raise Refusal(codes.UNSUPPORTED_CODE.at(span, code=what))
+
+
+def went_along(s: Modal, target: list[Position], named: frozenset[int]) -> list[int]:
+    """Columns that are sent to a place and have followed another axis: where they go then rests on what is counted.
+
+    A command without words for an axis sends it to a place of the machine.
+    """
+    absolute = s.absolute if s.single.absolute_once is None else s.single.absolute_once
+    return [
+        axis for axis, _ in s.single.drift if (absolute if axis in named else target[axis] != s.position[axis])
+    ]  # fmt: skip
+
+
+def drifted(single: SingleState, position: list[Position], target: list[Position]) -> SingleState:
+    """The state behind a move: how far followers went with their leaders."""
+    ways = dict(single.drift)
+    for axis, _ in single.slaves:
+        way = ways.get(axis, STILL).plus(target[axis].minus(position[axis]))
+        ways[axis] = STILL if not way.form and abs(way.value) < SAME_PLACE else way
+    return single.but(drift=tuple(sorted((axis, way) for axis, way in ways.items() if way != STILL)))
 
 
 def tell_held_back(ex: Emitter, target: list[Position], span: Span) -> None:

@@ -89,7 +89,7 @@ _BITMAP = "the moves of bitmap engraving come from a picture file and are not de
 _L = (
     _c("L", 1, F.STORE_REGISTER, "NV", needs="NV"),
     _c("L", 1.1, F.DEVICE, "H"),
-    _open("L", 1.2, "which file the registers are loaded from is not said", "H"),
+    _c("L", 1.2, F.LOAD_REGISTERS, "H"),
     _c("L", 3, F.STORE_HOME, axes=True),
     _c("L", 4, F.RETURN_HOME, axes=True),
     _c("L", 5, F.DYNAMICS, axes=True),
