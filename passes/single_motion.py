@@ -242,6 +242,10 @@ def without_command(ex: Motion, line: Command) -> None:
     rule = ex.program.rules.codes["G", s.cycle_code] if s.cycle_code else ex._motion_rules.get(s.motion)
     if rule is None:
         rule = ex.program.rules.codes["G", 0]
+    motion = s.motion
+    if stored and rule.function in (F.ARC_CW, F.ARC_CCW):
+        # A place is gone to in a straight line where arcs are modal too; they go on afterwards.
+        rule = ex.program.rules.codes["G", 0]
     for letter in sorted(letters - {*line.columns, *rule.takes}):
         raise Refusal(codes.UNUSED_WORD.at(line.where(letter), word=letter))
     if s.cycle_code and stored and not axes:
@@ -255,6 +259,8 @@ def without_command(ex: Motion, line: Command) -> None:
 
     ex.settings.line(rule, line.span)
     ALL[rule.function](ex, line, rule)
+    if stored:
+        s.motion = motion
 
 
 def _first_is_feed(line: Command) -> bool:

@@ -153,3 +153,25 @@ def test_i_and_j_after_a_radius_are_not_taken_to_be_zero(tmp_path: Path, text: s
         Verdict.UNKNOWN if code else Verdict.SAFE,
         {code} if code else set(),
     )
+
+
+@pytest.mark.parametrize("modal", [0, 1])
+@pytest.mark.parametrize("code", ["G0 X5", "G1 X5", "G2 I5 J0", "G3 I5 J0"])
+def test_a_stored_place_is_gone_to_whatever_is_modal(tmp_path: Path, code: str, modal: int) -> None:
+    """P#: "Move to the selected stored position"; g2modal= makes arcs modal, for lines with words of axes."""
+    (tmp_path / "WINCNC.INI").write_text(INI.format(softlim=1) + f"g2modal={modal}\n")
+    (tmp_path / "CNC.MAC").write_text("")
+    (tmp_path / "setup.toml").write_text(
+        'schema = "gproof-setup/1"\nhomed = ["x", "y", "z"]\nstart = {x = 50.0, y = 50.0, z = -10.0}\n'
+        "g92 = {x = 0.0, y = 0.0, z = 0.0}\nmeasures = {z = 0.0}\n"
+        "positions.P1 = {x = 1.0, y = 2.0, z = -3.0, lift = false}\n"
+        "positions.P2 = {x = 501.0, y = 2.0, z = -3.0, lift = false}\n"
+    )
+    for number, verdict in ((1, Verdict.SAFE), (2, Verdict.UNSAFE)):
+        job = tmp_path / "job.tap"
+        job.write_text(f"G90\nG0 X20 Y20\n{code}\nP{number}\nG0 X1\n")
+        setup = str(tmp_path / "setup.toml")
+        session = open_session(job, machine=tmp_path / "WINCNC.INI", setup=setup, dialect=None)
+        found = judge(session, running=Running())
+        assert found.verdict is verdict, found.findings.kept
+        assert {f.code.label for f in found.findings.kept if f.severity.value == "error"} <= {"GP301", "GP303"}
