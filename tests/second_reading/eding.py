@@ -35,8 +35,8 @@ GROUPS: list[set[int]] = [  # 3.3, table 3-3; codes times ten
 ]
 SYSTEMS = {code: n for n, code in enumerate((540, 550, 560, 570, 580, 590, 591, 592, 593), start=1)}
 TAKES_AXES = {100, 280, 300, 920}
-M_GROUPS: list[set[int]] = [{0, 1, 2, 30, 60}, {6}, {3, 4, 5}, {7}, {8, 9}, {48, 49}]
-M_KNOWN = {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 30, 48, 49, 54, 55, 60}
+M_GROUPS: list[set[int]] = [{0, 1, 2, 30, 60}, {6}, {3, 4, 5}, {7}, {8, 9}, {48, 49}, {90, 91, 92}]
+M_KNOWN = {90, 91, 92, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 30, 48, 49, 54, 55, 60}
 PLANES = {170: ("X", "Y", "Z", "I", "J"), 180: ("Z", "X", "Y", "K", "I"), 190: ("Y", "Z", "X", "J", "K")}
 STEPS = 20_000
 
@@ -57,6 +57,8 @@ class Facts:
     variables: dict[int, float] = field(default_factory=dict)
     block_delete: bool = False
     macros: str = ""
+    heads: dict[int, Point] = field(default_factory=dict)
+    """What is added to positions under M91 and M92."""
 
 
 class Ended(Exception):
@@ -327,6 +329,7 @@ class Run:
         self.g92 = {**zero, **facts.g92}
         self.kept92 = dict(self.g92)
         self.length: float = 0.0
+        self.head = 0
         self.lengths = dict(facts.lengths)
         self.follows_tool = False
         self.tool, self.selected = facts.tool, None
@@ -351,6 +354,8 @@ class Run:
         """Where the zero of the program lies: system, G92 and tool length (3.1.2.2, 3.4.12, 3.4.24)."""
         base = {a: self.work[self.system][a] + self.g92[a] for a in self.axes}
         base["Z"] += self.length
+        for axis, value in self.facts.heads.get(self.head, {}).items():
+            base[axis] += value
         return base
 
     def formed(self, at: Point) -> Point:
@@ -425,6 +430,10 @@ class Run:
                 self.length = value
                 self.place = self.program_place()
             return
+        for first, table in ((5161, self.facts.g28), (5181, self.facts.g30)):
+            if table is not None and first <= number < first + len(self.axes) and not self.inches:
+                table[self.axes[number - first]] = value
+                return
         if number >= 5000:
             raise NotRead(f"writing #{number}")
         self.values[number] = value
@@ -586,6 +595,11 @@ class Run:
             self.spindle = True
         if 5 in ms:
             self.spindle = False
+        for head in {90, 91, 92} & set(ms):
+            if (head > 90 and head - 90 not in self.facts.heads) or len(ms) > 1 or codes:
+                raise NotRead("heads")
+            self.head = head - 90
+            self.place = self.program_place()
         if 54 in ms or 55 in ms:
             left.pop("P", None)
         if 40 in codes and left.pop("P", 0.0) < 0:
@@ -777,8 +791,6 @@ class Run:
         if home is None or any(axis not in home for axis in self.axes) or self.inches:
             raise NotRead("no home position")
         if any(axis in left for axis in self.axes):
-            if self.turned or self.scaled:
-                raise NotRead("G28 under rotation or scaling")
             self.to(self.target(left))
         self.walk.go({axis: home[axis] for axis in self.axes})
         self.place = self.program_place()
@@ -860,7 +872,7 @@ class Run:
 
     def drill(self, motion: int, left: dict[str, float], *, fresh: bool) -> None:
         one, two, deep = PLANES[self.plane][:3]
-        if (self.turned and self.plane != 170) or self.scaled:
+        if (self.turned or self.scaled) and self.plane != 170:
             raise NotRead("a cycle under rotation or scaling")
         if fresh:
             self.cycle = {}

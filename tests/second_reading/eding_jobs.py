@@ -71,6 +71,11 @@ class Writer:
                 f"-#{rng.choice(VARIABLES)}",
                 "[#1 > 2]",
                 f"##{rng.choice((110, 111))}",
+                f"#[{rng.choice((100, 101))} + 0]",
+                f"[atan[{value:.2f}]/[{abs(value) + 1:.2f}] / 9]",
+                f"[{value:.3f} - -#{rng.choice(VARIABLES)}]",
+                f"fup[#{rng.choice(VARIABLES)} / 2]",
+                f"[not[#{rng.choice(VARIABLES)}] + cos[60]]",
             )
         )
 
@@ -191,6 +196,9 @@ class Writer:
                     "G30",
                     f"G30 Z{self.length(10)}",
                     "G91 G28 Z0",
+                    f"M9{rng.choice('012')}",
+                    "M90",
+                    f"#{rng.choice((5161, 5162, 5183))} = {self.length(30)}",
                 )
             )
         )
@@ -264,7 +272,10 @@ class Writer:
     def choice(self) -> None:
         rng = self.rng
         name, sign = rng.choice(VARIABLES), rng.choice(("<", ">", "==", "<>", ">=", "<="))
-        self.say(f"if [#{name} {sign} {round(rng.uniform(-5, 5), 1)}]")
+        test = f"#{name} {sign} {round(rng.uniform(-5, 5), 1)}"
+        if rng.random() < 0.2:
+            test = f"[{test}] {rng.choice(('and', 'or', 'xor'))} [#{rng.choice(VARIABLES)} > 0]"
+        self.say(f"if [{test}]")
         self.inside(rng.randrange(1, 3))
         if rng.random() < 0.5:
             self.say("else")
@@ -428,7 +439,17 @@ def job(rng: random.Random) -> Job:
     active, tool, deleted = rng.randrange(1, 10), rng.randrange(0, 5), rng.random() < 0.5
     macros = "sub m101\n g91 g1 x#24\n g90\nendsub\n"
 
+    heads = {n: {a: round(rng.uniform(-15, 15), 2) for a in "XYZ"} for n in (1, 2)}
+    spread = (  # of Z none: with a tool length that nobody states a condition would rest on both
+        {a: round(rng.uniform(0, 3), 3) if rng.random() < 0.6 else 0.0 for a in "XY"} if rng.random() < 0.15 else {}
+    )
+
     def read(limits: Limits) -> Iterator[Walk]:
+        for part in (0.0, 0.5, 1.0) if spread else (0.0,):
+            moved = {a: v + part * spread.get(a, 0.0) for a, v in work[active].items()}
+            yield from read_one(limits, {**work, active: moved})
+
+    def read_one(limits: Limits, work: dict[int, Point]) -> Iterator[Walk]:
         facts = eding.Facts(
             limits,
             start,
@@ -437,11 +458,12 @@ def job(rng: random.Random) -> Job:
             g92,
             dict(lengths),
             tool,
-            park[0],
-            park[1],
+            dict(park[0]),
+            dict(park[1]),
             {},
             block_delete=deleted,
             macros=macros,
+            heads=heads,
         )
         return eding.read(program, facts, SETTLED)
 
@@ -454,7 +476,7 @@ def job(rng: random.Random) -> Job:
             f"g92 = {row(g92)}",
         ]
         for n, place in work.items():
-            setup.append(f"work.{n} = {row(place)}")
+            setup.append(f"work.{n} = {row(place, spread if n == active else {})}")
         setup.append("[parameters]")
         setup += [
             f"{first + i} = {place[a]}"
@@ -462,7 +484,7 @@ def job(rng: random.Random) -> Job:
             for i, a in enumerate(AXES)
         ]
         return {
-            "machine.toml": machine_file(limits, lengths),
+            "machine.toml": machine_file(limits, lengths, heads),
             "setup.toml": "\n".join(setup) + "\n",
             "macro.cnc": macros,
         }
@@ -471,11 +493,14 @@ def job(rng: random.Random) -> Job:
     return Job("eding", program, "cnc", AXES, start, read, files, words, {"tool.": 0.0})
 
 
-def row(place: Point) -> str:
-    return "{" + ", ".join(f"{a.lower()} = {v}" for a, v in place.items()) + "}"
+def row(place: Point, spread: Point | None = None) -> str:
+    """A table of a setup; spread: by how much a value may be more."""
+    more = spread or {}
+    values = {a: f"[{v}, {v + more[a]}]" if more.get(a) else str(v) for a, v in place.items()}
+    return "{" + ", ".join(f"{a.lower()} = {v}" for a, v in values.items()) + "}"
 
 
-def machine_file(limits: Limits, lengths: dict[int, float]) -> str:
+def machine_file(limits: Limits, lengths: dict[int, float], heads: dict[int, Point]) -> str:
     text = ['schema = "gproof-machine/1"', 'units = "mm"']
     for axis, (low, high) in limits.items():
         text += [
@@ -487,5 +512,7 @@ def machine_file(limits: Limits, lengths: dict[int, float]) -> str:
         ]
     for number, length in lengths.items():
         text += [f"[tools.{number}]", f"length = {length}", "diameter = 4.0"]
+    for number, offset in heads.items():
+        text += [f"[spindles.{number}]", *(f"{a.lower()} = {v}" for a, v in offset.items())]
     text += ["[controller]", 'dialect = "eding"', "auto_tool_change = false"]
     return "\n".join(text) + "\n"

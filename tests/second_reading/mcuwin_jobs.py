@@ -414,7 +414,15 @@ def job(rng: random.Random) -> Job:
     records = [{a: round(rng.uniform(-30, 30), 3) for a in AXES} for _ in range(5)]
     interpolated = rng.choice(("XYZ", "XYZA"))
 
+    spread = (
+        {a: round(rng.uniform(0, 3), 3) if rng.random() < 0.4 else 0.0 for a in "XYZ"} if rng.random() < 0.15 else {}
+    )
+
     def read(limits: Limits) -> Iterator[Walk]:
+        for part in (0.0, 0.5, 1.0) if spread else (0.0,):
+            yield from read_one(limits, {a: v + part * spread.get(a, 0.0) for a, v in offset.items()})
+
+    def read_one(limits: Limits, offset: Point) -> Iterator[Walk]:
         facts = mcuwin.Facts(limits, start, interpolated, offset, records, absolute_centres=absolute, tool_table=table)
         return mcuwin.read(program, facts, SETTLED)
 
@@ -457,7 +465,7 @@ def job(rng: random.Random) -> Job:
             'schema = "gproof-setup/1"',
             'homed = ["x", "y", "z", "a"]',
             f"start = {row(start)}",
-            f"g92 = {row(offset)}",
+            f"g92 = {row(offset, spread)}",
         ]
         tools = "".join(f"[Tools{p}]\nR0=0,0\nL0=0,0\nR1=1,0\nL1=0,0\n" for p in ("XY", "YZ", "ZX"))
         return {
@@ -470,5 +478,8 @@ def job(rng: random.Random) -> Job:
     return Job("mcuwin", program, "src", AXES, start, read, files, words)
 
 
-def row(place: Point) -> str:
-    return "{" + ", ".join(f"{a.lower()} = {v}" for a, v in place.items()) + "}"
+def row(place: Point, spread: Point | None = None) -> str:
+    """A table of a setup; spread: by how much a value may be more."""
+    more = spread or {}
+    values = {a: f"[{v}, {v + more[a]}]" if more.get(a) else str(v) for a, v in place.items()}
+    return "{" + ", ".join(f"{a.lower()} = {v}" for a, v in values.items()) + "}"

@@ -556,6 +556,12 @@ class Run:
         self.last = self.programmed()
 
     def move(self, code: str, words: dict[str, float]) -> None:
+        if not code and set(words) == {"P"}:
+            if self.drilling or int(words["P"]) not in self.facts.positions or self.turned or self.scaled or self.sends:
+                raise NotRead("P")
+            self.travel(dict(self.facts.positions[int(words["P"])]))
+            self.last = self.programmed()
+            return
         if not code:
             if not any(a in words for a in [*self.axes, "I", "J"]):
                 if set(words) <= {"F", "S"}:

@@ -129,6 +129,8 @@ class Writer:
                 (f"G53 Z{abs(self.length(5))}",),
                 ("L3 XYZ", self.axis(), "L4 XY"),
                 ("L3 X", self.axis(), "L4 X"),
+                (f"P{rng.choice((1, 2))}",),
+                (f"P{rng.choice((1, 2))}", self.axis()),
             )
         )
         for line in chosen:
@@ -383,7 +385,19 @@ def job(rng: random.Random) -> Job:
         """Boundaries of X and Y where there are some: as the limits, the limits themselves further out."""
         return {a: limits[a] for a in "XY"} if bounded else {}
 
+    spread = (
+        {a: round(rng.uniform(0, 3), 3) if rng.random() < 0.4 else 0.0 for a in "XYZ"}
+        if measures and rng.random() < 0.3
+        else {}
+    )
+
     def read(limits: Limits) -> Iterator[Walk]:
+        for part in (0.0, 0.5, 1.0) if spread else (0.0,):
+            yield from read_one(limits, {a: v + part * spread.get(a, 0.0) for a, v in local.items()})
+
+    positions = {n: {a: round(rng.uniform(-30, 30), 2) for a in AXES} for n in (1, 2)}
+
+    def read_one(limits: Limits, local: Point) -> Iterator[Walk]:
         facts = wincnc.Facts(
             limits,
             start,
@@ -394,6 +408,7 @@ def job(rng: random.Random) -> Job:
             local=local,
             measures=measures,
             files=writer.files,
+            positions=positions,
         )
         return wincnc.read(program, facts, SETTLED)
 
@@ -416,10 +431,12 @@ def job(rng: random.Random) -> Job:
             'schema = "gproof-setup/1"',
             'homed = ["x", "y", "z", "w"]',
             f"start = {row(start)}",
-            f"g92 = {row(local)}",
+            f"g92 = {row(local, spread)}",
             "active_work = 1",
             "tool = 0",
         ]
+        stored = [f"positions.P{n} = {row(place)[:-1]}, lift = false}}" for n, place in positions.items()]
+        setup += stored
         setup += [f"measures = {row(measures)}"] if measures else []
         return {
             "WINCNC.INI": "\n".join(ini) + "\n",
@@ -432,5 +449,8 @@ def job(rng: random.Random) -> Job:
     return Job("wincnc", program, "tap", AXES, start, read, files, words, {"tool.": 0.0})
 
 
-def row(place: Point) -> str:
-    return "{" + ", ".join(f"{a.lower()} = {v}" for a, v in place.items()) + "}"
+def row(place: Point, spread: Point | None = None) -> str:
+    """A table of a setup; spread: by how much a value may be more."""
+    more = spread or {}
+    values = {a: f"[{v}, {v + more[a]}]" if more.get(a) else str(v) for a, v in place.items()}
+    return "{" + ", ".join(f"{a.lower()} = {v}" for a, v in values.items()) + "}"
