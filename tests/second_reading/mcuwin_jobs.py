@@ -397,7 +397,9 @@ class Writer:
         if rng.random() < 0.12 and "$" not in line and ":=" not in line and not special:
             line = line.lower()
         if rng.random() < 0.1 and "$" not in line and ":=" not in line and not special:
-            line += " ' G00 X900" if rng.random() < 0.6 or line[0] in "MmLl$" else " (rest)"
+            line += (
+                " ' G00 X900" if rng.random() < 0.6 or line[0] in "MmLl$" or line[:3] in {"G60", "g60"} else " (rest)"
+            )
         if self.numbered and not special:
             line = f"N{self.count:04d} {line}"
         return line
