@@ -28,6 +28,7 @@ from gproof.ir.kernel import Kernel
 from gproof.ir.machine import NO_MACHINE, Machine
 from gproof.ir.program import Program
 from gproof.ir.same import difference
+from gproof.passes.understood import doubtful_lines
 
 STANDARD_INPUT = Path("-")
 MACROS = "cnc.mac"
@@ -98,12 +99,14 @@ class Forms:
 def _wincnc(machine: Machine, folders: list[Path], own: Path | None) -> Form:
     from gproof.backend.emit.wincnc import emit as emit_wincnc
     from gproof.frontend.wincnc.load import load_alone as load_wincnc
+    from gproof.frontend.wincnc.machine import NO_SHOP
 
     lexical = machine.controller.controls.lexical
     where = [*folders, *([own] if own is not None else [])]
     return Form(
         lambda path, findings, name: load_wincnc(path, findings, name, machine=machine, folders=where),
         lambda program: emit_wincnc(program, lexical),
+        machine=machine if machine is not NO_MACHINE else NO_SHOP,
     )
 
 
@@ -111,6 +114,7 @@ def _macro_file(machine: Machine, folder: Path | None) -> Form:
     from gproof.backend.emit.wincnc import emit as emit_wincnc
     from gproof.cli.fmt_macros import other_programs
     from gproof.frontend.wincnc.mac_program import load_macro_file
+    from gproof.frontend.wincnc.machine import NO_SHOP
 
     lexical = machine.controller.controls.lexical
     return Form(
@@ -118,6 +122,7 @@ def _macro_file(machine: Machine, folder: Path | None) -> Form:
         lambda program: emit_wincnc(program, lexical),
         lambda before, after: other_programs(folder, before, after, machine),
         lambda program: emit_wincnc(program, lexical, same_length=True),
+        machine=machine if machine is not NO_MACHINE else NO_SHOP,
     )
 
 
@@ -284,6 +289,7 @@ def _printed(
     with scratch.open("wb") as file:
         for piece in emit(program):
             file.write(piece)
+    _keep(doubtful_lines(program, form.machine), source, scratch)
     if filecmp.cmp(source, scratch, shallow=False):
         return None
     findings = Findings()
@@ -296,6 +302,21 @@ def _printed(
         return codes.FORMAT_DIFFERS.at(Span(name, 1), what=what)
     others = form.others(source, scratch)
     return codes.NOT_PRINTABLE.at(Span(name, 1), what=others) if others else None
+
+
+def _keep(lines: frozenset[int], source: Path, scratch: Path) -> None:
+    """Have lines that are not understood as they were, byte for byte."""
+    if not lines:
+        return
+    copy = scratch.with_name(scratch.name + "-kept")
+    try:
+        with source.open("rb") as before, scratch.open("rb") as after, copy.open("wb") as out:
+            for number, line in enumerate(after, 1):
+                old = next(before, b"")
+                out.write(old if number in lines else line)
+        os.replace(copy, scratch)
+    finally:
+        copy.unlink(missing_ok=True)
 
 
 def _print_file(path: Path) -> None:

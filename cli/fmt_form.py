@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterable
 from pathlib import Path
 
 from gproof.ir.finding import Findings
+from gproof.ir.machine import NO_MACHINE, Machine
 from gproof.ir.program import Program
 from gproof.ir.record import record
 
@@ -18,7 +19,8 @@ class Form:
     be another program then, of the files that are read with this one's help; "" for nothing. emit_less: prints what
     changes none of them, as far as that can be. judge: (program, program of what was printed) -> what else shows that
     they are not the same; "" for nothing. instead: other ways to read a file that has mistakes in this one; what: what
-    this way is, in words; said: what the reader of the file should know of how it was printed.
+    this way is, in words; said: what the reader of the file should know of how it was printed; machine: whose axes the
+    lines move, which decides what lines are not understood and stay as they are.
     """
 
     load: Callable[[Path, Findings, str], Program | None]
@@ -29,3 +31,4 @@ class Form:
     instead: Callable[[], Iterable[Form]] = tuple
     what: str = ""
     said: Callable[[], str] = str
+    machine: Machine = NO_MACHINE

@@ -47,6 +47,7 @@ def mcuwin_form(machine: Machine, machine_file: Path | None, folder: Path | None
             judge=lambda before, after: said_otherwise(before, after, known),
             instead=instead if job is None else tuple,
             what=str(job or path),
+            machine=known,
         )
 
     def instead() -> Iterable[Form]:
@@ -84,6 +85,7 @@ def _without_names(form: Form, machine: Machine) -> Form:
         lambda program: emit(program, machine.controller.din or NO_DIN, as_is=frozenset(lines)),
         judge=form.judge,
         said=said,
+        machine=form.machine,
     )
 
 
