@@ -93,3 +93,14 @@ def test_pre_commit_runs_both_hooks(tmp_path: Path) -> None:
     assert "bad one.cnc: UNSAFE" in out
     assert "GP301" in out
     assert (shop / "bad one.cnc").read_text(encoding="utf-8").startswith("G21 G90\nG1 X9000 F600\n")
+
+
+def test_no_example_of_a_ci_run_takes_the_setup_zero() -> None:
+    """It stands for a machine that nobody has: its SAFE says nothing of the shop's own."""
+    for name in ("action.yml", "docs/examples/gproof.yml", ".pre-commit-hooks.yaml"):
+        assert not re.search(r"\bzero\b", (ROOT / name).read_text(encoding="utf-8")), name
+    for name in ("README.md", "docs/ci.md"):
+        blocks = re.findall(r"```(?:yaml|toml)\n(.*?)```", (ROOT / name).read_text(encoding="utf-8"), re.S)
+        assert blocks
+        assert not any(re.search(r"\bzero\b", block) for block in blocks), name
+    assert "--setup zero |" not in (ROOT / "docs" / "ci.md").read_text(encoding="utf-8")

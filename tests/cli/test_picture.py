@@ -15,6 +15,7 @@ from support.goldens import ROOT
 from gproof.cli import path_points
 from gproof.cli.main import main
 from gproof.cli.path_points import PathPoints
+from gproof.cli.picture_text import wide, wrapped
 from gproof.cli.properties import ALL
 from gproof.ir.columns import Columns
 from gproof.ir.trace import TRACE_ROW, Chunk, Op, Plane, State, Trace
@@ -201,3 +202,50 @@ def test_as_many_properties_as_there_are_stay_inside_the_picture(tmp_path: Path)
     assert {name for name, *_ in places} >= set(ALL)
     assert all(x + 8 * len(name) + 60 < 1000 for name, x, _ in places)
     assert len({y for *_, y in places}) > 1
+
+
+def test_an_inch_machine_is_drawn_in_inches(tmp_path: Path) -> None:
+    """Titles, rulers, conditions and findings; ``--units`` says otherwise."""
+    axes = "".join(f"[axes.{axis}]\nmin = -2.0\nmax = 10.0\n" for axis in "xyz")
+    (tmp_path / "m.toml").write_text(f'schema = "gproof-machine/1"\nunits = "inch"\nname = "Shop"\n{axes}')
+    job = program(tmp_path, "G20 G17 G90 G94 G40 G49 G80 G54\nG0 X0 Y0\nG1 Z-1 F10\nX4 Y2\nX12\nM30\n")
+    words = [job, "--machine", str(tmp_path / "m.toml"), "--setup", "zero"]
+    said = texts(draw(words, tmp_path / "a.svg"))
+    assert "The cut from above (12.00 x 2.000 inch)" in said
+    assert {"X inch", "Y inch"} <= set(said)
+    assert any("X would reach 12.0000 inch, 2.0000 past" in line for line in said)
+    assert not any(" mm" in line for line in said)
+    assert {"X mm", "Y mm"} <= set(texts(draw([*words, "--units", "mm"], tmp_path / "a.svg")))
+
+
+@pytest.mark.parametrize("length", [3, 40, 120, 200])
+def test_titles_are_whole(length: int, tmp_path: Path) -> None:
+    name = ("plate " * 60)[:length].strip() + ".cnc"
+    machine = "A router with a long name, which somebody gave it " * 4
+    (tmp_path / name).write_text(HEAD + "G0 X0 Y0\nG1 X30 Y20 F500\nM30\n")
+    axes = "".join(f"[axes.{axis}]\nmin = -2.0\nmax = 3.0\n" for axis in "xyz")
+    (tmp_path / "m.toml").write_text(f'schema = "gproof-machine/1"\nunits = "mm"\nname = "{machine}"\n{axes}')
+    for command in ("check", "fit"):
+        main(
+            [command, str(tmp_path / name), "--machine", str(tmp_path / "m.toml"), "--picture", str(tmp_path / "a.svg")]
+        )
+        root = ET.parse(tmp_path / "a.svg").getroot()
+        said = "".join(texts(root)).replace(" ", "")
+        assert f"{tmp_path.name}/{name}".replace(" ", "") in said
+        assert machine.replace(" ", "") in said
+        assert "…" not in said
+        for element in root.iter(f"{SVG}text"):
+            assert float(element.get("y", "0")) <= float(root.get("height", "0"))
+
+
+@pytest.mark.parametrize("seed", range(10))
+def test_wrapped_lines_fit_and_lose_nothing(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    letters = list("abcWM ,./:-0") + [" "] * 4
+    for _ in range(50):
+        text = "".join(rng.choice(letters, int(rng.integers(0, 200))))
+        room = float(rng.integers(20, 500))
+        lines = wrapped(text, 13, room)
+        assert "".join(lines).replace(" ", "") == text.replace(" ", ""), (seed, text)
+        assert lines
+        assert all(wide(line, 13) <= room for line in lines), (seed, text, lines)
