@@ -1,7 +1,7 @@
 """Findings: what the tool has to say about a place in a file.
 
 A ``Code`` is declared once, in ``ir/codes.py``, with a stable number and name; ``code.at(span, ...)``
-makes a ``Finding``. Spans are required: a finding without a place names its file with line 0.
+makes a ``Finding``. Spans are required: what concerns a text as a whole is at its line 1.
 """
 
 from __future__ import annotations
@@ -63,7 +63,7 @@ def filled(template: str, values: Mapping[str, object]) -> str:
 class Span:
     """A place in a source file.
 
-    file: path as the user gave it; line: from 1 (0: the file as a whole);
+    file: path as the user gave it; line: from 1 (0: of a file that is no text);
     column, end_column: from 1, in characters, end exclusive; 0 when unknown.
     """
 
