@@ -58,7 +58,7 @@ EMPTY_PROGRAM = code(120, "empty-program", _E, "the program has no code")
 UNUSED_WORD = code(121, "unused-word", _E, "{word} is not used by any code on this line")
 FLOW_WORD_MISPLACED = code(122, "flow-word-misplaced", _E, "{what}")
 TEXT_AFTER_END = code(123, "text-after-end", _W, "code after {code} is never executed")
-UNDECODABLE_NAME = code(124, "undecodable-name", _E, "{what}")
+UNDECODABLE_NAME = code(124, "undecodable-name", _U, "{what}")
 NESTING_PRESET = code(
     125, "nesting-preset", _N, "a value of the nesting dialog: what is judged is one part, at its programmed place"
 )

@@ -287,7 +287,8 @@ class LanguageRules:
     its block (``Block.continued``); a line may have several codes, each with the words behind it. arcs_keep_feed: the F
     of arcs may be kept apart from that of lines (``Controls.arcs_share_feed``). straight_traverse: a traverse of
     several axes is a straight line, None: the manual does not say; measured_tools: what is stored of a tool is no
-    length, but the machine position at which its tip is at the work's zero.
+    length, but the machine position at which its tip is at the work's zero. later: codes that the manual lacks and
+    other versions of the controller have.
     """
 
     name: str
@@ -309,6 +310,7 @@ class LanguageRules:
     arcs_keep_feed: bool = False
     straight_traverse: bool | None = None
     measured_tools: bool = False
+    later: frozenset[tuple[str, int]] = frozenset()
     variables: dict[str, str] = field(default_factory=dict, repr=False)
 
     def name_of(self, number: int) -> str:

@@ -21,6 +21,9 @@ from gproof.passes.outputs import run_outputs
 from gproof.passes.transform_codes import frame_of, run_transform
 from gproof.passes.values import NOWHERE, Unknown, Value
 
+_FOR_HIGH = 1
+"""L of M56: wait for high."""
+
 
 class Blocks(Origins):
     """What the codes of a line do to the state, each step of the table a method."""
@@ -38,6 +41,9 @@ class Blocks(Origins):
         except Refusal as refusal:
             if line is not None and moves == self._moves:
                 self._recover(line)
+            elif line is None and refusal.finding.code is codes.UNSUPPORTED_CODE:
+                self.modal.lose_all(str(dict(refusal.finding.values)["code"]).rstrip(","))
+                self._state_changed()
             self._refuse(refusal.finding, told=isinstance(refusal, FollowsRefusal))
 
     def _beside(self, line: Line, unsupported: CodeRule) -> None:
@@ -277,6 +283,10 @@ class Blocks(Origins):
         read = Unknown(f"input {channel:g}", 0.0, 1.0) if digital is not None else Unknown(f"analog input {channel:g}")
         # Without Q a wait may be endless or not: both answers are possible, as with it.
         self.modal.parameters[5399] = self.modal.stated_range(5399, read)
+        stays = self.setup.inputs.get(digital) if digital is not None else None
+        if stays is not None and wait != _FOR_HIGH:
+            # Behind L2 the input's state and "timed out" are one number, behind L1 they are not.
+            self.modal.parameters[5399] = stays
         self._end_section(Wait.INPUT, "read" if not wait else "come or timed out", None, line.span)
 
     def _dwell(self, line: Line) -> None:

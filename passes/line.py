@@ -122,6 +122,9 @@ def _code(rules: LanguageRules, letter: str, value: Value, where: Span) -> CodeR
     if abs(value * 10 - tenths) > 10 * rules.integer_tolerance:
         raise Refusal(codes.UNKNOWN_CODE.at(where, code=f"{letter}{value:g}"))
     rule = rules.codes.get((letter, tenths))
+    if rule is None and (letter, tenths) in rules.later:
+        what = f"{letter}{value:g}, which the manual does not have,"
+        raise Refusal(codes.UNSUPPORTED_CODE.at(where, code=what))
     if rule is None:
         raise Refusal(codes.UNKNOWN_CODE.at(where, code=f"{letter}{value:g}"))
     return rule

@@ -148,7 +148,8 @@ class Manner:
         raise Refusal(codes.UNSUPPORTED_CODE.at(node.span, code=node.kind))
 
     def unsupported(self, ex: Executor, node: Unsupported) -> None:
-        """What a statement that is not modelled leaves unknown, before it is refused."""
+        """What a statement that is not modelled leaves unknown, before it is refused: all places and variables."""
+        ex.modal.lose_all(node.what.rstrip(","))
 
 
 def manner_of(rules: LanguageRules) -> Manner:

@@ -144,6 +144,8 @@ class Modal:
         self.clamped = False
         self.drives_were_off = False
         self.jumped = False
+        self.lost = ""
+        """What nobody can follow has come: variables that nothing has set since are not known."""
         self.not_programmed: tuple[int, ...] = ()
         self.single = NO_SINGLE_STATE
         self.din = din_state.NO_DIN_STATE
@@ -379,6 +381,8 @@ class Modal:
             return Unknown(f"{name} of the controller")
         if whole in self.parameters:
             return self.parameters[whole]
+        if self.lost and entry.kind in ("free", "persistent"):
+            return Unknown(self.lost)
         show = _SHOWN.get(entry.kind)
         value: Value | None = self.setup.parameters.get(whole) if entry.kind in _STATED_FIRST else None
         if value is not None:
@@ -434,6 +438,14 @@ class Modal:
     def write(self, number: float, value: Value, span: Span) -> None:
         """Set a numbered variable; Refusal GP227 for one that shows the machine's state."""
         whole, entry = self.range_of(number, span)
+        if entry.kind in ("tool", "new_tool"):
+            # Macros of other versions do so; what the controller makes of it no section says.
+            if entry.kind == "tool":
+                self.tool = None
+            else:
+                self.selected_tool = None
+            what = f"a setting of #{whole} ({entry.meaning}), which the manual does not have,"
+            raise Refusal(codes.UNSUPPORTED_CODE.at(span, code=what))
         if not entry.writable:
             raise Refusal(codes.READ_ONLY_PARAMETER.at(span, number=whole, meaning=entry.meaning))
         value = self._either_unit(whole, entry, value, written=True)
@@ -532,6 +544,13 @@ class Modal:
         return Unknown(f"the {name.replace('_', ' ')} of tool {tool}") if value is None else float(value)
 
     # -- copies, for the outcomes of a branch
+
+    def lose_all(self, what: str) -> None:
+        """Behind what nobody can follow neither the places of axes nor the values of variables are known."""
+        self.position = [NOWHERE] * AXES
+        self.jumped = True
+        self.lost = what
+        self.parameters.update({number: Unknown(what) for number in self.parameters})
 
     def copy(self) -> Modal:
         """An independent copy; values are immutable, containers are copied one level deep."""

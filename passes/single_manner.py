@@ -6,7 +6,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from gproof.ir.finding import Span
-from gproof.ir.program import Block, Call, Input, Named
+from gproof.ir.program import Block, Call, Input, Named, Unsupported
 from gproof.passes import single
 from gproof.passes.frames import Frame, Kept
 from gproof.passes.manner import Manner
@@ -33,6 +33,9 @@ class SingleManner(Manner):
         """Execute a line."""
         bare = frozenset(w.letter for w in node.words if w.bare)
         single.run(ex, node.span, words, texts=node.texts, comment=node.comment, bare=bare)
+
+    def unsupported(self, ex: Executor, node: Unsupported) -> None:
+        """Nothing: what such a line leaves is for the line itself to say."""
 
     def line(self, ex: Straight, span: Span, words: list[tuple[str, Value, Span]], bare: frozenset[str]) -> None:
         """Execute a line of a table."""

@@ -298,10 +298,7 @@ class Builder:
         return Call(name=self._name(tokens[1]), span=_range_span(self, tokens))
 
     def _name(self, token: Token) -> str:
-        if not _NAME.fullmatch(token):
-            begin, end = _range(token)
-            what = f"{str(token)!r} is not a name: a letter, then letters, digits and _"
-            raise self.error(codes.UNDECODABLE_NAME, begin, end, what=what)
+        """Any name; who collects the lines says which the controller has."""
         return str(token).lower()
 
     def text(self, tokens: Tokens) -> Part:
@@ -314,15 +311,15 @@ class Builder:
         formats = tuple(str(part) for part in tokens[1:] if not isinstance(part, Part))
         return Message(kind=kind, parts=parts, span=_range_span(self, tokens), formats=formats)
 
-    def dialog(self, tokens: Tokens) -> Message:
+    def dialog(self, tokens: Tokens) -> Message | Unsupported:
         """Parts: the title, then by turns the name of a value and the number of its parameter."""
-        if len(tokens) > 2 + 2 * DIALOG_VALUES:
-            what = f"a dialog asks for at most {DIALOG_VALUES} values"
-            raise self.error(codes.SYNTAX, *_range(tokens[2 + 2 * DIALOG_VALUES]), what=what)
         for token in tokens[3::2]:
             if not token.isdigit():
                 what = f"{str(token)!r} is not the number of a parameter"
                 raise self.error(codes.SYNTAX, *_range(token), what=what)
+        if len(tokens) > 2 + 2 * DIALOG_VALUES:
+            what = f"a dialog with {len(tokens) // 2 - 1} values (the manual has {DIALOG_VALUES})"
+            return Unsupported(what=what, span=_range_span(self, tokens), text=self._written())
         parts = tuple(self._label(token) for token in tokens[1:])
         return Message(kind="dialog", parts=parts, span=_range_span(self, tokens))
 
@@ -402,9 +399,12 @@ class Builder:
         return Unsupported(what=self.line.keyword, span=_range_span(self, tokens), text=self._written())
 
     def _written(self) -> str:
-        """The statement of the line as written, without what stands before and behind it."""
-        line = self.line
-        return _COMMENT.sub("", line.text[line.keyword_at : line.places[-1]]).strip()
+        return written(self.line)
+
+
+def written(line: Line) -> str:
+    """The statement of a line as written, without what stands before and behind it."""
+    return _COMMENT.sub("", line.text[line.keyword_at : line.places[-1]]).strip()
 
 
 @record(frozen=True, slots=True)
@@ -426,8 +426,6 @@ _TANDEM = {
     "movestavetomaster": "align_slave",  # so printed once in 2.10.3
 }
 BENT_KNIFE_DEGREES = 90  # 2.1.9
-_NAME = re.compile(r"[A-Za-z0-9_]+")
-"""A name; who collects the lines says whether it may begin with a digit."""
 
 
 def _range(token: Token) -> tuple[int, int]:

@@ -36,6 +36,7 @@ from gproof.ir.program import (
     Program,
     SourceFile,
     Statement,
+    Unsupported,
     While,
     Word,
 )
@@ -121,6 +122,14 @@ def load_alone(path: Path, findings: Findings, name: str = "") -> Program | None
     return program
 
 
+def _is_name(name: str) -> bool:
+    """Whether a name is one of the manual, or may be one with a digit first."""
+    return bool(_PLAIN_NAME.fullmatch(name) or _DIGIT_NAME.fullmatch(name))
+
+
+_NAMED_PARAMETER = re.compile(rb"#<[A-Za-z_][A-Za-z0-9_]*>")
+_PLAIN_NAME = re.compile(r"[a-z_][a-z0-9_]*")
+_DIGIT_NAME = re.compile(r"[0-9][a-z0-9_]*")
 _M_NAME = re.compile(r"m(\d{1,3})")
 CHANGE_TOOL = "change_tool"
 
@@ -258,7 +267,7 @@ class _Loader:
         reached |= set() if self.call else {""}
         job = self.program.files[0].name
         for call, inside in self.assembler.calls:
-            if call.name not in self.program.subprograms:
+            if call.name not in self.program.subprograms and _is_name(call.name):
                 finding = codes.UNKNOWN_SUBPROGRAM.at(call.span, name=call.name)
                 if call.span.file == job and not self.call:
                     self.findings.add(finding)
@@ -307,6 +316,10 @@ class _Loader:
                 self.assembler.add(statement)
         except LineError as error:
             span = Span(source.name, number, error.begin + 1, error.end + 1)
+            if _NAMED_PARAMETER.search(raw) and error.structure == "":
+                what = "a parameter with a name, which the manual does not have,"
+                self.assembler.add(Unsupported(what=what, span=span, text=decode(raw).strip()))
+                return
             finding = error.code.at(span, **error.values)
             self.mistake(finding, self.assembler.subprogram, sure=error.structure in ("sub", "endsub"))
             if error.structure in STRUCTURAL:
@@ -315,14 +328,16 @@ class _Loader:
     def _beyond(self, statement: Parsed) -> None:
         """A finding for what only some controllers take, where nobody says that this one does."""
         what: Accepted | None = None
-        if isinstance(statement, Structural | Call) and statement.name[:1].isdigit():
-            what, inside = known.DIGIT_NAMES, self.assembler.subprogram
-            if isinstance(statement, Structural):
-                inside = statement.name
-            text = f"{statement.name!r} is not a name: a letter, then letters, digits and _"
+        name = statement.name if isinstance(statement, Structural | Call) else ""
+        if isinstance(statement, Structural | Call) and name and not _PLAIN_NAME.fullmatch(name):
+            inside = name if isinstance(statement, Structural) else self.assembler.subprogram
+            text = f"{name!r} is not a name of the manual: a letter, then letters, digits and _"
             end = statement.span.end_column
-            name = Span(statement.span.file, statement.span.line, end - len(statement.name), end)
-            finding = codes.UNDECODABLE_NAME.at(name, what=text, hint=what.hint)
+            span = Span(statement.span.file, statement.span.line, end - len(name), end)
+            what = known.DIGIT_NAMES if _DIGIT_NAME.fullmatch(name) else None
+            finding = codes.UNDECODABLE_NAME.at(span, what=text, hint=what.hint if what else "")
+            if what is None:
+                self.mistake(finding, inside)
         elif isinstance(statement, Message) and statement.formats:
             what, inside = known.MESSAGE_FORMATS, self.assembler.subprogram
             text = f"{statement.formats[0]!r} is not expected here"

@@ -10,11 +10,13 @@ import functools
 from pathlib import Path
 from typing import TYPE_CHECKING, cast
 
-from gproof.frontend.eding.build import Builder, Parsed
+from gproof.frontend.eding.build import Builder, Parsed, written
 from gproof.frontend.eding.diagnose import diagnose
-from gproof.frontend.eding.prepare import STRUCTURE, LineError, prepare
+from gproof.frontend.eding.prepare import STRUCTURE, Line, LineError, prepare
 from gproof.frontend.grammar import parser
 from gproof.frontend.source import decode
+from gproof.ir.finding import Span
+from gproof.ir.program import Unsupported
 
 if TYPE_CHECKING:
     from lark import Lark
@@ -27,11 +29,22 @@ def _grammar() -> tuple[Builder, Lark]:
     return builder, parser(Path(__file__).with_name("grammar.lark"), ("block", "flow"), builder)
 
 
+def foreign(line: Line, file: str, number: int) -> Unsupported:
+    """A command that the manual does not have, as another version of the controller may."""
+    end = line.places[-1]
+    text = written(line)
+    span = Span(file, number, line.keyword_at + 1, max(end, line.keyword_at + 1) + 1)
+    deleted = line.text.lstrip(" \t").startswith("/")
+    return Unsupported(what=f"{line.keyword!r}, which the manual does not have,", span=span, deleted=deleted, text=text)
+
+
 def parse_line(raw: bytes, file: str, number: int) -> list[Parsed]:
     """The statements of line ``number`` (at most a message and a block, in that order), or LineError."""
     line = prepare(decode(raw))
     if not line.code:
         return []
+    if line.rule == "foreign":
+        return [foreign(line, file, number)]
     builder, lark = _grammar()
     from lark.exceptions import UnexpectedInput
 

@@ -38,6 +38,8 @@ _HEAD = re.compile(
 NESTING = re.compile(r"[ \t]*%[ \t]*[mdo][ \t]*[xy][ \t]*=", re.IGNORECASE)
 """A preset of the nesting dialog (2.2.4.4); any other text behind a percent sign is no code."""
 _CONTROL = re.compile(r"[\x00-\x08\x0a-\x1f\x7f]")
+SHORTEST_COMMAND = 3
+"""Letters from which on a word that begins a line and has no meaning here is a command that the manual lacks."""
 _BLANKS = re.compile(r"[ \t]+")
 
 
@@ -61,7 +63,8 @@ class LineError(Exception):
 class Line:
     """A prepared line.
 
-    text: as written, without its end; rule: ``block`` or ``flow``; keyword: of a flow line, lower case;
+    text: as written, without its end; rule: ``block``, ``flow``, or ``foreign`` for a command that the manual does not
+    have; keyword: of the latter two, lower case;
     keyword_at: where it stands, or -1; code: what the grammar reads; places: for each character of
     ``code`` its index in ``text``, and one more for the end; comment: the text behind a semicolon.
     """
@@ -83,7 +86,8 @@ def prepare(text: str) -> Line:
         raise LineError(codes.SYNTAX, *control.span(), structure=structure_of(text), what=what)
     keyword, keyword_at = _keyword(text)
     structure = keyword if keyword in STRUCTURE else ""
-    keep_from = keyword_at if keyword in _WITH_NAMES or keyword.startswith("zhc") else len(text)
+    is_known = keyword in _WITH_NAMES or keyword in _WITH_EXPRESSIONS or keyword.startswith(("zhc", "%")) or not keyword
+    keep_from = keyword_at if keyword not in _WITH_EXPRESSIONS and keyword not in ("", "%") else len(text)
     pieces: list[str] = []
     places: list[int] = []
     comment = ""
@@ -106,7 +110,7 @@ def prepare(text: str) -> Line:
     code = "".join(pieces).rstrip(" \t")
     del places[len(code) :]
     places.append(places[-1] + 1 if places else end)
-    rule = "flow" if keyword else "block"
+    rule = "foreign" if not is_known else "flow" if keyword else "block"
     return Line(text, rule, keyword, keyword_at, code, places, comment)
 
 
@@ -136,6 +140,8 @@ def _keyword(text: str) -> tuple[str, int]:
         or (len(word) == 2 and (after in "+-.0123456789[#;("))
         or word == "then"
     )
+    if not is_words and len(word) >= SHORTEST_COMMAND:
+        return word, at
     if not is_words:
         raise LineError(codes.SYNTAX, at, end, what=f"{word!r} is not a statement of this controller")
     return "", -1

@@ -220,4 +220,5 @@ EDING = LanguageRules(
     peck_clearance_mm=0.254,  # 3.4.21.4 says "a bit"; the value is that of RS274/NGC, 0.010 inch
     call_depth=50,
     straight_traverse=True,  # 3.4.1: coordinated linear motion
+    later=frozenset({("G", 370)}),  # V4.03 measures a tool with it
 )
