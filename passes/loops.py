@@ -157,7 +157,7 @@ class Loops(Straight):
     def _settle(self, numbers: Iterable[int]) -> None:
         """Variables that the setup states and nobody has set: from now on as if they were set."""
         for number in numbers:
-            if number not in self.modal.parameters:
+            if number not in self.modal.parameters and not self.modal.lost:
                 stated = self.setup.parameter(number)
                 if stated is not None:
                     self.modal.parameters[number] = stated

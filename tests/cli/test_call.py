@@ -117,3 +117,18 @@ def test_two_subprograms_of_a_name_are_a_mistake_where_something_calls_it(
     done = run(tmp_path, ["check", "job.cnc", "--format", "json"])
     assert done.exit == wanted, done.out
     assert ("GP116" in codes(done)) is bool(wanted) and ("GP126" in codes(done)) is not bool(wanted)
+
+
+DEFAULT = Path(__file__).parents[2] / "corpus" / "eding" / "default-macros"
+
+
+@pytest.mark.parametrize(
+    ("call", "wanted"),
+    [("user_1", 2), ("user_2", 0), ("user_3", 2), ("user_8", 2), ("user_9", 2), ("home_all", 0), ("change_tool", 0)],
+)
+def test_buttons_of_a_macro_file(call: str, wanted: int) -> None:
+    """Unknown: where a probe finds the work, what the operator types, commands of newer versions. No call has an error."""
+    words = ["check", "macro.cnc", "--machine", "machine.toml", "--setup", "setup.toml", "--call", call]
+    done = in_this_process([*words, "--format", "json"], DEFAULT)
+    assert done.exit == wanted, done.out
+    assert not [finding for finding in json.loads(done.out)["findings"] if finding["severity"] == "error"]
