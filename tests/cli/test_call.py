@@ -127,7 +127,7 @@ DEFAULT = Path(__file__).parents[2] / "corpus" / "eding" / "default-macros"
     [("user_1", 2), ("user_2", 0), ("user_3", 2), ("user_8", 2), ("user_9", 2), ("home_all", 0), ("change_tool", 0)],
 )
 def test_buttons_of_a_macro_file(call: str, wanted: int) -> None:
-    """Unknown: where a probe finds the work, what the operator types, commands of newer versions. No call has an error."""
+    """Unknown: where a probe finds the work, what the operator types, commands of newer versions; never an error."""
     words = ["check", "macro.cnc", "--machine", "machine.toml", "--setup", "setup.toml", "--call", call]
     done = in_this_process([*words, "--format", "json"], DEFAULT)
     assert done.exit == wanted, done.out
