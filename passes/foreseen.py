@@ -30,7 +30,7 @@ Code = tuple[str, int]
 def lengths_foreseen(program: Program) -> bool:
     """Whether the job uses lengths of tools."""
     codes = frozenset(code for code, rule in program.rules.codes.items() if rule.function in LENGTHS)
-    return any(code in codes for code in _codes(program, codes | program.overrides.keys()))
+    return any(code in codes for code in _codes(program, codes.union(program.overrides)))
 
 
 def _codes(program: Program, wanted: frozenset[Code]) -> Iterator[Code]:

@@ -140,7 +140,8 @@ def _keyword(text: str) -> tuple[str, int]:
         or (len(word) == 2 and (after in "+-.0123456789[#;("))
         or word == "then"
     )
-    if not is_words and len(word) >= SHORTEST_COMMAND:
+    is_value = after == "[" and word.endswith(tuple(FUNCTIONS))
+    if not is_words and not is_value and len(word) >= SHORTEST_COMMAND:
         return word, at
     if not is_words:
         raise LineError(codes.SYNTAX, at, end, what=f"{word!r} is not a statement of this controller")

@@ -132,7 +132,7 @@ JOBS: dict[str, tuple[bytes, str, str]] = {
     "control character": (b"G21\x07\nM30\n", "UNSAFE", "GP101"),
     "one long line": (b"G0 " + b"X1" * (LONG // 2) + b"\n", "UNSAFE", "GP106"),
     "300 characters": (b"G21 (" + b"c" * 294 + b")\nM30\n", "UNSAFE", "GP106"),
-    "text of another kind": (b"Dear Sir,\nplease mill this.\n", "UNSAFE", "GP101"),
+    "text of another kind": (b"Dear Sir,\nplease mill this.\n", "UNKNOWN", "GP113"),
 }
 FINE: dict[str, bytes] = {
     "no end of line": JOB.rstrip("\n").encode(),
