@@ -56,6 +56,12 @@ JOBS = (
         "GP605",
         (("macro.cnc", "sub park\nG0 X500\nendsub\n"), ("user_macro.cnc", "sub park\nG0 X5\nendsub\n")),
     ),
+    Job(
+        "usual-precedence",
+        "eding",
+        "G21 G90\n#1 = 4\nif [#1 == 4 and 2]\nG0 X5\nelse\nG0 X500\nendif\nM30\n",
+        "GP230",
+    ),
     Job("kept-motion", "eding", "G21 G90\nX5 Y6\nM30\n", "GP202"),
     Job("kept-motion", "wincnc", "G22\nG90\nX5 Y6\n", "GP202"),
     Job("repeated-channel", "wincnc", "G22\nG90\nM11C1C2\nm12 c1 c2\nG0 X5\n", "GP109"),
