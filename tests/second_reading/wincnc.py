@@ -696,8 +696,11 @@ class Run:
         peck = top - self.cycle["Q"] * size if motion in {73, 83} else bottom
         places.append({"Z": top})
         if peck > bottom:
-            # up by 0.05" after a peck (G73), down again to 0.05" above it (G83): above R where pecks are small
-            places += [{"Z": peck}, {"Z": peck + 0.05 * 25.4}]
+            # up by 0.05" after a peck (G73), from R to 0.05" above it (G83): above R where pecks are small
+            lift = peck + 0.05 * 25.4
+            asked = "G83 with pecks below .05 inch: from R it stays, goes up to .05 inch above the last peck"
+            if motion == 73 or lift <= top or self.pick(asked):
+                places += [{"Z": peck}, {"Z": lift}]
         places += [{"Z": bottom}, {"Z": top}]
         for named in places:
             end = {**self.last, **named}

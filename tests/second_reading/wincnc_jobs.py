@@ -14,7 +14,8 @@ AXES = ("X", "Y", "Z", "W")
 SETTLED = {
     "L10: cells from the first start, from where the last ended": 0,  # the page: from where the array began
     "L3 stores places of the machine, local places": 0,  # the page: machine positions
-    "M37 under G92: its value is in the workspace, in local coordinates": 0,  # the page: it sets the workspace
+    # the page: within .05" of the last peck there is nothing to move
+    "G83 with pecks below .05 inch: from R it stays, goes up to .05 inch above the last peck": 0,
     # as for Eding CNC: a coordinate that a line does not name is that of where the axes are
     "the program's place when rotation or scaling changes: that of the machine, the last programmed": 0,
     "G52: A turns counter-clockwise, clockwise": 0,  # docs/dialects/wincnc.md: a setting, rotation_sign
