@@ -15,11 +15,12 @@ from gproof.ir.finding import Refusal, Span
 from gproof.ir.program import Expr, For, If, Repeat, Subprogram, While
 from gproof.ir.trace import Edge, Wait
 from gproof.passes.emitter import ProgramEnd
-from gproof.passes.frames import EXACT, Frame, Group, Path, Pending, merged
+from gproof.passes.frames import EXACT, NO_PLACE, Frame, Group, Path, Pending, merged
 from gproof.passes.idle import Idle, idle_variables
 from gproof.passes.loops import Loops
 from gproof.passes.modal import NO_NUMBERS, Modal
-from gproof.passes.values import Unknown
+from gproof.passes.narrowing import Narrowing
+from gproof.passes.values import Unknown, Value
 
 LOOPS = (While, Repeat, For)
 FEW = 16
@@ -113,14 +114,20 @@ class Branches(Loops):
         if loop is None:
             assert isinstance(node, If)
             group = Group(2)
+            leaving = self.modal.copy()
+            group.narrowed = self._narrow(node.condition, leaving)
             self._stack.append(Frame(node.then, node, group=group))
             other.append(Frame(node.otherwise, node, group=group))
             nesting = self._nesting
         else:
             loop.at = 0
+            if isinstance(node, While | Repeat):
+                leaving = leaving or self.modal.copy()
+                into, out = (leaving, self.modal) if isinstance(node, Repeat) else (self.modal, leaving)
+                self._narrow(node.condition, out, into)
             if isinstance(node, Subprogram):
                 # It still has to go back to its caller.
-                other[-1].again, other[-1].at = 0, len(loop.body) + 1
+                other[-1].again, other[-1].more, other[-1].at = 0, 0, len(loop.body) + 1
                 nesting = self._nesting
             else:
                 other[-1] = Frame((), group=loop.group)
@@ -129,15 +136,54 @@ class Branches(Loops):
         self._waiting.append(Path(other, leaving or self.modal.copy(), no, place))
         self._begin(yes)
 
+    def _narrow(
+        self, condition: Expr, otherwise: Modal, holds: Modal | None = None
+    ) -> dict[int, tuple[Value | None, tuple[Value, ...]]]:
+        """What a condition says of variables, into the state where it holds and the one where it does not.
+
+        holds: the state of the run where it is not given. Returns what ``Group.narrowed`` has.
+        """
+        holds = holds or self.modal
+        says = Narrowing(self._quietly, self._may_narrow)
+        found = [says.narrowed(condition, truth) for truth in (True, False)]
+        before = dict(self.modal.parameters)
+        for state, bounds in zip((holds, otherwise), found, strict=True):
+            state.parameters.update(bounds)
+        numbers = found[0].keys() | found[1].keys()
+        return {
+            number: (before.get(number), tuple(one[number] for one in found if number in one)) for number in numbers
+        }
+
+    def _quietly(self, number: float, span: Span) -> Value:
+        """What a variable holds, without a word about it."""
+        return self._of_its_type(round(number), self.modal.read(number, span))
+
+    def _may_narrow(self, number: int) -> bool:
+        """Whether what is known of a variable may be less than what it holds: nobody but the program changes it."""
+        _, entry = self.modal.range_of(float(number), NO_PLACE)
+        return entry.kind in ("free", "persistent") or (entry.kind != "system" and number in self.modal.parameters)
+
     def _await_others(self, group: Group) -> None:
         """Behind a block whose outcomes are explored: wait for the others, unless somebody was here in this state."""
         self._run_pending()
+        wide = self._without_answer(group)
+        wide_key = None if wide is None else self._key_of_state(wide)
+        same = group.wide.get(wide_key)
+        if wide is not None and same is not None:
+            # It differs from another one in what the answer has told of variables, and in nothing else: let that go.
+            same.modal = wide
+            self._close((Edge(wait=Wait.BRANCH, outcome="", target=same.section),))
+            self._stack = [*self._stack, Frame((), group=group)]
+            raise ProgramEnd
         key = self._state_key("join")
         target = self._joins.get(key)
         if target is None:
             target = self._joins[key] = self.rows.new_section()
             place = self._file, self._call, list(self._depth), self._moved, self._nesting
-            group.parked.append(Path(self._stack, self.modal, target, place))
+            path = Path(self._stack, self.modal, target, place)
+            group.parked.append(path)
+            if wide_key is not None:
+                group.wide[wide_key] = path
             self._is_parked = True
         self._close((Edge(wait=Wait.BRANCH, outcome="", target=target),))
         if self._is_parked:
@@ -148,6 +194,25 @@ class Branches(Loops):
             # One outcome less: it goes on as the other one.
             self._stack = [*self._stack, Frame((), group=group)]
         raise ProgramEnd
+
+    def _without_answer(self, group: Group) -> Modal | None:
+        """The state with variables that only the answer has narrowed as they were before; None where there are none."""
+        if not group.narrowed:
+            return None
+        modal = self.modal.copy()
+        for number, (before, answers) in group.narrowed.items():
+            if modal.parameters.get(number) in answers:
+                if before is None:
+                    modal.parameters.pop(number)
+                else:
+                    modal.parameters[number] = before
+        return modal
+
+    def _key_of_state(self, modal: Modal) -> object:
+        own, self.modal = self.modal, modal
+        key = self._state_key("join")
+        self.modal = own
+        return key
 
     def _arrived(self, stack: list[Frame], count: int) -> None:
         """So many outcomes fewer are on their way within the blocks of a stack."""
@@ -161,6 +226,7 @@ class Branches(Loops):
     def _release(self, group: Group) -> None:
         """All outcomes of a question have arrived or ended: those that arrived go on."""
         parked, group.parked = group.parked, []
+        group.wide = {}
         for path, same in merged(parked, exact=self.branches <= EXACT):
             if path.section < 0:
                 path.section = self.rows.new_section()

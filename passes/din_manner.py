@@ -15,7 +15,7 @@ from gproof.passes import execute_kernels as k
 from gproof.passes.din_state import fits
 from gproof.passes.frames import Frame
 from gproof.passes.manner import Manner, cold_words, settings_of
-from gproof.passes.values import Value
+from gproof.passes.values import Value, bounds
 
 if TYPE_CHECKING:
     from gproof.passes.emitter import Emitter
@@ -93,13 +93,14 @@ class DinManner(Manner):
     def call(self, ex: Executor, node: Call) -> None:
         """Run a subprogram so often as the call says (4.21)."""
         ex._not_spooled(node.span, f"M98 L{node.name}")
-        count = ex._count(node)
+        count, often = ex._count(node)
         back = ex._bind(node)
         depth = len(ex._stack)
         ex._called(node.name, node.span)
         if len(ex._stack) > depth:
             frame = ex._stack[-1]
             frame.again = count - 1
+            frame.more, frame.last = round(bounds(often)[1]) - count, often
             ex._counted.pop((id(frame.node), "call"), None)
             assert frame.caller is not None
             frame.caller = replace(frame.caller, back=back)

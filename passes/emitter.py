@@ -17,7 +17,7 @@ from gproof.ir.trace import Edge, Op, Trace, Wait
 from gproof.passes.beside import Ahead
 from gproof.passes.compiled import Condition, FastBlock
 from gproof.passes.din_facts import foreign
-from gproof.passes.din_state import whole_numbers
+from gproof.passes.din_state import fits, whole_numbers
 from gproof.passes.expressions import Evaluator
 from gproof.passes.foreseen import lengths_foreseen
 from gproof.passes.frames import Frame, Hot, Lap, Path, Pending, PlainCell, Stretch
@@ -30,7 +30,7 @@ from gproof.passes.ranges import Range
 from gproof.passes.rows import RowBuffer
 from gproof.passes.spindle import commanded_rpm, own_ramp, told
 from gproof.passes.transform_codes import at_start
-from gproof.passes.values import FrameTable, Position, Unknown, Value, behind_loop
+from gproof.passes.values import FrameTable, Position, Unknown, Value, behind_loop, between
 
 DEFAULT_BUDGET = 100_000_000
 FIRST_BEAT, MOST_BEAT, LEAST_BEAT = 1 << 8, 1 << 14, 1 << 4
@@ -286,8 +286,22 @@ class Emitter:
         return self._manner.named(self, node) if isinstance(node, Named) else self._manner.input(self, node)
 
     def _read(self, number: float, span: Span) -> Value:
-        value = self.modal.read(number, span)
         whole = round(number)
+        return self._of_its_type(whole, self._told_of(number, whole, span))
+
+    def _of_its_type(self, number: int, value: Value) -> Value:
+        """What is known of a variable that is declared to hold whole numbers, or is one of those that do."""
+        if not isinstance(value, Unknown) or value.whole or not self.program.rules.source_order:
+            return value
+        if fits(number, 0.5, self._whole):
+            return value
+        if not value.bounded:
+            return Unknown(value.cause, value.low, value.high, whole=True)
+        low, high = float(math.ceil(value.low)), float(math.floor(value.high))
+        return between(value.cause, (low, high), whole=True) if low <= high else value
+
+    def _told_of(self, number: float, whole: int, span: Span) -> Value:
+        value = self.modal.read(number, span)
         if not isinstance(value, Unknown):
             return value
         own = self.program.rules.name_of(whole)
@@ -297,9 +311,10 @@ class Emitter:
             self.findings.add(codes.LOOP_VARIABLE.at(span, name=name, hint="use a variable of its own behind the loop"))
         if value.cause != own:
             return value
-        if whole in self.modal.setup.parameter_ranges and whole not in self.modal.parameters:
-            return Unknown(name, value.low, value.high)  # what the setup states of it
+        if whole in self.modal.setup.parameter_ranges:
+            # Less of it where a condition has told more.
+            return Unknown(name, value.low, value.high, value.whole)  # what the setup states of it
         if whole not in self._warned:
             self._warned.add(whole)
             self.findings.add(codes.UNSET_PARAMETER.at(span, name=name))
-        return value if name == own else Unknown(name, value.low, value.high)
+        return value if name == own else Unknown(name, value.low, value.high, value.whole)

@@ -217,7 +217,7 @@ class Executor(Flow):
                 return
         elif self._falls_off(frame):
             self._module_end(frame)
-        if frame.again and self._again(frame):
+        if (frame.again or frame.more) and self._again(frame):
             return
         if frame.cells is not None and next_cell(self, frame):
             return

@@ -13,9 +13,10 @@ from gproof.ir.dialects.accepts import USUAL_PRECEDENCE, Accepted
 from gproof.ir.finding import Findings, Refusal, Span
 from gproof.ir.program import Binary, Constant, Expr, Input, Named, Number, Text, Unary, Variable
 from gproof.passes import ranges
-from gproof.passes.values import Unknown, Value, between, bounds
+from gproof.passes.values import Unknown, Value, between, bounds, is_whole
 
 _COMPARISONS = ("==", "<>", ">", ">=", "<", "<=")
+_TRUTHS = frozenset((*_COMPARISONS, "and", "or", "xor"))
 _LARGEST = 2.0**53
 LEAST_WHOLE, MOST_WHOLE = -(2.0**31), 2.0**31 - 1.0
 """Whole numbers of 32 bits."""
@@ -212,9 +213,13 @@ class Evaluator:
     def _unary(self, expr: Unary) -> Value:
         x = self.value(expr.operand)
         if isinstance(x, Unknown):
-            if ranges.unary_may_fail(expr.operator, bounds(x)):
+            if x.whole and expr.operator == "bnot":
+                return between(x.cause, self._of_32_bits(expr, (-x.high - 1.0, -x.low - 1.0), x.cause), whole=True)
+            if ranges.unary_may_fail(expr.operator, bounds(x)) and not (x.whole and expr.operator == "odd"):
                 self._doubt(expr.span, expr.operator, x.cause)
-            return between(x.cause, self._of_32_bits(expr, ranges.unary(expr.operator, bounds(x)), x.cause))
+            found = ranges.unary(expr.operator, bounds(x))
+            whole = ranges.gives_whole(expr.operator, whole=x.whole) and math.isfinite(found[1] - found[0])
+            return between(x.cause, self._of_32_bits(expr, found, x.cause), whole=whole)
         if expr.operator in ("nearest", "round") and x - math.floor(x) == 0.5:
             cause = "how a half is rounded"
             return between(cause, self._of_32_bits(expr, (math.floor(x), math.ceil(x)), cause))
@@ -295,9 +300,15 @@ class Evaluator:
             return Unknown(f"an open precedence of {names}")
         if isinstance(x, Unknown) or isinstance(y, Unknown):
             cause = x.cause if isinstance(x, Unknown) else y.cause if isinstance(y, Unknown) else ""
-            if ranges.binary_may_fail(expr.operator, bounds(x), bounds(y)):
+            whole = is_whole(x) and is_whole(y)
+            may_fail = ranges.whole_may_fail if whole else ranges.binary_may_fail
+            if may_fail(expr.operator, bounds(x), bounds(y)):
                 self._doubt(expr.span, expr.operator, cause)
-            return between(cause, self._of_32_bits(expr, ranges.binary(expr.operator, bounds(x), bounds(y)), cause))
+            exact = ranges.whole_binary(expr.operator, bounds(x), bounds(y)) if whole else None
+            if exact is not None:
+                return between(cause, self._of_32_bits(expr, exact, cause), whole=True)
+            found = ranges.binary(expr.operator, bounds(x), bounds(y))
+            return between(cause, self._of_32_bits(expr, found, cause), whole=expr.operator in _TRUTHS)
         if expr.operator in ("==", "<>") and inexact(x, y):
             self._tell(codes.INEXACT_COMPARISON.number, expr.span, lambda: codes.INEXACT_COMPARISON.at(
                 expr.span, left=x, right=y, operator=expr.operator,

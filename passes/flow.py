@@ -184,6 +184,12 @@ class Flow(HotPasses):
             frame.at = 0
             self._hot_call(frame, node)
             return True
+        if frame.more:
+            self._run_pending()
+            self._undecided(("call", id(node)), node.span, frame.last.cause if isinstance(frame.last, Unknown) else "")
+            self._split(node, frame)
+            frame.more -= 1
+            return True
         return False
 
     def _begin_for(self, node: For) -> None:
@@ -263,12 +269,17 @@ class Flow(HotPasses):
 
     # ---- subprograms
 
-    def _count(self, node: Call) -> int:
-        """How often a call runs its subprogram (4.16); Refusal for what is no positive whole number."""
+    def _count(self, node: Call) -> tuple[int, Value]:
+        """How often a call runs its subprogram at least, and how often (4.16).
+
+        Refusal for what is no positive whole number, or may be none.
+        """
         if node.count is None:
-            return 1
+            return 1, 1.0
         value = self.evaluator.value(node.count)
         if isinstance(value, Unknown):
+            if value.whole and value.low >= 1.0 and value.high <= self.max_branches:
+                return round(value.low), value
             raise Refusal(codes.UNKNOWN_CONDITION.at(node.span, cause=value.cause))
         if math.isinf(value) or value != round(value):
             raise Refusal(codes.NOT_AN_INTEGER.at(node.span, word="O", value=value))
@@ -276,7 +287,7 @@ class Flow(HotPasses):
             raise Refusal(codes.ILLEGAL_VALUE.at(node.span, word="O", what=f"{value:g} cycles of a subprogram"))
         if value == 0:
             raise Refusal(codes.UNSUPPORTED_CODE.at(node.span, code="O0 (no cycle of the subprogram, or one)"))
-        return round(value)
+        return round(value), value
 
     def _bind(self, node: Call) -> tuple[tuple[int, int], ...]:
         """Arguments into the variables of a procedure's parameters, and its own variables without a value.

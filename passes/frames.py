@@ -14,18 +14,22 @@ from gproof.ir.program import Block, BlockTable, Statement
 from gproof.ir.record import field, record
 from gproof.passes.modal import Modal
 from gproof.passes.overrides import Words
-from gproof.passes.values import NOWHERE, Position, Unknown, Value, bounds
+from gproof.passes.values import NOWHERE, Position, Unknown, Value, bounds, is_whole
 
 
 @record(slots=True, eq=False)
 class Group:
     """Outcomes of one question, which come together behind its block.
 
-    open: how many of them are still on their way; parked: those that have arrived, each in another state.
+    open: how many of them are still on their way; parked: those that have arrived, each in another state. narrowed: by
+    the number of a variable what it was before the question, and what the answers have made of it; wide: parked ones by
+    what is left of their state without that.
     """
 
     open: int
     parked: list[Path] = field(default_factory=list)
+    narrowed: dict[int, tuple[Value | None, tuple[Value, ...]]] = field(default_factory=dict)
+    wide: dict[object, Path] = field(default_factory=dict)
 
 
 @record(frozen=True, slots=True)
@@ -100,8 +104,8 @@ class Frame:
     it; cells, cell: of an array, and which of them it is. For tables: the words of the piece that was loaded, in
     columns for the kernel, lines that it must not run and where their words stand, and where the next piece begins;
     continued: what a line of it without a code goes on with.
-    again: how often a subprogram runs once more, ``ANY`` where that is left open; counter, last: of a counted loop, its
-    variable's value and its end; is_open: how often it runs is left open.
+    again: how often a subprogram runs once more, ``ANY`` where that is left open; more: how often it may besides;
+    counter, last: of a counted loop, its variable's value and its end; is_open: how often it runs is left open.
     """
 
     body: tuple[Statement, ...]
@@ -121,6 +125,7 @@ class Frame:
     around: bool = False
     continued: str = ""
     again: int = 0
+    more: int = 0
     counter: float = 0.0
     last: Value = 0.0
     is_open: bool = False
@@ -128,7 +133,8 @@ class Frame:
     def position(self) -> tuple[object, ...]:
         """The place in a table, in an array, in what is repeated."""
         return (
-            self.base, self.next_byte, self.cell, self.cells, self.continued, self.again, self.counter, self.last,
+            self.base, self.next_byte, self.cell, self.cells, self.continued, self.again, self.more, self.counter,
+            self.last,
             self.is_open,
         )  # fmt: skip
 
@@ -313,4 +319,5 @@ def _either(values: list[Value]) -> Value:
         return values[0]
     ends = [bounds(value) for value in values]
     cause = next((value.cause for value in values if isinstance(value, Unknown)), "earlier inputs")
-    return Unknown(cause, min(low for low, _ in ends), max(high for _, high in ends))
+    low, high = min(low for low, _ in ends), max(high for _, high in ends)
+    return Unknown(cause, low, high, all(map(is_whole, values)))

@@ -14,6 +14,9 @@ Range = tuple[float, float]
 ANY: Range = (-math.inf, math.inf)
 _LARGEST_EXPONENT = 700.0
 _LARGE = 1e300
+_EXACT = 2.0**53
+_WORD = 32.0
+"""Bits of a whole number."""
 _LOGIC = ("and", "or", "xor", ">", ">=", "<", "<=", "==", "<>")
 
 
@@ -107,6 +110,79 @@ def _compare(operator: str, x: Range, y: Range) -> bool | None:
     same = x[0] == x[1] == y[0] == y[1]
     equal = False if apart else (True if same else None)
     return equal if operator == "==" or equal is None else not equal
+
+
+def _parts(y: Range) -> list[Range]:
+    """A range of whole numbers without 0."""
+    parts = [(y[0], min(y[1], -1.0)), (max(y[0], 1.0), y[1])]
+    return [part for part in parts if part[0] <= part[1]]
+
+
+def _truncated(a: float, b: float) -> float:
+    whole = abs(int(a)) // abs(int(b))
+    return float(whole if (a < 0) == (b < 0) else -whole)
+
+
+def whole_may_fail(operator: str, x: Range, y: Range) -> bool:
+    """``binary_may_fail`` for whole numbers."""
+    if operator in ("/", "mod", "div", "rem"):
+        return y[0] <= 0.0 <= y[1]
+    if operator in ("<<", ">>", "shr"):
+        return y[0] < 0.0 or y[1] >= _WORD or (operator == "shr" and x[0] < 0.0)
+    return operator not in ("band", "bor", "bxor") and binary_may_fail(operator, x, y)
+
+
+def whole_binary(operator: str, x: Range, y: Range) -> Range | None:
+    """The range of ``x operator y`` for whole numbers, which is whole; None where that is not known.
+
+    Of remainders of negative numbers every rule is counted in: with the sign of either number, or never negative.
+    """
+    (a, b), (c, d) = x, y
+    if operator in ("rem", "mod") and max(abs(c), abs(d)) < _EXACT and not max(abs(a), abs(b)) < _EXACT:
+        most = max(abs(c), abs(d), 1.0) - 1.0
+        return (0.0 if a >= 0.0 and c > 0.0 else -most), most
+    if not max(abs(a), abs(b), abs(c), abs(d)) < _EXACT:
+        return None
+    match operator:
+        case "+":
+            found = a + c, b + d
+        case "-":
+            found = a - d, b - c
+        case "*":
+            corners = [u * v for u in x for v in y]
+            found = min(corners), max(corners)
+        case "div":
+            corners = [_truncated(u, v) for part in _parts(y) for u in x for v in part]
+            if a <= 0.0 <= b:
+                corners.append(0.0)
+            found = (min(corners), max(corners)) if _parts(y) else ANY
+        case "rem" | "mod":
+            most = max(abs(c), abs(d)) - 1.0
+            if a >= 0.0 and c > 0.0:
+                found = (a, b) if b < c else (0.0, min(b, most))
+            else:
+                found = -max(most, 0.0), max(most, 0.0)
+        case "<<" if c >= 0.0 and d < _WORD:
+            corners = [u * 2.0**v for u in x for v in y]
+            found = min(corners), max(corners)
+        case ">>" | "shr" if c >= 0.0 and d < _WORD and (a >= 0.0 or operator == ">>"):
+            shifted = [float(int(u) >> int(v)) for u in x for v in y]
+            found = min(shifted), max(shifted)
+        case "band" if a >= 0.0 and c >= 0.0:
+            found = 0.0, min(b, d)
+        case "bor" | "bxor" if a >= 0.0 and c >= 0.0:
+            full = float((1 << int(max(b, d)).bit_length()) - 1)
+            found = (max(a, c) if operator == "bor" else 0.0), full
+        case _:
+            return None
+    return found if max(abs(found[0]), abs(found[1])) < _EXACT else None
+
+
+def gives_whole(operator: str, *, whole: bool) -> bool:
+    """Whether a unary operator gives a whole number; whole: its operand is one."""
+    if operator in ("not", "odd", "bool", "fix", "fup", "int", "round", "trunc", "nearest"):
+        return True
+    return whole and operator in ("neg", "pos", "abs", "bnot")
 
 
 def binary(operator: str, x: Range, y: Range) -> Range:

@@ -15,11 +15,13 @@ from gproof.passes.ranges import Range
 
 @record(frozen=True, slots=True)
 class Unknown:
-    """A number that is not known but for its bounds; cause: what nobody stated, for the message."""
+    """A number that is not known but for its bounds; cause: what nobody stated, for the message; whole: it is a whole
+    number."""
 
     cause: str
     low: float = -math.inf
     high: float = math.inf
+    whole: bool = False
 
     def __hash__(self) -> int:
         # Equal ones have equal bounds; many of them are parts of the keys of states.
@@ -58,9 +60,14 @@ def hull(one: Value, other: Value) -> Range:
     return min(a, c), max(b, d)
 
 
-def between(cause: str, ends: Range) -> Value:
+def between(cause: str, ends: Range, *, whole: bool = False) -> Value:
     """A value somewhere in a range: a number when only one is possible."""
-    return ends[0] if ends[0] == ends[1] else Unknown(cause, *ends)
+    return ends[0] if ends[0] == ends[1] else Unknown(cause, *ends, whole)
+
+
+def is_whole(value: Value) -> bool:
+    """Whether it is known to be a whole number."""
+    return value.whole if isinstance(value, Unknown) else math.isfinite(value) and value == math.floor(value)
 
 
 def add_forms(left: Affine, right: Affine, sign: int = 1) -> Affine:
