@@ -28,6 +28,12 @@ if TYPE_CHECKING:
     from gproof.passes.din import Part
     from gproof.passes.motion import Motion
 
+Corner = tuple[tuple[float, float], tuple[float, float]]
+"""Least and most of both axes of the plane, mm from a point of the contour."""
+_OWN = 512
+"""Symbols of a job up to which each line has symbols of its own."""
+_ROUNDING = 1e-6
+"""mm."""
 _SECTIONS = {Plane.XY: "xy", Plane.XZ: "zx", Plane.YZ: "yz"}
 TOLD = "a correction for nothing"
 _RIGHT_HANDED = {Plane.XY: (0, 1), Plane.XZ: (2, 0), Plane.YZ: (1, 2)}
@@ -38,7 +44,9 @@ class Correction:
     """The correction that is on, or of which places are left behind G40.
 
     side: 1 left, -1 right; radius: mm; name: of record, side and radius, ``2xy+1,5``, in symbols; last: the element of
-    the contour that ends where the tool is now, None: at the begin; at: where that is.
+    the contour that ends where the tool is now, None: at the begin; at: where that is. own: what the symbols of the
+    last line's places have behind ``name``, "" for those of all; begin: where the tool may be around the corner at the
+    start of that line; forks: outcomes followed when the line came.
     """
 
     side: int
@@ -46,6 +54,9 @@ class Correction:
     name: str
     last: Element | None = None
     at: tuple[Position, Position] | None = None
+    own: str = ""
+    begin: Corner | None = None
+    forks: int = 0
 
 
 def correction(ex: Motion, line: Part, rule: CodeRule) -> None:
@@ -151,23 +162,55 @@ def contour_place(place: Position) -> Position:
     return Position(place.value, tuple(term for term in place.form if not term[0].startswith(BESIDE)))
 
 
-def follow(ex: Motion, target: list[Position]) -> list[Position]:
-    """The ends of a move beside the contour: those of the plane anywhere around it."""
+def follow(ex: Motion, target: list[Position], own: str = "") -> list[Position]:
+    """The ends of a move beside the contour: those of the plane anywhere around it. own: see ``Correction``."""
     s = ex.modal
     axes = _RIGHT_HANDED[s.plane]
-    if s.din.corrected is None:
+    now = s.din.corrected
+    if now is None:
         return [NOWHERE if axis in axes else place for axis, place in enumerate(target)]
-    return [_around(ex, s.din.corrected, axis, place) if axis in axes else place for axis, place in enumerate(target)]
+    return [_around(ex, now, axis, place, own) if axis in axes else place for axis, place in enumerate(target)]
 
 
-def _around(ex: Motion, now: Correction, axis: int, place: Position) -> Position:
-    symbol = f"{BESIDE}{now.name}.{AXIS_NAMES[axis]}"
-    if any(name == symbol for name, _ in place.form):
-        return place
-    # The same one for each place: a row then has the envelope around its whole path.
+def _around(ex: Motion, now: Correction, axis: int, place: Position, own: str) -> Position:
+    symbol = f"{BESIDE}{now.name}{own}.{AXIS_NAMES[axis]}"
+    # The same one for both ends of a line, without one of its own for each place: a row then has the envelope around
+    # its whole path.
     off = REACH * now.radius + ex.modal.arc_tolerance()
-    ex.trace.symbols[symbol] = Interval(-off, off)
-    return place.plus(Position(0.0, ((symbol, 1),)))
+    ex.trace.symbols.setdefault(symbol, Interval(-off, off))
+    return contour_place(place).plus(Position(0.0, ((symbol, 1),)))
+
+
+def _own_symbols(ex: Motion) -> str:
+    """What tells the symbols of the next line from those of others; "" once there are many."""
+    if len(ex.trace.symbols) >= _OWN:
+        return ""
+    ex._unknowns += 1
+    return f"#{ex._unknowns}"
+
+
+def _narrow(ex: Motion, now: Correction, new: Element) -> Corner | None:
+    """Where the tool may be around the corner of two lines; the symbols of the first one hold no more than it needs.
+
+    Round, cut or mitred, inside or outside: the way around a corner lies within the triangle of where the paths beside
+    its lines end and meet. None: the corner is none of two lines.
+    """
+    last = now.last
+    if last is None or last.center is not None or new.center is not None:
+        return None
+    (ax, ay), (bx, by) = last.direction(at_end=True), new.direction(at_end=False)
+    beside = now.side * now.radius
+    one, other = (-ay * beside, ax * beside), (-by * beside, bx * beside)
+    whole = 1.0 + ax * bx + ay * by
+    mitre = (one[0] + other[0]) / whole, (one[1] + other[1]) / whole
+    points = (one, other, mitre)
+    corner = tuple((min(p[k] for p in points), max(p[k] for p in points)) for k in (0, 1))
+    if now.own and now.begin is not None and now.forks == ex.branches:
+        wide = ex.modal.arc_tolerance() + _ROUNDING
+        for axis, begin, end in zip(_RIGHT_HANDED[ex.modal.plane], now.begin, corner, strict=True):
+            symbol = f"{BESIDE}{now.name}{now.own}.{AXIS_NAMES[axis]}"
+            ex.trace.symbols[symbol] = Interval(min(begin[0], end[0]) - wide, max(begin[1], end[1]) + wide)
+    return corner[0], corner[1]
 
 
 def no_arc(ex: Motion, line: Part) -> None:
@@ -176,8 +219,8 @@ def no_arc(ex: Motion, line: Part) -> None:
     now = s.din.corrected
     places = [s.position[axis] for axis in _RIGHT_HANDED[s.plane]]
     if s.din.side and now is not None:
-        axes = _RIGHT_HANDED[s.plane]
-        if all(_around(ex, now, axis, place) == place for axis, place in zip(axes, places, strict=True)):
+        begins = f"{BESIDE}{now.name}"
+        if all(any(symbol.startswith((f"{begins}.", f"{begins}#")) for symbol, _ in place.form) for place in places):
             return
         cause = "an arc as the first move of a correction, which is not described (2.7)"
     elif not any(is_beside(place) for place in places):
@@ -196,13 +239,12 @@ def before(
     if not s.din.side or now is None:
         return
     row = Op.TRAVERSE if op is Op.TRAVERSE else Op.FEED
-    start = follow(ex, s.position)
-    if start != s.position:
-        ex.move(row, start, line.span)
     u, v = _RIGHT_HANDED[s.plane]
-    here = contour_place(start[u]), contour_place(start[v])
+    here = contour_place(s.position[u]), contour_place(s.position[v])
     there = contour_place(target[u]), contour_place(target[v])
-    problem = ""
+    problem, own = "", ""
+    begin: Corner | None = None
+    forks = ex.branches
     reflected = [axis for axis in (u, v) if axis in s.din.reflected]
     ways = [b.minus(a) for a, b in zip(here, there, strict=True)]
     new: Element | None = None
@@ -218,8 +260,15 @@ def before(
         # Seen from which side, and whether a mirror image has its tool on the other side, is open.
         sides = (1, -1) if reflected or s.plane is not Plane.XY else (now.side,)
         problem, new = judge(now.last, new, sides, now.radius)
+        if not problem and len(sides) == 1:
+            begin = _narrow(ex, now, new)
+            own = _own_symbols(ex) if new.center is None else ""
     else:
-        new = now.last
+        new, own, begin, forks = now.last, now.own, now.begin, now.forks
+    start = follow(ex, s.position, own)
+    if start != s.position:
+        ex.move(row, start, line.span)
+    target[:] = follow(ex, target, own)
     if problem:
         what = f"{problem} (radius {now.radius:g}, 2.7)" if "radius" not in problem else f"{problem} (2.7)"
         ex._fail(codes.COMPENSATION_UNKNOWN.at(line.span, cause=what))
@@ -227,4 +276,6 @@ def before(
         ex.move(row, lost, line.span)
         ex.move(row, start, line.span)
         new = None
-    s.din = s.din.but(corrected=replace(now, last=new, at=None if new is None else there))
+    s.din = s.din.but(
+        corrected=replace(now, last=new, at=None if new is None else there, own=own, begin=begin, forks=forks)
+    )

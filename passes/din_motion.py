@@ -201,7 +201,8 @@ def _straight(ex: Motion, line: Part, rule: CodeRule, target: list[Position]) ->
 
 
 def _is_same(one: list[Position], other: list[Position]) -> bool:
-    return all(a.form == b.form and abs(a.value - b.value) < SAME for a, b in zip(one, other, strict=True))
+    places = ((contour_place(a), contour_place(b)) for a, b in zip(one, other, strict=True))
+    return all(a.form == b.form and abs(a.value - b.value) < SAME for a, b in places)
 
 
 def _use_feed(ex: Motion, line: Part, rule: CodeRule, target: list[Position]) -> None:
@@ -283,7 +284,8 @@ def _arc(ex: Motion, line: Part, rule: CodeRule, target: list[Position]) -> None
         names = f"{_word(ex, first)} and {_word(ex, second)}"
         raise Refusal(codes.ARC_SCALED.at(line.span, axes=f"{names} unequally", code="G39"))
     no_arc(ex, line)
-    start, end = (s.position[first], s.position[second]), (target[first], target[second])
+    start = contour_place(s.position[first]), contour_place(s.position[second])
+    end = contour_place(target[first]), contour_place(target[second])
     for a, b, axis in zip(start, end, (first, second), strict=True):
         difference = b.minus(a)
         if difference.form:

@@ -302,7 +302,7 @@ def places(*items: str, **changes: object) -> list[tuple[str, ...]]:
 
 def test_which_axes_are_beside_the_contour() -> None:
     moves = ("G01 X5 F100", "G00 Z3", "G01 X7 Y7", "G40", "G00 Z1", "G01 X9", "G01 X9 Y0")
-    assert places("T1", "G41", *moves) == ["~~=", "~~=", "~~=", "~~=", "~~=", "=~=", "==="]
+    assert places("T1", "G41", *moves) == ["~~=", "~~=", "~~=", "~~=", "~~=", "~~=", "=~=", "==="]
     assert places("T1", "G18", "G42", "G01 X5 F100", "G40", "G01 X0", "G01 Z0") == ["~=~", "~=~", "==~", "==="]
     assert places("T1", "G19", "G42", "G01 Y5 F100", "G40", "G01 Y0 Z0") == ["=~~", "=~~", "==="]
     # A distance from where the tool is nobody knows leads to no place that is known.
@@ -310,7 +310,7 @@ def test_which_axes_are_beside_the_contour() -> None:
     # Not a move, no correction; nothing left of it.
     assert places("T1", "G41", "G40", "G01 X5 F100") == ["==="]
     # Anywhere at a corner nobody can bound, and behind one without a radius.
-    assert places("T1", "G41", "G01 X9 F100", "G01 X0") == ["~~=", "~~=", "??=", "~~=", "~~="]
+    assert places("T1", "G41", "G01 X9 F100", "G01 X0") == ["~~=", "~~=", "~~=", "??=", "~~=", "~~="]
     assert places("T3", "G41", "G01 X9 F100") == ["??="]
 
 
@@ -353,3 +353,66 @@ def test_a_tool_table_that_nobody_states_is_none_that_is_switched_off() -> None:
         for _ in ex.run():
             pass
         assert (USUAL["tool_file"] in ex.assumed) == told
+
+
+FRAME = [
+    "T1", "G00 X30 Y0", "G42", "G01 X30 Y10 F100", "G01 X50 Y10", "G01 X50 Y40", "G01 X10 Y40", "G01 X10 Y10",
+    "G01 X28 Y10", "G40", "G01 X28 Y0",
+]  # fmt: skip
+"""Around a frame, a tool of radius 2 outside: every strategy goes 2 beside its sides, no further at its corners."""
+
+
+def near(trace: Trace, line: int) -> list[tuple[float, float]]:
+    """Where a line of the program may lead in X and Y."""
+    boxes = [box for at, box in spans(trace) if at == line][1:]
+    return [(min(b[k][0] for b in boxes), max(b[k][1] for b in boxes)) for k in (0, 1)]
+
+
+@pytest.mark.parametrize(("line", "box"), [(6, [(50, 52), (8, 42)]), (7, [(8, 52), (40, 42)]), (8, [(8, 10), (8, 42)])])
+def test_lines_with_known_neighbours_are_a_radius_away(line: int, box: list[tuple[float, float]]) -> None:
+    trace, findings = run(FRAME, on=shop(2.0, arc_tolerance=0.0))
+    assert labels(findings) == []
+    assert near(trace, line) == [pytest.approx(ends, abs=2e-6) for ends in box]
+
+
+def test_the_first_and_the_last_line_have_the_whole_envelope() -> None:
+    trace, _ = run(FRAME, on=shop(2.0, arc_tolerance=0.0))
+    assert near(trace, 4) == [(22.0, 38.0), (-8.0, 18.0)]
+    assert near(trace, 9) == [(2.0, 36.0), (2.0, 18.0)]
+
+
+def test_inside_corners_too() -> None:
+    inside = [line.replace("G42", "G41").replace("X30 Y0", "X30 Y20").replace("X28 Y0", "X28 Y20") for line in FRAME]
+    trace, findings = run(inside, on=shop(2.0, arc_tolerance=0.0))
+    assert labels(findings) == []
+    assert near(trace, 6) == [pytest.approx((48, 50), abs=2e-6), pytest.approx((8, 42), abs=2e-6)]
+
+
+@pytest.mark.parametrize("rest", [["G01 X10 Y40", "G01 X10 Y10"], ["G01 X90 Y40", "G01 X90 Y10"]])
+def test_a_line_before_two_outcomes_has_the_whole_envelope(rest: list[str]) -> None:
+    """What comes behind it is one of two: the corner of neither bounds it."""
+    before = [*FRAME[:6], ("if", "IN5 == 1", [rest[0]]), *rest, "G40", "G01 X0 Y0"]
+    trace, findings = run(before, on=shop(2.0, arc_tolerance=0.0))
+    assert "GP256" not in labels(findings)
+    assert near(trace, 6) == [(42.0, 58.0), (2.0, 48.0)]
+
+
+@pytest.mark.parametrize(
+    ("between", "tight"), [(["M0"], True), (["G04 1"], True), (["G01 Z-1"], True), (["G02 X50 Y20 I10 J5"], False)]
+)
+def test_what_comes_between_two_lines(between: list[str], tight: bool) -> None:
+    """A stop, a wait or a plunge changes no corner; one of an arc is not known as near."""
+    items = [*FRAME[:5], *between, *FRAME[5:]]
+    trace, findings = run(items, on=shop(2.0, arc_tolerance=0.0))
+    ends = near(trace, 7)
+    assert labels(findings) == []
+    assert (ends[0][1] == pytest.approx(52, abs=2e-6)) == tight
+    assert tight or ends[0][1] == 58.0
+
+
+def test_a_contour_of_very_many_lines_shares_one_envelope() -> None:
+    """Each symbol costs: beyond some hundred lines they are the same for all."""
+    lines = [f"G01 X{n} Y{n % 2 * 0.1}" for n in range(1, 900)]
+    trace, findings = run(["T1", "G41", "G01 X0.5 Y9 F100", *lines, "G40", "G01 Y50 X0"], on=shop(0.01))
+    assert not [f for f in findings.kept if f.severity.name == "ERROR"]
+    assert len(trace.symbols) < 600

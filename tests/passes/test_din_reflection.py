@@ -60,7 +60,7 @@ def test_arcs_keep_their_shape() -> None:
 
 
 def test_an_offset_that_nobody_knows_stays_open() -> None:
-    setup = dataclasses.replace(ZERO, default_offset=None)
+    setup = dataclasses.replace(ZERO, default_offset=None, active_work=None)
     assert "GP276" in labels(run(["G90 G22", "G00 X5", "G24"], setup=setup)[1])
 
 
@@ -101,5 +101,5 @@ def test_a_job_that_is_mirrored_as_a_whole_is_reported(lines: list[str], expecte
 
 
 def test_it_is_reported_at_the_code_and_once() -> None:
-    _, findings = run([("if", "IN5 == 2", ["G00 X9"]), "G21", "G00 X1"])
+    _, findings = run(["G21", ("if", "IN5 == 1", ["G00 X9"]), "G00 X1"])
     assert [f.message.split()[0] for f in findings.kept if f.code.number == 169] == ["G21"]
