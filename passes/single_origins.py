@@ -377,9 +377,15 @@ def _without(
 
 
 def _warn_kept(ex: Motion, line: Command, rule: CodeRule, axes: list[int]) -> None:
-    """GP335 for local coordinates and tool measures that the job has given to axes whose machine zero moves."""
+    """GP335 for local coordinates and tool measures that the job has given to axes whose machine zero moves.
+
+    A measure is there for being kept over G28, which then shows the tip above the table (Tool Length Offset).
+    """
     s = ex.modal
-    for places, what in ((s.g92, "a local zero (G92) is"), (s.tool_offset, "a tool measure (M37) is")):
+    kept = [(s.g92, "a local zero (G92) is")]
+    if rule.function is not F.HOME:
+        kept.append((s.tool_offset, "a tool measure (M37) is"))
+    for places, what in kept:
         moved = [axis for axis in axes if not places[axis].form and places[axis] != ZERO]
         if moved:
             names = " ".join(ex.machine.word(axis) for axis in moved)

@@ -326,6 +326,11 @@ class _Loader:
             parsed = self.lines.parse(" " * (place.column - 1) + text, place.file, place.line)
         except LineError as error:
             if _FILE_NAME.fullmatch(text.strip()):
+                if name != "start" and self.files.find(text) is not None:
+                    # The last thing that runs: that the file does is judged, that nothing does is the part before it.
+                    call = self.lines.parse(f"{' ' * (place.column - 1)}M98 {text.strip()}", place.file, place.line)
+                    assert isinstance(call, Call)
+                    return (dataclasses.replace(call, span=place),)
                 what = f"cmd{name}={text.strip()}, which names a file where a command should stand,"
                 return (Unsupported(what=what, span=place),)
             finding = error.finding(place.file, place.line)

@@ -176,5 +176,18 @@ def test_a_command_of_the_machine_concerns_the_jobs_that_run_it(key: str, comman
         if not runs:
             assert set(verdicts.values()) == {"SAFE"}, (job, codes)
             continue
-        # A name may be that of a file: never refuted. The others are mistakes.
+        # A name may be that of a file, which is not there: never refuted. The others are mistakes.
         assert verdicts["language"] == ("UNKNOWN" if command == "abort.mac" else "UNSAFE"), (job, codes)
+
+
+@pytest.mark.parametrize(("key", "verdict"), [("cmdabort", "UNSAFE"), ("cmdend", "SAFE"), ("cmdstart", "UNKNOWN")])
+def test_a_file_that_a_setting_names_is_followed_where_both_readings_are_judged(
+    key: str, verdict: str, tmp_path: Path
+) -> None:
+    """Behind the job the file runs, or nothing does; before it the job rests on which of the two."""
+    machine_with("auxin", tmp_path)
+    (tmp_path / "WINCNC.INI").write_text(f"{INI}{key}=last.mac\n", "utf-8")
+    (tmp_path / "last.mac").write_text("G53 X950\n" if key == "cmdabort" else "G53 X90\n", "utf-8")
+    job = QUIET + ("M99.1\n" if key == "cmdabort" else "")
+    verdicts, _ = judged(job, tmp_path)
+    assert verdicts["limits"] == verdict
