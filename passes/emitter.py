@@ -16,6 +16,7 @@ from gproof.ir.setup import Interval, Setup
 from gproof.ir.trace import Edge, Op, Trace, Wait
 from gproof.passes.beside import Ahead
 from gproof.passes.compiled import Condition, FastBlock
+from gproof.passes.consequences import Consequences
 from gproof.passes.din_facts import foreign
 from gproof.passes.din_state import fits, whole_numbers
 from gproof.passes.expressions import Evaluator
@@ -80,6 +81,7 @@ class Emitter:
         self.met_deleted = False
         self.blocks = 0
         self.assumed: dict[str, None] = {}
+        self._consequences = Consequences(program, findings)
         self.failed: Finding | None = None
         self.refused = False
         self._file = 0
@@ -175,7 +177,7 @@ class Emitter:
 
     def _fail(self, finding: Finding, *, told: bool = False) -> None:
         """Report a finding, unless another one that says as much is ``told`` already, and end what it ends."""
-        if not told:
+        if not told and not self._consequences.follows(finding):
             self.findings.add(finding)
         if finding.severity in (Severity.ERROR, Severity.UNKNOWN):
             if self.failed is None:
