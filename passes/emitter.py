@@ -105,7 +105,7 @@ class Emitter:
         self._start_system(setup)
         if program.rules.source_order:
             for what in foreign(setup, machine):
-                self._fail(codes.FOREIGN_FACT.at(Span(setup.name, 0), what=what))
+                self._fail(codes.FOREIGN_FACT.at(Span(setup.name, 1), what=what))
         # What is still to do, and what branches and loops keep of it: passes/branches.py, passes/loops.py.
         self.branches = 0
         self._stack: list[Frame] = [Frame(program.body)]
