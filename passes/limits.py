@@ -83,7 +83,8 @@ def _is_lost(form: Affine) -> bool:
 class _Offset:
     """What all rows under one unknown offset leave of it, whatever frame and guard they stand in.
 
-    low, high: its range; least, most: extent of the rows without it; span: the row that reaches highest.
+    low, high: its range; least, most: extent of the rows without it; span: the row that reaches highest; low_span,
+    high_span: the rows that bound the range.
     """
 
     def __init__(self, axis: Axis) -> None:
@@ -91,9 +92,15 @@ class _Offset:
         self.low, self.high = -math.inf, math.inf
         self.least, self.most = math.inf, -math.inf
         self.span = Span("", 0)
+        self.low_span = self.high_span = Span("", 0)
 
-    def within(self, room: tuple[float, float], least: float, most: float, span: Span) -> None:
-        """Rows from ``least`` to ``most`` that fit when the offset lies in ``room``."""
+    def within(self, room: tuple[float, float], least: float, most: float, spans: tuple[Span, Span]) -> None:
+        """Rows from ``least`` to ``most``, the lowest and the highest at ``spans``, fit with the offset in ``room``."""
+        span = spans[1]
+        if room[0] > self.low or not self.low_span.line:
+            self.low_span = spans[0]
+        if room[1] < self.high or not self.high_span.line:
+            self.high_span = spans[1]
         self.low, self.high = max(self.low, room[0]), min(self.high, room[1])
         if most > self.most:
             self.most, self.span = most, span
@@ -470,13 +477,13 @@ class Limits(Check):
             if not off:
                 self._need(axis, form, least, most)
             offset = offsets.setdefault(form, _Offset(axis))
-            offset.within(room, least, most, self._high_span[slot, index])
+            offset.within(room, least, most, (self._low_span[slot, index], self._high_span[slot, index]))
         form, at = self._start_forms[index], float(self._start[index])
         if axis is not None and form not in ((), UNKNOWN) and not _is_lost(form):
             # The path begins at the start: what GP306 says of a stated one is a condition on an unknown one.
             low, high = self.reaches[axis.name].stated[False]
             room = -math.inf if low is None else low - at, math.inf if high is None else high - at
-            offsets.setdefault(form, _Offset(axis)).within(room, at, at, self._first)
+            offsets.setdefault(form, _Offset(axis)).within(room, at, at, (self._first, self._first))
 
     def _endless(self, index: int, axis: Axis) -> bool:
         """Whether an axis turns and its machine's file gives it no limit of any kind: it may go wherever it is told."""
@@ -564,6 +571,7 @@ class Limits(Check):
         """Conditions that the setup does not already meet; findings where it can not or need not."""
         out = []
         rooms: dict[Affine, tuple[float, float]] = {}
+        needs: dict[Affine, Span] = {}
         assert self._first is not None and self._trace is not None
         for form, offset in sorted(found.items()):
             if offset.low > offset.high + 2 * ROUNDING:
@@ -574,19 +582,21 @@ class Limits(Check):
             if stated is not None:
                 if low - ROUNDING <= stated.low and stated.high <= high + ROUNDING:
                     continue
+                # The move that needs the side of the range which the statement does not keep.
+                needed = offset.low_span if stated.low < low - ROUNDING else offset.high_span
                 safe = f"{low:.4f} to {high:.4f}"
                 said = f"{round(stated.low, 6) + 0.0:g} to {round(stated.high, 6) + 0.0:g}"
                 if stated.high < low or stated.low > high:
                     self._errors += 1
                     self.findings.add(
                         codes.NO_SAFE_OFFSET.at(
-                            self._first, name=describe(form), extent=stated.high - stated.low, unit="mm",
+                            needed, name=describe(form), extent=stated.high - stated.low, unit="mm",
                             room=max(0.0, high - low), hint=f"safe for {safe} mm, and it is {said} mm",
                         )
                     )  # fmt: skip
                 else:
                     cause = f"its value: safe for {safe}, stated {said}"
-                    self.findings.add(codes.POSITION_UNKNOWN.at(self._first, axis=describe(form), cause=cause))
+                    self.findings.add(codes.POSITION_UNKNOWN.at(needed, axis=describe(form), cause=cause))
                 continue
             if low > high or (low == -math.inf and high == math.inf):
                 continue
@@ -594,7 +604,7 @@ class Limits(Check):
             if arising:
                 span = form_interval(arising, self.setup, self._trace)
                 if span is None or not rest or low - span.low > high - span.high:
-                    self.findings.add(codes.POSITION_UNKNOWN.at(self._first, axis=offset.axis.word,
+                    self.findings.add(codes.POSITION_UNKNOWN.at(offset.span, axis=offset.axis.word,
                                                                 cause=describe(form)))  # fmt: skip
                     continue
                 low, high = low - span.low, high - span.high
@@ -603,11 +613,15 @@ class Limits(Check):
                 said = f"{describe(rest)} lies {where} (machine coordinates)"
                 self._assumptions.append(said)
             before = rooms.get(rest, (-math.inf, math.inf))
+            if low > before[0]:
+                needs[rest] = offset.low_span
             rooms[rest] = max(before[0], low), min(before[1], high)
         for form, (low, high) in sorted(rooms.items()):
             if low > high:
                 cause = f"no {describe(form)} suits the whole job"
-                self.findings.add(codes.POSITION_UNKNOWN.at(self._first, axis=describe(form), cause=cause))
+                self.findings.add(
+                    codes.POSITION_UNKNOWN.at(needs.get(form, self._first), axis=describe(form), cause=cause)
+                )
             else:
                 out.append(Condition(terms=form, low=low, high=high))
         return tuple(out)

@@ -32,6 +32,7 @@ from gproof.passes.placing import Placing, Reason, Tips
 from gproof.passes.stock_fields import MOST_CELLS, Field, Remains, field_of, remains_of
 from gproof.passes.stock_kernels import (
     DEPTH,
+    END,
     FLUTES,
     FROM_START,
     HEIGHT,
@@ -246,13 +247,16 @@ class StockLeft(Check):
         self._tell(chunk, whole, told, amount)
 
     def _bits(self, chunk: Chunk, placed: Placed, tips: Tips) -> npt.NDArray[np.int64]:
-        """By row the bits HEIGHT, PLACE and START: what comes from the start is taken to be free, or, where a range is
-        stated for that, is free where all of the range is."""
+        """By row the bits HEIGHT, PLACE, START and END.
+
+        What comes from the start is taken to be free, or, where a range is stated for that, is free where all of the
+        range is.
+        """
         known = tips.axes[:, 2] * HEIGHT + (tips.axes[:, 0] & tips.axes[:, 1]) * PLACE
         start = tips.reason == Reason.START
         for row in np.flatnonzero(start).tolist() if self._ranged else ():
             start[row] = not self._may_meet(chunk, row, placed, int(tips.tool[row]))
-        known += start * START
+        known += start * START + tips.end_known.all(axis=1) * END
         found: npt.NDArray[np.int64] = known.astype(np.int64)
         return found
 

@@ -29,7 +29,7 @@ KINDS = 5
 THROUGH, FLUTES, DEPTH, SHANK, HOLDER = range(KINDS)
 CLEAR, MAYBE, SURE, NO_PLACE, NO_SHAPE, FROM_START = range(6)
 """What is told: nothing; may be; is; the place, or the tool's shape, is not known; the way from an unknown start."""
-HEIGHT, PLACE, START = 1, 2, 4
+HEIGHT, PLACE, START, END = 1, 2, 4, 8
 """What is known of a row, bits: Z, X and Y, and that all else rests on where the axes stood at the beginning."""
 LOOKED = 4096
 """After so many rows the highest place that is left is looked for again."""
@@ -228,10 +228,10 @@ def less_line(line: Any, lower: Any, least: float) -> None:
 
 @kernel(compile_seconds=1.5)
 def remove(
-    upper: Any, lower: Any, grid: Any, tool: Any, chord: Any, beside: float, beneath: float, again: bool, top: float,
-    line: Any, most: Any,
+    upper: Any, lower: Any, grid: Any, tool: Any, chord: Any, beside: float, beneath: float, again: bool, later: bool,
+    top: float, line: Any, most: Any,
 ) -> None:  # fmt: skip
-    """Take away what a tool cuts on a straight line.
+    """Take away what a tool cuts on a straight line; later: ``lower`` goes down afterwards.
 
     tool: as in ``follow``; chord: (ax, ay, az, bx, by, bz) of the tip; beside, beneath: mm
     that the tool may be off it in X-Y and in Z; again: the same tool has cut up to the begin, as far off; top: of all
@@ -301,7 +301,8 @@ def remove(
                     if was <= reach:
                         upper[row - 1, i] = gone if gone > floor else -INF
             before_low, before_high = low, high
-    lessen(lower, grid, family, tool[1], tool[2], k, chord, beside, beneath, again, line)
+    if not later:
+        lessen(lower, grid, family, tool[1], tool[2], k, chord, beside, beneath, again, line)
 
 
 @kernel(compile_seconds=0.8)
@@ -538,12 +539,30 @@ def near(grid: Any, upper: Any, wide: float, chord: Any) -> bool:
 
 
 @kernel(compile_seconds=0.3)
+def enter_loose(
+    upper: Any, lower: Any, grid: Any, shape: Any, certain: float, chord: Any, loose: bool, clearance: float,
+    beside: float, beneath: float, box: Any,
+) -> tuple[int, float]:  # fmt: skip
+    """``enter``; of a way that may be any, its end is certain: what stands there was entered on whichever way."""
+    answer, into = enter(upper, lower, grid, shape, certain, chord, loose, clearance, beside, beneath, box)
+    if not loose or answer != MAYBE:
+        return answer, into
+    x, y, z = chord[0], chord[1], chord[2]
+    chord[0], chord[1], chord[2] = chord[3], chord[4], chord[5]
+    at_end, deep = enter(upper, lower, grid, shape, certain, chord, False, clearance, beside, beneath, box)
+    chord[0], chord[1], chord[2] = x, y, z
+    if at_end == SURE:
+        return at_end, deep
+    return answer, into
+
+
+@kernel(compile_seconds=0.3)
 def through(
     upper: Any, lower: Any, grid: Any, tool: Any, chord: Any, loose: bool, clearance: float, beside: float,
     beneath: float, box: Any, line: Any, told: Any, amount: Any,
 ) -> None:  # fmt: skip
     """A traverse on a straight line: told and amount of its row, and what it may have cut."""
-    answer, into = enter(upper, lower, grid, tool, tool[10], chord, loose, clearance, beside, beneath, box)
+    answer, into = enter_loose(upper, lower, grid, tool, tool[10], chord, loose, clearance, beside, beneath, box)
     if answer == CLEAR:
         return
     told[THROUGH], amount[THROUGH] = answer, into
@@ -561,15 +580,15 @@ def follow(
 ) -> None:  # fmt: skip
     """Follow rows of the trace through a field, which is updated.
 
-    start, end, center: (n, 3) of the tip in the field's coordinates; known: (n,) bits HEIGHT, PLACE, START; tool_of:
-    (n,) index in ``tools``; beside_of, bow_of: (n,) mm that the controller may leave the path, and an arc in its plane;
-    loose_of: (n,) 1 where a traverse may be anywhere between its ends; tools: (t, 11) family, R, c, k, 0, flutes,
-    greatest depth, heights over the tip from which on nothing of the tool is known, up to which it cuts, and from which
-    on it is thinner than R, and the radius within which its shape is certain; family -1: shape not known; parts: (t, p,
-    6) what does not cut: (family, R, c, k, up, column of ``told``), R 0 for none; clearance: of traverses; memory:
-    (MEMORY,) where the tool is: (known, x, y, lowest z there, tool, index in places), the highest stock, rows so far,
-    by how much the way of a feed to there may have been off, -1 for no feed, index in lines, 1 behind a way straight
-    down, up to which height nothing is over it; places: (m, 5) where it has stood: (tool, x, y, z, that height);
+    start, end, center: (n, 3) of the tip in the field's coordinates; known: (n,) bits HEIGHT, PLACE, START, END;
+    tool_of: (n,) index in ``tools``; beside_of, bow_of: (n,) mm that the controller may leave the path, and an arc in
+    its plane; loose_of: (n,) 1 where a traverse may be anywhere between its ends; tools: (t, 11) family, R, c, k, 0,
+    flutes, greatest depth, heights over the tip from which on nothing of the tool is known, up to which it cuts, and
+    from which on it is thinner than R, and the radius within which its shape is certain; family -1: shape not known;
+    parts: (t, p, 6) what does not cut: (family, R, c, k, up, column of ``told``), R 0 for none; clearance: of
+    traverses; memory: (MEMORY,) where the tool is: (known, x, y, lowest z there, tool, index in places), the highest
+    stock, rows so far, by how much the way of a feed to there may have been off, -1 for no feed, index in lines, 1
+    behind a way straight down, up to which height nothing is over it; places: (m, 5) where it has stood: (tool, x, y, z, that height);
     lines: (m, 8) where feeds went: as in ``is_retraced``; told, amount: (n, KINDS), amounts in mm.
     """
     chord, box, most = np.zeros(6), np.zeros(4), np.zeros(4)
@@ -596,7 +615,16 @@ def follow(
             memory[0] = 0.0
             if known[row] & HEIGHT and o != ARC and min(az, bz) - slack - clearance >= top - TOUCH:
                 continue
-            if known[row] & START and o == TRAVERSE:
+            answer, into = CLEAR, 0.0
+            if known[row] & END and o == TRAVERSE and tools[t, 0] >= 0.0:
+                # Wherever it comes from: what stands at its end, it enters.
+                chord[0], chord[1], chord[2] = bx, by, bz
+                chord[3], chord[4], chord[5] = bx, by, bz
+                answer, into = enter(upper, lower, grid, tools[t], tools[t, 10], chord, False, 0.0, slack, slack, box)
+            if answer == SURE:
+                told[row, THROUGH], amount[row, THROUGH] = answer, into
+                lower[:, :] = -INF
+            elif known[row] & START and o == TRAVERSE:
                 told[row, THROUGH] = FROM_START
             else:
                 told[row, THROUGH] = NO_PLACE
@@ -717,6 +745,9 @@ def follow(
                 beneath += off
         chord[0], chord[1], chord[2] = ax, ay, az
         most[0] = most[1] = most[2] = most[3] = -INF
+        # On a level arc a cell is cut by one chord after the other, all of them as deep: what stood there before the
+        # first of them says how deep.
+        level = o == ARC and w == 2 and az == bz
         for piece in range(count):
             chord[3], chord[4], chord[5] = bx, by, bz
             if piece + 1 < count:
@@ -739,18 +770,32 @@ def follow(
                         line, told[row], amount[row],
                     )  # fmt: skip
             elif low_z < top and near(grid, upper, tools[t, 1] + slack + off, chord):
-                remove(upper, lower, grid, tools[t], chord, slack + off, beneath, again, top, line, most)
+                remove(upper, lower, grid, tools[t], chord, slack + off, beneath, again, level, top, line, most)
             for n in range(parts.shape[1]):
                 wide = parts[t, n, 1] + slack + off
                 if parts[t, n, 1] <= 0.0 or low_z + parts[t, n, 4] >= top or not near(grid, upper, wide, chord):
                     continue
-                answer, into = enter(
+                answer, into = enter_loose(
                     upper, lower, grid, parts[t, n], parts[t, n, 1], chord, loose, 0.0, slack + off, beneath, box
                 )
                 kind = int(parts[t, n, 5])
                 if answer > told[row, kind] or (answer == told[row, kind] and into > amount[row, kind]):
                     told[row, kind], amount[row, kind] = answer, into
             chord[0], chord[1], chord[2] = chord[3], chord[4], chord[5]
+        if level and az - beneath < top:
+            chord[0], chord[1], chord[2] = ax, ay, az
+            for piece in range(count):
+                chord[3], chord[4], chord[5] = bx, by, bz
+                if piece + 1 < count:
+                    done = (piece + 1) / count
+                    r = first_r + (last_r - first_r) * done
+                    chord[3] = center[row, 0] + r * math.cos(angle + sweep * done)
+                    chord[4] = center[row, 1] + r * math.sin(angle + sweep * done)
+                lessen(
+                    lower, grid, int(tools[t, 0]), tools[t, 1], tools[t, 2], tools[t, 3], chord, slack + off, beneath,
+                    piece > 0, line,
+                )  # fmt: skip
+                chord[0], chord[1], chord[2] = chord[3], chord[4], chord[5]
         if o == TRAVERSE and told[row, THROUGH] == CLEAR:
             memory[11] = INF
         for kind in range(2):

@@ -22,14 +22,14 @@ from gproof.ir.columns import Columns, occurring
 from gproof.ir.finding import Findings, Span
 from gproof.ir.machine import AXIS_NAMES, Area, Machine
 from gproof.ir.setup import ZERO, Setup
-from gproof.ir.trace import HEIGHT_MAP, UNKNOWN, Chunk, Op, Plane, State
+from gproof.ir.trace import HEIGHT_MAP, UNKNOWN, Affine, Chunk, Op, Plane, State, Trace
 from gproof.ir.verdict import Condition
-from gproof.passes.check import row_span
+from gproof.passes.check import form_interval, row_span
 from gproof.passes.extent_kernels import arc_extreme, row_boxes, rows_near
 from gproof.passes.height_map import Heights
 from gproof.passes.spindle_tool import entries
 from gproof.passes.tip_ranges import homing
-from gproof.passes.values import Position
+from gproof.passes.values import Position, add_forms
 from gproof.passes.zone_offsets import EVERYWHERE, OpenPlaces, Ranges, View
 from gproof.passes.zone_shapes import (
     IN_PLANE,
@@ -224,11 +224,16 @@ class ZoneCheck:
         near = near[(mine & both)[near]]
         for row in self._sorted_out(chunk, view, near).tolist():
             self._row(chunk, row, view)
-        if not view.off and (mine & ~both).any() and self._hears is not None:
+        open_ = mine & ~both
+        if view.off or not open_.any():
+            return
+        if self._hears is not None:
             name = "the tool change area" if self._change else f"the zone {self.area.name}"
-            self._hears(name, view, chunk, mine & ~both, self._straight)
-        elif not view.off and (mine & ~both).any():
-            self._collect(chunk, number, mine, known, both)
+            self._hears(name, view, chunk, open_, self._straight)
+            return
+        open_ &= ~self._clear(chunk, view, open_)
+        if open_.any():
+            self._collect(chunk, number, known, open_)
 
     def _sorted_out(self, chunk: Chunk, view: View, near: npt.NDArray[np.int64]) -> npt.NDArray[np.int64]:
         """Rows without the straight ones that are far from a polygon, where there are many."""
@@ -323,9 +328,49 @@ class ZoneCheck:
 
     # -- places that nobody knows
 
+    def _clear(self, chunk: Chunk, view: View, open_: npt.NDArray[np.bool_]) -> npt.NDArray[np.bool_]:
+        """(n,): rows that stay beyond a face of the zone's box for all values of what they rest on."""
+        rows, trace = chunk.rows, chunk.trace
+        clear = np.zeros(len(rows), dtype=bool)
+        at = np.flatnonzero(open_)
+        ends = rows["to"][at, :3], chunk.starts()[at, :3]
+        frames = rows["frame"][at], chunk.start_frames()[at]
+        low, high = np.full((len(at), 3), math.inf), np.full((len(at), 3), -math.inf)
+        for places, numbers in zip(ends, frames, strict=True):
+            for frame in occurring(numbers):
+                spot = numbers == frame
+                for axis, (least, most) in enumerate(self._spread(trace, view, frame)):
+                    low[spot, axis] = np.minimum(low[spot, axis], places[spot, axis] + least)
+                    high[spot, axis] = np.maximum(high[spot, axis], places[spot, axis] + most)
+        # A circle around all of an arc, which is more than it needs.
+        arcs = np.flatnonzero(rows["op"][at] == Op.ARC)
+        if len(arcs):
+            off = np.maximum(*(np.abs(one[arcs] - rows["center"][at[arcs]]) for one in ends))
+            radius = np.hypot(np.hypot(off[:, 0], off[:, 1]), off[:, 2])[:, np.newaxis]
+            low[arcs], high[arcs] = low[arcs] - 2.0 * radius, high[arcs] + 2.0 * radius
+        face_low, face_high = np.array([b[0] for b in view.box]), np.array([b[1] for b in view.box])
+        clear[at] = ((high <= face_low) | (low >= face_high)).any(axis=1)
+        return clear
+
+    def _spread(self, trace: Trace, view: View, frame: int) -> list[Pair]:
+        """By axis, between what positions of a frame lie beside the zone, less their numbers."""
+        found: list[Pair] = []
+        for axis, (own, base) in enumerate(zip(trace.frames[frame][:3], view.form, strict=True)):
+            ends = self._range_of(trace, own, base)
+            if axis == 2 and view.tip is not None:
+                low, high = self._range_of(trace, own, view.tip.form)
+                ends = min(ends[0], low - view.tip.value), max(ends[1], high - view.tip.value)
+            found.append(ends)
+        return found
+
+    def _range_of(self, trace: Trace, own: Affine, base: Affine) -> Pair:
+        if UNKNOWN in (own, base):
+            return EVERYWHERE
+        known = form_interval(add_forms(own, base, -1), self.setup, trace)
+        return EVERYWHERE if known is None else (known.low, known.high)
+
     def _collect(
-        self, chunk: Chunk, number: int, mine: npt.NDArray[np.bool_], known: npt.NDArray[np.bool_],
-        both: npt.NDArray[np.bool_],
+        self, chunk: Chunk, number: int, known: npt.NDArray[np.bool_], open_: npt.NDArray[np.bool_]
     ) -> None:  # fmt: skip
         """Extents by frame of the rows that do not lie in known frames from end to end."""
         rows, trace = chunk.rows, chunk.trace
@@ -334,17 +379,18 @@ class ZoneCheck:
         index = np.zeros((2 * frames, 6), dtype=np.int64)
         none = np.zeros(0, dtype=np.int64)
         others = np.array([view != number for view in self._of_state], dtype=np.int64)
+        # What is clear, or known, is as if it stood still.
+        op = np.where(open_, rows["op"], np.uint8(Op.DWELL))
         row_boxes.pick(chunk.work)(
-            rows["op"], rows["to"], rows["center"], rows["turns"], rows["plane"], rows["frame"], others,
+            op, rows["to"], rows["center"], rows["turns"], rows["plane"], rows["frame"], others,
             rows["state"], np.array(chunk.start, dtype=np.float64), np.zeros((frames, 6), dtype=np.uint8),
             np.full((2, 6), -math.inf), np.full((2, 6), math.inf), low, high, index, index.copy(), none,
             none, np.zeros(0), np.zeros((0, 2)),
         )  # fmt: skip
         before, befores = chunk.start_frames(), chunk.starts()
-        for frame in occurring(rows["frame"]):
+        for frame in occurring(rows["frame"][open_]):
             if not known[frame] and high[2 * frame, 0] >= low[2 * frame, 0]:
                 self._open.widen(number, frame, low[2 * frame, :3], high[2 * frame, :3])
-        open_ = mine & ~both
         for frame in occurring(before[open_]):
             starts = befores[open_ & (before == frame), :3]
             self._open.widen(number, frame, starts.min(axis=0), starts.max(axis=0))
@@ -352,7 +398,7 @@ class ZoneCheck:
         for row in np.flatnonzero(open_ & known[rows["frame"]]).tolist():
             self._open.widen(number, int(rows["frame"][row]), *row_box(rows, row, befores[row]))
         if self._symbolic is None:
-            self._symbolic = row_span(trace, rows, 0)
+            self._symbolic = row_span(trace, rows, int(np.argmax(open_)))
 
     def conditions(self, given: Ranges) -> tuple[Condition, ...]:
         """What keeps the rest of the path beside the zone; given: what is asked of offsets anyway."""

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import dataclasses
+import random
 from pathlib import Path
 
 import numpy as np
 import pytest
+import shapely
 from passes.stock_jobs import FLAT, MACHINE, START, Judged
 
 from gproof.ir.columns import Columns
@@ -156,3 +158,85 @@ def test_fields_that_would_be_too_many_start_from_whole_stock(
     begin, end = "G0 Z5\nG0 X25 Y20\nif [#100 > 0]\n" + CUT, "endif\nG0 Z-1\nG0 Z5\nM30\n"
     assert Judged(tmp_path, begin + "else\n" + CUT + end).verdict == "UNKNOWN"
     assert Judged(tmp_path, CUT + "M0\nG0 Z-1\nG0 Z5\nM30\n", start=START + "G0 Z5\nG0 X25 Y20\n").verdict == "SAFE"
+
+
+@pytest.mark.parametrize("straight", ["true", "false"])
+@pytest.mark.parametrize(
+    ("text", "setup", "expected"),
+    [
+        ("G0 Z5\nG0 X25 Y20 Z-5\nM30\n", "", ("UNSAFE", [(2, 435)])),
+        ("G0 X25 Y20 Z-5\nM30\n", "", ("UNSAFE", [(1, 435)])),
+        ("G0 X25 Y20 Z-5\nM30\n", "start = {x = [-90.0, 90.0], y = 0.0, z = 50.0}\n", ("UNSAFE", [(1, 435)])),
+        # The end lies beside the block, or above it.
+        ("G0 X-3.1 Y20 Z-5\nM30\n", "", ("SAFE", [])),
+        ("G0 X25 Y20 Z0.1\nM30\n", "", ("SAFE", [])),
+    ],
+)
+def test_a_traverse_whose_end_is_in_stock_is_refuted_whatever_its_way(
+    tmp_path: Path, text: str, setup: str, expected: tuple[str, list[tuple[int, int]]], straight: str
+) -> None:
+    machine = MACHINE + f"[controller]\nstraight_traverse = {straight}\n"
+    job = Judged(
+        tmp_path, text, machine=machine, setup=setup + "[work.1]\nx = 0.0\ny = 0.0\nz = 0.0\n" if setup else ""
+    )
+    assert (job.verdict, job.told()) == expected
+
+
+def test_an_end_in_what_was_cut_is_not_refuted(tmp_path: Path) -> None:
+    """Down at random places, then a traverse of any way to somewhere: an error only where its end is not all cut."""
+    machine = MACHINE + "[controller]\nstraight_traverse = false\n"
+    seen = set()
+    for seed in range(40):
+        rng = random.Random(f"ends {seed}")
+        holes = [(rng.uniform(0, 50), rng.uniform(0, 40)) for _ in range(rng.randrange(1, 5))]
+        text = "".join(f"G0 Z5\nG0 X{x:.3f} Y{y:.3f}\nG1 Z-8\n" for x, y in holes)
+        x, y = rng.choice(holes)
+        x, y = x + rng.choice((0.0, 0.2, 1.5)), y + rng.uniform(-0.5, 0.5)
+        text += f"G0 Z5\nG0 X-20 Y-20\nG0 X{x:.3f} Y{y:.3f} Z-5\nM30\n"
+        job = Judged(tmp_path, text, machine=machine, cell=0.25)
+        end = shapely.Point(x, y).buffer(3.0, 64).intersection(shapely.box(0, 0, 50, 40))
+        left = end.difference(shapely.union_all([shapely.Point(*hole).buffer(3.001, 64) for hole in holes]))
+        if (3 * len(holes) + 3, 435) in job.told():
+            assert left.area > 0.0, f"seed {seed}\n{text}"
+        elif left.buffer(-0.4).area > 0.0:
+            raise AssertionError(f"seed {seed}: not refuted\n{text}")
+        seen.add(job.verdict)
+    assert "UNSAFE" in seen
+    assert "UNKNOWN" in seen
+
+
+@pytest.mark.parametrize(("depth", "expected"), [(5.0, [(4, 438)]), (2.01, [(4, 438)]), (2.0, []), (1.9, [])])
+@pytest.mark.parametrize("move", ["G2 X30 Y20 I20 J0", "G3 X30 Y20 R25", "G1 X30 Y20"])
+def test_the_greatest_depth_holds_on_arcs_as_on_lines(
+    tmp_path: Path, move: str, depth: float, expected: list[tuple[int, int]]
+) -> None:
+    tool = dataclasses.replace(FLAT, max_depth=2.0)
+    job = Judged(tmp_path, f"G0 Z5\nG0 X-10 Y20\nG1 Z-{depth}\n{move}\nG0 Z5\nM30\n", tools=(tool,))
+    assert job.told() == expected
+
+
+def test_arcs_over_what_was_cut_are_as_deep_as_what_is_left(tmp_path: Path) -> None:
+    """A slot, then a level arc over it: too deep for certain only where some of the arc's way was uncut enough."""
+    tool = dataclasses.replace(FLAT, max_depth=3.0)
+    seen = set()
+    for seed in range(40):
+        rng = random.Random(f"arcs {seed}")
+        first, second = rng.uniform(1.0, 2.9), rng.uniform(2.0, 5.9)
+        y, wide = rng.uniform(5, 35), rng.uniform(8, 20)
+        sign, code = rng.choice(((1, "G3"), (-1, "G2")))
+        text = f"G0 Z5\nG0 X-10 Y{y:.3f}\nG1 Z-{first:.3f}\nG1 X60\nG0 Z5\n"
+        text += f"G0 X{25 - wide:.3f} Y{y:.3f}\nG1 Z-{second:.3f}\n"
+        text += f"{code} X{25 + wide:.3f} Y{y:.3f} I{wide:.3f} J0\nG0 Z5\nM30\n"
+        job = Judged(tmp_path, text, tools=(tool,))
+        angles = np.linspace(np.pi, np.pi + sign * np.pi, 400)
+        way = shapely.LineString(np.stack([25 + wide * np.cos(angles), y + wide * np.sin(angles)], axis=1))
+        cut = way.buffer(3.0, 64).intersection(shapely.box(0, 0, 50, 40))
+        slot = shapely.LineString([(-10, y), (60, y)]).buffer(3.0, 64)
+        fresh = cut.difference(slot).area > 0.0 and second > 3.0
+        again = cut.intersection(slot).area > 0.0 and second - first > 3.0
+        told = (8, 438) in job.told()
+        assert not told or fresh or again, f"seed {seed}\n{text}"
+        wholly = cut.difference(slot).buffer(-1.0).area > 0.0 and second > 3.001
+        assert told or not wholly, f"seed {seed}: not told\n{text}{job.told()}"
+        seen.add(told)
+    assert seen == {True, False}

@@ -16,7 +16,8 @@ WORK = "[work.1]\nx = 0.0\ny = 0.0\nz = 0.0\n"
 
 
 def ranges(judgement: Judgement, name: str) -> dict[str, tuple[float, float]]:
-    return {" + ".join(symbol for symbol, _ in c.terms): (c.low, c.high) for c in answer(judgement, name).conditions}
+    found = answer(judgement, name).conditions
+    return {" + ".join(symbol for symbol, _ in c.terms): (round(c.low, 6), round(c.high, 6)) for c in found}
 
 
 def said(judgement: Judgement) -> list[tuple[str, int]]:
