@@ -588,8 +588,8 @@ def follow(
     parts: (t, p, 6) what does not cut: (family, R, c, k, up, column of ``told``), R 0 for none; clearance: of
     traverses; memory: (MEMORY,) where the tool is: (known, x, y, lowest z there, tool, index in places), the highest
     stock, rows so far, by how much the way of a feed to there may have been off, -1 for no feed, index in lines, 1
-    behind a way straight down, up to which height nothing is over it; places: (m, 5) where it has stood: (tool, x, y, z, that height);
-    lines: (m, 8) where feeds went: as in ``is_retraced``; told, amount: (n, KINDS), amounts in mm.
+    behind a way straight down, up to which height nothing is over it; places: (m, 5) where it has stood: (tool, x, y,
+    z, that height); lines: (m, 8) where feeds went: as in ``is_retraced``; told, amount: (n, KINDS), amounts in mm.
     """
     chord, box, most = np.zeros(6), np.zeros(4), np.zeros(4)
     line = np.zeros((2, upper.shape[1] + 1))
