@@ -109,8 +109,7 @@ class Areas(Check):
             out.append("homing moves keep out of the tool change area")
         if self._kept:
             out.append(
-                "in keep-out zones tools are as wide as the tool table says, with the shanks and holders that it "
-                "places, and points where it says nothing"
+                "in keep-out zones tools are as wide as the tool table says, with the shanks and holders that it places"
             )
             if self.machine.controller.controls.smoothing:
                 out.append("the controller rounds no corner as far as a keep-out zone")

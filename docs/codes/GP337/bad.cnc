@@ -1,7 +1,7 @@
-G21 G17 G90 G94 G40 G49 G54       ; expect: GP337
+G21 G17 G90 G94 G40 G49 G54
 ; around three sides of the column
 F600
-G53 G0 Z0
+G53 G0 Z0                         ; expect: GP337
 G0 X50 Y50
 G1 Z-20
 G1 X450
