@@ -119,3 +119,13 @@ TURNED = EDING.but(
 SLIT = "tanknife on; G0 X1; G1 X5 F100; G1 Y5; G1 X2 Y7; G1 X0 Y7.1; M30"
 for name, value in (("angle", 170.0), ("lift", 9.0), ("blend_angle", 80.0), ("blend_distance", 30.0)):
     w(f"Knife.{name}", TURNED, SLIT, f"machine.knife.{name}", value)
+
+SHORT = "G0 X0; " + "; ".join(f"G1 X{n / 100} F5000" for n in range(1, 40)) + "; M30"
+w("Controller.interpolation_time", EDING, SHORT, "machine.controller.interpolation_time", 0.1)
+w("Knife.axis", TURNED, SLIT, "machine.knife.axis", "b")
+NEARLY = "tanknife on; G0 X1; G1 X5 F100; G1 X5.1 Y0.01; G1 X9 Y0.4; M30"
+BLENDING = TURNED.but(*m(("machine.knife.blend_angle", 30.0), ("machine.knife.blend_distance", 5.0)))
+for name, value in (("blend_angle", 0.01), ("blend_distance", 0.0)):
+    w(f"Knife.{name}", BLENDING, NEARLY, f"machine.knife.{name}", value)
+BACK = "G0 X1; " + "G1 X1.01 F5000; G1 X1; " * 9 + "M30"
+w("Board.direction_setup", EDING, BACK, "machine.board.direction_setup", 0.01)

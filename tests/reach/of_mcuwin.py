@@ -63,3 +63,13 @@ for name, value in (("plane", "zx"), ("number", 2), ("radius", 150.0), ("length"
         f"{D}.tools.0.{name}",
         value,
     )
+
+ROUND = "G90 G71; G60 X Y; G00 X10 Y10; G01 X20 F100; M210; G01 Y10; G01 X30; M30"
+w("TaskCode.breaks", TASKED, "G90 G71; G01 X20 F100; M210; X30; M30", f"{D}.tasks.0.breaks", True)
+w("TaskCode.parameters", TASKED, "G90 G71; G01 X20 F100; M210 5; X30; M30", f"{D}.tasks.0.parameters", 1)
+w("Din.version", KNOWN, "G90 G71; G00 X10; $if 1 = 1 then; G00 X20; $endif; M30", f"{D}.version", "2.5.3.32")
+UNITLESS = KNOWN.but(*m(("machine.axes.0.position_unit", None)))
+w("Din.position_unit", UNITLESS, "G90; G01 X10 F300; M30", f"{D}.position_unit", 25.4)
+w("Din.position_unit", KNOWN, "G90; G01 X10 F300; M30", f"{D}.position_unit", 25.4)
+w("Din.tools", KNOWN, "G90 G71; T1; G00 X10; M30", f"{D}.tools", ())
+w("Din.tasks", KNOWN, "G90 G71; G00 X10; M210; M30", f"{D}.tasks", ())

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from reach.scenes import BLOCKED, CUT, DEEP, MADE, ROTARY_A, ROUTER, SPUN
 from reach.witness import Witnesses, m
-from reach.worlds import EDING, HOME, WINCNC, exactly
+from reach.worlds import BLOCK, EDING, HOME, WINCNC, exactly
 
 from gproof.ir.machine import Area
 from gproof.ir.setup import CylinderMap, HeightMap, InForce, Interval, StoredPosition
@@ -136,3 +136,13 @@ w("Cylinder.x", MADE, FULL, "setup.workpiece.fixtures.0.body.x", -10.0)
 w("Cylinder.radius", MADE, FULL, "setup.workpiece.fixtures.0.body.radius", 25.0)
 for name, value in (("low", (0.0, 0.0, -1.0)), ("high", (120.0, 80.0, -3.0))):
     w(f"Box.{name}", MADE, FULL, f"setup.workpiece.stock.0.body.{name}", value)
+
+w("Workpiece.cell", MADE, FULL.replace("G0 X-12", "G0 X45"), "setup.workpiece.cell", 9.0)
+w("Workpiece.fixtures", MADE, DEEP.replace("X-10", "X-18"), "setup.workpiece.fixtures", ())
+w("Workpiece.stock", MADE, FULL.replace("G0 X-12", "G0 X45"), "setup.workpiece.stock", ())
+SLAB = MADE.with_setup(workpiece=BLOCK)
+OVER = "G21 G90 G17; M3 S1000; G0 G43 H1 X10 Y40 Z5; G0 X-20 Z13; G0 X60 Y70 Z-1; M30"
+w("Box.low", SLAB, OVER, "setup.workpiece.stock.0.body.low", (70.0, 0.0, -15.0))
+w("Box.high", SLAB, OVER, "setup.workpiece.stock.0.body.high", (120.0, 60.0, -2.0))
+w("Box.high", SLAB, OVER, "setup.workpiece.fixtures.0.body.high", (-4.0, 48.0, 16.0))
+w("Prism.error", MADE, DEEP.replace("X30", "X16.9"), "setup.workpiece.part.0.body.error", 3.0)

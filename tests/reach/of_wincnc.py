@@ -5,7 +5,7 @@ from __future__ import annotations
 from reach.witness import Witnesses, m
 from reach.worlds import WINCNC, World, exactly
 
-from gproof.ir.controls import SawMode, TorchControl, Workspace
+from gproof.ir.controls import KnifeMode, SawMode, TorchControl, Workspace
 from gproof.ir.machine import Area, AxisKind, Tool
 
 w = Witnesses()
@@ -30,6 +30,8 @@ w("Controls.arc_tolerance", WINCNC, ARC, f"{K}.arc_tolerance", 1e-9)
 w("Controls.smallest_arc", WINCNC, ARC, f"{K}.smallest_arc", 100.0)
 w("Controls.arcs_modal", WINCNC, ARC.replace("; M12C1", "; X3 Y1 I0 J-1"), f"{K}.arcs_modal", True)
 w("Controls.feed_groups", WINCNC, "M11C1; G1 X1 Z0 F60; G1 Z-.01", f"{K}.feed_groups", ("xyz",))
+w("Controls.feed_groups", WINCNC, "M11C1; G1 Z0 F30; G1 Z-.01; G1 X1; G1 X2 Z0", f"{K}.feed_groups", ())
+w("Controls.feed_groups", WINCNC, "M11C1; G1 X1 F60; G1 X2; G1 Z-.01", f"{K}.feed_groups", ("xyz",))
 w("Controls.command_group", WINCNC, "M11C1; F60; G1 X1", f"{K}.command_group", "z")
 w("Controls.soft_limits", WINCNC, "G0 X90", f"{K}.soft_limits", False)
 w("Controls.limits_available", WINCNC, "L22; G0 X90", f"{K}.limits_available", False)
@@ -145,6 +147,18 @@ for name, value in (
 ):  # fmt: skip
     w(f"KnifeMode.{name}", NC, KNIFE, f"{K}.knife.{name}", value)
 w("Controls.knife_positions", NC, KNIFE, f"{K}.knife_positions", "work")
+LIFTING = KnifeMode(axis="c", angle=30.0, lifted=1.0, lowered=-0.1, vertical="z")
+LIFTED = NC.but(*m((f"{K}.knife", LIFTING)))
+CORNERS = "G90; G0 Z1; L30; G0 X10 Y10; G1 X20 F600; G1 Y20; G1 X25 Y26; G2 X35 Y26 I5 J0; L31; G0 X0"
+for name, value in (
+    ("blend", 3.0), ("lifted", 0.5), ("lowered", -0.05), ("vertical", ""), ("output", 2), ("automatic", True),
+    ("lifts_in_arcs", False),
+):  # fmt: skip
+    w(f"KnifeMode.{name}", LIFTED, CORNERS, f"{K}.knife.{name}", value)
+    w(f"KnifeMode.{name}", LIFTED.but(*m((f"{K}.knife.angle", 3.0))), CORNERS, f"{K}.knife.{name}", value)
+BY_OUTPUT = NC.but(*m((f"{K}.knife", KnifeMode(axis="c", angle=30.0, vertical="", output=2))))
+w("KnifeMode.output", BY_OUTPUT, CORNERS, f"{K}.knife.output", 4)
+w("Controls.knife_positions", LIFTED, CORNERS, f"{K}.knife_positions", "work")
 SAWN = NC.but(*m((f"{K}.saw", SawMode(axis="c", radius=100.0)), (f"{K}.devices", ("saw",))))
 w("Controls.saw", SAWN, "L32; G0 X1", f"{K}.saw", None)
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ast
 import dataclasses
 import re
 from dataclasses import dataclass
@@ -11,6 +12,8 @@ from corpus.expectations import ROOT
 from reach.answers import TARGETS
 
 from gproof.ir import controls, din, machine, setup, trace, workpiece
+from gproof.passes.din_state import DinState
+from gproof.passes.single_state import SingleState
 
 PAGE = ROOT / "docs" / "reach.md"
 STATED: tuple[ModuleType, ...] = (machine, setup, controls, din, workpiece)
@@ -66,6 +69,19 @@ def rows() -> dict[str, Row]:
 def stated_fields() -> set[str]:
     """Fields of every record that a setup file or a machine file can fill."""
     return {name for module in STATED for name in _fields(module)} | _of(trace.State)
+
+
+def run_fields() -> set[str]:
+    """Fields of what a running program carries."""
+    tree = ast.parse((ROOT / "passes" / "modal.py").read_text(encoding="utf-8"))
+    classes = (node for node in ast.walk(tree) if isinstance(node, ast.ClassDef) and node.name == "Modal")
+    start = next(node for node in next(classes).body if isinstance(node, ast.FunctionDef) and node.name == "__init__")
+    names = {
+        node.attr
+        for node in ast.walk(start)
+        if isinstance(node, ast.Attribute) and isinstance(node.ctx, ast.Store) and node.value.id == "self"
+    }
+    return {f"Modal.{name}" for name in names} | _of(SingleState) | _of(DinState)
 
 
 def _fields(module: ModuleType) -> set[str]:
