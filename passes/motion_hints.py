@@ -97,7 +97,7 @@ def of_value(cause: str) -> str:
     if cause.endswith(".RP"):
         return f"the target, {cause[0]}.tp, is known where no zero offset and no reflection is in force"
     if cause.startswith("what an earlier job kept"):
-        return "a value that this job assigns, in place of M902 or M904"
+        return "[resident] of the setup file states what was kept; or a value that this job assigns"
     return "[inputs] of the setup file states it" if ".digib." in cause else ""
 
 

@@ -138,7 +138,7 @@ def test_steps_need_motors_of_all_axes_that_move() -> None:
         ("CD601", "601 = ... under [parameters]"),
         ("CI603", "1603 = ... under [parameters]"),
         ("X.RP", "X.tp"),
-        ("what an earlier job kept of CI601", "in place of M902"),
+        ("what an earlier job kept of CI601", "[resident] of the setup file"),
         ("input X.digib.3", "[inputs]"),
         ("#100", ""),
     ],
