@@ -9,6 +9,7 @@ from __future__ import annotations
 import contextlib
 import math
 import random
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -19,6 +20,7 @@ from support.campaigns import seeds
 from gproof.cli.judge import Judgement, judge
 from gproof.cli.session import Running, open_session
 from gproof.ir.verdict import Verdict
+from gproof.passes import ranges
 
 EDING = """schema = "gproof-machine/1"
 units = "mm"
@@ -346,3 +348,42 @@ def test_random_programs_with_guards(tmp_path: Path, seed: int) -> None:
             if not safe:
                 continue
             assert abs(place) <= room + 1e-6, f"seed {seed}\n{start} goes to {place}, limits {room}\n{text}"
+
+
+@pytest.mark.parametrize("operator", ["+", "-", "*", "div", "rem", "mod", "<<", ">>", "shr", "band", "bor", "bxor"])
+def test_ranges_of_whole_numbers_hold_their_values(operator: str) -> None:
+    """Every pair of numbers of small ranges, by Python's own whole numbers; the ends are met where that is promised."""
+    compute: Callable[[int, int], list[int]] = {
+        "+": lambda a, b: [a + b],
+        "-": lambda a, b: [a - b],
+        "*": lambda a, b: [a * b],
+        "div": lambda a, b: [math.trunc(a / b)],
+        # With the sign of the first, with that of the second, never negative.
+        "rem": lambda a, b: [int(math.fmod(a, b)), a % b, a % abs(b)],
+        "mod": lambda a, b: [int(math.fmod(a, b)), a % b, a % abs(b)],
+        "<<": lambda a, b: [a << b],
+        ">>": lambda a, b: [a >> b],
+        "shr": lambda a, b: [a >> b],
+        "band": lambda a, b: [a & b],
+        "bor": lambda a, b: [a | b],
+        "bxor": lambda a, b: [a ^ b],
+    }[operator]
+    rng = random.Random(operator)
+    for _ in range(400):
+        a, b, c, d = (rng.randrange(-12, 13) for _ in range(4))
+        x, y = (float(min(a, b)), float(max(a, b))), (float(min(c, d)), float(max(c, d)))
+        found = ranges.whole_binary(operator, x, y)
+        if found is None:
+            continue
+        values = []
+        for left in range(int(x[0]), int(x[1]) + 1):
+            for right in range(int(y[0]), int(y[1]) + 1):
+                try:
+                    values += compute(left, right)
+                except (ZeroDivisionError, ValueError):
+                    assert ranges.whole_may_fail(operator, x, y)
+        if not values:
+            continue
+        assert found[0] <= min(values) and max(values) <= found[1], (operator, x, y)
+        if operator in ("+", "-", "*", "div", "<<", ">>", "shr"):
+            assert found == (min(values), max(values)), (operator, x, y)
