@@ -71,8 +71,9 @@ class Walk:
         end = {**start, **target}
         if any(not math.isfinite(v) for v in end.values()):
             raise NotRead("a place that is no number")
-        for part in (0.0, 0.25, 0.5, 0.75):
-            self.visit({axis: start[axis] + part * (end[axis] - start[axis]) for axis in start})
+        # What lies between is no further out than an end, and the start was held against the limits of its time: a way
+        # back from outside of limits that came later exceeds none.
+        self.points += [{axis: start[axis] + part * (end[axis] - start[axis]) for axis in start} for part in (0.0, 0.5)]
         self.visit(end)
         self.at = end
 
