@@ -192,7 +192,9 @@ def _count(number: int, what: str) -> str:
 def duration_text(seconds: float | None, at_least: bool, machine_given: bool = True) -> str:
     """``about 3 min 12 s``, or why it is not known."""
     if seconds is None:
-        missing = "the machine file gives no velocities and accelerations" if machine_given else "no machine file"
+        missing = "no machine file"
+        if machine_given:
+            missing = "the machine file gives no velocities and accelerations, or the job changes them"
         return f"not known: {missing}"
     minutes, rest = divmod(round(seconds), 60)
     hours, minutes = divmod(minutes, 60)

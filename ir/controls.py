@@ -197,7 +197,8 @@ class Controls:
     homing: lines in order. knife, saw, torch: see there. probe_input, probe_axis: channel and column of the probe.
     compensation_entry: cutter compensation begins with a move of its own (cutcomp=T1); compensation_swapped: left and
     right are exchanged (cutcomp= D below 0). override: (lowest, highest) percent that a program may set; None: no file
-    says so; override_enabled: it may at all.
+    says so; override_enabled: it may at all. backlash: (column, mm or degrees) that the file has, though its
+    compensation is off at the start (axisspec= B, backlash= B0).
     positions, homes, tool_positions: how many of each can be stored.
     nesting: how deep subprograms may call one another. around_files: start and end run around each file that a job
     calls, too; None: not stated. array_order: the cells of an array of rows and columns are cut row by row (rows) or
@@ -264,6 +265,7 @@ class Controls:
     compensation_swapped: bool = False
     override: tuple[float | None, float | None] | None = None
     override_enabled: bool = True
+    backlash: tuple[tuple[str, float], ...] = ()
     places: tuple[tuple[str, Span], ...] = field(default=(), compare=False, repr=False)
 
     def place(self, name: str) -> Span | None:

@@ -209,6 +209,7 @@ class Function(enum.IntEnum):
     JUMP = 217
     MAP_ADJUSTMENT = 228
     LOAD_REGISTERS = 218
+    BACKLASH = 219
 
 
 CHECKED_ONLY = frozenset(

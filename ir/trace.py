@@ -201,6 +201,8 @@ class State:
     so that machine heights are those of the tip of the tool that was in the spindle when the job began.
     diameters: what the program or the setup has written over the diameter in the tool table, of the tool in the
     spindle, or of all tools where it is not known which one that is.
+    retimed: commands of the program that have changed velocities or accelerations of the machine's file.
+    backlash: (axis, mm or degrees) of axes whose compensation the program has set or switched: the most that it is.
     """
 
     tool: int = -1
@@ -225,6 +227,8 @@ class State:
     tip: tuple[TipOffset, ...] = ()
     machine_tip: tuple[TipOffset, ...] | None = None
     diameters: tuple[ToolDiameter, ...] = ()
+    retimed: tuple[str, ...] = ()
+    backlash: tuple[tuple[int, float], ...] = ()
 
     def tip_beside(self, work: int) -> tuple[TipOffset, ...]:
         """``tip`` in a coordinate system, 0: ``machine_tip``."""

@@ -51,6 +51,7 @@ class Feeds(Check):
         self._plunge = tool_column(machine, lambda tool: tool.max_plunge)
         self._tool = StateColumn(lambda state: float(state.tool))
         self._free = StateColumn(_follows)
+        self._contoured = StateColumn(lambda state: float("L5" in state.retimed))
         self._limited = any(t.max_feed is not None or t.max_plunge is not None for t in machine.tools)
         self._causes, self._held = Causes(), Causes()
         self._guarded = Guarded()
@@ -65,7 +66,7 @@ class Feeds(Check):
         if not moves.any():
             return
         feed: Floats = rows["feed"]
-        open_ = moves & np.isnan(feed) & (self._free.rows(chunk) == 0.0)
+        open_ = moves & (np.isnan(feed) | (self._contoured.rows(chunk) != 0.0)) & (self._free.rows(chunk) == 0.0)
         if open_.any():
             on_arcs = self._arcs_open and not (open_ & (rows["op"] == Op.FEED)).any()
             self._tell(self._causes, chunk, open_, codes.FEED_NOT_TOLD, 0, ARCS_FEED if on_arcs else "")

@@ -80,6 +80,17 @@ def _is_lost(form: Affine) -> bool:
     return any(symbol.startswith(f"{UNHOMED}.") for symbol, _ in form)
 
 
+def _with_backlash(axis: Axis, amount: float) -> Axis:
+    """The axis with at least that much backlash in each of its motors."""
+    if amount <= min((drive.backlash for drive in axis.drives()), default=0.0):
+        return axis
+    slaves = tuple(
+        slave if slave.backlash is None else dataclasses.replace(slave, backlash=max(slave.backlash, amount))
+        for slave in axis.slaves
+    )
+    return dataclasses.replace(axis, backlash=max(axis.backlash, amount), slaves=slaves)
+
+
 class _Offset:
     """What all rows under one unknown offset leave of it, whatever frame and guard they stand in.
 
@@ -122,6 +133,7 @@ class Limits(Check):
         self._high = np.full((2, AXES), -math.inf)
         self._low_span: dict[tuple[int, int], Span] = {}
         self._high_span: dict[tuple[int, int], Span] = {}
+        self._judged_states = 0
         self.reaches = reaches(machine, setup)
         self._stated = self._limit_arrays(sure=False)
         self._sure = self._limit_arrays(sure=True)
@@ -176,6 +188,7 @@ class Limits(Check):
         if self._unhomed:
             self._never_homed(chunk)
         self._grow(len(trace.frames))
+        self._backlash(trace)
         known = self.known(trace)
         guards = np.array(["machine_area" in s.guards_off for s in trace.states], dtype=np.int64)
         count = self._walk(chunk, known, guards, self._stated, np.zeros((0, 2)))
@@ -184,6 +197,20 @@ class Limits(Check):
             self._all_beyond(chunk, known, guards, count)
         if not self._plain:
             self._compensated(chunk, known, guards)
+
+    def _backlash(self, trace: Trace) -> None:
+        """Leave what backlash takes that the program itself sets (WinCNC L8), from here on."""
+        new, self._judged_states = trace.states[self._judged_states :], len(trace.states)
+        most: dict[int, float] = {}
+        for axis, amount in (pair for state in new for pair in state.backlash):
+            most[axis] = max(most.get(axis, 0.0), amount)
+        axes = tuple(_with_backlash(axis, most.get(axis.index, 0.0)) for axis in self.machine.axes)
+        if axes == self.machine.axes:
+            return
+        self.machine = dataclasses.replace(self.machine, axes=axes)
+        self.reaches = reaches(self.machine, self.setup)
+        self._sure = self._limit_arrays(sure=True)
+        self._plain = self._heights is None and all(reach.plain for reach in self.reaches.values())
 
     def _walk(
         self, chunk: Chunk, known: npt.NDArray[np.uint8], guards: npt.NDArray[np.int64], limits: tuple[Floats, Floats],

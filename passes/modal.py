@@ -304,7 +304,7 @@ class Modal:
             arc_tolerance=self.arc_tolerance(), guards_off=self.guards_off,
             compensation=0 if comp is None else comp.side * comp.plane,
             following=self.following, boundaries=self._boundaries(), tip=self._tip(), machine_tip=self._machine_tip(),
-            diameters=self._diameters(),
+            diameters=self._diameters(), retimed=tuple(sorted(self.single.retimed)), backlash=self.single.backlash,
         )  # fmt: skip
 
     def _tip(self) -> tuple[TipOffset, ...]:

@@ -366,8 +366,8 @@ class Motion(Emitter):
             # No feed move comes here without F: the corner of a compensated traverse.
             return math.nan
         if s.feed_mode == 93:
-            return s.feed * length
-        feed = s.feed / s.feed_unit if rotary else s.feed
+            return s.feed * length * s.feed_override
+        feed = (s.feed / s.feed_unit if rotary else s.feed) * s.feed_override
         if s.feed_mode == 95:
             return feed * (true_rpm(s) or math.nan)
         return feed

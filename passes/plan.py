@@ -227,12 +227,17 @@ class MotionEstimate:
         self._totals = np.zeros(k.TOTALS_WIDTH)
         self._nothing = np.empty((0, k.OUT_WIDTH))
         self._waiting = 0
+        self._retimed = False
         self.unknown_rows = 0
 
     def feed(self, chunk: Chunk) -> None:
         """Some successive rows."""
         m = self._measure
         m.feed(chunk)
+        changed = {n for n, state in enumerate(chunk.trace.states) if state.retimed}
+        if changed and not self._retimed:
+            moved = chunk.rows["state"][chunk.rows["op"] < Op.DWELL]
+            self._retimed = bool(np.isin(moved, list(changed)).any())
         self.unknown_rows += int(m.counts[k.N_UNKNOWN] + m.counts[k.N_FEED] + m.counts[k.N_DWELL])
         if self._findings is not None and m.counts[k.N_OVER]:
             m.report_feeds(chunk, self._findings)
@@ -256,8 +261,11 @@ class MotionEstimate:
 
     @property
     def seconds(self) -> float | None:
-        """Time of motion, dwells and spindle starts; None when a moving axis has no velocity or acceleration."""
-        return None if self._measure.lacking() else float(self._totals[k.T_TIME])
+        """Time of motion, dwells and spindle starts.
+
+        None when a moving axis has no velocity or acceleration, or the program has changed those of the machine file.
+        """
+        return None if self._retimed or self._measure.lacking() else float(self._totals[k.T_TIME])
 
     @property
     def feed_length_mm(self) -> float:

@@ -51,7 +51,8 @@ class Refusals:
         places = self._places(chunk, measure)
         times = self._times(chunk, measure)
         motors = self._motors(chunk, measure)
-        return self._open_loop(section) and places and times and motors
+        changed = self._changed(chunk)
+        return self._open_loop(section) and places and times and motors and changed
 
     def finish(self) -> None:
         """Tell what was counted."""
@@ -135,6 +136,21 @@ class Refusals:
         if self.findings.counts.get(codes.FEED_UNKNOWN.number):
             return f"{codes.FEED_UNKNOWN.label} says what it depends on"
         return hints.FEED_FORGOTTEN
+
+    def _changed(self, chunk: Chunk) -> bool:
+        """False where the program itself has changed how axes go: steps by the machine's file are others."""
+        rows = chunk.rows
+        for at in np.flatnonzero(rows["op"] < Op.DWELL).tolist() if self._sets(chunk) else []:
+            state = chunk.trace.states[int(rows["state"][at])]
+            if state.retimed or state.backlash:
+                names = " and ".join((*state.retimed, *(["L8 or L9"] if state.backlash else [])))
+                cause = f"{names} of the job have changed what the machine file says of its axes"
+                self._needs(self._row(chunk, at), cause, "without them the machine file's values hold")
+                return False
+        return True
+
+    def _sets(self, chunk: Chunk) -> bool:
+        return any(state.retimed or state.backlash for state in chunk.trace.states)
 
     # ---- motors
 

@@ -757,18 +757,77 @@ def recall(ex: Motion, line: Command, rule: CodeRule) -> None:
 
 
 def feed_override(ex: Motion, line: Command, rule: CodeRule) -> None:
-    """L40 P: percent of the programmed feed; GP200 outside of what override= allows (1 to 200: Feed Rate Override)."""
+    """L40 P: percent of the programmed feed; GP200 outside of what override= allows (1 to 200: Feed Rate Override).
+
+    Where override= E0 switches overrides off, or nobody knows P, feeds are not known any more (GP270).
+    """
     s = ex.modal
-    percent = line.number("P") or 0.0
-    low, high = ex.machine.controller.controls.override or (None, None)
+    controls = ex.machine.controller.controls
+    percent = line.values.get("P", 0.0)
+    low, high = controls.override or (None, None)
     low, high = 1.0 if low is None else low, 200.0 if high is None else high
-    if not low <= percent <= high:
-        what = f"{rule.text} P{percent:g} is not within {low:g} to {high:g} percent"
+    least, most = bounds(percent)
+    if most < low or least > high:
+        what = f"{rule.text} P{least:g} is not within {low:g} to {high:g} percent"
         ex.findings.add(codes.COMMAND_IGNORED.at(line.where("P"), what=what, hint="L and H of override= set the range"))
-        ex.event(Op.MESSAGE, line.span, text=ex._text(f"L40 P{percent:g} is ignored"))
+        ex.event(Op.MESSAGE, line.span, text=ex._text(f"L40 P{least:g} is ignored"))
         return
-    s.feed_override = percent / 100.0
+    cause = (
+        "override= E0 switches overrides off (whether L40 acts is not said)" if not controls.override_enabled else ""
+    )
+    if isinstance(percent, Unknown):
+        cause = f"P depends on {percent.cause}, which is not known"
+    factor = math.nan if isinstance(percent, Unknown) else percent / 100.0
+    if cause and factor != s.feed_override:
+        ex.findings.add(codes.OVERRIDE_FACTOR.at(line.where("P"), code=rule.text, what=cause))
+        factor = math.nan
+    s.feed_override = factor
     ex._state_changed()
+
+
+def dynamics(ex: Motion, line: Command, rule: CodeRule) -> None:
+    """L5, L6, L7: velocities and accelerations that the machine's file does not have; L6 and L7 alone: as before.
+
+    Times, plans and streams by the file's do not hold while one is in force. What L5 sets may be the feed itself.
+    """
+    s = ex.modal
+    restores = rule.text != "L5" and not line.values
+    if rule.text == "L7" and line.values.get("P") == 100.0 and rule.text not in s.single.retimed:
+        restores = True  # all of what is in force
+    names = s.single.retimed - {rule.text} if restores else s.single.retimed | {rule.text}
+    s.single = s.single.but(retimed=names)
+    ex._state_changed()
+    note(ex, line, rule)
+
+
+def backlash(ex: Motion, line: Command, rule: CodeRule) -> None:
+    """L8, L9: compensation of backlash on, with the file's amounts or new ones, or off.
+
+    What is in force is kept as the most that it may be: whether L8 of some axes switches it on for others, and whether
+    a motor goes back when it is switched off, is not said.
+    """
+    s = ex.modal
+    controls = ex.machine.controller.controls
+    stated = {AXIS_NAMES.index(name): amount for name, amount in controls.backlash}
+    most = dict(s.single.backlash)
+    if rule.text == "L9":
+        changed = {axis.index for axis in ex.machine.axes if axis.backlash or axis.index in most}
+        most |= {axis: most.get(axis, 0.0) for axis in changed}
+    else:
+        for axis in ex.machine.axes:
+            amount = stated.get(axis.index, axis.backlash)
+            if amount != axis.backlash or axis.index in most:
+                most[axis.index] = max(most.get(axis.index, 0.0), amount)
+        for column, value in line.axes().items():
+            if ex.machine.word(column) in line.bare:
+                continue
+            if not isinstance(value, Unknown) and value < 0.0:
+                raise Refusal(codes.ILLEGAL_VALUE.at(line.span, word=rule.text, what=f"a backlash of {value:g}"))
+            amount = math.inf if isinstance(value, Unknown) else value * s.scale(column)
+            most[column] = max(most.get(column, 0.0), amount)
+    s.single = s.single.but(backlash=tuple(sorted(most.items())))
+    ex._state_changed()
+    note(ex, line, rule)
 
 
 def abort(ex: Motion, line: Command, rule: CodeRule) -> None:
@@ -834,6 +893,8 @@ HANDLERS: dict[F, Handler] = {
     F.RECALL_POSITIONS: recall,
     F.MAP_ADJUSTMENT: map_adjustment,
     F.FEED_OVERRIDE: feed_override,
+    F.DYNAMICS: dynamics,
+    F.BACKLASH: backlash,
     F.PROBE_ON: _device("probe", True, moves=True),
     F.PROBE_OFF: _device("probe", False),
     F.ABORT: abort,

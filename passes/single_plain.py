@@ -45,6 +45,7 @@ def is_plain(s: Modal) -> bool:
         and s.compensation is None
         and not s.jumped
         and not s.feed_unknown
+        and s.feed_override == 1.0
         and s.pitch == 0.0
         and not s.following
         and not (s.clamped or s.drives_were_off or s.not_programmed)

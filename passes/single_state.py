@@ -69,7 +69,7 @@ class SingleState:
     nothing to compensate; diameters: those that it gave. reference: what positions had more than the tip of the tool of
     the start when another one came, None before. cell_open: the cell of an array has named no local zero of X and Y
     yet. drift: (column, way) that followers have gone with their leaders, which the controller counts or not. cycle_at:
-    bottom and R of the last hole.
+    bottom and R of the last hole. retimed, backlash: see ``State``.
     """
 
     feeds: tuple[float, ...] = (math.nan,) * AXES
@@ -111,6 +111,8 @@ class SingleState:
     cell_open: bool = False
     drift: tuple[tuple[int, Position], ...] = ()
     cycle_at: tuple[Position, Position] | None = None
+    retimed: frozenset[str] = frozenset()
+    backlash: tuple[tuple[int, float], ...] = ()
 
     def but(self, **changes: Any) -> SingleState:
         """The same with some values changed."""

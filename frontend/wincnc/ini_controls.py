@@ -109,7 +109,22 @@ def read_controls(sheet: Sheet) -> Controls:
         compensation_swapped=(sheet.value("cutcomp", "D") or 0) < 0,
         override=_override(sheet),
         override_enabled=sheet.switch("override", "E") is not False,
+        backlash=_switched_off(sheet),
     )
+
+
+def _switched_off(sheet: Sheet) -> tuple[tuple[str, float], ...]:
+    """By column the backlash of axisspec= that backlash= B0 leaves out at the start, and L8 switches on."""
+    if sheet.switch("backlash", "B") is not False:
+        return ()
+    found = []
+    for letter, own in zip(sheet.letters, sheet.axes, strict=False):
+        spec = own["axisspec"][0]
+        amount = number(spec, "B")
+        if amount:
+            length = Fraction(1) if sheet.turns(letter) else sheet.unit
+            found.append((sheet.columns[letter], float(abs(amount) * length)))
+    return tuple(found)
 
 
 def _places(sheet: Sheet, **keys: str) -> tuple[tuple[str, Span], ...]:
