@@ -335,8 +335,10 @@ class _Loader:
                 return (Unsupported(what=what, span=place),)
             finding = error.finding(place.file, place.line)
             message = f"cmd{name}={text}: {finding.message}"
-            # What stands there is a mistake of the jobs that come to it alone.
-            return (Mistake(code=finding.code.number, message=message, span=place, text=text.strip()),)
+            # A mistake of the jobs that come to it alone. Columns of the value are those of WINCNC.INI only: a place
+            # in TOML has none.
+            span = finding.span if place.column else place
+            return (Mistake(code=finding.code.number, message=message, span=span, text=text.strip()),)
         if parsed is None:
             return ()
         if isinstance(parsed, Head | ArrayLine):

@@ -44,18 +44,51 @@ def spans(findings: Findings) -> list[tuple[str, str, int, int, int]]:
     return [(f.code.label, f.span.file, f.span.line, f.span.column, f.span.end_column) for f in findings.kept]
 
 
+def mistakes_of_settings(
+    capsys: pytest.CaptureFixture[str], machine: str = "WINCNC.INI"
+) -> list[tuple[str, str, int, int, int]]:
+    """Code and place of what a judged job has against lines that a file of the machine makes it run."""
+    capsys.readouterr()
+    main(["check", "job.tap", "--machine", machine, "--setup", "zero", "--format", "json"])
+    found = json.loads(capsys.readouterr().out)["findings"]
+    mine = [f for f in found if f["file"] == machine and f["property"] == "language"]
+    return [(f["code"], f["file"], f["line"], f["column"], f["end_column"]) for f in mine]
+
+
 @pytest.mark.parametrize("key", ["cmdstart", "cmdend", "cmdabort"])
 @pytest.mark.parametrize(
-    ("value", "column", "end"),
-    [("=G0 X?", 5, 6), ("  = [on] G0 X? [off]", 13, 14), ("=M7 ?", 1, 5), ("= G7 Q X{1+}", 8, 12)],
+    ("value", "column", "end", "code"),
+    [
+        ("=G0 X?", 5, 6, "GP101"),
+        ("  = [on] G0 X? [off]", 13, 14, "GP101"),
+        ("=M7 ?", 1, 5, "GP101"),
+        ("= G7 Q X{1+}", 8, 12, "GP107"),
+    ],
 )
-def test_a_mistake_has_its_place(shop: Path, key: str, value: str, column: int, end: int) -> None:
-    """``column`` and ``end`` count from the end of the key, which is 0."""
+def test_a_mistake_has_its_place(
+    shop: Path, capsys: pytest.CaptureFixture[str], key: str, value: str, column: int, end: int, code: str
+) -> None:
+    """``column`` and ``end`` count from the end of the key, which is 0. Only a job that comes to the line has it."""
     _, findings, _ = loaded(f"\n {key}{value}\n")
+    assert findings.kept == []
     at = len(key) + 1
-    ((_, file, line, begin, behind),) = spans(findings)
-    assert (file, line) == ("WINCNC.INI", FIRST + 1)
-    assert (begin, behind) == (at + column + 1, at + end + 1)
+    place = (code, "WINCNC.INI", FIRST + 1, at + column + 1, at + end + 1)
+    to_its_end = [] if key == "cmdabort" else [place]
+    for job, expected in (("G0 X1\n", to_its_end), ("M99.1\n", [place] if key != "cmdend" else [])):
+        Path("job.tap").write_text(job)
+        assert mistakes_of_settings(capsys) == expected
+
+
+@pytest.mark.parametrize("key", ["start", "end", "abort"])
+def test_a_mistake_in_a_file_over_the_machine_s_own_has_no_column(
+    shop: Path, capsys: pytest.CaptureFixture[str], key: str
+) -> None:
+    """TOML does not tell where a value stands: columns of the value are none of the file."""
+    loaded(f"cmd{key}=M11 C1\n")
+    text = f'schema = "gproof-machine/1"\nunits = "mm"\nbase = "WINCNC.INI"\n[controls]\n{key} = "G0 X?"\n'
+    Path("shop.toml").write_text(text)
+    Path("job.tap").write_text("M99.1\n" if key == "abort" else "G0 X1\n")
+    assert mistakes_of_settings(capsys, "shop.toml") == [("GP101", "shop.toml", 1, 0, 0)]
 
 
 @pytest.mark.parametrize(
