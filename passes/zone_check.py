@@ -378,12 +378,12 @@ class ZoneCheck:
         low, high = np.full((2 * frames, 6), math.inf), np.full((2 * frames, 6), -math.inf)
         index = np.zeros((2 * frames, 6), dtype=np.int64)
         none = np.zeros(0, dtype=np.int64)
-        others = np.array([view != number for view in self._of_state], dtype=np.int64)
-        # What is clear, or known, is as if it stood still.
-        op = np.where(open_, rows["op"], np.uint8(Op.DWELL))
+        # What is clear, or known, goes to the extents that nobody looks at: the next row begins where it ends.
+        aside = np.where(open_, 0, 1).astype(rows["state"].dtype)
         row_boxes.pick(chunk.work)(
-            op, rows["to"], rows["center"], rows["turns"], rows["plane"], rows["frame"], others,
-            rows["state"], np.array(chunk.start, dtype=np.float64), np.zeros((frames, 6), dtype=np.uint8),
+            rows["op"], rows["to"], rows["center"], rows["turns"], rows["plane"], rows["frame"],
+            np.array([0, 1], dtype=np.int64), aside, np.array(chunk.start, dtype=np.float64),
+            np.zeros((frames, 6), dtype=np.uint8),
             np.full((2, 6), -math.inf), np.full((2, 6), math.inf), low, high, index, index.copy(), none,
             none, np.zeros(0), np.zeros((0, 2)),
         )  # fmt: skip

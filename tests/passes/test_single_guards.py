@@ -175,3 +175,22 @@ def test_a_stored_place_is_gone_to_whatever_is_modal(tmp_path: Path, code: str, 
         found = judge(session, running=Running())
         assert found.verdict is verdict, found.findings.kept
         assert {f.code.label for f in found.findings.kept if f.severity.value == "error"} <= {"GP301", "GP303"}
+
+
+@pytest.mark.parametrize("plain", ["", "G4 X0.1\n"])
+def test_an_arc_after_moves_that_are_clear_begins_where_they_end(tmp_path: Path, plain: str) -> None:
+    """Z rests on an unknown measure; the arc bulges to X36.65 at Y-17.76, over the zone, the rest is clear."""
+    (tmp_path / "WINCNC.INI").write_text(INI.format(softlim=1).replace("X0 Y0", "X-100 Y-100"))
+    (tmp_path / "CNC.MAC").write_text("")
+    (tmp_path / "setup.toml").write_text(
+        'schema = "gproof-setup/1"\nhomed = ["x", "y", "z"]\nstart = {x = -0.09, y = 1.859, z = -13.59}\n'
+        "g92 = {x = 0.0, y = 18.584, z = 0.0}\nactive_work = 1\ntool = 0\n"
+        '[[keep_out]]\nname = "zone"\nx = [32.27, 53.89]\ny = [-12.75, 6.61]\nz = [-9.67, -1.85]\n'
+    )
+    job = tmp_path / "job.tap"
+    path = "G0 X1.8392 Y-1.69 Z-0.8035\nG92 X Y\nG1 X-0.1702 Y-3.2008\n"
+    job.write_text(f"G21\nG90\n{plain}{path}G3 X-0.87786 Y-2.41963 I0.60237 J1.2568\n")
+    session = open_session(job, machine=tmp_path / "WINCNC.INI", setup=str(tmp_path / "setup.toml"), dialect=None)
+    found = judge(session, running=Running())
+    areas = next(one for one in found.properties if one.name == "areas")
+    assert areas.verdict is not Verdict.SAFE or areas.conditions
