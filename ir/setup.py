@@ -193,9 +193,10 @@ ZERO = Setup(
     default_offset=0.0,
     default_parameter=0.0,
     block_delete=False,
-    optional_stop=False,
 )
-"""The usual simulator's assumption: homed, at machine position 0, no offsets, parameters 0, tool 0."""
+"""The usual simulator's assumption: homed, at machine position 0, no offsets, parameters 0, tool 0.
+
+The switch for optional stops stays open: M1 stops."""
 
 NOTHING = Setup()
 """Nothing stated."""

@@ -317,6 +317,9 @@ class Limits(Check):
         rows, starts, frames = chunk.rows, chunk.starts(), chunk.start_frames()
         goes = rows["op"] <= Op.PROBE
         for axis in sorted(self._unhomed):
+            there = self.machine.axis(AXIS_NAMES[axis])
+            if there is not None and self._endless(axis, there):
+                continue  # one that turns without end may stand anywhere
             symbol = f"{UNHOMED}.{AXIS_NAMES[axis]}"
             forms = [frame[axis] for frame in chunk.trace.frames]
             lost = np.array([any(name == symbol for name, _ in form) for form in forms], dtype=bool)

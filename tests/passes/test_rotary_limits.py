@@ -28,6 +28,7 @@ ENDLESS = "A turns without end: nobody states limits of it"
 )
 def test_a_rotary_axis(tmp_path: Path, axis: str, turn: float, verdict: Verdict) -> None:
     setup = stated().replace("z = 0.0}", "z = 0.0, a = 0.0}").replace("[work.1]", "[work.1]\na = 0.0")
+    setup = setup.replace('"z"]', '"z", "a"]')
     judgement = run(tmp_path, f"{HEAD}G1 A{turn!r}\nM30\n", MACHINE + axis, setup)
     limits = answer(judgement, "limits")
     assert limits.verdict is verdict, [f.message for f in judgement.findings.kept]
