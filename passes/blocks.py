@@ -171,7 +171,9 @@ class Blocks(Origins):
         if motion is not None:
             raise Refusal(codes.AXIS_WORDS_UNUSED.at(line.span, why=f"{motion.text} on this line"))
         if self.modal.motion == F.UNSUPPORTED:
-            raise FollowsRefusal(codes.UNSUPPORTED_CODE.at(line.span, code="the active motion"))
+            # G33 and its like leave such a motion too, with nothing refused before.
+            because = FollowsRefusal if self.refused else Refusal
+            raise because(codes.UNSUPPORTED_CODE.at(line.span, code="the active motion"))
         active = self._motion_rules.get(self.modal.motion)
         if active is None and self.takes(accepts.KEPT_MOTION):
             return self._motion_rules[int(F.TRAVERSE)]

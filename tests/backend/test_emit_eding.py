@@ -28,6 +28,8 @@ from gproof.ir.rules import DEVICES
 from gproof.ir.same import difference
 from gproof.ir.text import parse_ir, print_ir
 
+WRONG = ("language-errors-job", "default-macros-macro")
+"""Jobs with lines that are mistakes by the manual: the second one machine takes more than it."""
 JOBS = sorted((ROOT / "corpus" / "eding").glob("*/*.cnc"))
 EXAMPLES = sorted((ROOT / "docs" / "codes").glob("GP*/*.cnc"))
 SHARED = sorted((ROOT / "tests" / "differential").glob("*/*.ngc")) + sorted(
@@ -294,7 +296,7 @@ def test_both_speeds_print_the_shortest_numbers(tmp_path: Path, monkeypatch: pyt
 @pytest.mark.parametrize("path", JOBS, ids=lambda p: p.parent.name + "-" + p.stem)
 def test_corpus(tmp_path: Path, path: Path) -> None:
     data = path.read_bytes()
-    assert (formatted(tmp_path, data) is None) == (path.parent.name == "language-errors")
+    assert (formatted(tmp_path, data) is None) == (f"{path.parent.name}-{path.stem}" in WRONG)
 
 
 def test_examples_of_codes_and_shared_programs(tmp_path: Path) -> None:

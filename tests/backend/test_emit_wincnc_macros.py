@@ -340,7 +340,9 @@ def test_any_macro_file(
     if lexical == Lexical():
         assert main(["fmt", str(folder / "CNC.MAC")]) == 0
         written = (folder / "CNC.MAC").read_bytes()
-        assert written == text or not same
+        # Lines that are not understood stay as they are.
+        sides_of_lines = zip(written.splitlines(), text.splitlines(), data.splitlines(), strict=False)
+        assert all(line in both for line, *both in sides_of_lines) or not same
         program = load_alone(job, Findings(), machine=machine, folders=[folder])
         assert program is not None
         assert difference(sides[0][0], program, notes=False) is None

@@ -75,7 +75,7 @@ CASES = {
     "precedence": ("G0 X[2+2**3*2] Y[7-2-1] Z[7 mod 4 * 2]\nM30\n", [("traverse", 18, 4, 6)]),
     # 3.2.2.4: FIX down, FUP up, also below zero; ATAN of two; degrees
     "functions": (
-        "G0 X[fix[-2.8]] Y[fup[-2.8]] Z[atan[1]/[1]]\nX[sin[30]] Y[round[2.5]] Z[abs[-4]]\nM30\n",
+        "G0 X[fix[-2.8]] Y[fup[-2.8]] Z[atan[1]/[1]]\nX[sin[30]] Y[round[2.6]] Z[abs[-4]]\nM30\n",
         [("traverse", -3, -2, 45), ("traverse", 0.5, 3, 4)],
     ),
     # 3.4.8: through the point, then every axis to the park position (parameters in machine mm)

@@ -251,7 +251,7 @@ def test_conditions_are_held_against_the_setup(tmp_path: Path) -> None:
 def test_a_stream_runs_only_with_the_setup_it_was_made_for(tmp_path: Path) -> None:
     made_for = dataclasses.replace(
         ZERO, work={(1, "x"): Interval(5.0, 6.0)}, parameters={100: 2.0}, heads={(1, "x"): Interval(50.0, 50.5)},
-        transform=InForce(angle=1.25, x=10.0, y=5.0),
+        transform=InForce(angle=1.25, x=10.0, y=5.0), optional_stop=False,
     )  # fmt: skip
     package = read_package(write(tmp_path / "job.gpx", setup=made_for))
     assert check_package(package, setup=made_for).valid
