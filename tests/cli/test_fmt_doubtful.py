@@ -11,6 +11,7 @@ from pathlib import Path
 
 import pytest
 from corpus.expectations import ROOT
+from support.campaigns import share
 from support.command import in_this_process
 
 OF_READING = {"GP101", "GP109", "GP110", "GP111", "GP112", "GP121", "GP127", "GP134", "GP228", "GP275"}
@@ -46,7 +47,7 @@ def dialect_of(job: Path) -> str:
     return next(name for name, suffix in SUFFIX.items() if job.suffix == f".{suffix}")
 
 
-@pytest.mark.parametrize("bad", BAD, ids=lambda path: f"{path.parent.name}-{path.suffix[1:]}-{path.stem}")
+@pytest.mark.parametrize("bad", share(BAD, 5), ids=lambda path: f"{path.parent.name}-{path.suffix[1:]}-{path.stem}")
 def test_bad_programs_of_the_codes_keep_their_lines(bad: Path, tmp_path: Path) -> None:
     raw = bad.read_bytes()
     if not raw.isascii():

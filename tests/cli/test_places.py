@@ -10,6 +10,7 @@ from pathlib import Path
 
 import pytest
 from corpus.test_codes import FOLDERS, dialects, settings
+from support.campaigns import share
 from support.goldens import ROOT
 
 from gproof.cli.lengths import INCH
@@ -30,7 +31,7 @@ def places(words: list[str], capsys: pytest.CaptureFixture[str]) -> list[tuple[s
     return [(f["code"], f["line"]) for f in json.loads(out)["findings"]] if out.startswith("{") else []
 
 
-@pytest.mark.parametrize("folder", FOLDERS, ids=lambda folder: folder.name)
+@pytest.mark.parametrize("folder", share(FOLDERS, 5), ids=lambda folder: folder.name)
 def test_no_finding_of_a_documented_program_is_at_line_0(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     for dialect in dialects(folder):
         for side in ("bad", "good"):
@@ -42,7 +43,7 @@ def test_no_finding_of_a_documented_program_is_at_line_0(folder: Path, capsys: p
                 assert [code for code, line in places([*words, *run["options"]], capsys) if line < 1] == []
 
 
-@pytest.mark.parametrize("folder", JOBS, ids=lambda folder: folder.name)
+@pytest.mark.parametrize("folder", share(JOBS, 3), ids=lambda folder: folder.name)
 def test_no_finding_of_the_corpus_is_at_line_0(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     expect = tomllib.loads((folder / "expect.toml").read_text(encoding="utf-8"))
     words = [str(folder / "job.cnc"), "--machine", str(folder / expect["machine"])]

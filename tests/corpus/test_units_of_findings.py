@@ -12,6 +12,7 @@ from typing import Any
 
 import pytest
 from corpus.test_codes import FOLDERS, dialects, settings
+from support.campaigns import share
 
 from gproof.cli.lengths import INCH, MM
 from gproof.cli.main import main
@@ -56,7 +57,7 @@ def require_same_in_inches(mm: str, inch: str, number: int) -> None:
             assert is_length or number in NOT_MM, (one[0], mm, inch)
 
 
-@pytest.mark.parametrize("folder", FOLDERS, ids=lambda folder: folder.name)
+@pytest.mark.parametrize("folder", share(FOLDERS, 4), ids=lambda folder: folder.name)
 def test_texts_of_the_examples(folder: Path, monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     found: list[Findings] = []
 

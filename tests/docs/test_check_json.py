@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from support.campaigns import share
 from support.goldens import ROOT
 from support.json_schema import violations
 
@@ -44,7 +45,7 @@ def test_reports_of_the_corpus_follow_the_schema(folder: Path, capsys: pytest.Ca
     assert {entry["role"] for entry in found["inputs"]} >= {"source", "machine"}
 
 
-@pytest.mark.parametrize("program", CODES, ids=lambda program: program.parent.name)
+@pytest.mark.parametrize("program", share(CODES, 4), ids=lambda program: program.parent.name)
 def test_reports_without_a_machine_follow_the_schema(program: Path, capsys: pytest.CaptureFixture[str]) -> None:
     _, found = report([str(program)], capsys)
     assert list(violations(found, SCHEMA)) == []

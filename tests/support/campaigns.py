@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable
+import random
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import pytest
@@ -15,6 +16,12 @@ SOAK = bool(os.environ.get("GPROOF_SOAK"))
 def seeds(usual: int, soak: int) -> list[object]:
     """Seeds 0 .. soak - 1 for `parametrize`; those from `usual` on only in a soak."""
     return [*range(usual), *(pytest.param(n, marks=pytest.mark.soak) for n in range(usual, soak))]
+
+
+def share(cases: Sequence[Any], one_in: int) -> list[object]:
+    """One in so many of a long list for `parametrize`, the same ones in each run; the others only in a soak."""
+    chosen = set(random.Random(len(cases)).sample(range(len(cases)), -(-len(cases) // one_in)))
+    return [case if n in chosen else pytest.param(case, marks=pytest.mark.soak) for n, case in enumerate(cases)]
 
 
 def sizes(usual: object, soak: object) -> list[object]:
