@@ -86,17 +86,12 @@ def _channels(table: TomlTable, key: str, top: int) -> tuple[int, ...] | None:
 
 def _texts(table: TomlTable, key: str, allowed: tuple[str, ...] = ()) -> tuple[str, ...] | None:
     """A list of texts, each of ``allowed`` when that is given."""
-    value = table.take(key)
-    if value is None:
-        return None
-    if not isinstance(value, list) or not all(isinstance(one, str) for one in value):
-        table.bad(key, f"{show(value)} is not a list of texts")
-        return None
-    strange = next((one for one in value if allowed and one not in allowed), None)
+    found = table.texts(key)
+    strange = next((one for one in found or () if allowed and one not in allowed), None)
     if strange is not None:
         table.bad(key, f"{show(strange)} is none of {', '.join(allowed)}")
         return None
-    return tuple(value)
+    return found
 
 
 def _groups(table: TomlTable) -> tuple[str, ...] | None:
