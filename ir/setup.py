@@ -86,7 +86,7 @@ class InForce:
 class StoredPosition:
     """A place that the controller has stored (WinCNC P#, H#, T#): machine mm or degrees by column name.
 
-    lift: vertical axes go up first and down last; clearance: to this machine height, None: to machine zero.
+    lift: vertical axes go up first and down last; clearance: to this machine height, None: not stated.
     """
 
     axes: dict[str, float]
@@ -109,7 +109,7 @@ class Setup:
     parameters are in the program's own numbers. heads: what is added to positions while a head (``Op.HEAD``) is
     selected, by (number, axis); transform: of X and Y, None where nothing is stated.
     positions: stored places by letter and number (``P4``); inputs, outputs, virtual: states of channels, 0 or 1;
-    registers: H registers in the machine's unit; answers: 1 yes, 0 no, to the questions of the job in their order.
+    answers: 1 yes, 0 no, to the questions of the job in their order.
     measures: of tools, in force when the job begins, by axis (WinCNC M37): the machine position at which its
     workspace is 0; contacts: where a move may end that a switch ends, machine positions by axis.
     workpiece: stock, part and fixtures, None where nothing is stated; keep_out: zones that the tool must not enter.
@@ -139,7 +139,6 @@ class Setup:
     inputs: dict[int, float] = field(default_factory=dict)
     outputs: dict[int, float] = field(default_factory=dict)
     virtual: dict[int, float] = field(default_factory=dict)
-    registers: dict[int, float] = field(default_factory=dict)
     answers: dict[int, float] = field(default_factory=dict)
     measures: dict[str, Interval] = field(default_factory=dict)
     contacts: dict[str, Interval] = field(default_factory=dict)

@@ -54,6 +54,7 @@ class Cutting(Check):
         self._rows = CutRows(program)
         self._spindle = StateColumn(lambda state: state.spindle)
         self._surface = StateColumn(lambda state: float(state.surface_speed != 0.0))
+        self._at_most = StateColumn(lambda state: state.spindle_limit)
         self._follows = StateColumn(lambda state: float(state.synchronised))
         self._tool = StateColumn(lambda state: float(state.tool))
         self._fastest = tool_column(machine, lambda tool: tool.max_rpm)
@@ -189,6 +190,12 @@ class Cutting(Check):
             if self._by_hand
             else "an S in plain numbers before M3",
         )
+        if self._limited and surface.any():
+            # At constant surface speed it may turn as fast as its limit, and at rest where the diameter is large.
+            fastest, slowest = self._fastest.rows(chunk), self._slowest.rows(chunk)
+            fits = np.isnan(slowest) & (np.isnan(fastest) | (self._at_most.rows(chunk) <= fastest * (1.0 + SLACK)))
+            hint = "a limit of the surface speed (D of G96) that the tool stands, and min_rpm left out of the tool"
+            self._tell(causes, chunk, cut & surface & ~fits, codes.SPINDLE_SPEED_NOT_TOLD, 3, hint)
         holds_none = cut & (tool == 0)
         if self.setup.name == ZERO.name and not self._names_tools:
             # The setup zero says tool 0 of any machine: only what the job itself puts away is gone.

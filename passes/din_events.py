@@ -52,9 +52,20 @@ def task(ex: Motion, line: Part, rule: CodeRule) -> None:
     act(ex, line, rule, stated, action)
 
 
+def _as_many_as_stated(ex: Motion, line: Part, stated: TaskCode | None, text: str, where: Span) -> None:
+    """Refusal GP514 for a code with another number of parameters than the machine file states (14 (2.5.3.90))."""
+    if stated is None or stated.parameters is None or len(line.values) == stated.parameters:
+        return
+    lose_places(ex)
+    given = f"{text} with {len(line.values)} parameter{'' if len(line.values) == 1 else 's'}"
+    hint = f"parameters of {text} under [din.task0] of the machine file is {stated.parameters}"
+    raise Refusal(codes.TASK_UNKNOWN.at(where, code=given, hint=hint))
+
+
 def act(ex: Motion, line: Part, rule: CodeRule, stated: TaskCode | None, action: str) -> None:
     """What a code does, by one of ``ir.din.ACTIONS``."""
     s = ex.modal
+    _as_many_as_stated(ex, line, stated, rule.text, line.code_span())
     if stated is None or stated.breaks is not False:
         end_contour(ex, line, rule.text)
     match action:

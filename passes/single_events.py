@@ -327,7 +327,7 @@ def store_tool(ex: Motion, line: Command, rule: CodeRule) -> None:
 def load_registers(ex: Motion, line: Command, rule: CodeRule) -> None:
     """L1.2: what registers hold then, a file says that nobody knows."""
     s = ex.modal
-    s.single = s.single.but(heights=(), registers=(), flags=s.single.flags | {REGISTERS_OPEN})
+    s.single = s.single.but(heights=(), flags=s.single.flags | {REGISTERS_OPEN})
     what = f"{rule.text} (which file the registers are loaded from is not said)"
     raise Refusal(codes.UNSUPPORTED_CODE.at(line.span, code=what))
 

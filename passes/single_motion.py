@@ -507,7 +507,7 @@ def stored_place(ex: Motion, line: Command, op: Op, *, machine: bool = False) ->
     target = follow(ex, target, line.span)
     if lift:
         heads = vertical_axes(ex.machine)
-        over_heads(ex, line, target, heads)
+        over_heads(ex, line, target, heads, _clearance(ex, f"{letter}{number}"))
         for column in set(heads) - words.keys() if words else ():
             # A head that is not named: whether it comes down again behind the lift is not said.
             top = ex.machine.axis(AXIS_NAMES[column])
@@ -542,6 +542,13 @@ def stored_in(ex: Motion, name: str) -> tuple[tuple[tuple[int, Position], ...], 
     return tuple((AXIS_NAMES.index(axis), Position(value)) for axis, value in stated.axes.items()), stated.lift
 
 
+def _clearance(ex: Motion, name: str) -> float | None:
+    """The machine height to which the setup lifts heads on their way; None where it says none, or the job stores it."""
+    stated = ex.setup.positions.get(name)
+    own = any(known == name for known, _, _ in ex.modal.single.places)
+    return None if stated is None or own else stated.clearance
+
+
 def lifted(ex: Motion, line: Command, rule: CodeRule) -> None:
     """G0.1: vertical heads up, over, down to where they were."""
     note_assumptions(ex)
@@ -552,8 +559,13 @@ def lifted(ex: Motion, line: Command, rule: CodeRule) -> None:
     over_heads(ex, line, target, heads)
 
 
-def over_heads(ex: Motion, line: Command, target: list[Position], heads: tuple[int, ...]) -> None:
-    """Heads up, how far the manual does not say; over; and down to where the target has them. Locked ones stay."""
+def over_heads(
+    ex: Motion, line: Command, target: list[Position], heads: tuple[int, ...], clearance: float | None = None
+) -> None:
+    """Heads up; over; and down to where the target has them. Locked ones stay.
+
+    clearance: machine height to which they go up, those that are above it stay there; None: how far is not said.
+    """
     s = ex.modal
     locked = s.single.locked
     tell_held_back(ex, [NOWHERE if n in heads and n in locked else at for n, at in enumerate(s.position)], line.span)
@@ -563,6 +575,9 @@ def over_heads(ex: Motion, line: Command, target: list[Position], heads: tuple[i
         top = math.inf if there is None or there.upper is None else max(0.0, there.upper)
         low = s.position[axis].value
         known = not s.position[axis].form and not target[axis].form
+        if known and clearance is not None:
+            up[axis] = over[axis] = Position(max(low, clearance))
+            continue
         up[axis] = over[axis] = (
             ex.unknown_place("value", axis, (low, max(low, top)), Position(0.0)) if known else NOWHERE
         )  # fmt: skip

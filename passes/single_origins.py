@@ -19,7 +19,7 @@ from gproof.ir.rules import Function as F
 from gproof.ir.trace import Op, Wait
 from gproof.passes.modal import INCH, ZERO
 from gproof.passes.single_motion import Handler, _in_mm, follow, note_assumptions, scaled_axes, stored_in
-from gproof.passes.single_state import REGISTERS_OPEN, turned_shift, turning, vertical_axes, with_pair
+from gproof.passes.single_state import REGISTERS_OPEN, turned_shift, turning, vertical_axes
 from gproof.passes.transform import NO_TRANSFORM, Transform
 from gproof.passes.values import NOWHERE, Position, Unknown, Value
 
@@ -522,12 +522,12 @@ def measure_switch(ex: Motion, line: Command, rule: CodeRule) -> None:
 
 
 def shift_measures(ex: Motion, line: Command, rule: CodeRule) -> None:
-    """M37.3: measures, registers and workspaces are shifted; of what is stored nobody knows it then."""
+    """M37.3: measures, H registers and workspaces are shifted; of what is stored nobody knows it then."""
     s = ex.modal
     axes = line.axes()
     if line.values.keys() & set("HTM"):
         s.single = s.single.but(
-            heights=(), registers=(), switch_heights=(Unknown("TM1"), Unknown("TM2")),
+            heights=(), switch_heights=(Unknown("TM1"), Unknown("TM2")),
             flags=s.single.flags | {REGISTERS_OPEN},
         )  # fmt: skip
         for axis in vertical_axes(ex.machine):
@@ -550,7 +550,6 @@ def store_register(ex: Motion, line: Command, rule: CodeRule) -> None:
     heights = {**dict(s.single.heights), number: NOWHERE}
     places = tuple((known, where, lift) for known, where, lift in s.single.places if known != f"H{number}")
     s.single = s.single.but(
-        registers=with_pair(s.single.registers, number, line.values["V"]),
         heights=tuple(sorted(heights.items(), key=lambda pair: pair[0])),
         places=(*places, (f"H{number}", tuple((axis, NOWHERE) for axis in _all_axes(ex)), False)),
     )

@@ -55,7 +55,7 @@ class SingleState:
     unit_before: of G23. local_stored: what G92.3 took away. homes: by column, what L3 stored. unmeasured: columns
     whose tool measure is off (G49). lower, upper: boundaries now, None: none. soft, bound: soft limits and boundaries
     are checked. outputs, virtual: states of channels that are known; tools: number of the tool in changer 1 and 2.
-    registers: H registers. sources: by column, the letter's column whose words move it (L11, L12). slaves: (column that
+    sources: by column, the letter's column whose words move it (L11, L12). slaves: (column that
     follows, column) (L13). locked: columns (L300), held_back: those to which a move was given since then.
     arguments: words of the call that runs. keep_local: L92 was met.
     absolute_once: of the line that runs, None: as the mode. touched: columns that stand at a limit switch. flags:
@@ -85,7 +85,6 @@ class SingleState:
     outputs: Pairs = ()
     virtual: Pairs = ()
     tools: tuple[Value, Value] = (Unknown("the tool in changer 1"), Unknown("the tool in changer 2"))
-    registers: Pairs = ()
     sources: tuple[int, ...] = tuple(range(AXES))
     slaves: tuple[tuple[int, int], ...] = ()
     locked: frozenset[int] = frozenset()

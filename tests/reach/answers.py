@@ -13,6 +13,7 @@ from gproof.cli.compile import lower
 from gproof.cli.judge import judge
 from gproof.cli.properties import ALL
 from gproof.cli.session import Running, Session, open_session
+from gproof.ir import codes
 from gproof.ir.finding import Findings, Severity
 from gproof.ir.machine import Machine
 from gproof.ir.program import Program
@@ -22,6 +23,10 @@ from gproof.ir.text import print_ir
 TARGETS = ("trace", *ALL, "plan", "stream")
 BLOCKS = Running(20_000)
 """Blocks that a job of these tests may execute: none of the corpus needs as many."""
+
+
+NOTED = codes.CONTOUR_BREAK.label
+"""What is said of motion beside the plan itself."""
 
 
 @dataclass(frozen=True)
@@ -82,6 +87,7 @@ def answers(session: Session) -> dict[str, str]:
         found["trace"] = _digest(print_ir(lowered.trace))
         for name, stage in (("plan", lowered.plan), ("stream", lowered.stream)):
             found[name] = f"none: {why}" if stage is None else _digest(print_ir(stage))
+    found["plan"] += "".join(f"\n{one}" for one in sorted(told.get("motion", ())) if one.startswith(NOTED))
     return found
 
 

@@ -121,10 +121,12 @@ for name, value in (("angle", 170.0), ("lift", 9.0), ("blend_angle", 80.0), ("bl
     w(f"Knife.{name}", TURNED, SLIT, f"machine.knife.{name}", value)
 
 SHORT = "G0 X0; " + "; ".join(f"G1 X{n / 100} F5000" for n in range(1, 40)) + "; M30"
-w("Controller.interpolation_time", EDING, SHORT, "machine.controller.interpolation_time", 0.1)
+w("Controller.interpolation_time", BACKLASH, CUT, "machine.controller.interpolation_time", 1.0)
 w("Knife.axis", TURNED, SLIT, "machine.knife.axis", "b")
 NEARLY = "tanknife on; G0 X1; G1 X5 F100; G1 X5.1 Y0.01; G1 X9 Y0.4; M30"
 BLENDING = TURNED.but(*m(("machine.knife.blend_angle", 30.0), ("machine.knife.blend_distance", 5.0)))
+BLENDING = BLENDING.but(*m(("machine.knife.angle", 90.0))).with_setup(start=exactly(a=0.0, x=0.0, y=0.0, z=-50.0))
+NEARLY = NEARLY.replace("G0 X1;", "G0 X1 Y0;")
 for name, value in (("blend_angle", 0.01), ("blend_distance", 0.0)):
     w(f"Knife.{name}", BLENDING, NEARLY, f"machine.knife.{name}", value)
 BACK = "G0 X1; " + "G1 X1.01 F5000; G1 X1; " * 9 + "M30"

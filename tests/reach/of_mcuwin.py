@@ -71,5 +71,16 @@ w("Din.version", KNOWN, "G90 G71; G00 X10; $if 1 = 1 then; G00 X20; $endif; M30"
 UNITLESS = KNOWN.but(*m(("machine.axes.0.position_unit", None)))
 w("Din.position_unit", UNITLESS, "G90; G01 X10 F300; M30", f"{D}.position_unit", 25.4)
 w("Din.position_unit", KNOWN, "G90; G01 X10 F300; M30", f"{D}.position_unit", 25.4)
-w("Din.tools", KNOWN, "G90 G71; T1; G00 X10; M30", f"{D}.tools", ())
-w("Din.tasks", KNOWN, "G90 G71; G00 X10; M210; M30", f"{D}.tasks", ())
+TURNED = "G90 G71; T1; G00 X10 Y10; G41 G01 X30 F100; Y50; X90; G40 X100; M30"
+WIDE = (RadiusTool(plane="xy", number=1, radius=6.0, length=0.0),)
+w("Din.tools", CORRECTED, TURNED, f"{D}.tools", WIDE)
+w("Din.unstated", KNOWN, TURNED, f"{D}.unstated", ("tool_file",))
+w(
+    "Din.tasks",
+    KNOWN,
+    "G90 G71; G00 X10; M3 S100; G00 X20; M30",
+    f"{D}.tasks",
+    (TaskCode(code="M3", action="nothing"),),
+)
+w("Din.version", KNOWN, "G90 G71; G60 X Y; G01 X10 F100; G60 X Y Z; G01 Z5; M30", f"{D}.version", "2.5.3.32")
+w("TaskCode.breaks", TASKED, "G90 G71; G01 X20 F100; M210; G01 X30; M30", f"{D}.tasks.0.breaks", True)

@@ -2,7 +2,24 @@
 
 from __future__ import annotations
 
-from reach.scenes import BLOCKED, CUT, DEEP, MADE, ROTARY_A, ROUTER, SPUN
+from dataclasses import replace
+
+from reach.scenes import (
+    BLOCKED,
+    BRICK,
+    CUT,
+    DEEP,
+    MADE,
+    PIN,
+    PRISM,
+    ROTARY_A,
+    ROUTER,
+    SOLID,
+    SPUN,
+    WIDE_BRICK,
+    ZONED,
+    mesh_of,
+)
 from reach.witness import Witnesses, m
 from reach.worlds import BLOCK, EDING, HOME, WINCNC, exactly
 
@@ -81,7 +98,6 @@ w("Setup.inputs", EDING, "M56 P6; if [#5399 == 1]; G0 X900; endif; M30", "setup.
 w("Setup.outputs", WINCNC, "M18.2 C6; G0 X90; G0 X1", "setup.outputs", {6: 0.0})
 w("Setup.outputs", WINCNC, "M17.2 C6; G0 X90; G0 X1", "setup.outputs", {6: 1.0})
 w("Setup.virtual", WINCNC, "M17.3 C3; G0 X90; G0 X1", "setup.virtual", {3: 1.0})
-w("Setup.registers", WINCNC, "L101 T2 R3; G0 X1 Z0", "setup.registers", {3: 10.0})
 w("Setup.answers", WINCNC, "G5 T1; G0 X90; G0 X1", "setup.answers", {1: 0.0})
 w("Setup.measures", WINCNC, "G0 X1 Z0", "setup.measures", {})
 w("Setup.contacts", WINCNC, "L91 G1 Z-5 F10 M28 G31; G0 X1", "setup.contacts", exactly(z=-50.0))
@@ -146,3 +162,33 @@ w("Box.low", SLAB, OVER, "setup.workpiece.stock.0.body.low", (70.0, 0.0, -15.0))
 w("Box.high", SLAB, OVER, "setup.workpiece.stock.0.body.high", (120.0, 60.0, -2.0))
 w("Box.high", SLAB, OVER, "setup.workpiece.fixtures.0.body.high", (-4.0, 48.0, 16.0))
 w("Prism.error", MADE, DEEP.replace("X30", "X16.9"), "setup.workpiece.part.0.body.error", 3.0)
+
+# -- under, over and beside bodies
+
+TALL = MADE.with_setup(workpiece=replace(SOLID, fixtures=(PIN,)))
+SHALLOW = ZONED.but(*m(("machine.keep_out.0.box", ((20.0, 40.0), (-50.0, 400.0), (-150.0, -80.0)))))
+STAND = "G21 G90 G17; G0 G43 H1 X0 Y40 Z5; M30"
+for name, value in (("shank_diameter", 40.0), ("holder", ((40.0, 40.0, 22.0),)), ("stickout", 3.0)):
+    w(f"Tool.{name}", TALL, STAND, f"machine.tools.0.{name}", value)
+    beside = SHALLOW if name == "stickout" else ZONED
+    w(f"Tool.{name}", beside, "G53 G0 Z-100; G53 G0 X10; M30", f"machine.tools.0.{name}", value)
+SLIM = TALL.but(*m(("machine.tools.0.shank_diameter", 1.0), ("machine.tools.0.holder", ((2.0, 2.0, 90.0),))))
+w("Cylinder.low", SLIM, STAND.replace("X0", "X-12.5"), "setup.workpiece.fixtures.0.body.low", 30.0)
+HIGH_PART = SLIM.with_setup(workpiece=replace(SOLID, part=(replace(PRISM, body=replace(PRISM.body, high=60.0)),)))
+w("Prism.low", HIGH_PART, STAND.replace("X0", "X18"), "setup.workpiece.part.0.body.low", 30.0)
+POCKET = "G21 G90 G17; G0 G43 H1 X10 Y70 Z5; G1 Z-1 F200; X60; Y72; X10; G0 Z5; M30"
+w("Workpiece.cell", MADE, POCKET.replace("G0 Z5; M30", "G0 X20 Y71; G0 X50; M30"), "setup.workpiece.cell", 9.0)
+w("Workpiece.stock", MADE, POCKET.replace("G0 Z5; M30", "G0 Y78; M30"), "setup.workpiece.stock", ())
+MESHED = MADE.with_setup(workpiece=replace(SOLID, part=(replace(PRISM, body=BRICK),)))
+w(
+    "Mesh.triangles",
+    MESHED,
+    DEEP,
+    "setup.workpiece.part.0.body.triangles",
+    mesh_of(40.0, 20.0, -15.0, 100.0, 60.0, -2.0),
+)
+INSIDE = "G21 G90 G17; G0 G43 H1 X60 Y40 Z-10; M30"
+WHOLE = MADE.with_setup(workpiece=replace(SOLID, stock=(), part=(replace(PRISM, body=WIDE_BRICK),)))
+w("Mesh.closed", WHOLE, INSIDE, "setup.workpiece.part.0.body.closed", False)
+w("CylinderMap.zero", ROLLED.with_setup(start=exactly(**HOME)), CUT, "setup.cylinder.zero", 20.0)
+w("CylinderMap.z", ROLLED.with_setup(start=exactly(**HOME)), CUT, "setup.cylinder.z", -100.0)

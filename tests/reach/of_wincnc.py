@@ -7,6 +7,7 @@ from reach.worlds import WINCNC, World, exactly
 
 from gproof.ir.controls import KnifeMode, SawMode, TorchControl, Workspace
 from gproof.ir.machine import Area, AxisKind, Tool
+from gproof.ir.workpiece import Box, Placed, Workpiece
 
 w = Witnesses()
 # -- Controls
@@ -159,6 +160,14 @@ for name, value in (
 BY_OUTPUT = NC.but(*m((f"{K}.knife", KnifeMode(axis="c", angle=30.0, vertical="", output=2))))
 w("KnifeMode.output", BY_OUTPUT, CORNERS, f"{K}.knife.output", 4)
 w("Controls.knife_positions", LIFTED, CORNERS, f"{K}.knife_positions", "work")
+KNIFED = LIFTED.with_setup(
+    homed=("x", "y", "z", "a", "b", "c"), start=exactly(x=0.0, y=0.0, z=0.0, a=0.0, b=0.0, c=0.0),
+    g92=exactly(x=0.0, y=0.0, z=0.0, a=0.0, b=0.0, c=0.0), default_offset=0.0, default_parameter=0.0,
+)  # fmt: skip
+CORNER = "G90; G1 Z-.1 F60; L30; G1 X20 F600; G1 X21 Y1; L31; G0 X0"
+for name, value in (("blend", 3.0), ("output", 3)):
+    w(f"KnifeMode.{name}", KNIFED, CORNER, f"{K}.knife.{name}", value)
+w("Controls.knife_positions", KNIFED, CORNER.replace("L30", "G92 Z0; L30"), f"{K}.knife_positions", "work")
 SAWN = NC.but(*m((f"{K}.saw", SawMode(axis="c", radius=100.0)), (f"{K}.devices", ("saw",))))
 w("Controls.saw", SAWN, "L32; G0 X1", f"{K}.saw", None)
 
@@ -182,3 +191,15 @@ for name, value in (
 ):
     w(f"TorchControl.{name}", TORCHED, BURN_OFF, f"{K}.torch.{name}", value)
     w(f"TorchControl.{name}", TORCHED, BURN, f"{K}.torch.{name}", value)
+
+WET = "G90; L101 T1; M11C1; M11C5; G0 Z0; G1 Z-.01 F20; G1 X2; G0 Z0; M12C5; L101 T2; G1 Z-.01; G1 X4; G0 Z0; M12C1"
+w("Controls.coolant", WINCNC, WET, f"{K}.coolant", (5,))
+w("Controls.feed_groups", WINCNC, "M11C1; G1 X1 F30; G1 Z-.01", f"{K}.feed_groups", ("xyz",))
+w("Controls.backlash", WINCNC, "L8; G0 X61.9", f"{K}.backlash", (("x", 12.7),))
+BLOCK = Placed(name="block", body=Box(low=(30.0, -50.0, -150.0), high=(40.0, 9.0, -9.0)), work=0)
+SHAPED = m(
+    ("machine.tools.0.shape", "flat"), ("machine.tools.0.flute_length", 20.0), ("machine.tools.0.stickout", 20.0)
+)
+for name in ("part", "fixtures"):
+    held = HOMER.but(*SHAPED).with_setup(workpiece=Workpiece(**{name: (BLOCK,)}))
+    w("Controls.homing", held, "G28; G0 X1", f"{K}.homing", ())

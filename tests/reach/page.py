@@ -24,12 +24,11 @@ _REF = re.compile(r"`((?:\w+/)+\w+\.py)(?:: ([\w.]+))?`")
 
 @dataclass(frozen=True)
 class Row:
-    """What the page says of a field. reaches: targets; unknown, elsewhere: those with ``?`` and with ``*``."""
+    """What the page says of a field. reaches: targets; unknown: those with ``?``."""
 
     field: str
     reaches: frozenset[str]
     unknown: frozenset[str]
-    elsewhere: frozenset[str]
     text: str
 
     @property
@@ -49,7 +48,7 @@ def rows() -> dict[str, Row]:
         if match is None:
             continue
         words = [word.strip() for word in match[2].split(",")] if match[2] != "-" else []
-        plain = [word.strip("?*") for word in words]
+        plain = [word.strip("?") for word in words]
         if set(plain) - set(TARGETS):
             raise ValueError(f"{line}: {sorted(set(plain) - set(TARGETS))} are no targets")
         for name in _NAME.findall(match[1]):
@@ -59,8 +58,7 @@ def rows() -> dict[str, Row]:
             found[field] = Row(
                 field,
                 frozenset(plain),
-                frozenset(word.strip("?*") for word in words if word.startswith("?")),
-                frozenset(word.strip("?*") for word in words if word.endswith("*")),
+                frozenset(word.strip("?") for word in words if word.startswith("?")),
                 match[3],
             )
     return found
@@ -69,6 +67,18 @@ def rows() -> dict[str, Row]:
 def stated_fields() -> set[str]:
     """Fields of every record that a setup file or a machine file can fill."""
     return {name for module in STATED for name in _fields(module)} | _of(trace.State)
+
+
+def words_of_readers() -> set[str]:
+    """Names and words in the readers of files: a field that is none of them is stated by no file."""
+    found: set[str] = set()
+    for file in sorted((ROOT / "frontend").rglob("*.py")):
+        for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
+            if isinstance(node, ast.keyword) and node.arg:
+                found.add(node.arg)
+            elif isinstance(node, ast.Constant) and isinstance(node.value, str):
+                found |= {node.value, *node.value.split()}
+    return found
 
 
 def run_fields() -> set[str]:

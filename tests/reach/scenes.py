@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from fractions import Fraction
 
+import numpy as np
 from reach.witness import m
 from reach.worlds import BLOCK, EDING
 
+from gproof.ir.columns import Columns
 from gproof.ir.machine import Area, Axis, AxisKind, Spindle
-from gproof.ir.workpiece import Cylinder, Placed, Prism, Workpiece
+from gproof.ir.workpiece import TRIANGLES, Cylinder, Mesh, Placed, Prism, Workpiece
 
 CUT = "G21 G90 G17; M3 S1000; G0 G43 H1 X10 Y10 Z5; G1 Z-1 F200; G1 X50; G2 X60 Y20 I10 J0; G0 Z5; M5; M30"
 BLOCKED = EDING.with_setup(workpiece=BLOCK)
@@ -56,3 +58,21 @@ SPUN = EDING.but(
         )
     )
 )
+
+
+_SIDES = ("0264", "1573", "0451", "2376", "0132", "4675")
+"""Corners of a cuboid, bits X, Y, Z of each, around every side as seen from outside."""
+
+
+def mesh_of(x0: float, y0: float, z0: float, x1: float, y1: float, z1: float) -> Columns:
+    """The twelve triangles of a cuboid."""
+    corners = np.array([[(x0, x1)[n & 1], (y0, y1)[n >> 1 & 1], (z0, z1)[n >> 2]] for n in range(8)])
+    rings = [[int(n) for n in side] for side in _SIDES]
+    faces = np.array([[ring[0], ring[n], ring[n + 1]] for ring in rings for n in (1, 2)])[:, ::-1]
+    return Columns(TRIANGLES, {name: corners[faces[:, n]].copy() for n, name in enumerate("abc")})
+
+
+BRICK = Mesh(triangles=mesh_of(20.0, 20.0, -15.0, 100.0, 60.0, -2.0), source="part.stl")
+WIDE_BRICK = Mesh(triangles=mesh_of(-300.0, -300.0, -300.0, 900.0, 900.0, 300.0), source="part.stl")
+PIN = Placed(name="pin", body=Cylinder(x=-20.0, y=40.0, radius=5.0, low=0.0, high=60.0))
+PRISM = SOLID.part[0]

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import contextlib
 import functools
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
+import pytest
 from corpus.jobs import CORPUS
 from reach.answers import TARGETS, Place, again, answers
 from reach.changes import Path as FieldPath
@@ -15,9 +18,13 @@ from reach.changes import put
 from gproof.cli.session import Session, open_session
 from gproof.ir.machine import Machine
 from gproof.ir.setup import Interval, Setup
+from gproof.ir.trace import Chunk
 from gproof.ir.workpiece import Box, Placed, Workpiece
+from gproof.passes.execute import Executor
 
 Change = tuple[FieldPath, Any]
+STATE = "state"
+"""Paths that begin with it change the record that rows of the trace carry."""
 
 
 def exactly(**places: float) -> dict[str, Interval]:
@@ -52,17 +59,42 @@ def _machine(file: Path, dialect: str, program: Path) -> Session:
 
 
 def answered(world: World, program: str, folder: Path, changes: tuple[Change, ...]) -> dict[str, str]:
-    """What is answered of a program, put into ``folder``; paths begin with ``machine`` or ``setup``."""
+    """What is answered of a program, put into ``folder``; paths begin with ``machine``, ``setup`` or ``state``."""
     job = folder / f"job.{_SUFFIX[world.dialect]}"
     job.write_text(program, encoding="utf-8")
     place = Place(job, CORPUS / world.machine, None, world.dialect)
     session = _machine(place.machine, world.dialect, job)
     facts: dict[str, Any] = {"machine": session.machine, "setup": world.setup}
+    states: list[Change] = []
     for path, value in (*world.changes, *changes):
-        facts[path[0]] = put(facts[path[0]], path[1:], value)
+        if path[0] == STATE:
+            states.append((path[1:], value))
+        else:
+            facts[path[0]] = put(facts[path[0]], path[1:], value)
     machine: Machine = facts["machine"]
     machine.verify()
-    return answers(again(place, session, machine, facts["setup"]))
+    with changed_states(states):
+        return answers(again(place, session, machine, facts["setup"]))
+
+
+@contextlib.contextmanager
+def changed_states(changes: list[Change]) -> Iterator[None]:
+    """While it lasts, every state of every trace has other values: what reads the field answers otherwise."""
+    run = Executor.run
+
+    def changed(executor: Executor) -> Iterator[Chunk]:
+        for chunk in run(executor):
+            states = chunk.trace.states
+            for number, state in enumerate(states):
+                for path, value in changes:
+                    state = put(state, path, value)
+                states[number] = state
+            yield chunk
+
+    with pytest.MonkeyPatch.context() as patch:
+        if changes:
+            patch.setattr(Executor, "run", changed)
+        yield
 
 
 def moved(first: dict[str, str], second: dict[str, str]) -> set[str]:
