@@ -49,6 +49,8 @@ def _command(finding: dict[str, Any], more: More | None) -> str:
     text = finding["message"]
     if finding["severity"] == "unknown":
         text = f"unknown: {text}"
+    if "rests" in finding:
+        text += f"\n{finding['rests']['text']}"
     if more is not None:
         text += f"\n{more.text()}"
     if finding.get("hint"):

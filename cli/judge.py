@@ -15,7 +15,7 @@ from gproof.cli.properties import added_checks, decided
 from gproof.cli.session import Running, Session
 from gproof.ir import codes
 from gproof.ir.dialects.accepts import MANUALS
-from gproof.ir.finding import Finding, Findings, Severity, Span
+from gproof.ir.finding import AT_END, Finding, Findings, Severity, Span
 from gproof.ir.machine import Machine
 from gproof.ir.record import field, record
 from gproof.ir.setup import ZERO
@@ -30,6 +30,7 @@ from gproof.passes.guards import GuardStretches
 from gproof.passes.knife import follow_knife
 from gproof.passes.limits import Limits
 from gproof.passes.open_settings import note
+from gproof.passes.outcomes import Outcomes
 from gproof.passes.plan import MotionEstimate
 from gproof.passes.stock_fields import Remains
 from gproof.passes.values import describe
@@ -156,6 +157,7 @@ def _pass(
     stretches = GuardStretches(machine, findings)
     estimate = MotionEstimate(machine)
     timed = InOrder(estimate.feed)
+    outcomes = Outcomes()
     sections, waits = 0, set[Wait]()
     begin: dict[str, float] = {}
     ends: list[dict[str, float]] = []
@@ -172,14 +174,17 @@ def _pass(
         if unit is None and (named := np.flatnonzero(chunk.rows["op"] == Op.UNITS)).size:
             unit = float(chunk.rows["arg"][int(named[0]), 0])
         waits.update(edge.wait for edge in chunk.edges)
-        for check in (*checks, edges, *added):
-            check.feed(chunk)
-        ex.settings.feed(chunk)
-        stretches.feed(chunk)
+        outcomes.feed(chunk, forked=bool(ex.asked))
+        with findings.within(chunk.section):
+            for check in (*checks, edges, *added):
+                check.feed(chunk)
+            ex.settings.feed(chunk)
+            stretches.feed(chunk)
         timed(chunk, len(chunk.rows))
         sections += chunk.last
         if observe is not None:
             observe(chunk)
+    findings.section = AT_END
     timed.wait()
     estimate.finish()
     stretches.finish()
@@ -191,6 +196,8 @@ def _pass(
         results.append(
             functools.reduce(lambda a, b: _both(session, findings, a, b, f"the checks of {name}"), more, first)
         )
+    findings.section = None
+    outcomes.name(findings, ex.asked, session.program)
     noted = [one for one in machine.not_modelled if not one.axis and not one.touches]
     noted += [*ex.settings.noted, *limits.noted]
     open_path = ex.refused or any(code.number in findings.counts for code in _LEAVES_THE_PATH_OPEN)

@@ -87,7 +87,8 @@ def _of_none(finding: dict[str, Any], names: list[str]) -> bool:
 def _line(finding: dict[str, Any]) -> str:
     place = finding["file"] + (f":{finding['line']}" if finding["line"] else "")
     hint = f" (hint: {finding['hint']})" if finding.get("hint") else ""
-    return f"{place}: {finding['severity']} {finding['code']} [{finding['name']}] {finding['message']}{hint}"
+    rests = f" ({finding['rests']['text']})" if "rests" in finding else ""
+    return f"{place}: {finding['severity']} {finding['code']} [{finding['name']}] {finding['message']}{rests}{hint}"
 
 
 def _clean(text: str) -> str:

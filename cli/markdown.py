@@ -67,7 +67,8 @@ def _details(outcome: Outcome, every: bool) -> list[str]:
         hint = f" *Hint: {_text(finding['hint'])}*" if finding.get("hint") else ""
         often = f" ({finding['times']} times)" if finding["times"] > 1 else ""
         like = f", {_text(more.text())}" if more is not None else ""
-        said = f"{_text(finding['message'])}{often}{like}{hint}"
+        rests = f", {_text(finding['rests']['text'])}" if "rests" in finding else ""
+        said = f"{_text(finding['message'])}{often}{rests}{like}{hint}"
         lines.append(f"- **{finding['severity']} {finding['code']}** {_code(place)}: {said}")
     if len(shown) > _LISTED:
         lines.append(f"- … and {len(shown) - _LISTED} more")

@@ -11,7 +11,7 @@ from gproof.cli.grouping import Accepted, left_over, shown
 from gproof.cli.lengths import MM, LengthUnit
 from gproof.cli.options import in_one_line
 from gproof.ir.codes import CODES
-from gproof.ir.finding import Finding, Findings, Severity, Span
+from gproof.ir.finding import Finding, Findings, Rests, Severity, Span
 
 COLOURS = {
     Severity.ERROR: "red",
@@ -95,6 +95,8 @@ def format_finding(
         out.append(f"      = {click.style('hint', bold=True) if colour else 'hint'}: {unit.sentence(finding.hint)}")
     for other in finding.related:
         out.append(f"      = {location(other.span)}: {unit.sentence(other.message)}")
+    if finding.rests is not None:
+        out.append(f"      = {in_one_line(finding.rests.text(finding.span.file))}")
     return out
 
 
@@ -167,4 +169,15 @@ def finding_json(
             {"file": r.span.file, "line": r.span.line, "column": r.span.column, "message": unit.sentence(r.message)}
             for r in finding.related
         ]
+    if finding.rests is not None:
+        out["rests"] = _rests_json(finding.rests, finding.span.file)
     return out
+
+
+def _rests_json(rests: Rests, file: str) -> dict[str, object]:
+    """The outcomes that a finding rests on."""
+    outcomes = [
+        {"file": one.span.file, "line": one.span.line, "what": one.what, "answer": one.answer, "times": one.times}
+        for one in rests.outcomes
+    ]
+    return {"text": rests.text(file), "outcomes": outcomes, "more": rests.more, "example": rests.example}

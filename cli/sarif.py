@@ -84,6 +84,8 @@ def _rule(code: Code) -> dict[str, Any]:
 
 def _result(finding: dict[str, Any], rules: dict[str, int], mark: str) -> dict[str, Any]:
     text = finding["message"]
+    if "rests" in finding:
+        text += f", {finding['rests']['text']}"
     if finding.get("hint"):
         text += f" (hint: {finding['hint']})"
     out: dict[str, Any] = {
@@ -95,6 +97,8 @@ def _result(finding: dict[str, Any], rules: dict[str, int], mark: str) -> dict[s
         "partialFingerprints": {"primaryLocationLineHash": mark},
         "properties": {"severity": finding["severity"], "property": finding["property"]},
     }
+    if "rests" in finding:
+        out["properties"]["rests"] = finding["rests"]
     if finding["times"] > 1:
         out["occurrenceCount"] = finding["times"]
     if finding.get("related"):

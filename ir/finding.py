@@ -6,12 +6,14 @@ makes a ``Finding``. Spans are required: what concerns a text as a whole is at i
 
 from __future__ import annotations
 
+import contextlib
 import enum
 import math
 import re
 import string
-from collections.abc import Callable, Container, Iterable, Mapping
+from collections.abc import Callable, Container, Iterable, Iterator, Mapping
 from dataclasses import replace
+from pathlib import PurePath
 from typing import Any
 
 from gproof.ir.record import field, record
@@ -106,8 +108,54 @@ class Related:
 
 
 @record(frozen=True, slots=True)
+class Outcome:
+    """An answer that nobody knows before the job runs: what was asked, where, what it was, how often in a row."""
+
+    span: Span
+    what: str
+    answer: str
+    times: int = 1
+
+    def again(self, other: Outcome) -> bool:
+        """Whether another one is the same, as in a loop."""
+        return (self.span, self.what, self.answer) == (other.span, other.what, other.answer)
+
+    def more(self) -> Outcome:
+        """The same, once more."""
+        return replace(self, times=self.times + 1)
+
+    def text(self, file: str) -> str:
+        """In words: ``#1 > 0 at line 12 is true``; file: where no file has to be named."""
+        where = f" at line {self.span.line}" if self.span.line else ""
+        where += f" of {PurePath(self.span.file).name}" if where and self.span.file != file else ""
+        return f"{self.what}{where} {self.answer}{f' {self.times} times' if self.times > 1 else ''}"
+
+
+@record(frozen=True, slots=True)
+class Rests:
+    """Outcomes that a finding rests on, the nearest last; more: how many come before them; example: others lead there
+    too."""
+
+    outcomes: tuple[Outcome, ...]
+    more: int = 0
+    example: bool = False
+
+    def text(self, file: str) -> str:
+        """In words, a handful of them; file: that of the finding."""
+        told = [one.text(file) for one in self.outcomes[-HANDFUL:]]
+        more = self.more + len(self.outcomes) - len(told)
+        told += [f"and {more} more before"] if more else []
+        return f"{'for example' if self.example else 'only'} when {'; '.join(told)}"
+
+
+HANDFUL = 4
+"""So many outcomes of a finding are told."""
+
+
+@record(frozen=True, slots=True)
 class Finding:
-    """One thing to tell the user; see ``Code``. values: those of the message, lengths in mm, for other units."""
+    """One thing to tell the user; see ``Code``. values: those of the message, lengths in mm, for other units; rests:
+    what it rests on of what nobody knows before the job runs, None where it holds in every outcome."""
 
     code: Code
     span: Span
@@ -115,6 +163,11 @@ class Finding:
     hint: str = ""
     related: tuple[Related, ...] = ()
     values: tuple[tuple[str, object], ...] = field(default=(), compare=False, repr=False)
+    rests: Rests | None = field(default=None, compare=False, repr=False)
+
+    def resting(self, rests: Rests) -> Finding:
+        """The same one with what it rests on."""
+        return replace(self, rests=rests)
 
     @property
     def severity(self) -> Severity:
@@ -142,6 +195,8 @@ GROUPS = 200
 """Groups of a code at most: what a program makes up (texts in messages) must not fill the memory."""
 
 
+AT_END = -1
+"""Of ``Findings.section``: the job is over."""
 UNKNOWN_KEYS = 602
 """The code of keys of a controller's file that are not known. Such a file has hundreds: they are of one kind, and all
 of them are kept."""
@@ -219,7 +274,8 @@ class Findings:
 
     ``counts`` holds every occurrence by code; ``kept`` the first ``limit`` different findings of each code in
     order of arrival, and beyond these the first of each kind, ``limit`` again at most; ``times`` how often each
-    kept one came; ``groups`` every kind, with those that are not kept.
+    kept one came; ``groups`` every kind, with those that are not kept. ``section``: of the trace, in which findings
+    arise now, -1 at the end of a job, None outside of a run; ``sections``: for each kept one those in which it arose.
     """
 
     limit: int = 20
@@ -227,13 +283,19 @@ class Findings:
     counts: dict[int, int] = field(default_factory=dict)
     times: dict[Finding, int] = field(default_factory=dict)
     groups: dict[GroupKey, Group] = field(default_factory=dict)
+    section: int | None = None
+    sections: dict[Finding, set[int]] = field(default_factory=dict)
     _different: dict[int, int] = field(default_factory=dict)
     _kinds: dict[int, int] = field(default_factory=dict)
 
-    def add(self, finding: Finding, *, times: int = 1, first_line: int = 0, last_line: int = 0) -> None:
+    def add(
+        self, finding: Finding, *, times: int = 1, first_line: int = 0, last_line: int = 0,
+        sections: Iterable[int] = (),
+    ) -> None:  # fmt: skip
         """Count a finding; keep it when it is new and its code is below the cap, or it is the first of its kind.
 
         times: it stands for so many of its kind, from first_line to last_line (0: its own), and goes the furthest.
+        sections: where it arose, if not in the one that runs.
         """
         number = finding.code.number
         self.counts[number] = self.counts.get(number, 0) + times
@@ -243,6 +305,7 @@ class Findings:
             group.count(finding, times, first_line or line, max(last_line, line))
         if finding in self.times:
             self.times[finding] += 1
+            self._arose(finding, sections)
             return
         different = self._different.get(number, 0)
         is_first = group is not None and not group.kept
@@ -250,8 +313,20 @@ class Findings:
         if different < limit or (is_first and different < 2 * limit):
             self._different[number] = different + 1
             self._keep(finding, 1)
+            self._arose(finding, sections)
             if group is not None:
                 group.kept += 1
+
+    def _arose(self, finding: Finding, sections: Iterable[int]) -> None:
+        if self.section is not None:
+            self.sections.setdefault(finding, set()).update(sections or (self.section,))
+
+    @contextlib.contextmanager
+    def within(self, section: int | None) -> Iterator[None]:
+        """Findings that are added meanwhile arise in this section."""
+        before, self.section = self.section, section
+        yield
+        self.section = before
 
     def _group(self, finding: Finding) -> Group | None:
         """The group of a finding, None for one more than there may be."""

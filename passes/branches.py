@@ -20,6 +20,7 @@ from gproof.passes.idle import Idle, idle_variables
 from gproof.passes.loops import Loops
 from gproof.passes.modal import NO_NUMBERS, Modal
 from gproof.passes.narrowing import Narrowing
+from gproof.passes.outcomes import Asked, of_condition
 from gproof.passes.values import Unknown, Value
 
 LOOPS = (While, Repeat, For)
@@ -103,6 +104,13 @@ class Branches(Loops):
         if isinstance(node, Repeat):
             names = (("false", yes), ("true", no))
         edges = tuple(self._edge(Wait.BRANCH, outcome, target, node.span) for outcome, target in names)
+        if isinstance(node, If | While | Repeat):
+            answers = [of_condition(node.condition, node.span, truth=outcome == "true") for outcome, _ in names]
+        else:
+            what = "the for loop" if isinstance(node, For) else f"subprogram {node.name}"
+            goes = ("goes on", "ends") if isinstance(node, For) else ("runs again", "does not run again")
+            answers = [Asked(span=node.span, what=what, answer=answer) for answer in goes]
+        self.asked.update((edge.target, answer) for edge, answer in zip(edges, answers, strict=True))
         self._seen[self._key] = edges
         self._close(edges)
         if loop is not None and loop.group is None:

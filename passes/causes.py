@@ -11,7 +11,8 @@ from gproof.ir.verdict import PropertyResult, Verdict
 
 @record(slots=True)
 class Cause:
-    """Why some rows are told: first and last place, how many there are; hint, values: of the finding."""
+    """Why some rows are told: first and last place, how many there are; hint, values: of the finding; sections: where
+    they are."""
 
     code: Code
     first: Span
@@ -19,12 +20,14 @@ class Cause:
     count: int = 0
     hint: str = ""
     values: dict[str, object] = field(default_factory=dict)
+    sections: set[int] = field(default_factory=set)
 
 
 class Causes:
-    """Collects causes by code and a key of the check's own, in order of arrival."""
+    """Collects causes by code and a key of the check's own, in order of arrival; findings: those of the run."""
 
-    def __init__(self) -> None:
+    def __init__(self, findings: Findings) -> None:
+        self._findings = findings
         self._found: dict[tuple[int, Hashable], Cause] = {}
 
     def add(
@@ -36,6 +39,8 @@ class Causes:
             known = self._found[code.number, key] = Cause(code, first, last, 0, hint, values)
         known.count += count
         known.last = last
+        if self._findings.section is not None:
+            known.sections.add(self._findings.section)
 
     def worse(self, code: Code, key: Hashable, name: str, value: float, **values: object) -> None:
         """Put ``values`` in the place of those of a cause that has less under ``name`` than ``value``."""
@@ -50,6 +55,7 @@ class Causes:
             if known is not cause:
                 known.count += cause.count
                 known.last = cause.last
+                known.sections |= cause.sections
         other.clear()
 
     def clear(self) -> None:
@@ -66,14 +72,15 @@ class Causes:
         self.forget(code)
         return found
 
-    def report(self, findings: Findings) -> None:
+    def report(self) -> None:
         """One finding for each, whatever chunks the job came in: by code, and by what else keeps causes apart."""
         for _, cause in sorted(self._found.items(), key=lambda one: (one[0][0], repr(one[0][1]))):
             related: tuple[Related, ...] = ()
             if cause.last != cause.first:
                 related = (Related(cause.last, f"the last of {cause.count} such moves"),)
             values = {"moves": cause.count, **cause.values}
-            findings.add(cause.code.at(cause.first, hint=cause.hint, related=related, **values))
+            finding = cause.code.at(cause.first, hint=cause.hint, related=related, **values)
+            self._findings.add(finding, sections=cause.sections)
 
 
 def answer(name: str, findings: Findings, assumptions: tuple[str, ...] = ()) -> PropertyResult:

@@ -69,7 +69,7 @@ class Cutting(Check):
         on = frozenset(c for c in self._runs.channels if setup.outputs.get(c) == 1.0)
         self._flow: dict[int, Flow] = {0: Flow(on=on, turns=_known(self._runs.turns(on)))}
         self._now = Flow()
-        self._causes, self._held = Causes(), Causes()
+        self._causes, self._held = Causes(findings), Causes(findings)
         self._guarded = Guarded()
         self._switched: set[int] = set()
         self._starts = self._other_tool = self._names_tools = False
@@ -126,7 +126,7 @@ class Cutting(Check):
             for tool, wet in self._wet.items():
                 if not any(wet):
                     self._causes.add(codes.DRY_TOOL, tool, self._dry[tool], self._dry[tool], tool=tool)
-        self._causes.report(self.findings)
+        self._causes.report()
         return answer(self.name, self.findings, assumed)
 
     def _when_not_told(self) -> str:

@@ -16,6 +16,7 @@ from gproof.ir.program import Message, Text
 from gproof.ir.trace import Wait
 from gproof.passes.emitter import ProgramEnd
 from gproof.passes.frames import Path
+from gproof.passes.outcomes import Asked
 from gproof.passes.values import Unknown, Value, between, bounds, hull
 
 if TYPE_CHECKING:
@@ -73,6 +74,11 @@ def _fork(ex: Branches, node: Message, key: object, ok: Settings, cancelled: Set
     first, second = ex.rows.new_section(), ex.rows.new_section()
     edges = tuple(
         ex._edge(Wait.OPERATOR, outcome, target, node.span) for outcome, target in (("OK", first), ("Cancel", second))
+    )
+    title = f" '{node.parts[0].value}'" if node.parts and isinstance(node.parts[0], Text) else ""
+    ex.asked.update(
+        (edge.target, Asked(span=node.span, what=f"the dialog{title}", answer=f"ends with {edge.outcome}"))
+        for edge in edges
     )
     ex._seen[key] = edges
     ex._close(edges)

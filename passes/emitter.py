@@ -27,6 +27,7 @@ from gproof.passes.line import Line
 from gproof.passes.manner import manner_of
 from gproof.passes.modal import Modal, stated_system
 from gproof.passes.open_settings import OpenSettings
+from gproof.passes.outcomes import Asked
 from gproof.passes.ranges import Range
 from gproof.passes.rows import RowBuffer
 from gproof.passes.spindle import commanded_rpm, own_ramp, told
@@ -108,6 +109,8 @@ class Emitter:
                 self._fail(codes.FOREIGN_FACT.at(Span(setup.name, 1), what=what))
         # What is still to do, and what branches and loops keep of it: passes/branches.py, passes/loops.py.
         self.branches = 0
+        # What led into a section that is one outcome of several.
+        self.asked: dict[int, Asked] = {}
         self._stack: list[Frame] = [Frame(program.body)]
         # What ran to its end last.
         self._last: tuple[Statement, ...] | None = None
@@ -228,6 +231,7 @@ class Emitter:
     def _begin(self, section: int) -> None:
         """Go on in a section that starts here."""
         self._ended = False
+        self.findings.section = section
         self.rows.begin_section(section, [p.value for p in self.modal.position], self._frame())
 
     def unknown_place(self, kind: str, axis: int, ends: Range, origin: Position) -> Position:

@@ -55,6 +55,7 @@ from gproof.passes.expressions import describe_parts
 from gproof.passes.flow import Flow
 from gproof.passes.frames import Caller, Frame, Path
 from gproof.passes.knife import follow_knife
+from gproof.passes.outcomes import Asked
 from gproof.passes.overrides import Words, replaced
 from gproof.passes.values import Unknown, Value
 
@@ -69,6 +70,7 @@ class Executor(Flow):
 
     def run(self) -> Iterator[Chunk]:
         """Execute; yields chunks of successive rows, the last one of each section with its edges."""
+        self.findings.section = self.rows.section
         while True:
             self._is_parked = False
             yield from self._path()
@@ -429,6 +431,10 @@ class Executor(Flow):
                 return
             target = self.rows.new_section()
             end = self.rows.new_section() if self.program.abort else -1
+            for section, answer in ((target, going), (end, ending)):
+                self.asked[section] = Asked(
+                    span=node.span, what=f"the question '{text}'", answer=f"is answered {answer}"
+                )
             self._close((
                 self._edge(Wait.OPERATOR, going, target, node.span),
                 self._edge(Wait.OPERATOR, ending, end, node.span),

@@ -53,7 +53,7 @@ class Feeds(Check):
         self._free = StateColumn(_follows)
         self._contoured = StateColumn(lambda state: float("L5" in state.retimed))
         self._limited = any(t.max_feed is not None or t.max_plunge is not None for t in machine.tools)
-        self._causes, self._held = Causes(), Causes()
+        self._causes, self._held = Causes(findings), Causes(findings)
         self._guarded = Guarded()
         controls = machine.controller.controls
         self._arcs_open = program.rules.arcs_keep_feed and controls.arcs_share_feed is None
@@ -99,7 +99,7 @@ class Feeds(Check):
         if any(self.findings.counts.get(code.number) for code in _TOLD):
             # The line that has such a feed is told already, with what it rests on.
             self._causes.forget(codes.FEED_NOT_TOLD)
-        self._causes.report(self.findings)
+        self._causes.report()
         return answer(self.name, self.findings)
 
     def _over(self, causes: Causes, chunk: Chunk, rows: Bools, feed: Floats, allowed: Floats, code: Code) -> None:

@@ -5,6 +5,7 @@ A jump goes to a label in its own list of statements or in one around it, within
 
 from __future__ import annotations
 
+import copy
 import math
 
 from gproof.ir import codes
@@ -30,13 +31,16 @@ from gproof.ir.trace import Edge, Wait
 from gproof.passes.branches import LOOPS
 from gproof.passes.din_state import din_of
 from gproof.passes.emitter import ProgramEnd
-from gproof.passes.frames import ANY, Frame, Path
+from gproof.passes.frames import ANY, Frame, Group, Path
 from gproof.passes.hot_passes import HotPasses
 from gproof.passes.leaps import LEFT
 from gproof.passes.modal import Modal
-from gproof.passes.values import Unknown, Value, behind_loop, bounds
+from gproof.passes.outcomes import Asked
+from gproof.passes.values import Unknown, Value, behind_loop, bounds, hull
 
 _OFTEN = "how often the loop runs"
+FEW_FIRST = 16
+"""So many first values of a loop are followed one by one."""
 MAX_NESTED = 200
 """Blocks within blocks, those of calls counted in; a program that nests deeper is not followed."""
 
@@ -197,16 +201,64 @@ class Flow(HotPasses):
         self._run_pending()
         self.spend(node.span)
         first, last = self.evaluator.value(node.first), self.evaluator.value(node.last)
-        if isinstance(first, Unknown):
+        if isinstance(first, Unknown) and not first.whole:
             raise Refusal(codes.UNKNOWN_CONDITION.at(node.span, cause=first.cause))
         for value in (first, last):
             if not isinstance(value, Unknown) and (math.isinf(value) or value != round(value)):
                 raise Refusal(codes.NOT_AN_INTEGER.at(node.span, word="a bound of a for loop", value=value))
         self._enter(node.span)
-        self._loops += 1
         self._counted.pop((id(node), "for"), None)
-        step = -1.0 if node.down else 1.0
-        self._stack.append(Frame(node.body, node, len(node.body), counter=first - step, last=last))
+        if not isinstance(first, Unknown):
+            self._stack.append(self._for_frame(node, first, last))
+        elif first.high - first.low < FEW_FIRST and self.branches + first.high - first.low < self.max_branches:
+            self._fork_for(node, first, last)
+        else:
+            # Any of its values in any pass: more than there can be.
+            frame = self._for_frame(node, first.high if node.down else first.low, last)
+            frame.counter += -1.0 if node.down else 1.0
+            frame.is_open = True
+            self._stack.append(frame)
+        self._loops += 1
+
+    def _for_frame(self, node: For, first: float, last: Value) -> Frame:
+        return Frame(node.body, node, len(node.body), counter=first + (1.0 if node.down else -1.0), last=last)
+
+    def _fork_for(self, node: For, first: Unknown, last: Value) -> None:
+        """Follow each first value that a loop may have, in a section of its own."""
+        key = self._state_key(("first", id(node)))
+        if key in self._seen:
+            self._close(self._seen[key])
+            raise ProgramEnd
+        values = [first.low + n for n in range(round(first.high - first.low) + 1)]
+        self.branches += len(values)
+        targets = [self.rows.new_section() for _ in values]
+        edges = tuple(
+            self._edge(Wait.BRANCH, f"{value:g}", target, node.span)
+            for value, target in zip(values, targets, strict=True)
+        )
+        self._seen[key] = edges
+        self._close(edges)
+        group = Group(len(values))
+        for frame in self._stack:
+            if frame.group is not None:
+                frame.group.open += len(values) - 1
+        place = self._file, self._call, list(self._depth), self._moved, self._nesting
+        before, stack = self.modal, self._stack
+        for value, target in zip(values, targets, strict=True):
+            what = "the first value of the for loop"
+            self.asked[target] = Asked(span=node.span, what=what, answer=f"is {value:g}")
+            self.modal = before.copy()
+            if isinstance(node.first, Variable) and self._may_narrow(number := self._number(node.first)):
+                self.modal.parameters[number] = value
+            own = self.evaluator.value(node.last)
+            frame = self._for_frame(node, value, own if isinstance(own, Unknown) or own == round(own) else last)
+            frame.group = group
+            self._waiting.append(Path([*(copy.copy(one) for one in stack), frame], self.modal, target, place))
+        # One of them goes on now.
+        path = self._waiting.pop()
+        self.modal, self._stack = path.modal, path.stack
+        self._state_changed()
+        self._begin(path.section)
 
     def _next_pass(self, frame: Frame, node: For) -> bool | None:
         """To the next value, True; over, False; None: nobody knows."""
@@ -259,10 +311,9 @@ class Flow(HotPasses):
         if frame.cell == 0:
             # No pass: as it was, or the first value.
             before: Value = modal.parameters.get(number, Unknown(cause))
-            low, high = bounds(before)
-            start = frame.counter + step
-            # (``counter`` is still one before the first value.)
-            modal.parameters[number] = Unknown(cause, min(low, start), max(high, start))
+            # (``counter`` is still one before the first value, where that is known.)
+            first = Unknown(cause, -math.inf, math.inf) if frame.is_open else frame.counter + step
+            modal.parameters[number] = Unknown(cause, *hull(before, first))
             return
         low, high = bounds(self._counted_value(frame, node))
         modal.parameters[number] = Unknown(cause, min(low, low + step), max(high, high + step))

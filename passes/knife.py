@@ -37,7 +37,9 @@ def follow_knife(chunks: Iterable[Chunk], machine: Machine, findings: Findings) 
         return
     follower = _Follower(machine.knife, findings)
     for chunk in chunks:
-        yield follower.chunk(chunk)
+        with findings.within(chunk.section):
+            turned = follower.chunk(chunk)
+        yield turned
 
 
 class _Follower:

@@ -377,5 +377,34 @@ def test_a_for_loop_to_a_number_that_is_only_bounded() -> None:
     assert labels(findings) == []
 
 
+@pytest.mark.parametrize(
+    ("loop", "ways"),
+    [
+        # IN5 is 0 or 1, CI601 one more: 1 to 3 or 2 to 3; 1 to 2 or 2 to 3; 2 down to 2 or 1 down to 2.
+        (("for", "CI605", "CI601", "3", False, ["G00 X1"]), {(1.0, 2.0, 3.0, 13.0, END), (1.0, 2.0, 12.0, END)}),
+        (("for", "CI605", "CI601", "CI601 + 1", False, ["G00 X1"]), {(1.0, 2.0, 12.0, END)}),
+        (("for", "CI605", "CI601", "2", True, ["G00 X1"]), {(1.0, 11.0, END), (10.0, END)}),
+        # What the variable is in each pass.
+        (
+            ("for", "CI605", "CI601", "3", False, ["G00 X(CI605)"]),
+            {(1.0, 3.0, 6.0, 16.0, END), (2.0, 5.0, 15.0, END)},
+        ),
+        # The asked variable is known behind the question.
+        (("for", "CI605", "CI601", "1", False, ["G00 X(CI601)"]), {(1.0, 11.0, END), (10.0, END)}),
+    ],
+)
+def test_a_for_loop_from_a_number_that_is_only_bounded(loop: Any, ways: set[tuple[float, ...]]) -> None:
+    trace, findings = run(["G91", "CI601 := IN5 + 1", loop, "G00 X10"])
+    assert (ways_of(trace, 9), labels(findings)) == (ways, [])
+
+
+def test_a_for_loop_from_one_of_many_numbers_has_any_of_them_in_any_pass() -> None:
+    loop = ("for", "CI605", "CI601", "60", False, [("if", "CI605 > 60", ["G00 X7"]), ("if", "CI605 < 30", ["G00 X8"])])
+    trace, findings = run(["G90", "CI601 := IN5 * 40 + 20", loop, "G00 X10"])
+    found = ways_of(trace, 4)
+    assert labels(findings) == [] and not any(7.0 in way for way in found)
+    assert {(10.0, END), (8.0, 10.0, END), (8.0, 8.0, 10.0, END)} <= found
+
+
 def test_recursion_is_not_followed_for_ever() -> None:
     assert "GP113" in labels(run(["M98 L7"], ("7", ["M98 L7", "M17"]))[1])
