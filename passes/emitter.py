@@ -129,6 +129,7 @@ class Emitter:
         self._laps: dict[object, Lap] = {}
         self._counted: dict[object, Lap] = {}
         self._passes: dict[object, int] = {}
+        self._set_by_program: frozenset[int] | None = None
         self._leaps: dict[int, Leap | None] = {}
         self._came_back = False
         self._places: dict[int, dict[str, int]] = {}

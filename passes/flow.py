@@ -9,17 +9,23 @@ import copy
 import math
 
 from gproof.ir import codes
-from gproof.ir.dialects.mcuwin import DECLARED
+from gproof.ir.dialects.mcuwin import COMMON, DECLARED
 from gproof.ir.din import VERSIONS
 from gproof.ir.finding import Refusal, Span
 from gproof.ir.program import (
+    PARAMETER,
+    Block,
     BlockTable,
     Call,
     Declare,
+    DeferredBlock,
     For,
     If,
     Jump,
     Label,
+    Message,
+    Mode,
+    Number,
     Repeat,
     Return,
     Statement,
@@ -267,7 +273,7 @@ class Flow(HotPasses):
         first = frame.cell == 0
         if not first:
             self._run_pending()
-            if self.modal.parameters.get(number) != self._counted_value(frame, node):
+            if not self._is_counted(frame, node, number):
                 name = node.variable.name or self.program.rules.name_of(number)
                 what = f"a for loop whose variable {name} its body changes"
                 raise Refusal(codes.UNSUPPORTED_CODE.at(node.span, code=what))
@@ -293,6 +299,22 @@ class Flow(HotPasses):
         most = self._ends(frame, node)[1]
         low, high = (-most, frame.counter) if node.down else (frame.counter, most)
         return Unknown(_OFTEN, low, high)
+
+    def _is_counted(self, frame: Frame, node: For, number: int) -> bool:
+        """Whether the variable of a loop holds behind a pass what it held in it, or what a guard has told of that."""
+        counted, held = self._counted_value(frame, node), self.modal.parameters.get(number)
+        if held == counted or held is None or not frame.is_open:
+            return held == counted
+        (low, high), (least, most) = bounds(held), bounds(counted)
+        return low >= least and high <= most and not self._is_set(number)
+
+    def _is_set(self, number: int) -> bool:
+        """Whether a statement of the program may set a variable, other than a counted loop."""
+        if self._set_by_program is None:
+            program = self.program
+            bodies = [program.body, program.abort, *(sub.body for sub in program.subprograms.values())]
+            self._set_by_program = frozenset().union(*map(_targets, bodies))
+        return number in self._set_by_program or ANY in self._set_by_program
 
     def _pass(self, frame: Frame, node: For) -> None:
         """One more pass."""
@@ -424,6 +446,34 @@ class Flow(HotPasses):
         self._fail(finding, told=(node.name if isinstance(node, Subprogram) else "") in self.program.unended)
         self._end_section(Wait.UNKNOWN, finding.message, -1, span)
         raise ProgramEnd
+
+
+def _targets(body: tuple[Statement, ...]) -> set[int]:
+    """Numbers of the variables that statements may set, ``ANY`` where that is not told by the text."""
+    found: set[int] = set()
+    for node in body:
+        if isinstance(node, DeferredBlock):
+            node = node.made()
+        if isinstance(node, Block):
+            given = [assign.target.number for assign in node.assigns]
+            given += [word.value for word in node.words if word.letter == PARAMETER]
+        elif isinstance(node, Call):
+            # A procedure may give something back.
+            given = [word.value.number for word in node.arguments if isinstance(word.value, Variable)]
+        elif isinstance(node, If):
+            found |= _targets(node.then) | _targets(node.otherwise)
+            continue
+        elif isinstance(node, While | Repeat | For):
+            found |= _targets(node.body)
+            continue
+        else:
+            sets_none = isinstance(node, BlockTable | Label | Jump | Return | Declare | Mode)
+            if not sets_none and not (isinstance(node, Message) and node.kind != "dialog"):
+                found.add(ANY)
+            continue
+        for number in given:
+            found.update((round(number.value), COMMON + round(number.value)) if isinstance(number, Number) else (ANY,))
+    return found
 
 
 def _has_label(body: tuple[Statement, ...], name: str) -> bool:
