@@ -440,7 +440,7 @@ BOUNDARY_GUARD_OFF = code(
     332,
     "boundary-guard-off",
     _W,
-    "{axis} goes to {reached:.4f} {unit} in its workspace, past its {side} boundary {limit:.4f}, with the guard off",
+    "{axis} goes to {reached:.4f} {unit} in its workspace, past its {side} boundary {limit:.4f}, {why}",
     "limits",
 )
 LIMIT_ADJUSTED = code(

@@ -145,6 +145,10 @@ Frame = tuple[Affine, Affine, Affine, Affine, Affine, Affine]
 KNOWN_FRAME: Frame = ((), (), (), (), (), ())
 
 
+UNMEASURED = "low_boundaries"
+"""Name in ``State.guards_off``: no tool was measured, and low boundaries of vertical axes do not count yet."""
+
+
 @record(frozen=True, slots=True)
 class Boundary:
     """A boundary of the work for one axis: low <= machine position - (shift + form) <= high, mm or degrees.

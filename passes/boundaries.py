@@ -19,10 +19,11 @@ from gproof.ir.finding import Findings, Related, Severity, Span
 from gproof.ir.machine import AXES, Machine
 from gproof.ir.record import record
 from gproof.ir.setup import Setup
-from gproof.ir.trace import UNKNOWN, Affine, Boundary, Chunk, State, Trace
+from gproof.ir.trace import UNKNOWN, UNMEASURED, Affine, Boundary, Chunk, State, Trace
 from gproof.ir.verdict import Condition, PropertyResult, Verdict
 from gproof.passes.check import KEPT, Check, Like, form_interval, row_span, split_form, told_of
 from gproof.passes.extent_kernels import row_boxes
+from gproof.passes.single_state import vertical_axes
 from gproof.passes.values import add_forms, describe
 
 GUARD = "boundaries"
@@ -30,8 +31,8 @@ GUARD = "boundaries"
 ROUNDING = 1e-9
 
 Floats = npt.NDArray[np.float64]
-Key = tuple[tuple[Boundary, ...], bool]
-"""Boundaries of a state, and whether their guard is off."""
+Key = tuple[tuple[Boundary, ...], bool, bool]
+"""Boundaries of a state, whether their guard is off, and whether low ones of vertical axes do not count yet."""
 
 
 class _Box:
@@ -105,6 +106,8 @@ class Boundaries(Check):
         self._trace: Trace | None = None
         self._errors = 0
         self._units = {axis.index: axis.unit for axis in machine.axes}
+        self._vertical = vertical_axes(machine)
+        self._unheld: set[int] = set()
         self._first = Span("", 1)
 
     def feed(self, chunk: Chunk) -> None:
@@ -145,6 +148,8 @@ class Boundaries(Check):
             kinds = np.column_stack([axes, under > over])
             for n, like in told_of(rows, row, kinds, np.maximum(under, over), self.kept):
                 self._beyond(row_span(trace, rows, int(row[n])), key, int(axes[n]), float(reach[n]), like)
+            if key[2]:
+                count -= int((np.isin(axes, self._vertical) & (under > over)).sum())
         self._errors += 0 if key[1] else count
 
     def _beyond_rows(
@@ -167,17 +172,29 @@ class Boundaries(Check):
         below = edge.low is not None and reached < edge.low
         limit = edge.low if below else edge.high
         assert limit is not None
-        code = codes.BOUNDARY_GUARD_OFF if key[1] else codes.SOFT_LIMIT if edge.limit else codes.BOUNDARY_EXCEEDED
+        unheld = key[2] and below and axis in self._vertical
+        off = key[1] or unheld
+        code = codes.BOUNDARY_GUARD_OFF if off else codes.SOFT_LIMIT if edge.limit else codes.BOUNDARY_EXCEEDED
+        if unheld:
+            self._nothing_holds(span, axis)
         if key[1] and self._trace is not None and span.file in self._trace.macro_files:
             code = code.as_note()
+        why = {"why": "with the guard off" if key[1] else "before a tool is measured"} if off else {}
         self.findings.add(
             code.at(
-                span, axis=self.machine.word(axis), reached=reached,
+                span, **why, axis=self.machine.word(axis), reached=reached,
                 unit=self._units.get(axis, "mm"), over=abs(reached - limit), side="lower" if below else "upper",
                 limit=limit,
             ),
             **(like or {}),
         )  # fmt: skip
+
+    def _nothing_holds(self, span: Span, axis: int) -> None:
+        """GP302, once for an axis: its low boundary does not count yet, and no limit of the machine holds it there."""
+        there = next(each for each in self.machine.axes if each.index == axis)
+        if there.lower is None and axis not in self._unheld:
+            self._unheld.add(axis)
+            self.findings.add(codes.LIMIT_UNKNOWN.at(span, side="lower", axis=there.word))
 
     def finish(self) -> PropertyResult:
         """UNSAFE, UNKNOWN, or SAFE with conditions on unknown offsets."""
@@ -288,4 +305,4 @@ class Boundaries(Check):
 
 
 def _key(state: State) -> Key:
-    return state.boundaries, GUARD in state.guards_off
+    return state.boundaries, GUARD in state.guards_off, UNMEASURED in state.guards_off

@@ -14,7 +14,7 @@ import numpy as np
 from gproof.ir import codes
 from gproof.ir.finding import Findings, Span
 from gproof.ir.machine import AXES, Machine
-from gproof.ir.trace import Chunk
+from gproof.ir.trace import UNMEASURED, Chunk
 from gproof.passes.check import row_span
 
 NAMES = {"machine_area": "soft limits", "boundaries": "boundaries", "tool_change_area": "tool change area"}
@@ -42,7 +42,9 @@ class GuardStretches:
     def feed(self, chunk: Chunk) -> None:
         """Some successive rows."""
         for state in chunk.trace.states[len(self._of_state) :]:
-            self._of_state.append(self._sets.setdefault(state.guards_off, len(self._sets)))
+            # Low boundaries that do not count yet nobody has switched off.
+            off = tuple(name for name in state.guards_off if name != UNMEASURED)
+            self._of_state.append(self._sets.setdefault(off, len(self._sets)))
         if not len(chunk.rows) or len(self._sets) == 1:
             return
         kinds = np.array(self._of_state)[chunk.rows["state"]]

@@ -26,6 +26,8 @@ from gproof.passes.single_state import (
     LEANING,
     REGISTERS_OPEN,
     KnifeNow,
+    arm_low_boundaries,
+    guards_now,
     value_of,
     vertical_axes,
     with_pair,
@@ -299,6 +301,7 @@ def tool_number(ex: Motion, line: Command, rule: CodeRule) -> None:
     s.lengths_used = True
     if rule.value == 1:
         s.tool = number
+    arm_low_boundaries(s)
     ex._state_changed()
     ex.event(Op.TOOL_CHANGE, line.span, arg=(float(number), 0.0))
 
@@ -376,6 +379,10 @@ def map_words(ex: Motion, line: Command, rule: CodeRule) -> None:
     s = ex.modal
     columns = line.columns
     letters = line.letters
+    if rule.function is F.MAP_HEADS and "mapped" in s.single.flags and s.single.sources[:2] != (0, 1):
+        lose_places(ex)
+        what = f"{rule.text} while L11 maps X or Y (whether it ends that)"
+        raise Refusal(codes.UNSUPPORTED_CODE.at(line.span, code=what))
     if not letters:
         s.single = s.single.but(sources=tuple(range(AXES)), flags=s.single.flags - {"mapped"})
         return
@@ -477,13 +484,7 @@ def guards(ex: Motion, line: Command, rule: CodeRule) -> None:
 
 def set_guards(ex: Motion) -> None:
     """The guards that rows carry."""
-    s = ex.modal
-    off = []
-    if not s.single.soft:
-        off.append("machine_area")
-    if not s.single.bound:
-        off.append("boundaries")
-    s.guards_off = tuple(sorted(off))
+    ex.modal.guards_off = guards_now(ex.modal)
     ex._state_changed()
 
 
@@ -504,7 +505,7 @@ def boundary(ex: Motion, line: Command, rule: CodeRule) -> None:
                 raise Refusal(codes.UNKNOWN_CONDITION.at(line.span, cause=value.cause))
             values[axis] = value * s.scale(axis)
     s.single = s.single.but(lower=tuple(values)) if low else s.single.but(upper=tuple(values))
-    ex._state_changed()
+    set_guards(ex)
 
 
 # ---- devices that move axes in ways that nobody can follow
@@ -669,11 +670,14 @@ def level_heads(ex: Motion, line: Command, rule: CodeRule) -> None:
     """L53: vertical heads as high as possible with their tools at one height."""
     s = ex.modal
     heads = vertical_axes(ex.machine)
-    if any(s.tool_offset[axis].form for axis in heads):
+    stored = s.single.before or s.tool_offset
+    aside = {axis for axis in set(heads) & s.single.unmeasured if stored[axis] != s.tool_offset[axis]}
+    if aside or any(s.tool_offset[axis].form for axis in heads):
         for axis in heads:
             s.position[axis] = NOWHERE
         s.jumped = True
-        raise Refusal(codes.UNSUPPORTED_CODE.at(line.span, code=f"{rule.text} with tools that are not measured"))
+        why = "while G49 puts measures aside (whether they count)" if aside else "with tools that are not measured"
+        raise Refusal(codes.UNSUPPORTED_CODE.at(line.span, code=f"{rule.text} {why}"))
     note_assumptions(ex)
     target = list(s.position)
     if heads:

@@ -24,6 +24,7 @@ from gproof.passes.single_kernels import SAME, ZERO_RADIUS, agreed, distance
 from gproof.passes.single_state import (
     LEANING,
     REGISTERS_OPEN,
+    TURN_SETTLED,
     UNSCALED,
     followed,
     own_way,
@@ -89,6 +90,10 @@ def mapped(ex: Motion, line: Command) -> dict[int, Value]:
     """Axis words by the column that they move (L11, L12): an axis takes the word of its source."""
     words = line.axes()
     sources = ex.modal.single.sources
+    for column in words.keys() - set(sources):
+        # The rule gives this word to the axis that is named twice, the example gives that axis another's words.
+        what = f"a word of {ex.machine.word(column)} while two axes take those of another letter (L11, L12)"
+        raise Refusal(codes.UNSUPPORTED_CODE.at(line.span, code=what))
     return {axis: words[sources[axis]] for axis in range(AXES) if sources[axis] in words and ex.modal.has_axis(axis)}
 
 
@@ -114,6 +119,7 @@ def aim(ex: Motion, line: Command, *, machine: bool = False) -> list[Position]:
         pair = tuple(_in_mm(ex, axis, words.get(axis)) for axis in (0, 1))
         at = s.position[0], s.position[1]
         if is_absolute(ex):
+            _doubt_other(ex, line, words)
             target[0], target[1] = s.transform.absolute((pair[0], pair[1]), at, (s.offset(0), s.offset(1)))
         else:
             target[0], target[1] = s.transform.incremental((pair[0], pair[1]), at)
@@ -134,6 +140,27 @@ def _doubt_turning(ex: Motion, line: Command) -> None:
     for axis, source in enumerate(ex.modal.single.sources):
         if axis != source and {axis, source} & {0, 1}:
             raise Refusal(codes.TRANSFORM_OPEN.at(line.span, what="whether L11 maps words before or after they turn"))
+
+
+def _doubt_other(ex: Motion, line: Command, words: dict[int, Value]) -> None:
+    """Refusal GP276 for one of X and Y alone while G52 turns both, where nobody knows the other one of the program.
+
+    It is the one that was programmed last, or what the place of the machine is when it is turned back: the same once
+    both were named behind G52, or where the axes stood at the middle of the turn.
+    """
+    s = ex.modal
+    if {0, 1} <= words.keys():
+        if not {0, 1} & (s.single.locked | {axis for axis, _ in s.single.slaves}):
+            s.single = s.single.but(flags=s.single.flags | {TURN_SETTLED})
+    elif s.transform.rotated and TURN_SETTLED not in s.single.flags:
+        what = "which place the other one of X and Y has in the program behind G52, before a line names both"
+        raise Refusal(codes.TRANSFORM_OPEN.at(line.span, what=what))
+
+
+def turn_unsettled(s: Modal) -> None:
+    """X or Y went to a place of the machine: while G52 turns them the program's place is open again."""
+    if TURN_SETTLED in s.single.flags:
+        s.single = s.single.but(flags=s.single.flags - {TURN_SETTLED})
 
 
 def place_of(ex: Motion, axis: int, value: Value) -> Position:
@@ -505,6 +532,7 @@ def stored_place(ex: Motion, line: Command, op: Op, *, machine: bool = False) ->
     for column in words.keys() - {column for column, _ in places}:
         target[column] = NOWHERE
     target = follow(ex, target, line.span)
+    turn_unsettled(s)
     if lift:
         heads = vertical_axes(ex.machine)
         over_heads(ex, line, target, heads, _clearance(ex, f"{letter}{number}"))
@@ -596,6 +624,7 @@ def machine_traverse(ex: Motion, line: Command, rule: CodeRule) -> None:
     s = ex.modal
     if line.axes():
         target = aim(ex, line, machine=True)
+        turn_unsettled(s)
     else:
         target = list(s.position)
         for axis in vertical_axes(ex.machine):

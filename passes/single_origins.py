@@ -18,8 +18,23 @@ from gproof.ir.rules import CodeRule
 from gproof.ir.rules import Function as F
 from gproof.ir.trace import Op, Wait
 from gproof.passes.modal import INCH, ZERO
-from gproof.passes.single_motion import Handler, _in_mm, follow, note_assumptions, scaled_axes, stored_in
-from gproof.passes.single_state import REGISTERS_OPEN, turned_shift, turning, vertical_axes
+from gproof.passes.single_motion import (
+    Handler,
+    _in_mm,
+    follow,
+    note_assumptions,
+    scaled_axes,
+    stored_in,
+    turn_unsettled,
+)
+from gproof.passes.single_state import (
+    REGISTERS_OPEN,
+    TURN_SETTLED,
+    arm_low_boundaries,
+    turned_shift,
+    turning,
+    vertical_axes,
+)
 from gproof.passes.transform import NO_TRANSFORM, Transform
 from gproof.passes.values import NOWHERE, Position, Unknown, Value
 
@@ -98,10 +113,12 @@ def _set_local(ex: Motion, line: Command, found: dict[int, Position]) -> None:
 def local_set(ex: Motion, line: Command, rule: CodeRule) -> None:
     """G92 with words: the present place gets these numbers; alone: no local coordinates."""
     axes = line.axes()
-    _doubt_transform(ex, line, rule)
     if not axes:
+        _doubt_zeros(ex, line, rule, dict.fromkeys(range(AXES), ZERO))
         _set_local(ex, line, dict.fromkeys(range(AXES), ZERO))
         return
+    # What the place reads as while it is scaled or turned is open too.
+    _doubt_transform(ex, line, rule, set(axes))
     _set_local(ex, line, {axis: _local_from(ex, axis, value) for axis, value in axes.items()})
     if {0, 1} <= axes.keys():
         s = ex.modal
@@ -110,23 +127,24 @@ def local_set(ex: Motion, line: Command, rule: CodeRule) -> None:
 
 def local_shift_machine(ex: Motion, line: Command, rule: CodeRule) -> None:
     """G92.1: local zero lies at this machine position."""
-    _doubt_transform(ex, line, rule)
-    _set_local(ex, line, {axis: _distance(ex, axis, value) for axis, value in line.axes().items()})
+    found = {axis: _distance(ex, axis, value) for axis, value in line.axes().items()}
+    _doubt_zeros(ex, line, rule, found)
+    _set_local(ex, line, found)
 
 
 def local_shift(ex: Motion, line: Command, rule: CodeRule) -> None:
     """G92.2: local zero is shifted by this."""
-    _doubt_transform(ex, line, rule)
     s = ex.modal
-    axes = line.axes().items()
-    _set_local(ex, line, {axis: s.g92[axis].plus(_distance(ex, axis, value)) for axis, value in axes})
+    found = {axis: s.g92[axis].plus(_distance(ex, axis, value)) for axis, value in line.axes().items()}
+    _doubt_zeros(ex, line, rule, found)
+    _set_local(ex, line, found)
 
 
 def local_switch(ex: Motion, line: Command, rule: CodeRule) -> None:
     """G92.3: store and clear, or restore what was stored."""
     s = ex.modal
-    _doubt_transform(ex, line, rule)
     stored = s.single.local_stored
+    _doubt_zeros(ex, line, rule, dict(enumerate((ZERO,) * AXES if stored is None else stored)))
     if stored is None:
         s.single = s.single.but(local_stored=tuple(s.g92))
         if any(place.form for place in s.g92):
@@ -151,12 +169,17 @@ def local_crossing(ex: Motion, line: Command, rule: CodeRule) -> None:
     if shift:
         what = f"O of {rule.text} (which way the points are shifted is not said)"
         raise Refusal(codes.UNSUPPORTED_CODE.at(line.where("O"), code=what))
+    if any(ex.modal.work_offsets[ex.modal.work, axis] != ZERO for axis in (0, 1)):
+        what = f"{rule.text} in a workspace that is shifted (whether its shift counts for the crossing)"
+        raise Refusal(codes.UNSUPPORTED_CODE.at(line.span, code=what))
     (ax, ay), (bx, by), (cx, cy), (dx, dy) = points
     cross = (bx - ax) * (dy - cy) - (by - ay) * (dx - cx)
     if abs(cross) < 1e-9:
         raise Refusal(codes.ILLEGAL_VALUE.at(line.span, word=rule.text, what="the two lines do not cross"))
     along = ((cx - ax) * (dy - cy) - (cy - ay) * (dx - cx)) / cross
-    _set_local(ex, line, {0: Position(ax + along * (bx - ax)), 1: Position(ay + along * (by - ay))})
+    found = {0: Position(ax + along * (bx - ax)), 1: Position(ay + along * (by - ay))}
+    _doubt_zeros(ex, line, rule, found)
+    _set_local(ex, line, found)
 
 
 def _stored_xy(ex: Motion, line: Command, letter: str) -> tuple[float, float]:
@@ -203,8 +226,9 @@ def workspace(ex: Motion, line: Command, rule: CodeRule) -> None:
     if s.work == rule.value:
         return
     old = [s.work_offsets[s.work, axis] for axis in (0, 1)]
-    if old != [s.work_offsets[rule.value, axis] for axis in (0, 1)]:
-        _doubt_transform(ex, line, rule)
+    moved = {axis for axis in (0, 1) if old[axis] != s.work_offsets[rule.value, axis]}
+    if moved:
+        _doubt_transform(ex, line, rule, moved)
     s.work = rule.value
     s.stated.add("work")
     ex._state_changed()
@@ -217,6 +241,7 @@ def workspace(ex: Motion, line: Command, rule: CodeRule) -> None:
         target[axis] = s.position[axis].plus(change) if before[axis] != NOWHERE else NOWHERE
     if target != s.position:
         note_assumptions(ex)
+        turn_unsettled(s)
         ex.move(Op.TRAVERSE, target, line.span)
         ex._moved = True
     if space is None or space.moves is not None:
@@ -226,7 +251,7 @@ def workspace(ex: Motion, line: Command, rule: CodeRule) -> None:
         change = s.work_offsets[s.work, axis].minus(old[axis])
         if change.form:
             s.position[axis] = NOWHERE
-        elif change != ZERO and target[axis] != NOWHERE:
+        elif change != ZERO and target[axis] != NOWHERE and axis not in s.single.locked:
             ends = min(0.0, -change.value), max(0.0, -change.value)
             s.position[axis] = ex.unknown_place("value", axis, ends, target[axis])
             s.jumped = True
@@ -256,10 +281,20 @@ def _turn(ex: Motion, line: Command, rule: CodeRule, space: Workspace | None) ->
     raise Refusal(codes.UNSUPPORTED_CODE.at(line.span, code=f"{rule.text} {turning(space)}"))
 
 
-def _doubt_transform(ex: Motion, line: Command, rule: CodeRule) -> None:
-    """Where zero is moved while G51 or G52 is on, what they turn and scale about is open."""
-    if ex.modal.transform.on or scaled_axes(ex.modal):
+def _doubt_transform(ex: Motion, line: Command, rule: CodeRule, axes: set[int]) -> None:
+    """Where zero is moved of axes that G51 scales or G52 turns, what they turn and scale about is open."""
+    s = ex.modal
+    turn = s.transform
+    both = turn.rotated or bool(turn.open)
+    moulded = {axis for axis, _ in scaled_axes(s)}
+    moulded |= {axis for axis in (0, 1) if turn.on and (both or turn.factors[axis] != 1.0)}
+    if axes & moulded:
         raise Refusal(codes.TRANSFORM_OPEN.at(line.span, what=f"what {rule.text} does while G51 or G52 is on"))
+
+
+def _doubt_zeros(ex: Motion, line: Command, rule: CodeRule, zeros: dict[int, Position]) -> None:
+    """The same for local zeros: those that stay where they are move nothing."""
+    _doubt_transform(ex, line, rule, {axis for axis, place in zeros.items() if place != ex.modal.g92[axis]})
 
 
 def transform_off(ex: Motion, line: Command, rule: CodeRule) -> None:
@@ -279,6 +314,13 @@ def _begin_transform(ex: Motion, line: Command, rule: CodeRule, made: Transform)
     ex._state_changed()
 
 
+def _together(ex: Motion, line: Command, rule: CodeRule) -> NoReturn:
+    """Refusal GP276 where G51 and G52 meet: whether the later ends the earlier, and which comes first, is not said."""
+    what = f"what {rule.text} does while G51 or G52 is on"
+    ex.modal.transform = replace(ex.modal.transform, open=what)
+    raise Refusal(codes.TRANSFORM_OPEN.at(line.span, what=what))
+
+
 def scaling(ex: Motion, line: Command, rule: CodeRule) -> None:
     """G51: X and Y by factors about a fixed point; factors of other axes are not modelled."""
     s = ex.modal
@@ -291,6 +333,8 @@ def scaling(ex: Motion, line: Command, rule: CodeRule) -> None:
     numbers = {axis: value for axis, value in words.items() if not isinstance(value, Unknown)}
     common = line.number("C") or 0.0
     i, j, k = (common if line.number(letter) is None else line.number(letter) or 0.0 for letter in "IJK")
+    if s.transform.rotated:
+        _together(ex, line, rule)
     # An axis that an earlier G51 scaled and this one does not name: whether it still is, nobody says.
     scales = {axis: (math.nan if factor != 1.0 else 1.0, 0.0, ZERO) for axis, (factor, _, _) in s.single.scales}
     for axis, factor in numbers.items():
@@ -318,7 +362,18 @@ def rotation(ex: Motion, line: Command, rule: CodeRule) -> None:
     angle = (line.number("A") or 0.0) * ex.machine.controller.controls.rotation_sign
     center = ((line.number("I") or 0.0) * s.unit, (line.number("J") or 0.0) * s.unit)
     origin = s.offset(0), s.offset(1)
-    _begin_transform(ex, line, rule, Transform(rotated=True, angle=angle, center=center, origin=origin))
+    _begin_turn(ex, line, rule, Transform(rotated=True, angle=angle, center=center, origin=origin))
+
+
+def _begin_turn(ex: Motion, line: Command, rule: CodeRule, made: Transform) -> None:
+    s = ex.modal
+    if scaled_axes(s):
+        _together(ex, line, rule)
+    at = [s.program_position(axis) for axis in (0, 1)] if not s.transform.on else [NOWHERE, NOWHERE]
+    _begin_transform(ex, line, rule, made)
+    turn_unsettled(s)
+    if all(place == Position(middle) for place, middle in zip(at, made.center, strict=True)):
+        s.single = s.single.but(flags=s.single.flags | {TURN_SETTLED})
 
 
 def rotation_line(ex: Motion, line: Command, rule: CodeRule) -> None:
@@ -329,7 +384,7 @@ def rotation_line(ex: Motion, line: Command, rule: CodeRule) -> None:
         raise Refusal(codes.ILLEGAL_VALUE.at(line.span, word=rule.text, what="the two positions are one"))
     angle = math.degrees(math.atan2(by - ay, bx - ax))
     origin = s.offset(0), s.offset(1)
-    _begin_transform(ex, line, rule, Transform(rotated=True, angle=angle, origin=origin))
+    _begin_turn(ex, line, rule, Transform(rotated=True, angle=angle, origin=origin))
 
 
 # ---- homing, machine zero, stored home
@@ -353,6 +408,7 @@ def home(ex: Motion, line: Command, rule: CodeRule) -> None:
         s.jumped = True
         what = f"{rule.text} of an axis that L300 locks or L13 couples"
         raise Refusal(codes.UNSUPPORTED_CODE.at(line.where_code(rule), code=what))
+    turn_unsettled(s)
     names = " ".join(AXIS_NAMES[axis] for axis in axes)
     ex.event(Op.HOME, line.span, text=ex._text(names))
     for axis in axes:
@@ -395,7 +451,7 @@ def _warn_kept(ex: Motion, line: Command, rule: CodeRule, axes: list[int]) -> No
 def set_machine(ex: Motion, line: Command, rule: CodeRule) -> None:
     """L28: the present place gets these machine coordinates."""
     s = ex.modal
-    _doubt_transform(ex, line, rule)
+    _doubt_transform(ex, line, rule, set(line.axes()))
     _warn_kept(ex, line, rule, list(line.axes()))
     for axis, value in line.axes().items():
         if axis not in s.single.touched and s.position[axis] != _distance(ex, axis, value):
@@ -443,6 +499,7 @@ def return_home(ex: Motion, line: Command, rule: CodeRule) -> None:
             what = f"{rule.text} for an axis that no L3 of this job stored"
             raise Refusal(codes.UNSUPPORTED_CODE.at(line.span, code=what))
         target[axis] = stored
+    turn_unsettled(s)
     ex.move(Op.TRAVERSE, follow(ex, target, line.span), line.span)
     ex._moved = True
 
@@ -466,6 +523,7 @@ def lengths(ex: Motion, line: Command, rule: CodeRule) -> None:
         for axis in axes & off:
             s.tool_offset[axis] = stored[axis]
         s.lengths_used = True
+        arm_low_boundaries(s)
         off -= axes
     s.single = s.single.but(unmeasured=frozenset(off), before=tuple(stored[axis] for axis in range(AXES)))
     ex._state_changed()
@@ -478,6 +536,7 @@ def set_measure(ex: Motion, axis: int, offset: Position) -> None:
     s.tool_offset[axis] = offset
     s.lengths_used = True
     s.single = s.single.but(unmeasured=s.single.unmeasured - {axis})
+    arm_low_boundaries(s)
 
 
 def measure_tool(ex: Motion, line: Command, rule: CodeRule) -> None:

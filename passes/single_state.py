@@ -15,7 +15,7 @@ from gproof.ir.controls import Workspace
 from gproof.ir.finding import Refusal, Span
 from gproof.ir.machine import AXES, AXIS_NAMES, AxisKind, Machine
 from gproof.ir.record import record
-from gproof.ir.trace import Boundary, ToolDiameter
+from gproof.ir.trace import UNMEASURED, Boundary, ToolDiameter
 from gproof.passes.values import NOWHERE, Position, Unknown, Value
 
 if TYPE_CHECKING:
@@ -28,6 +28,8 @@ COUPLING_OPEN = "coupling open"
 """Flag: which axes follow which (L13), and how far, is not known for certain."""
 REGISTERS_OPEN = "registers open"
 """Flag: nobody knows what H registers hold that the job has not written since."""
+TURN_SETTLED = "turn settled"
+"""Flag: the place of X and Y in the program is the same in all readings, though G52 turns them."""
 STILL = Position(0.0)
 LEANING = "leaning knife"
 """Flag: a knife is on whose blade leans."""
@@ -68,8 +70,9 @@ class SingleState:
     of places between two readings. unworn: tools of the library that L500.2 gave one diameter, nominal and actual, and
     nothing to compensate; diameters: those that it gave. reference: what positions had more than the tip of the tool of
     the start when another one came, None before. cell_open: the cell of an array has named no local zero of X and Y
-    yet. drift: (column, way) that followers have gone with their leaders, which the controller counts or not. cycle_at:
-    bottom and R of the last hole. retimed, backlash: see ``State``.
+    yet. measured: M37 was used, in the job or before it. drift: (column, way) that followers have gone with their
+    leaders, which the controller counts or not. cycle_at: bottom and R of the last hole. retimed, backlash: see
+    ``State``.
     """
 
     feeds: tuple[float, ...] = (math.nan,) * AXES
@@ -108,6 +111,7 @@ class SingleState:
     diameters: tuple[ToolDiameter, ...] = ()
     reference: tuple[Position, ...] | None = None
     cell_open: bool = False
+    measured: bool = False
     drift: tuple[tuple[int, Position], ...] = ()
     cycle_at: tuple[Position, Position] | None = None
     retimed: frozenset[str] = frozenset()
@@ -161,7 +165,7 @@ def followed(single: SingleState, position: list[Position], target: list[Positio
     if "compensation" in single.flags:
         target[:2] = [NOWHERE, NOWHERE]
     for axis, leader in single.slaves:
-        way = target[leader].minus(position[leader])
+        way = STILL if leader in single.locked else target[leader].minus(position[leader])
         is_open = COUPLING_OPEN in single.flags and way != STILL
         target[axis] = NOWHERE if is_open else position[axis].plus(way)
     for axis in single.locked:
@@ -281,9 +285,30 @@ def prepare(modal: Modal) -> None:
         lower[known.index], upper[known.index] = known.boundary_lower, known.boundary_upper
     tool: Value = Unknown("the tool in the spindle") if setup.tool is None else float(setup.tool)
     on = controls.soft_limits is not False
-    modal.guards_off = () if on else ("boundaries", "machine_area")
     flags = frozenset({"autoaux"} if controls.auto_output_on else ())
     modal.single = SingleState(
         feeds=tuple(feeds), lower=tuple(lower), upper=tuple(upper), tools=(tool, Unknown("the tool in changer 2")),
-        soft=on, bound=on, flags=flags, auto_dwell=controls.auto_dwell,
+        soft=on, bound=on, flags=flags, auto_dwell=controls.auto_dwell, measured=bool(setup.measures),
     )  # fmt: skip
+    modal.guards_off = guards_now(modal)
+
+
+def guards_now(modal: Modal) -> tuple[str, ...]:
+    """The guards that are off, as rows carry them."""
+    single = modal.single
+    names = []
+    if not single.bound:
+        names.append("boundaries")
+    if not single.measured and any(single.lower[axis] is not None for axis in vertical_axes(modal.machine)):
+        # Low boundaries of vertical axes are there once M37 is used (Soft Limit / Boundaries).
+        names.append(UNMEASURED)
+    if not single.soft:
+        names.append("machine_area")
+    return tuple(names)
+
+
+def arm_low_boundaries(modal: Modal) -> None:
+    """A tool is measured (M37), or a stored measure is in force: low boundaries of vertical axes count."""
+    if not modal.single.measured:
+        modal.single = modal.single.but(measured=True)
+        modal.guards_off = guards_now(modal)

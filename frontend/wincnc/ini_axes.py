@@ -104,7 +104,7 @@ def _check_steps(sheet: Sheet, letter: str, spec: Setting) -> None:
     steps = number(spec, "R") or Fraction(0)
     for word in (spec.word("A"), spec.word("F")):
         product = Fraction(0) if word is None else (word.value or 0) * steps / SECONDS_IN_MINUTE
-        if word is not None and product > MOST_STEPS:
+        if word is not None and product > MOST_STEPS and not sheet.ini.is_replaced(spec, word.letter):
             place = (spec.line, word.column, word.end_column)
             allowed = float(MOST_STEPS)
             sheet.ini.add(codes.ACCELERATION_BOUNDS, *place, axis=letter, steps=float(product), allowed=allowed)
@@ -131,7 +131,9 @@ def _backlash(sheet: Sheet, spec: Setting, length: Fraction) -> float:
 def _pair(sheet: Sheet, low: str, high: str, letter: str, length: Fraction) -> tuple[float | None, float | None]:
     """The lower and upper end of an axis by two keys."""
     lower, upper = number(sheet.one(low), letter), number(sheet.one(high), letter)
-    last = sheet.one(high)
+    first, last = sheet.one(low), sheet.one(high)
+    if first is not None and sheet.ini.is_replaced(first, letter):
+        lower = None
     if lower is not None and upper is not None and lower > upper and last is not None:
         sheet.ini.bad(last, f"lies below {low}= {letter}{lower}", last.word(letter))
         return None, None

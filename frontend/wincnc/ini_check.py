@@ -45,6 +45,7 @@ class Sheet:
         self.not_modelled: list[Unmodelled] = []
         self.unit = self._unit()
         self.letters, self.columns = self._letters()
+        ini.columns = self.columns
         self.settings: dict[str, list[Setting]] = {}
         self.axes: list[dict[str, list[Setting]]] = []
         for setting in ini.settings:
@@ -173,6 +174,9 @@ class Sheet:
         if rule is None:
             self.ini.report_unknown(setting)
             return
+        at = len(self.axes) - (setting.key != "axisspec")
+        if (setting.key in OF_AXIS or setting.key == "axisspec") and 0 <= at < len(self.letters):
+            self.ini.axis_of[setting.line] = self.columns[self.letters[at]]
         judged = self._judged(setting, rule)
         if judged is None:
             return
@@ -207,7 +211,7 @@ class Sheet:
         return None if words is None else self._with_words(replace(setting, words=words), rule)
 
     def _with_words(self, setting: Setting, rule: KeyRule) -> Setting | None:
-        good = True
+        good, without = True, []
         for word in setting.words:
             kind = rule.letters.get(word.letter)
             if kind is None and rule.named.form == "axes" and word.letter in AXIS_LETTERS:
@@ -215,9 +219,15 @@ class Sheet:
                 if word.letter not in self.columns and self.columns:
                     self.ini.report_unknown(setting, word, "there is no such axis")
             if kind is not None:
-                good = self._is_good(setting, word, _with_range(rule, word.letter, kind)) and good
-            else:
+                is_good = self._is_good(setting, word, _with_range(rule, word.letter, kind))
+                if not is_good and self.ini.is_replaced(setting, word.letter):
+                    without.append(word)
+                else:
+                    good = is_good and good
+            elif not self.ini.is_replaced(setting, word.letter):
                 self._odd_letter(setting, word, rule.touches)
+        if without:
+            setting = replace(setting, words=tuple(word for word in setting.words if word not in without))
         return setting if good else None
 
     def _is_good(self, setting: Setting, word: Word, kind: str) -> bool:

@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import Any
 
 from gproof.frontend.toml_table import LARGEST
+from gproof.frontend.wincnc.replaced import is_replaced
 from gproof.ir import codes
 from gproof.ir.finding import Code, Findings, Severity, Span
 from gproof.ir.record import record
@@ -69,9 +70,16 @@ class Setting:
 
 
 class IniFile:
-    """The settings of a file in order, and the findings about it."""
+    """The settings of a file in order, and the findings about it.
 
-    def __init__(self, name: str, findings: Findings) -> None:
+    stated: what a machine file that refines this one states anew (``replaced``); columns: of axes by letter, axis_of:
+    by the line of a setting that belongs to one.
+    """
+
+    def __init__(self, name: str, findings: Findings, stated: frozenset[tuple[str, ...]] = frozenset()) -> None:
+        self.stated = stated
+        self.columns: dict[str, str] = {}
+        self.axis_of: dict[int, str] = {}
         self.name = name
         self.findings = findings
         self.errors = 0
@@ -85,7 +93,9 @@ class IniFile:
         self.findings.add(code.at(Span(self.name, line, column, end_column), **values))
 
     def bad(self, setting: Setting, what: str, word: Word | None = None) -> None:
-        """A finding for the value of a setting, or for one letter of it."""
+        """A finding for the value of a setting, or for one letter of it, unless it is stated anew."""
+        if self.is_replaced(setting, "" if word is None else word.letter):
+            return
         if word is not None:
             key = f"{setting.shown}= {word.letter}"
             self.add(codes.BAD_VALUE, setting.line, word.column, word.end_column, key=key, what=what)
@@ -93,6 +103,10 @@ class IniFile:
         begin = setting.value_column if setting.text else setting.column
         end = begin + len(setting.text) if setting.text else setting.end_column
         self.add(codes.BAD_VALUE, setting.line, begin, end, key=f"{setting.shown}=", what=what)
+
+    def is_replaced(self, setting: Setting, letter: str) -> bool:
+        """Whether a file that refines this one states what a letter of a setting says, "" its only value."""
+        return is_replaced(self.stated, setting.key, letter, self.axis_of.get(setting.line, ""), self.columns)
 
     def report_unknown(self, setting: Setting, word: Word | None = None, what: str = "") -> None:
         """A warning for a key, or a letter of one, that gproof has never heard of."""

@@ -43,8 +43,13 @@ def is_wincnc_ini(path: Path) -> bool:
         return False
 
 
-def load_wincnc_ini(path: Path, findings: Findings) -> tuple[Machine | None, Files]:
-    """The machine, and (name, sha256) of the file read; None, with findings, when it is bad."""
+def load_wincnc_ini(
+    path: Path, findings: Findings, stated: frozenset[tuple[str, ...]] = frozenset()
+) -> tuple[Machine | None, Files]:  # fmt: skip
+    """The machine, and (name, sha256) of the file read; None, with findings, when it is bad.
+
+    stated: what a file that refines this one states anew (``replaced``), so that it is not judged here.
+    """
     name = str(path)
     try:
         raw = path.read_bytes()
@@ -55,7 +60,7 @@ def load_wincnc_ini(path: Path, findings: Findings) -> tuple[Machine | None, Fil
     if b"\0" in raw or raw[:2] in (b"\xff\xfe", b"\xfe\xff"):
         findings.add(codes.FILE_UNREADABLE.at(Span(name, 0), what=f"{name}: not a text file"))
         return None, files
-    ini = IniFile(name, findings)
+    ini = IniFile(name, findings, stated)
     ini.parse(decode(raw.removeprefix(UTF8_MARK)))
     sheet = Sheet(ini)
     machine = _machine(sheet, path)

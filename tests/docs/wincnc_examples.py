@@ -33,7 +33,7 @@ G_CODES = {
     "G50": "G50",
     "G51": "G51 X2 Y2 I100 J100\nG1 X110\nG50",
     "G52": "G52 I100 J100 A30\nG1 X110\nG50",
-    "G52.1": "G52.1 A1 B2\nG1 X110\nG50",
+    "G52.1": "G52.1 A1 B2\nG1 X50 Y30\nG1 X60\nG50",
     "G53": "G53 Z0",
     "G54": "G54",
     "G55": "G55",
@@ -240,10 +240,13 @@ OPEN = {
         ]
         for name in ("G54", "G55", "G56", "G57", "G58", "G59")
     },
+    "G52": [("one of X and Y alone behind it, before both were named", "G52 I0 J0 A30\nG1 X110\nG50")],
+    "G52.1": [("one of X and Y alone behind it, before both were named", "G52.1 A1 B2\nG1 X110\nG50")],
     "L10": [("with several rows and columns", "L10 R2 C2 X50 Y50 E1\nG92 X0 Y0\nG1 X10\nL10")],
     "L28": [("at a place that no switch gave", "L28 Z0")],
     "L36": [("with the torch lit", "L36\nL38\nG1 X110\nL39\nL37")],
     "L38": [("before the first L37", "L38\nL39\nL37"), ("with A", "L37\nL38 A5\nL39")],
+    "L53": [("while G49 puts a measure aside", "M37 Z3\nG49\nL53")],
     "M17.1": [("an empty line or a comment behind it", "M17.1 C2\n\nG1 X110")],
     "M99": [("in the job itself, with lines behind it", "G1 X110\nM99\nG1 X120")],
     "P": [("a position that no setup states", "P9")],

@@ -31,7 +31,11 @@ def setup_of(stated: dict[str, Any], machine: Machine) -> tuple[Setup, Machine]:
     answers = {n: float(word == "yes") for n, word in enumerate(stated.get("answers", []), 1)}
     inputs = {int(n): float(on) for n, on in stated.get("inputs", {}).items()}
     start = {columns[k]: Interval(v, v) for k, v in stated.get("position", {}).items()}
-    setup = dataclasses.replace(ZERO, start=start, inputs=inputs, outputs=OFF, virtual=OFF, answers=answers)
+    measured = stated.get("measured", True)
+    measures = {axis.name: Interval(0.0, 0.0) for axis in machine.axes if axis.word in "ZWUV"} if measured else {}
+    setup = dataclasses.replace(
+        ZERO, start=start, inputs=inputs, outputs=OFF, virtual=OFF, answers=answers, measures=measures
+    )
     sign = {"add": 1, "subtract": -1, None: None}[stated.get("workspace_shift")]
     if sign is not None:
         controls = dataclasses.replace(machine.controller.controls, shift_sign=sign)

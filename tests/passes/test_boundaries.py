@@ -257,9 +257,7 @@ def test_a_guard_that_is_off(tmp_path: Path) -> None:
 UNMEASURED = {"z": None, "w": None}
 
 
-@pytest.mark.parametrize(
-    "measure", [{"z": 0.0, "w": 0.0}, {"z": -133.35, "w": 20.0}, {"z": (-50.0, 4.0), "w": 0.0}, UNMEASURED]
-)
+@pytest.mark.parametrize("measure", [{"z": 0.0, "w": 0.0}, {"z": -133.35, "w": 20.0}, {"z": (-50.0, 4.0), "w": 0.0}])
 def test_a_measure_that_nobody_knows_cancels(measure: dict[str, float | None], tmp_path: Path) -> None:
     """The tip stays above the boundary whatever the tool measures; a thousandth deeper it does not."""
     bounds = {"z": (-1.5, 60.0)}
@@ -273,6 +271,19 @@ def test_a_measure_that_nobody_knows_cancels(measure: dict[str, float | None], t
     local = job("G0 Z5\nG92 Z0\nG1 Z-6.5 F500\n", bounds=bounds, measures=measure)
     assert answer(tmp_path, local)[0] is Verdict.SAFE
     assert answer(tmp_path, replace(local, program=local.program.replace("6.5", "6.51")))[0] is Verdict.UNSAFE
+
+
+def test_a_measure_that_nobody_states_is_none(tmp_path: Path) -> None:
+    """A low boundary of Z counts once M37 is used: a warning before, an error behind it."""
+    bounds = {"z": (-1.5, 60.0)}
+    inside = job("G0 Z5\nG0 X10\nG1 Z-1.5 F500\nL91 G1 Z3\n", bounds=bounds, measures=UNMEASURED)
+    assert answer(tmp_path, inside)[0] is Verdict.SAFE
+    deeper = job("G0 Z5\nG0 X10\nG1 Z-1.501 F500\n", bounds=bounds, measures=UNMEASURED)
+    verdict, findings, _ = answer(tmp_path, deeper)
+    assert verdict is not Verdict.UNSAFE
+    assert ("GP332", 6) in findings and "GP330" not in dict(findings)
+    measured = replace(deeper, program=deeper.program + "M37 Z0\nG1 Z-1.501\n")
+    assert answer(tmp_path, measured)[0] is Verdict.UNSAFE
 
 
 def test_a_measure_taken_on_the_way(tmp_path: Path) -> None:
