@@ -59,26 +59,26 @@ def load_machine(path: Path, findings: Findings) -> tuple[Machine | None, Files]
 
 
 def _load(
-    path: Path, findings: Findings, depth: int, stated: frozenset[tuple[str, ...]] = frozenset()
+    path: Path, findings: Findings, depth: int, anew: frozenset[tuple[str, ...]] = frozenset()
 ) -> tuple[Machine | None, Files]:  # fmt: skip
-    """stated: keys of the files that refine this one, with their tables."""
+    """anew: keys of the files that refine this one, with their tables."""
     if path.suffix.lower() == ".ini":
         from gproof.frontend.mcuwin.machine_ini import FILE_NAME, is_mcuwin_ini, load_mcuwin_ini
         from gproof.frontend.wincnc.machine_ini import is_wincnc_ini, load_wincnc_ini
 
         named = path.name.lower() == FILE_NAME
         if not named and is_wincnc_ini(path):
-            return load_wincnc_ini(path, findings, stated)
+            return load_wincnc_ini(path, findings, anew)
         if named or is_mcuwin_ini(path):
             return load_mcuwin_ini(path, findings, alone=depth == DEEPEST_BASE)
         from gproof.frontend.eding.machine_ini import load_ini
 
         return load_ini(path, findings)
-    return _load_toml(path, findings, depth, stated)
+    return _load_toml(path, findings, depth, anew)
 
 
 def _load_toml(
-    path: Path, findings: Findings, depth: int, stated: frozenset[tuple[str, ...]]
+    path: Path, findings: Findings, depth: int, anew: frozenset[tuple[str, ...]]
 ) -> tuple[Machine | None, Files]:  # fmt: skip
     file = TomlFile(path, SCHEMA, findings)
     root = file.root
@@ -103,7 +103,7 @@ def _load_toml(
             return None, files
         from gproof.frontend.wincnc.replaced import paths
 
-        machine, more = _load(target, findings, depth - 1, stated | frozenset(paths(root.values)))
+        machine, more = _load(target, findings, depth - 1, anew | frozenset(paths(root.values)))
         files = files + more
     if machine is None:
         file.finish()

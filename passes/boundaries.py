@@ -9,6 +9,7 @@ inside. The answer belongs to the property ``limits``.
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -179,7 +180,7 @@ class Boundaries(Check):
             self._nothing_holds(span, axis)
         if key[1] and self._trace is not None and span.file in self._trace.macro_files:
             code = code.as_note()
-        why = {"why": "with the guard off" if key[1] else "before a tool is measured"} if off else {}
+        why: dict[str, Any] = {"why": "with the guard off" if key[1] else "before a tool is measured"} if off else {}
         self.findings.add(
             code.at(
                 span, **why, axis=self.machine.word(axis), reached=reached,
