@@ -19,9 +19,9 @@ help: ## List these targets
 demo: $(READY) ## Check, compile, verify and run one job of the corpus on the virtual board
 	bash scripts/demo.sh
 
-test: $(READY) ## Everything CI runs: lint, types, import contracts, all tests (under 12 minutes)
+test: $(READY) ## Everything CI runs: lint, types, import contracts, all tests (under 8 minutes)
 	@$(MAKE) --no-print-directory -j2 --output-sync=target lint types kernels
-	$(BIN)/pytest -n 2
+	$(BIN)/pytest -n 2 --dist worksteal
 
 lint: $(READY) ## ruff (rules and format) and the import contracts between the folders
 	$(BIN)/ruff check .

@@ -6,9 +6,16 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+from hypothesis import settings
 from support import goldens
+from support.campaigns import SOAK
 
 Golden = Callable[[Path, str], None]
+
+# What a random test of hypothesis asks for itself counts; the others make this many examples in every run.
+settings.register_profile("every run", max_examples=40)
+if not SOAK:
+    settings.load_profile("every run")
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:

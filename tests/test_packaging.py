@@ -115,7 +115,7 @@ def test_wheel_works_in_an_empty_venv(wheel: Path, tmp_path: Path) -> None:
     # The lock's versions without its hashes: pip takes no hash for a wheel that was just built.
     locked = re.findall(r"^[\w.-]+==[^\\\n]+", (ROOT / "requirements.lock").read_text(), flags=re.MULTILINE)
     (tmp_path / "constraints.txt").write_text("\n".join(locked))
-    install = (commands / "python", "-m", "pip", "install", "--disable-pip-version-check")
+    install = (commands / "python", "-m", "pip", "install", "--disable-pip-version-check", "--no-compile")
     run(*install, "-c", tmp_path / "constraints.txt", wheel, cwd=tmp_path)
 
     assert VERSION in run(commands / "gproof", "--version", cwd=tmp_path)

@@ -12,6 +12,7 @@ from typing import Any
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from support.campaigns import share
 from support.goldens import ROOT
 from support.mcuwin_lines import HEAD, random_line
 
@@ -210,7 +211,7 @@ def files_of(shop: Path) -> list[Path]:
     return sorted(path for path in shop.iterdir() if path.suffix.lower() in SOURCES)
 
 
-@pytest.mark.parametrize("shop", SHOPS, ids=lambda path: "/".join(path.parts[-3:]))
+@pytest.mark.parametrize("shop", share(SHOPS, 4), ids=lambda path: "/".join(path.parts[-3:]))
 def test_files_of_shops(tmp_path: Path, shop: Path) -> None:
     machine = machine_of(shop)
     for path in files_of(shop):

@@ -11,6 +11,7 @@ from typing import Any
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from support.campaigns import share
 from support.goldens import ROOT
 from support.mcuwin_lines import HEAD, random_line
 
@@ -150,7 +151,7 @@ def agrees(folder: Path, program: p.Program, machine: Machine, machine_file: Pat
     return text
 
 
-@pytest.mark.parametrize("shop", SHOPS, ids=lambda path: "/".join(path.parts[-3:]))
+@pytest.mark.parametrize("shop", share(SHOPS, 4), ids=lambda path: "/".join(path.parts[-3:]))
 def test_every_job_is_printed_from_its_statements(tmp_path: Path, shop: Path) -> None:
     machine, machine_file = machine_of(shop)
     for number, path in enumerate(path for path in JOBS if path.parent == shop):

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from support.campaigns import sizes
+from support.campaigns import share, sizes
 from support.goldens import ROOT
 
 from gproof.backend.emit.wincnc import emit
@@ -170,7 +170,7 @@ def files_of(shop: Path) -> list[Path]:
     return [path for path in paths if path.name != "CNC.MAC"]
 
 
-@pytest.mark.parametrize("shop", SHOPS, ids=lambda path: path.name)
+@pytest.mark.parametrize("shop", share(SHOPS, 4), ids=lambda path: path.name)
 def test_files_of_shops(tmp_path: Path, shop: Path) -> None:
     machine = machine_of(shop)
     for path in files_of(shop):
@@ -341,7 +341,7 @@ LEXICALS = [Lexical(), Lexical(comment_signs=";'", comma=True), Lexical(skips=((
 
 
 @pytest.mark.parametrize("macros", [False, True], ids=["no-macros", "macros"])
-@pytest.mark.parametrize("programs", sizes(12, 120))
+@pytest.mark.parametrize("programs", sizes(6, 120))
 @pytest.mark.parametrize("seed", range(4))
 def test_random_programs(tmp_path: Path, seed: int, macros: bool, programs: int) -> None:
     rng = random.Random(seed)
@@ -408,7 +408,7 @@ def test_a_change_is_noticed(tmp_path: Path, one: bytes, two: bytes) -> None:
         assert difference(programs[1], programs[0]) is not None
 
 
-@pytest.mark.parametrize("shop", SHOPS[::3], ids=lambda path: path.name)
+@pytest.mark.parametrize("shop", share(SHOPS, 9), ids=lambda path: path.name)
 def test_the_trace_is_the_same(
     tmp_path: Path, shop: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -13,7 +13,7 @@ from pathlib import Path
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from support.campaigns import examples
+from support.campaigns import examples, share
 from support.goldens import ROOT
 
 from gproof.backend.emit.wincnc import emit
@@ -384,7 +384,7 @@ def test_random_text(tmp_path: Path, seed: int) -> None:
 SHOPS = sorted({path.parent for path in MACRO_FILES if "docs/codes" not in str(path)})
 
 
-@pytest.mark.parametrize("shop", SHOPS, ids=lambda path: path.name)
+@pytest.mark.parametrize("shop", share(SHOPS, 3), ids=lambda path: path.name)
 def test_a_formatted_shop_has_the_same_traces(
     tmp_path: Path, shop: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -6,6 +6,7 @@ import json
 from pathlib import Path
 
 import pytest
+from support.campaigns import share
 from support.command import Done, in_this_process
 
 MACHINE = """schema = "gproof-machine/1"
@@ -74,7 +75,7 @@ def codes(done: Done) -> set[str]:
     return {finding["code"] for finding in json.loads(done.out)["findings"]}
 
 
-@pytest.mark.parametrize("fault", FAULTS, ids=str)
+@pytest.mark.parametrize("fault", share(list(FAULTS), 3), ids=str)
 @pytest.mark.parametrize("place", ["called", "inner", "else", "other", "outside", "m7"])
 @pytest.mark.parametrize("file", ["job.cnc", "macro.cnc", "beside"])
 def test_mistakes_count_where_the_call_reaches_them(fault: str, place: str, file: str, tmp_path: Path) -> None:

@@ -10,6 +10,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from support.campaigns import share
 from support.goldens import ROOT
 
 from gproof.cli import path_points
@@ -41,7 +42,7 @@ def program(folder: Path, text: str) -> str:
     return str(path)
 
 
-@pytest.mark.parametrize("folder", JOBS, ids=lambda folder: folder.name)
+@pytest.mark.parametrize("folder", share(JOBS, 3), ids=lambda folder: folder.name)
 def test_every_corpus_job_can_be_drawn(folder: Path, tmp_path: Path) -> None:
     expect = tomllib.loads((folder / "expect.toml").read_text(encoding="utf-8"))
     words = [str(folder / "job.cnc"), "--machine", str(folder / expect["machine"])]

@@ -20,6 +20,7 @@ from pathlib import Path
 
 import pytest
 from corpus.expectations import JUDGED, ROOT, Found, findings, markers, misplaced, report_of, shown
+from support.campaigns import share
 
 from gproof.ir.codes import CODES
 
@@ -190,7 +191,7 @@ def test_bad_program_gives_its_code(folder: Path, dialect: str, gproof: Runner) 
         assert misplaced(result.found, program) == [], result.output
 
 
-@pytest.mark.parametrize(("folder", "dialect"), EXAMPLES, ids=cell_name)
+@pytest.mark.parametrize(("folder", "dialect"), share(EXAMPLES, 2), ids=cell_name)
 def test_good_program_gives_no_error(folder: Path, dialect: str, gproof: Runner) -> None:
     _, result = gproof(folder, dialect, "good")
     assert [one for one in result.found if one.severity in JUDGED or one.code == folder.name] == []

@@ -15,6 +15,7 @@ import pytest
 from differential import rs274_peer
 from differential.test_random import BATCH, judge
 from passes.compensated_jobs import Stretch, contour
+from support.campaigns import seeds
 
 HEAD = "G21 G17 G40 G49 G54 G80 G90 G94 G98\n"
 FAR = 50_000.0
@@ -62,8 +63,9 @@ def job(seed: int) -> str:
 
 
 @pytest.mark.usefixtures("peer", "gproof")
-@pytest.mark.parametrize("first", range(0, 200, BATCH))
-def test_random_contours(first: int, tmp_path: Path) -> None:
+@pytest.mark.parametrize("batch", seeds(4, 20))
+def test_random_contours(batch: int, tmp_path: Path) -> None:
+    first = batch * BATCH
     paths = []
     for seed in range(first, first + BATCH):
         paths.append(tmp_path / f"{seed}.ngc")

@@ -9,13 +9,14 @@ from typing import Any
 
 import pytest
 from corpus.jobs import all_jobs, job_of
+from support.campaigns import share
 from support.command import in_this_process
 from support.goldens import ROOT
 from support.json_schema import violations
 
 SCHEMA = json.loads((ROOT / "docs" / "fit.schema.json").read_text(encoding="utf-8"))
 VERDICTS = ("SAFE", "UNSAFE", "UNKNOWN")
-JOBS = [pytest.param(name, verdict, id=name) for verdict in VERDICTS for name in all_jobs(verdict)]
+JOBS = [(name, verdict) for verdict in VERDICTS for name in all_jobs(verdict)]
 
 
 def refuse(text: str) -> None:
@@ -38,7 +39,7 @@ def words_for(name: str) -> list[str]:
     return words
 
 
-@pytest.mark.parametrize(("name", "verdict"), JOBS)
+@pytest.mark.parametrize(("name", "verdict"), share(JOBS, 4))
 def test_every_job_of_the_corpus(name: str, verdict: str) -> None:
     """The verdict that its file expects, by the schema, and what goes with it."""
     done = in_this_process([*words_for(name), "--format", "json"], ROOT)

@@ -15,6 +15,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 import pytest
+from support.campaigns import share
 from support.command import in_this_process
 from support.goldens import ROOT
 
@@ -268,7 +269,7 @@ def corpus_report(folder: Path, text: str | None = None, scratch: Path | None = 
 SAFE = [path.parent for path in EDING if 'verdict = "SAFE"' in path.read_text(encoding="utf-8")]
 
 
-@pytest.mark.parametrize("folder", SAFE, ids=lambda folder: folder.name)
+@pytest.mark.parametrize("folder", share(SAFE, 3), ids=lambda folder: folder.name)
 def test_good_jobs_of_the_corpus(folder: Path) -> None:
     report = corpus_report(folder)
     found: list[dict[str, object]] = report["findings"]  # type: ignore[assignment]
@@ -337,7 +338,7 @@ def router(tmp_path_factory: pytest.TempPathFactory) -> Path:
 ROUTED = [job for job in shop_jobs(ROUTER, ".tap", r"^M3\b") if job.stem != "relief"]  # 5000 lines show no more
 
 
-@pytest.mark.parametrize("job", ROUTED, ids=lambda job: job.stem)
+@pytest.mark.parametrize("job", share(ROUTED, 3), ids=lambda job: job.stem)
 def test_the_router(job: Path, router: Path) -> None:
     """As it is, and without the M3 of its jobs; the rack, the tool setter and the park position are no cuts."""
     text = job.read_text(encoding="latin-1")

@@ -113,7 +113,7 @@ def test_a_pocket_of_prisms_that_touch(tmp_path: Path) -> None:
     assert (found[0].span.line, len(found)) == (8, 1) and "6 more moves" in found[0].hint
 
 
-@pytest.mark.parametrize("seed", seeds(12, 400))
+@pytest.mark.parametrize("seed", seeds(5, 400))
 def test_a_clamp_thinner_than_any_step_is_found(tmp_path: Path, seed: int) -> None:
     """A sheet of a micrometre, anywhere across a long move, is met; one that ends just before it is not."""
     rng = random.Random(seed)
@@ -158,7 +158,7 @@ def star(rng: random.Random, corners: int) -> tuple[tuple[float, float], ...]:
     return tuple((r * math.cos(a), r * math.sin(a)) for a in turns for r in [rng.uniform(8.0, 30.0)])
 
 
-@pytest.mark.parametrize("seed", seeds(15, 500))
+@pytest.mark.parametrize("seed", seeds(6, 500))
 def test_depth_in_prisms_is_that_of_shapely(tmp_path: Path, seed: int) -> None:
     """Lines and arcs (4096 segments) of a flat tool beside and through a prism with a hole, deep in its height."""
     rng = random.Random(seed)
@@ -194,7 +194,7 @@ def mesh(points: np.ndarray) -> Mesh:  # type: ignore[type-arg]
     )
 
 
-@pytest.mark.parametrize("seed", seeds(6, 200))
+@pytest.mark.parametrize("seed", seeds(2, 200))
 def test_depth_in_meshes_is_that_of_brute_force(tmp_path: Path, seed: int) -> None:
     """A wavy surface of triangles and tools of each shape; the greatest depth over all triangles, each searched."""
     rng = np.random.default_rng(seed)

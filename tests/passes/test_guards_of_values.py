@@ -323,7 +323,7 @@ def printed(body: list[Any], *, pascal: bool) -> str:
     return lines
 
 
-@pytest.mark.parametrize("seed", seeds(60, 3000))
+@pytest.mark.parametrize("seed", seeds(20, 3000))
 def test_random_programs_with_guards(tmp_path: Path, seed: int) -> None:
     rng = random.Random(seed)
     pascal = rng.random() < 0.5

@@ -12,7 +12,7 @@ import re
 from pathlib import Path
 
 import pytest
-from support.campaigns import seeds
+from support.campaigns import seeds, share
 from support.command import in_this_process
 from support.goldens import ROOT
 
@@ -295,7 +295,7 @@ def _runs(body: Tree, states: Seen) -> Seen:
     return states
 
 
-@pytest.mark.parametrize("seed", seeds(60, 1000))
+@pytest.mark.parametrize("seed", seeds(20, 1000))
 def test_what_is_read_too_early_is_what_some_run_reads_too_early(seed: int, tmp_path: Path) -> None:
     body = _tree(random.Random(seed), 0)
     subs: list[str] = []
@@ -319,7 +319,7 @@ JOBS = sorted(
 )
 
 
-@pytest.mark.parametrize("expected", JOBS, ids=lambda path: f"{path.parent.name}-{path.stem}")
+@pytest.mark.parametrize("expected", share(JOBS, 3), ids=lambda path: f"{path.parent.name}-{path.stem}")
 def test_good_jobs_of_the_corpus(expected: Path) -> None:
     text = expected.read_text(encoding="utf-8")
     stated = {key: re.search(rf'^{key} = "(.*)"', text, re.M) for key in ("machine", "setup")}

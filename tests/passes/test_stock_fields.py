@@ -79,7 +79,7 @@ def test_a_cylinder(cell: float) -> None:
         assert upper >= lower
 
 
-@pytest.mark.parametrize("seed", seeds(6, 200))
+@pytest.mark.parametrize("seed", seeds(3, 200))
 def test_outlines_with_holes(seed: int) -> None:
     rng = random.Random(seed)
     count = rng.choice((3, 5, 12))

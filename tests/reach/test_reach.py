@@ -61,9 +61,15 @@ def _source(file: str) -> str:
     return (ROOT / file).read_text(encoding="utf-8")
 
 
+@functools.cache
+def _tree(file: str) -> ast.Module:
+    return ast.parse(_source(file))
+
+
+@functools.cache
 def _part(file: str, name: str) -> str | None:
     """The source of a function or class, ``Limits._beyond``; None: there is none of that name."""
-    node: ast.AST = ast.parse(_source(file))
+    node: ast.AST = _tree(file)
     for step in filter(None, name.split(".")):
         inside = (n for n in ast.walk(node) if isinstance(n, (ast.FunctionDef, ast.ClassDef)) and n.name == step)
         found = next(inside, None)

@@ -89,7 +89,7 @@ def watch(monkeypatch: pytest.MonkeyPatch, taken: list[bytes]) -> None:
     monkeypatch.setattr(stream_kernels.check_section, "pick", picked)
 
 
-@pytest.mark.parametrize("seed", range(40))
+@pytest.mark.parametrize("seed", seeds(12, 40))
 def test_random_right_streams_pass(seed: int) -> None:
     job = random_job(seed)
     assert_safe(check(step(job, machine()), job))
@@ -127,7 +127,7 @@ def test_steps_moved_within_the_tolerance_of_run_compression_pass(seed: int) -> 
     }
 
 
-@pytest.mark.parametrize("seed", seeds(10, 300))
+@pytest.mark.parametrize("seed", seeds(4, 300))
 def test_position_check_agrees_with_brute_force(seed: int) -> None:
     """Random damage to random jobs: accepted only if 1.02 steps explain it, always if 0.97 do."""
     rng = random.Random(seed)
