@@ -26,11 +26,11 @@ COUNT = "point := point + 1\n"
 
 
 def programs() -> dict[tuple[str, str], tuple[str, str, Path]]:
-    """(dialect, loop): suffix, text, machine. Passes have 4 blocks, cells 9."""
+    """(dialect, loop): suffix, text, machine. Passes have 4 blocks, cells 9: the way there, and 8 lines."""
     passes = BLOCKS // 4
     eding, din, ini = HERE / "machine.toml", HERE / "mcuwin.toml", HERE / "WINCNC.INI"
     while_body = "G1 X[#1 * 0.0005] Y[12 + #1 * 0.0001]\nG1 Z[0 - #1 * 0.000001]\n#1 = [#1 + 1]\n"
-    square = "G91\nG1 Z-1 F50\nG1 X0.1\nG1 Y0.1\nG1 X-0.1\nG1 Y-0.1\nG1 Z1\nG90\n"
+    square = "G92 XY\nG1 Z-1 F50\nG1 X0.1\nG1 Y0.1\nG1 X0\nG1 Y0\nG1 Z2\nG0 X0.05\n"
     return {
         ("Eding", "while"): (".cnc", f"{EDING}while [#1 < {passes}]\n{while_body}endwhile\nM30\n", eding),
         ("Eding", "drift"): (

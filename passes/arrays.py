@@ -103,6 +103,11 @@ def next_cell(ex: Executor, frame: Frame) -> bool:
         ex.modal.position[0] = ex.modal.position[1] = NOWHERE
         ex.modal.jumped = True
         return False
+    if ex.modal.single.cell_open and NOWHERE in ex.modal.position[:2]:
+        # Its words of X and Y were refused, which those of each further cell would be too.
+        ex.modal.position[0] = ex.modal.position[1] = NOWHERE
+        ex.modal.jumped = True
+        return False
     again = frame.cell < cells.count
     ex.modal.single = ex.modal.single.but(cell_open=again)
     if not again and not cells.goes_back:
@@ -147,7 +152,7 @@ def _many_cells(ex: Executor, frame: Frame, cells: Cells) -> None:
         [cells.start[axis].value + times * cells.step[axis] for axis, times in enumerate((column, row))], axis=1
     )
     file, ex._file = ex._file, cell.file
-    done = ex._manner.cells(ex, cell.columns, ends, node.span.line)
+    done = ex._manner.cells(ex, cell, ends, node.span.line)
     ex._file = file
     if done:
         frame.cell += done
@@ -167,7 +172,12 @@ def back_from_file(ex: Executor, kept: Kept | None) -> None:
 
 def _plain_cell(ex: Executor, node: Array) -> PlainCell | None:
     """The words of a cell where they are literal, all of one file; None where they are not."""
-    line, letter, value, flags, file, lines = [], [], [], [], ex._file, 0
+    line: list[int] = []
+    letter: list[int] = []
+    value: list[float] = []
+    flags: list[int] = []
+    zeros: tuple[tuple[str, float], ...] = ()
+    file, lines = ex._file, 0
     for one in node.body:
         if isinstance(one, BlockTable):
             words, after, _ = ex._ahead.load(one, one.begin, one.first_line, CHUNK_BYTES)
@@ -194,5 +204,15 @@ def _plain_cell(ex: Executor, node: Array) -> PlainCell | None:
             return None
     if not 0 < lines <= MOST_LINES:
         return None
+    zero_line = 0
+    if (letter[0], value[0]) == (ord("G"), 92.0):
+        # The local zero that L10 asks each cell for; of any other one the kernel makes nothing.
+        zero_line = line[0]
+        first = next((n for n, there in enumerate(line) if there != zero_line), len(line))
+        zeros = tuple((chr(code), number) for code, number in zip(letter[1:first], value[1:first], strict=True))
+        named = [name for name, _ in zeros]
+        if not {"X", "Y"} <= set(named) or len(set(named)) < len(named) or set(named) - set("XYZWUVABC"):
+            return None
+        line, letter, value, flags = line[first:], letter[first:], value[first:], flags[first:]
     types = (line, np.int32), (letter, np.uint8), (value, np.float64), (flags, np.uint8)
-    return PlainCell(tuple(np.array(column, dtype=kind) for column, kind in types), lines, file)
+    return PlainCell(tuple(np.array(column, dtype=kind) for column, kind in types), lines, file, zeros, zero_line)

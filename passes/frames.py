@@ -70,11 +70,16 @@ class Cells:
 
 @record(frozen=True, slots=True, eq=False)
 class PlainCell:
-    """Literal words that each cell of an array is: line, letter, value and flags; how many lines, and of which file."""
+    """Literal words that each cell of an array is: line, letter, value and flags; how many lines, and of which file.
+
+    zeros: words of the G92 that it begins with, which are not among ``columns``; zero_line: its line, 0 for none.
+    """
 
     columns: tuple[Array, ...]
     lines: int
     file: int
+    zeros: tuple[tuple[str, float], ...] = ()
+    zero_line: int = 0
 
 
 @record(frozen=True, slots=True)

@@ -24,7 +24,7 @@ from gproof.passes.values import Unknown, Value
 if TYPE_CHECKING:
     from gproof.passes.emitter import Emitter
     from gproof.passes.execute import Executor
-    from gproof.passes.frames import Frame
+    from gproof.passes.frames import Frame, PlainCell
     from gproof.passes.straight import Straight
 
 _HOT = [int(chr(letter) in "XYZABCIJKRFG") for letter in range(256)]
@@ -128,11 +128,8 @@ class Manner:
         """Execute a line of a loop that the kernel left over."""
         ex._line(span, words)
 
-    def cells(self, ex: Straight, columns: tuple[Any, ...], places: Any, line: int) -> int:
-        """Run cells of an array that are these words each; returns how many were.
-
-        columns: line, letter, value and flags of the words; places, line: see ``single_kernels.run_cells``.
-        """
+    def cells(self, ex: Straight, cell: PlainCell, places: Any, line: int) -> int:
+        """Run cells of an array, each of them ``cell``; returns how many. places, line: see ``run_cells``."""
         return 0
 
     def call(self, ex: Executor, node: Call) -> None:

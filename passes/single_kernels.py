@@ -24,10 +24,11 @@ from gproof.passes.execute_kernels import LARGEST, badly_conditioned, radius_cen
 ) = range(15)  # fmt: skip
 # Layout of the float state: mm in a unit; by column mm or degrees in a unit, positions, offsets, feeds; feed of the
 # last move; I and J of the last arc; radius below which an arc is a line; room for feeds of the line that runs; mm that
-# radii may differ; feed of arcs, below 0 before their first F, and what it is then, of lines in X. DOUBT: the last
-# F was an arc's, and another one than that of lines. MODES: G90 and G91 only choose how words count.
+# radii may differ; feed of arcs, below 0 before their first F, and what it is then, of lines in X; local zeros
+# (G92). DOUBT: the last F was an arc's, and another one than that of lines. MODES: G90 and G91 only choose how words
+# count.
 UNIT, SCALE, POSITION, OFFSET, FEEDS, FEED, KEPT_I, KEPT_J, SMALLEST, NEXT = 0, 1, 7, 13, 19, 25, 26, 27, 28, 29
-TOLERANCE, ARC_FEED, USUAL = 35, 36, 37
+TOLERANCE, ARC_FEED, USUAL, LOCAL = 35, 36, 37, 38
 
 SAME = 1e-6
 """mm: nearer than any drive can tell."""
@@ -364,7 +365,7 @@ def run_moves(
     return word, row
 
 
-@kernel(seconds_per_unit=2e-6, compile_seconds=4.5)
+@kernel(seconds_per_unit=6e-6, compile_seconds=4.5)
 def run_cells(
     line: Any,
     letter: Any,
@@ -391,12 +392,20 @@ def run_cells(
     places: Any,
     cells: Any,
     array_line: Any,
+    zeros: Any,
+    work: Any,
+    beside: Any,
+    zero_line: Any,
+    zero_op: Any,
 ) -> tuple[int, int]:
     """Cells of an array, each of them all ``count`` words; returns (cells, next row).
 
     places: (cells, 2) X and Y at which the next cell begins, in mm: behind each cell a traverse goes there, which has
     line ``array_line``, unless the axes are there. kept_ints, kept_floats: room for a copy of the state. A cell that
-    ``run_moves`` does not run to its end, and that for which there is no room, is not begun. The rest: ``run_moves``.
+    ``run_moves`` does not run to its end, and that for which there is no room, is not begun. zero_line: of the G92 that
+    each cell begins with, 0 for none; zeros: (6,) what it calls the place of each axis, mm or degrees, NaN for those
+    that it does not name; work, beside: (6,) offsets of the workspace, and of tool and head; zero_op: of its row. The
+    rest: ``run_moves``.
     """
     done = 0
     while done < cells:
@@ -404,9 +413,28 @@ def run_cells(
             kept_ints[n] = ints[n]
         for n in range(len(floats)):
             kept_floats[n] = floats[n]
+        begin = row
+        if zero_line > 0 and row < capacity:
+            for axis in range(6):
+                if zeros[axis] == zeros[axis]:
+                    local = floats[POSITION + axis] - (work[axis] + beside[axis]) - zeros[axis]
+                    floats[LOCAL + axis] = local
+                    floats[OFFSET + axis] = work[axis] + local + beside[axis]
+            op[row] = zero_op
+            line_out[row] = zero_line
+            for axis in range(6):
+                to[row, axis] = floats[POSITION + axis]
+            feed[row] = 0.0
+            center[row, 0] = 0.0
+            center[row, 1] = 0.0
+            center[row, 2] = 0.0
+            turns[row] = 0
+            plane[row] = 0
+            ints[LINES] += 1
+            begin = row + 1
         word, last = run_moves(
             line, letter, value, flags, count, 0, columns, named, ints, floats, form, offset_form, op, line_out, to,
-            feed, center, turns, plane, row, capacity,
+            feed, center, turns, plane, begin, capacity,
         )  # fmt: skip
         if word < count or last >= capacity:
             for n in range(len(ints)):

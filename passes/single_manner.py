@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 from gproof.ir.finding import Span
 from gproof.ir.program import Block, Call, Input, Named, Unsupported
 from gproof.passes import single
-from gproof.passes.frames import Frame, Kept
+from gproof.passes.frames import Frame, Kept, PlainCell
 from gproof.passes.manner import Manner
 from gproof.passes.single_events import read_input, read_named
 from gproof.passes.single_kernels import run_moves
@@ -51,11 +51,11 @@ class SingleManner(Manner):
             self.plain = PlainLines(ex)
         return self.plain.run(ex, run, columns, count, at, compiled)
 
-    def cells(self, ex: Straight, columns: tuple[Any, ...], places: Any, line: int) -> int:
+    def cells(self, ex: Straight, cell: PlainCell, places: Any, line: int) -> int:
         """Run cells of an array; see ``Manner``."""
         if self.plain is None:
             self.plain = PlainLines(ex)
-        return self.plain.cells(ex, columns, len(columns[0]), places, line)
+        return self.plain.cells(ex, cell, places, line)
 
     def named(self, ex: Emitter, node: Named) -> Value:
         """What the controller holds under a name."""

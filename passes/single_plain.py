@@ -13,12 +13,14 @@ import numpy as np
 
 from gproof.ir.machine import AXES
 from gproof.ir.rules import Function as F
+from gproof.ir.trace import Op
 from gproof.passes import single_kernels as k
 from gproof.passes.single_motion import feed_columns, note_assumptions, usual_feed
 from gproof.passes.single_state import LEANING, letters_of
 from gproof.passes.values import Position
 
 if TYPE_CHECKING:
+    from gproof.passes.frames import PlainCell
     from gproof.passes.modal import Modal
     from gproof.passes.motion import Motion
 
@@ -93,31 +95,53 @@ class PlainLines:
         self._taken(ex, state, int(row))
         return int(stop)
 
-    def cells(
-        self, ex: Motion, words: tuple[Any, ...], count: int, places: Any, line: int
-    ) -> int:  # fmt: skip
-        """Run cells of an array in the kernel; returns how many. words, places, line: see ``run_cells``."""
+    def cells(self, ex: Motion, cell: PlainCell, places: Any, line: int) -> int:
+        """Run cells of an array in the kernel; returns how many. places, line: see ``run_cells``."""
         s, rows = ex.modal, ex.rows
-        if not is_plain(s):
+        zeros = [math.nan] * AXES
+        for letter, value in cell.zeros:
+            column = self.columns[ord(letter)]
+            if column < 0 or s.offset(column).form != s.position[column].form:
+                return 0
+            zeros[column] = value * s.scale(column)
+        open_cell = s.single.cell_open
+        if cell.zero_line:
+            # The cell names its local zero itself.
+            s.single = s.single.but(cell_open=False)
+        plain = is_plain(s)
+        if s.single.cell_open != open_cell:
+            s.single = s.single.but(cell_open=open_cell)
+        if not plain:
             return 0
-        kernel: Any = k.run_cells.pick(len(places) * count / 3)
+        words: tuple[Any, ...] = cell.columns
+        count = len(words[0])
+        kernel: Any = k.run_cells.pick(len(places) * (count + len(cell.zeros)) / 3)
         compiled = kernel is not k.run_cells.python
         state = self._packed(ex, compiled)
         tables = self.arrays if compiled else (self.columns, self.named)
-        if not compiled:
+        work: Any = [s.work_offsets[s.work, axis].value for axis in _ALL]
+        beside: Any = [s.beside_work(axis).value for axis in _ALL]
+        named: Any = zeros
+        if compiled:
+            work, beside, named = np.array(work), np.array(beside), np.array(zeros)
+        else:
             words = tuple(column.tolist() for column in words)
         ints, floats, *forms = state
         out: Mapping[str, Any] = rows.arrays
         done, row = kernel(
             *words, count, *tables, ints, floats, ints.copy(), floats.copy(), *forms, out["op"], out["line"],
             out["to"], out["feed"], out["center"], out["turns"], out["plane"], rows.count, rows.capacity, places,
-            len(places), line,
+            len(places), line, named, work, beside, cell.zero_line, int(Op.OFFSET),
         )  # fmt: skip
-        self._taken(ex, state, int(row))
+        local = [float(value) for value in floats[k.LOCAL : k.LOCAL + AXES]]
+        self._taken(ex, state, int(row), int(done) if cell.zero_line else 0)
+        for axis, zero in enumerate(zeros):
+            if done and not math.isnan(zero):
+                s.g92[axis] = Position(local[axis], s.g92[axis].form)
         return int(done)
 
-    def _taken(self, ex: Motion, state: tuple[Any, Any, Any, Any], row: int) -> None:
-        """Take over the rows up to ``row``, and what they leave."""
+    def _taken(self, ex: Motion, state: tuple[Any, Any, Any, Any], row: int, events: int = 0) -> None:
+        """Take over the rows up to ``row``, of which so many do not move, and what they leave."""
         rows = ex.rows
         out: Mapping[str, Any] = rows.arrays
         before, rows.count = rows.count, row
@@ -128,7 +152,7 @@ class PlainLines:
             out["call"][new] = ex._call
             # The same for all of these lines, and made only where there are rows.
             out["frame"][new], out["state"][new] = ex._frame(), ex._state()
-        _unpack(ex, state, rows.count - before)
+        _unpack(ex, state, rows.count - before - events)
 
     def _packed(self, ex: Motion, compiled: bool) -> tuple[Any, Any, Any, Any]:
         """The state of ``run_moves``: integers, floats, frames of the axes and of their offsets."""
@@ -148,7 +172,7 @@ class PlainLines:
         floats: Any = [
             s.unit, *(s.scale(axis) for axis in _ALL), *(p.value for p in s.position), *(o.value for o in offsets),
             *s.single.feeds, s.feed, *(kept or (0.0, 0.0)), smallest, *(0.0 for _ in _ALL), s.arc_tolerance(),
-            -1.0 if s.single.arc_feed is None else s.single.arc_feed, usual_feed(ex),
+            -1.0 if s.single.arc_feed is None else s.single.arc_feed, usual_feed(ex), *(p.value for p in s.g92),
         ]  # fmt: skip
         form: Any = [ex.frames.form(p.form) for p in s.position]
         offset_form: Any = [ex.frames.form(o.form) for o in offsets]

@@ -1,15 +1,12 @@
 """Many cells of an array at once give what they give one by one: rows, findings, counts, in both speeds.
 
-The manual asks for a G92 X Y in each cell, and lines that are not plain are run one by one: here that is not asked for,
-or no cell would be run with others and nothing would be compared.
+The manual asks for a G92 X Y in each cell; cells without one, or with one elsewhere, are run one by one.
 """
 
 from __future__ import annotations
 
-import dataclasses
 import random
 from pathlib import Path
-from typing import Any
 
 import pytest
 from support.campaigns import seeds
@@ -18,7 +15,6 @@ from gproof.cli.session import Running, open_session
 from gproof.ir.text import print_ir
 from gproof.passes import arrays
 from gproof.passes.execute import Executor, collect
-from gproof.passes.single_state import SingleState
 
 INI = """[m]
 unit=mm
@@ -80,27 +76,30 @@ HEAD = "G90\nG0 X1 Y1\nG0 Z2\nF100\n"
 SQUARE = "G91\nG1 Z-1 F50\nG1 X0.1\nY0.1\nX-0.1\nG1 Z1\nG90\n"
 
 
-@pytest.fixture(autouse=True)
-def _without_local_zeros(monkeypatch: pytest.MonkeyPatch) -> None:
-    def but(self: SingleState, **changes: Any) -> SingleState:
-        return dataclasses.replace(self, **{**changes, "cell_open": False})
-
-    monkeypatch.setattr(SingleState, "but", but)
+G92 = "G92 X0 Y0\n"
 
 
 @pytest.mark.parametrize(
     ("text", "is_many"),
     [
-        (f"{HEAD}L10 R500 C1 X0 Y3\n{SQUARE}", True),
-        (f"{HEAD}L10 R1 C500 X3 Y0 E\n{SQUARE}", True),
-        (f"{HEAD}L10 R500 C1 X0 Y3\nG91 G1 X0.1 F20\nG90 G1 Z1\n", True),
-        (f"{HEAD}G91\nL10 R500 C1 X0 Y0\nX{{1/8}}\n", True),
-        (f"{HEAD}L10 R500 C1 X0 Y0\nG1 Z1\nG1 Z2\n", True),  # the axes are there
-        (f"{HEAD}L10 R500 C1 X0 Y3\nG91\nG2 X1 Y0 I0.5 J0\nG90\n", True),
-        (f"{HEAD}L10 R500 C1 X0 Y3\nG91\nG2 X1 Y0 I0.7 J0\nG90\n", False),  # no circle
-        (f"{HEAD}L10 R500 C1 X0 Y30\n{SQUARE}", True),  # beyond the limits
-        (f"{HEAD}L10 R60 C1 X0 Y3\nG4 X1\n{SQUARE}", False),
-        (f"{HEAD}L10 R60 C1 X0 Y3\nF50\nG1 X\nZ{{2}}\n", True),
+        (f"{HEAD}L10 R500 C1 X0 Y3\n{G92}{SQUARE}", True),
+        (f"{HEAD}L10 R1 C500 X3 Y0 E\nG92XY\n{SQUARE}", True),
+        (f"{HEAD}L10 R500 C1 X0 Y3\n{G92}G91 G1 X0.1 F20\nG90 G1 Z1\n", True),
+        (f"{HEAD}G91\nL10 R500 C1 X0 Y0\n{G92}X{{1/8}}\n", True),
+        (f"{HEAD}L10 R500 C1 X0 Y0\n{G92}G1 Z1\nG1 Z2\n", True),  # the axes are there
+        (f"{HEAD}L10 R500 C1 X0 Y3\n{G92}G91\nG2 X1 Y0 I0.5 J0\nG90\n", True),
+        (f"{HEAD}L10 R500 C1 X0 Y3\n{G92}G91\nG2 X1 Y0 I0.7 J0\nG90\n", False),  # no circle
+        (f"{HEAD}L10 R500 C1 X0 Y30\n{G92}{SQUARE}", True),  # beyond the limits
+        (f"{HEAD}L10 R60 C1 X0 Y3\n{G92}G4 X1\n{SQUARE}", False),
+        (f"{HEAD}L10 R500 C1 X0 Y3\nG92 X1 Y-2 Z5\nG1 X3 F50\nG1 Z4\nG1 X1 Y-1\n", True),
+        (f"{HEAD}G92.1 X5 Z3\nG20\nL10 R500 C1 X0 Y0.1\nG92 Y.1 X.2\nG1 X.3 F50\nZ.1\n", True),
+        (f"{HEAD}M37 Z1\nL10 R500 C1 X0 Y.1\nG92 XYZ\nG1 X.3 F50\nZ.1\nG1 Z0\n", True),
+        (f"{HEAD}L10 R60 C1 X0 Y3\n{SQUARE}", False),  # without its G92
+        (f"{HEAD}L10 R60 C1 X0 Y3\nG92 X\n{SQUARE}", False),
+        (f"{HEAD}L10 R60 C1 X0 Y3\nG1 Z1\n{G92}{SQUARE}", False),
+        (f"{HEAD}L10 R60 C1 X0 Y3\n{G92}{SQUARE}G92\n", False),
+        (f"{HEAD}L10 R60 C1 X0 Y3\nG51 Z2 K0\n{G92}{SQUARE}", False),
+        (f"{HEAD}L10 R60 C1 X0 Y3\n{G92}F50\nG1 X\nZ{{2}}\n", True),
     ],
 )
 def test_cells(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, text: str, is_many: bool) -> None:
@@ -120,5 +119,6 @@ def test_random(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, seed: int) -> N
         feed = rng.choice(["", "", f"F{rng.randrange(10, 90)}", "F0" if rng.random() < 0.1 else ""])
         lines.append(rng.choice([f"{code} {words[0]} {words[1]} {arc} {feed}", f"{code} {words[0]} {feed}", "F75"]))
     shape = rng.choice(["R1 C90 X3 Y0", "R200 C1 X0 Y-0.5 E", "R1 C30 X0 Y0"])
-    text = "\n".join([HEAD + f"L10 {shape}", *lines, ""])
+    zero = rng.choice(("G92 X Y", "G92 X1 Y.5", "G92 Z2 Y X-1", "G92XY[cell]", "G92 X"))
+    text = "\n".join([HEAD + f"L10 {shape}", zero, *lines, ""])
     both(tmp_path, text, monkeypatch, rng.choice((None, 300)))
