@@ -532,7 +532,7 @@ MACHINE_ZERO_MOVED = code(
     334,
     "machine-zero-moved",
     _U,
-    "{code} away from a limit switch gives machine zero another place: where the limits are then is not known",
+    "{code} of an axis that has followed another one: where machine zero and the limits are then is not known",
     "limits",
 )
 ARC_SCALED = code(415, "arc-scaled", _E, "an arc while {axes} is scaled ({code})", "arcs")

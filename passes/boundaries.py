@@ -118,17 +118,16 @@ class Boundaries(Check):
             self._trace, self._first = trace, Span(trace.files[0], 1)
         if not len(rows):
             return
-        keys = {_key(trace.states[index]) for index in occurring(rows["state"])}
+        keys = {key for index in occurring(rows["state"]) for key in _keys(trace.states[index])}
         for key in sorted(keys, key=repr):
-            if key[0]:
-                self._walk(chunk, key)
+            self._walk(chunk, key)
 
     def _walk(self, chunk: Chunk, key: Key) -> None:
         trace, rows = chunk.trace, chunk.rows
         box = self._boxes.setdefault(key, _Box())
         box.grow(2 * len(trace.frames))
         # Rows under other boundaries go into the second half of the slots, where nothing is beyond.
-        others = np.array([_key(state) != key for state in trace.states], dtype=np.int64)
+        others = np.array([key not in _keys(state) for state in trace.states], dtype=np.int64)
         lower, upper = np.full((2, AXES), -math.inf), np.full((2, AXES), math.inf)
         known = np.zeros((len(trace.frames), AXES), dtype=np.uint8)
         for edge in key[0]:
@@ -305,5 +304,9 @@ class Boundaries(Check):
         self.findings.add(codes.POSITION_UNKNOWN.at(span, axis=axis, cause=cause))
 
 
-def _key(state: State) -> Key:
-    return state.boundaries, GUARD in state.guards_off, UNMEASURED in state.guards_off
+def _keys(state: State) -> list[Key]:
+    """What holds in a state: boundaries, and limits that the program has moved, which have a guard of their own."""
+    own = tuple(edge for edge in state.boundaries if not edge.limit)
+    moved = tuple(edge for edge in state.boundaries if edge.limit)
+    found: list[Key] = [(own, GUARD in state.guards_off, UNMEASURED in state.guards_off)] if own else []
+    return [*found, (moved, False, False)] if moved else found

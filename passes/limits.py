@@ -542,7 +542,7 @@ class Limits(Check):
         assert self._trace is not None
         for state in self._trace.states:
             ends = [edge.low if side == "lower" else edge.high for edge in state.boundaries if edge.axis == index]
-            if ends in ([], [None]) or "boundaries" in state.guards_off:
+            if not any(end is not None for end in ends) or "boundaries" in state.guards_off:
                 return False
         return bool(self._trace.states)
 

@@ -16,7 +16,7 @@ from gproof.passes import din_state
 from gproof.passes.compensation import Compensation
 from gproof.passes.heads import head_offset
 from gproof.passes.ranges import widened
-from gproof.passes.single_state import SingleState, boundaries_of, linear_axes, prepare
+from gproof.passes.single_state import SingleState, boundaries_of, linear_axes, machine_zero, prepare
 from gproof.passes.spindle import commanded_rpm
 from gproof.passes.transform import NO_TRANSFORM
 from gproof.passes.values import NOWHERE, Position, Unknown, Value, between, bounds
@@ -190,7 +190,9 @@ class Modal:
         return self.work_offsets[self.work, axis].plus(self.g92[axis]).plus(self.beside_work(axis))
 
     def beside_work(self, axis: int) -> Position:
-        """The offsets of what is in use, whatever the work's are: of the tool and of the head."""
+        """The offsets of what is in use, whatever the work's are: of the tool, of the head, and of machine zero."""
+        if self.single.zeros:
+            return self.tool_offset[axis].plus(machine_zero(self.single, axis))
         if self.head == 0:
             return self.tool_offset[axis]
         return self.tool_offset[axis].plus(head_offset(self, self.head, axis))

@@ -28,6 +28,7 @@ from gproof.passes.single_state import (
     KnifeNow,
     arm_low_boundaries,
     guards_now,
+    machine_zero,
     value_of,
     vertical_axes,
     with_pair,
@@ -659,7 +660,7 @@ def store_position(ex: Motion, line: Command, rule: CodeRule) -> None:
     lift = line.number("L")
     axes = sorted(line.axes()) or sorted(axis.index for axis in ex.machine.axes)
     local = rule.function is F.STORE_LOCAL_POSITION
-    places = tuple((axis, NOWHERE if local else s.position[axis]) for axis in axes)
+    places = tuple((axis, NOWHERE if local else s.position[axis].minus(machine_zero(s.single, axis))) for axis in axes)
     lifted = lift is None or lift != 0.0
     others = tuple(known for known in s.single.places if known[0] != f"{letter}{number}")
     s.single = s.single.but(places=(*others, (f"{letter}{number}", places, lifted)))
@@ -672,11 +673,13 @@ def level_heads(ex: Motion, line: Command, rule: CodeRule) -> None:
     heads = vertical_axes(ex.machine)
     stored = s.single.before or s.tool_offset
     aside = {axis for axis in set(heads) & s.single.unmeasured if stored[axis] != s.tool_offset[axis]}
-    if aside or any(s.tool_offset[axis].form for axis in heads):
+    moved = [axis for axis in heads if axis in dict(s.single.zeros)]
+    if moved or aside or any(s.tool_offset[axis].form for axis in heads):
         for axis in heads:
             s.position[axis] = NOWHERE
         s.jumped = True
         why = "while G49 puts measures aside (whether they count)" if aside else "with tools that are not measured"
+        why = "behind an L28 of a head (how high it can go)" if moved else why
         raise Refusal(codes.UNSUPPORTED_CODE.at(line.span, code=f"{rule.text} {why}"))
     note_assumptions(ex)
     target = list(s.position)

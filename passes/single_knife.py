@@ -17,7 +17,7 @@ from gproof.ir.controls import KnifeMode
 from gproof.ir.finding import Span
 from gproof.ir.machine import AXES, AXIS_NAMES
 from gproof.ir.trace import Affine, Op
-from gproof.passes.single_state import KnifeNow
+from gproof.passes.single_state import KnifeNow, machine_zero
 from gproof.passes.values import NOWHERE, Position
 
 if TYPE_CHECKING:
@@ -97,7 +97,7 @@ class Turning:
             return self._tell(self.up, f"{what} is not said (knifemode=, L30.1)")
         s = self.ex.modal
         said = self.ex.machine.controller.controls.knife_positions
-        machine, work = Position(value), s.offset(self.up).moved(value)
+        machine, work = machine_zero(s.single, self.up).moved(value), s.offset(self.up).moved(value)
         if said is not None:
             return work if said == "work" else machine
         without_local = s.work_offsets[s.work, self.up].plus(s.beside_work(self.up)).moved(value)

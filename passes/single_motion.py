@@ -27,6 +27,7 @@ from gproof.passes.single_state import (
     TURN_SETTLED,
     UNSCALED,
     followed,
+    machine_zero,
     own_way,
     tell_held_back,
     turning,
@@ -108,7 +109,7 @@ def aim(ex: Motion, line: Command, *, machine: bool = False) -> list[Position]:
     if machine:
         _doubt_machine(ex, line, words)
         for axis, value in words.items():
-            target[axis] = _bounded(ex, axis, value, Position(0.0))
+            target[axis] = _bounded(ex, axis, value, machine_zero(s.single, axis))
         return follow(ex, target, line.span, frozenset(words))
     for axis, value in words.items():
         if s.single.sources[axis] != axis:
@@ -189,7 +190,7 @@ def _doubt_source(ex: Motion, line: Command, axis: int) -> None:
     if {scales.get(axis, UNSCALED)[0], scales.get(source, UNSCALED)[0]} != {1.0} or s.scale(axis) != s.scale(source):
         what = f"whether {ex.machine.word(axis)}, which L11 or L12 maps, is scaled as itself or as the letter's axis"
         raise Refusal(codes.TRANSFORM_OPEN.at(line.span, what=what))
-    zeros = [s.g92[n].plus(s.work_offsets[s.work, n]) for n in (axis, source)]
+    zeros = [s.g92[n].plus(s.work_offsets[s.work, n]).plus(machine_zero(s.single, n)) for n in (axis, source)]
     if zeros[0] != zeros[1] and is_absolute(ex):
         what = "whose local zero counts for words that L11 or L12 maps"
         tell_open(ex, line.span, axis, what)
@@ -428,7 +429,7 @@ def adjusted(ex: Motion, line: Command, target: list[Position], moved: set[int])
         if s.single.soft and vertical and there is not None:
             for side, value in (("lower", there.lower), ("upper", there.upper)):
                 if value is not None:
-                    ends.append((side, "limit", Position(value)))
+                    ends.append((side, "limit", machine_zero(s.single, axis).moved(value)))
         for side, kind, end in ends:
             over = target[axis].minus(end)
             if over.form:
@@ -539,7 +540,8 @@ def stored_place(ex: Motion, line: Command, op: Op, *, machine: bool = False) ->
         for column in set(heads) - words.keys() if words else ():
             # A head that is not named: whether it comes down again behind the lift is not said.
             top = ex.machine.axis(AXIS_NAMES[column])
-            high = math.inf if top is None or top.upper is None else max(0.0, top.upper)
+            is_known = top is not None and top.upper is not None and column not in dict(s.single.zeros)
+            high = max(0.0, top.upper) if is_known and top is not None and top.upper is not None else math.inf
             s.position[column] = _up_to(ex, column, target[column], high)
             s.jumped = True
         return True
@@ -561,13 +563,20 @@ def stored_in(ex: Motion, name: str) -> tuple[tuple[tuple[int, Position], ...], 
     """Places by column under a name such as P4, and whether heads are lifted on the way; of the job, else the setup."""
     for known, places, lift in ex.modal.single.places:
         if known == name:
-            return places, lift
+            return _from_zero(ex, places), lift
     if name[0] == "H" and REGISTERS_OPEN in ex.modal.single.flags:
         return tuple((axis.index, NOWHERE) for axis in ex.machine.axes), False
     stated = ex.setup.positions.get(name)
     if stated is None:
         return None
-    return tuple((AXIS_NAMES.index(axis), Position(value)) for axis, value in stated.axes.items()), stated.lift
+    places = tuple((AXIS_NAMES.index(axis), Position(value)) for axis, value in stated.axes.items())
+    return _from_zero(ex, places), stated.lift
+
+
+def _from_zero(ex: Motion, places: tuple[tuple[int, Position], ...]) -> tuple[tuple[int, Position], ...]:
+    """Stored numbers as places: they count from machine zero, wherever L28 has moved it."""
+    single = ex.modal.single
+    return tuple((axis, place.plus(machine_zero(single, axis))) for axis, place in places) if single.zeros else places
 
 
 def _clearance(ex: Motion, name: str) -> float | None:
@@ -628,7 +637,7 @@ def machine_traverse(ex: Motion, line: Command, rule: CodeRule) -> None:
     else:
         target = list(s.position)
         for axis in vertical_axes(ex.machine):
-            target[axis] = Position(0.0)
+            target[axis] = machine_zero(s.single, axis)
         target = follow(ex, target, line.span)
     ex.move(Op.TRAVERSE, target, line.span)
     ex._moved = True

@@ -31,6 +31,7 @@ from gproof.passes.single_state import (
     REGISTERS_OPEN,
     TURN_SETTLED,
     arm_low_boundaries,
+    machine_zero,
     turned_shift,
     turning,
     vertical_axes,
@@ -189,7 +190,8 @@ def _stored_xy(ex: Motion, line: Command, letter: str) -> tuple[float, float]:
     if any(axis not in places or places[axis].form for axis in (0, 1)):
         what = f"the stored position P{number}, of which X and Y are not known,"
         raise Refusal(codes.UNSUPPORTED_CODE.at(line.where(letter), code=what))
-    return places[0].value, places[1].value
+    zeros = [machine_zero(ex.modal.single, axis).value for axis in (0, 1)]
+    return places[0].value - zeros[0], places[1].value - zeros[1]
 
 
 def keep_local(ex: Motion, line: Command, rule: CodeRule) -> None:
@@ -242,7 +244,7 @@ def workspace(ex: Motion, line: Command, rule: CodeRule) -> None:
     if target != s.position:
         note_assumptions(ex)
         turn_unsettled(s)
-        ex.move(Op.TRAVERSE, target, line.span)
+        ex.move(Op.TRAVERSE, follow(ex, target, line.span), line.span)
         ex._moved = True
     if space is None or space.moves is not None:
         return
@@ -415,7 +417,11 @@ def home(ex: Motion, line: Command, rule: CodeRule) -> None:
         there = ex.machine.axis(AXIS_NAMES[axis])
         place = there.home_place if there is not None else None
         s.position[axis] = Position(0.0 if place is None else place)
-    s.single = s.single.but(touched=s.single.touched - set(axes), drift=_without(s.single.drift, axes))
+    s.single = s.single.but(
+        touched=s.single.touched - set(axes), drift=_without(s.single.drift, axes),
+        zeros=_without(s.single.zeros, axes), found=s.single.found - set(axes),
+    )  # fmt: skip
+    ex._state_changed()
     s.unhomed -= set(axes)
     _warn_kept(ex, line, rule, axes)
     ex.assumed["homing moves do not leave the machine"] = None
@@ -449,17 +455,45 @@ def _warn_kept(ex: Motion, line: Command, rule: CodeRule, axes: list[int]) -> No
 
 
 def set_machine(ex: Motion, line: Command, rule: CodeRule) -> None:
-    """L28: the present place gets these machine coordinates."""
+    """L28: the present place gets these machine coordinates.
+
+    At a limit switch that the job has found, and behind it, that is how machine zero comes about: positions count from
+    there. Anywhere else the machine's ends stay where they are, and so do positions; what the controller counts from
+    machine zero (words, G53, stored places, soft limits, boundaries) moves with it.
+    """
     s = ex.modal
-    _doubt_transform(ex, line, rule, set(line.axes()))
-    _warn_kept(ex, line, rule, list(line.axes()))
-    for axis, value in line.axes().items():
-        if axis not in s.single.touched and s.position[axis] != _distance(ex, axis, value):
+    axes = line.axes()
+    _doubt_transform(ex, line, rule, set(axes))
+    _warn_kept(ex, line, rule, list(axes))
+    at_switch = [axis for axis in axes if axis in s.single.touched | s.single.found]
+    zeros = dict(s.single.zeros)
+    for axis, value in axes.items():
+        place = _distance(ex, axis, value)
+        if axis in at_switch:
+            s.position[axis] = place
+            zeros.pop(axis, None)
+            continue
+        before = machine_zero(s.single, axis)
+        zeros[axis] = s.position[axis].minus(place)
+        if axis in dict(s.single.drift):
             ex._fail(codes.MACHINE_ZERO_MOVED.at(line.span, code=rule.text))
-        s.position[axis] = _distance(ex, axis, value)
-    axes = list(line.axes())
-    s.single = s.single.but(touched=s.single.touched - set(axes), drift=_without(s.single.drift, axes))
-    ex._end_section(Wait.HOME, "position set", None, line.span)
+            zeros[axis] = NOWHERE
+        if zeros[axis] != before and s.single.homes[axis] is not None:
+            # What L3 stored: a number, or a place.
+            s.single = s.single.but(homes=tuple(NOWHERE if n == axis else at for n, at in enumerate(s.single.homes)))
+    turn_unsettled(s)
+    s.single = s.single.but(
+        touched=s.single.touched - set(axes), found=s.single.found | set(at_switch),
+        drift=_without(s.single.drift, list(axes)),
+        zeros=tuple(sorted((axis, place) for axis, place in zeros.items() if place != ZERO)),
+    )  # fmt: skip
+    ex._state_changed()
+    if len(at_switch) < len(axes):
+        ex.assumed["L28 moves what counts from machine zero, and positions here go on from where it was"] = None
+    if at_switch:
+        ex._end_section(Wait.HOME, "position set", None, line.span)
+    else:
+        ex.event(Op.OFFSET, line.span, arg=(0.0, 0.0))
 
 
 def wrap_rotary(ex: Motion, line: Command, rule: CodeRule) -> None:
@@ -555,7 +589,8 @@ def measure_tool(ex: Motion, line: Command, rule: CodeRule) -> None:
         ex._state_changed()
         raise Refusal(codes.TRANSFORM_OPEN.at(line.span, what=f"what {rule.text} names while G51 scales its axis"))
     for axis, value in axes.items():
-        offset = s.position[axis].minus(s.work_offsets[s.work, axis]).minus(_distance(ex, axis, value))
+        base = s.work_offsets[s.work, axis].plus(machine_zero(s.single, axis))
+        offset = s.position[axis].minus(base).minus(_distance(ex, axis, value))
         if s.g92[axis] != ZERO:
             # The place reads so with local coordinates or without them: which, is not said.
             local = s.g92[axis]

@@ -70,7 +70,9 @@ class SingleState:
     of places between two readings. unworn: tools of the library that L500.2 gave one diameter, nominal and actual, and
     nothing to compensate; diameters: those that it gave. reference: what positions had more than the tip of the tool of
     the start when another one came, None before. cell_open: the cell of an array has named no local zero of X and Y
-    yet. measured: M37 was used, in the job or before it. drift: (column, way) that followers have gone with their
+    yet. measured: M37 was used, in the job or before it. zeros: (column, place) of machine zeros that L28 moved, in the
+    coordinates of the one before, in which positions go on to count; found: columns whose machine zero the job found at
+    a limit switch. drift: (column, way) that followers have gone with their
     leaders, which the controller counts or not. cycle_at: bottom and R of the last hole. retimed, backlash: see
     ``State``.
     """
@@ -112,6 +114,8 @@ class SingleState:
     reference: tuple[Position, ...] | None = None
     cell_open: bool = False
     measured: bool = False
+    zeros: tuple[tuple[int, Position], ...] = ()
+    found: frozenset[int] = frozenset()
     drift: tuple[tuple[int, Position], ...] = ()
     cycle_at: tuple[Position, Position] | None = None
     retimed: frozenset[str] = frozenset()
@@ -242,6 +246,21 @@ def turning(space: Workspace | None) -> str:
     return "of type 5 (two points of rotation: the manual has no more than these words)"
 
 
+def machine_zero(single: SingleState, axis: int) -> Position:
+    """Where the controller's machine zero of an axis lies: 0 unless L28 moved it."""
+    return next((place for column, place in single.zeros if column == axis), STILL)
+
+
+def _moved_limits(modal: Modal) -> list[Boundary]:
+    """The soft limits of axes whose machine zero L28 moved: they count from there (Soft Limit / Boundaries: lolim=)."""
+    found = []
+    for axis, zero in modal.single.zeros if modal.single.soft else ():
+        there = modal.machine.axis(AXIS_NAMES[axis])
+        if there is not None and (there.lower is not None or there.upper is not None):
+            found.append(Boundary(axis, there.lower, there.upper, zero.value, zero.form, limit=True))
+    return found
+
+
 def boundaries_of(modal: Modal) -> tuple[Boundary, ...]:
     """The boundaries that rows carry: they move with workspace and tool measure, not with local coordinates."""
     single = modal.single
@@ -250,7 +269,7 @@ def boundaries_of(modal: Modal) -> tuple[Boundary, ...]:
         if low is not None or high is not None:
             base = modal.work_offsets[modal.work, axis].plus(modal.beside_work(axis))
             found.append(Boundary(axis, low, high, base.value, base.form))
-    return tuple(found)
+    return (*found, *_moved_limits(modal))
 
 
 def prepare(modal: Modal) -> None:

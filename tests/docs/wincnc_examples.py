@@ -243,7 +243,7 @@ OPEN = {
     "G52": [("one of X and Y alone behind it, before both were named", "G52 I0 J0 A30\nG1 X110\nG50")],
     "G52.1": [("one of X and Y alone behind it, before both were named", "G52.1 A1 B2\nG1 X110\nG50")],
     "L10": [("with several rows and columns", "L10 R2 C2 X50 Y50 E1\nG92 X0 Y0\nG1 X10\nL10")],
-    "L28": [("at a place that no switch gave", "L28 Z0")],
+    "L28": [("of an axis that has followed another one", "L13 XY\nG0 X110\nL13\nL28 Y0")],
     "L36": [("with the torch lit", "L36\nL38\nG1 X110\nL39\nL37")],
     "L38": [("before the first L37", "L38\nL39\nL37"), ("with A", "L37\nL38 A5\nL39")],
     "L53": [("while G49 puts a measure aside", "M37 Z3\nG49\nL53")],

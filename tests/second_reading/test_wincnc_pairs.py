@@ -25,7 +25,8 @@ CODES = (
     "G56", "G57", "G58", "M37 Z3", "M37 W2", "G43", "G43 Z", "G49", "G49 Z", "L110 T2", "L101 T1 R2", "L11 YXZW",
     "L11 XYWZ", "L11 XYZZ", "L11", "L12 WZ", "L12 ZZ", "L12", "L13 XY", "L13 ZW", "L13 WX", "L13", "L20", "L20 X1",
     "L20 X2", "L21", "L22 X8", "L22 Z-4", "L22", "L22.1 X", "L23 Y4", "L23", "L23.1 XY", "G28", "G28 X", "G28 Z",
-    "L3 XY\nG0 X1 Y1\nL4 XY", "L3 Z\nG0 X1 Z-9\nL4 Z", "L53", "L92", "L300 X", "L300 Z", "L301 X", "L301 ZY",
+    "L3 XY\nG0 X1 Y1\nL4 XY", "L3 Z\nG0 X1 Z-9\nL4 Z", "L53", "L92", "L28 X2 Y3", "L28 Z-4", "L300 X",
+    "L300 Z", "L301 X", "L301 ZY",
     "G81 X1 Y2 Z-5 R-2", "G0 X-3 Y-2", "M98 local.tap", "M98 kept.tap", "M98 turned.tap",
     "L10 R1 C2 X30 E1\nG92 XY",
 )  # fmt: skip
@@ -155,3 +156,56 @@ def test_without_a_low_limit_a_boundary_that_does_not_count_holds_nothing(shop: 
     assert answered(shop, "L22 Z-40 W-40\nG0 Z-6")[0] == "SAFE"
     verdict, _, told = answered(shop, "L22 Z-4 W-40\nG0 Z-6")
     assert (verdict, "GP302" in told, "GP332" in told) == ("UNKNOWN", True, True), told
+
+
+MOVED_ZERO = {
+    # X stands at 10 and is called 0: what counts from machine zero moves by 10, the machine's ends (200) do not.
+    "L28 X0\nG0 X185": ("SAFE", 195.0),
+    "L28 X0\nG0 X195": ("UNSAFE", 205.0),
+    "L28 X0\nL21\nG0 X-205": ("SAFE", -195.0),
+    "L28 X0\nL20 X2\nG0 X-205": ("UNSAFE", -195.0),
+    "L28 X0\nG0 X-195": ("UNSAFE", -185.0),
+    "L28 X20\nG0 X195": ("UNSAFE", 185.0),
+    "L28 X0\nG53 X5": ("SAFE", 15.0),
+    "L28 X0\nP5": ("SAFE", 18.0),
+    "L28 X0\nL500 X P7 L0\nG0 X9\nP7": ("SAFE", 10.0),
+    "L500 X P7 L0\nL28 X0\nG0 X9\nP7": ("SAFE", 20.0),
+    "L28 X0\nG92 X5\nG0 X6": ("SAFE", 11.0),
+    "L28 X0\nG92.1 X5\nG0 X6": ("SAFE", 21.0),
+    "L28 X0\nG20\nG0 X1": ("SAFE", 35.4),
+    "G20\nL28 X1\nG0 X2": ("SAFE", 35.4),
+    "L28 X0\nL28 X3\nG0 X6": ("SAFE", 13.0),
+    "L28 X0\nG28 X\nG0 X6": ("SAFE", 6.0),
+    "L28 X10\nG0 X6": ("SAFE", 6.0),
+    "L91 G1 X-2 F20 M28 G31\nL28 X0\nL91 G1 X5\nL28 X0\nG0 X7": ("SAFE", 7.0),
+    "L3 X\nL28 X0\nL4 X": ("UNKNOWN", None),
+    "L28 X0\nL3 X\nG0 X5\nL4 X": ("SAFE", 10.0),
+    "L28 X0\nG51 X2 Y2 I0 J0\nG0 X6 Y1": ("SAFE", 22.0),
+    "L28 X0\nG52 I0 J20 A90\nG0 X6 Y20": ("SAFE", 10.0),
+    "L28 X0\nL10 R1 C2 X30 E1\nG92XY\nG0 X1": ("SAFE", 41.0),
+}
+
+
+@pytest.mark.parametrize("program", MOVED_ZERO)
+def test_what_counts_from_machine_zero_moves_with_it(program: str, shop: Path) -> None:
+    verdict, place = MOVED_ZERO[program]
+    found, end, told = answered(shop, program)
+    assert (found, end["X"]) == (verdict, place if place is None else pytest.approx(place)), told
+
+
+def test_a_zone_stays_where_it_is(shop: Path) -> None:
+    zone = '[[keep_out]]\nname = "post"\nx = [100, 110]\ny = [-300, 300]\n'
+    (shop / "setup.toml").write_text(SETUP + zone, "utf-8")
+    for x, verdict in (("85", "SAFE"), ("91", "UNSAFE")):
+        (shop / "job.tap").write_text(f"L28 X0\nG0 X{x}\n", "utf-8")
+        words = ["check", "job.tap", "--machine", "machine.toml", "--setup", "setup.toml", "--format", "json"]
+        report = json.loads(in_this_process(words, shop).out)
+        assert report["properties"]["areas"]["verdict"] == verdict, report["findings"]
+
+
+def test_an_unknown_start_is_a_condition(shop: Path) -> None:
+    """Where X stands at L28 nobody states: 0 is there, and 50 is as far from it."""
+    (shop / "setup.toml").write_text(SETUP.replace("x = 10.0\n", "", 1), "utf-8")
+    verdict, _, told = answered(shop, "L28 X0\nG0 X50")
+    assert verdict == "SAFE", told
+    assert "start.x" in told and "150" in told, told

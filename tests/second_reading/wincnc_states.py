@@ -45,6 +45,8 @@ class Model:
 
     at: dict[str, float | None] = field(default_factory=lambda: dict(START))
     zero: dict[str, float] = field(default_factory=lambda: dict.fromkeys(AXES, 0.0))
+    base: dict[str, float] = field(default_factory=lambda: dict.fromkeys(AXES, 0.0))
+    """Where the controller's machine zero lies (L28), in coordinates of the one at the start."""
     measure: dict[str, float] = field(default_factory=lambda: dict.fromkeys(AXES, 0.0))
     put_aside: dict[str, float] = field(default_factory=dict)
     space: int = 54
@@ -80,7 +82,7 @@ class Model:
         return SPACES[self.space]["XY".index(axis)] if axis in "XY" else 0.0  # type: ignore[return-value]
 
     def offset(self, axis: str) -> float:
-        return self.zero[axis] + self.shift(axis) + self.measure[axis]
+        return self.base[axis] + self.zero[axis] + self.shift(axis) + self.measure[axis]
 
     def moulded(self) -> set[str]:
         """Axes that G51 scales or G52 turns."""
@@ -114,9 +116,9 @@ class Model:
             leader, slave = self.follower
             if leader in moved and slave not in self.locked:
                 to, here, there = moved[leader], self.at[leader], self.at[slave]
-                assert to is not None and here is not None and there is not None
-                moved[slave] = there + to - here
-                self.drift[slave] = self.drift.get(slave, 0.0) + to - here
+                way = math.nan if to is None or here is None else to - here
+                moved[slave] = None if there is None or math.isnan(way) else there + way
+                self.drift[slave] = self.drift.get(slave, 0.0) + way
                 if abs(self.drift[slave]) < NEAR:
                     del self.drift[slave]
         self.at.update(moved)
@@ -129,9 +131,12 @@ class Model:
             if place is None:
                 continue
             low, high = LIMITS[axis]
+            # The machine's ends are where they were; what the controller checks counts from its zero.
             if self.soft and not low - NEAR <= place <= high + NEAR:
                 self.over.append(f"{axis} at {place:g}")
-            seen = place - self.shift(axis) - self.measure[axis]
+            if self.soft and not low - NEAR <= place - self.base[axis] <= high + NEAR:
+                self.over.append(f"{axis} at {place - self.base[axis]:g} from L28")
+            seen = place - self.base[axis] - self.shift(axis) - self.measure[axis]
             if math.isnan(seen):
                 continue
             least, most = self.low[axis], self.high[axis]
@@ -155,7 +160,7 @@ class Model:
             if axis != letter:
                 if {axis, letter} & self.moulded():
                     raise Open("L11, L12 of axes that G51 scales or G52 turns")
-                zeros = [self.zero[a] + self.shift(a) for a in (axis, letter)]
+                zeros = [self.base[a] + self.zero[a] + self.shift(a) for a in (axis, letter)]
                 if self.absolute and abs(zeros[0] - zeros[1]) > NEAR:
                     raise Open("L11, L12 of axes with other local zeros")
             if self.absolute and axis in self.unsettled:
@@ -204,8 +209,7 @@ class Model:
             if ends and cell is not None:
                 begin, left, first, step = cell
                 if left:
-                    if self.follower or self.locked & {"X", "Y"} or {"X", "Y"} & self.moulded() or self.swaps("XY"):
-                        raise Open("the way from cell to cell while")
+                    self.need_own_ways()
                     there = {a: None if first[a] is None else first[a] + step[a] for a in "XY"}  # type: ignore[operator]
                     self.travel(there, own=set("XY"))
                     cell = begin, left - 1, there, step
@@ -219,12 +223,17 @@ class Model:
             if line.split()[0] == "L10":
                 words = _words(line[3:])
                 if words:
-                    if self.follower or self.locked & {"X", "Y"} or {"X", "Y"} & self.moulded() or self.swaps("XY"):
-                        raise Open("the way from cell to cell while")
+                    self.need_own_ways()
                     step = {a: words.get(a, 0.0) * self.unit for a in "XY"}
                     cell = n, int(words["R"] * words["C"]) - 1, {a: self.at[a] for a in "XY"}, step
                 continue
             self.line(line)
+
+    def need_own_ways(self) -> None:
+        """X and Y of the way from cell to cell go where they are sent."""
+        bound = set(self.follower or ()) | self.locked | self.moulded()
+        if bound & {"X", "Y"} or self.swaps("XY"):
+            raise Open("the way from cell to cell while")
 
     def swaps(self, letters: str) -> bool:
         return any(self.sends[a] != (a,) or a in self.shared for a in letters)
@@ -279,13 +288,14 @@ def by_machine(model: Model, target: Mapping[str, float | None], own: set[str]) 
 def direct(model: Model, words: Words, code: str) -> None:
     """G53: places of the machine; alone it lifts all vertical axes."""
     if not words:
-        by_machine(model, dict.fromkeys(VERTICAL, 0.0), {a for a in VERTICAL if not _same(model.at[a], 0.0)})
+        up = {a: model.base[a] for a in VERTICAL}
+        by_machine(model, up, {a for a in VERTICAL if not _same(model.at[a], up[a])})
         return
     if not model.absolute:
         raise Open("G53 in G91")
     if set(words) & model.moulded():
         raise Open("G53 of an axis that G51 scales or G52 turns")
-    received = {axis: v * model.unit for letter, v in words.items() for axis in model.sends[letter]}
+    received = {axis: v * model.unit + model.base[axis] for letter, v in words.items() for axis in model.sends[letter]}
     if set(words) & set(model.shared):
         raise Open("L11, L12 with one axis twice")
     by_machine(model, received, set(received))
@@ -295,7 +305,7 @@ def stored(model: Model, words: Words, code: str) -> None:
     """P: Stored Positions."""
     if model.drilling:
         raise Open("P alone behind a cycle")
-    place = POSITIONS[int(code[1:])]
+    place = {axis: value + model.base[axis] for axis, value in POSITIONS[int(code[1:])].items()}
     by_machine(model, place, {a for a in place if not _same(place[a], model.at[a])})
 
 
@@ -331,7 +341,8 @@ def local(model: Model, words: Words, code: str) -> None:
     for axis, value in words.items():
         here = model.at[axis]
         if code == "G92":
-            new[axis] = None if here is None else here - model.shift(axis) - model.measure[axis] - value * model.unit
+            seen = None if here is None else here - model.base[axis] - model.shift(axis) - model.measure[axis]
+            new[axis] = None if seen is None else seen - value * model.unit
         else:
             new[axis] = (model.zero[axis] if code == "G92.2" else 0.0) + value * model.unit
     if code == "G92" and set(words) & model.moulded():
@@ -386,6 +397,7 @@ def turning(model: Model, words: Words, code: str) -> None:
     u, v = (math.nan if model.at[a] is None else model.at[a] - model.offset(a) for a in "XY")  # type: ignore[operator]
     model.programmed = abs(u - i) < NEAR and abs(v - j) < NEAR
     model.turn = math.radians(words["A"]), i, j
+    model.unsettled -= {"X", "Y"}
 
 
 def moulds_off(model: Model, words: Words, code: str) -> None:
@@ -434,7 +446,7 @@ def measuring(model: Model, words: Words, code: str) -> None:
             raise Open("G92 and its kin, and L28, while G51 or G52 is on")
         # Under a local zero: with it or without it (docs: M37 while its axis has a local zero).
         is_open = model.zero[axis] or axis in model.drift or here is None
-        model.measure[axis] = math.nan if is_open or here is None else here - value * model.unit
+        model.measure[axis] = math.nan if is_open or here is None else here - model.base[axis] - value * model.unit
         model.put_aside.pop(axis, None)
     model.measured = True
 
@@ -500,7 +512,7 @@ def home(model: Model, words: Words, code: str) -> None:
     if axes & (model.locked | set(model.follower or ())):
         raise Open("homing an axis that L300 locks or L13 couples")
     for axis in axes:
-        model.at[axis] = 0.0
+        model.at[axis] = model.base[axis] = 0.0
         model.drift.pop(axis, None)
     if model.turn and axes & {"X", "Y"}:
         model.programmed = False
@@ -520,8 +532,25 @@ def go_home(model: Model, words: Words, code: str) -> None:
     by_machine(model, {a: model.homes[a] for a in words}, {a for a in words if not _same(model.homes[a], model.at[a])})
 
 
+def machine_zero(model: Model, words: Words, code: str) -> None:
+    """L28: the place is called so, and nothing moves; what counts from machine zero does from now on."""
+    unmapped(model, words)
+    if set(words) & model.moulded():
+        raise Open("G92 and its kin, and L28, while G51 or G52 is on")
+    for axis, value in words.items():
+        here = model.at[axis]
+        if axis in model.drift:
+            raise Open("L28 of an axis that has followed another one")
+        before = model.base[axis]
+        model.base[axis] = math.nan if here is None else here - value * model.unit
+        if axis in model.homes and model.base[axis] != before:
+            model.homes[axis] = None
+
+
 def level(model: Model, words: Words, code: str) -> None:
     """L53: tips at one height, as high as possible; the place of a tip is that of its axis less the measure."""
+    if any(model.base[a] for a in VERTICAL):
+        raise Open("L53 behind an L28 of a head")
     if any(model.put_aside.values()):
         raise Open("L53 while G49 is in force")
     tip = min(-model.measure[a] for a in VERTICAL)
@@ -553,6 +582,6 @@ COMMANDS = {
     "G92.4": crossing, "G51": scaling, "G52": turning, "G52.1": turning, "G50": moulds_off, "G43": lengths,
     "G49": lengths, "M37": measuring, "L101": tool, "L110": tool, "L300": lock, "L301": lock, "L20": guards,
     "L21": guards, "L22": boundary, "L22.1": boundary, "L23": boundary, "L23.1": boundary, "G28": home,
-    "L3": keep_home, "L4": go_home, "L53": level, "G81": hole, "L92": nothing, "G80": nothing,
+    "L3": keep_home, "L4": go_home, "L53": level, "L28": machine_zero, "G81": hole, "L92": nothing, "G80": nothing,
     **{f"G{number}": workspace for number in (54, 55, 56, 57, 58)},
 }  # fmt: skip
