@@ -94,6 +94,10 @@ class Code:
         """The same kind where it is nothing but worth to know: an outcome of several that the job provides for."""
         return replace(self, severity=Severity.NOTE)
 
+    def as_unknown(self) -> Code:
+        """The same kind where nobody can say whether it comes to that."""
+        return replace(self, severity=Severity.UNKNOWN)
+
     def at(self, span: Span, *, hint: str = "", related: Iterable[Related] = (), **values: object) -> Finding:
         """A finding of this kind at ``span``; ``values`` fill the template."""
         return Finding(self, span, filled(self.template, values), hint, tuple(related), tuple(values.items()))

@@ -88,7 +88,8 @@ class Input:
     """The state of a channel of the machine: 1 on, 0 off.
 
     kind: ``input``, ``output`` (what the program or the setup made of it), ``virtual``, ``answer``: what the operator
-    says to the question that ``number`` counts, or ``given``: ``number`` is the state itself. simulated: what a
+    says to the question that ``number`` counts, ``outside``: what another device or program gives, any number, or
+    ``given``: ``number`` is the state itself. simulated: what a
     simulation takes it to be, where the program says so; it has no bearing on what the machine does.
     """
 
@@ -458,7 +459,9 @@ class Unsupported:
     """A statement that the manual has and gproof does not model; what follows is unknown.
 
     text: the statement as written, without comments; "" when there is more of it than a line. deleted: the line
-    began with a slash. line: see Call. told: a finding of the frontend says already what is wrong here.
+    began with a slash. line: see Call. told: a finding of the frontend says already what is wrong here. accepted: the
+    entry of ``accepts`` of a machine file by which a controller has it after all (``dialects/accepts.py``), and means
+    what it does then; "": none.
     """
 
     what: str
@@ -467,6 +470,8 @@ class Unsupported:
     deleted: bool = False
     line: Block | None = None
     told: bool = False
+    accepted: str = ""
+    means: tuple[Statement, ...] = ()
 
 
 @record(frozen=True, slots=True, kw_only=True)

@@ -11,12 +11,14 @@ from collections.abc import Iterable
 from typing import TYPE_CHECKING
 
 from gproof.ir import codes
+from gproof.ir.dialects.accepts import SHOWN_TOOLS
 from gproof.ir.finding import Refusal
 from gproof.ir.program import Message, Text
 from gproof.ir.trace import Wait
 from gproof.passes.emitter import ProgramEnd
 from gproof.passes.frames import Path
 from gproof.passes.outcomes import Asked
+from gproof.passes.settings import NEW_TOOL, TOOL, write_setting, write_tool
 from gproof.passes.values import Unknown, Value, between, bounds, hull
 
 if TYPE_CHECKING:
@@ -38,17 +40,24 @@ def run_dialog(ex: Branches, node: Message) -> None:
     pressed = bounds(s.stated_range(ANSWER, Unknown(_CAUSE, CANCEL, OK)))
     typed: Settings = []
     kept: Settings = []
+    tools: list[int] = []
     for part in node.parts[1:]:
         if isinstance(part, Text):
             continue
         number = ex.evaluator.value(part)
         if isinstance(number, Unknown):
             raise Refusal(codes.UNKNOWN_CONDITION.at(node.span, cause=number.cause))
+        if round(number) in (TOOL, NEW_TOOL):
+            tools.append(round(number))
+            continue
         answer = s.stated_range(round(number), Unknown(f"the operator's answer in #{number:g}"))
         typed.append((number, answer))
         kept.append(
             (number, between(f"what #{number:g} holds behind a dialog", hull(s.read(number, node.span), answer)))
         )
+    for shown in tools:
+        if not ex.takes(SHOWN_TOOLS):
+            write_tool(ex, shown, Unknown("the operator's answer"), node.span, SHOWN_TOOLS)
     alike = all(bounds(old) == bounds(new) for (_, old), (_, new) in zip(kept, typed, strict=True))
     if not alike and pressed[0] <= 0 < pressed[1]:
         key = ex._state_key(("dialog", id(node)))
@@ -64,8 +73,7 @@ def run_dialog(ex: Branches, node: Message) -> None:
 
 def _set(ex: Branches, node: Message, values: Iterable[tuple[float, Value]]) -> None:
     for number, value in values:
-        ex.modal.write(number, value, node.span)
-        ex._table_written(round(number), node.span)
+        write_setting(ex, number, value, node.span)
 
 
 def _fork(ex: Branches, node: Message, key: object, ok: Settings, cancelled: Settings) -> None:

@@ -15,6 +15,7 @@ from gproof.passes import execute_kernels as k
 from gproof.passes.din_state import fits
 from gproof.passes.frames import Frame
 from gproof.passes.manner import Manner, cold_words, settings_of
+from gproof.passes.settings import targets
 from gproof.passes.values import Value, bounds
 
 if TYPE_CHECKING:
@@ -28,7 +29,11 @@ class DinManner(Manner):
 
     def block(self, ex: Executor, node: Block, words: list[tuple[str, Value, Span]]) -> None:
         """Execute a line."""
-        settings = settings_of(ex, node)
+        settings = [
+            (one, new, span)
+            for number, value, span in settings_of(ex, node)
+            for one, new in targets(ex, number, value, span)
+        ]
         for number, value, span in settings:
             if not fits(round(number), value, ex._whole):
                 name = ex.evaluator.names.get(round(number)) or ex.program.rules.name_of(round(number))

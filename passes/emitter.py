@@ -7,7 +7,7 @@ import time
 from collections.abc import Callable
 
 from gproof.ir import codes
-from gproof.ir.dialects.accepts import Accepted
+from gproof.ir.dialects.accepts import TOOL_ZERO, Accepted
 from gproof.ir.finding import Code, Finding, Findings, Refusal, Related, Severity, Span
 from gproof.ir.machine import AXIS_NAMES, Machine
 from gproof.ir.program import Input, Named, Program, Statement
@@ -43,6 +43,10 @@ DEFAULT_BRANCHES = 4096
 """Outcomes that are explored, of conditions that rest on what nobody knows before the job runs."""
 
 
+_ENDS = (codes.UNKNOWN_CONDITION.number, codes.RECURSION.number, codes.STEP_BUDGET.number)
+"""Findings behind which nothing can be followed."""
+
+
 class ProgramEnd(Exception):
     """The program has ended."""
 
@@ -75,13 +79,14 @@ class Emitter:
         self.trace = Trace(files=[f.name for f in program.files] or ["(program)"], macro_files=program.macro_files)
         self.frames = FrameTable(self.trace.frames)
         self.modal.ranges = self.trace.symbols
-        self.evaluator = Evaluator(self._read, findings, self._read_other, self.takes)
+        self.evaluator = Evaluator(self._read, findings, self._read_other, self.takes, self.assume)
         # A motion mode is known by the first code of its function.
         g_codes = [rule for rule in program.rules.codes.values() if rule.letter == "G"]
         self._motion_rules: dict[int, CodeRule] = {int(rule.function): rule for rule in reversed(g_codes)}
         self.met_deleted = False
         self.blocks = 0
         self.assumed: dict[str, None] = {}
+        self._beyond_list: set[tuple[int, Span]] = set()
         self._consequences = Consequences(program, findings)
         self.failed: Finding | None = None
         self.refused = False
@@ -172,6 +177,10 @@ class Emitter:
         if self.on_beat is not None:
             self.on_beat(self.blocks, span)
 
+    def assume(self, text: str) -> None:
+        """Note an assumption of every answer about this job."""
+        self.assumed[text] = None
+
     def takes(self, what: Accepted) -> bool:
         """Whether the shop says that its controller takes this beyond its manual; then it is an assumption."""
         if what.name not in self.machine.controller.accepts:
@@ -186,7 +195,7 @@ class Emitter:
         if finding.severity in (Severity.ERROR, Severity.UNKNOWN):
             if self.failed is None:
                 self.failed = finding
-            if finding.code in (codes.UNKNOWN_CONDITION, codes.RECURSION, codes.STEP_BUDGET):
+            if finding.code.number in _ENDS:
                 self._end_section(Wait.UNKNOWN, finding.message, -1, finding.span)
                 raise ProgramEnd
             if self.stop_at_error:
@@ -307,8 +316,24 @@ class Emitter:
         low, high = float(math.ceil(value.low)), float(math.floor(value.high))
         return between(value.cause, (low, high), whole=True) if low <= high else value
 
+    def knows_number(self, number: float, span: Span) -> bool:
+        """Whether the manual has a variable, or the shop says that its controller has it; GP113 otherwise."""
+        whole, entry = self.modal.range_of(number, span)
+        if entry.kind not in ("later", "tool_zero"):
+            return True
+        if entry.kind == "tool_zero" and self.takes(TOOL_ZERO):
+            return True
+        if (whole, span) not in self._beyond_list:
+            self._beyond_list.add((whole, span))
+            hint = TOOL_ZERO.hint if entry.kind == "tool_zero" else ""
+            what = f"#{whole}, which is not in the list of the manual,"
+            self._fail(codes.UNSUPPORTED_CODE.at(span, code=what, hint=hint))
+        return False
+
     def _told_of(self, number: float, whole: int, span: Span) -> Value:
         value = self.modal.read(number, span)
+        if not self.knows_number(number, span):
+            return Unknown(f"#{whole}")
         if not isinstance(value, Unknown):
             return value
         own = self.program.rules.name_of(whole)

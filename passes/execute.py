@@ -14,6 +14,7 @@ from collections.abc import Iterator
 
 from gproof.ir import codes
 from gproof.ir.columns import Columns
+from gproof.ir.dialects.accepts import ACCEPTS
 from gproof.ir.finding import Finding, Findings, Refusal, Span
 from gproof.ir.machine import Machine
 from gproof.ir.program import (
@@ -356,7 +357,10 @@ class Executor(Flow):
         allowed = self.program.rules.call_depth if own is None else own
         if len(self._depth) >= allowed:
             chain = " > ".join([*self._depth[-3:], name])
-            raise Refusal(codes.RECURSION.at(span, allowed=allowed, chain=chain))
+            # No manual says how deep calls may be; one that only an unknown outcome repeats need not come to that.
+            asked = any(frame.group is not None for frame in self._stack)
+            kind = codes.RECURSION.as_unknown() if asked else codes.RECURSION
+            raise Refusal(kind.at(span, allowed=allowed, chain=chain))
         self._enter(span)
         caller = Caller(self._call, self._file, rest)
         self._depth = [*self._depth, name]
@@ -400,8 +404,14 @@ class Executor(Flow):
             elif isinstance(node, Mistake):
                 raise Refusal(Finding(codes.CODES[node.code], node.span, node.message))
             elif isinstance(node, Unsupported):
+                entry = ACCEPTS.get(node.accepted)
+                if entry is not None and self.takes(entry):
+                    for one in node.means:
+                        self._guarded(one)
+                    return
                 self._manner.unsupported(self, node)
-                raise Refusal(codes.UNSUPPORTED_CODE.at(node.span, code=node.what))
+                hint = entry.hint if entry else ""
+                raise Refusal(codes.UNSUPPORTED_CODE.at(node.span, code=node.what, hint=hint))
             elif isinstance(node, Definition):
                 what = f"the definition of {node.name} in a file that is run as a job"
                 raise Refusal(codes.UNSUPPORTED_CODE.at(node.span, code=what))
@@ -460,11 +470,9 @@ class Executor(Flow):
         words = [(w.letter, self.evaluator.value(w.value), w.span) for w in node.words]
         self._manner.block(self, node, words)
 
-    def _setting(self, node: Assign) -> tuple[float, Value, Span]:
+    def _setting(self, node: Assign) -> tuple[Value, Value, Span]:
         number = self.evaluator.value(node.target.number)
-        if isinstance(number, Unknown):
-            raise Refusal(codes.UNKNOWN_CONDITION.at(node.target.span, cause=number.cause))
-        if node.target.name:
+        if node.target.name and not isinstance(number, Unknown):
             self.evaluator.names[round(number)] = node.target.name
         return number, self.evaluator.value(node.value), node.target.span
 

@@ -154,6 +154,8 @@ BINARY_FUNCTIONS: dict[str, Callable[[float, float], float]] = {
 NEARLY = 1e-4
 """Numbers that are no farther apart may count as equal: what 3.2.2.1 (Eding) allows whole numbers to be off."""
 _EXACT_DIGITS = 15
+MOST_NUMBERS = 200
+"""Variables among which one whose number is not known may be, at most: the tool table has 99 of a kind."""
 
 
 def inexact(x: float, y: float) -> bool:
@@ -174,15 +176,17 @@ class Evaluator:
     """Evaluates trees.
 
     read: gives the live value of a numbered variable; read_other: of a named one, and of a channel. names: what
-    numbered variables are called that have a name. takes: whether the controller does this beyond its manual.
+    numbered variables are called that have a name. takes: whether the controller does this beyond its manual. assume:
+    notes an assumption.
     """
 
     def __init__(
         self, read: Callable[[float, Span], Value], findings: Findings,
         read_other: Callable[[Named | Input], Value] | None = None,
-        takes: Callable[[Accepted], bool] = lambda what: False,
+        takes: Callable[[Accepted], bool] = lambda what: False, assume: Callable[[str], None] = lambda text: None,
     ) -> None:  # fmt: skip
         self.takes = takes
+        self.assume = assume
         self.read = read
         self.read_other = read_other or _nothing
         self.findings = findings
@@ -196,9 +200,7 @@ class Evaluator:
         if isinstance(expr, Variable):
             number = self.value(expr.number)
             if isinstance(number, Unknown):
-                # Whichever variable that is: its value has nothing to do with the bounds of its number.
-                self._doubt(expr.span, f"# of {number.cause}", number.cause)
-                return Unknown(number.cause)
+                return self._one_of(number, expr)
             if expr.name:
                 self.names[round(number)] = expr.name
             return self.read(number, expr.span)
@@ -209,6 +211,30 @@ class Evaluator:
         if isinstance(expr, Named | Input):
             return self.read_other(expr)
         raise Refusal(codes.BAD_EXPRESSION.at(expr.span, what="text where a number is needed"))
+
+    def _one_of(self, number: Unknown, expr: Variable) -> Value:
+        """What a variable holds whose number is not known: between what each of those that it may be holds."""
+        numbers = self.numbers_between(number)
+        try:
+            held = [self.read(float(one), expr.span) for one in numbers]
+        except Refusal:
+            held = []
+        if not held:
+            # Whichever variable that is: its value has nothing to do with the bounds of its number.
+            self._doubt(expr.span, f"# of {number.cause}", number.cause)
+            return Unknown(number.cause)
+        ends = [bounds(one) for one in held]
+        span = min(low for low, _ in ends), max(high for _, high in ends)
+        return between(f"one of #{numbers[0]} to #{numbers[-1]}", span, whole=all(map(is_whole, held)))
+
+    def numbers_between(self, number: Unknown) -> range:
+        """The variables that a number which is only bounded may mean; none where they are too many to look at."""
+        if not number.bounded or number.high - number.low > MOST_NUMBERS:
+            return range(0)
+        if not number.whole:
+            self.assume(f"{number.cause}, which numbers a variable, is a whole number")
+        # Sums of bounds are rounded outwards; a number that is nearly whole counts as it (3.2.2.1).
+        return range(math.ceil(number.low - NEARLY), math.floor(number.high + NEARLY) + 1)
 
     def _unary(self, expr: Unary) -> Value:
         x = self.value(expr.operand)

@@ -19,6 +19,7 @@ from gproof.ir.program import Block, Call, Expr, Input, Named, Number, Unsupport
 from gproof.ir.rules import LanguageRules
 from gproof.passes import execute_kernels as k
 from gproof.passes.plain_kernels import cold_lines
+from gproof.passes.settings import write_setting
 from gproof.passes.values import Unknown, Value
 
 if TYPE_CHECKING:
@@ -46,7 +47,7 @@ def cold_words(columns: tuple[Any, ...], count: int, hot: list[int], *, pairs: b
     return lines[:found].tolist(), firsts[:found].tolist()
 
 
-def settings_of(ex: Executor, node: Block) -> list[tuple[float, Value, Span]]:
+def settings_of(ex: Executor, node: Block) -> list[tuple[Value, Value, Span]]:
     """What the assignments of a line give: variable, value, place.
 
     Where one is refused, none takes place: what was to be written is not known then, and not what it was before.
@@ -74,8 +75,7 @@ class Manner:
         settings = settings_of(ex, node)
         # Settings take effect once every value of the line is found, before anything moves (3.2.3).
         for number, value, span in settings:
-            ex.modal.write(number, value, span)
-            ex._table_written(round(number), span)
+            write_setting(ex, number, value, span)
         if words:
             ex._line(node.span, words)
 
@@ -142,6 +142,8 @@ class Manner:
 
     def input(self, ex: Emitter, node: Input) -> Value:
         """An input of the controller; Refusal GP113 where a program reads none."""
+        if node.kind == "outside":
+            return Unknown("what another device gives")
         raise Refusal(codes.UNSUPPORTED_CODE.at(node.span, code=node.kind))
 
     def unsupported(self, ex: Executor, node: Unsupported) -> None:

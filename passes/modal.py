@@ -440,14 +440,6 @@ class Modal:
     def write(self, number: float, value: Value, span: Span) -> None:
         """Set a numbered variable; Refusal GP227 for one that shows the machine's state."""
         whole, entry = self.range_of(number, span)
-        if entry.kind in ("tool", "new_tool"):
-            # Macros of other versions do so; what the controller makes of it no section says.
-            if entry.kind == "tool":
-                self.tool = None
-            else:
-                self.selected_tool = None
-            what = f"a setting of #{whole} ({entry.meaning}), which the manual does not have,"
-            raise Refusal(codes.UNSUPPORTED_CODE.at(span, code=what))
         if not entry.writable:
             raise Refusal(codes.READ_ONLY_PARAMETER.at(span, number=whole, meaning=entry.meaning))
         value = self._either_unit(whole, entry, value, written=True)

@@ -12,9 +12,11 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any, NamedTuple
 
+from gproof.frontend.eding.newer import meaning
 from gproof.frontend.eding.prepare import Line, LineError
 from gproof.frontend.eding.scan import WORD_LETTERS
 from gproof.ir import codes
+from gproof.ir.dialects.accepts import LONG_DIALOGS
 from gproof.ir.dialects.eding_operators import LEVEL, SIGN, Tree, groupings, is_doubtful
 from gproof.ir.finding import Code, Span
 from gproof.ir.program import (
@@ -319,7 +321,10 @@ class Builder:
                 raise self.error(codes.SYNTAX, *_range(token), what=what)
         if len(tokens) > 2 + 2 * DIALOG_VALUES:
             what = f"a dialog with {len(tokens) // 2 - 1} values (the manual has {DIALOG_VALUES})"
-            return Unsupported(what=what, span=_range_span(self, tokens), text=self._written())
+            span = _range_span(self, tokens)
+            asks = Message(kind="dialog", parts=tuple(self._label(token) for token in tokens[1:]), span=span)
+            entry = LONG_DIALOGS.name
+            return Unsupported(what=what, span=span, text=self._written(), accepted=entry, means=(asks,))
         parts = tuple(self._label(token) for token in tokens[1:])
         return Message(kind="dialog", parts=parts, span=_range_span(self, tokens))
 
@@ -396,7 +401,11 @@ class Builder:
         return self._device("nesting", tokens, name, self._label(tokens[1]))
 
     def unsupported(self, tokens: Tokens) -> Unsupported:
-        return Unsupported(what=self.line.keyword, span=_range_span(self, tokens), text=self._written())
+        span, text = _range_span(self, tokens), self._written()
+        entry, means = meaning(text, span) or (None, ())
+        return Unsupported(
+            what=self.line.keyword, span=span, text=text, accepted=entry.name if entry else "", means=means
+        )
 
     def _written(self) -> str:
         return written(self.line)

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, cast
 
 from gproof.frontend.eding.build import Builder, Parsed, written
 from gproof.frontend.eding.diagnose import diagnose
+from gproof.frontend.eding.newer import meaning
 from gproof.frontend.eding.prepare import STRUCTURE, Line, LineError, prepare
 from gproof.frontend.grammar import parser
 from gproof.frontend.source import decode
@@ -35,7 +36,10 @@ def foreign(line: Line, file: str, number: int) -> Unsupported:
     text = written(line)
     span = Span(file, number, line.keyword_at + 1, max(end, line.keyword_at + 1) + 1)
     deleted = line.text.lstrip(" \t").startswith("/")
-    return Unsupported(what=f"{line.keyword!r}, which the manual does not have,", span=span, deleted=deleted, text=text)
+    what = f"{line.keyword!r}, which the manual does not have,"
+    entry, means = meaning(text, span) or (None, ())
+    name = entry.name if entry else ""
+    return Unsupported(what=what, span=span, deleted=deleted, text=text, accepted=name, means=means)
 
 
 def parse_line(raw: bytes, file: str, number: int) -> list[Parsed]:

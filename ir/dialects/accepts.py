@@ -81,6 +81,62 @@ KEPT_MOTION = Accepted(
     "Eding 3.3, WinCNC G0 and G1: modes stay, and nothing is said of the next file",
     (202,),
 )
+SHOWN_TOOLS = Accepted(
+    "shown-tools",
+    ("eding",),
+    "a dialog that has #5008 or #5011 among its values shows them, and nobody changes them there",
+    "Eding 4.2 has dialogs for free variables; macros of real shops show the number of the tool that is to be put in",
+    (113,),
+)
+WRITTEN_TOOLS = Accepted(
+    "written-tools",
+    ("eding",),
+    "a number that is written to #5011 is the new tool, one written to #5008 the tool in the spindle",
+    "Eding 3.1.1 shows both and nothing that writes them; macros of V4.03 do",
+    (113,),
+)
+TOOL_ZERO = Accepted(
+    "tool-zero",
+    ("eding",),
+    "#5400, #5500, #5600 and #5700 are numbers of tool 0, of which the controller uses none",
+    "Eding 3.1.1 lists the numbers of tools 1 to 99, and says below that the table has tools 0 to 99",
+    (113,),
+)
+LONG_DIALOGS = Accepted(
+    "long-dialogs",
+    ("eding",),
+    "a dialog may ask for more than 12 values",
+    "Eding 4.2 has 12; the macro files that come with V4.03 ask for 15",
+    (113,),
+)
+TOOL_INFO = Accepted(
+    "tool-info",
+    ("eding",),
+    "GetToolInfo puts a number about the tools of the loaded job into a variable, and moves nothing",
+    "not in Eding 4.2; the macro files that come with V4.03 use it",
+    (113,),
+)
+MODBUS = Accepted(
+    "modbus",
+    ("eding",),
+    "Modbus commands move no axis; what they read from other devices is not known",
+    "not in Eding 4.2; macro files of V4.03 use them",
+    (113,),
+)
+PC_PROGRAMS = Accepted(
+    "pc-programs",
+    ("eding",),
+    "Exec runs a program of the PC and puts its answer into #5399; no axis moves",
+    "not in Eding 4.2; macro files of machine makers use it",
+    (113,),
+)
+HEIGHT_COMMANDS = Accepted(
+    "height-commands",
+    ("eding",),
+    "ZHC ON and ZHC OFF switch the height map, ZHCINITEX begins one with two steps, ZHCCHECK only shows it",
+    "Eding 2.2.5.5 has zhcinit, zhcaddpoint and zhcs; the macro files that come with V4.03 use these, too",
+    (113,),
+)
 REPEATED_CHANNEL = Accepted(
     "repeated-channel",
     ("wincnc",),
@@ -105,6 +161,14 @@ ACCEPTS = {
         USER_MACRO_FILE,
         USUAL_PRECEDENCE,
         KEPT_MOTION,
+        SHOWN_TOOLS,
+        WRITTEN_TOOLS,
+        TOOL_ZERO,
+        LONG_DIALOGS,
+        TOOL_INFO,
+        MODBUS,
+        PC_PROGRAMS,
+        HEIGHT_COMMANDS,
         REPEATED_CHANNEL,
         TEXT_AFTER_COMMENT,
     )

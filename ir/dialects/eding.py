@@ -162,7 +162,7 @@ def _p(first: int, last: int, kind: str, meaning: str, writable: bool = True) ->
     return ParameterRange(first=first, last=last, kind=kind, meaning=meaning, source="3.1.1", writable=writable)
 
 
-_PARAMETERS = (
+_LISTED = (
     _p(1, 3999, "free", "free"),
     _p(4000, 4999, "persistent", "free, persistent"),
     _p(5001, 5006, "position", "work position", writable=False),
@@ -204,13 +204,34 @@ _PARAMETERS = (
     _p(5501, 5599, "tool_diameter", "tool diameter"),
     _p(5601, 5699, "tool_x_offset", "tool X offset"),
     _p(5701, 5799, "tool_orientation", "tool orientation"),
+    # The lists of the tool table begin with tool 1, and the sentence below them with tool 0.
+    *(_p(number, number, "tool_zero", "the number before those of tool 1") for number in range(5400, 5701, 100)),
+    _p(5800, 5999, "later", "not in the manual, which lists numbers up to 5799"),
 )
+
+
+FREE = "free, as all that the list leaves out up to 5399"
+_HIGHEST_FREE = 5399  # 3.2.2.2
+
+
+def _gaps(listed: tuple[ParameterRange, ...]) -> tuple[ParameterRange, ...]:
+    """What 3.1.1 says of all other parameters: they are free."""
+    rows: list[ParameterRange] = []
+    following = 1
+    for row in sorted(listed, key=lambda each: each.first):
+        if following < row.first <= _HIGHEST_FREE:
+            rows.append(_p(following, row.first - 1, "free", FREE))
+        following = row.last + 1
+    return tuple(rows)
+
+
+_PARAMETERS = (*_LISTED, *_gaps(_LISTED))
 
 EDING = LanguageRules(
     name="eding",
     codes={(rule.letter, rule.tenths): rule for rule in (*_SUPPORTED, *_UNSUPPORTED)},
     parameters=_PARAMETERS,
-    highest_parameter=5799,
+    highest_parameter=5999,
     arc_tolerance_mm=0.002,  # 3.4.3.2
     arc_tolerance_inch=0.0002,  # 3.4.3.2
     line_length=256,  # 3.2

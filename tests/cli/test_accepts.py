@@ -44,6 +44,7 @@ class Job:
     files: tuple[tuple[str, str], ...] = ()
 
 
+LONG = " ".join(f"v{n} {n}" for n in range(1, 16))
 JOBS = (
     Job("motion-alone", "eding", "G21 G90 F100\nG1\nX5\nG0\nX6 Y1\nM30\n", "GP201"),
     Job("motion-alone", "eding", "G21 G90\ngosub change\nX5 F100\nM30\nsub change\n#1 = 2\ng1\nendsub\n", "GP201"),
@@ -64,6 +65,14 @@ JOBS = (
     ),
     Job("kept-motion", "eding", "G21 G90\nX5 Y6\nM30\n", "GP202"),
     Job("kept-motion", "wincnc", "G22\nG90\nX5 Y6\n", "GP202"),
+    Job("shown-tools", "eding", 'G21 G90\ndlgmsg "put in" "tool" 5011 "old" 5008\nG0 X5\nM30\n', "GP113"),
+    Job("written-tools", "eding", "G21 G90\n#5011 = 3\n#5008 = 3\nG0 X5\nM30\n", "GP113"),
+    Job("tool-zero", "eding", "G21 G90\n#5400 = 0\n#[5500 + #5008] = 0\nG0 X5\nM30\n", "GP113"),
+    Job("long-dialogs", "eding", f'G21 G90\ndlgmsg "ask" {LONG}\nG0 X5\nM30\n', "GP113"),
+    Job("tool-info", "eding", "G21 G90\nGetToolInfo num 3\nG0 X5\nM30\n", "GP113"),
+    Job("modbus", "eding", "G21 G90\nmodbus s1 f3 a2 n1 u20\nG0 X5\nM30\n", "GP113"),
+    Job("pc-programs", "eding", 'G21 G90\nExec "ask.exe" "-b=yes" 60000\nG0 X5\nM30\n', "GP113"),
+    Job("height-commands", "eding", "G21 G90\nZHC off\nG0 X5\nM30\n", "GP113"),
     Job("repeated-channel", "wincnc", "G22\nG90\nM11C1C2\nm12 c1 c2\nG0 X5\n", "GP109"),
     Job("text-after-comment", "wincnc", "G22\nG90\n[N50] G0 X5 [a] Y6 [b]\n", "GP134"),
 )

@@ -12,7 +12,7 @@ from docs import eding_manual as manual
 from gproof.frontend.eding.load import load_program
 from gproof.frontend.machine_file import load_machine
 from gproof.frontend.setup_file import load_setup
-from gproof.ir.dialects.eding import EDING
+from gproof.ir.dialects.eding import EDING, FREE
 from gproof.ir.dialects.eding_operators import LEVELS
 from gproof.ir.finding import Findings, Severity
 from gproof.ir.rules import CHECKED_ONLY, CodeRule, ParameterRange
@@ -153,6 +153,8 @@ def command_status(example: str, folder: Path) -> str:
 
 def parameter_status(entry: ParameterRange) -> str:
     """Kinds that the executor has no value for are what the setup states, else unknown."""
+    if entry.kind in ("tool_zero", "later"):
+        return f"{UNKNOWN}: GP113"
     is_kept = entry.kind in ("free", "persistent", "park_1", "park_2")
     return SUPPORTED if is_kept or entry.kind in _SHOWN else f"{UNKNOWN} unless the setup states it to be 0"
 
@@ -161,9 +163,12 @@ def _parameters() -> Iterator[str]:
     yield "| parameters | meaning | section | a program may write them | status |"
     yield "|---|---|---|---|---|"
     for entry in EDING.parameters:
+        if entry.meaning == FREE:
+            continue
         numbers = f"{entry.first}" if entry.first == entry.last else f"{entry.first}–{entry.last}"
         writable = "yes" if entry.writable else "no"
         yield f"| {numbers} | {entry.meaning} | {entry.source} | {writable} | {parameter_status(entry)} |"
+    yield f"| others | {FREE} | 3.1.1 | yes | {SUPPORTED} |"
 
 
 def page(folder: Path) -> str:

@@ -10,7 +10,7 @@ from docs.eding_tables import PAGE, is_unknown, page, rule_of
 
 from docs import eding_manual as manual
 from gproof.frontend.eding.prepare import FUNCTIONS
-from gproof.ir.dialects.eding import EDING
+from gproof.ir.dialects.eding import EDING, FREE
 from gproof.ir.dialects.eding_operators import LEVEL
 from gproof.ir.rules import BINARY, UNARY, Function
 
@@ -36,6 +36,14 @@ def test_operators_are_those_of_the_manual() -> None:
 
 
 def test_every_parameter_of_the_manual_has_a_meaning() -> None:
-    known = {n for entry in EDING.parameters for n in range(entry.first, entry.last + 1)}
     named = {n for first, last in manual.PARAMETERS for n in range(first, last + 1)}
+    others = (FREE, *(entry.meaning for entry in EDING.parameters if entry.kind in ("tool_zero", "later")))
+    known = {n for entry in EDING.parameters if entry.meaning not in others for n in range(entry.first, entry.last + 1)}
     assert known == named
+
+
+def test_all_other_parameters_are_free() -> None:
+    """3.1.1 says so below its list, of numbers that 3.2.2.2 ends at 5399."""
+    named = {n for first, last in manual.PARAMETERS for n in range(first, last + 1)}
+    free = {n for entry in EDING.parameters if entry.meaning == FREE for n in range(entry.first, entry.last + 1)}
+    assert free == set(range(1, 5400)) - named
