@@ -25,6 +25,7 @@ from gproof.passes.arc_slack import chord_error, small_arcs
 from gproof.passes.check import Check, row_span
 from gproof.passes.distance_kernels import chords
 from gproof.passes.distance_scene import ANYTHING, CHORD, Scene, Stretch
+from gproof.passes.off_path import off_path
 from gproof.passes.placing import Placing, Reason, Tips
 from gproof.passes.surfaces import surface_of
 from gproof.passes.tip_ranges import NOWHERE_KNOWN, homing, hull, may_meet
@@ -123,11 +124,10 @@ class Distance(Check):
             self._look(chunk, number, scene, tips[scene.work])
 
     def _deviation(self, state: State) -> float:
-        """mm that the controller may leave the programmed path by: G64 P, and Q of G61 and G64."""
+        """mm that the tool may be beside the programmed path (``passes/off_path.py``)."""
         if state.path_mode is PathMode.CONTINUOUS and state.path_tolerance == 0.0:
             self._assumed[NO_TOLERANCE] = None
-        rounding = state.path_tolerance if state.path_mode is PathMode.CONTINUOUS else 0.0
-        return max(0.0, rounding) + max(0.0, state.simplify)
+        return off_path(self.machine, state).distance
 
     def _look(self, chunk: Chunk, number: int, scene: Scene, tips: Tips) -> None:
         rows = chunk.rows
@@ -209,9 +209,10 @@ class Distance(Check):
                     pieces = (ANYTHING,) if shape.problem else shape.of(*(p for p in parts if p != UNSTATED))
                     start = self.placing.span(chunk, row, work, behind=False)
                     shift = self.placing.machine_shift(chunk, row, work)
+                    room = self.given.clearance + self._deviation(chunk.trace.states[int(rows["state"][row])])
                     for body in bodies:
                         if any(
-                            may_meet(pieces, (body.body,), spans, self.given.clearance)
+                            may_meet(pieces, (body.body,), spans, room)
                             for spans in homing(self.machine, names, start, shift)
                         ):
                             cause = f"whether homing moves keep clear of {body.name}, on a way that nobody states"

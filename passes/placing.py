@@ -158,6 +158,7 @@ class Placing:
         before, behind = np.ones((n, 3), dtype=np.bool_), np.ones((n, 3), dtype=np.bool_)
         reason = np.full(n, int(self._always), dtype=np.uint8)
         feeds = (rows["op"] < Op.DWELL) & (rows["op"] != Op.TRAVERSE)
+        at_start = (starts[:, :3] == np.array(self._begin[0][:3])).all(axis=1)
         for tip in occurring(tips):
             at = tips == tip
             off[at] = self._shift(tip, work)
@@ -168,7 +169,10 @@ class Placing:
                         continue
                     spot = at & (column == index)
                     known[spot] = [form == () for form in left]
-                    why = _why(trace.frames[index], left)
+                    why = np.full(int(spot.sum()), _why(trace.frames[index], left))
+                    if self._rests_on_length(trace.frames[index], left, work):
+                        # The place is known, and how long the tool is there is not: only at the start that is no move.
+                        why[~at_start[spot] if column is start_frames else slice(None)] = Reason.OFFSET
                     reason[spot] = np.maximum(reason[spot], np.where(feeds[spot], Reason.OFFSET, why))
         reason = np.maximum(reason, self._why_of[states])
         reason = np.maximum(reason, self._turned(chunk, starts))
@@ -184,6 +188,11 @@ class Placing:
         return Tips(
             start, end, center, axes, np.asarray(axes.all(axis=1)), reason, before, behind, self._tool_of[states]
         )
+
+    def _rests_on_length(self, frame: tuple[Affine, ...], left: tuple[Affine, Affine, Affine], work: int) -> bool:
+        """Whether a place beside a body is open by the length of the tool alone."""
+        zero = self.zero(work)
+        return not any(frame[axis] or zero[axis].form for axis in range(3) if left[axis])
 
     def rest(self, trace: Trace, tip: int, frame: int, work: int) -> tuple[Affine, Affine, Affine]:
         """What is left of the unknowns of X, Y, Z where positions of a frame are counted from a body's zero."""

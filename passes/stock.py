@@ -22,12 +22,13 @@ from gproof.ir.finding import Code, Findings, Severity, Span
 from gproof.ir.machine import Machine
 from gproof.ir.program import Program
 from gproof.ir.setup import Setup
-from gproof.ir.trace import Chunk, Op, PathMode
+from gproof.ir.trace import Chunk, Op
 from gproof.ir.verdict import PropertyResult, Verdict
 from gproof.ir.workpiece import Mesh, Placed
 from gproof.passes.arc_slack import chord_error, small_arcs
 from gproof.passes.check import Check, row_span
 from gproof.passes.distance_scene import ANYTHING
+from gproof.passes.off_path import off_path
 from gproof.passes.placing import Placing, Reason, Tips
 from gproof.passes.stock_fields import MOST_CELLS, Field, Remains, field_of, remains_of
 from gproof.passes.stock_kernels import (
@@ -270,11 +271,8 @@ class StockLeft(Check):
         return may_meet((ANYTHING,) if shape.problem else shape.pieces, (placed.body,), spans, room)
 
     def _beside(self, chunk: Chunk) -> Floats:
-        """By row: mm that the controller may leave the programmed path."""
-        out = []
-        for state in chunk.trace.states:
-            rounded = state.path_mode is PathMode.CONTINUOUS
-            out.append(ROUNDING + max(state.path_tolerance if rounded else 0.0, 0.0) + max(state.simplify, 0.0))
+        """By row: mm that the tool may be beside the programmed path (``passes/off_path.py``)."""
+        out = [ROUNDING + off_path(self.machine, state).distance for state in chunk.trace.states]
         beside: Floats = np.array(out, dtype=np.float64)[chunk.rows["state"]]
         return beside
 

@@ -24,9 +24,11 @@ from gproof.ir.machine import AXIS_NAMES, Area, Machine
 from gproof.ir.setup import ZERO, Setup
 from gproof.ir.trace import HEIGHT_MAP, UNKNOWN, Affine, Chunk, Op, Plane, State, Trace
 from gproof.ir.verdict import Condition
+from gproof.passes.arc_slack import chord_error, small_arcs
 from gproof.passes.check import form_interval, row_span
 from gproof.passes.extent_kernels import arc_extreme, row_boxes, rows_near
 from gproof.passes.height_map import Heights
+from gproof.passes.off_path import OffPath, off_path
 from gproof.passes.spindle_tool import entries
 from gproof.passes.tip_ranges import homing
 from gproof.passes.values import Position, add_forms
@@ -78,6 +80,9 @@ class ZoneCheck:
         self._of_state: list[int] = []
         self._symbolic: Span | None = None
         self._open = OpenPlaces(machine, setup, self._views)
+        # In the tool change area the controller looks at its own positions.
+        self._bow = 0.0 if change else chord_error(machine)
+        self._smallest = None if change else machine.controller.controls.smallest_arc
 
     # -- views
 
@@ -90,7 +95,7 @@ class ZoneCheck:
         if self._change:
             key: object = GUARD in state.guards_off, following
         else:
-            key = following, tip, part, self._other_head(state), state.path_tolerance + state.simplify
+            key = following, tip, part, self._other_head(state), off_path(self.machine, state)
         if key not in self._of_key:
             if self._beside_cylinder(part):
                 return -1
@@ -130,18 +135,11 @@ class ZoneCheck:
             wide = wide[0] - most, wide[1] - least
             narrow = None if narrow is None else (narrow[0] - least, narrow[1] - most)
             causes.append("the height map")
-        slack = [0.0 if axis is None else max(d.backlash for d in axis.drives())
-                 for axis in map(self.machine.axis, AXIS_NAMES[:3])]  # fmt: skip
-        around, above = (0.0, 0.0) if self._change else (math.hypot(slack[0], slack[1]), slack[2])
+        beside = OffPath() if self._change else off_path(self.machine, state)
+        around, above = beside.around, beside.above
         if part.doubt:
             causes.append(part.doubt)
-        if around or above:
-            causes.append("the backlash of axes")
-        # The controller may leave the path by so much at corners, and where it makes one line of several.
-        blend = 0.0 if self._change else state.path_tolerance + state.simplify
-        if blend:
-            around, above = around + blend, above + blend
-            causes.append("how the controller rounds corners (P, Q)")
+        causes += beside.causes
         shape = outer_shape = shape_of(self.area)
         grow = part.width[1] / 2 + around
         if math.isinf(grow):
@@ -158,8 +156,9 @@ class ZoneCheck:
         outer = Zone(shape=outer_shape, z=wide, grow=grow, rise=above)
         inner = None if narrow is None else Zone(shape=shape, z=narrow, grow=part.width[0] / 2)
         shift = base[0].value, base[1].value, base[2].value
+        more = self._bow + (2.0 * (self._smallest or 0.0))
         box = tuple(
-            (low - by + at, high + by + at)
+            (low - by - more + at, high + by + more + at)
             for (low, high), by, at in zip((x, y, wide), (grow, grow, above), shift, strict=True)
         )
         return View(
@@ -260,8 +259,13 @@ class ZoneCheck:
         q = _point(rows["to"][row], view.shift)
         op = int(rows["op"][row])
         free = op == Op.TRAVERSE and self._straight is not True and sum(a != b for a, b in zip(p, q, strict=True)) > 1
-        entry = self._entry(rows, row, view.outer, view.shift, p, q)
+        outer = view.outer
+        bow = self._bow_of(rows, row, p, view.shift) if op == Op.ARC else 0.0
+        entry = self._entry(rows, row, outer.wider(bow, bow) if bow else outer, view.shift, p, q)
         span = row_span(chunk.trace, rows, row)
+        if bow and entry is not None and self._entry(rows, row, outer, view.shift, p, q) is None:
+            self._doubt(span, "the chords that the controller makes of this arc", view)
+            return
         if entry is None:
             if free and box_enters(view.outer, *[(min(a, b), max(a, b)) for a, b in zip(p, q, strict=True)]):
                 self._doubt(span, "the way of this traverse, which is not certain to be a straight line", view)
@@ -277,6 +281,13 @@ class ZoneCheck:
             self._doubt(span, "the way of this traverse, which is not certain to be a straight line", view)
             return
         self._entered(span, sure, view)
+
+    def _bow_of(self, rows: Columns, row: int, p: Point, shift: Point) -> float:
+        """mm that the controller's own way along an arc may lie beside it."""
+        if self._change:
+            return 0.0
+        center = np.array([_point(rows["center"][row], shift)])
+        return self._bow + float(small_arcs(self.machine, np.array([p]), center, rows["plane"][row : row + 1])[0])
 
     def _entry(self, rows: Columns, row: int, zone: Zone, shift: Point, p: Point, q: Point) -> Entry | None:
         if int(rows["op"][row]) != Op.ARC:

@@ -12,9 +12,9 @@ from reach.scenes import CUT, DEEP, MADE, SOLID, SPUN, ZONED
 from reach.witness import Witnesses, m
 from reach.worlds import EDING, WINCNC
 
-from gproof.ir.machine import Area, Tool
+from gproof.ir.machine import Area, Slave, Tool
 from gproof.ir.trace import Boundary, PathMode, TipOffset, ToolDiameter
-from gproof.ir.workpiece import Cylinder, Placed
+from gproof.ir.workpiece import Box, Cylinder, Placed, Workpiece
 
 w = Witnesses()
 SLOW = m(("machine.tools.1.max_feed", 1.0), ("machine.tools.1.min_rpm", 5000.0))
@@ -96,3 +96,30 @@ w(
 w("State.machine_tip", FIXED, "G43 H1; G53 G0 X18 Y40 Z0; M30", "state.machine_tip", (TipOffset(2, 10.0),))
 w("State.retimed", EDING, CUT, "state.retimed", ("L5",))
 w("State.backlash", EDING, CUT, "state.backlash", ((0, 500.0),))
+
+# -- beside zone, part, fixture and stock: a gap of 1 mm
+
+BODY = Box(low=(200.0, 0.0, -140.0), high=(220.0, 380.0, -1.0))
+PLACED = (Placed(name="body", body=BODY, work=0),)
+FLAT = Tool(number=1, length=40.0, shape="flat", diameter=6.0, flute_length=200.0, shank_diameter=6.0, stickout=200.0)
+BESIDE = {
+    "eding": (EDING, "G21; G53 G0 Z-50; G53 G0 X196 Y10; G53 G0 Y100; M30"),
+    "wincnc": (WINCNC, "G22; G53 Z-50; G53 Y10; G53 X196; G53 Y100"),
+}
+for row, dialect, path, value in (
+    ("Axis.backlash", "eding", "machine.axes.0.backlash", 1.5),
+    ("Slave.backlash", "eding", "machine.axes.0.slaves.0.backlash", 1.5),
+    ("Controls.backlash", "wincnc", "machine.controller.controls.backlash", (("x", 1.5),)),
+    ("State.backlash", "eding", "state.backlash", ((0, 1.5),)),
+):
+    world, program = BESIDE[dialect]
+    world = world.but(*m(("machine.tools", (FLAT,))))
+    if row == "Slave.backlash":
+        world = world.but(*m(("machine.axes.0.slaves", (Slave(joint="a"),))))
+    zone = Area(name="body", box=((200.0, 220.0), (0.0, 380.0), (-140.0, -1.0)))
+    for stated in (
+        {"keep_out": (zone,)},
+        {"workpiece": Workpiece(part=PLACED)},
+        {"workpiece": Workpiece(fixtures=PLACED)},
+    ):
+        w(row, world.with_setup(**stated), program, path, value)
