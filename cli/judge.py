@@ -284,8 +284,12 @@ def _together(session: Session, findings: Findings, limits: PropertyResult, edge
     told = findings.has(Severity.ERROR, ("limits",))
     fits = _both(session, findings, limits, edges, "limits and boundaries", refuted=bool(missed))
     if missed and not told:
-        names = " and ".join(dict.fromkeys(describe(((symbol, 1),)) for c in needed for symbol, _ in c.terms))
-        asked = [f"{what}: {_range(c)}" for what, r in (("limits", limits), ("boundaries", edges)) for c in r.needed]
+        names = " and ".join(
+            dict.fromkeys(describe(((symbol, 1),), session.machine) for c in needed for symbol, _ in c.terms)
+        )
+        asked = [
+            f"{what}: {_range(session, c)}" for what, r in (("limits", limits), ("boundaries", edges)) for c in r.needed
+        ]
         hint = "what soft limits and boundaries ask excludes each other; " + ", ".join(asked)
         findings.add(
             codes.NO_SAFE_OFFSET.at(
@@ -295,19 +299,19 @@ def _together(session: Session, findings: Findings, limits: PropertyResult, edge
         return dataclasses.replace(fits, verdict=Verdict.UNSAFE, conditions=())
     if not missed and fits.verdict is Verdict.SAFE and contradiction(fits.conditions):
         cause = "limits and boundaries: no offsets suit all conditions at once"
-        names = " and ".join(describe(c.terms) for c in fits.conditions)
+        names = " and ".join(describe(c.terms, session.machine) for c in fits.conditions)
         findings.add(codes.POSITION_UNKNOWN.at(Span(str(session.job), 1), axis=names, cause=cause))
         return dataclasses.replace(fits, verdict=Verdict.UNKNOWN)
     return fits
 
 
-def _range(condition: Condition) -> str:
+def _range(session: Session, condition: Condition) -> str:
     ends = [
         f"{side} {value + 0.0:.4f} mm"
         for side, value in (("at least", condition.low), ("at most", condition.high))
         if math.isfinite(value)
     ]
-    return f"{describe(condition.terms)} {' and '.join(ends)}"
+    return f"{describe(condition.terms, session.machine)} {' and '.join(ends)}"
 
 
 def _both(
@@ -328,12 +332,12 @@ def _both(
     for c in conditions:
         if c.empty and not refuted:
             both = "both of its settings" if what == "the block delete switch" else "both"
-            cause = f"{what}: no {describe(c.terms)} suits {both}"
+            cause = f"{what}: no {describe(c.terms, session.machine)} suits {both}"
             where = Span(str(session.job), 1)
             if a.name == "areas":
                 findings.add(codes.TOOL_CHANGE_AREA_UNKNOWN.at(where, cause=cause))
             else:
-                findings.add(codes.POSITION_UNKNOWN.at(where, axis=describe(c.terms), cause=cause))
+                findings.add(codes.POSITION_UNKNOWN.at(where, axis=describe(c.terms, session.machine), cause=cause))
             verdict = worst((verdict, Verdict.UNKNOWN))
     conditions = tuple(c for c in conditions if not c.empty)
     return PropertyResult(name=a.name, verdict=verdict, assumptions=assumptions, conditions=conditions)

@@ -33,6 +33,10 @@ def condition_text(session: Session, condition: Condition, unit: LengthUnit = MM
 
 def _condition_parts(session: Session, condition: Condition, length: LengthUnit) -> tuple[str, str]:
     """Name and bounds, the bounds in columns."""
+    if condition.terms and all(count < 0 for _, count in condition.terms):
+        # What is at least less than nothing of something, is at most so much of it.
+        terms = tuple((symbol, -count) for symbol, count in condition.terms)
+        condition = Condition(terms=terms, low=-condition.high, high=-condition.low)
     axis = condition.terms[0][0].rpartition(".")[2] if condition.terms else "x"
     own = _counts_in(session.machine.axis(axis), axis)  # a, b and c may be linear: heads W, U, V
     low = length.inward(condition.low, own, up=True) if math.isfinite(condition.low) else None
@@ -40,8 +44,8 @@ def _condition_parts(session: Session, condition: Condition, length: LengthUnit)
     unit = length.named(own)
     if low is None or high is None:
         side = f"at least {low}" if low is not None else f"at most {high}" if high is not None else "anything, in"
-        return describe(condition.terms), f"{side} {unit}"
-    return describe(condition.terms), f"{low:>9} ... {high:>9} {unit}"
+        return describe(condition.terms, session.machine), f"{side} {unit}"
+    return describe(condition.terms, session.machine), f"{low:>9} ... {high:>9} {unit}"
 
 
 def report_for_people(
@@ -98,7 +102,7 @@ def print_summary(
     left = not_judged(result.name for result in judgement.properties)
     if left:
         _row("not judged", ", ".join(left))
-    starts = tuple(f"{describe(c.terms)} lies between" for found in conditions.values() for c in found)
+    starts = tuple(f"{describe(c.terms, session.machine)} lies between" for found in conditions.values() for c in found)
     assumed = [*judgement.assumptions, *(a for r in judgement.properties for a in r.assumptions)]
     assumed = [one for one in assumed if not one.startswith(starts)]  # a condition already
     _rows("assuming", [unit.sentence(one) for one in dict.fromkeys(assumed)])

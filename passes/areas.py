@@ -17,6 +17,8 @@ from gproof.ir.verdict import Condition, PropertyResult, Verdict
 from gproof.passes.check import Check
 from gproof.passes.clearance import Clearance
 from gproof.passes.height_map import heights_of
+from gproof.passes.off_path import NO_TOLERANCE, blends_by_nothing
+from gproof.passes.placing import OWN_LENGTH, rests_on_length_in_force
 from gproof.passes.values import NOWHERE, Position, describe
 from gproof.passes.zone_check import Hears, ZoneCheck
 from gproof.passes.zone_offsets import Ranges
@@ -61,7 +63,8 @@ class Areas(Check):
             for part in range(parts):
                 check(area, part=part, told=told)
         self._clearance = Clearance(machine, setup, findings)
-        self._homed = False
+        self._homed = self._own_length = self._blends = False
+        self._states = 0
         self._given: Ranges = {}
 
     def given(self, conditions: tuple[Condition, ...]) -> None:
@@ -72,6 +75,12 @@ class Areas(Check):
         """Findings for each line of the job that enters a zone."""
         if self._zones and not self._homed and self.machine.tool_change_area is not None:
             self._homed = bool((chunk.rows["op"] == Op.HOME).any())
+        if self._kept and not self._own_length:
+            self._own_length = any(map(rests_on_length_in_force, chunk.trace.states[self._states :]))
+        if self._kept:
+            new = chunk.trace.states[self._states :]
+            self._blends = self._blends or any(map(blends_by_nothing, new))
+            self._states = len(chunk.trace.states)
         for zone in self._zones:
             zone.feed(chunk)
         self._clearance.feed(chunk)
@@ -98,7 +107,7 @@ class Areas(Check):
 
     def _assumptions(self, conditions: tuple[Condition, ...]) -> list[str]:
         out = [
-            f"{describe(c.terms)} lies between {c.low:.4f} and {c.high:.4f} mm (machine coordinates)"
+            f"{describe(c.terms, self.machine)} lies between {c.low:.4f} and {c.high:.4f} mm (machine coordinates)"
             for c in conditions
             if len(c.terms) == 1 and c.terms[0][0].startswith("start.")
         ]
@@ -111,6 +120,10 @@ class Areas(Check):
             out.append(
                 "in keep-out zones tools are as wide as the tool table says, with the shanks and holders that it places"
             )
+            if self._blends:
+                out.append(NO_TOLERANCE)
+            if self._own_length:
+                out.append(OWN_LENGTH)
             if self.machine.controller.controls.smoothing:
                 out.append("the controller rounds no corner as far as a keep-out zone")
             if any(axis.vertical and axis.index > 2 for axis in self.machine.axes):

@@ -329,6 +329,7 @@ class Blocks(Origins):
         if rule is None:
             return
         s = self.modal
+        s.stated.add("path")
         s.path_mode = {F.EXACT_PATH: PathMode.EXACT_PATH, F.EXACT_STOP: PathMode.EXACT_STOP}.get(
             rule.function, PathMode.CONTINUOUS
         )

@@ -210,7 +210,11 @@ class Boundaries(Check):
             if room.least > room.most + 2 * ROUNDING:
                 self._refuted(form, room)
             elif low > high + 2 * ROUNDING:
-                self._unknown(self._first, describe(form), f"no {describe(form)} keeps the whole job within boundaries")
+                self._unknown(
+                    self._first,
+                    describe(form, self.machine),
+                    f"no {describe(form, self.machine)} keeps the whole job within boundaries",
+                )
             else:
                 low, high = min(low, high), max(low, high)
                 if all(coefficient < 0 for _, coefficient in form):
@@ -237,7 +241,7 @@ class Boundaries(Check):
         self._errors += 1
         self.findings.add(
             codes.NO_SAFE_OFFSET.at(
-                lower.span, name=describe(form), extent=free + room.least - room.most, room=free,
+                lower.span, name=describe(form, self.machine), extent=free + room.least - room.most, room=free,
                 unit=mm,
                 hint=f"above its lower boundary this line needs an offset of {asks[0]}",
                 related=(Related(upper.span, f"below its upper boundary this line needs an offset of {asks[1]}"),),
@@ -279,13 +283,14 @@ class Boundaries(Check):
                         )
                     )  # fmt: skip
                 else:
-                    self._unknown(span, word, f"{describe(form)}, which may take it past a boundary")
+                    self._unknown(span, word, f"{describe(form, self.machine)}, which may take it past a boundary")
                 continue
             if low > high + 2 * ROUNDING and edge.low is not None and edge.high is not None:
                 self._errors += 1
                 self.findings.add(
                     codes.NO_SAFE_OFFSET.at(
-                        span, name=describe(form), extent=most - least, unit=self._units.get(edge.axis, "mm"),
+                        span, name=describe(form, self.machine), extent=most - least,
+                        unit=self._units.get(edge.axis, "mm"),
                         room=edge.high - edge.low,
                     )
                 )  # fmt: skip
@@ -293,7 +298,7 @@ class Boundaries(Check):
             arising, rest = split_form(form)
             bounds = form_interval(arising, self.setup, self._trace) if arising else None
             if arising and (bounds is None or not rest):
-                self._unknown(span, word, describe(form))
+                self._unknown(span, word, describe(form, self.machine))
                 continue
             room = rooms.setdefault(rest, _Room())
             lowest = None if edge.low is None else _End(edge.axis, edge.low, box.low_span[slot, edge.axis])

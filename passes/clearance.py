@@ -140,7 +140,7 @@ class Clearance:
         return tuple(out.values())
 
     def _unknown(self, span: Span, what: str, form: Affine) -> None:
-        cause = describe(form)
+        cause = describe(form, self._machine)
         if cause not in self._told:
             self._told.add(cause)
             self._findings.add(codes.TOOL_CHANGE_HEIGHT_UNKNOWN.at(span, what=what, clear=self._clear, cause=cause))

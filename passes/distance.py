@@ -18,14 +18,14 @@ from gproof.ir.finding import Code, Findings, Severity, Span, fixed
 from gproof.ir.machine import Machine
 from gproof.ir.program import Program
 from gproof.ir.setup import Setup
-from gproof.ir.trace import Chunk, Op, PathMode, State
+from gproof.ir.trace import Chunk, Op, State
 from gproof.ir.verdict import PropertyResult, Verdict
 from gproof.ir.workpiece import Mesh, Placed, Workpiece
 from gproof.passes.arc_slack import chord_error, small_arcs
 from gproof.passes.check import Check, row_span
 from gproof.passes.distance_kernels import chords
 from gproof.passes.distance_scene import ANYTHING, CHORD, Scene, Stretch
-from gproof.passes.off_path import off_path
+from gproof.passes.off_path import NO_TOLERANCE, blends_by_nothing, off_path
 from gproof.passes.placing import Placing, Reason, Tips
 from gproof.passes.surfaces import surface_of
 from gproof.passes.tip_ranges import NOWHERE_KNOWN, homing, hull, may_meet
@@ -40,7 +40,6 @@ NO_TOOL = "no tool is in the spindle"
 HOMING = "what nobody states of a tool, above its stated lengths, keeps clear while axes home"
 FIRST_WAY = "the way from where the axes stand when the job begins touches nothing"
 PROBES = "probing moves end where they touch, and do no harm there"
-NO_TOLERANCE = "G64 without P does not round corners"
 
 
 def gouge_check(program: Program, machine: Machine, setup: Setup, findings: Findings) -> Check:
@@ -125,7 +124,7 @@ class Distance(Check):
 
     def _deviation(self, state: State) -> float:
         """mm that the tool may be beside the programmed path (``passes/off_path.py``)."""
-        if state.path_mode is PathMode.CONTINUOUS and state.path_tolerance == 0.0:
+        if blends_by_nothing(state):
             self._assumed[NO_TOLERANCE] = None
         return off_path(self.machine, state).distance
 

@@ -331,7 +331,7 @@ class Limits(Check):
             if len(found):
                 self._unhomed -= {axis}
                 known = self.machine.axis(AXIS_NAMES[axis])
-                cause = describe(((symbol, 1),))
+                cause = describe(((symbol, 1),), self.machine)
                 where = row_span(chunk.trace, rows, int(found[0]))
                 word = AXIS_NAMES[axis].upper() if known is None else known.word
                 self.findings.add(codes.POSITION_UNKNOWN.at(where, axis=word, cause=cause, hint=HOMING_HINT))
@@ -588,7 +588,7 @@ class Limits(Check):
         extent = offset.most - offset.least
         self.findings.add(
             codes.NO_SAFE_OFFSET.at(
-                offset.span, name=describe(form), extent=extent, unit=offset.axis.unit,
+                offset.span, name=describe(form, self.machine), extent=extent, unit=offset.axis.unit,
                 room=max(0.0, extent - (offset.low - offset.high)),
             )
         )  # fmt: skip
@@ -620,13 +620,13 @@ class Limits(Check):
                     self._errors += 1
                     self.findings.add(
                         codes.NO_SAFE_OFFSET.at(
-                            needed, name=describe(form), extent=stated.high - stated.low, unit="mm",
+                            needed, name=describe(form, self.machine), extent=stated.high - stated.low, unit="mm",
                             room=max(0.0, high - low), hint=f"safe for {safe} mm, and it is {said} mm",
                         )
                     )  # fmt: skip
                 else:
                     cause = f"its value: safe for {safe}, stated {said}"
-                    self.findings.add(codes.POSITION_UNKNOWN.at(needed, axis=describe(form), cause=cause))
+                    self.findings.add(codes.POSITION_UNKNOWN.at(needed, axis=describe(form, self.machine), cause=cause))
                 continue
             if low > high or (low == -math.inf and high == math.inf):
                 continue
@@ -635,12 +635,12 @@ class Limits(Check):
                 span = form_interval(arising, self.setup, self._trace)
                 if span is None or not rest or low - span.low > high - span.high:
                     self.findings.add(codes.POSITION_UNKNOWN.at(offset.span, axis=offset.axis.word,
-                                                                cause=describe(form)))  # fmt: skip
+                                                                cause=describe(form, self.machine)))  # fmt: skip
                     continue
                 low, high = low - span.low, high - span.high
             if len(rest) == 1 and rest[0][0].startswith("start."):
                 where = f"between {low:.4f} and {high:.4f} {offset.axis.unit}"
-                said = f"{describe(rest)} lies {where} (machine coordinates)"
+                said = f"{describe(rest, self.machine)} lies {where} (machine coordinates)"
                 self._assumptions.append(said)
             before = rooms.get(rest, (-math.inf, math.inf))
             if low > before[0]:
@@ -648,9 +648,11 @@ class Limits(Check):
             rooms[rest] = max(before[0], low), min(before[1], high)
         for form, (low, high) in sorted(rooms.items()):
             if low > high:
-                cause = f"no {describe(form)} suits the whole job"
+                cause = f"no {describe(form, self.machine)} suits the whole job"
                 self.findings.add(
-                    codes.POSITION_UNKNOWN.at(needs.get(form, self._first), axis=describe(form), cause=cause)
+                    codes.POSITION_UNKNOWN.at(
+                        needs.get(form, self._first), axis=describe(form, self.machine), cause=cause
+                    )
                 )
             else:
                 out.append(Condition(terms=form, low=low, high=high))
@@ -686,4 +688,7 @@ class Limits(Check):
 
     def box(self) -> list[tuple[str, str, float, float]]:
         """The same for the summary: (letter of the axis, what the numbers are relative to, low, high)."""
-        return [(self.machine.word(n).lower(), describe(form), low, high) for n, form, low, high in self.extents()]
+        return [
+            (self.machine.word(n).lower(), describe(form, self.machine), low, high)
+            for n, form, low, high in self.extents()
+        ]

@@ -156,6 +156,10 @@ class Motion(Emitter):
                 left = [text for text in wanted if text != X_OFFSET or self._x_offsets]
                 if left:
                     self.assumed[f"no {' and no '.join(left)} is in force at the start"] = None
+            if "path" not in stated and self._beside_bodies:
+                self.assumed["no rounding of corners (G64 P) and no joining of lines (Q) is in force at the start"] = (
+                    None
+                )
         if "distance" not in stated:
             self.assumed["the job starts in absolute distances (G90)"] = None
         if "plane" not in stated and rule.group == "G1" and rule.function not in (F.TRAVERSE, F.FEED):
@@ -165,6 +169,11 @@ class Motion(Emitter):
             self.assumed["the job starts with cycles that return to where they began (G98)"] = None
         if "head" not in stated and self._heads_apart and self.modal.setup.default_offset is None:
             self.assumed["the job starts with the first spindle (M90)"] = None
+
+    @property
+    def _beside_bodies(self) -> bool:
+        """True where something is stated that the tool must keep clear of, whatever the controller does at corners."""
+        return bool(self.machine.keep_out or self.setup.keep_out or self.setup.workpiece is not None)
 
     @property
     def _x_offsets(self) -> bool:

@@ -16,6 +16,7 @@ from gproof.ir.record import record
 from gproof.ir.trace import PathMode, State
 
 BACKLASH = "the backlash of axes"
+NO_TOLERANCE = "G64 without P does not round corners"
 ROUNDED = "how the controller rounds corners (P, Q)"
 
 
@@ -41,6 +42,11 @@ def off_path(machine: Machine, state: State) -> OffPath:
         blend += max(0.0, state.path_tolerance)
     causes = ((BACKLASH,) if distance else ()) + ((ROUNDED,) if blend else ())
     return OffPath(around + blend, z + blend, distance + blend, causes)
+
+
+def blends_by_nothing(state: State) -> bool:
+    """Whether the controller blends moves with a tolerance of 0, which is taken for none at all."""
+    return state.path_mode is PathMode.CONTINUOUS and state.path_tolerance == 0.0
 
 
 def _backlash(machine: Machine, state: State, column: int) -> float:

@@ -38,6 +38,7 @@ Bools = npt.NDArray[np.bool_]
 OWN_ZERO = "where no tool length is in force, the zero was taken with the tool that is in the spindle"
 SMOOTHED = "the controller rounds no corner as far as a body"
 """Assumption: how far smoothing goes beside the path is in no file (WinCNC accel=, g08=, g09=, vmatch=)."""
+OWN_LENGTH = "the tool length in force when the job begins, which no setup states, is that of the tool in the spindle"
 OTHER_HEADS = "heads other than the first one touch nothing: {axes} is not looked at"
 
 
@@ -256,7 +257,7 @@ class Placing:
                     names[f"where {AXIS_NAMES[axis].upper()} is"] = None
                     continue
                 for symbol, _ in form:
-                    names[describe(((symbol, 1),))] = None
+                    names[describe(((symbol, 1),), self.machine)] = None
                     ranged = ranged or self.setup.interval(symbol) is not None
         said = "not stated exactly" if ranged else "not stated"
         return f"{', '.join(names)}: {said}" if names else WHY[Reason(reason)]
@@ -308,14 +309,21 @@ class Placing:
         return reason
 
     def _note(self, op: npt.NDArray[np.uint8], states: npt.NDArray[np.int32]) -> None:
-        """The assumption that a move without a tool length rests on."""
-        if OWN_ZERO in self._assumed:
-            return
+        """The assumptions that a move without a tool length, or with one that the job has not set, rests on."""
         moves = op < Op.DWELL
-        if moves.any() and any(
-            not any(each.axis == 2 for each in self._states[index].tip) for index in occurring(states[moves])
-        ):
-            self._assumed[OWN_ZERO] = None
+        if not moves.any() or (OWN_ZERO in self._assumed and OWN_LENGTH in self._assumed):
+            return
+        for index in occurring(states[moves]):
+            state = self._states[index]
+            if not any(each.axis == 2 for each in state.tip):
+                self._assumed[OWN_ZERO] = None
+            if rests_on_length_in_force(state):
+                self._assumed[OWN_LENGTH] = None
+
+
+def rests_on_length_in_force(state: State) -> bool:
+    """Whether where the tip is rests on the length that was in force when the job began, which no setup states."""
+    return any(symbol.startswith("tool.0.") for each in state.tip for symbol, _ in each.form)
 
 
 def _why(frame: tuple[Affine, ...], left: tuple[Affine, Affine, Affine]) -> int:

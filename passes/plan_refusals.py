@@ -80,7 +80,7 @@ class Refusals:
                 self._needs(self._row(chunk, at), "the length of this move is not a usable number", hint)
             return not rows
         row, forms = unknown
-        cause = ", ".join(f"{word} depends on {describe(form)}" for word, form in forms)
+        cause = ", ".join(f"{word} depends on {describe(form, self.machine)}" for word, form in forms)
         follows = all(hints.arises(form) for _, form in forms) and bool(self._told)
         if not follows and cause not in self._told:
             self._needs(self._row(chunk, row), cause, hints.of_forms(form for _, form in forms))

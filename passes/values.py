@@ -7,7 +7,7 @@ from itertools import takewhile
 
 from gproof.ir import codes
 from gproof.ir.finding import Finding, Span
-from gproof.ir.machine import AXES, AXIS_NAMES
+from gproof.ir.machine import AXES, AXIS_NAMES, Machine
 from gproof.ir.record import record
 from gproof.ir.trace import UNKNOWN, Affine, Frame
 from gproof.passes.ranges import Range
@@ -114,8 +114,8 @@ MIRRORED = "mirrored"
 """Kind of the symbols of reflections about one of two zeros (docs/trace.md, Frames)."""
 
 
-def describe(form: Affine) -> str:
-    """A form in words: ``G54 X offset + tool 3 length``."""
+def describe(form: Affine, machine: Machine | None = None) -> str:
+    """A form in words: ``G54 X offset + tool 3 length``; machine: its axes have the letters that programs give them."""
     kinds = ("work", "g92", "tool", "head", "start", "probe", "home", "value", RISEN, "beside")
     ordered = sorted(form, key=lambda term: kinds.index(k) if (k := term[0].split(".")[0]) in kinds else len(kinds))
     alike: dict[tuple[str, str, int], list[int]] = {}
@@ -127,9 +127,9 @@ def describe(form: Affine) -> str:
     for symbol, count in ordered:
         kind, *rest = symbol.split(".")
         numbers = alike.get((kind, rest[-1] if rest else "", count), ())
-        one = describe_symbol(symbol)
+        one = describe_symbol(symbol, machine)
         if len(numbers) > ONE_BY_ONE:
-            many = f"{len(numbers)} {_SEVERAL[kind].format(axis=rest[1].upper())}"
+            many = f"{len(numbers)} {_SEVERAL[kind].format(axis=_word(rest[1], machine))}"
             one = f"{many} ({min(numbers)} ... {max(numbers)})"
         said[one if count == 1 else f"{count} x {one}"] = None
     return " + ".join(said)
@@ -144,35 +144,41 @@ _SEVERAL = {
 """Kinds of which there may be many in one sum, in words."""
 
 
-def describe_symbol(symbol: str) -> str:
-    """A symbol in the words of a machinist."""
+def _word(name: str, machine: Machine | None) -> str:
+    """The letter of an axis by its name."""
+    return machine.word(AXIS_NAMES.index(name)) if machine is not None and name in AXIS_NAMES else name.upper()
+
+
+def describe_symbol(symbol: str, machine: Machine | None = None) -> str:
+    """A symbol in the words of a machinist; the length of a tool says which head it is of, where that is not Z's."""
     kind, *rest = symbol.split(".")
     if kind == "start":
-        return f"the start position of {rest[0].upper()}"
+        return f"the start position of {_word(rest[0], machine)}"
     if kind == "work":
         names = ("active", "G54", "G55", "G56", "G57", "G58", "G59", "G59.1", "G59.2", "G59.3")
-        return f"{names[int(rest[0])]} {rest[1].upper()} offset"
+        return f"{names[int(rest[0])]} {_word(rest[1], machine)} offset"
     if kind == "g92":
-        return f"G92 {rest[0].upper()} offset"
+        return f"G92 {_word(rest[0], machine)} offset"
     if kind == "tool":
-        return "active tool length" if rest[0] == "0" else f"length of tool {rest[0]}"
+        head = "" if rest[1] == "z" else f" of {_word(rest[1], machine)}"
+        return f"active tool length{head}" if rest[0] == "0" else f"length{head} of tool {rest[0]}"
     if kind == "probe":
-        return f"the probe contact {rest[0]} in {rest[1].upper()}"
+        return f"the probe contact {rest[0]} in {_word(rest[1], machine)}"
     if kind == UNHOMED:
-        return f"the place of {rest[0].upper()}, which has had no reference run"
+        return f"the place of {_word(rest[0], machine)}, which has had no reference run"
     if kind == "home":
-        return f"the place of {rest[1].upper()} after homing {rest[0]}"
+        return f"the place of {_word(rest[1], machine)} after homing {rest[0]}"
     if kind == "head":
-        return f"head {rest[0]} {rest[1].upper()} offset"
+        return f"head {rest[0]} {_word(rest[1], machine)} offset"
     if kind == "beside":
         tool = "".join(takewhile(str.isdigit, rest[0]))
-        return f"where the corrected tool {tool} is beside its contour in {rest[1].upper()}"
+        return f"where the corrected tool {tool} is beside its contour in {_word(rest[1], machine)}"
     if kind == MIRRORED:
-        return f"the zero that {rest[1].upper()} is reflected about (the offset's, or the machine's)"
+        return f"the zero that {_word(rest[1], machine)} is reflected about (the offset's, or the machine's)"
     if kind == RISEN:
-        return f"the height {rest[0]} of {rest[1].upper()} that a cycle rises to"
+        return f"the height {rest[0]} of {_word(rest[1], machine)} that a cycle rises to"
     if kind == "value":
-        return f"the value {rest[0]} of {rest[1].upper()}"
+        return f"the value {rest[0]} of {_word(rest[1], machine)}"
     return "a value that nobody stated"
 
 

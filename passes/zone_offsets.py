@@ -66,7 +66,7 @@ class OpenPlaces:
     def causes(self) -> list[str]:
         """What the places rest on, in words."""
         forms = (f for view, frame in self.low for f in (*self._forms(view, frame), *self._tip_form(view, frame)))
-        return sorted({describe(form) for form in forms if form != ()})
+        return sorted({describe(form, self._machine) for form in forms if form != ()})
 
     def _forms(self, view: int, frame: int) -> list[Affine]:
         """What positions of a frame rest on, less what the zone does."""

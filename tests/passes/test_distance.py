@@ -21,7 +21,8 @@ from gproof.ir.machine import Tool
 from gproof.ir.verdict import Verdict
 from gproof.ir.workpiece import TRIANGLES, Body, Box, Cylinder, Mesh, Placed, Prism, Workpiece
 from gproof.passes import surfaces
-from gproof.passes.distance import NO_TOLERANCE, PROBES
+from gproof.passes.distance import PROBES
+from gproof.passes.off_path import NO_TOLERANCE
 from gproof.passes.surfaces import facets_of, holds
 
 from .tool_distances import least_distance
