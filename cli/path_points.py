@@ -11,8 +11,10 @@ import math
 import numpy as np
 
 from gproof.ir.columns import occurring
+from gproof.ir.machine import Machine
 from gproof.ir.record import record
-from gproof.ir.trace import Affine, Chunk, Op, Plane, TipOffset, Trace
+from gproof.ir.trace import Affine, Chunk, Op, Plane, State, TipOffset, Trace
+from gproof.passes.spindle_tool import entry_of
 
 MOST = 60_000
 """Points that a picture shows; a longer path is thinned."""
@@ -52,8 +54,8 @@ _NAMES = ("at", "feed", "line", "file", "diameter", "frame")
 class PathPoints:
     """Gathers points; memory is bounded by thinning. tools: numbers of those that cut, tips: of the states."""
 
-    def __init__(self, diameters: dict[int, float]) -> None:
-        self.diameters = diameters
+    def __init__(self, machine: Machine) -> None:
+        self.machine = machine
         self.trace: Trace | None = None
         self.forms: dict[Forms, int] = {}
         self.plunges: dict[tuple[float, float, int], float] = {}
@@ -70,7 +72,7 @@ class PathPoints:
             return
         trace = self.trace = chunk.trace
         frames = np.array([self.forms.setdefault(f[:3], len(self.forms)) for f in trace.frames], dtype=np.int32)
-        wide = np.array([self.diameters.get(s.tool, 0.0) for s in trace.states], dtype=np.float32)
+        wide = np.array([_width(self.machine, state) for state in trace.states], dtype=np.float32)
         if not self._parts:
             self._append(np.array([chunk.start[:3]]), np.zeros(1, dtype=bool), np.zeros(1, dtype=np.int64),
                          rows["file"][:1], np.zeros(1), frames[[chunk.start_frame]])  # fmt: skip
@@ -130,6 +132,12 @@ class PathPoints:
         whole = self._whole()
         stride = -(-len(whole) // MOST)
         return whole if stride == 1 else whole.only(np.unique([*range(0, len(whole), stride), len(whole) - 1]))
+
+
+def _width(machine: Machine, state: State) -> float:
+    """mm: the diameter that the checks take for the tool of a state, at most; 0 where nobody states it."""
+    ends = entry_of(machine, state.tool, state.diameters).ends
+    return ends[1] if ends is not None and math.isfinite(ends[1]) else 0.0
 
 
 def _arc(start: np.ndarray, end: np.ndarray, center: np.ndarray, turns: int, plane: Plane) -> np.ndarray:

@@ -57,7 +57,7 @@ class Drawing:
     """Collects the path while the job streams by; ``write`` draws it."""
 
     def __init__(self, machine: Machine) -> None:
-        self._path = PathPoints({t.number: t.diameter for t in machine.tools if t.diameter})
+        self._path = PathPoints(machine)
 
     def add(self, chunk: Chunk) -> None:
         """Remember the chunk's motion."""

@@ -132,7 +132,7 @@ def _marks(
         if len(outside):
             moves, at = outside, points.at[outside[np.argmax(beyond[outside])]].astype(float)
         elif f.code.decides == "areas" and session is not None:
-            at = _entry(points.at, moves, session, at)
+            at = _entry(points, moves, session, at)
         out.append(Mark(moves=moves, at=(at[0], at[1], at[2]), text=f"{f.code.label} line {f.span.line}",
                          colour=WEIGHT[f.severity]))  # fmt: skip
     outside = np.flatnonzero(joined & (beyond > _SLACK))
@@ -160,11 +160,12 @@ def _beyond(at: np.ndarray, machine: Machine | None) -> np.ndarray:
     return out
 
 
-def _entry(at: np.ndarray, moves: np.ndarray, session: Session, default: np.ndarray) -> np.ndarray:
+def _entry(points: Points, moves: np.ndarray, session: Session, default: np.ndarray) -> np.ndarray:
     """About where a move enters the tool change area, or a tool a keep-out zone."""
     change = session.machine.tool_change_area
+    at = points.at
     found = None if change is None else entry(at, moves, (change,), 0.0)
     if found is None:
-        radius = max((tool.diameter or 0.0 for tool in session.machine.tools), default=0.0) / 2
+        radius = float(points.diameter[moves].max()) / 2
         found = entry(at, moves, placed(session), radius)
     return default if found is None else found

@@ -195,14 +195,16 @@ def limit(ex: Motion, line: Part, rule: CodeRule) -> None:
         side = lower if left else upper
         scale = own_unit(ex.machine, axis)
         if isinstance(value, Unknown) or _in_doubt(ex, axis) or axis in s.din.reflected:
-            # In which unit, and which way: a limit that nobody knows holds nothing.
+            # In which unit, and which way: a limit that nobody knows holds nothing, and the one before it no more.
             unsure.add(axis)
+            side[axis] = None
             ex._fail(codes.LIMIT_UNKNOWN.at(
                 line.where(ex.machine.word(axis)), side="left" if left else "right", axis=ex.machine.word(axis),
                 hint="program it without reflection and in the axis's own unit (3.29)"))  # fmt: skip
             continue
         if not s.absolute:
             unsure.add(axis)
+            side[axis] = None
             ex._fail(codes.LIMIT_UNKNOWN.at(
                 line.where(ex.machine.word(axis)), side="left" if left else "right", axis=ex.machine.word(axis),
                 hint="whether G91 holds for it is not documented: G90 before"))  # fmt: skip

@@ -376,6 +376,9 @@ class Motion(Emitter):
             return math.nan
         if s.feed_mode == 93:
             return s.feed * length * s.feed_override
+        if s.feed_unit != s.unit and not rotary and not math.isnan(s.feed):
+            # Given before G20 or G21: the same number a minute, or the same length (3.4.7 has neither).
+            return math.nan
         feed = (s.feed / s.feed_unit if rotary else s.feed) * s.feed_override
         if s.feed_mode == 95:
             return feed * (true_rpm(s) or math.nan)

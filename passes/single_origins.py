@@ -69,12 +69,37 @@ def units(ex: Motion, line: Command, rule: CodeRule) -> None:
     if new != s.unit:
         # Whether kept numbers are numbers or lengths is not said.
         s.cycle = {}
+        _keep_feeds(ex, new)
         if s.single.center is not None:
             s.single = s.single.but(center=(math.nan, math.nan))
     s.unit = new
     s.stated.add("units")
     ex._state_changed()
     ex.event(Op.UNITS, line.span, arg=(new, 0.0))
+
+
+def _keep_feeds(ex: Motion, new: float) -> None:
+    """An F from before a change of the unit, number or length: not known until the next F, or that unit again.
+
+    What the axes have of the machine's own file (axisvel= F) stays.
+    """
+    s = ex.modal
+    state = s.single
+    own = {axis.index: axis.feed_velocity * 60.0 for axis in ex.machine.axes if axis.feed_velocity is not None}
+
+    def stays(column: int, feed: float) -> bool:
+        return not s.linear[column] or feed == own.get(column)
+
+    kept = state.kept_feeds
+    if kept is not None and kept[0] == new:
+        # An F since then holds for the axes that it named, in the unit that ends now.
+        pairs = enumerate(zip(kept[1], state.feeds, strict=True))
+        feeds = tuple(old if math.isnan(now) or stays(column, now) else math.nan for column, (old, now) in pairs)
+        arc = kept[2] if state.arc_feed is None or math.isnan(state.arc_feed) else math.nan
+    else:
+        feeds = tuple(feed if stays(column, feed) else math.nan for column, feed in enumerate(state.feeds))
+        arc = None if state.arc_feed is None else math.nan
+    s.single = state.but(kept_feeds=(s.unit, state.feeds, state.arc_feed), feeds=feeds, arc_feed=arc)
 
 
 def feed_mode(ex: Motion, line: Command, rule: CodeRule) -> None:

@@ -68,7 +68,8 @@ class SingleState:
     positions as (name, places by column, whether heads are lifted); auto_dwell: seconds behind switching the automatic
     output on and off. knife: its settings now, None: those of the machine's file; spans: ((column, low, high), place)
     of places between two readings. unworn: tools of the library that L500.2 gave one diameter, nominal and actual, and
-    nothing to compensate; diameters: those that it gave. reference: what positions had more than the tip of the tool of
+    nothing to compensate; diameters: those that it gave. kept_feeds: (unit, feeds, arc_feed) before the unit changed,
+    which come back with it. reference: what positions had more than the tip of the tool of
     the start when another one came, None before. cell_open: the cell of an array has named no local zero of X and Y
     yet. measured: M37 was used, in the job or before it. zeros: (column, place) of machine zeros that L28 moved, in the
     coordinates of the one before, in which positions go on to count; found: columns whose machine zero the job found at
@@ -103,6 +104,7 @@ class SingleState:
     switch_heights: tuple[Value, Value] = (Unknown("the height of the measure switch"),) * 2
     before: tuple[Position, ...] | None = None
     arc_feed: float | None = None
+    kept_feeds: tuple[float, tuple[float, ...], float | None] | None = None
     feed_doubt: bool = False
     scales: tuple[tuple[int, Scaling], ...] = ()
     places: tuple[tuple[str, tuple[tuple[int, Position], ...], bool], ...] = ()

@@ -82,7 +82,8 @@ class ZoneCheck:
         self._open = OpenPlaces(machine, setup, self._views)
         # In the tool change area the controller looks at its own positions.
         self._bow = 0.0 if change else chord_error(machine)
-        self._smallest = None if change else machine.controller.controls.smallest_arc
+        # Chords, and lines in place of arcs, lie within ends and bulge of the arc: what it goes around is nearer then.
+        self._near = 0.0 if change else self._bow + 2.0 * (machine.controller.controls.smallest_arc or 0.0)
 
     # -- views
 
@@ -156,9 +157,8 @@ class ZoneCheck:
         outer = Zone(shape=outer_shape, z=wide, grow=grow, rise=above)
         inner = None if narrow is None else Zone(shape=shape, z=narrow, grow=part.width[0] / 2)
         shift = base[0].value, base[1].value, base[2].value
-        more = self._bow + (2.0 * (self._smallest or 0.0))
         box = tuple(
-            (low - by - more + at, high + by + more + at)
+            (low - by + at, high + by + at)
             for (low, high), by, at in zip((x, y, wide), (grow, grow, above), shift, strict=True)
         )
         return View(
@@ -216,8 +216,8 @@ class ZoneCheck:
         found = np.zeros(len(rows), dtype=np.int64)
         count = rows_near.pick(chunk.work)(
             rows["op"], rows["to"], rows["center"], rows["turns"], rows["plane"],
-            np.array(chunk.start, dtype=np.float64), np.array([b[0] for b in view.box]),
-            np.array([b[1] for b in view.box]), found,
+            np.array(chunk.start, dtype=np.float64), np.array([b[0] - self._near for b in view.box]),
+            np.array([b[1] + self._near for b in view.box]), found,
         )  # fmt: skip
         near = found[:count]
         near = near[(mine & both)[near]]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import math
 import re
 import tomllib
@@ -19,6 +20,7 @@ from gproof.cli.path_points import PathPoints
 from gproof.cli.picture_text import wide, wrapped
 from gproof.cli.properties import ALL
 from gproof.ir.columns import Columns
+from gproof.ir.machine import NO_MACHINE, Tool
 from gproof.ir.trace import TRACE_ROW, Chunk, Op, Plane, State, Trace
 
 JOBS = [path.parent for path in sorted(ROOT.glob("corpus/*/*/expect.toml")) if path.parent.name != "raster-surface"]
@@ -162,7 +164,7 @@ def chunk(rows: list[dict[str, object]], begin: int = 0) -> Chunk:
 def test_arcs_turn_the_right_way(
     plane: Plane, center: tuple[float, ...], end: tuple[float, ...], turns: int, middle: tuple[float, ...]
 ) -> None:
-    path = PathPoints({})
+    path = PathPoints(NO_MACHINE)
     path.add(chunk([{"op": Op.ARC, "to": (*end, 0, 0, 0), "center": center, "turns": turns, "plane": plane}]))
     points = path.points()
     assert points.at[-1].tolist() == list(end)
@@ -172,7 +174,7 @@ def test_arcs_turn_the_right_way(
 
 def test_long_paths_are_thinned_and_keep_their_end(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(path_points, "MOST", 100)
-    path = PathPoints({})
+    path = PathPoints(NO_MACHINE)
     for part in range(50):
         rows = [{"op": Op.FEED, "to": (part + i / 40, 1, 0, 0, 0, 0), "line": part} for i in range(40)]
         path.add(chunk(rows, begin=part * 40))
@@ -250,3 +252,21 @@ def test_wrapped_lines_fit_and_lose_nothing(seed: int) -> None:
         assert "".join(lines).replace(" ", "") == text.replace(" ", ""), (seed, text)
         assert lines
         assert all(wide(line, 13) <= room for line in lines), (seed, text, lines)
+
+
+@pytest.mark.parametrize(("lines", "width"), [("", 6.0), ("#5501 = 16\n", 16.0), ("#5501 = 0\n", 0.0)])
+def test_a_picture_draws_tools_as_wide_as_the_checks_take_them(lines: str, width: float, tmp_path: Path) -> None:
+    """What the job writes over the tool table counts here too (Eding CNC manual 3.4.12)."""
+    from gproof.cli.path_points import PathPoints
+    from gproof.cli.session import open_session
+    from gproof.passes.execute import Executor
+
+    job = tmp_path / "job.cnc"
+    job.write_text(f"{lines}T1 M6\nG1 X10 F100\nM30\n")
+    machine = dataclasses.replace(NO_MACHINE, tools=(Tool(number=1, diameter=6.0),))
+    session = open_session(job, machine=None, setup="zero", dialect="eding")
+    assert session.program is not None
+    path = PathPoints(machine)
+    for chunk in Executor(session.program, session.setup, machine, session.findings).run():
+        path.add(chunk)
+    assert float(path.points().diameter[-1]) == width

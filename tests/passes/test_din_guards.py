@@ -112,6 +112,8 @@ def test_a_long_loop_within_the_machine_runs_to_its_end() -> None:
         (["G00 X10", "G98 X10", "G99 X10", "G00 Y5"], []),
         (["G92 X10", "G00 X0", "G98 X5", "G00 X1"], []),
         (["G91", "G00 X10", "G90", "G98 X5 Y1"], ["GP301"]),
+        # Of a limit that nobody knows nothing is past, nor of the one before it.
+        (["G00 X10", "G98 X5", "G91", "G98 X-9", "G90", "G00 X3"], ["GP302"]),
     ],
 )
 def test_an_axis_stands_within_the_limits_that_the_program_sets(lines: list[str], expected: list[str]) -> None:
