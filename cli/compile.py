@@ -120,7 +120,8 @@ def _run(
     if lowered.stream is None or findings.has(Severity.UNKNOWN) or findings.has(Severity.ERROR):
         verdict = Verdict.UNSAFE if findings.has(Severity.ERROR) else Verdict.UNKNOWN
         shown.stop()
-        return _refuse(session, judgement, verdict, "the job is SAFE, but no step stream can be made of it")
+        safe = "SAFE under conditions" if conditions_of(judgement) else "SAFE"
+        return _refuse(session, judgement, verdict, f"the job is {safe}, but no step stream can be made of it")
     from gproof.verify.stream import validate
 
     shown.phase("verifying every step")

@@ -15,7 +15,7 @@ from gproof.cli.properties import not_judged
 from gproof.cli.report import coloured, distinct, finding_json, print_findings
 from gproof.cli.session import Session
 from gproof.ir.codes import CODES, SYNTAX
-from gproof.ir.machine import Axis
+from gproof.ir.machine import Axis, Machine
 from gproof.ir.trace import UNKNOWN
 from gproof.ir.verdict import Condition, Verdict
 from gproof.passes.values import describe
@@ -27,25 +27,30 @@ _SHADES = {"SAFE": "green", SAFE_IF: "yellow", "SAFE if": "yellow", "UNSAFE": "r
 
 def condition_text(session: Session, condition: Condition, unit: LengthUnit = MM) -> str:
     """``G54 X offset is 12.4000 ... 230.1000 mm``; bounds are rounded inwards."""
-    name, bounds = _condition_parts(session, condition, unit)
+    return condition_of(session.machine, condition, unit)
+
+
+def condition_of(machine: Machine, condition: Condition, unit: LengthUnit = MM) -> str:
+    """The same where there is a machine only, as in a package."""
+    name, bounds = _condition_parts(machine, condition, unit)
     return f"{name} is {' '.join(bounds.split())}"
 
 
-def _condition_parts(session: Session, condition: Condition, length: LengthUnit) -> tuple[str, str]:
+def _condition_parts(machine: Machine, condition: Condition, length: LengthUnit) -> tuple[str, str]:
     """Name and bounds, the bounds in columns."""
     if condition.terms and all(count < 0 for _, count in condition.terms):
         # What is at least less than nothing of something, is at most so much of it.
         terms = tuple((symbol, -count) for symbol, count in condition.terms)
         condition = Condition(terms=terms, low=-condition.high, high=-condition.low)
     axis = condition.terms[0][0].rpartition(".")[2] if condition.terms else "x"
-    own = _counts_in(session.machine.axis(axis), axis)  # a, b and c may be linear: heads W, U, V
+    own = _counts_in(machine.axis(axis), axis)  # a, b and c may be linear: heads W, U, V
     low = length.inward(condition.low, own, up=True) if math.isfinite(condition.low) else None
     high = length.inward(condition.high, own, up=False) if math.isfinite(condition.high) else None
     unit = length.named(own)
     if low is None or high is None:
         side = f"at least {low}" if low is not None else f"at most {high}" if high is not None else "anything, in"
-        return describe(condition.terms, session.machine), f"{side} {unit}"
-    return describe(condition.terms, session.machine), f"{low:>9} ... {high:>9} {unit}"
+        return describe(condition.terms, machine), f"{side} {unit}"
+    return describe(condition.terms, machine), f"{low:>9} ... {high:>9} {unit}"
 
 
 def report_for_people(
@@ -90,7 +95,7 @@ def print_summary(
     conditions = conditions_of(judgement)
     click.echo(_verdict_line(session, judgement, code, f" the conditions of {' and '.join(conditions)} hold"))
     for result in judgement.properties:
-        parts = [_condition_parts(session, c, unit) for c in conditions.get(result.name, ())]
+        parts = [_condition_parts(session.machine, c, unit) for c in conditions.get(result.name, ())]
         width = max((len(name) for name, _ in parts), default=0)
         said = result.verdict.value if parts else word_of(result)
         first = _shade(said) + " " * (9 - len(said))
@@ -293,7 +298,7 @@ def print_brief(
     click.echo(_verdict_line(session, judgement, code, in_words(texts).removeprefix("if") if quiet else ""))
     if quiet:
         return
-    parts = [(name, *_condition_parts(session, c, unit)) for name, found in conditions.items() for c in found]
+    parts = [(name, *_condition_parts(session.machine, c, unit)) for name, found in conditions.items() for c in found]
     width = max((len(name) for _, name, _ in parts), default=0)
     for prop, name, ends in parts:
         click.echo(f"  if {name:<{width}} is {ends} ({prop})")

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import click
 
+from gproof.cli.conditions import SAFE_IF
 from gproof.cli.files import require_file
 from gproof.cli.main import UsageError
 from gproof.cli.progress import progress
@@ -17,6 +18,7 @@ from gproof.ir.verdict import Verdict
 
 def run_verify(path: Path, *, machine: Path | None, trust: tuple[Path, ...]) -> int:
     """Print what holds; exit 0 only when the package may run."""
+    from gproof.cli.summary import condition_of
     from gproof.verify.certificate import CertificateError, check_package, load_public_key, read_package
 
     require_file(path, "package")
@@ -38,13 +40,16 @@ def run_verify(path: Path, *, machine: Path | None, trust: tuple[Path, ...]) -> 
         return Verdict.UNSAFE.exit_code
     with progress("verifying every step"):
         check = check_package(package, given, None, trusted)
-    for finding in check.findings:
+    against = [f for f in check.findings if not check.valid_if or f not in check.open]
+    for finding in against:
         findings.add(finding)
     print_findings(findings)
-    verdict = Verdict.SAFE if check.valid else Verdict.UNSAFE
-    if verdict is Verdict.UNSAFE and not any(f.severity is Severity.ERROR for f in check.findings):
+    verdict = Verdict.SAFE if check.valid or check.valid_if else Verdict.UNSAFE
+    if verdict is Verdict.UNSAFE and not any(f.severity is Severity.ERROR for f in against):
         verdict = Verdict.UNKNOWN
-    click.echo(f"{path}: {verdict.value}")
+    click.echo(f"{path}: {SAFE_IF if check.valid_if else verdict.value}")
+    for name, condition in check.conditions if check.valid_if else ():
+        click.echo(f"  if          {condition_of(package.machine, condition)} ({name})")
     click.echo(f"  certificate {package.sha256}")
     click.echo(f"  job         {package.body.get('job')}, machine {package.machine.name}")
     click.echo(f"  signed by   {check.signer or 'nobody'}{'' if trusted is not None else ' (no --trust given)'}")

@@ -22,7 +22,7 @@ from gproof.ir.setup import CylinderMap, HeightMap, Interval, Setup
 from gproof.ir.stream import StepStream
 from gproof.ir.text import print_ir
 from gproof.ir.trace import Trace
-from gproof.ir.verdict import DEFAULT_POLICY, PropertyResult, Verdict
+from gproof.ir.verdict import DEFAULT_POLICY, Condition, PropertyResult, Verdict
 from gproof.verify.package import (
     BODY,
     SIGNATURE,
@@ -50,16 +50,28 @@ TRACE_CHECKER = "gproof.passes"
 
 @record(frozen=True, slots=True, kw_only=True)
 class Check:
-    """What ``check_package`` found. valid: every part holds, so that it may run; stream: the checker's report."""
+    """What ``check_package`` found. valid: every part holds, so that it may run; stream: the checker's report.
+
+    open: those of the findings that only say of a condition that no setup states what it asks of; conditions: these, by
+    the property that has them.
+    """
 
     findings: tuple[Finding, ...]
     stream: StreamReport
     signer: str | None
+    open: tuple[Finding, ...] = ()
+    conditions: tuple[tuple[str, Condition], ...] = ()
 
     @property
     def valid(self) -> bool:
         """True when no finding is an error or an unknown."""
         return not any(f.severity in (Severity.ERROR, Severity.UNKNOWN) for f in self.findings)
+
+    @property
+    def valid_if(self) -> bool:
+        """True when nothing but open conditions keeps it from being valid."""
+        against = [f for f in self.findings if f.severity in (Severity.ERROR, Severity.UNKNOWN)]
+        return bool(self.open) and all(f in self.open for f in against)
 
 
 def write_package(
@@ -129,6 +141,7 @@ def check_package(
     """
     where = Span(package.path, 0)
     findings: list[Finding] = []
+    left: list[tuple[Finding, str, Condition]] = []
     signer = _check_signature(package, trusted_keys, findings, where)
     if machine is not None and print_ir(machine) != print_ir(package.machine):
         findings.append(
@@ -138,7 +151,7 @@ def check_package(
         )
     try:
         _check_verdicts(package, findings, where)
-        _check_conditions(package, setup or package.setup, findings, where)
+        left = _check_conditions(package, setup or package.setup, findings, where)
         if setup is not None:
             _check_setup(package.setup, setup, findings, where, package.machine)
     except (LookupError, ValueError, TypeError, AttributeError, ArithmeticError) as error:
@@ -147,7 +160,10 @@ def check_package(
     findings += report.findings
     if report.verdict is not Verdict.SAFE and not report.findings:
         findings.append(codes.CERTIFICATE_VERDICT.at(where, what="the stream checker could not judge every property"))
-    return Check(findings=tuple(findings), stream=report, signer=signer)
+    return Check(
+        findings=tuple(findings), stream=report, signer=signer, open=tuple(finding for finding, _, _ in left),
+        conditions=tuple((name, condition) for _, name, condition in left),
+    )  # fmt: skip
 
 
 def _check_signature(
@@ -193,7 +209,11 @@ def _check_verdicts(package: Package, findings: list[Finding], where: Span) -> N
             findings.append(codes.CERTIFICATE_VERDICT.at(where, what=f"property {name} is {verdict}"))
 
 
-def _check_conditions(package: Package, setup: Setup, findings: list[Finding], where: Span) -> None:
+def _check_conditions(
+    package: Package, setup: Setup, findings: list[Finding], where: Span
+) -> list[tuple[Finding, str, Condition]]:  # fmt: skip
+    """Findings for conditions that do not hold; those of which the setup states nothing, with their property."""
+    left: list[tuple[Finding, str, Condition]] = []
     for prop in package.body.get("properties", []):
         for condition in prop.get("conditions", []):
             low, high = float(condition["low"]), float(condition["high"])
@@ -201,11 +221,14 @@ def _check_conditions(package: Package, setup: Setup, findings: list[Finding], w
             if known is None or not (low <= known.low and known.high <= high):
                 stated = "not stated" if known is None else f"{known.low:g} to {known.high:g}"
                 names = " + ".join(str(s) for s, _ in condition["terms"])
-                findings.append(
-                    codes.CERTIFICATE_OFFSETS.at(
-                        where, what=f"holds for {names} in {low:g} to {high:g}; it is {stated}"
-                    )
+                finding = codes.CERTIFICATE_OFFSETS.at(
+                    where, what=f"holds for {names} in {low:g} to {high:g}; it is {stated}"
                 )
+                findings.append(finding)
+                if known is None:
+                    terms = tuple((str(symbol), int(count)) for symbol, count in condition["terms"])
+                    left.append((finding, str(prop["name"]), Condition(terms=terms, low=low, high=high)))
+    return left
 
 
 def _check_setup(made_for: Setup, now: Setup, findings: list[Finding], where: Span, machine: Machine) -> None:

@@ -137,3 +137,37 @@ def test_setup_zero_names_the_lengths_it_takes_as_0(folder: Path, capsys: pytest
     out = capsys.readouterr().out
     assert "setup zero: length 0 of T3, which no file describes" in out
     assert "T1," not in out
+
+
+def test_packages_say_under_which_conditions_they_hold(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Of a length in force that no setup states a zone asks to be short enough; the runtime refuses to guess."""
+    from corpus.jobs import CORPUS
+
+    router = (CORPUS / "eding" / "clamped-bracket" / "machine.toml").read_text()
+    (tmp_path / "m.toml").write_text(
+        router + '[[keep_out]]\nname = "clamp"\nx = [100.0, 120.0]\ny = [0.0, 300.0]\nz = [-200.0, -60.0]\n'
+    )
+    (tmp_path / "s.toml").write_text(SETUP.replace("tool = 0", "tool = 1"))
+    condition = "if active tool length is at most 60.0000 mm (areas)"
+    words = ["--machine", str(tmp_path / "m.toml"), "--setup", str(tmp_path / "s.toml"), "--unsigned"]
+    for name, moves, code in (("cond", "G53 G0 X110 Y10\n", 0), ("plain", "G53 G0 X90 Y10\n", 0)):
+        job, package = tmp_path / f"{name}.cnc", tmp_path / f"{name}.gpx"
+        job.write_text(f"G21 G90 G17 G54\n{moves}M30\n")
+        assert main(["compile", str(job), *words, "-o", str(package)]) == code
+        compiled = " ".join(capsys.readouterr().out.split())
+        assert main(["verify", str(package)]) == 0
+        verified = " ".join(capsys.readouterr().out.split())
+        assert [condition in compiled, condition in verified] == [name == "cond"] * 2, (compiled, verified)
+        assert f"{package}: {'SAFE-IF' if name == 'cond' else 'SAFE'} " in verified
+        assert "GP825" not in verified
+        assert (main(["run", str(package), "--board", "virtual"]) == 0) == (name == "plain")
+        capsys.readouterr()
+
+
+def test_a_conditional_job_without_a_stream_is_not_called_safe(
+    folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:  # fmt: skip
+    words = ["--machine", "machine.toml", "--setup", "setup.toml", "--unsigned", "-o", "job.gpx"]
+    assert main(["compile", "offset.cnc", *words]) == 2
+    told = capsys.readouterr()
+    assert "the job is SAFE under conditions, but no step stream" in told.out + told.err

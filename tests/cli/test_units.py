@@ -147,4 +147,4 @@ def test_a_second_heads_length_is_a_length(tmp_path: Path) -> None:
         (tmp_path / name).write_text(text)
     for units, said in (("mm", "-74.6000 ... 25.4000 mm"), ("inch", "-2.9370 ... 1.0000 in")):
         done = in_this_process(["check", "job.tap", "--machine", "WINCNC.INI", "--units", units], tmp_path)
-        assert f"active tool length is {said}" in " ".join(done.out.split()), done.out
+        assert f"active tool length of W is {said}" in " ".join(done.out.split()), done.out
