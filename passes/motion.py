@@ -376,7 +376,8 @@ class Motion(Emitter):
             return math.nan
         if s.feed_mode == 93:
             return s.feed * length * s.feed_override
-        if s.feed_unit != s.unit and not rotary and not math.isnan(s.feed):
+        in_words = not s.rules.one_command and not s.rules.source_order
+        if in_words and s.feed_unit != s.unit and not rotary:
             # Given before G20 or G21: the same number a minute, or the same length (3.4.7 has neither).
             return math.nan
         feed = (s.feed / s.feed_unit if rotary else s.feed) * s.feed_override

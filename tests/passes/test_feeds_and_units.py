@@ -23,6 +23,10 @@ CASES = [
     (WINCNC, "tap", "G20; G1 X1 Y1 F10; G22; G1 X2; G1 X3 F20; X4", [254.0, None, 20.0, 20.0]),
     (WINCNC, "tap", "G20; G1 X1 Y1 F10; G22; G1 X2; G23; G1 X3", [254.0, None, 254.0]),
     (WINCNC, "tap", "G20; G1 X1 Y1 F10; G22; G1 X2 F20; G23; G1 X3; G23; X4", [254.0, 20.0, None, 20.0]),
+    # In braces a line is none of a table.
+    (WINCNC, "tap", "G20; G1 X{1} Y1 F10; X{1+1}; G2 X{3} Y1 I.5 J0 F{10}", [254.0, 254.0, 254.0]),
+    (MCUWIN, "src", "G90 G71 F300; CD600 := 5; G01 X(CD600); M30", [300.0]),
+    (MCUWIN, "src", "G90 G70 F10; CD600 := 1; G01 X(CD600); M30", [254.0]),
     (WINCNC, "tap", "G20; G2 X1 Y1 I1 J0 F10; G22; G2 X50.8 Y25.4 I12.7 J0", [254.0, None]),
 ]
 
