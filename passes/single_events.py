@@ -702,6 +702,12 @@ def measured(ex: Motion, line: Command, rule: CodeRule) -> None:
     controls = ex.machine.controller.controls
     axis = AXIS_NAMES.index(controls.probe_axis)
     contact = ex.setup.contacts.get(controls.probe_axis)
+    if axis in s.single.locked or any(axis in pair for pair in s.single.slaves):
+        # Whether a probe that L300 locks goes down, and how far what follows it comes back, is not said.
+        contact = None
+        for follower, leader in s.single.slaves:
+            if leader == axis:
+                s.position[follower] = NOWHERE
     if rule.function is F.MEASURE_SURFACE and contact is not None and not s.position[axis].form:
         _surface(ex, line, axis, contact)
         return

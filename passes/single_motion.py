@@ -151,7 +151,9 @@ def _doubt_other(ex: Motion, line: Command, words: dict[int, Value]) -> None:
     """
     s = ex.modal
     if {0, 1} <= words.keys():
-        if not {0, 1} & (s.single.locked | {axis for axis, _ in s.single.slaves}):
+        if {0, 1} & (s.single.locked | {axis for axis, _ in s.single.slaves}):
+            turn_unsettled(s)
+        else:
             s.single = s.single.but(flags=s.single.flags | {TURN_SETTLED})
     elif s.transform.rotated and TURN_SETTLED not in s.single.flags:
         what = "which place the other one of X and Y has in the program behind G52, before a line names both"

@@ -628,6 +628,10 @@ def measure_tool(ex: Motion, line: Command, rule: CodeRule) -> None:
                 number = line.whole(letter, ex.program.rules.integer_tolerance) or 0
                 heights = {**dict(s.single.heights), number: offset}
                 s.single = s.single.but(heights=tuple(sorted(heights.items(), key=lambda pair: pair[0])))
+    for axis in s.single.unmeasured - axes.keys():
+        # M37 "turns on G43 mode": of its own axis, or of all that G49 put aside. G43 and G49 settle it.
+        if (s.single.before or s.tool_offset)[axis] != s.tool_offset[axis]:
+            s.tool_offset[axis] = NOWHERE
     ex._state_changed()
     ex.event(Op.TOOL_OFFSET, line.span, arg=(math.nan, 0.0))
 

@@ -448,6 +448,8 @@ def measuring(model: Model, words: Words, code: str) -> None:
         is_open = model.zero[axis] or axis in model.drift or here is None
         model.measure[axis] = math.nan if is_open or here is None else here - model.base[axis] - value * model.unit
         model.put_aside.pop(axis, None)
+    # It "turns on G43 mode": of its axis, or of all (docs: M37 while G49 puts measures of other axes aside).
+    model.measure.update({axis: math.nan for axis, value in model.put_aside.items() if value})
     model.measured = True
 
 
