@@ -18,7 +18,7 @@ from gproof.passes.check import Check
 from gproof.passes.clearance import Clearance
 from gproof.passes.height_map import heights_of
 from gproof.passes.off_path import NO_TOLERANCE, blends_by_nothing
-from gproof.passes.placing import OWN_LENGTH, rests_on_length_in_force
+from gproof.passes.placing import OWN_LENGTH, rests_on_length_in_force, rotary_axes
 from gproof.passes.values import NOWHERE, Position, describe
 from gproof.passes.zone_check import Hears, ZoneCheck
 from gproof.passes.zone_offsets import Ranges
@@ -26,6 +26,9 @@ from gproof.passes.zone_tool import CUTTER, Told, most_parts
 
 Zeros = Callable[[int, int], Position]
 """Where a coordinate system has its zero when the job begins, local offsets included, by number and axis."""
+
+
+ROTARY = "rotary axes turn the work: neither the tool nor keep-out zones in machine coordinates turn with them"
 
 
 class Areas(Check):
@@ -63,7 +66,8 @@ class Areas(Check):
             for part in range(parts):
                 check(area, part=part, told=told)
         self._clearance = Clearance(machine, setup, findings)
-        self._homed = self._own_length = self._blends = False
+        self._homed = self._own_length = self._blends = self._turns = False
+        self._rotary = rotary_axes(machine) if self._kept else []
         self._states = 0
         self._given: Ranges = {}
 
@@ -77,6 +81,8 @@ class Areas(Check):
             self._homed = bool((chunk.rows["op"] == Op.HOME).any())
         if self._kept and not self._own_length:
             self._own_length = any(map(rests_on_length_in_force, chunk.trace.states[self._states :]))
+        if not self._turns and len(chunk.rows):
+            self._turns = any((chunk.rows["to"][:, axis] != chunk.start[axis]).any() for axis in self._rotary)
         if self._kept:
             new = chunk.trace.states[self._states :]
             self._blends = self._blends or any(map(blends_by_nothing, new))
@@ -120,6 +126,8 @@ class Areas(Check):
             out.append(
                 "in keep-out zones tools are as wide as the tool table says, with the shanks and holders that it places"
             )
+            if self._turns and any(not area.work for area in self._kept):
+                out.append(ROTARY)
             if self._blends:
                 out.append(NO_TOLERANCE)
             if self._own_length:

@@ -206,7 +206,8 @@ class Distance(Check):
                     key = int(self.placing.tips(chunk, work).tool[row])
                     shape = self.shape(key)
                     pieces = (ANYTHING,) if shape.problem else shape.of(*(p for p in parts if p != UNSTATED))
-                    start = self.placing.span(chunk, row, work, behind=False)
+                    lost = int(self.placing.tips(chunk, work).reason[row]) >= Reason.HEIGHT_MAP
+                    start = NOWHERE_KNOWN if lost else self.placing.span(chunk, row, work, behind=False)
                     shift = self.placing.machine_shift(chunk, row, work)
                     room = self.given.clearance + self._deviation(chunk.trace.states[int(rows["state"][row])])
                     for body in bodies:
@@ -224,7 +225,8 @@ class Distance(Check):
         for k in at.tolist():
             reason = Reason(int(tips.reason[k]))
             tool = int(tips.tool[k])
-            if rows["op"][k] == Op.ARC:
+            if rows["op"][k] == Op.ARC or reason >= Reason.HEIGHT_MAP:
+                # What turns, or follows something else, is not where these numbers are.
                 spans = NOWHERE_KNOWN
             else:
                 spans = hull(*(self.placing.span(chunk, k, scene.work, behind=end) for end in (False, True)))

@@ -102,7 +102,7 @@ class Placing:
         self._modal = Modal(program.rules, setup, machine)
         self._zeros: dict[int, tuple[Position, ...]] = {}
         self.tools = SpindleTools(machine)
-        self._turning = self._rotary_axes()
+        self._turning = rotary_axes(machine)
         self._begin: tuple[tuple[float, ...], tuple[Affine, ...]] | None = None
         self._states: list[State] = []
         self._tips: dict[tuple[TipOffset, ...], int] = {(): 0}
@@ -127,12 +127,6 @@ class Placing:
     def assumptions(self) -> tuple[str, ...]:
         """What the places that were given rest on, after the chunks that were asked."""
         return tuple(self._assumed)
-
-    def _rotary_axes(self) -> list[int]:
-        """Columns of the axes that may turn what lies on the table; a knife or saw turns itself."""
-        controls = self.machine.controller.controls
-        own = {each.axis for each in (self.machine.knife, controls.knife, controls.saw) if each is not None}
-        return [axis.index for axis in self.machine.axes if axis.kind is AxisKind.ROTARY and axis.name not in own]
 
     def zero(self, work: int) -> tuple[Position, ...]:
         """X, Y, Z of the zero that bodies of a system count from, in machine coordinates."""
@@ -292,20 +286,13 @@ class Placing:
         assert self._begin is not None
         values, forms = self._begin
         frames, start_frames = rows["frame"], chunk.start_frames()
-        for axis in (*self._turning, *self._heads):
-            turns = axis in self._turning
-            from_, to = starts[:, axis], rows["to"][:, axis]
-            if not turns:
-                away = from_ != to
-                away |= _differ(trace, axis, start_frames, frames)
-            else:
-                away = (from_ != values[axis]) | (to != values[axis])
-                for column in (start_frames, frames):
-                    for index in occurring(column) if len(column) else ():
-                        form = trace.frames[index][axis]
-                        if form != forms[axis] or form == UNKNOWN:
-                            away |= column == index
-            reason[away] = np.maximum(reason[away], int(Reason.ROTARY if turns else Reason.HEAD))
+        for axis in self._turning:
+            away = turned(chunk, axis, values[axis], forms[axis])
+            reason[away] = np.maximum(reason[away], int(Reason.ROTARY))
+        for axis in self._heads:
+            away = starts[:, axis] != rows["to"][:, axis]
+            away |= _differ(trace, axis, start_frames, frames)
+            reason[away] = np.maximum(reason[away], int(Reason.HEAD))
         return reason
 
     def _note(self, op: npt.NDArray[np.uint8], states: npt.NDArray[np.int32]) -> None:
@@ -319,6 +306,25 @@ class Placing:
                 self._assumed[OWN_ZERO] = None
             if rests_on_length_in_force(state):
                 self._assumed[OWN_LENGTH] = None
+
+
+def rotary_axes(machine: Machine) -> list[int]:
+    """Columns of the axes that may turn what lies on the table; a knife or saw turns itself."""
+    controls = machine.controller.controls
+    own = {each.axis for each in (machine.knife, controls.knife, controls.saw) if each is not None}
+    return [axis.index for axis in machine.axes if axis.kind is AxisKind.ROTARY and axis.name not in own]
+
+
+def turned(chunk: Chunk, axis: int, value: float, form: Affine) -> Bools:
+    """(n,): rows at one of whose ends an axis does not stand at a place, that of the beginning of the job."""
+    rows, trace = chunk.rows, chunk.trace
+    away: Bools = (chunk.starts()[:, axis] != value) | (rows["to"][:, axis] != value)
+    for column in (chunk.start_frames(), rows["frame"]):
+        for index in occurring(column) if len(column) else ():
+            found = trace.frames[index][axis]
+            if found != form or found == UNKNOWN:
+                away |= column == index
+    return away
 
 
 def rests_on_length_in_force(state: State) -> bool:

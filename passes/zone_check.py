@@ -29,6 +29,7 @@ from gproof.passes.check import form_interval, row_span
 from gproof.passes.extent_kernels import arc_extreme, row_boxes, rows_near
 from gproof.passes.height_map import Heights
 from gproof.passes.off_path import OffPath, off_path
+from gproof.passes.placing import rotary_axes, turned
 from gproof.passes.spindle_tool import entries
 from gproof.passes.tip_ranges import homing
 from gproof.passes.values import Position, add_forms
@@ -51,6 +52,7 @@ from gproof.passes.zone_tool import CUTTER, TIP, Pair, Part, Told, part_of
 GUARD = "tool_change_area"
 MOST = 10_000
 """Of lines that enter one zone: the rest of the job is not looked at for it."""
+TURNED = "a rotary axis, which does not stand where it stood when the job began"
 _MANY = 256
 """Rows beside a polygon from which on shapely sorts out those that are far from it."""
 
@@ -80,6 +82,10 @@ class ZoneCheck:
         self._of_state: list[int] = []
         self._symbolic: Span | None = None
         self._open = OpenPlaces(machine, setup, self._views)
+        # A zone of the work turns with it; one of the machine stays.
+        self._turning = [] if change or origin is None else rotary_axes(machine)
+        self._begin: tuple[tuple[float, ...], tuple[Affine, ...]] | None = None
+        self._turned_told = False
         # In the tool change area the controller looks at its own positions.
         self._bow = 0.0 if change else chord_error(machine)
         # Chords, and lines in place of arcs, lie within ends and bulge of the arc: what it goes around is nearer then.
@@ -196,10 +202,26 @@ class ZoneCheck:
         self._of_state += [self._view_of(state) for state in chunk.trace.states[len(self._of_state) :]]
         of_state = np.array(self._of_state)
         here = of_state[chunk.rows["state"]]
+        if self._turning:
+            here = self._without_turned(chunk, here)
         for view in occurring(here[here >= 0]):
             self._judge(chunk, view, here == view)
         if not self._change:
             self._homing(chunk)
+
+    def _without_turned(self, chunk: Chunk, here: npt.NDArray[np.int64]) -> npt.NDArray[np.int64]:
+        """Views of rows, -1 where what the zone counts from is turned away: where the zone is then is not known."""
+        if self._begin is None:
+            self._begin = tuple(chunk.start), tuple(chunk.trace.frames[chunk.start_frame])
+        away = np.zeros(len(here), dtype=bool)
+        for axis in self._turning:
+            away |= turned(chunk, axis, self._begin[0][axis], self._begin[1][axis])
+        lost = np.flatnonzero(away & (chunk.rows["op"] < Op.DWELL) & (here >= 0))
+        if len(lost) and not self._turned_told:
+            self._turned_told = True
+            row = int(lost[0])
+            self._doubt(row_span(chunk.trace, chunk.rows, row), TURNED, self._views[int(here[row])])
+        return np.where(away, -1, here)
 
     def _judge(self, chunk: Chunk, number: int, mine: npt.NDArray[np.bool_]) -> None:
         view, rows, trace = self._views[number], chunk.rows, chunk.trace

@@ -12,6 +12,7 @@ from typing import Any
 
 import pytest
 from corpus.expectations import ROOT
+from reach.scenes import ROUTER
 from reach.witness import m
 from reach.worlds import EDING, WINCNC, World, answered, exactly
 
@@ -115,3 +116,22 @@ def test_none_is_safe(name: str, tmp_path: Path) -> None:
     assert {role for role in ROLES if exact[role] != "SAFE"} == open_before, exact
     counted = {role for role, cell in zip(ROLES, rows()[name], strict=False) if cell == "counts"}
     assert {role for role in ROLES if unsure[role] != "SAFE"} == counted, unsure
+
+
+@pytest.mark.parametrize(("turn", "work", "expected"), [("A10", 1, "UNKNOWN"), ("A10", 0, "SAFE"), ("A0", 1, "SAFE")])
+def test_zones_of_the_work_turn_with_it(turn: str, work: int, expected: str, tmp_path: Path) -> None:
+    """A clamp on a rotary table goes with it, as part and fixtures do; what is bolted to the machine stays."""
+    world = E.but(*m(("machine.axes", (*ROUTER, TURNER)))).with_setup(
+        start=exactly(x=0.0, y=10.0, z=-50.0, a=0.0), homed=("x", "y", "z", "a"),
+        g92=exactly(x=0.0, y=0.0, z=0.0, a=0.0),
+        work={(1, n): Interval(v, v) for n, v in (("x", 0.0), ("y", 0.0), ("z", 0.0), ("a", 0.0))},
+    )  # fmt: skip
+    program = f"G21 G90 G54 G0 {turn}\nG0 X20\nM30\n"
+    box = ((200.0, 220.0), (0.0, 380.0), (-140.0, -1.0))
+    zoned = world.with_setup(keep_out=(Area(name="clamp", box=box, work=work),))
+    assert answered(zoned, program, tmp_path, ())["areas"].split("\n")[0] == expected
+    body = (Placed(name="clamp", body=Box(low=WALL[0], high=WALL[1]), work=work),)
+    for name, answer in (("fixtures", "collisions"), ("part", "gouges"), ("stock", "collisions")):
+        held = world.with_setup(workpiece=Workpiece(**{name: body}))
+        found = answered(held, program, tmp_path, ())[answer].split("\n")[0]
+        assert found == ("SAFE" if turn == "A0" else "UNKNOWN"), name
