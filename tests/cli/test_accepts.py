@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import json
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -125,6 +127,41 @@ def test_an_unknown_entry_is_an_error(stated: str, told: str, tmp_path: Path) ->
     done = run(JOBS[0], tmp_path, more=f"accepts = {stated}\n")
     assert done.exit == 3
     assert told in done.out + done.err
+
+
+@pytest.mark.parametrize(
+    ("dialect", "entry"), [(dialect, row.name) for row in ACCEPTS.values() for dialect in row.dialects]
+)
+@pytest.mark.parametrize("mistake", [lambda name: name[:-1], lambda name: name + "s", lambda name: name[1:]])
+def test_each_entry_misspelt_is_named(
+    dialect: str, entry: str, mistake: Callable[[str], str], tmp_path: Path
+) -> None:  # fmt: skip
+    """In every dialect that has it: an entry that is none is no entry that counts for nothing."""
+    job = next(job for job in JOBS if job.dialect == dialect)
+    done = run(job, tmp_path, more=f'accepts = ["{mistake(entry)}"]\n')
+    assert done.exit == 3, done.out
+    assert f"did you mean '{entry}'?" in done.out + done.err, done.out + done.err
+
+
+@pytest.mark.parametrize("entry", ACCEPTS)
+def test_mcuwin_has_none(entry: str, tmp_path: Path) -> None:
+    (tmp_path / "mill.toml").write_text(
+        f'schema = "gproof-machine/1"\nunits = "mm"\n[axes.x]\n'
+        f'[controller]\ndialect = "mcuwin"\naccepts = ["{entry}"]\n'
+    )
+    (tmp_path / "job.src").write_text("G90\nG00 X5\nM30\n")
+    done = in_this_process(["check", "job.src", "--machine", "mill.toml"], tmp_path)
+    assert done.exit == 3 and entry in done.out + done.err and "mcuwin" in done.out + done.err, done.out + done.err
+
+
+@pytest.mark.parametrize("job", JOBS, ids=lambda job: f"{job.entry}-{job.dialect}")
+def test_reports_of_every_form_know_the_assumption(job: Job, tmp_path: Path) -> None:
+    """JSON has it as text; -q and the documents of servers have verdicts and findings only."""
+    text = run(job, tmp_path, "--format", "json", entry=job.entry).out
+    assert ACCEPTS[job.entry].assumption in json.loads(text)["assumptions"]
+    for form in ("junit", "github", "markdown", "sarif"):
+        done = run(job, tmp_path, "--format", form, entry=job.entry)
+        assert done.exit == 0 and job.code not in done.out, done.out
 
 
 def test_underscores_are_read_and_a_version_is_said(tmp_path: Path) -> None:
