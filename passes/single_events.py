@@ -798,6 +798,14 @@ def feed_override(ex: Motion, line: Command, rule: CodeRule) -> None:
     ex._state_changed()
 
 
+def smoothing(ex: Motion, line: Command, rule: CodeRule) -> None:
+    """G9: how much the controller rounds corners from here on; how far that is beside the path, no manual says."""
+    factor = line.values.get("S", 0.0)
+    if isinstance(factor, Unknown) or factor:
+        ex.assumed["the controller rounds corners (G9) nowhere as far as a zone or a body"] = None
+    note(ex, line, rule)
+
+
 def dynamics(ex: Motion, line: Command, rule: CodeRule) -> None:
     """L5, L6, L7: velocities and accelerations that the machine's file does not have; L6 and L7 alone: as before.
 
@@ -907,6 +915,7 @@ HANDLERS: dict[F, Handler] = {
     F.MAP_ADJUSTMENT: map_adjustment,
     F.FEED_OVERRIDE: feed_override,
     F.DYNAMICS: dynamics,
+    F.SMOOTHING: smoothing,
     F.BACKLASH: backlash,
     F.PROBE_ON: _device("probe", True, moves=True),
     F.PROBE_OFF: _device("probe", False),

@@ -298,11 +298,14 @@ def _first_is_feed(line: Command) -> bool:
 
 
 def spindle_range(ex: Motion, line: Command) -> None:
-    """GP271 for an S beyond what the spindle can do (spindle= R)."""
+    """GP271 for an S beyond what the spindle can do (spindle= R, or the machine file); S0 is a spindle that rests."""
     value, spindle = line.values["S"], ex.machine.spindle(0)
-    most = None if spindle is None else spindle.max_rpm
-    if most is not None and not isinstance(value, Unknown) and value > most:
-        ex.findings.add(codes.SPINDLE_RANGE.at(line.where("S"), value=value, low="0", high=f"{most:g}"))
+    if spindle is None or isinstance(value, Unknown):
+        return
+    least, most = spindle.min_rpm or 0.0, math.inf if spindle.max_rpm is None else spindle.max_rpm
+    if value > most or 0.0 < value < least:
+        high = "..." if spindle.max_rpm is None else f"{most:g}"
+        ex.findings.add(codes.SPINDLE_RANGE.at(line.where("S"), value=value, low=f"{least:g}", high=high))
 
 
 def spindle_speed(ex: Motion, line: Command) -> None:

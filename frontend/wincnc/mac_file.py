@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator
+from dataclasses import replace
 
 from gproof.frontend.source import UTF8_MARK, decode
 from gproof.frontend.wincnc.ini_file import ENDS_OF_QUOTES
@@ -39,7 +40,7 @@ class Macro:
 
     name: upper case, a code without leading zeros: ``M3`` for ``m03``; label: as written; text: its command as written,
     "" for a code that is switched off; span: of the line, its columns those of the text; column: where the text begins,
-    from 1.
+    from 1; continued: words of the text stand behind a closed comment, which the shop's controller takes.
     """
 
     name: str
@@ -47,6 +48,7 @@ class Macro:
     span: Span
     column: int
     label: str
+    continued: bool = False
 
 
 def read_macros(source: SourceFile, findings: Findings, lexical: Lexical) -> dict[str, Macro]:
@@ -63,12 +65,16 @@ def each_macro(source: SourceFile, findings: Findings, lexical: Lexical) -> Iter
     signs = COMMENT_SIGNS + lexical.comment_signs
     for number, raw in enumerate(_END_OF_LINE.split(bytes(source.data).removeprefix(UTF8_MARK)), 1):
         line = decode(raw)
+        after = behind_comments(line, len(line) - len(line.lstrip()), signs) if lexical.continued else 0
+        leads = is_comment(line, signs) and 0 < after < len(line)
+        line = " " * after + line[after:] if leads else line
         if is_comment(line, signs):
             _tell_what_follows(source.name, number, line, len(line) - len(line.lstrip()), findings, signs)
             continue
-        macro = _macro(source.name, number, line, findings, signs)
+        macro = _macro(source.name, number, line, findings, signs, continued=lexical.continued)
         if macro is None:
             continue
+        macro = replace(macro, continued=True) if leads else macro
         before = macros.setdefault(macro.name, macro)
         if before is not macro and before.text != macro.text:
             what = f"defined again with another command than in line {before.span.line}"
@@ -91,7 +97,9 @@ def code_name(text: str) -> str | None:
     return text.upper() if _WORD.fullmatch(text) else None
 
 
-def _macro(file: str, number: int, line: str, findings: Findings, signs: str) -> Macro | None:
+def _macro(
+    file: str, number: int, line: str, findings: Findings, signs: str, *, continued: bool = False
+) -> Macro | None:  # fmt: skip
     control = _CONTROL.search(line)
     if control is not None:
         what = f"control character U+{ord(control.group()):04X} in the line"
@@ -106,6 +114,12 @@ def _macro(file: str, number: int, line: str, findings: Findings, signs: str) ->
         return None
     begin = len(line) - len(rest.lstrip())
     end = end_of_command(line, begin, signs)
+    goes_on = continued and end < len(line) and behind_comments(line, end, signs) < len(line)
+    while continued and end < len(line) and (after := behind_comments(line, end, signs)) < len(line):
+        # The shop's controller takes what stands there: as if the comment were blanks.
+        line = line[:end] + " " * (after - end) + line[after:]
+        begin = len(line) - len(line.partition("=")[2].lstrip())
+        end = end_of_command(line, begin, signs)
     text = line[begin:end].rstrip()
     span = Span(file, number, begin + 1, max(begin + len(text), begin + 1) + 1)
     if end < len(line):
@@ -118,7 +132,7 @@ def _macro(file: str, number: int, line: str, findings: Findings, signs: str) ->
         what = f"{name}={text[:30]}: a variable, of which the manual does not say how it is defined"
         findings.add(codes.UNSUPPORTED_CODE.at(span, code=what))
         return None
-    return Macro(name, text, span, begin + 1, written.strip())
+    return Macro(name, text, span, begin + 1, written.strip(), continued=goes_on)
 
 
 def end_of_command(line: str, begin: int, signs: str) -> int:

@@ -150,6 +150,7 @@ class Lines:
         if not macro.text:
             as_line = self._replaced_line(macro, code, begin, end, span, None)
             return Replaced(written=written, body=(), span=span, comment=comment, line=as_line)
+        self.reader.has_continued |= macro.continued
         text = macro.text + (f" {rest.strip()}" if rest.strip() else "")
         if len(text) > self.limit:
             raise LineError(codes.MACRO_TOO_LONG, begin, end, length=len(text), name=macro.name, allowed=self.limit)
