@@ -30,6 +30,7 @@ from gproof.passes.plan_kernels import arc_shapes
 
 SLACK = 1e-9
 """Of a feed: what rounding may add to it."""
+KNOB = "feeds are those of the program: the override stands at 100 percent when the job begins, and nobody turns it up"
 _TOLD = (codes.FEED_UNKNOWN, codes.SPINDLE_UNKNOWN, codes.OVERRIDE_FACTOR)
 
 
@@ -100,7 +101,7 @@ class Feeds(Check):
             # The line that has such a feed is told already, with what it rests on.
             self._causes.forget(codes.FEED_NOT_TOLD)
         self._causes.report()
-        return answer(self.name, self.findings)
+        return answer(self.name, self.findings, (KNOB,) if self._limited else ())
 
     def _over(self, causes: Causes, chunk: Chunk, rows: Bools, feed: Floats, allowed: Floats, code: Code) -> None:
         over = rows & (feed > allowed * (1.0 + SLACK))

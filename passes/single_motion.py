@@ -67,7 +67,8 @@ def note_assumptions(ex: Motion) -> None:
         ex._fail(codes.UNSUPPORTED_CODE.at(Span(ex.trace.files[0], 1), code=what))
     if ex.setup.default_offset is None:
         ex.assumed[
-            "no rotation, no scaling, no axis mapping, no cutter compensation, no knife and no array is on at the start"
+            "no rotation, no scaling, no axis that is mapped, coupled or locked, no cutter compensation, no knife and "
+            "no array is on at the start"
         ] = None
 
 

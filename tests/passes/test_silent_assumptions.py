@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from reach.worlds import EDING, World, exactly
+from reach.worlds import EDING, WINCNC, World, exactly
 
 from gproof.cli.judge import judge
 from gproof.cli.properties import ALL
@@ -14,6 +14,7 @@ from gproof.ir.machine import Area, Axis, AxisKind
 from gproof.ir.setup import Interval
 from gproof.ir.trace import Affine
 from gproof.ir.workpiece import Box, Placed, Workpiece
+from gproof.passes.feeds import KNOB
 from gproof.passes.off_path import NO_TOLERANCE
 from gproof.passes.placing import OWN_LENGTH
 from gproof.passes.values import describe
@@ -99,3 +100,22 @@ def test_conditions_have_no_sign(tmp_path: Path) -> None:
     made = judge(session, running=Running(1000))
     texts = [condition_text(session, one) for result in made.properties for one in result.conditions]
     assert texts == ["active tool length is at most 100.0000 mm"]
+
+
+@pytest.mark.parametrize("limit", [None, 100.0])
+def test_feeds_that_the_operator_may_change(limit: float | None, tmp_path: Path) -> None:
+    """Only a tool that stands no more than so much asks where the knob stands."""
+    world = EDING if limit is None else EDING.but((("machine", "tools", 0, "max_feed"), limit))
+    found = assumed(world, LINES + "G1 X1 F100\n", tmp_path)
+    assert (KNOB in found) == (limit is not None)
+
+
+def test_what_a_job_before_may_have_left_on(tmp_path: Path) -> None:
+    """WinCNC Users Guide: L11, L12, L13, L300 end with a command of their own, not with the job."""
+    from corpus.jobs import CORPUS
+
+    job = tmp_path / "job.tap"
+    job.write_text("G90\nG0 X1 Y1\n")
+    session = open_session(job, machine=CORPUS / WINCNC.machine, setup=None, dialect="wincnc")
+    made = judge(session, running=Running(1000))
+    assert any("mapped, coupled or locked" in one for one in made.assumptions), made.assumptions
