@@ -197,17 +197,15 @@ class Controls:
     homing: lines in order. knife, saw, torch: see there. probe_input, probe_axis: channel and column of the probe.
     compensation_entry: cutter compensation begins with a move of its own (cutcomp=T1); compensation_swapped: left and
     right are exchanged (cutcomp= D below 0). override: (lowest, highest) percent that a program may set; None: no file
-    says so; override_enabled: it may at all. backlash: (column, mm or degrees) that the file has, though its
-    compensation is off at the start (axisspec= B, backlash= B0).
-    positions, homes, tool_positions: how many of each can be stored.
-    nesting: how deep subprograms may call one another. around_files: start and end run around each file that a job
-    calls, too; None: not stated. array_order: the cells of an array of rows and columns are cut row by row (rows) or
-    column by column (columns); "": not stated. highest_channel: of inputs and outputs, None: any. rotation_sign:
-    whether an angle of G52 turns counter-clockwise (+1) or clockwise (-1). virtual_on: which of L60 and L61
-    switches a virtual input on.
-    workspaces, changers, measure, drill: see there.
-    auto_output: output that is on during feed moves (autoaux=); auto_output_on: from the start; auto_dwell: seconds
-    behind switching it on and off; auto_pausing: motion stops for it.
+    says so; override_enabled: it may at all; rapids_unlocked: velocities of rapids may be changed too. backlash:
+    (column, mm or degrees) that the file has, though its compensation is off at the start (axisspec= B, backlash= B0).
+    positions, homes, tool_positions: how many of each can be stored. nesting: how deep subprograms may call one
+    another. around_files: start and end run around each file that a job calls, too; None: not stated. array_order: the
+    cells of an array of rows and columns are cut row by row (rows) or column by column (columns); "": not stated.
+    highest_channel: of inputs and outputs, None: any. rotation_sign: whether an angle of G52 turns counter-clockwise
+    (+1) or clockwise (-1). virtual_on: which of L60 and L61 switches a virtual input on. workspaces, changers, measure,
+    drill: see there. auto_output: output that is on during feed moves (autoaux=); auto_output_on: from the start;
+    auto_dwell: seconds behind switching it on and off; auto_pausing: motion stops for it.
     """
 
     lexical: Lexical = Lexical()
@@ -265,6 +263,7 @@ class Controls:
     compensation_swapped: bool = False
     override: tuple[float | None, float | None] | None = None
     override_enabled: bool = True
+    rapids_unlocked: bool = False
     backlash: tuple[tuple[str, float], ...] = ()
     places: tuple[tuple[str, Span], ...] = field(default=(), compare=False, repr=False)
 

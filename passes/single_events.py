@@ -795,6 +795,9 @@ def feed_override(ex: Motion, line: Command, rule: CodeRule) -> None:
         ex.findings.add(codes.OVERRIDE_FACTOR.at(line.where("P"), code=rule.text, what=cause))
         factor = math.nan
     s.feed_override = factor
+    # With rapid_lock=0 rapids can be changed too: how much L40 does is not said, but where it leaves them alone.
+    held = not controls.rapids_unlocked or factor == 1.0
+    s.single = s.single.but(retimed=s.single.retimed - {rule.text} if held else s.single.retimed | {rule.text})
     ex._state_changed()
 
 

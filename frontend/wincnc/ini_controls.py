@@ -109,6 +109,7 @@ def read_controls(sheet: Sheet) -> Controls:
         compensation_swapped=(sheet.value("cutcomp", "D") or 0) < 0,
         override=_override(sheet),
         override_enabled=sheet.switch("override", "E") is not False,
+        rapids_unlocked=sheet.bare("rapid_lock") == 0,
         backlash=_switched_off(sheet),
     )
 

@@ -345,7 +345,10 @@ _RULES = (
     ),
     KeyRule(key="pwm", letters=_letters("F number, M percent"), reason="a signal of the laser"),
     KeyRule(key="quadmode", bare="whole 0..1", treatment="checked", reason="the form of the drives' signals"),
-    KeyRule(key="rapid_lock", bare="switch", treatment="checked", reason="whether the operator may slow down G0"),
+    KeyRule(
+        key="rapid_lock", bare="switch", treatment="modelled",
+        reason="0: with L40 the times of rapids are not known; the operator may slow down G0",
+    ),
     KeyRule(key="rapidjog", bare="switch", treatment="checked", reason="moves by hand"),
     KeyRule(key="restart", letters=_letters("V switch"), reason="jobs are judged from their first line on"),
     KeyRule(

@@ -84,6 +84,22 @@ def test_times_and_streams_follow_an_override(tmp_path: Path, capsys: pytest.Cap
     assert compiled(tmp_path, slow) == 0
 
 
+@pytest.mark.parametrize(
+    ("lines", "known"), [("L40 P50", False), ("L40 P50\nL40 P100", True), ("L40 P100", True), ("", True)]
+)
+def test_an_override_where_rapids_may_be_changed(
+    lines: str, known: bool, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """rapid_lock=0: whether L40 changes rapids too is not said; with rapid_lock=1, as without it, it does not."""
+    for lock, expected in (("rapid_lock=0\n", known), ("rapid_lock=1\n", True)):
+        arguments = shop(tmp_path, f"{lines}\nG0 X40\nG1 X0 F1000\n", lock)
+        found = answer(arguments, capsys)
+        assert found["limits"] == "SAFE"
+        assert ("about" in found.get("time", "")) is expected, found
+        assert compiled(tmp_path, arguments) == (0 if expected else 2)
+        capsys.readouterr()
+
+
 CHANGED = {
     "L5": "L5 X50", "L6": "L6 X10", "L7": "L7 P50", "L7, then the whole of it": "L7 P50\nL7 P100",
     "L6 after L7": "L7 P50\nL6",

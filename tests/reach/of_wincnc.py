@@ -132,6 +132,7 @@ w("Controls.compensation_entry", WINCNC, "M11C1; G41 O0; G1 X1 F60; G1 Y1; G40",
 w("Controls.compensation_swapped", WINCNC, "M11C1; G41 O0; G1 X1 F60; G1 Y1; G40", f"{K}.compensation_swapped", True)
 w("Controls.override", WINCNC, "L40 P20; " + FEED, f"{K}.override", (50.0, 60.0))
 w("Controls.override_enabled", WINCNC, "L40 P50; " + FEED, f"{K}.override_enabled", False)
+w("Controls.rapids_unlocked", WINCNC, "L40 P50; " + FEED, f"{K}.rapids_unlocked", True)
 w("Controls.places", WINCNC, FEED, f"{K}.places", ())
 NC = World("wincnc", "wincnc/knife-twohead/WINCNC.INI", WINCNC.setup).with_setup(
     homed=("x", "y", "z", "w", "c"), start=exactly(x=0.0, y=0.0, z=0.0, a=0.0, c=0.0, b=0.0), measures=exactly(z=0.0),
