@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 
 from gproof.ir import codes
 from gproof.ir.dialects.accepts import USUAL_PRECEDENCE, Accepted
@@ -172,6 +173,17 @@ def _nothing(node: Named | Input) -> Value:
     raise Refusal(codes.BAD_EXPRESSION.at(node.span, what="there is nothing to read here"))
 
 
+def _beside(operator: str, x: Value, y: Value, result: Value) -> Value:
+    """A coordinate and a number of its units beside it: the result has a place where the coordinate has one."""
+    if operator not in ("+", "-") or not isinstance(result, Unknown):
+        return result
+    if isinstance(x, Unknown) and x.place is not None and not isinstance(y, Unknown):
+        return replace(result, place=x.place.moved(y if operator == "+" else -y))
+    if operator == "+" and isinstance(y, Unknown) and y.place is not None and not isinstance(x, Unknown):
+        return replace(result, place=y.place.moved(x))
+    return result
+
+
 class Evaluator:
     """Evaluates trees.
 
@@ -334,7 +346,8 @@ class Evaluator:
             if exact is not None:
                 return between(cause, self._of_32_bits(expr, exact, cause), whole=True)
             found = ranges.binary(expr.operator, bounds(x), bounds(y))
-            return between(cause, self._of_32_bits(expr, found, cause), whole=expr.operator in _TRUTHS)
+            result = between(cause, self._of_32_bits(expr, found, cause), whole=expr.operator in _TRUTHS)
+            return _beside(expr.operator, x, y, result)
         if expr.operator in ("==", "<>") and inexact(x, y):
             self._tell(codes.INEXACT_COMPARISON.number, expr.span, lambda: codes.INEXACT_COMPARISON.at(
                 expr.span, left=x, right=y, operator=expr.operator,

@@ -5,6 +5,7 @@ from __future__ import annotations
 import copy
 import math
 from collections.abc import Callable
+from dataclasses import replace
 
 from gproof.ir import codes
 from gproof.ir.finding import Refusal, Span
@@ -19,7 +20,7 @@ from gproof.passes.ranges import widened
 from gproof.passes.single_state import SingleState, boundaries_of, linear_axes, machine_zero, prepare
 from gproof.passes.spindle import commanded_rpm
 from gproof.passes.transform import NO_TRANSFORM
-from gproof.passes.values import NOWHERE, Position, Unknown, Value, between, bounds
+from gproof.passes.values import NOWHERE, ORIGIN, Position, Unknown, Value, at_place, between, bounds
 
 INCH = 25.4
 ZERO = Position(0.0)
@@ -437,6 +438,20 @@ class Modal:
         slack = 16 * math.ulp(largest)
         return Unknown(f"what #{number} shows", *widened((low - slack) / unit, (high + slack) / unit))
 
+    def shown(self, number: int, axis: int, at: Position, origin: Position) -> Value:
+        """What a variable shows of a machine place: its coordinate from an origin."""
+        value = self.plain(at.minus(origin), self.scale(axis), number)
+        if not isinstance(value, Unknown):
+            return value
+        found = at_place(value, axis, at, origin, self.scale(axis))
+        return found if found.place is None or found.bounded else replace(found, cause=f"what #{number} shows")
+
+    def shown_position(self, number: int, axis: int) -> Value:
+        """What #5001 to #5006 show: the point the program is at."""
+        if axis < 2 and self.transform.on:
+            return self.plain(self.program_position(axis), self.scale(axis), number)
+        return self.shown(number, axis, self.programmed(axis), self.offset(axis))
+
     def write(self, number: float, value: Value, span: Span) -> None:
         """Set a numbered variable; Refusal GP227 for one that shows the machine's state."""
         whole, entry = self.range_of(number, span)
@@ -681,8 +696,8 @@ def _kinematics(m: Modal) -> Value:
 
 
 _SHOWN: dict[str, Callable[[Modal, int, int], Value]] = {
-    "position": lambda m, n, k: m.plain(m.program_position(k), m.scale(k), n),
-    "machine_position": lambda m, n, k: m.plain(m.position[k], m.scale(k), n),
+    "position": lambda m, n, k: m.shown_position(n, k),
+    "machine_position": lambda m, n, k: m.shown(n, k, m.position[k], ORIGIN),
     "tool": lambda m, n, k: _known_tool(m.tool, "the tool in the spindle"),
     "tool_radius": lambda m, n, k: _spindle_tool(m, n, "radius"),
     "tool_z": lambda m, n, k: _spindle_tool(m, n, "length"),
@@ -690,7 +705,7 @@ _SHOWN: dict[str, Callable[[Modal, int, int], Value]] = {
     "tool_x": lambda m, n, k: _spindle_tool(m, n, "x"),
     "offset_z": lambda m, n, k: m.plain(m.tool_offset[2], m.machine.unit, n),
     "offset_x": lambda m, n, k: m.plain(m.tool_offset[0], m.machine.unit, n),
-    "probe_machine": lambda m, n, k: m.plain(m.probed[k], m.scale(k), n),
+    "probe_machine": lambda m, n, k: m.shown(n, k, m.probed[k], ORIGIN),
     "probe_work": lambda m, n, k: m.probed_work[k],
     "probe_hit": lambda m, n, k: m.probe_hit,
     "probe_input": lambda m, n, k: Unknown("the probe input", 0.0, 1.0),

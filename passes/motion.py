@@ -23,7 +23,7 @@ from gproof.passes.spindle import note_speed_unknown, true_rpm
 from gproof.passes.synchronised import SYNCHRONISED, run_synchronised
 from gproof.passes.threading import run_threading
 from gproof.passes.transform_codes import check_arc, settle
-from gproof.passes.values import NOWHERE, Position, Unknown, Value, describe, not_known
+from gproof.passes.values import NOWHERE, ORIGIN, Position, Unknown, Value, describe, not_known
 
 _OUT_OF_PLANE = {Plane.XY: "K", Plane.XZ: "J", Plane.YZ: "I"}
 _CENTER_WORDS = {Plane.XY: ("I", "J"), Plane.XZ: ("I", "K"), Plane.YZ: ("J", "K")}
@@ -50,7 +50,7 @@ class Motion(Emitter):
             if not machine:
                 target[axis] = self.target(axis, value)
             elif isinstance(value, Unknown):
-                target[axis] = self._bounded(axis, value, Position(0.0))
+                target[axis] = self._named(axis, value, ORIGIN) or self._bounded(axis, value, ORIGIN)
             else:
                 target[axis] = Position(value * s.scale(axis))
         if not machine and s.transform.on and (0 in words or 1 in words):
@@ -64,9 +64,17 @@ class Motion(Emitter):
         if axis < 2 and s.transform.on:
             return NOWHERE
         if isinstance(value, Unknown):
-            return self._bounded(axis, value, None)
+            named = self._named(axis, value, s.offset(axis)) if s.absolute else None
+            return named or self._bounded(axis, value, None)
         origin = s.offset(axis) if s.absolute else s.programmed(axis)
         return Position(value * s.scale(axis) + origin.value, origin.form)
+
+    def _named(self, axis: int, value: Unknown, origin: Position) -> Position | None:
+        """The place whose coordinate from an origin a value is, whatever number that is: ``Z#5063`` behind a probe."""
+        place = value.place
+        if place is None or place.axis != axis or place.scale != self.modal.scale(axis) or place.origin != origin:
+            return None
+        return place.at
 
     def _bounded(self, axis: int, value: Unknown, origin: Position | None) -> Position:
         """A place that is only bounded, from ``origin`` or from where the axis words count."""
@@ -120,7 +128,10 @@ class Motion(Emitter):
             if isinstance(value, Unknown):
                 word = AXIS_NAMES[axis].upper()
                 # Of a bounded value the position keeps the bounds, but not through a rotation.
-                if not value.bounded or (axis < 2 and machine is None and self.modal.transform.on):
+                turned = axis < 2 and machine is None and self.modal.transform.on
+                origin = ORIGIN if machine is not None else self.modal.offset(axis)
+                named = machine is not None or self.modal.absolute
+                if turned or not (value.bounded or (named and self._named(axis, value, origin))):
                     self.findings.add(not_known(line.where(word), word, value))
         target = self.aim(line, machine=machine is not None)
         if rule.function in SYNCHRONISED:

@@ -76,7 +76,7 @@ class Origins(Motion):
         if not isinstance(written, Unknown) or not written.bounded:
             return length
         unit = self.machine.unit
-        return self.unknown_place("value", 2, (written.low * unit, written.high * unit), Position(0.0))
+        return self.unknown_place("length", 2, (written.low * unit, written.high * unit), Position(0.0))
 
     def _table_written(self, number: int, span: Span) -> None:
         """GP298 when the program writes the length or X offset that is in use: whether it acts at once is open."""

@@ -16,7 +16,7 @@ from gproof.ir.rules import CodeRule
 from gproof.ir.trace import Op, Wait
 from gproof.passes.line import Line
 from gproof.passes.ranges import ANY, Range
-from gproof.passes.values import NOWHERE, Position, Unknown, Value, between
+from gproof.passes.values import NOWHERE, Position, Unknown, Value, at_place, between
 
 if TYPE_CHECKING:
     from gproof.passes.motion import Motion
@@ -98,5 +98,7 @@ def _record(ex: Motion, contact: list[Position], hit: Value) -> None:
         if isinstance(value, Unknown):
             ends: Range = (value.low, value.high)
             value = between("the probe contact", ends)
+        if isinstance(value, Unknown) and not (axis < 2 and s.transform.on):
+            value = at_place(value, axis, contact[axis], s.offset(axis), unit)
         work.append(value)
     s.probed_work = work

@@ -16,12 +16,13 @@ from gproof.passes.ranges import Range
 @record(frozen=True, slots=True)
 class Unknown:
     """A number that is not known but for its bounds; cause: what nobody stated, for the message; whole: it is a whole
-    number."""
+    number; place: the place of an axis whose coordinate it is."""
 
     cause: str
     low: float = -math.inf
     high: float = math.inf
     whole: bool = False
+    place: Place | None = None
 
     def __hash__(self) -> int:
         # Equal ones have equal bounds; many of them are parts of the keys of states.
@@ -103,6 +104,33 @@ class Position:
 
 
 NOWHERE = Position(0.0, UNKNOWN)
+ORIGIN = Position(0.0)
+
+
+@record(frozen=True, slots=True)
+class Place:
+    """Where a coordinate that is not known lies: as a word of its axis it sends the axis there, as long as words count
+    from the same origin.
+
+    axis: column; at: machine place; origin: what was taken from it; scale: mm or degrees in one unit of the number.
+    """
+
+    axis: int
+    at: Position
+    origin: Position
+    scale: float
+
+    def moved(self, distance: float) -> Place:
+        """That of a coordinate so many units on."""
+        return Place(self.axis, self.at.moved(distance * self.scale), self.origin, self.scale)
+
+
+def at_place(value: Unknown, axis: int, at: Position, origin: Position, scale: float) -> Unknown:
+    """A coordinate as the value that it is, with its place where that is known."""
+    if UNKNOWN in (at.form, origin.form):
+        return value
+    return Unknown(value.cause, value.low, value.high, value.whole, Place(axis, at, origin, scale))
+
 
 RISEN = "risen"
 """Kind of the symbols of heights that a cycle rises to: the greater of two places of the path."""
@@ -116,7 +144,7 @@ MIRRORED = "mirrored"
 
 def describe(form: Affine, machine: Machine | None = None) -> str:
     """A form in words: ``G54 X offset + tool 3 length``; machine: its axes have the letters that programs give them."""
-    kinds = ("work", "g92", "tool", "head", "start", "probe", "home", "value", RISEN, "beside")
+    kinds = ("work", "g92", "tool", "head", "start", "probe", "home", "value", "length", RISEN, "beside")
     ordered = sorted(form, key=lambda term: kinds.index(k) if (k := term[0].split(".")[0]) in kinds else len(kinds))
     alike: dict[tuple[str, str, int], list[int]] = {}
     for symbol, count in ordered if len(form) > ONE_BY_ONE else ():
@@ -139,7 +167,8 @@ ONE_BY_ONE = 3
 """So many unknowns of a kind are named one by one."""
 _SEVERAL = {
     "probe": "probe contacts in {axis}", "home": "places of {axis} after homing", "tool": "lengths of tools",
-    RISEN: "heights of {axis} that cycles rise to", "value": "values of {axis}",
+    RISEN: "heights of {axis} that cycles rise to", "length": "tool lengths that are measured or typed",
+    "value": "values of {axis}",
 }  # fmt: skip
 """Kinds of which there may be many in one sum, in words."""
 

@@ -206,3 +206,44 @@ def test_a_command_of_a_newer_version(entry: str, line: str, number: int, tmp_pa
 @pytest.mark.parametrize("line", ["modbus s1 f99 a1 n1 u1", "GetToolInfo length 15", "modbus s1 f3 a2 n900 u1"])
 def test_another_form_of_it_stays_unknown(line: str, tmp_path: Path) -> None:
     assert check(tmp_path, f"{line}\nG53 G0 X1\nM30\n", accepts='"modbus", "tool-info"')[0] == 2
+
+
+NOTHING = 'schema = "gproof-setup/1"\nhomed = ["x", "y", "z"]\nstart = {x = 20, y = 20, z = -20}\n[parameters]\n'
+"""Neither the work zero nor the tool's length is stated."""
+PLACES = (
+    # Back to what was shown, whatever the zeros are.
+    ("G53 G38.2 Z-50 F100\nG0 Z#5063\n", 0),
+    ("G53 G38.2 Z-50 F100\nG0 Z[#5063 + 20]\n", 0),
+    ("G53 G38.2 Z-50 F100\nG0 Z[5 + #5063]\n", 0),
+    ("G53 G38.2 Z-50 F100\nG0 Z[#5063 + 21]\n", 2),
+    ("G53 G38.2 Z-50 F100\nG0 Z[#5063 - 50]\n", 0),
+    ("G53 G38.2 Z-50 F100\nG0 Z[#5063 - 51]\n", 2),
+    ("#1 = #5001 #2 = #5003\nG53 G0 Z0\nG53 G0 X90\nG0 X#1\nG0 Z#2\n", 0),
+    ("#1 = #5003\nG0 Z[#1 + 20]\n", 0),
+    ("#1 = #5003\nG0 Z[#1 + 21]\n", 1),
+    ("#1 = #5003\nG0 Z[#1 - 81]\n", 1),
+    ("#1 = #5001\nG20\nG0 X#1\n", 2),
+    ("#1 = #5001\nG0 Y#1\n", 2),
+    ("#1 = #5003\nG91 G0 Z#1\n", 2),
+    ("#1 = #5003\nG53 G0 Z#1\n", 2),
+    ("#1 = #5003\nG55\nG0 Z#1\n", 2),
+    ("#1 = #5003\nG92 Z5\nG0 Z#1\n", 2),
+    ("#1 = #5003\nG10 L20 P1 Z5\nG0 Z#1\n", 2),
+    ("#1 = #5003\nG43 H2\nG0 Z#1\n", 2),
+    ("#1 = #5003\nG0 Z[#1 * 1.5]\n", 2),
+    ("#1 = #5003\nG0 Z[20 - #1]\n", 2),
+    ("G53 G38.2 Z-50 F100\n#1 = #5073\nG53 G0 Z0\nG53 G0 Z#1\n", 0),
+    ("G53 G38.2 Z-50 F100\nG53 G0 Z[#5053 + 20]\n", 0),
+    ("G53 G38.2 Z-50 F100\nG53 G0 Z[#5053 + 21]\n", 2),
+    ("G53 G38.2 Z-50 F100\nG0 Z#5053\n", 0),  # on a condition: it is a number of the machine
+)
+
+
+@pytest.mark.parametrize(("text", "wanted"), PLACES, ids=[text for text, _ in PLACES])
+def test_back_to_a_place_that_was_shown(text: str, wanted: int, tmp_path: Path) -> None:
+    """The number depends on zeros that nobody stated, the place does not: #5063 is where the probe has touched."""
+    (tmp_path / "mill.toml").write_text(MACHINE % "" + TOOLS)
+    (tmp_path / "setup.toml").write_text(NOTHING)
+    (tmp_path / "job.cnc").write_text(f"G21 G17 G90 G94 G40 G50 G69\n{text}M30\n")
+    done = in_this_process(["check", "job.cnc", "--machine", "mill.toml", "--setup", "setup.toml"], tmp_path)
+    assert done.exit == wanted, done.out
