@@ -25,7 +25,7 @@ from gproof.passes.arc_slack import chord_error, small_arcs
 from gproof.passes.check import Check, row_span
 from gproof.passes.distance_kernels import chords
 from gproof.passes.distance_scene import ANYTHING, CHORD, Scene, Stretch
-from gproof.passes.off_path import NO_TOLERANCE, blends_by_nothing, off_path
+from gproof.passes.off_path import BACKLASH, NO_TOLERANCE, blends_by_nothing, off_path
 from gproof.passes.placing import Placing, Reason, Tips
 from gproof.passes.surfaces import surface_of
 from gproof.passes.tip_ranges import NOWHERE_KNOWN, homing, hull, may_meet
@@ -39,6 +39,7 @@ _SEGMENTS = 1 << 15
 NO_TOOL = "no tool is in the spindle"
 HOMING = "what nobody states of a tool, above its stated lengths, keeps clear while axes home"
 FIRST_WAY = "the way from where the axes stand when the job begins touches nothing"
+_LARGER = "tolerance of [workpiece] in the setup file says how much the part stands"
 PROBES = "probing moves end where they touch, and do no harm there"
 
 
@@ -79,6 +80,7 @@ class Distance(Check):
         self._free_start = all(ends.exact for ends in setup.start.values())
         self._shapes: dict[int, Shape] = {}
         self._slack = np.zeros(0)
+        self._loose = False
         self._behind: list[tuple[int, Floats] | None] = [None] * len(self.scenes)
         self._told: set[tuple[int, int]] = set()
         self._assumed: dict[str, None] = {}
@@ -126,7 +128,9 @@ class Distance(Check):
         """mm that the tool may be beside the programmed path (``passes/off_path.py``)."""
         if blends_by_nothing(state):
             self._assumed[NO_TOLERANCE] = None
-        return off_path(self.machine, state).distance
+        beside = off_path(self.machine, state)
+        self._loose = self._loose or BACKLASH in beside.causes
+        return beside.distance
 
     def _look(self, chunk: Chunk, number: int, scene: Scene, tips: Tips) -> None:
         rows = chunk.rows
@@ -325,15 +329,21 @@ class Distance(Check):
         doubts = [
             f"{text} {mm:.4f} mm nearer"
             for text, mm in (
-                ("the controller may bring it", slack), ("the drawing may be", float(scene.surface.beside[facet]))
+                (self._who(), slack), ("the drawing may be", float(scene.surface.beside[facet]))
             )
             if mm > 0.0
         ]  # fmt: skip
         if stretch.boxed:
             doubts.append("a traverse of this controller is not known to be a straight line")
         doubt = ", and ".join(doubts) or "no proof either way"
+        if self._loose and slack > 0.0:
+            hint = "; ".join(filter(None, (hint, _LARGER if scene.limit < 0.0 else "")))
         code = codes.GOUGE_POSSIBLE if self.name == "gouges" else codes.COLLISION_POSSIBLE
         self.findings.add(code.at(span, what=what, x=x, y=y, z=z, doubt=doubt, hint=hint))
+
+    def _who(self) -> str:
+        """What brings the tool nearer than its path."""
+        return f"the controller{' and the backlash of axes' if self._loose else ''} may bring it"
 
     def _code(self, scene: Scene) -> Code:
         if self.name == "gouges":

@@ -135,3 +135,13 @@ def test_zones_of_the_work_turn_with_it(turn: str, work: int, expected: str, tmp
         held = world.with_setup(workpiece=Workpiece(**{name: body}))
         found = answered(held, program, tmp_path, ())[answer].split("\n")[0]
         assert found == ("SAFE" if turn == "A0" else "UNKNOWN"), name
+
+
+def test_backlash_is_named_where_it_makes_the_difference(tmp_path: Path) -> None:
+    world, program, corners, changes = CASES["backlash of a motor"]
+    text = program.replace("; ", "\n") + "\n"
+    for role, hinted in (("part", True), ("fixture", False)):
+        said = answered(with_body(world, role, corners), text, tmp_path, m(*changes))[PROPERTY[role]]
+        assert "the controller and the backlash of axes may bring it 1.5000 mm nearer" in said
+        assert "the backlash" not in answered(with_body(world, role, corners), text, tmp_path, ())[PROPERTY[role]]
+        assert hinted or "tolerance of" not in said
