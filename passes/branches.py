@@ -8,20 +8,21 @@ other, and those in the same state go on as one. docs/dialects/eding.md says wha
 from __future__ import annotations
 
 import copy
+from collections.abc import Iterator
 from functools import cached_property
 
 from gproof.ir import codes
 from gproof.ir.finding import Refusal, Span
-from gproof.ir.program import Expr, For, If, Repeat, Subprogram, While
+from gproof.ir.program import Binary, Expr, For, If, Number, Repeat, Subprogram, Unary, Variable, While
 from gproof.ir.trace import Edge, Wait
 from gproof.passes.emitter import ProgramEnd
-from gproof.passes.frames import EXACT, NO_PLACE, Frame, Group, Path, Pending, merged
+from gproof.passes.frames import EXACT, NO_PLACE, Followed, Frame, Group, Path, Pending, merged
 from gproof.passes.idle import Idle, idle_variables
 from gproof.passes.loops import Loops
 from gproof.passes.modal import NO_NUMBERS, Modal
 from gproof.passes.narrowing import Narrowing
 from gproof.passes.outcomes import Asked, of_condition
-from gproof.passes.values import Unknown, Value
+from gproof.passes.values import Position, Unknown, Value
 
 LOOPS = (While, Repeat, For)
 FEW = 16
@@ -55,15 +56,46 @@ class Branches(Loops):
 
     def _undecided(self, place: tuple[str, int], span: Span, cause: str) -> None:
         """Nobody can decide a question: ProgramEnd where its outcomes are explored, Refusal where they may not be."""
+        self._cover = None
         key = self._state_key(place)
         if key in self._seen:
             # The same question in the same state: its outcomes are followed already.
             self._close(self._seen[key])
             raise ProgramEnd
+        if self.branches > EXACT and self._is_followed(place):
+            raise ProgramEnd
         if self.branches + 2 > self.max_branches:
             hint = "--max-branches follows more outcomes" if self.max_branches else ""
             raise Refusal(codes.UNKNOWN_CONDITION.at(span, cause=cause, hint=hint))
-        self._key = key
+        # What variables may be is more by now where outcomes are joined.
+        self._key = self._state_key(place) if self.branches > EXACT else key
+
+    def _is_followed(self, place: object) -> bool:
+        """Whether a question was followed where variables may be all that they may be here, and more.
+
+        If not, it is asked for what they may be here and, after some visits, for what they may have been then too.
+        """
+        without = self._without(self._idle.unread)
+        held: dict[int, Unknown] = {}
+        sure: list[tuple[int, Value]] = []
+        for number, value in self.modal.parameters.items():
+            if number in without:
+                continue
+            if isinstance(value, Unknown):
+                held[number] = value
+            else:
+                sure.append((number, value))
+        stack = tuple((id(f.body), f.at, id(f.node), f.position(), repr(f.caller)) for f in self._stack)
+        rest = self.modal.key(parameters=False)
+        key = place, stack, tuple(self._depth), rest, frozenset(sure), frozenset(held)
+        followed = self._followed.setdefault(key, Followed())
+        if followed.covers(held):
+            self._close(followed.edges)
+            return True
+        followed.held, followed.edges = followed.widened(held), ()
+        self.modal.parameters.update(followed.held)
+        self._cover = followed
+        return False
 
     def _state_key(self, place: object, without: frozenset[int] | None = None) -> object:
         """Equal where all that follows is the same; without: variables that have no part in it."""
@@ -112,6 +144,8 @@ class Branches(Loops):
             answers = [Asked(span=node.span, what=what, answer=answer) for answer in goes]
         self.asked.update((edge.target, answer) for edge, answer in zip(edges, answers, strict=True))
         self._seen[self._key] = edges
+        if self._cover is not None:
+            self._cover.edges, self._cover = edges, None
         self._close(edges)
         if loop is not None and loop.group is None:
             loop.group = Group(1)
@@ -235,7 +269,9 @@ class Branches(Loops):
         """All outcomes of a question have arrived or ended: those that arrived go on."""
         parked, group.parked = group.parked, []
         group.wide = {}
-        for path, same in merged(parked, exact=self.branches <= EXACT):
+        exact = self.branches <= EXACT
+        asked = () if exact or not parked else self._asked_around(parked)
+        for path, same in merged(parked, self._anywhere, exact=exact, asked=asked):
             if path.section < 0:
                 path.section = self.rows.new_section()
                 for one in same:
@@ -244,6 +280,21 @@ class Branches(Loops):
                     self._close((Edge(wait=Wait.BRANCH, outcome="", target=path.section),))
                 self._arrived(path.stack, len(same) - 1)
             self._waiting.append(path)
+
+    def _anywhere(self, axis: int, low: float, high: float, origin: Position) -> Position:
+        """A place between two numbers beside another one."""
+        return self.unknown_place("value", axis, (low, high), origin)
+
+    def _asked_around(self, parked: list[Path]) -> set[int]:
+        """Variables that the conditions of the loops around some outcomes ask for."""
+        found: set[int] = set()
+        for frame in parked[0].stack:
+            if isinstance(frame.node, While | Repeat):
+                key = id(frame.node)
+                if key not in self._asks:
+                    self._asks[key] = frozenset(_variables(frame.node.condition))
+                found |= self._asks[key]
+        return found
 
     def _resume(self, path: Path) -> None:
         """Take up an outcome that waits."""
@@ -255,3 +306,15 @@ class Branches(Loops):
         self._laps = {}
         self._state_changed()
         self._begin(path.section)
+
+
+def _variables(expr: Expr) -> Iterator[int]:
+    """Numbers of the variables that an expression reads, as far as they are written."""
+    if isinstance(expr, Variable):
+        if isinstance(expr.number, Number):
+            yield round(expr.number.value)
+    elif isinstance(expr, Unary):
+        yield from _variables(expr.operand)
+    elif isinstance(expr, Binary):
+        yield from _variables(expr.left)
+        yield from _variables(expr.right)

@@ -21,7 +21,7 @@ from gproof.passes.din_facts import foreign
 from gproof.passes.din_state import fits, whole_numbers
 from gproof.passes.expressions import Evaluator
 from gproof.passes.foreseen import lengths_foreseen
-from gproof.passes.frames import Frame, Hot, Lap, Path, Pending, PlainCell, Stretch
+from gproof.passes.frames import Followed, Frame, Hot, Lap, Path, Pending, PlainCell, Stretch
 from gproof.passes.leaps import Leap
 from gproof.passes.line import Line
 from gproof.passes.manner import manner_of
@@ -134,6 +134,9 @@ class Emitter:
         self._laps: dict[object, Lap] = {}
         self._counted: dict[object, Lap] = {}
         self._passes: dict[object, int] = {}
+        self._followed: dict[object, Followed] = {}
+        self._cover: Followed | None = None
+        self._asks: dict[int, frozenset[int]] = {}
         self._set_by_program: frozenset[int] | None = None
         self._leaps: dict[int, Leap | None] = {}
         self._came_back = False

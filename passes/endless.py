@@ -67,7 +67,8 @@ class Endless(Branches):
             return False
         if lap.modal is not None and self._variables_as(lap, counter):
             self._run_pending()
-            if lap.modal.position == self.modal.position and lap.key == self._key_of(lap, place, counter):
+            here = zip(lap.modal.position, self.modal.position, strict=True)
+            if all(a.value == b.value for a, b in here) and lap.key == self._key_of(lap, place, counter):
                 return True
         if lap.section >= 0 and lap.count > lap.until:
             lap.section, lap.next = -1, lap.count

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+import itertools
+import math
+from collections.abc import Callable, Iterable, Sequence
 from typing import Any
 
 import numpy as np
@@ -12,6 +14,7 @@ from gproof.ir.finding import Span
 from gproof.ir.machine import AXES
 from gproof.ir.program import Block, BlockTable, Statement
 from gproof.ir.record import field, record
+from gproof.ir.trace import Edge
 from gproof.passes.modal import Modal
 from gproof.passes.overrides import Words
 from gproof.passes.values import NOWHERE, Position, Unknown, Value, bounds, is_whole
@@ -277,27 +280,99 @@ class Lap:
     full: tuple[int, float, float] | None = None
 
 
+@record(slots=True, eq=False)
+class Followed:
+    """A question whose outcomes were followed, in a state of which only bounds of variables are left open.
+
+    visits: how often it was asked with other bounds; held: what the variables held, the last time; edges: where its
+    outcomes lead.
+    """
+
+    visits: int = 0
+    held: dict[int, Unknown] = field(default_factory=dict)
+    edges: tuple[Edge, ...] = ()
+
+    def covers(self, held: dict[int, Unknown]) -> bool:
+        """Whether all that variables may be here was followed."""
+        return bool(self.edges) and all(_within(value, self.held[number]) for number, value in held.items())
+
+    def widened(self, held: dict[int, Unknown]) -> dict[int, Unknown]:
+        """What variables may be here and were before; from the ``FAR``th visit on without the ends that move."""
+        self.visits += 1
+        if self.visits < JOINED or not self.held:
+            return held
+        found = {}
+        for number, value in held.items():
+            old = self.held[number]
+            low, high = min(value.low, old.low), max(value.high, old.high)
+            if self.visits >= FAR:
+                low, high = low if low == old.low else -math.inf, high if high == old.high else math.inf
+            found[number] = Unknown(value.cause, low, high, value.whole and old.whole)
+        return found
+
+
+JOINED, FAR = 3, 6
+"""At so many visits of a question with other bounds of variables it is asked for all of them; and for any value."""
+
+
+def _within(value: Unknown, other: Unknown) -> bool:
+    return other.low <= value.low and value.high <= other.high and (value.whole or not other.whole)
+
+
 NO_PLACE = Span("", 0)
 EXACT = 32
 """So many outcomes are kept apart in every number; behind later ones what differs is only bounded."""
 
 
-def merged(paths: list[Path], *, exact: bool) -> list[tuple[Path, list[Path]]]:
+APART = 8
+"""So many outcomes at most are kept apart because a loop around them asks for what differs."""
+
+
+Somewhere = Callable[[int, float, float, Position], Position]
+"""(axis, low, high, origin) -> a place with an unknown of its own."""
+
+
+def merged(
+    paths: list[Path], somewhere: Somewhere, *, exact: bool, asked: Iterable[int] = ()
+) -> list[tuple[Path, list[Path]]]:  # fmt: skip
     """Paths that stand at one place, as (path that goes on, paths that it stands for).
 
-    When they are not to be kept apart, those that differ in nothing but numbered variables and what the last probing
-    move has left become one: what differs is unknown between the least and the greatest of its values, so that all that
-    any does, the one may do.
+    When they are not to be kept apart, those that differ in nothing but numbered variables, what the last probing
+    move has left and where it has left an axis become one: what differs is unknown between the least and the greatest
+    of its values, so that all that any does, the one may do. asked: variables that a loop around them asks for; a few
+    outcomes that differ in these stay apart, so that one which ends the loop does not go round once more.
     """
     if exact:
         return [(path, [path]) for path in paths]
     alike: dict[object, list[Path]] = {}
     for path in paths:
-        alike.setdefault(path.modal.key(parameters=False, probed=False), []).append(path)
-    return [(_hull(same), same) for same in alike.values()]
+        alike.setdefault(path.modal.key(parameters=False, probed=False, position=False), []).append(path)
+    numbers = sorted(asked)
+    out = []
+    for same in itertools.chain.from_iterable(map(_by_place, alike.values())):
+        parts: dict[object, list[Path]] = {}
+        for path in same:
+            parts.setdefault(tuple(path.modal.parameters.get(number) for number in numbers), []).append(path)
+        found = list(parts.values()) if len(parts) <= APART else [same]
+        out += [(_hull(part, somewhere), part) for part in found]
+    return out
 
 
-def _hull(paths: list[Path]) -> Path:
+def _by_place(paths: list[Path]) -> Iterable[list[Path]]:
+    """Paths whose axes are at the same places, but for axes of which one of them knows no more than bounds."""
+    spreads = [[path.modal.spread(place) for place in path.modal.position] for path in paths]
+    is_open = [any(one[axis] is not None and one[axis][1] < one[axis][2] for one in spreads) for axis in range(AXES)]  # type: ignore[index]
+    found: dict[object, list[Path]] = {}
+    for path, spread in zip(paths, spreads, strict=True):
+        key = tuple(
+            ends[0] if wide and ends is not None else place
+            for place, ends, wide in zip(path.modal.position, spread, is_open, strict=True)
+        )
+        found.setdefault(key, []).append(path)
+    return found.values()
+
+
+def _hull(paths: list[Path], somewhere: Somewhere) -> Path:
     first = paths[0]
     if len(paths) == 1:
         return first
@@ -310,6 +385,12 @@ def _hull(paths: list[Path]) -> Path:
         values = [path.modal.read(float(number), NO_PLACE) for path in paths]
         if any(value != values[0] for value in values):
             modal.parameters[number] = _either(values)
+    for axis, place in enumerate(first.modal.position):
+        if any(path.modal.position[axis] != place for path in paths):
+            spreads = [path.modal.spread(path.modal.position[axis]) for path in paths]
+            rest = [ends[0] for ends in spreads if ends is not None]
+            low, high = min(ends[1] for ends in spreads if ends), max(ends[2] for ends in spreads if ends)
+            modal.position[axis] = somewhere(axis, low, high, Position(0.0, rest[0]))
     modal.probe_hit = _either([path.modal.probe_hit for path in paths])
     for axis in range(AXES):
         modal.probed_work[axis] = _either([path.modal.probed_work[axis] for path in paths])

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import copy
 import math
+import re
 from collections.abc import Callable
 from dataclasses import replace
 
@@ -12,7 +13,7 @@ from gproof.ir.finding import Refusal, Span
 from gproof.ir.machine import AXES, AXIS_NAMES, Machine
 from gproof.ir.rules import LanguageRules, ParameterRange
 from gproof.ir.setup import Interval, Setup
-from gproof.ir.trace import HEIGHT_MAP, UNKNOWN, Boundary, PathMode, Plane, State, TipOffset, ToolDiameter
+from gproof.ir.trace import HEIGHT_MAP, UNKNOWN, Affine, Boundary, PathMode, Plane, State, TipOffset, ToolDiameter
 from gproof.passes import din_state
 from gproof.passes.compensation import Compensation
 from gproof.passes.heads import head_offset
@@ -30,7 +31,20 @@ NO_OFFSET = [ZERO] * AXES
 
 _PARK_DEFAULTS = {"park_1": 5161, "park_2": 5181}
 TOOL_LENGTH, TOOL_DIAMETER, TOOL_X_OFFSET, TOOL_ORIENTATION = 5400, 5500, 5600, 5700
-_CONSTANT = ("fixed", "rules", "setup", "machine", "axis_there", "linear", "ranges", "_tool_table", "zero_lengths")
+_ARISING = re.compile(r"\b((?:probe|value|home)\.\d+\.[a-z])\b")
+"""Unknowns that arise in a run (``Emitter.unknown_place``)."""
+_CONSTANT = (
+    "fixed",
+    "texts",
+    "rules",
+    "setup",
+    "machine",
+    "axis_there",
+    "linear",
+    "ranges",
+    "_tool_table",
+    "zero_lengths",
+)
 _OTHER = frozenset((*_CONSTANT, "parameters"))
 _OTHER_OR_PROBED = _OTHER | {"probed", "probed_work", "probe_hit"}
 NO_NUMBERS = frozenset[int]()
@@ -71,6 +85,7 @@ class Modal:
     def __init__(self, rules: LanguageRules, setup: Setup, machine: Machine) -> None:
         # Containers as parts of a key, with what they were made of.
         self.fixed: dict[str, tuple[object, object]] = {}
+        self.texts: dict[str, tuple[object, list[str]]] = {}
         self.rules = rules
         self.setup = setup
         self.machine = machine
@@ -569,11 +584,20 @@ class Modal:
                 setattr(other, name, value.copy())
         return other
 
-    def key(self, *, parameters: bool = True, probed: bool = True, without: frozenset[int] = NO_NUMBERS) -> object:
+    def key(
+        self, *, parameters: bool = True, probed: bool = True, position: bool = True,
+        without: frozenset[int] = NO_NUMBERS,
+    ) -> object:  # fmt: skip
         """Equal for equal states: all that can change in a run, in a fixed order; with or without (some of) the
-        variables, and what the last probing move has left."""
+        variables, what the last probing move has left, and where the axes are.
+
+        Unknowns that arose in the run, each between the same ends, may have other names: what follows is the same.
+        """
         left_out = _OTHER if probed else _OTHER_OR_PROBED
-        found = [self._fixed(name, value) for name, value in sorted(vars(self).items()) if name not in left_out]
+        left_out = left_out if position else left_out | {"position"}
+        named = [(name, self._fixed(name, value)) for name, value in sorted(vars(self).items()) if name not in left_out]
+        names: dict[str, str] = {}
+        found = [self._renamed(name, value, names) for name, value in named]
         if parameters:
             for number in sorted(self.parameters):
                 if number not in without:
@@ -590,6 +614,38 @@ class Modal:
         made = _fixed(value)
         self.fixed[name] = value.copy(), made
         return made
+
+    def spread(self, place: Position) -> tuple[Affine, float, float] | None:
+        """Unknown offsets that a place rests on, and between what it lies beside them (mm or degrees) by the bounds of
+        the unknowns that arose in the run; None where one of these has no bounds."""
+        low = high = place.value
+        rest = []
+        for symbol, coefficient in place.form:
+            ends = self.ranges.get(symbol)
+            if ends is None:
+                if _ARISING.fullmatch(symbol) or (symbol, coefficient) in UNKNOWN:
+                    return None
+                rest.append((symbol, coefficient))
+                continue
+            low += min(ends.low * coefficient, ends.high * coefficient)
+            high += max(ends.low * coefficient, ends.high * coefficient)
+        return tuple(rest), low, high
+
+    def _renamed(self, name: str, value: object, names: dict[str, str]) -> object:
+        """A field with the unknowns that arose in the run counted as they come; as it is where there are none."""
+        known = self.texts.get(name)
+        if known is None or known[0] is not value:
+            # The order in a set is not always the same.
+            text = repr(sorted(map(repr, value))) if isinstance(value, frozenset) else repr(value)
+            known = self.texts[name] = value, _ARISING.split(text)
+        parts = known[1]
+        if len(parts) == 1:
+            return value
+        out = parts.copy()
+        for n in range(1, len(parts), 2):
+            kind, _, axis = parts[n].split(".")
+            out[n] = names.setdefault(parts[n], f"{kind} {len(names)} {axis} {self.ranges.get(parts[n])!r}")
+        return "".join(out)
 
     def park_position(self, kind: str, axis: int) -> Position:
         """The G28 or G30 point of an axis in machine coordinates; parameters are in the machine's unit."""

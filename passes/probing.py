@@ -81,7 +81,12 @@ def _somewhere(ex: Motion, axis: int, start: Position, end: Position, reach: Ran
     if NOWHERE.form in (start.form, end.form):
         return NOWHERE
     if way.form:
-        return ex.unknown_place("probe", axis, ANY, Position(0.0))
+        first, last = ex.modal.spread(start), ex.modal.spread(end)
+        if first is None or last is None or first[0] != last[0]:
+            return ex.unknown_place("probe", axis, ANY, Position(0.0))
+        # Both rest on unknowns that arose earlier, each between its bounds.
+        (rest, *one), (_, *other) = first, last
+        return ex.unknown_place("probe", axis, (min(*one, *other), max(*one, *other)), Position(0.0, rest))
     return ex.unknown_place("probe", axis, reach, start)
 
 
