@@ -298,9 +298,9 @@ def _together(session: Session, findings: Findings, limits: PropertyResult, edge
         )  # fmt: skip
         return dataclasses.replace(fits, verdict=Verdict.UNSAFE, conditions=())
     if not missed and fits.verdict is Verdict.SAFE and contradiction(fits.conditions):
-        cause = "limits and boundaries: no offsets suit all conditions at once"
         names = " and ".join(describe(c.terms, session.machine) for c in fits.conditions)
-        findings.add(codes.POSITION_UNKNOWN.at(Span(str(session.job), 1), axis=names, cause=cause))
+        cause = f"{names}: no values of them suit limits and boundaries at once"
+        findings.add(codes.POSITION_UNKNOWN.at(Span(str(session.job), 1), axis="the job", cause=cause))
         return dataclasses.replace(fits, verdict=Verdict.UNKNOWN)
     return fits
 
@@ -331,13 +331,13 @@ def _both(
     conditions = tuple(Condition(terms=terms, low=low, high=high) for terms, (low, high) in ranges.items())
     for c in conditions:
         if c.empty and not refuted:
-            both = "both of its settings" if what == "the block delete switch" else "both"
-            cause = f"{what}: no {describe(c.terms, session.machine)} suits {both}"
+            both = f"both settings of {what}" if what == "the block delete switch" else f"all of {what}"
+            cause = f"{describe(c.terms, session.machine)}: no value of it suits {both}"
             where = Span(str(session.job), 1)
             if a.name == "areas":
                 findings.add(codes.TOOL_CHANGE_AREA_UNKNOWN.at(where, cause=cause))
             else:
-                findings.add(codes.POSITION_UNKNOWN.at(where, axis=describe(c.terms, session.machine), cause=cause))
+                findings.add(codes.POSITION_UNKNOWN.at(where, axis="the job", cause=cause))
             verdict = worst((verdict, Verdict.UNKNOWN))
     conditions = tuple(c for c in conditions if not c.empty)
     return PropertyResult(name=a.name, verdict=verdict, assumptions=assumptions, conditions=conditions)

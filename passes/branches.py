@@ -29,6 +29,8 @@ FEW = 16
 """Outcomes that are followed before anybody looks for variables that have no part in what happens."""
 
 
+MANY = 4
+"""One in so many of the outcomes that may be followed are many."""
 NEAR = 2.0**24
 """Counters of 32 bits that are farther from 0 keep states apart: they may leave their 32 bits, which is an error."""
 
@@ -92,7 +94,9 @@ class Branches(Loops):
         if followed.covers(held):
             self._close(followed.edges)
             return True
-        followed.held, followed.edges = followed.widened(held), ()
+        # There are many left, or bounds that grow with every pass would need all of them.
+        far = MANY * self.branches > self.max_branches
+        followed.held, followed.edges = followed.widened(held, far=far), ()
         self.modal.parameters.update(followed.held)
         self._cover = followed
         return False

@@ -15,7 +15,10 @@ from gproof.ir.kernel import kernel
 
 # Layout of the integer state
 MOTION, PLANE, ABSOLUTE, FRAME, STATE, FILE, CALL, FEED_MODE, ENABLED, ARC_ABSOLUTE, ACTIVE_AXES, TURN_KIND = range(12)
-INT_STATE = 12
+# Whether G90 and G91 are run here, and whether one was
+DISTANCES = 12
+INT_STATE = 13
+NOT_HERE, HERE, MET = 0, 1, 2
 # Layout of the float state: unit in mm, feed in mm/min, positions, offsets, mm in one unit of an X word, transform
 UNIT, FEED, POSITION, OFFSET, X_UNIT, TURN = 0, 1, 2, 8, 14, 15
 TURN_NUMBERS = 11
@@ -153,6 +156,7 @@ def run_lines(
         end = word
         seen = 0
         motion = ints[MOTION]
+        distance = ints[ABSOLUTE]
         plain = True
         while end < count and line[end] == here:
             code = letter[end]
@@ -169,6 +173,9 @@ def run_lines(
             elif code == 90:
                 bit = 4
                 v2 = number
+            elif code == 71 and ints[DISTANCES] != 0 and 90.0 <= number <= 91.0 and number % 1.0 == 0.0:
+                distance = 1 if number == 90.0 else 0
+                bit = 4096
             elif code == 71:
                 if number == 1.0:
                     motion = 2
@@ -225,10 +232,13 @@ def run_lines(
             if not rate > 0.0:
                 return word, row
         if axes == 0:
-            # A feed word alone; anything else without axis words is for the Python path to judge.
-            if seen != 1024:
+            # A feed word or a distance mode alone; anything else without axis words is for the Python path to judge.
+            if seen & ~5120 != 0:
                 return word, row
             floats[FEED] = rate
+            if seen & 4096:
+                ints[ABSOLUTE] = distance
+                ints[DISTANCES] = 2
             word = end
             continue
         if motion != 1 and not rate > 0.0:
@@ -236,7 +246,7 @@ def run_lines(
         if motion <= 2 and seen & 960:
             return word, row
         unit = floats[UNIT]
-        absolute = ints[ABSOLUTE] == 1
+        absolute = distance == 1
         if absolute:
             # An axis that now gets another frame needs a new frame index: Python path.
             changes = False
@@ -362,6 +372,9 @@ def run_lines(
             op[row] = 1
         floats[FEED] = rate
         ints[MOTION] = motion
+        if seen & 4096:
+            ints[ABSOLUTE] = distance
+            ints[DISTANCES] = 2
         floats[POSITION] = t0
         floats[POSITION + 1] = t1
         floats[POSITION + 2] = t2

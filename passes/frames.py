@@ -159,6 +159,7 @@ class HotLine:
 
     node: its block, or None for a line of a table, which is ``table``: (table, words, begin, end, first byte of the
     piece). motion: the code that moves it, as ``Block.continued``; added: that code stands in front of its own words.
+    call: of the call that it stands in (an index of ``Trace.calls``), -1 for the one that runs.
     """
 
     number: int
@@ -168,6 +169,7 @@ class HotLine:
     table: tuple[BlockTable, Columns, int, int, int] | None = None
     motion: str = ""
     added: bool = False
+    call: int = -1
 
     @property
     def words(self) -> int:
@@ -178,16 +180,20 @@ class HotLine:
 class Stretch:
     """Lines of motion that are executed together: their words in columns but for the values.
 
-    letter: (words,) u1; line: (words,) i4, counts ``lines``; numbers: (lines,) i4, where they stand in the source.
+    letter: (words,) u1; line: (words,) i4, counts ``lines``; numbers: (lines,) i4, where they stand in the source;
+    places: (2, lines) i4, their files and calls, None where they stand in the one that runs.
     """
 
-    __slots__ = ("letter", "line", "lines", "numbers")
+    __slots__ = ("letter", "line", "lines", "numbers", "places")
 
     def __init__(self, lines: Sequence[HotLine]) -> None:
         self.lines = tuple(lines)
         self.letter = np.array([ord(x) for line in lines for x in line.letters], dtype=np.uint8)
         self.line = np.repeat(np.arange(len(lines), dtype=np.int32), [line.words for line in lines])
         self.numbers = np.array([line.number for line in lines], dtype=np.int32)
+        self.places: Array | None = None
+        if any(line.call >= 0 for line in lines):
+            self.places = np.array([[line.file for line in lines], [line.call for line in lines]], dtype=np.int32)
 
 
 @record(slots=True)
@@ -207,6 +213,17 @@ class Pending:
         letter = np.concatenate([part.letter for part in self.parts])
         numbers = np.concatenate([part.numbers for part in self.parts])
         return line, letter, np.array(self.value, dtype=np.float64), numbers
+
+    def places(self, file: int, call: int) -> Array | None:
+        """(2, lines) i4: files and calls of the lines; None where all stand in this one."""
+        if all(part.places is None for part in self.parts):
+            return None
+        here = np.array([[file], [call]], dtype=np.int32)
+        found = [np.repeat(here, len(p.lines), axis=1) if p.places is None else p.places for p in self.parts]
+        places = np.concatenate(found, axis=1)
+        own = places[1] < 0
+        places[1, own] = call
+        return places
 
     def nth(self, number: int) -> HotLine:
         """The line that ``line`` counts as ``number``."""
@@ -296,8 +313,8 @@ class Followed:
         """Whether all that variables may be here was followed."""
         return bool(self.edges) and all(_within(value, self.held[number]) for number, value in held.items())
 
-    def widened(self, held: dict[int, Unknown]) -> dict[int, Unknown]:
-        """What variables may be here and were before; from the ``FAR``th visit on without the ends that move."""
+    def widened(self, held: dict[int, Unknown], *, far: bool) -> dict[int, Unknown]:
+        """What variables may be here and were before; far: without the ends that move, from the ``FAR``th visit on."""
         self.visits += 1
         if self.visits < JOINED or not self.held:
             return held
@@ -305,7 +322,7 @@ class Followed:
         for number, value in held.items():
             old = self.held[number]
             low, high = min(value.low, old.low), max(value.high, old.high)
-            if self.visits >= FAR:
+            if far and self.visits >= FAR:
                 low, high = low if low == old.low else -math.inf, high if high == old.high else math.inf
             found[number] = Unknown(value.cause, low, high, value.whole and old.whole)
         return found

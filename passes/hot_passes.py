@@ -10,7 +10,21 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from gproof.ir.din import VERSIONS
-from gproof.ir.program import Block, Expr, For, If, Jump, Repeat, Return, Statement, Subprogram, Variable, While
+from gproof.ir.program import (
+    Block,
+    Call,
+    Declare,
+    Expr,
+    For,
+    If,
+    Jump,
+    Repeat,
+    Return,
+    Statement,
+    Subprogram,
+    Variable,
+    While,
+)
 from gproof.passes.compiled import FALLS_BACK
 from gproof.passes.din_state import din_of
 from gproof.passes.endless import AWAY_PASSES, FIRST_LOOK, SPARSE, Endless
@@ -33,7 +47,7 @@ class HotPasses(Endless):
         free = self._free(place)
         if free < _FEW:
             return
-        hot = self._hots.get(place)
+        hot = self._hots.get((place, self._call))
         if hot is None:
             hot = self._compiled(
                 place, node.body, 0, len(node.body), node.condition, until=isinstance(node, Repeat), cost=1
@@ -47,12 +61,12 @@ class HotPasses(Endless):
         free = self._free(place)
         if free < _FEW or self._ends_contours():
             return
-        hot = self._hots.get(place)
+        hot = self._hots.get((place, self._call))
         if hot is None:
             body = frame.body
             end = next((n for n in range(at, len(body)) if _leads_back(body[n], node)), -1)
             if end < 0:
-                hot = self._hots[place] = Hot(_nothing)
+                hot = self._hots[place, self._call] = Hot(_nothing)
             else:
                 last = body[end]
                 condition = last.condition if isinstance(last, If) else None
@@ -71,7 +85,7 @@ class HotPasses(Endless):
         free = self._free_of_counted(place, left)
         if free < _FEW:
             return
-        hot = self._hots.get(place)
+        hot = self._hots.get((place, self._call))
         if hot is None:
             hot = self._compiled(place, node.body, 0, len(node.body), None, counts=(node.variable, step), cost=1)
         done = self._run_hot(hot, free, frame)
@@ -87,11 +101,11 @@ class HotPasses(Endless):
         free = self._free_of_counted(place, float(frame.again))
         if free < _FEW:
             return
-        hot = self._hots.get(place)
+        hot = self._hots.get((place, self._call))
         if hot is None:
             end = next((n for n, one in enumerate(node.body) if isinstance(one, Return)), -1)
             if end < 0 or frame.body is not node.body:
-                hot = self._hots[place] = Hot(_nothing)
+                hot = self._hots[place, self._call] = Hot(_nothing)
             else:
                 hot = self._compiled(place, node.body, 0, end, None, cost=1)
         looked = frame.again >= FIRST_LOOK
@@ -137,7 +151,7 @@ class HotPasses(Endless):
     ) -> Hot:  # fmt: skip
         source = Source(
             rules=self.program.rules, known=self._known_block, line=self._hot_line, table=self._hot_table,
-            is_whole=self._is_whole,
+            is_whole=self._is_whole, called=self._hot_sub,
         )  # fmt: skip
         part = body[begin:end]
         if self.program.rules.one_command or not self._is_one_file(part):
@@ -148,8 +162,29 @@ class HotPasses(Endless):
                 return compile_passes(part, source, condition=condition, until=until, counts=counts)
 
             hot = Hot(make, make(), end, cost)
-        self._hots[place] = hot
+        self._hots[place, self._call] = hot
         return hot
+
+    def _hot_sub(self, node: Call, inside: tuple[str, ...]) -> tuple[Sequence[Statement], int, int] | None:
+        """A call that runs its subprogram once and gives it nothing: see ``pass_code.Source``."""
+        sub, rules = self.program.subprograms.get(node.name), self.program.rules
+        chain = [*self._depth, *inside, node.name]
+        own = self.machine.controller.controls.nesting
+        if sub is None or node.deleted or node.arguments or node.count is not None or sub.parameters:
+            return None
+        if node.name in chain[:-1] or len(chain) > (rules.call_depth if own is None else own) or self._ends_contours():
+            return None
+        text = f"{' > '.join(chain)} (from line {node.span.line})"
+        if text not in self.trace.calls or any(isinstance(one, Declare) for one in sub.body):
+            return None  # it was not executed here yet, or has variables of its own
+        body, cost = sub.body, 1
+        if body and isinstance(body[-1], Return):
+            body, cost = body[:-1], 2
+        elif rules.source_order:
+            return None  # it has no end, which the executor tells
+        if rules.source_order and sub.span.file != self.trace.files[self._file]:
+            return None  # what is told of its moves is told of the file that runs
+        return body, self.trace.calls.index(text), cost
 
     def _is_one_file(self, body: Sequence[Statement]) -> bool:
         """Whether lines of a pass stand in the file that runs."""

@@ -602,6 +602,7 @@ class Limits(Check):
         out = []
         rooms: dict[Affine, tuple[float, float]] = {}
         needs: dict[Affine, Span] = {}
+        words: dict[Affine, str] = {}
         assert self._first is not None and self._trace is not None
         for form, offset in sorted(found.items()):
             if offset.low > offset.high + 2 * ROUNDING:
@@ -625,8 +626,9 @@ class Limits(Check):
                         )
                     )  # fmt: skip
                 else:
-                    cause = f"its value: safe for {safe}, stated {said}"
-                    self.findings.add(codes.POSITION_UNKNOWN.at(needed, axis=describe(form, self.machine), cause=cause))
+                    unit = offset.axis.unit
+                    cause = f"{describe(form, self.machine)}, which is {said} {unit}; safe is {safe} {unit}"
+                    self.findings.add(codes.POSITION_UNKNOWN.at(needed, axis=offset.axis.word, cause=cause))
                 continue
             if low > high or (low == -math.inf and high == math.inf):
                 continue
@@ -642,17 +644,16 @@ class Limits(Check):
                 where = f"between {low:.4f} and {high:.4f} {offset.axis.unit}"
                 said = f"{describe(rest, self.machine)} lies {where} (machine coordinates)"
                 self._assumptions.append(said)
+            words.setdefault(rest, offset.axis.word)
             before = rooms.get(rest, (-math.inf, math.inf))
             if low > before[0]:
                 needs[rest] = offset.low_span
             rooms[rest] = max(before[0], low), min(before[1], high)
         for form, (low, high) in sorted(rooms.items()):
             if low > high:
-                cause = f"no {describe(form, self.machine)} suits the whole job"
+                cause = f"{describe(form, self.machine)}: no value of it suits the whole job"
                 self.findings.add(
-                    codes.POSITION_UNKNOWN.at(
-                        needs.get(form, self._first), axis=describe(form, self.machine), cause=cause
-                    )
+                    codes.POSITION_UNKNOWN.at(needs.get(form, self._first), axis=words[form], cause=cause)
                 )
             else:
                 out.append(Condition(terms=form, low=low, high=high))

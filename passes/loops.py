@@ -29,6 +29,18 @@ PENDING_LINES = 1 << 14
 """Lines of motion that wait at most before they are executed together."""
 
 
+class _Numbers:
+    """Where lines that wait stand in the source; asked: of which of them somebody wanted to know that last."""
+
+    def __init__(self, lines: Any) -> None:
+        self._lines = lines
+        self.asked: Any = ()
+
+    def __getitem__(self, numbers: Any) -> Any:
+        self.asked = numbers.copy()
+        return self._lines[numbers]
+
+
 class Loops(Straight):
     """The fast way; each method says when the evaluator must do it instead."""
 
@@ -172,13 +184,19 @@ class Loops(Straight):
         run, count, at = k.run_lines.pick(pending.lines), len(line), 0
         compiled = run is not k.run_lines.python
         columns: Any = (line, letter, value) if compiled else (line.tolist(), letter.tolist(), pending.value)
-        file, self._file = self._file, pending.parts[0].lines[0].file
+        file, call = self._file, self._call
+        self._file = next((part.lines[0].file for part in pending.parts if part.places is None), file)
+        places = pending.places(self._file, call)
+        numbers = _Numbers(lines)
         stops = self._manner.stops(self, columns, count)
         while at < count:
-            blocks = self.blocks
+            blocks, before = self.blocks, self.rows.count
             motion = pending.nth(int(line[at])).motion
-            at = self._manner.hot_lines(self, run, columns, count, at, compiled, stops, motion, lines)
+            at = self._manner.hot_lines(self, run, columns, count, at, compiled, stops, motion, numbers)
             self.blocks = blocks  # they are counted already
+            if places is not None and self.rows.count > before:
+                made = slice(before, self.rows.count)
+                self.rows.arrays["file"][made], self.rows.arrays["call"][made] = places[:, numbers.asked]
             if self.rows.count == self.rows.capacity:
                 self.rows.flush()
             elif at < count:
@@ -188,6 +206,8 @@ class Loops(Straight):
     def _cold_line(self, pending: Pending, at: int, number: int) -> int:
         """One of the lines that wait in Python; returns where the words of the next one begin."""
         line = pending.nth(number)
+        call = self._call
+        self._call = line.call if line.call >= 0 else call
         end = at + line.words
         values = pending.value[at + line.added : end]
         if line.node is not None:
@@ -200,4 +220,5 @@ class Loops(Straight):
             assert line.table is not None
             span, given, _ = self._words_of(*line.table)
             self._manner.again(self, span, given, line.motion, line.table[0].distances)
+        self._call = call
         return end

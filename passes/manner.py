@@ -117,7 +117,7 @@ class Manner:
         numbers: where the lines stand in the source, by the numbers that they have in ``columns``.
         """
         before = ex.rows.count
-        at = ex._hot(run, columns, count, at, compiled)
+        at = ex._hot(run, columns, count, at, compiled, distances=True)
         made = ex.rows.arrays["line"][before : ex.rows.count]
         made[:] = numbers[made]
         return at

@@ -8,11 +8,13 @@ values of ``frames.Stretch``es, in the order of the words; the executor turns th
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from typing import Any
 
 from gproof.ir.program import (
     Block,
     BlockTable,
+    Call,
     Declare,
     DeferredBlock,
     Expr,
@@ -40,7 +42,9 @@ class Source:
 
     known: the compiled form of a block, None where it has none or was never executed; line: a block as a line of
     motion, None where it is none; table: the lines of a table with their values, None where they are not all plain;
-    is_whole: whether a variable holds whole numbers of 32 bits.
+    is_whole: whether a variable holds whole numbers of 32 bits; called: (call, names of the calls around it within the
+    pass) -> the statements that run for it, its index in ``Trace.calls``, and how many blocks calling and returning
+    are; None where the executor has to do it.
     """
 
     rules: LanguageRules
@@ -48,6 +52,7 @@ class Source:
     line: Callable[[Block], HotLine | None]
     table: Callable[[BlockTable], Sequence[tuple[HotLine, list[float]]] | None]
     is_whole: Callable[[int], bool]
+    called: Callable[[Call, tuple[str, ...]], tuple[Sequence[Statement], int, int] | None]
 
 
 def compile_passes(
@@ -93,6 +98,8 @@ class _PassCode(Code):
         self._values: list[str] = []
         self._stretch: list[HotLine] = []
         self._blocks = 0
+        self._call = -1
+        self._inside: tuple[str, ...] = ()
 
     def name(self, number: int) -> str:
         return self.reads.setdefault(number, f"v{len(self.reads)}")
@@ -113,9 +120,28 @@ class _PassCode(Code):
             elif isinstance(node, Block):
                 self.block(node, depth)
                 most += 1
+            elif isinstance(node, Call):
+                most += self.call(node, depth)
             else:
                 raise Slow
         return most
+
+    def call(self, node: Call, depth: int) -> int:
+        """A subprogram, as if its statements stood here."""
+        found = self.source.called(node, self._inside)
+        if found is None:
+            raise Slow
+        body, index, cost = found
+        outer = self._call, self._inside
+        self._call, self._inside = index, (*self._inside, node.name)
+        self._blocks += cost
+        most = cost + self.body(body, depth)
+        self._call, self._inside = outer
+        return most
+
+    def placed(self, line: HotLine) -> HotLine:
+        """A line as one of the call that it stands in."""
+        return line if self._call < 0 else replace(line, call=self._call)
 
     def branch(self, node: If, depth: int) -> int:
         if node.head is not None or depth > _DEEPEST:
@@ -150,7 +176,7 @@ class _PassCode(Code):
             self.modes.add(node.distances)
         counted = 0
         for line, values in lines:
-            self._stretch.append(line)
+            self._stretch.append(self.placed(line))
             self._values.extend(f"({value!r})" for value in values)
             # The kernel counts rows: a feed alone makes none.
             counted += set(line.letters) != {"F"}
@@ -171,7 +197,7 @@ class _PassCode(Code):
         if line is not None:
             if node.distances:
                 self.modes.add(node.distances)
-            self._stretch.append(line)
+            self._stretch.append(self.placed(line))
             if line.added:
                 self._values.append(f"({float(line.motion[1:])!r})")
             self._values.extend(self.temporary(text, depth) for text in found)

@@ -90,8 +90,13 @@ class Straight(Blocks):
                 return
         frame.words = None
 
-    def _hot(self, run: Any, columns: tuple[Any, ...], count: int, at: int, compiled: bool) -> int:
-        """Run lines of many commands in the kernel from word ``at``; returns the first word it left over."""
+    def _hot(
+        self, run: Any, columns: tuple[Any, ...], count: int, at: int, compiled: bool, *, distances: bool = False
+    ) -> int:  # fmt: skip
+        """Run lines of many commands in the kernel from word ``at``; returns the first word it left over.
+
+        distances: G90 and G91 too, which make no row that would count their blocks.
+        """
         s = self.modal
         if not self._moved or s.feed_unit != s.unit or not 1 <= s.motion <= 4 or s.feed_mode != 94:
             # The first motion notes what it assumes; a motion mode must be set: Python path.
@@ -100,7 +105,7 @@ class Straight(Blocks):
             return self._along_contour(run, columns, count, at, compiled)
         if not s.plain_motion:
             return at
-        state = self._packed([p.value for p in s.position], compiled)
+        state = self._packed([p.value for p in s.position], compiled, distances=distances)
         at = self.run_kernel(run, columns, state, count, at)
         self._unpack(state)
         return at
@@ -161,13 +166,14 @@ class Straight(Blocks):
         s.compensation = replace(comp.at(u, v, placed=True), left=(s.position[a], s.position[b]))
         return at
 
-    def _packed(self, position: list[float], compiled: bool) -> _State:
+    def _packed(self, position: list[float], compiled: bool, *, distances: bool = False) -> _State:
         """The state of ``run_lines``: integers, floats, frames of the axes and of their offsets."""
         s = self.modal
         offsets = [s.offset(axis) for axis in range(AXES)]
         ints: object = [
             s.motion, int(s.plane), int(s.absolute), self._frame(), self._state(), self._file, self._call,
             s.feed_mode, 1, int(self.machine.controller.absolute_arc_centers), self._active_axes(), s.transform.kind,
+            k.HERE if distances else k.NOT_HERE,
         ]  # fmt: skip
         floats: object = [
             s.unit, s.feed, *position, *(o.value for o in offsets), s.scale(0), *s.transform.numbers,
@@ -186,6 +192,9 @@ class Straight(Blocks):
         if int(ints[k.MOTION]) != s.motion:
             s.motion, s.cycle, s.cycle_code = int(ints[k.MOTION]), {}, 0
         s.feed = float(floats[k.FEED])
+        if int(ints[k.DISTANCES]) == k.MET:
+            s.absolute = bool(ints[k.ABSOLUTE])
+            s.stated.add("distance")
         for axis in range(AXES):
             s.position[axis] = Position(float(floats[k.POSITION + axis]), s.position[axis].form)
 

@@ -207,7 +207,7 @@ def describe_symbol(symbol: str, machine: Machine | None = None) -> str:
     if kind == RISEN:
         return f"the height {rest[0]} of {_word(rest[1], machine)} that a cycle rises to"
     if kind == "value":
-        return f"the value {rest[0]} of {_word(rest[1], machine)}"
+        return f"a value of {_word(rest[1], machine)} that is only bounded (no. {rest[0]})"
     return "a value that nobody stated"
 
 

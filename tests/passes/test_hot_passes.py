@@ -81,6 +81,9 @@ EDING_HEAD = "G21 G90 G17 G40 G49 G54\nF500\nG0 X1 Y1 Z1\n#1=0\n#2=0\n#3=1\n"
     ("body", "is_hot"),
     [
         ("#1=[#1+1]\nG91 G1 X0.001\nG90\n", True),
+        ("G91 G1 X0.001\nG1 Y0.001\nG90 X1 F200\n#1=[#1+1]\n", True),
+        ("G91\nG1 X[#1*0.001]\nG90 G91 G1 X1\nG90\n#1=[#1+1]\n", True),  # both at once
+        ("G90 F300\nG91 F400 G2 X1 Y0 I0.5\nG1 A1\nG90\n#1=[#1+1]\n", True),
         ("G1 X[#1*0.01] Y[sin[#1]]\nG1 Y[#2]\n#2=[#2+0.125]\n#1=[#1+1]\n", True),
         ("G1 X1 Y2\nF100\nG1 X2\nG2 X4 Y2 I1 J0\nG1 X[#1]\n#1=[#1+1]\n", True),
         ("if [[#1 mod 3] == 0]\nG1 X[#1]\nelse\nG0 Y[#1]\n#2=[#2+1]\nendif\n#1=[#1+1]\n", True),
@@ -104,6 +107,39 @@ def test_eding(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, head: str, body:
     assert (over > 100) is is_hot
 
 
+SUBS = (
+    "sub cut\nG1 X[#1*0.01] Y1\nG1 Y0\nendsub\n"
+    "sub square\nG1 X10\nG1 Y10\nG1 X0\nG1 Y0\nendsub\n"
+    "sub deep\nG0 Z2\ngosub cut\n#2=[#2+0.5]\nif [[#1 mod 3] == 1]\ngosub square\nendif\nG1 Z[#2]\nendsub\n"
+    'sub talk\nG1 X[#1]\nmsg "here"\nendsub\n'
+    "sub wrong\nG1 X[1/[#1-150]]\nendsub\n"
+    "sub self\nG1 X#1\ngosub self\nendsub\n"
+    "sub around\n#5=0\nwhile [#5 < 90]\ngosub cut\n#5=[#5+1]\nendwhile\nendsub\n"
+    "sub twice\ngosub around\nendsub\n"
+)  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("body", "is_hot"),
+    [
+        ("gosub cut\n#1=[#1+1]\n", True),
+        ("G1 X3\ngosub square\nG1 Y#1\ngosub cut\n#1=[#1+1]\n", True),
+        ("gosub deep\n#1=[#1+1]\n", True),
+        ("if [#1 > 150]\ngosub square\nendif\nG1 X#1\n#1=[#1+1]\n", True),  # called late
+        ("gosub wrong\n#1=[#1+1]\n", True),  # division by zero in the middle
+        ("G91\ngosub square\nG90\n#1=[#1+1]\n", True),
+        ("gosub talk\n#1=[#1+1]\n", False),
+        ("gosub self\n#1=[#1+1]\n", False),
+        ("gosub around\ngosub twice\n#1=[#1+100]\n", True),  # one loop at two depths
+        ("/gosub cut\n#1=[#1+1]\n", False),
+    ],
+)  # fmt: skip
+def test_calls_in_loops(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, body: str, is_hot: bool) -> None:
+    text = f"{SUBS}{EDING_HEAD}while [#1 < 300]\n{body}endwhile\nG0 X0\nM30\n"
+    _, over = both(tmp_path, text, monkeypatch, pascal=False, budget=8000)
+    assert (over > 100) is is_hot
+
+
 PASCAL = (
     "$DINEND\nvar\n a, b : double;\n n, m : integer;\n{$DINSTART}\n%P\nG53\nG90\nG94\na := 0\nb := 0\nn := 0\nm := 0\n"
 )
@@ -121,6 +157,9 @@ LINES = "G01 X(a) Y(n*0.5)\nX(n*0.25)\na := a + 0.01\nn := n + 1\n"
         "L5\n" + LINES + "$if n < 300 then M96 L5\n",
         "L5\n" + LINES + "G01 X1 Y(n)\nM96 L5\n",
         "M98 L70 O300\n",
+        "$while n < 300 do begin\nM98 L71\n$end;\n",
+        "$while n < 300 do begin\nG01 X1\nM98 L71\nM98 L72\n$end;\n",
+        "$for m := 1 to 300 do begin\nG01 X(m)\nM98 L72\n$end;\n",
         "$while n < 300 do begin\nG01 X1\nF200\nX2 Y2\nG02 X4 Y2 I1 J0\nG03 X2 Y2 I-1\n" + LINES + "$end;\n",
         "$while n < 300 do begin\nG91\nG01 X0.1\nY0.1\nG90\n" + LINES + "$end;\n",
         "$while n < 300 do begin\nn := n * 2 + 1\nG01 X(n div 1000)\n$end;\n",  # leaves its 32 bits
@@ -131,7 +170,15 @@ LINES = "G01 X(a) Y(n*0.5)\nX(n*0.25)\na := a + 0.01\nn := n + 1\n"
     ],
 )
 def test_mcuwin(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, loop: str) -> None:
-    text = PASCAL + loop + "G00 Z5\nM30\n%\n%70\n" + LINES + "M17\n%\n"
+    text = (
+        PASCAL
+        + loop
+        + "G00 Z5\nM30\n%\n%70\n"
+        + LINES
+        + "M17\n%\n%71\n"
+        + LINES
+        + "M17\n%\n%72\nG01 Z1\nG01 Z1\nZ2\nM17\n%\n"
+    )
     both(tmp_path, text, monkeypatch, pascal=True, budget=9000)
 
 
