@@ -43,6 +43,8 @@ DEFAULT_BRANCHES = 4096
 """Outcomes that are explored, of conditions that rest on what nobody knows before the job runs."""
 
 
+_NOT_LISTED = ("later", "tool_zero")
+"""Kinds of variables that the list of the manual does not have."""
 _ENDS = (codes.UNKNOWN_CONDITION.number, codes.RECURSION.number, codes.STEP_BUDGET.number)
 """Findings behind which nothing can be followed."""
 
@@ -87,6 +89,7 @@ class Emitter:
         self.blocks = 0
         self.assumed: dict[str, None] = {}
         self._beyond_list: set[tuple[int, Span]] = set()
+        self._listed = min((e.first for e in program.rules.parameters if e.kind in _NOT_LISTED), default=math.inf)
         self._consequences = Consequences(program, findings)
         self.failed: Finding | None = None
         self.refused = False
@@ -321,8 +324,10 @@ class Emitter:
 
     def knows_number(self, number: float, span: Span) -> bool:
         """Whether the manual has a variable, or the shop says that its controller has it; GP113 otherwise."""
+        if number < self._listed - 1:
+            return True
         whole, entry = self.modal.range_of(number, span)
-        if entry.kind not in ("later", "tool_zero"):
+        if entry.kind not in _NOT_LISTED:
             return True
         if entry.kind == "tool_zero" and self.takes(TOOL_ZERO):
             return True

@@ -206,6 +206,8 @@ def describe_symbol(symbol: str, machine: Machine | None = None) -> str:
         return f"the zero that {_word(rest[1], machine)} is reflected about (the offset's, or the machine's)"
     if kind == RISEN:
         return f"the height {rest[0]} of {_word(rest[1], machine)} that a cycle rises to"
+    if kind == "length":
+        return f"the tool length {rest[0]}, which is measured or typed while the job runs"
     if kind == "value":
         return f"a value of {_word(rest[1], machine)} that is only bounded (no. {rest[0]})"
     return "a value that nobody stated"
