@@ -187,6 +187,10 @@ class Refusal(Exception):
         self.finding = finding
 
 
+class FollowedRefusal(Refusal):
+    """What a line leaves is open, and the state says already how: nothing else of it is lost."""
+
+
 class FollowsRefusal(Refusal):
     """A line can not be followed because an earlier one was refused, and that is reported there: one cause, once."""
 

@@ -476,12 +476,17 @@ class Unsupported:
 
 @record(frozen=True, slots=True, kw_only=True)
 class Mistake:
-    """A line with a mistake that only matters when it runs. code: number of its finding; text: the line as written."""
+    """A line with a mistake that only matters when it runs. code: number of its finding; text: the line as written.
+
+    told: a finding of the frontend says already what is wrong here; the line may have changed anything all the same.
+    """
 
     code: int
     message: str
     span: Span
     text: str = ""
+    hint: str = ""
+    told: bool = False
 
 
 @record(frozen=True, slots=True, kw_only=True)

@@ -105,7 +105,7 @@ class Areas(Check):
         verdict = Verdict.SAFE
         if errors:
             verdict = Verdict.UNSAFE
-        elif self.findings.has(Severity.UNKNOWN, (self.name,)):
+        elif any(zone.is_open for zone in self._zones) or self.findings.has(Severity.UNKNOWN, (self.name,)):
             verdict = Verdict.UNKNOWN
         return PropertyResult(
             name=self.name, verdict=verdict, assumptions=tuple(self._assumptions(conditions)), conditions=conditions

@@ -2,24 +2,26 @@
 
 from __future__ import annotations
 
+import functools
 import math
 
 from gproof.ir import codes
 from gproof.ir.dialects import accepts
 from gproof.ir.finding import FollowsRefusal, Refusal, Span
 from gproof.ir.machine import AXES
+from gproof.ir.modal_groups import MOTION, OF_FEEDS
 from gproof.ir.rules import CodeRule
 from gproof.ir.rules import Function as F
 from gproof.ir.trace import Op, PathMode, Plane, Wait
-from gproof.passes import compensated, feed_override, heads, spindle
-from gproof.passes.cycles import AXES_OF_PLANE, CYCLES
+from gproof.passes import compensated, feed_override, heads, refused_lines, spindle
+from gproof.passes.cycles import CYCLES
 from gproof.passes.emitter import ProgramEnd
 from gproof.passes.line import Line, check_unused, gather
 from gproof.passes.modal import INCH
 from gproof.passes.origins import Origins
 from gproof.passes.outputs import run_outputs
 from gproof.passes.transform_codes import frame_of, run_transform
-from gproof.passes.values import NOWHERE, Unknown, Value
+from gproof.passes.values import AXIS_INDEX, NOWHERE, Unknown, Value
 
 _FOR_HIGH = 1
 """L of M56: wait for high."""
@@ -30,7 +32,6 @@ class Blocks(Origins):
 
     def _line(self, span: Span, words: list[tuple[str, Value, Span]]) -> None:
         line: Line | None = None
-        moves = self._moves
         try:
             line = gather(self.program.rules, span, words)
             unsupported = line.find(F.UNSUPPORTED)
@@ -39,11 +40,7 @@ class Blocks(Origins):
             else:
                 self._beside(line, unsupported)
         except Refusal as refusal:
-            if line is not None and moves == self._moves:
-                self._recover(line)
-            elif line is None and refusal.finding.code is codes.UNSUPPORTED_CODE:
-                self.modal.lose_all(str(dict(refusal.finding.values)["code"]).rstrip(","))
-                self._state_changed()
+            self._recover(words, line, refusal)
             self._refuse(refusal.finding, told=isinstance(refusal, FollowsRefusal))
 
     def _beside(self, line: Line, unsupported: CodeRule) -> None:
@@ -64,42 +61,26 @@ class Blocks(Origins):
             self.modal.position[axis] = NOWHERE
         self._stop(line)
 
-    def _recover(self, line: Line) -> None:
-        """After an error the axes of the line are taken to be where it sent them, else anywhere.
+    def _recover(self, words: list[tuple[str, Value, Span]], line: Line | None, refusal: Refusal) -> None:
+        """After an error what the line may have changed is not known.
 
         A cycle that did not begin is in force nevertheless: the places of the lines behind it are holes.
         """
-        cycle = line.group("G1")
-        if cycle is not None and cycle.function in CYCLES and self.modal.motion != cycle.function:
+        aim = None if line is None or not line.find(F.ARC_CW, F.ARC_CCW) else functools.partial(self.aim, line)
+        refused_lines.refuse_words(self, words, AXIS_INDEX, refusal, refusal.finding, aim)
+        cycle = None if line is None else line.group("G1")
+        if cycle is not None and cycle.function in CYCLES:
             self.modal.motion = F.UNSUPPORTED
-        if any(rule.uses_axes and rule.group != "G1" for rule in line.rules):
-            return
-        before = [self.modal.programmed(axis) for axis in range(AXES)]
-        aimed = self.aim(line, machine=line.find(F.MACHINE_COORDINATES) is not None)
-        moved = set(line.axes()) | ({0, 1} if self.modal.transform.on and line.axes().keys() & {0, 1} else set())
-        where = {axis: aimed[axis] for axis in moved}
-        where |= dict.fromkeys(self._returns(line, moved), NOWHERE)
-        for axis, place in where.items():
-            self.modal.jumped = self.modal.jumped or place != self.modal.position[axis]
-            self.modal.position[axis] = place
-        compensated.recovered(self.modal, before, where)
-
-    def _returns(self, line: Line, moved: set[int]) -> set[int]:
-        """Axes that a refused line would not have left where its words send them."""
-        rule = line.group("G1") or self._motion_rules.get(self.modal.motion)
-        if rule is None:
-            return set()
-        if rule.function in CYCLES:
-            repeated = "L" in line.values and not self.modal.absolute
-            return (moved if repeated else set()) | {AXES_OF_PLANE[self.modal.plane][2]}
-        return moved if rule.function in (F.THREADING, F.SYNCHRONISED_RETURN) else set()
 
     def _execute(self, line: Line) -> None:
         """The steps of table 3-7, in its order (the comment, step 1, is the frontend's)."""
         owner = self._axis_owner(line)
+        if self.modal.unknown_modes and self._rests_on_lost(line):
+            return
         before = frame_of(self.modal, line)
         self._settings(line)
         run_transform(self, line, before)
+        refused_lines.restate(self, line.rules, bool(line.axes()))
         self._once(line)
         if owner is not None:
             self._motion(line, owner)
@@ -110,6 +91,23 @@ class Blocks(Origins):
             self._fail(codes.UNSUPPORTED_CODE.at(line.where("E"), code="E, the extruder of a 3D printer (2.11)"))
         check_unused(line)
         self._stop(line)
+
+    def _rests_on_lost(self, line: Line) -> bool:
+        """A line with a code that counts in what a refused line may have changed: what it would change is lost too."""
+        has_axes = bool(line.axes())
+        found = [rule for rule in line.rules if refused_lines.is_lost(self, rule, has_axes, line.span)]
+        if not found:
+            return False
+        line.used.update(line.values)
+        kept = [(r, w) for r, w in zip(line.rules, line.code_spans, strict=True) if r not in found]
+        line.rules, line.code_spans = [rule for rule, _ in kept], [where for _, where in kept]
+        if not any(rule.uses_axes for rule in found):
+            self._execute(line)
+            return True
+        self._settings(line)
+        refused_lines.restate(self, line.rules, has_axes)
+        self._stop(line)
+        return True
 
     def _settings(self, line: Line) -> None:
         """Steps 2 to 18."""
@@ -170,6 +168,8 @@ class Blocks(Origins):
             return None
         if motion is not None:
             raise Refusal(codes.AXIS_WORDS_UNUSED.at(line.span, why=f"{motion.text} on this line"))
+        if MOTION in self.modal.unknown_modes:
+            return refused_lines.LOST_MOTION
         if self.modal.motion == F.UNSUPPORTED:
             # G33 and its like leave such a motion too, with nothing refused before.
             because = FollowsRefusal if self.refused else Refusal
@@ -216,6 +216,8 @@ class Blocks(Origins):
             )
         s.feed = value if s.feed_mode == 93 else value * s.unit
         s.feed_unit = s.unit
+        if s.unknown_modes & OF_FEEDS:
+            s.feed = math.nan
 
     def _select_tool(self, line: Line) -> None:
         if "T" not in line.values:

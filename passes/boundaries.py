@@ -106,6 +106,7 @@ class Boundaries(Check):
         self._boxes: dict[Key, _Box] = {}
         self._trace: Trace | None = None
         self._errors = 0
+        self._is_open = False
         self._units = {axis.index: axis.unit for axis in machine.axes}
         self._vertical = vertical_axes(machine)
         self._unheld: set[int] = set()
@@ -224,7 +225,7 @@ class Boundaries(Check):
         verdict = Verdict.SAFE
         if self._errors or self.findings.has(Severity.ERROR, (self.name,)):
             verdict = Verdict.UNSAFE
-        elif self.findings.has(Severity.UNKNOWN, (self.name,)):
+        elif self._is_open or self.findings.has(Severity.UNKNOWN, (self.name,)):
             verdict = Verdict.UNKNOWN
         return PropertyResult(name=self.name, verdict=verdict, conditions=tuple(conditions), needed=tuple(needed))
 
@@ -261,7 +262,9 @@ class Boundaries(Check):
             word = self.machine.word(edge.axis)
             span = box.high_span[slot, edge.axis]
             if form == UNKNOWN or UNKNOWN in (self._trace.frames[slot // 2][edge.axis], edge.form):
-                if not self.findings.has(Severity.UNKNOWN, (self.name, "language")):
+                self._is_open = True
+                told = self.findings.has(Severity.UNKNOWN, (self.name, "language")) or self.findings.has(Severity.ERROR)
+                if not told:
                     self._unknown(span, word, "something nobody stated")
                 continue
             low = -math.inf if edge.low is None else edge.low + edge.shift - least

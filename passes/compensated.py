@@ -199,16 +199,6 @@ def no_probing(modal: Modal, line: Line, rule: CodeRule) -> None:
         raise Refusal(codes.PROBE_WITH_COMPENSATION.at(where, code=rule.text, hint="G40 before"))
 
 
-def recovered(modal: Modal, before: list[Position], where: dict[int, Position]) -> None:
-    """After a line that was refused the program is at its target; before: the programmed point before it."""
-    comp = modal.compensation
-    if comp is None:
-        return
-    if where.keys() & set(comp.axes):
-        u, v = (where.get(a, before[a]) for a in comp.axes)
-        modal.compensation = comp.at(u, v, placed=False)
-
-
 # -- moves
 
 

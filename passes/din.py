@@ -11,19 +11,19 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from gproof.ir import codes
+from gproof.ir import codes, modal_groups
 from gproof.ir.dialects.mcuwin import COOLANT, MOTION, SPINDLE, USER, has_code
 from gproof.ir.din import FIRST_USER_CODE, LAST_USER_CODE
-from gproof.ir.finding import Refusal, Severity, Span
+from gproof.ir.finding import Refusal, Span
 from gproof.ir.program import PARAMETER
 from gproof.ir.record import field, record
 from gproof.ir.rules import CodeRule
 from gproof.ir.rules import Function as F
-from gproof.passes import din_events, din_modes, din_motion, din_origins
+from gproof.passes import din_events, din_modes, din_motion, din_origins, refused_lines
 from gproof.passes.din_state import din_of
 from gproof.passes.line import LARGEST, Line
 from gproof.passes.single_state import letters_of
-from gproof.passes.values import NOWHERE, Unknown, Value
+from gproof.passes.values import Unknown, Value
 
 if TYPE_CHECKING:
     from gproof.passes.motion import Motion
@@ -89,18 +89,11 @@ def run(
     if distances:
         ex.modal.absolute = distances == "G90"
     columns = letters_of(ex.machine)
-    axes = {columns[letter] for letter, _, _ in words if letter in columns}
-    before = list(ex.modal.position)
-    moves = ex._moves
     try:
         line = _gather(ex, columns, span, words, bare)
         _execute(ex, line, continued)
     except Refusal as refusal:
-        # A line with an error stops the controller: nobody asks where the axes would have gone.
-        if moves == ex._moves and refusal.finding.severity is not Severity.ERROR and axes:
-            for axis in axes:
-                ex.modal.position[axis] = NOWHERE
-            ex.modal.jumped = ex.modal.jumped or before != ex.modal.position
+        refused_lines.refuse_words(ex, words, columns, refusal, refusal.finding)
         ex._refuse(refusal.finding)
 
 
@@ -271,7 +264,11 @@ def _execute(ex: Motion, line: Gathered, continued: str) -> None:
 def _handle(ex: Motion, part: Part) -> None:
     rule = part.rule
     assert rule is not None
+    has_axes = bool(part.axes())
+    if refused_lines.is_lost(ex, rule, has_axes, part.span):
+        return
     HANDLERS[rule.function](ex, part, rule)
+    refused_lines.restate(ex, (rule,), has_axes)
 
 
 def _judge_place(ex: Motion, line: Gathered, part: Part, motion: CodeRule | None) -> None:
@@ -302,6 +299,8 @@ def _continued(ex: Motion, line: Gathered, continued: str) -> CodeRule | None:
         return motion.rule
     if not motion.values:
         return None
+    if modal_groups.MOTION in ex.modal.unknown_modes:
+        return refused_lines.LOST_MOTION
     others = [part.rule for part in line.parts if part.rule is not None and part.rule.letter == "G"]
     keeps = din_of(ex.machine).keeps_over_codes and not any(rule.function is F.DWELL for rule in others)
     if continued == "?" or (others and not keeps):

@@ -13,7 +13,8 @@ from typing import TYPE_CHECKING
 from gproof.ir import codes
 from gproof.ir.dialects.mcuwin import COMMON, DECLARED, PROTECTED
 from gproof.ir.din import VERSIONS, TaskCode
-from gproof.ir.finding import Refusal, Span
+from gproof.ir.finding import FollowedRefusal, Refusal, Span
+from gproof.ir.modal_groups import OF_FEEDS
 from gproof.ir.program import PARAMETER, Named
 from gproof.ir.rules import CodeRule
 from gproof.ir.rules import Function as F
@@ -97,7 +98,7 @@ def act(ex: Motion, line: Part, rule: CodeRule, stated: TaskCode | None, action:
             shared = [number for number in s.parameters if number < DECLARED]
             s.parameters.update({number: Unknown(f"what {rule.text} leaves") for number in shared})
             hint = f'[din.task0] {rule.text} = "..." in the machine file says it'
-            raise Refusal(codes.TASK_UNKNOWN.at(line.code_span(), code=rule.text, hint=hint))
+            raise FollowedRefusal(codes.TASK_UNKNOWN.at(line.code_span(), code=rule.text, hint=hint))
 
 
 def _as_written(line: Part, rule: CodeRule) -> str:
@@ -301,6 +302,8 @@ def feed(ex: Motion, line: Part) -> None:
         s.din = s.din.but(feed=math.nan, feed_cause=cause, asked="", given=True)
     else:
         s.din = s.din.but(feed=value * s.unit * 60.0 / (s.din.time_unit or 60.0), asked="", given=True)
+        if s.unknown_modes & OF_FEEDS:
+            s.din = s.din.but(feed=math.nan, feed_cause="what F counts in behind a refused line")
 
 
 def speed(ex: Motion, line: Part) -> None:
@@ -314,7 +317,7 @@ def speed(ex: Motion, line: Part) -> None:
         end_contour(ex, line, "S")
     if stated is not None and stated.action == "unknown":
         lose_places(ex)
-        raise Refusal(codes.TASK_UNKNOWN.at(line.where("S"), code="S"))
+        raise FollowedRefusal(codes.TASK_UNKNOWN.at(line.where("S"), code="S"))
     if stated is None:
         ex.assumed["S sets the speed of the spindle, and moves no axis (5.4)"] = None
     if stated is not None and stated.action == "nothing":
@@ -352,7 +355,7 @@ def tool(ex: Motion, line: Part) -> None:
     if action == "unknown":
         lose_places(ex)
         hint = '[din.task0] T = "tool_select" or another in the machine file says it'
-        raise Refusal(codes.TASK_UNKNOWN.at(line.where("T"), code="T", hint=hint))
+        raise FollowedRefusal(codes.TASK_UNKNOWN.at(line.where("T"), code="T", hint=hint))
     if stated is None or stated.breaks is not False:
         end_contour(ex, line, "T")
     if action == "tool_change":
@@ -399,7 +402,7 @@ def correction_table(ex: Motion, line: Part) -> None:
     value = line.values["D"]
     if stated is not None and stated.action == "unknown":
         lose_places(ex)
-        raise Refusal(codes.TASK_UNKNOWN.at(line.where("D"), code="D"))
+        raise FollowedRefusal(codes.TASK_UNKNOWN.at(line.where("D"), code="D"))
     if stated is None:
         ex.assumed["D does nothing (5.6)"] = None
         hint = 'T selects the record of the tool table; [din.task0] D = "..." of the machine file says what Task 0 does'

@@ -18,6 +18,7 @@ from gproof.ir.rules import CodeRule
 from gproof.ir.rules import Function as F
 from gproof.ir.setup import Interval
 from gproof.ir.trace import Op, Plane
+from gproof.passes import refused_lines
 from gproof.passes.cycles import AXES_OF_PLANE
 from gproof.passes.din_compensation import before, contour_place, follow, no_arc, note_record, tell_for_nothing
 from gproof.passes.din_state import SAME, din_of, factor, has_tools, own_unit
@@ -136,6 +137,8 @@ def _word(ex: Motion, axis: int) -> str:
 def move(ex: Motion, line: Part, rule: CodeRule) -> None:
     """G00 to G03, given or going on."""
     note_assumptions(ex)
+    if refused_lines.vague(ex, line, rule):
+        return
     s = ex.modal
     words = line.axes()
     arc = rule.function in (F.ARC_CW, F.ARC_CCW)

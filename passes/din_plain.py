@@ -45,6 +45,7 @@ def is_plain(ex: Emitter) -> bool:
     own = {axis.index for axis in machine.axes if axis.index < 3}
     return (
         all(own_unit(machine, axis) == s.unit for axis in own)
+        and s.modes_known
         and not din.mode_open
         and not din.reflected
         and not din.spline

@@ -305,7 +305,12 @@ class Emitter:
             self.event(Op.DWELL, line.span, arg=(wait, 0.0))
 
     def _read_other(self, node: Named | Input) -> Value:
-        return self._manner.named(self, node) if isinstance(node, Named) else self._manner.input(self, node)
+        if isinstance(node, Input):
+            return self._manner.input(self, node)
+        value = self._manner.named(self, node)
+        if self.modal.unknown_modes and len(node.name) > 1:
+            return Unknown(f"{node.name} behind a refused line")
+        return value
 
     def _read(self, number: float, span: Span) -> Value:
         whole = round(number)

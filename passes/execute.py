@@ -15,7 +15,7 @@ from collections.abc import Iterator
 from gproof.ir import codes
 from gproof.ir.columns import Columns
 from gproof.ir.dialects.accepts import ACCEPTS
-from gproof.ir.finding import Finding, Findings, Refusal, Span
+from gproof.ir.finding import Finding, Findings, FollowedRefusal, Refusal, Span
 from gproof.ir.machine import Machine
 from gproof.ir.program import (
     Array,
@@ -47,6 +47,7 @@ from gproof.ir.program import (
 )
 from gproof.ir.setup import Setup
 from gproof.ir.trace import Chunk, Edge, Op, Trace, TraceSection, Wait
+from gproof.passes import refused_lines
 from gproof.passes.arrays import back_from_file, begin_array, next_cell
 from gproof.passes.branches import LOOPS
 from gproof.passes.commands import run_command
@@ -290,10 +291,10 @@ class Executor(Flow):
         if place < 0:
             if any(frame.cells is not None for frame in self._stack):
                 what = "M99 in an array of the job (whether the other places are still cut is not said)"
-                raise Refusal(codes.UNSUPPORTED_CODE.at(span, code=what))
+                raise FollowedRefusal(codes.UNSUPPORTED_CODE.at(span, code=what))
             if self._is_more():
                 what = "M99 in the job itself with lines behind it (whether it ends more than a subprogram is not said)"
-                raise Refusal(codes.UNSUPPORTED_CODE.at(span, code=what))
+                raise FollowedRefusal(codes.UNSUPPORTED_CODE.at(span, code=what))
             self._end = "M99", span.line
             if self.program.tail and not self._is_behind():
                 self._warn_after_end()
@@ -402,16 +403,20 @@ class Executor(Flow):
             elif isinstance(node, Device):
                 run_command(self, node)
             elif isinstance(node, Mistake):
-                raise Refusal(Finding(codes.CODES[node.code], node.span, node.message))
+                finding = Finding(codes.CODES[node.code], node.span, node.message, node.hint)
+                refused_lines.lose_everything(self, finding)
+                raise Refusal(finding)
             elif isinstance(node, Unsupported):
                 entry = ACCEPTS.get(node.accepted)
                 if entry is not None and self.takes(entry):
                     for one in node.means:
                         self._guarded(one)
                     return
-                self._manner.unsupported(self, node)
                 hint = entry.hint if entry else ""
-                raise Refusal(codes.UNSUPPORTED_CODE.at(node.span, code=node.what, hint=hint))
+                finding = codes.UNSUPPORTED_CODE.at(node.span, code=node.what, hint=hint)
+                self._manner.unsupported(self, node)
+                refused_lines.lose_everything(self, finding)
+                raise Refusal(finding)
             elif isinstance(node, Definition):
                 what = f"the definition of {node.name} in a file that is run as a job"
                 raise Refusal(codes.UNSUPPORTED_CODE.at(node.span, code=what))
@@ -419,7 +424,7 @@ class Executor(Flow):
                 # Nothing that a program may hold is passed over because nobody has thought of it here.
                 raise Refusal(codes.UNSUPPORTED_CODE.at(node.span, code=type(node).__name__.lower()))  # type: ignore[union-attr]
         except Refusal as refusal:
-            self._refuse(refusal.finding, told=isinstance(node, Unsupported) and node.told)
+            self._refuse(refusal.finding, told=isinstance(node, Unsupported | Mistake) and node.told)
 
     def _message(self, node: Message) -> None:
         text = describe_parts(node.parts, self.evaluator)

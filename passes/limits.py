@@ -149,6 +149,7 @@ class Limits(Check):
         self._unhomed = setup.unhomed(machine)
         self._used = [False] * AXES
         self._errors = 0
+        self._is_open = False
         self._needed: dict[Affine, tuple[float, float]] = {}
         self._first: Span | None = None
         self._assumptions: list[str] = []
@@ -427,6 +428,7 @@ class Limits(Check):
             return PropertyResult(name=self.name, verdict=Verdict.SAFE)
         offsets: dict[Affine, _Offset] = {}
         for index in range(AXES):
+            self._judge_lost(index)
             if self._moves(index):
                 self._note_settings(AXIS_NAMES[index])
                 self._judge_axis(index, offsets)
@@ -439,7 +441,7 @@ class Limits(Check):
         verdict = Verdict.SAFE
         if self._errors or self.findings.has(Severity.ERROR, (self.name,)):
             verdict = Verdict.UNSAFE
-        elif self.findings.has(Severity.UNKNOWN, (self.name,)):
+        elif self._is_open or self.findings.has(Severity.UNKNOWN, (self.name,)):
             verdict = Verdict.UNKNOWN
         return PropertyResult(
             name=self.name, verdict=verdict, assumptions=tuple(self._assumptions), conditions=results, needed=needed
@@ -453,16 +455,33 @@ class Limits(Check):
                 self.noted.append(setting)
 
     def _moves(self, index: int) -> bool:
-        """True when any row brings the axis somewhere else than it stood at the start."""
+        """True when any row brings the axis to a place that is not that of the start, as far as that is known."""
         assert self._trace is not None
         for slot in range(len(self._low)):
             if self._high[slot, index] < self._low[slot, index]:
                 continue
             form = self._trace.frames[slot // 2][index]
+            if form == UNKNOWN:
+                continue
             moved = self._low[slot, index] != self._high[slot, index] or self._low[slot, index] != self._start[index]
             if form != self._start_forms[index] or moved:
                 return True
         return False
+
+    def _judge_lost(self, index: int) -> None:
+        """GP304 for an axis of which nobody knows where it goes, unless its cause is told."""
+        assert self._trace is not None
+        for slot in range(len(self._low)):
+            there = self._low[slot, index] <= self._high[slot, index]
+            if not there or self._trace.frames[slot // 2][index] != UNKNOWN:
+                continue
+            self._is_open = True
+            if self.findings.has(Severity.UNKNOWN, (self.name,)) or self.findings.has(Severity.ERROR):
+                continue
+            known = self.reaches.get(AXIS_NAMES[index])
+            word = AXIS_NAMES[index].upper() if known is None else known.axis.word
+            where = self._low_span[slot, index]
+            self.findings.add(codes.POSITION_UNKNOWN.at(where, axis=word, cause="something nobody stated"))
 
     def _judge_axis(self, index: int, offsets: dict[Affine, _Offset]) -> None:
         assert self._trace is not None and self._first is not None
@@ -479,15 +498,8 @@ class Limits(Check):
             if most < least:
                 continue
             form, off = self._trace.frames[slot // 2][index], slot % 2 == 1
-            if form == UNKNOWN:
-                if self.findings.has(Severity.UNKNOWN, (self.name,)):
-                    continue  # the cause is told already
-                self.findings.add(
-                    codes.POSITION_UNKNOWN.at(self._low_span[slot, index], axis=word, cause="something nobody stated")
-                )
-                continue
-            if _is_lost(form):
-                continue  # told at its first move
+            if form == UNKNOWN or _is_lost(form):
+                continue  # told already, or at its first move
             low, high = self._sides(axis, off)
             if off and axis is not None:
                 low, high = self._guard_off(axis, form, slot, least, most)

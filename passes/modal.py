@@ -11,6 +11,7 @@ from dataclasses import replace
 from gproof.ir import codes
 from gproof.ir.finding import Refusal, Span
 from gproof.ir.machine import AXES, AXIS_NAMES, Machine
+from gproof.ir.modal_groups import OF_FEEDS, OF_ORIGINS, SPINDLE
 from gproof.ir.rules import LanguageRules, ParameterRange
 from gproof.ir.setup import Interval, Setup
 from gproof.ir.trace import HEIGHT_MAP, UNKNOWN, Affine, Boundary, PathMode, Plane, State, TipOffset, ToolDiameter
@@ -160,6 +161,12 @@ class Modal:
         self.clamped = False
         self.drives_were_off = False
         self.jumped = False
+        self.unknown_modes = frozenset[str]()
+        """Modal groups that a refused line may have changed, and that no code has stated since (``refused_lines``)."""
+        self.line_lost = False
+        """A refused line may have moved the axes or changed what words count in."""
+        self.refused_at: Span | None = None
+        """That line, until a move that rests on it is told."""
         self.lost = ""
         """What nobody can follow has come: variables that nothing has set since are not known."""
         self.not_programmed: tuple[int, ...] = ()
@@ -201,7 +208,7 @@ class Modal:
 
     def offset(self, axis: int) -> Position:
         """Where the program's zero of an axis lies in machine coordinates."""
-        if axis in self.not_programmed:
+        if axis in self.not_programmed or self.unknown_modes & OF_ORIGINS:
             return NOWHERE
         return self.work_offsets[self.work, axis].plus(self.g92[axis]).plus(self.beside_work(axis))
 
@@ -275,9 +282,15 @@ class Modal:
             and not self.drives_were_off
             and not self.jumped
             and not self.feed_unknown
+            and self.modes_known
             # From nowhere an arc goes nowhere: whether its ends fit nobody can say.
             and all(place.form != UNKNOWN for place in self.position)
         )
+
+    @property
+    def modes_known(self) -> bool:
+        """True where no refused line leaves open what moves and feeds mean, or waits to be told with a move."""
+        return self.refused_at is None and not self.unknown_modes - {SPINDLE}
 
     @property
     def transform_in_doubt(self) -> bool:
@@ -300,8 +313,9 @@ class Modal:
 
     @property
     def feed_unknown(self) -> bool:
-        """True while an override that the program set changes feeds by a factor nobody knows."""
-        return self.feed_input or math.isnan(self.feed_override)
+        """True while an override that the program set changes feeds by a factor nobody knows, or what they count in was
+        lost with a refused line."""
+        return self.feed_input or math.isnan(self.feed_override) or bool(self.unknown_modes & OF_FEEDS)
 
     def has_axis(self, axis: int) -> bool:
         """True when the machine has that axis."""
@@ -401,6 +415,8 @@ class Modal:
             return self.parameters[whole]
         if self.lost and entry.kind in ("free", "persistent"):
             return Unknown(self.lost)
+        if self.unknown_modes and entry.kind not in ("free", "persistent"):
+            return Unknown(f"{self.rules.name_of(whole)} behind a refused line")
         show = _SHOWN.get(entry.kind)
         value: Value | None = self.setup.parameters.get(whole) if entry.kind in _STATED_FIRST else None
         if value is not None:
@@ -571,7 +587,7 @@ class Modal:
 
     def lose_all(self, what: str) -> None:
         """Behind what nobody can follow neither the places of axes nor the values of variables are known."""
-        self.position = [NOWHERE] * AXES
+        self.position = [NOWHERE if self.has_axis(axis) else place for axis, place in enumerate(self.position)]
         self.jumped = True
         self.lost = what
         self.parameters.update({number: Unknown(what) for number in self.parameters})

@@ -10,7 +10,7 @@ from gproof.ir.machine import AXES, AXIS_NAMES
 from gproof.ir.rules import CodeRule
 from gproof.ir.rules import Function as F
 from gproof.ir.trace import KNIFE, Op, Plane, Wait
-from gproof.passes import compensated
+from gproof.passes import compensated, refused_lines
 from gproof.passes import execute_kernels as k
 from gproof.passes.arc_condition import radius_arc_warning
 from gproof.passes.cycles import AXES_OF_PLANE, CYCLES, run_cycle
@@ -101,6 +101,8 @@ class Motion(Emitter):
     def _motion(self, line: Line, rule: CodeRule) -> None:
         self._note_assumptions(line, rule)
         machine = line.find(F.MACHINE_COORDINATES)
+        if refused_lines.vague(self, line, rule, machine=machine is not None):
+            return
         if machine is not None and rule.function not in (F.TRAVERSE, F.FEED, F.PROBE):
             raise Refusal(codes.G53_NEEDS_G0_G1.at(line.where_code(machine), mode=rule.text))
         comp = self.modal.compensation
@@ -350,6 +352,8 @@ class Motion(Emitter):
                 s.single = drifted(s.single, s.position, target)
         if s.compensation is not None and programmed is None:
             raise Refusal(codes.COMPENSATION_UNKNOWN.at(span, cause=compensated.APART, hint="G40 before"))
+        if s.refused_at is not None:
+            refused_lines.tell(self, target, span)
         if s.jumped:
             # No row says how the axes came from the last one to here.
             s.jumped = False

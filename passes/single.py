@@ -6,21 +6,24 @@ without a command is the active motion, a feed, or a speed. Source: WinCNC Users
 
 from __future__ import annotations
 
+import functools
 import math
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from gproof.ir import codes
 from gproof.ir.dialects.accepts import REPEATED_CHANNEL
-from gproof.ir.finding import Refusal, Severity, Span
+from gproof.ir.finding import Refusal, Span
+from gproof.ir.machine import AXES
+from gproof.ir.modal_groups import MOVES, PLACE
 from gproof.ir.program import Text
 from gproof.ir.record import field, record
 from gproof.ir.rules import CHECKED_ONLY, CodeRule, LanguageRules
 from gproof.ir.rules import Function as F
-from gproof.passes import single_cycles, single_events, single_motion, single_origins
+from gproof.passes import refused_lines, single_cycles, single_events, single_motion, single_origins
 from gproof.passes.line import LARGEST, Line
 from gproof.passes.single_state import letters_of
-from gproof.passes.values import NOWHERE, Unknown, Value
+from gproof.passes.values import Unknown, Value
 
 if TYPE_CHECKING:
     from gproof.passes.motion import Motion
@@ -164,7 +167,8 @@ def _channels_apart(ex: Motion, words: Words) -> list[Words]:
 
 def _run_alone(ex: Motion, span: Span, words: Words, texts: Texts, comment: str, bare: frozenset[str]) -> None:
     line: Command | None = None
-    moves = ex._moves
+    if ex.modal.line_lost:
+        refused_lines.settle(ex.modal)
     devices = ex.machine.controller.controls.devices
     try:
         has_laser = devices is not None and "laser" in devices
@@ -172,16 +176,14 @@ def _run_alone(ex: Motion, span: Span, words: Words, texts: Texts, comment: str,
         line.texts, line.comment, line.bare = dict(texts), comment, bare
         _execute(ex, line)
     except Refusal as refusal:
-        # A line with an error stops the controller: nobody asks where the axes would have gone.
         finding = refusal.finding
+        columns = letters_of(ex.machine)
         if finding.code is codes.UNKNOWN_CODE and ex.program.open_codes:
             what = f"{finding.message.split()[0]}, which only a macro file would define,"
             hint = "CNC.MAC may define it: --machine WINCNC.INI, with CNC.MAC beside it"
             finding = codes.UNSUPPORTED_CODE.at(finding.span, code=what, hint=hint)
-            single_motion.lose_places(ex)
-            ex.modal.jumped = True
-        elif line is not None and moves == ex._moves and finding.severity is not Severity.ERROR:
-            _recover(ex, line)
+        aim = None if line is None else functools.partial(single_motion.aim, ex, line)
+        refused_lines.refuse_words(ex, words, columns, refusal, finding, aim)
         ex._refuse(finding)
     finally:
         if ex.modal.single.absolute_once is not None:
@@ -210,6 +212,8 @@ def _execute(ex: Motion, line: Command) -> None:
             s.stated.add("distance")
         elif rule.function in MEANT_BOTH:
             s.single = s.single.but(absolute_once=rule.function is F.ABSOLUTE_ONCE)
+    has_axes = bool(line.axes())
+    refused_lines.restate(ex, line.companions, has_axes)
     command = line.command
     if command is None:
         single_motion.without_command(ex, line)
@@ -223,7 +227,19 @@ def _execute(ex: Motion, line: Command) -> None:
         single_events.note(ex, line, command)
         return
     ex.settings.line(command, line.span)
+    if s.line_lost and _rests_on_lost(ex, line, command):
+        return
     HANDLERS[command.function](ex, line, command)
+    refused_lines.restate(ex, (command,), has_axes)
+
+
+def _rests_on_lost(ex: Motion, line: Command, command: CodeRule) -> bool:
+    """Whether a command rests on what a refused line may have changed: it then goes, or sets, nobody knows what."""
+    if command.function not in MOVES:
+        return refused_lines.is_lost(ex, command, bool(line.axes()), line.span)
+    if "F" in line.values:
+        single_motion.feed_word(ex, line, set(line.axes()))
+    return refused_lines.vague(ex, line, command, machine=command.function is F.MACHINE_TRAVERSE)
 
 
 def _judge_companions(ex: Motion, line: Command) -> None:
@@ -272,36 +288,9 @@ def _need_device(ex: Motion, line: Command, command: CodeRule) -> None:
 
 def _unsupported(ex: Motion, line: Command, command: CodeRule) -> None:
     what = f"{command.text} ({command.open})" if command.open else command.text
-    ex._fail(codes.UNSUPPORTED_CODE.at(line.where_code(command), code=what))
-    if command.uses_axes or command.has_text:
-        axes = line.axes()
-        if not axes:
-            single_motion.lose_places(ex)
-        for axis in axes:
-            ex.modal.position[axis] = NOWHERE
-        ex.modal.jumped = True
-
-
-def _recover(ex: Motion, line: Command) -> None:
-    """Behind a line that is not understood its axes are taken to be where it sent them, else anywhere."""
-    s = ex.modal
-    command = line.command
-    if command is not None and not command.uses_axes:
-        return
-    if command is not None and command.function not in single_motion.MOVES:
-        return
-    machine = command is not None and command.function is F.MACHINE_TRAVERSE
-    try:
-        aimed = single_motion.aim(ex, line, machine=machine)
-    except Refusal:
-        aimed = [NOWHERE if axis in line.axes() else place for axis, place in enumerate(s.position)]
-    if command is not None and command.function in single_cycles.CYCLES:
-        aimed[2] = NOWHERE
-    if command is None and s.cycle_code:
-        aimed = [NOWHERE if axis == 2 or axis in line.axes() else place for axis, place in enumerate(aimed)]
-    for axis, place in enumerate(aimed):
-        s.jumped = s.jumped or place != s.position[axis]
-        s.position[axis] = place
+    finding = codes.UNSUPPORTED_CODE.at(line.where_code(command), code=what)
+    refused_lines.lose(ex, {PLACE}, finding, frozenset(line.axes() or range(AXES)))
+    ex._fail(finding)
 
 
 HANDLERS = {

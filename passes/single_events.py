@@ -10,7 +10,7 @@ import math
 from typing import TYPE_CHECKING
 
 from gproof.ir import codes
-from gproof.ir.finding import Refusal, Span
+from gproof.ir.finding import FollowedRefusal, Refusal, Span
 from gproof.ir.machine import AXES, AXIS_NAMES
 from gproof.ir.program import Input, Named
 from gproof.ir.rules import CodeRule
@@ -438,7 +438,7 @@ def map_pulses(ex: Motion, line: Command, rule: CodeRule) -> None:
     flags = s.single.flags | {COUPLING_OPEN} if what else s.single.flags
     s.single = s.single.but(slaves=tuple(sorted(pairs)), flags=flags)
     if what:
-        raise Refusal(codes.UNSUPPORTED_CODE.at(line.span, code=f"{rule.text} {' '.join(letters)} {what}"))
+        raise FollowedRefusal(codes.UNSUPPORTED_CODE.at(line.span, code=f"{rule.text} {' '.join(letters)} {what}"))
 
 
 def _same_steps(ex: Motion, leader: int, follower: int) -> bool:
@@ -543,7 +543,7 @@ def knife(ex: Motion, line: Command, rule: CodeRule) -> None:
             lose_places(ex)
             if mode is not None and (mode.blade or mode.both_ways):
                 s.single = s.single.but(flags=s.single.flags | {LEANING})
-            raise Refusal(codes.UNSUPPORTED_CODE.at(line.span, code=f"{rule.text} {problem}"))
+            raise FollowedRefusal(codes.UNSUPPORTED_CODE.at(line.span, code=f"{rule.text} {problem}"))
     s.following = tuple(sorted({*s.following, KNIFE}))
     ex._state_changed()
     single_knife.switched(ex, line.span)

@@ -15,10 +15,12 @@ from gproof.ir.controls import Controls
 from gproof.ir.dialects import accepts
 from gproof.ir.finding import Refusal, Span
 from gproof.ir.machine import AXES, AXIS_NAMES
+from gproof.ir.modal_groups import MOTION, OF_FEEDS
 from gproof.ir.rules import CodeRule
 from gproof.ir.rules import Function as F
 from gproof.ir.trace import Op, Plane, Wait
 from gproof.passes import execute_kernels as k
+from gproof.passes import refused_lines
 from gproof.passes.arc_condition import radius_arc_warning
 from gproof.passes.single_kernels import SAME, ZERO_RADIUS, agreed, distance
 from gproof.passes.single_state import (
@@ -267,6 +269,9 @@ def without_command(ex: Motion, line: Command) -> None:
             what = "an F in front of axes without numbers: a feed for them, or a move to 0 besides"
             feed_word(ex, line, columns)
             raise Refusal(codes.UNSUPPORTED_CODE.at(line.span, code=what))
+    if MOTION in s.unknown_modes:
+        refused_lines.vague(ex, line, refused_lines.LOST_MOTION)
+        return
     if s.motion == 0 and not s.cycle_code and not stored and not ex.takes(accepts.KEPT_MOTION):
         hint = accepts.KEPT_MOTION.hint
         raise Refusal(codes.AXIS_WORDS_UNUSED.at(line.span, why="no motion code before", hint=hint))
@@ -289,6 +294,11 @@ def without_command(ex: Motion, line: Command) -> None:
     from gproof.passes.single import HANDLERS as ALL
 
     ex.settings.line(rule, line.span)
+    if s.line_lost:
+        if "F" in letters:
+            feed_word(ex, line, set(axes))
+        if refused_lines.vague(ex, line, rule):
+            return
     ALL[rule.function](ex, line, rule)
     if stored:
         s.motion = motion
@@ -338,7 +348,7 @@ def feed_word(ex: Motion, line: Command, columns: set[int] | None = None) -> Non
     feeds = list(s.single.feeds)
     named = feed_columns(ex.machine.controller.controls, columns or set())
     for column in named:
-        feeds[column] = rate * s.scale(column)
+        feeds[column] = math.nan if s.unknown_modes & OF_FEEDS else rate * s.scale(column)
     doubt = s.single.feed_doubt and not named & {0, 1}
     s.single = s.single.but(feeds=tuple(feeds), feed_doubt=doubt)
 

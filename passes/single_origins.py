@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, NoReturn
 
 from gproof.ir import codes
 from gproof.ir.controls import Workspace
-from gproof.ir.finding import Refusal
+from gproof.ir.finding import FollowedRefusal, Refusal
 from gproof.ir.machine import AXES, AXIS_NAMES
 from gproof.ir.rules import CodeRule
 from gproof.ir.rules import Function as F
@@ -305,7 +305,7 @@ def _turn(ex: Motion, line: Command, rule: CodeRule, space: Workspace | None) ->
         ex.assumed["a spindle that turns (g54= T3) stands within twice its radius of its workspace's shift"] = None
     ex._state_changed()
     ex.event(Op.OFFSET, line.span, arg=(float(rule.value), 0.0))
-    raise Refusal(codes.UNSUPPORTED_CODE.at(line.span, code=f"{rule.text} {turning(space)}"))
+    raise FollowedRefusal(codes.UNSUPPORTED_CODE.at(line.span, code=f"{rule.text} {turning(space)}"))
 
 
 def _doubt_transform(ex: Motion, line: Command, rule: CodeRule, axes: set[int]) -> None:

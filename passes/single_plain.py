@@ -33,6 +33,8 @@ def is_plain(s: Modal) -> bool:
     single = s.single
     return (
         s.feed_mode == 94
+        and s.modes_known
+        and not s.line_lost
         and single.sources == _ALL
         and not single.slaves
         and not single.locked

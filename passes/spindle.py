@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 
 from gproof.ir import codes
 from gproof.ir.finding import Refusal
+from gproof.ir.modal_groups import SPINDLE
 from gproof.ir.rules import CodeRule
 from gproof.ir.rules import Function as F
 from gproof.passes.line import Line
@@ -29,6 +30,8 @@ MM_PER_FOOT = 304.8
 
 def commanded_rpm(s: Modal) -> float:
     """Revolutions a minute that the program asks for while it turns; 0 at rest, NaN not known."""
+    if SPINDLE in s.unknown_modes:
+        return math.nan
     if s.spindle_direction == 0:
         return 0.0
     if s.surface_speed_mode or not s.speed_override_known or isinstance(s.spindle_speed, Unknown):

@@ -19,7 +19,7 @@ import numpy.typing as npt
 
 from gproof.ir import codes
 from gproof.ir.columns import Columns, occurring
-from gproof.ir.finding import Findings, Span
+from gproof.ir.finding import Findings, Severity, Span
 from gproof.ir.machine import AXIS_NAMES, Area, Machine
 from gproof.ir.setup import ZERO, Setup
 from gproof.ir.trace import HEIGHT_MAP, UNKNOWN, Affine, Chunk, Op, Plane, State, Trace
@@ -75,6 +75,8 @@ class ZoneCheck:
     ) -> None:  # fmt: skip
         self.area, self.machine, self.setup, self.findings = area, machine, setup, findings
         self.errors = 0
+        self.is_open = False
+        """It is not decided, for a reason that is told elsewhere."""
         self._heights, self._straight, self._origin, self._change = heights, straight, origin, change
         self._hears, self._number, self._told = hears, part, told
         self._views: list[View] = []
@@ -331,6 +333,11 @@ class ZoneCheck:
             name = self.area.name
             self.findings.add(codes.KEEP_OUT_ZONE.at(span, name=name, where=where, depth=entry.depth, hint=view.part))
 
+    def _is_told(self) -> bool:
+        """Whether it is told elsewhere that places are lost: with a line that is refused, or at the move behind it."""
+        counts = self.findings.counts
+        return codes.POSITION_UNKNOWN.number in counts or self.findings.has(Severity.ERROR)
+
     def _doubt(self, span: Span, cause: str, view: View) -> None:
         if view.off:
             self.findings.add(codes.TOOL_CHANGE_AREA_GUARD_OFF.at(span))
@@ -441,6 +448,9 @@ class ZoneCheck:
         if found is not None:
             return found
         assert self._symbolic is not None
+        if self._open.has_lost and self._is_told():
+            self.is_open = True
+            return ()
         cause = ", ".join(self._open.causes())
         if self._change:
             self.findings.add(codes.TOOL_CHANGE_AREA_UNKNOWN.at(self._symbolic, cause=cause))

@@ -63,6 +63,11 @@ class OpenPlaces:
         else:
             self.low[key], self.high[key] = low.copy(), high.copy()
 
+    @property
+    def has_lost(self) -> bool:
+        """Whether of some of the places nothing is known at all."""
+        return any(UNKNOWN in self.trace.frames[frame][:3] for _, frame in self.low)
+
     def causes(self) -> list[str]:
         """What the places rest on, in words."""
         forms = (f for view, frame in self.low for f in (*self._forms(view, frame), *self._tip_form(view, frame)))

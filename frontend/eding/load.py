@@ -32,6 +32,7 @@ from gproof.ir.program import (
     DeferredBlock,
     If,
     Message,
+    Mistake,
     Number,
     Program,
     SourceFile,
@@ -322,8 +323,19 @@ class _Loader:
                 return
             finding = error.code.at(span, **error.values)
             self.mistake(finding, self.assembler.subprogram, sure=error.structure in ("sub", "endsub"))
-            if error.structure in STRUCTURAL:
-                self.assembler.add(Structural(error.structure, span))
+            line = Mistake(
+                code=finding.code.number, message=finding.message, span=span, text=decode(raw).strip(),
+                hint=finding.hint, told=True,
+            )  # fmt: skip
+            if error.structure not in STRUCTURAL:
+                self.assembler.add(line)
+                return
+            opens = error.structure in ("if", "while")
+            if opens:
+                self.assembler.add(line)
+            self.assembler.add(Structural(error.structure, span))
+            if not opens and error.structure != "sub":
+                self.assembler.add(line)
 
     def _beyond(self, statement: Parsed) -> None:
         """A finding for what only some controllers take, where nobody says that this one does."""

@@ -28,13 +28,14 @@ from gproof.frontend.mcuwin.pascal import (
 from gproof.frontend.mcuwin.pascal_lexer import Lexer
 from gproof.ir import codes
 from gproof.ir.dialects.mcuwin_persistence import Persistence
-from gproof.ir.finding import Findings, Refusal, Span
+from gproof.ir.finding import Finding, Findings, Refusal, Span
 from gproof.ir.program import (
     Declare,
     Expr,
     For,
     If,
     Include,
+    Mistake,
     Mode,
     Number,
     Repeat,
@@ -115,6 +116,14 @@ class Structure:
         """Statements that follow."""
         self.body.extend(nodes)
 
+    def refused(self, finding: Finding, text: str) -> None:
+        """A line that can not be read, in its place: it may have changed anything."""
+        self.section.broken = True
+        self.add((Mistake(
+            code=finding.code.number, message=finding.message, span=finding.span, text=text.strip(), hint=finding.hint,
+            told=True,
+        ),))  # fmt: skip
+
     def module(self, name: str, span: Span) -> None:
         """A percent sign, with a name or without."""
         self.finish()
@@ -142,7 +151,7 @@ class Structure:
             self._line(found)
         except Refusal as refusal:
             self.findings.add(refusal.finding)
-            self.section.broken = True
+            self.refused(refusal.finding, text)
             self._keep_balance(Lexer([text], place, at))
             found = None
         return found

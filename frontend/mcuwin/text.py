@@ -109,7 +109,7 @@ class Text:
             self._line(text, file, number, found)
         except Refusal as refusal:
             self.findings.add(refusal.finding)
-            self.structure.section.broken = True
+            self.structure.refused(refusal.finding, text)
             self.persistence.cut()
         return found
 

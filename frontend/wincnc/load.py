@@ -25,7 +25,7 @@ from gproof.ir.columns import Columns
 from gproof.ir.controls import Controls
 from gproof.ir.dialects import rules_named
 from gproof.ir.dialects.accepts import TEXT_AFTER_COMMENT
-from gproof.ir.finding import Findings, Refusal, Severity, Span
+from gproof.ir.finding import Finding, Findings, Refusal, Severity, Span
 from gproof.ir.machine import Machine
 from gproof.ir.notes import NO_NOTES
 from gproof.ir.program import (
@@ -338,7 +338,7 @@ class _Loader:
             # A mistake of the jobs that come to it alone. Columns of the value are those of WINCNC.INI only: a place
             # in TOML has none.
             span = finding.span if place.column else place
-            return (Mistake(code=finding.code.number, message=message, span=span, text=text.strip()),)
+            return (_mistake(dataclasses.replace(finding, message=message, span=span), text),)
         if parsed is None:
             return ()
         if isinstance(parsed, Head | ArrayLine):
@@ -426,7 +426,9 @@ class _Walk:
                     inside.append(parsed)
                 continue
             if not self.is_job:
-                self.loader.findings.add(codes.ARRAY_IN_SUBPROGRAM.at(parsed.span, code="L10"))
+                finding = codes.ARRAY_IN_SUBPROGRAM.at(parsed.span, code="L10")
+                self.loader.findings.add(finding)
+                yield _mistake(finding, "", told=True)
                 continue
             if array is not None:
                 yield _array(array, inside)
@@ -488,12 +490,10 @@ class _Walk:
         except LineError as error:
             finding = error.finding(self.source.name, line)
             alone = isinstance(self.loader.files, _AnyFiles) and finding.severity is not Severity.ERROR
-            if later or alone:
-                return Mistake(
-                    code=finding.code.number, message=finding.message, span=finding.span, text=text.strip()
-                )  # fmt: skip
-            self.loader.findings.add(finding)
-            return None
+            told = not (later or alone)
+            if told:
+                self.loader.findings.add(finding)
+            return _mistake(finding, text, told=told)
 
     def _skip(self, text: str, line: int) -> Statement | None:
         """A line that begins with a skip character: leave lines out; which, the manual leaves open by one."""
@@ -586,6 +586,14 @@ def _switch(words: Iterable[tuple[int, float | None]], torch: int | None) -> boo
         if not switches and not (letter == "C" and value is not None and value != torch):
             return False
     return True
+
+
+def _mistake(finding: Finding, text: str, *, told: bool = False) -> Mistake:
+    """A line that can not be read, in its place; told: its finding is reported."""
+    return Mistake(
+        code=finding.code.number, message=finding.message, span=finding.span, text=text.strip(), hint=finding.hint,
+        told=told,
+    )  # fmt: skip
 
 
 def _array(line: ArrayLine, body: list[Statement]) -> Array:

@@ -65,7 +65,9 @@ def _program(source: SourceFile, findings: Findings, lexical: Lexical, changers:
     for finding in mistakes:
         line = finding.span.line
         text = raws[line - 1].decode(encoding_of(raws[line - 1])).strip()
-        nodes[line] = Mistake(code=finding.code.number, message=finding.message, span=finding.span, text=text)
+        nodes[line] = Mistake(
+            code=finding.code.number, message=finding.message, span=finding.span, text=text, hint=finding.hint
+        )
     source.mark = source.data[:3] == UTF8_MARK
     source.newline = newline_of(source.data)
     source.line_count = len(raws)

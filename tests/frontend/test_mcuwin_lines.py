@@ -182,7 +182,7 @@ def test_mistakes(tmp_path: Path, text: str, finding: tuple[str, int, int, int])
 def test_a_line_with_a_mistake_is_left_out(tmp_path: Path) -> None:
     program, _ = load(tmp_path, "G0 X1\nG0 X(\nG0 X3\nM30\n", tables=False)
     assert program is not None
-    assert listed(program.body) == "G0 X1; G0 X3 | ?; M30 | G0"
+    assert listed(program.body) == "G0 X1; Mistake; G0 X3 | ?; M30 | G0"
 
 
 def test_codes_of_the_application(tmp_path: Path) -> None:

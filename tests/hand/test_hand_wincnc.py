@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import json
+import shutil
 from pathlib import Path
 from typing import Any
 
@@ -82,14 +83,33 @@ def test_text_forms_parse_back(shop: Path) -> None:
             assert stage is not session.program or again == stage, program
 
 
+def without(program: Path, lines: set[int], folder: Path) -> Path:
+    """A copy of a program in a folder of its shop's files, with some of its lines empty."""
+    copy = folder / program.parent.name / program.name
+    if not copy.parent.is_dir():
+        shutil.copytree(program.parent, copy.parent)
+    texts = program.read_bytes().split(b"\n")
+    copy.write_bytes(b"\n".join(b"" if n in lines else text for n, text in enumerate(texts, 1)))
+    return copy
+
+
 @pytest.mark.parametrize("expected", PROGRAMS, ids=lambda path: f"{path.parent.name}/{path.stem}")
-def test_trace_is_that_of_the_manual(expected: Path) -> None:
+def test_trace_is_that_of_the_manual(expected: Path, tmp_path: Path) -> None:
+    """Row by row. No controller comes by a line that it refuses: what follows is judged without that line, and each
+    of several by itself."""
     about, *wanted = [json.loads(text) for text in expected.read_text("utf-8").splitlines() if text.strip()]
     assert about["op"] == "about"
     program = expected.with_suffix(".tap")
-    rows, findings = run(program, about.get("setup", {}))
-    rows = lengthless([row for row in rows if row["op"] in LISTED])
+    stated = about.get("setup", {})
+    rows, findings = run(program, stated)
     told = [row for row in wanted if row["op"] == "finding"]
+    beyond = {f.span.line for f in findings if f.code.decides in ("limits", "areas")}
+    refused = {row["line"] for row in told if row["severity"] == "error" and "file" not in row} - beyond
+    if refused and {f.span.file for f in findings} == {str(program)}:
+        rows, _ = run(without(program, refused, tmp_path), stated)
+        for line in refused if len(refused) > 1 else ():
+            findings += run(without(program, refused - {line}, tmp_path), stated)[1]
+    rows = lengthless([row for row in rows if row["op"] in LISTED])
     for finding in told:
         lines = [(f.span.line, f.severity.value) for f in findings]
         if finding["severity"] == "error":

@@ -438,11 +438,12 @@ def test_no_tool_in_the_spindle_is_a_warning(tmp_path: Path) -> None:
 
 
 def test_a_line_that_is_refused_is_passed_over(tmp_path: Path) -> None:
-    """The next line goes on from its end, in G91 too, and says nothing more."""
-    text = ON + "G1 X80 P5\nG91 G1 X20\nG90\nG1 Y0\nG40\nM2\n"
+    """Nobody knows where the contour goes on; the next lines say nothing more. Behind G40 places are known again."""
+    text = ON + "G1 X80 P5\nG91 G1 X20\nG90\nG1 Y0\nG40\nG1 X103 Y0\nM2\n"
     trace, told, _ = run(tmp_path, HEAD + text)
     assert told == ["GP121:6"]
     assert np.allclose(moves(trace)[-1].end, (103, 0))
+    assert trace.frames[int(trace.sections[-1].rows["frame"][-1])][:2] == ((), ())
 
 
 def test_inches(tmp_path: Path) -> None:

@@ -51,7 +51,7 @@ def everything(text: str, machine: Machine, setup: Setup) -> list[str]:
     trace.verify()
     rows = [section.rows[name].tobytes().hex() for section in trace.sections for name in section.rows.arrays]
     found = [finding.message.replace(folder, "") for finding in findings.kept]
-    return [*rows, print_ir(trace).replace(folder, ""), *state_of(ex), *found]
+    return [*rows, print_ir(trace).replace(folder, ""), *(text.replace(folder, "") for text in state_of(ex)), *found]
 
 
 def three_ways(text: str, machine: Machine, setup: Setup) -> tuple[list[str], list[str], list[str]]:

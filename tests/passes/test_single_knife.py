@@ -126,7 +126,6 @@ def test_the_axis_has_to_turn(tmp_path: Path) -> None:
         ("L300 C\nL30\nG1 Y20", "while L300 locks"),
         ("L13 XZ\nL30\nG1 Y20", "while L13 couples"),
         ("L30\nG51 Z2\nG1 Y20", "while G51 scales"),
-        ("L30\nG41 O1\nG1 X20 Y20", "cutter radius compensation"),
         ("M28 G0 C50\nL30\nG1 Y20", ""),
     ],
 )  # fmt: skip

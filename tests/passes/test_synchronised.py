@@ -139,5 +139,5 @@ def test_unknown_speed_leaves_the_feed_open(tmp_path: Path) -> None:
 
 
 def test_axis_words_alone_behind_g33_are_unknown(tmp_path: Path) -> None:
-    _, findings = run_whole(tmp_path, HEAD + "S500 M3\nG33 Z-10 K1.5\nZ-20\nG0 Z5\nM30\n")
-    assert codes_of(findings) == ["GP113"]
+    _, findings = run_whole(tmp_path, HEAD + "S500 M3\nG33 Z-10 K1.5\nZ-20\nG0 X5\nM30\n")
+    assert codes_of(findings) == ["GP113", "GP304"]
