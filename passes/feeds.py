@@ -124,7 +124,7 @@ class Feeds(Check):
 
 
 _HINTS = {
-    codes.FEED_NOT_TOLD.number: "an F in plain numbers before the first of them",
+    codes.FEED_NOT_TOLD.number: "an F in plain numbers before the first of them, behind the last change of the unit",
     codes.FEED_TOOL_NOT_TOLD.number: "a T and its tool change before, or tool = ... in the setup file",
     codes.FEED_OVER_TOOL.number: "a lower F, or max_feed of this tool in the machine file",
     codes.PLUNGE_NOT_KNOWN.number: "the offset changes on the way: what the move counts from, stated in the setup file",
