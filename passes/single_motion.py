@@ -7,7 +7,7 @@ in the unit and mode that are on; places are columns of ``AXIS_NAMES`` in mm or 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from typing import TYPE_CHECKING
 
 from gproof.ir import codes
@@ -163,9 +163,9 @@ def _doubt_other(ex: Motion, line: Command, words: dict[int, Value]) -> None:
         raise Refusal(codes.TRANSFORM_OPEN.at(line.span, what=what))
 
 
-def turn_unsettled(s: Modal) -> None:
-    """X or Y went to a place of the machine: while G52 turns them the program's place is open again."""
-    if TURN_SETTLED in s.single.flags:
+def turn_unsettled(s: Modal, axes: Iterable[int] = (0, 1)) -> None:
+    """X or Y, if among ``axes``, went to a place of the machine: while G52 turns them the program's is open again."""
+    if TURN_SETTLED in s.single.flags and not {0, 1}.isdisjoint(axes):
         s.single = s.single.but(flags=s.single.flags - {TURN_SETTLED})
 
 
@@ -549,7 +549,7 @@ def stored_place(ex: Motion, line: Command, op: Op, *, machine: bool = False) ->
     for column in words.keys() - {column for column, _ in places}:
         target[column] = NOWHERE
     target = follow(ex, target, line.span)
-    turn_unsettled(s)
+    turn_unsettled(s, words or (axis for axis, _ in places))
     if lift:
         heads = vertical_axes(ex.machine)
         over_heads(ex, line, target, heads, _clearance(ex, f"{letter}{number}"))
@@ -649,7 +649,7 @@ def machine_traverse(ex: Motion, line: Command, rule: CodeRule) -> None:
     s = ex.modal
     if line.axes():
         target = aim(ex, line, machine=True)
-        turn_unsettled(s)
+        turn_unsettled(s, mapped(ex, line))
     else:
         target = list(s.position)
         for axis in vertical_axes(ex.machine):

@@ -435,7 +435,7 @@ def home(ex: Motion, line: Command, rule: CodeRule) -> None:
         s.jumped = True
         what = f"{rule.text} of an axis that L300 locks or L13 couples"
         raise Refusal(codes.UNSUPPORTED_CODE.at(line.where_code(rule), code=what))
-    turn_unsettled(s)
+    turn_unsettled(s, axes)
     names = " ".join(AXIS_NAMES[axis] for axis in axes)
     ex.event(Op.HOME, line.span, text=ex._text(names))
     for axis in axes:
@@ -506,7 +506,7 @@ def set_machine(ex: Motion, line: Command, rule: CodeRule) -> None:
         if zeros[axis] != before and s.single.homes[axis] is not None:
             # What L3 stored: a number, or a place.
             s.single = s.single.but(homes=tuple(NOWHERE if n == axis else at for n, at in enumerate(s.single.homes)))
-    turn_unsettled(s)
+    turn_unsettled(s, axes)
     s.single = s.single.but(
         touched=s.single.touched - set(axes), found=s.single.found | set(at_switch),
         drift=_without(s.single.drift, list(axes)),
@@ -558,7 +558,7 @@ def return_home(ex: Motion, line: Command, rule: CodeRule) -> None:
             what = f"{rule.text} for an axis that no L3 of this job stored"
             raise Refusal(codes.UNSUPPORTED_CODE.at(line.span, code=what))
         target[axis] = stored
-    turn_unsettled(s)
+    turn_unsettled(s, line.axes() or (0, 1))
     ex.move(Op.TRAVERSE, follow(ex, target, line.span), line.span)
     ex._moved = True
 

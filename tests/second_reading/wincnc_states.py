@@ -75,6 +75,8 @@ class Model:
     unsettled: set[str] = field(default_factory=set)
     """Axes whose zero was restored while they are scaled or turned."""
     over: list[str] = field(default_factory=list)
+    unheld: list[str] = field(default_factory=list)
+    """Past a soft limit while it is off: how far the axis can travel no file says."""
 
     # -- coordinates
 
@@ -134,6 +136,8 @@ class Model:
             # The machine's ends are where they were; what the controller checks counts from its zero.
             if self.soft and not low - NEAR <= place <= high + NEAR:
                 self.over.append(f"{axis} at {place:g}")
+            if not self.soft and not low - NEAR <= place <= high + NEAR:
+                self.unheld.append(f"{axis} at {place:g}")
             if self.soft and not low - NEAR <= place - self.base[axis] <= high + NEAR:
                 self.over.append(f"{axis} at {place - self.base[axis]:g} from L28")
             seen = place - self.base[axis] - self.shift(axis) - self.measure[axis]
@@ -348,10 +352,6 @@ def local(model: Model, words: Words, code: str) -> None:
     if code == "G92" and set(words) & model.moulded():
         raise Open("G92 and its kin, and L28, while G51 or G52 is on")
     model.set_zero(new)
-    if code == "G92":
-        for axis in words:
-            if axis in model.drift:
-                raise Open("L13: are the steps of the follower counted")
 
 
 def switched(model: Model, words: Words, code: str) -> None:
@@ -428,8 +428,8 @@ def lengths(model: Model, words: Words, code: str) -> None:
     """G43, G49."""
     unmapped(model, words)
     for axis in words or VERTICAL:
-        if code == "G49" and axis not in model.put_aside:
-            model.put_aside[axis] = model.measure[axis]
+        if code == "G49":
+            model.put_aside.setdefault(axis, model.measure[axis])
             model.set_measure(axis, 0.0)
         elif code == "G43" and axis in model.put_aside:
             model.set_measure(axis, model.put_aside.pop(axis))
