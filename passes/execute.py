@@ -356,10 +356,15 @@ class Executor(Flow):
             return
         own = self.machine.controller.controls.nesting
         allowed = self.program.rules.call_depth if own is None else own
+        again = self._depth.count(name)
+        asked = 0 < again <= sum(frame.group is not None for frame in self._stack)
+        if asked:
+            # One more answer of the operator each time: the answer is UNKNOWN long before any controller's limit.
+            allowed = min(allowed, self._depth.index(name) + MOST_RETRIES)
         if len(self._depth) >= allowed:
             chain = " > ".join([*self._depth[-3:], name])
             # No manual says how deep calls may be; one that only an unknown outcome repeats need not come to that.
-            asked = any(frame.group is not None for frame in self._stack)
+            asked = asked or any(frame.group is not None for frame in self._stack)
             kind = codes.RECURSION.as_unknown() if asked else codes.RECURSION
             raise Refusal(kind.at(span, allowed=allowed, chain=chain))
         self._enter(span)
@@ -482,6 +487,8 @@ class Executor(Flow):
         return number, self.evaluator.value(node.value), node.target.span
 
 
+MOST_RETRIES = 8
+"""Calls within a subprogram that calls itself again when an outcome says so: so many are followed."""
 _SILENT = frozenset((Label, Declare, Include, Mode))
 """Statements that do nothing when they run."""
 _PASSED_OVER = frozenset((Call, Message, Guard, Device, Unsupported))
