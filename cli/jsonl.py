@@ -10,8 +10,8 @@ from typing import Any
 
 from gproof.ir.finding import Finding
 from gproof.ir.machine import AXIS_NAMES, Machine
-from gproof.ir.trace import Chunk, Edge, Op, Plane, Trace, Wait
-from gproof.passes.values import describe
+from gproof.ir.trace import Chunk, Edge, Op, Plane, State, Trace, Wait
+from gproof.passes.values import ORIGIN, Position, describe
 
 _PLANES = {Plane.XY: ("XY", 0, 1), Plane.XZ: ("XZ", 0, 2), Plane.YZ: ("YZ", 1, 2)}
 _PAIRS = {Plane.XY: "xy", Plane.XZ: "zx"}
@@ -42,11 +42,12 @@ def _columns(machine: Machine) -> dict[str, int]:
 def _section(chunk: Chunk, columns: dict[str, int], job: str) -> str:
     """Where a section but the first begins: rows that follow go on from here, not from those before."""
     line = int(chunk.rows["line"][0]) if len(chunk.rows) else 0
+    state = chunk.trace.states[int(chunk.rows["state"][0])] if len(chunk.rows) else None
     out: dict[str, Any] = {"op": "section", "line": line}
     if line and chunk.trace.files[int(chunk.rows["file"][0])] != job:
         out["file"] = chunk.trace.files[int(chunk.rows["file"][0])]
     return json.dumps(
-        out | {"section": chunk.section} | _place(chunk.trace, chunk.start, chunk.start_frame, columns),
+        out | {"section": chunk.section} | _place(chunk.trace, chunk.start, chunk.start_frame, columns, _zeros(state)),
         ensure_ascii=False,
     )
 
@@ -60,11 +61,22 @@ def _branch(chunk: Chunk, edge: Edge, job: str) -> str:
     return json.dumps({**out, "target": None if edge.target < 0 else edge.target}, ensure_ascii=False)
 
 
-def _place(trace: Trace, at: Sequence[float], frame: int, columns: dict[str, int]) -> dict[str, Any]:
-    """A position by axis, with what has to be added to it."""
+def _zeros(state: State | None) -> dict[int, Position]:
+    """Where the controller's machine zero is, by axis, where a program has moved it (L28)."""
+    edges = state.boundaries if state is not None else ()
+    return {edge.axis: Position(edge.shift, edge.form) for edge in edges if edge.limit and (edge.shift or edge.form)}
+
+
+def _place(
+    trace: Trace, at: Sequence[float], frame: int, columns: dict[str, int], zeros: dict[int, Position]
+) -> dict[str, Any]:
+    """A position by axis as the controller counts it, with what has to be added to it."""
     forms = trace.frames[frame]
-    unknown = {name: describe(forms[column]) for name, column in columns.items() if forms[column]}
-    place = {"to": {name: at[column] for name, column in columns.items()}}
+    places = {
+        name: Position(at[column], forms[column]).minus(zeros.get(column, ORIGIN)) for name, column in columns.items()
+    }
+    unknown = {name: describe(place.form) for name, place in places.items() if place.form}
+    place = {"to": {name: place.value for name, place in places.items()}}
     return {**place, "relative_to": unknown} if unknown else place
 
 
@@ -80,14 +92,16 @@ def chunk_lines(chunk: Chunk, machine: Machine, job: str) -> Iterator[str]:
         if trace.files[row["file"]] != job:
             out["file"] = trace.files[row["file"]]
         if op < Op.DWELL:
-            out |= _place(trace, row["to"], row["frame"], columns)
+            zeros = _zeros(trace.states[row["state"]])
+            out |= _place(trace, row["to"], row["frame"], columns, zeros)
             if op is not Op.TRAVERSE:
                 out["feed"] = _number(row["feed"])
                 if trace.states[row["state"]].synchronised:
                     out["synchronised"] = True
             if op is Op.ARC:
                 name, p, q = _PLANES[Plane(row["plane"])]
-                out |= {"plane": name, "center": [row["center"][p], row["center"][q]], "turns": row["turns"]}
+                center = [row["center"][axis] - zeros.get(axis, ORIGIN).value for axis in (p, q)]
+                out |= {"plane": name, "center": center, "turns": row["turns"]}
             side = trace.states[row["state"]].compensation
             if side:
                 out["compensation"] = "left" if side > 0 else "right"

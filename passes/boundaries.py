@@ -315,6 +315,6 @@ class Boundaries(Check):
 def _keys(state: State) -> list[Key]:
     """What holds in a state: boundaries, and limits that the program has moved, which have a guard of their own."""
     own = tuple(edge for edge in state.boundaries if not edge.limit)
-    moved = tuple(edge for edge in state.boundaries if edge.limit)
+    moved = tuple(edge for edge in state.boundaries if edge.limit and (edge.low is not None or edge.high is not None))
     found: list[Key] = [(own, GUARD in state.guards_off, UNMEASURED in state.guards_off)] if own else []
     return [*found, (moved, False, False)] if moved else found

@@ -533,7 +533,8 @@ class Limits(Check):
         if axis.kind is not AxisKind.ROTARY or self.machine.axes == NO_MACHINE.axes:
             return False
         ends = {getattr(d, end) for d in axis.drives() for end in ("lower", "upper", "travel_lower", "travel_upper")}
-        held = any(edge.axis == index for state in self._trace.states for edge in state.boundaries)
+        edges = (edge for state in self._trace.states for edge in state.boundaries if edge.axis == index)
+        held = any(edge.low is not None or edge.high is not None for edge in edges)
         return ends == {None} and not held
 
     def _need(self, axis: Axis, form: Affine, least: float, most: float) -> None:

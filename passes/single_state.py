@@ -254,12 +254,16 @@ def machine_zero(single: SingleState, axis: int) -> Position:
 
 
 def _moved_limits(modal: Modal) -> list[Boundary]:
-    """The soft limits of axes whose machine zero L28 moved: they count from there (Soft Limit / Boundaries: lolim=)."""
+    """The soft limits of axes whose machine zero L28 moved: they count from there (Soft Limit / Boundaries: lolim=).
+
+    Without ends where none count: they still say where machine zero is.
+    """
     found = []
-    for axis, zero in modal.single.zeros if modal.single.soft else ():
+    for axis, zero in modal.single.zeros:
         there = modal.machine.axis(AXIS_NAMES[axis])
-        if there is not None and (there.lower is not None or there.upper is not None):
-            found.append(Boundary(axis, there.lower, there.upper, zero.value, zero.form, limit=True))
+        if there is not None:
+            ends = (there.lower, there.upper) if modal.single.soft else (None, None)
+            found.append(Boundary(axis, *ends, zero.value, zero.form, limit=True))
     return found
 
 
