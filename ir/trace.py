@@ -154,7 +154,7 @@ class Boundary:
     """A boundary of the work for one axis: low <= machine position - (shift + form) <= high, mm or degrees.
 
     low, high: None where there is none; shift, form: workspace and tool measure in force, number and unknowns.
-    limit: it is a software limit that the program has set or moved; shift is then where the controller's machine zero is.
+    limit: a software limit that the program has set or moved; shift is then where the controller has machine zero.
     """
 
     axis: int

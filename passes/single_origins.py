@@ -514,7 +514,9 @@ def set_machine(ex: Motion, line: Command, rule: CodeRule) -> None:
     )  # fmt: skip
     ex._state_changed()
     if len(at_switch) < len(axes):
-        ex.assumed["L28 moves what counts from machine zero, and positions in this report go on from where it was"] = None
+        ex.assumed["L28 moves what counts from machine zero, and positions in this report go on from where it was"] = (
+            None
+        )
     if at_switch:
         ex._end_section(Wait.HOME, "position set", None, line.span)
     else:
