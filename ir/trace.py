@@ -149,6 +149,10 @@ UNMEASURED = "low_boundaries"
 """Name in ``State.guards_off``: no tool was measured, and low boundaries of vertical axes do not count yet."""
 
 
+OTHER_UNIT = "F before G20 or G21"
+"""In ``State.retimed``: the feed in force was given in another unit; rows have it as the speed that it was then."""
+
+
 @record(frozen=True, slots=True)
 class Boundary:
     """A boundary of the work for one axis: low <= machine position - (shift + form) <= high, mm or degrees.
@@ -205,7 +209,8 @@ class State:
     so that machine heights are those of the tip of the tool that was in the spindle when the job began.
     diameters: what the program or the setup has written over the diameter in the tool table, of the tool in the
     spindle, or of all tools where it is not known which one that is.
-    retimed: commands of the program that have changed velocities or accelerations of the machine's file.
+    retimed: commands of the program that have changed velocities or accelerations of the machine's file, and
+    OTHER_UNIT.
     backlash: (axis, mm or degrees) of axes whose compensation the program has set or switched: the most that it is.
     """
 

@@ -203,7 +203,7 @@ class Blocks(Origins):
             return
         s = self.modal
         if isinstance(value, Unknown):
-            s.feed, s.feed_unit = math.nan, s.unit
+            self._feed_given(math.nan)
             return
         if value < 0:
             raise Refusal(codes.NEGATIVE_FEED.at(line.where("F"), value=value))
@@ -214,10 +214,15 @@ class Blocks(Origins):
                     line.where("F"), value=value, code=units.text, units="inches" if s.unit == INCH else "mm"
                 )
             )
-        s.feed = value if s.feed_mode == 93 else value * s.unit
-        s.feed_unit = s.unit
-        if s.unknown_modes & OF_FEEDS:
-            s.feed = math.nan
+        feed = value if s.feed_mode == 93 else value * s.unit
+        self._feed_given(math.nan if s.unknown_modes & OF_FEEDS else feed)
+
+    def _feed_given(self, feed: float) -> None:
+        s = self.modal
+        s.feed = feed
+        if s.feed_unit != s.unit:
+            s.feed_unit = s.unit
+            self._state_changed()
 
     def _select_tool(self, line: Line) -> None:
         if "T" not in line.values:

@@ -19,7 +19,7 @@ from gproof.ir.finding import Code, Findings
 from gproof.ir.machine import Machine
 from gproof.ir.program import Program
 from gproof.ir.setup import Setup
-from gproof.ir.trace import Chunk, Op, Plane, State
+from gproof.ir.trace import OTHER_UNIT, Chunk, Op, Plane, State
 from gproof.ir.verdict import PropertyResult
 from gproof.passes.causes import Causes, answer
 from gproof.passes.check import Check, row_span
@@ -39,6 +39,10 @@ def feeds(program: Program, machine: Machine, setup: Setup, findings: Findings) 
     return Feeds(program, machine, setup, findings)
 
 
+_OPEN = frozenset({"L5", OTHER_UNIT})
+"""After these a feed of the trace is not what counts, or need not be."""
+
+
 class Feeds(Check):
     """See the module's text."""
 
@@ -52,7 +56,7 @@ class Feeds(Check):
         self._plunge = tool_column(machine, lambda tool: tool.max_plunge)
         self._tool = StateColumn(lambda state: float(state.tool))
         self._free = StateColumn(_follows)
-        self._contoured = StateColumn(lambda state: float("L5" in state.retimed))
+        self._contoured = StateColumn(lambda state: float(not _OPEN.isdisjoint(state.retimed)))
         self._limited = any(t.max_feed is not None or t.max_plunge is not None for t in machine.tools)
         self._causes, self._held = Causes(findings), Causes(findings)
         self._guarded = Guarded()

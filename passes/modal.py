@@ -14,7 +14,18 @@ from gproof.ir.machine import AXES, AXIS_NAMES, Machine
 from gproof.ir.modal_groups import OF_FEEDS, OF_ORIGINS, SPINDLE
 from gproof.ir.rules import LanguageRules, ParameterRange
 from gproof.ir.setup import Interval, Setup
-from gproof.ir.trace import HEIGHT_MAP, UNKNOWN, Affine, Boundary, PathMode, Plane, State, TipOffset, ToolDiameter
+from gproof.ir.trace import (
+    HEIGHT_MAP,
+    OTHER_UNIT,
+    UNKNOWN,
+    Affine,
+    Boundary,
+    PathMode,
+    Plane,
+    State,
+    TipOffset,
+    ToolDiameter,
+)
 from gproof.passes import din_state
 from gproof.passes.compensation import Compensation
 from gproof.passes.heads import head_offset
@@ -311,6 +322,14 @@ class Modal:
             return self.unit * 0.5
         return self.unit if self.linear[axis] else 1.0
 
+    def _retimed(self) -> tuple[str, ...]:
+        names = self.single.retimed
+        in_words = not self.rules.one_command and not self.rules.source_order
+        if in_words and self.feed_unit != self.unit and self.feed and self.feed_mode != 93:
+            # The same number a minute, or the same length (Eding 3.4.7 has neither).
+            names |= {OTHER_UNIT}
+        return tuple(sorted(names))
+
     @property
     def feed_unknown(self) -> bool:
         """True while an override that the program set changes feeds by a factor nobody knows, or what they count in was
@@ -336,7 +355,7 @@ class Modal:
             arc_tolerance=self.arc_tolerance(), guards_off=self.guards_off,
             compensation=0 if comp is None else comp.side * comp.plane,
             following=self.following, boundaries=self._boundaries(), tip=self._tip(), machine_tip=self._machine_tip(),
-            diameters=self._diameters(), retimed=tuple(sorted(self.single.retimed)), backlash=self.single.backlash,
+            diameters=self._diameters(), retimed=self._retimed(), backlash=self.single.backlash,
         )  # fmt: skip
 
     def _tip(self) -> tuple[TipOffset, ...]:

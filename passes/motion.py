@@ -391,10 +391,6 @@ class Motion(Emitter):
             return math.nan
         if s.feed_mode == 93:
             return s.feed * length * s.feed_override
-        in_words = not s.rules.one_command and not s.rules.source_order
-        if in_words and s.feed_unit != s.unit and not rotary:
-            # Given before G20 or G21: the same number a minute, or the same length (3.4.7 has neither).
-            return math.nan
         feed = (s.feed / s.feed_unit if rotary else s.feed) * s.feed_override
         if s.feed_mode == 95:
             return feed * (true_rpm(s) or math.nan)

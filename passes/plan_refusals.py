@@ -15,7 +15,7 @@ from gproof.ir import codes
 from gproof.ir.finding import Findings, Span
 from gproof.ir.machine import AXIS_NAMES, Machine
 from gproof.ir.rules import LanguageRules
-from gproof.ir.trace import Affine, Chunk, Edge, Op, Trace, TraceSection, Wait
+from gproof.ir.trace import OTHER_UNIT, Affine, Chunk, Edge, Op, Trace, TraceSection, Wait
 from gproof.passes import motion_hints as hints
 from gproof.passes import plan_kernels as k
 from gproof.passes.check import row_span
@@ -143,9 +143,16 @@ class Refusals:
         for at in np.flatnonzero(rows["op"] < Op.DWELL).tolist() if self._sets(chunk) else []:
             state = chunk.trace.states[int(rows["state"][at])]
             if state.retimed or state.backlash:
-                names = " and ".join((*state.retimed, *(["L8 or L9"] if state.backlash else [])))
+                changed = [name for name in state.retimed if name != OTHER_UNIT]
+                names = " and ".join((*changed, *(["L8 or L9"] if state.backlash else [])))
                 cause = f"{names} of the job have changed what the machine file says of its axes"
-                self._needs(self._row(chunk, at), cause, "without them the machine file's values hold")
+                hint = "without them the machine file's values hold"
+                if not names:
+                    cause = (
+                        "F was given before the unit changed, and no manual says whether its number or its length stays"
+                    )
+                    hint = "an F after the change of the unit"
+                self._needs(self._row(chunk, at), cause, hint)
                 return False
         return True
 

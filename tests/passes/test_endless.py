@@ -383,5 +383,6 @@ def test_an_array_of_wincnc_is_its_cells_one_behind_the_other(tmp_path: Path) ->
 
 
 def test_an_array_of_too_many_cells_ends_with_the_budget(tmp_path: Path) -> None:
-    _, findings = wincnc(tmp_path, "\n".join(["G90", "G0 X0 Y0", "L10 C1000000 X.001", *PART, "L10", ""]), 500)
+    lines = ["G90", "G0 X0 Y0", "L10 C1000000 X.001 E", "G92 X0 Y0", *PART, "L10", ""]
+    _, findings = wincnc(tmp_path, "\n".join(lines), 500)
     assert labels(findings)[-1] == "GP233"

@@ -1,5 +1,7 @@
 """A feed that is kept over a change of the unit: no manual says whether the number or the length stays.
 
+A trace of Eding has the speed that it was (as RS274NGC has it), and states that it was given in another unit.
+
 Eding CNC manual 3.4.7; WinCNC Users Guide, G20 to G23; McuWIN 3.21, 3.28, 5.3 ask for another F (GP204).
 """
 
@@ -15,10 +17,10 @@ from reach.worlds import EDING, MCUWIN, WINCNC, World, answered
 from gproof.cli.main import main
 
 CASES = [
-    (EDING, "cnc", "G21 G1 X1 F100; G20; G1 X0.1", [100.0, None]),
+    (EDING, "cnc", "G21 G1 X1 F100; G20; G1 X0.1", [100.0, 100.0]),
     (EDING, "cnc", "G21 G1 X1 F100; G20; G1 X0.1 F10", [100.0, 254.0]),
     (EDING, "cnc", "G21 G1 X1 F100; G20; G21; G1 X2", [100.0, 100.0]),
-    (EDING, "cnc", "G20 F10; G1 X1; F10; X2", [None, 254.0]),
+    (EDING, "cnc", "G20 F10; G1 X1; F10; X2", [10.0, 254.0]),
     (EDING, "cnc", "G20 F10; F10; G1 X2", [254.0]),
     (WINCNC, "tap", "G20; G1 X1 Y1 F10; G22; G1 X2; G1 X3 F20; X4", [254.0, None, 20.0, 20.0]),
     (WINCNC, "tap", "G20; G1 X1 Y1 F10; G22; G1 X2; G23; G1 X3", [254.0, None, 254.0]),
