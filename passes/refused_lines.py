@@ -350,6 +350,10 @@ _MODAL_MOTIONS = frozenset((F.TRAVERSE, F.FEED, F.ARC_CW, F.ARC_CCW))
 _TO_STORED = frozenset((F.RETURN_HOME, F.TRAVERSE_LIFTED, F.PARK_1, F.PARK_2))
 
 
+NAMED = 6
+"""So many modes that a line may have changed stand in a hint."""
+
+
 def tell(ex: Emitter, target: list[Position], span: Span) -> None:
     """GP304 at the first move that rests on a place that a refused line has lost."""
     s = ex.modal
@@ -359,11 +363,12 @@ def tell(ex: Emitter, target: list[Position], span: Span) -> None:
         return
     where, s.refused_at = s.refused_at, None
     names = "every axis" if len(lost) == len(ex.machine.axes) else " ".join(lost)
-    modes = ", ".join(group for group in g.ORDER if group in s.unknown_modes & g.OF_PLACES)
-    again = f"state again {modes}; then " if modes else ""
+    modes = [group for group in g.ORDER if group in s.unknown_modes & g.OF_PLACES]
+    shown = ", ".join(modes[:NAMED]) + (f" and {len(modes) - NAMED} more modes" if len(modes) > NAMED else "")
+    again = f"state again {shown}; then " if modes else ""
     finding = codes.POSITION_UNKNOWN.at(
         span, axis=names, cause=f"line {where.line}, which is not followed",
-        hint=f"put that line right; or behind it: {again}send the axes to a place",
+        hint=f"put that line right; or after it: {again}send the axes to a place",
         related=(Related(where, "this line may have changed it"),),
     )  # fmt: skip
     ex._refuse(finding)
