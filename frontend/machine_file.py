@@ -17,7 +17,7 @@ from gproof.frontend.controls_table import controls_from
 from gproof.frontend.mcuwin.machine import with_axes
 from gproof.frontend.toml_table import MILLIMETRES, TomlFile, TomlTable, meant
 from gproof.frontend.tool_table import check_shape, shape_keys
-from gproof.ir.dialects.accepts import ACCEPTS, TEXT_AFTER_COMMENT, names_of
+from gproof.ir.dialects.accepts import ACCEPTS, LINE_NUMBERS, TEXT_AFTER_COMMENT, names_of
 from gproof.ir.finding import Findings
 from gproof.ir.machine import (
     AXIS_NAMES,
@@ -402,10 +402,20 @@ def _controller(root: TomlTable, before: Controller, unit: Fraction) -> Controll
         ),
     )
     table.finish()
-    if TEXT_AFTER_COMMENT.name in controller.accepts:
-        lexical = replace(controller.controls.lexical, continued=True)
-        controller = replace(controller, controls=replace(controller.controls, lexical=lexical))
-    return controller
+    return _read_so(controller)
+
+
+def _read_so(controller: Controller) -> Controller:
+    """With what ``accepts`` says of how lines are read."""
+    before = controller.controls.lexical
+    lexical = replace(
+        before,
+        continued=before.continued or TEXT_AFTER_COMMENT.name in controller.accepts,
+        numbered=before.numbered or LINE_NUMBERS.name in controller.accepts,
+    )
+    if lexical == before:
+        return controller
+    return replace(controller, controls=replace(controller.controls, lexical=lexical))
 
 
 def _version(table: TomlTable) -> str | None:

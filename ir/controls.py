@@ -158,13 +158,15 @@ class Lexical:
 
     comment_signs: characters beside those of the language that begin a comment; skips: (characters, count): a line
     that begins with one of them makes so many lines be left out; comma: a comma is a decimal point too; continued:
-    words after a closed comment are executed (``accepts`` of the machine file).
+    words after a closed comment are executed; numbered: lines may have numbers of their own (both: ``accepts`` of
+    the machine file).
     """
 
     comment_signs: str = ""
     skips: tuple[tuple[str, int], ...] = ()
     comma: bool = False
     continued: bool = False
+    numbered: bool = False
 
 
 @record(frozen=True, slots=True, kw_only=True)

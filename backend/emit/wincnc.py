@@ -166,6 +166,8 @@ class _Printer(LinePrinter):
         yield from self.gap(span.line)
         notes = self.notes.of_line(span.line)
         self.next = span.line + 1
+        if any(kind == NoteKind.LINE_NUMBER for _, _, kind, _, _ in notes):
+            text = None
         try:
             out = _composed(text or "", notes, tight=tight)
         except UnicodeEncodeError as error:

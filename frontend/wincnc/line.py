@@ -14,7 +14,7 @@ from gproof.frontend.comment_hints import comment_hint
 from gproof.frontend.wincnc.scan import CLOSING, COMMENT_SIGNS
 from gproof.ir import codes
 from gproof.ir.controls import Lexical
-from gproof.ir.dialects.accepts import TEXT_AFTER_COMMENT
+from gproof.ir.dialects.accepts import LINE_NUMBERS, TEXT_AFTER_COMMENT
 from gproof.ir.finding import Code, Finding, Span
 from gproof.ir.program import Binary, Expr, Named, Number, Text, Word
 from gproof.ir.record import field, record
@@ -24,6 +24,7 @@ _NUMBER = re.compile(r"[-+]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)")
 _COMMA_NUMBER = re.compile(r"[-+]?(?:[0-9]+[.,]?[0-9]*|[.,][0-9]+)")
 _NAME = re.compile(r"[A-Za-z][A-Za-z0-9]*")
 _BLANKS = re.compile(r"[ \t]*")
+_LINE_NUMBER = re.compile(r"[ \t]*[Nn][ \t]*([0-9]+)(?![0-9.,])")
 _INSIDE = re.compile(
     r"[ \t]*(?:(?P<name>[A-Za-z][A-Za-z0-9]*)|(?P<first>[-+]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)))[ \t]*"
     r"(?:(?P<operator>[-+*/])[ \t]*(?P<second>[-+]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)))?[ \t]*\Z"
@@ -43,6 +44,14 @@ class LineError(Exception):
     def finding(self, file: str, line: int) -> Finding:
         """As a finding in a file."""
         return self.code.at(Span(file, line, self.begin + 1, self.end + 1), **self.values)
+
+
+class NumberedLine(LineError):
+    """A line with a number of its own, on a controller of which nobody said that it takes them."""
+
+    def __init__(self, code: Code, begin: int, end: int, /, **values: Any) -> None:
+        what = {"code": "an N that begins a line, which the manual does not have,", "hint": LINE_NUMBERS.hint}
+        super().__init__(code, begin, end, **{**what, **values})
 
 
 @record(slots=True)
@@ -77,6 +86,9 @@ class LineReader:
         self.continued = lexical.continued
         self.has_continued = False
         """Whether words after a closed comment were met, where they are executed."""
+        self.numbered = lexical.numbered
+        self.has_numbers = False
+        """Whether numbers of lines were met, where they do nothing."""
 
     def cut(self, text: str) -> tuple[str, str]:
         """A line without its comments, and the last comment; LineError GP134 for text behind a closed one."""
@@ -168,6 +180,11 @@ class LineReader:
             return first
         second = Number(float(found["second"]), span, "." in found["second"])
         return Binary(found["operator"], first, second, span)
+
+
+def line_number(code: str) -> re.Match[str] | None:
+    """What may number a line, at its beginning: an N with a whole number, its digits the group."""
+    return _LINE_NUMBER.match(code)
 
 
 def _skip(text: str, at: int) -> int:

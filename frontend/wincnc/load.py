@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Any
 
 from gproof.frontend.source import UTF8_MARK, decode, newline_of, read_source
-from gproof.frontend.wincnc.line import LineError, LineReader
+from gproof.frontend.wincnc.line import LineError, LineReader, NumberedLine
 from gproof.frontend.wincnc.mac_file import MACRO_FILE, Macro
 from gproof.frontend.wincnc.machine import NO_SHOP
 from gproof.frontend.wincnc.notes import Annotator, skip_count
@@ -24,7 +24,7 @@ from gproof.ir import codes
 from gproof.ir.columns import Columns
 from gproof.ir.controls import Controls
 from gproof.ir.dialects import rules_named
-from gproof.ir.dialects.accepts import TEXT_AFTER_COMMENT
+from gproof.ir.dialects.accepts import LINE_NUMBERS, TEXT_AFTER_COMMENT
 from gproof.ir.finding import Finding, Findings, Refusal, Severity, Span
 from gproof.ir.machine import Machine
 from gproof.ir.notes import NO_NOTES
@@ -77,6 +77,8 @@ def load_program(
         return None
     if loader.reader.has_continued:
         program.assumed.append(TEXT_AFTER_COMMENT.assumption)
+    if loader.reader.has_numbers:
+        program.assumed.append(LINE_NUMBERS.assumption)
     if sum(findings.counts.values()) == before and not program.body:
         findings.add(codes.EMPTY_PROGRAM.at(Span(str(path), 1)))
     return program
@@ -195,6 +197,7 @@ class _Loader:
         self.files = _Files(folders)
         self.machine_file = machine_file
         self.held = 0
+        self.told_of_numbers = False
         self.reader = LineReader(controls.lexical, text_codes(program.rules))
         self.macros: dict[str, Macro] = {}
         self.macro_source: SourceFile | None = None
@@ -491,7 +494,11 @@ class _Walk:
             finding = error.finding(self.source.name, line)
             alone = isinstance(self.loader.files, _AnyFiles) and finding.severity is not Severity.ERROR
             told = not (later or alone)
-            if told:
+            again = isinstance(error, NumberedLine) and self.loader.told_of_numbers
+            if isinstance(error, NumberedLine) and not alone:
+                # Each line of such a job has one: the first tells of all.
+                told = self.loader.told_of_numbers = True
+            if told and not again:
                 self.loader.findings.add(finding)
             return _mistake(finding, text, told=told)
 

@@ -13,7 +13,7 @@ import numpy as np
 
 from gproof.frontend.source import UTF8_MARK, encoding_of
 from gproof.frontend.wincnc import scan_kernels as k
-from gproof.frontend.wincnc.line import LineError, LineReader
+from gproof.frontend.wincnc.line import LineError, LineReader, line_number
 from gproof.frontend.wincnc.scan import CLOSING, Scanner, kinds_of
 from gproof.ir.columns import Columns
 from gproof.ir.controls import Lexical
@@ -80,6 +80,9 @@ class Annotator:
             return [(0, NoteKind.LEFT_OUT, 0, raw.rstrip(b" \t\r"))]
         if not code.strip(" \t") and len(raw) > self.limit:
             return [(0, NoteKind.LEFT_OUT, 0, raw.rstrip(b" \t\r"))]
+        number = line_number(code) if self.reader.numbered else None
+        if number is not None:
+            found.append((0, NoteKind.LINE_NUMBER, 0, number[1].encode()))
         return found + comments(text, len(code), encoding)
 
 

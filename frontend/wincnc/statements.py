@@ -11,7 +11,7 @@ import dataclasses
 import re
 from typing import Any, Protocol
 
-from gproof.frontend.wincnc.line import Items, LineError, LineReader
+from gproof.frontend.wincnc.line import Items, LineError, LineReader, NumberedLine, line_number
 from gproof.frontend.wincnc.mac_file import Macro
 from gproof.frontend.wincnc.mac_file import code_name as macro_name
 from gproof.ir import codes
@@ -95,12 +95,33 @@ class Lines:
         macro = self._macro(code)
         if macro is not None:
             return self._replaced(macro, code, comment, file, line, depth)
+        begin, end = self._number(code, file, line)
+        if end:
+            if not self.reader.numbered:
+                raise NumberedLine(codes.UNSUPPORTED_CODE, begin, end)
+            self.reader.has_numbers = True
+            if code[end:].strip(" \t"):
+                return self.parse(" " * end + text[end:], file, line, depth)
+            span = Span(file, line, begin + 1, end + 1)
+            return Replaced(written=code.strip(), body=(), span=span, comment=comment)
         items = self.reader.read(text, file, line)
         if not items.words and not items.texts:
             raise LineError(codes.SYNTAX, items.begin, items.begin + 1, what="no command behind the tilde")
         if self.macros:
             self._no_macro_inside(items)
         return self._statement(items, text, file, line)
+
+    def _number(self, code: str, file: str, line: int) -> tuple[int, int]:
+        """Where the number of a line begins and ends; 0, 0 where it has none, or where N is a word of its command."""
+        found = line_number(code)
+        if found is None or "N" in self.macros:
+            return 0, 0
+        with contextlib.suppress(LineError):
+            items = self.reader.read(code, file, line)
+            command = self._command(items)
+            if command is not None and "N" in command[0].takes and sum(w.letter == "N" for w in items.words) == 1:
+                return 0, 0
+        return len(code) - len(code.lstrip(" \t")), found.end()
 
     def _macro(self, code: str) -> tuple[Macro, int, int] | None:
         """The macro whose name begins the line, and where the name begins and ends."""
@@ -157,7 +178,7 @@ class Lines:
         try:
             inner = self.parse(text, file, line, depth + 1)
         except LineError as error:
-            raise LineError(error.code, begin, len(code.rstrip()), **error.values) from None
+            raise type(error)(error.code, begin, len(code.rstrip()), **error.values) from None
         length = max(len(text), inner.length if isinstance(inner, Replaced) else 0)
         as_line = self._replaced_line(macro, code, begin, end, span, inner)
         if isinstance(inner, Head):

@@ -151,6 +151,13 @@ TEXT_AFTER_COMMENT = Accepted(
     "WinCNC, Parameters in [Brackets]: the closing bracket is optional, and nothing is said of what follows it",
     (134,),
 )
+LINE_NUMBERS = Accepted(
+    "line-numbers",
+    ("wincnc",),
+    "an N with a whole number that begins a line numbers it and does nothing",
+    "WinCNC has no N of its own; post-processors for it can number each line",
+    (113,),
+)
 
 ACCEPTS = {
     row.name: row
@@ -171,6 +178,7 @@ ACCEPTS = {
         HEIGHT_COMMANDS,
         REPEATED_CHANNEL,
         TEXT_AFTER_COMMENT,
+        LINE_NUMBERS,
     )
 }
 """Name -> row, in the order of the documentation."""

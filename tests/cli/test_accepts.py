@@ -77,6 +77,7 @@ JOBS = (
     Job("height-commands", "eding", "G21 G90\nZHC off\nG0 X5\nM30\n", "GP113"),
     Job("repeated-channel", "wincnc", "G22\nG90\nM11C1C2\nm12 c1 c2\nG0 X5\n", "GP109"),
     Job("text-after-comment", "wincnc", "G22\nG90\n[N50] G0 X5 [a] Y6 [b]\n", "GP134"),
+    Job("line-numbers", "wincnc", "N10 G22\nn20 G90\nN 30 G0 X5 Y6\nN40\nN50 M11C1\n", "GP113"),
 )
 
 

@@ -19,6 +19,7 @@ FEED = "M11C1; G1 X1 Y1 F60; G1 X2; M12C1"
 w("Lexical.comment_signs", WINCNC, "G0 X1 ; G0 X2".replace(";", "!"), f"{K}.lexical.comment_signs", "!")
 w("Lexical.skips", WINCNC, "/G0 X900; G0 X1", f"{K}.lexical.skips", (("/", 1),))
 w("Lexical.continued", WINCNC, "[N5] G0 X1", f"{K}.lexical.continued", True)
+w("Lexical.numbered", WINCNC, "N5 G0 X1", f"{K}.lexical.numbered", True)
 w("Lexical.comma", WINCNC, "G0 X1,5", f"{K}.lexical.comma", True)
 w("Controls.start", WINCNC, "G0 X1", f"{K}.start", "G0 X2")
 w("Controls.end", WINCNC, "G0 X1", f"{K}.end", "G0 X2")
