@@ -217,10 +217,27 @@ def limit(ex: Motion, line: Part, rule: CodeRule) -> None:
                 line.where(ex.machine.word(axis)), side="left" if left else "right", axis=ex.machine.word(axis),
                 hint=f"it lies past that of the machine file, where {key} of [axes] says how far the axis goes",
             ))  # fmt: skip
+        if _narrower_from_the_offset(ex, axis, left=left):
+            # It holds as it stands, and moves within it may still be past what the controller took it for.
+            ex._fail(codes.LIMIT_UNKNOWN.at(
+                line.where(ex.machine.word(axis)), side="left" if left else "right", axis=ex.machine.word(axis),
+                hint="whether it counts from the zero offset is not documented (3.29): G53 before"))  # fmt: skip
         side[axis] = value * scale
         _stands(ex, line, axis, value * scale, left=left)
     s.din = s.din.but(lower=tuple(lower), upper=tuple(upper), limits_open=frozenset(unsure))
     _use_limits(ex)
+
+
+def _narrower_from_the_offset(ex: Motion, axis: int, *, left: bool) -> bool:
+    """Whether a limit of G98 or G99 leaves less room where it counts from the zero offset (3.29 leaves it open)."""
+    offset = ex.modal.g92[axis]
+    if offset == NOWHERE:
+        return True
+    value = ex.modal.plain(offset, 1.0, 0)
+    if isinstance(value, Unknown) and not value.bounded:
+        return True
+    low, high = bounds(value)
+    return high > SAME if left else low < -SAME
 
 
 def _past_all(axis: Axis, place: float, *, left: bool) -> bool:

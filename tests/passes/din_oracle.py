@@ -69,6 +69,7 @@ class Oracle:
         self.low: dict[str, float] = {}
         self.high: dict[str, float] = {}
         self.outside: list[int] = []
+        self.doubtful_limit = False
         self.values: dict[str, float] = {}
         self.stored: dict[str, float] | None = None
         self.budget = 2000
@@ -297,6 +298,8 @@ class Oracle:
                     if not self.absolute or axis in self.mirror or doubt:
                         raise Stop(n, "open", "limit")
                     limit = value * self.own(axis)
+                    # From the zero offset it would leave less room: 3.29 does not say from where it counts.
+                    self.doubtful_limit |= self.zero[axis] > 1e-9 if number == 98 else self.zero[axis] < -1e-9
                     (self.low if number == 98 else self.high)[axis] = limit
                     if limit > self.at[axis] + 1e-9 if number == 98 else limit < self.at[axis] - 1e-9:
                         self.outside.append(n)
