@@ -10,10 +10,11 @@ import click
 from gproof.cli.main import UsageError
 from gproof.cli.report import print_findings
 from gproof.cli.session import Running, Session, open_session
-from gproof.ir.finding import Severity
+from gproof.ir.finding import Findings, Severity
 from gproof.ir.notes import Notes, joined
 from gproof.ir.program import Array, BlockTable, If, Program, Replaced, Statement, While
 from gproof.ir.text import print_lines
+from gproof.ir.trace import Trace, chunks
 from gproof.ir.verdict import Verdict
 
 PIECE_BYTES = 1 << 20
@@ -89,10 +90,27 @@ def _stages(session: Session, running: Running, stage: str) -> bool:
     from gproof.cli.compile import lower
 
     lowered = lower(session, running, stage)
+    taken = _takes_arcs(session, lowered.trace)
     value = getattr(lowered, stage)
-    if value is not None:
+    if value is not None and (stage == "trace" or taken):
+        # What errors make of the trace is worth a look; a plan of it is not.
         _print(value)
-    return value is not None
+        return True
+    return False
+
+
+def _takes_arcs(session: Session, trace: Trace) -> bool:
+    """Report arcs that no controller takes, as JSON Lines do; whether all are taken."""
+    from gproof.passes.arc_radius import ArcRadius
+
+    own = Findings()
+    arcs = ArcRadius(session.machine, session.setup, own)
+    for chunk in chunks(trace):
+        arcs.feed(chunk)
+    for finding in own.kept:
+        if finding.severity is Severity.ERROR:
+            session.findings.add(finding)
+    return not own.has(Severity.ERROR)
 
 
 def loaded(program: Program) -> Program:

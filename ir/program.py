@@ -582,8 +582,9 @@ class Program:
     A macro file alone is a Program of ``Definition`` nodes, which stand in nothing else.
     head, tail: the first and the last statements of the body, which the machine's settings put there; the tail also
     runs where the job ends itself before; abort: what runs where it aborts itself. around_files: head and tail run
-    around each subprogram that is a file, too; None: nobody said so, and it would make a difference. open_codes: a file
-    that was not given may define codes that the language does not have. spindle_outputs: those that run the spindle
+    around each subprogram that is a file, too; None: nobody said so, and it would make a difference. open_codes: where
+    a file that was not given, or that was not understood, may define codes that the language does not have, what to do
+    about it. spindle_outputs: those that run the spindle
     where no code of the language does and the shop's definitions tell. unended: subprograms, "" for the body, of which
     a finding of the frontend says that they have no end. macro_files: names of those files that run only where a
     command that the machine defines (a macro, a setting) calls them. assumed: what reading the files took for granted.
@@ -599,7 +600,7 @@ class Program:
     head: tuple[Statement, ...] = ()
     tail: tuple[Statement, ...] = ()
     around_files: bool | None = False
-    open_codes: bool = False
+    open_codes: str = ""
     abort: tuple[Statement, ...] = ()
     spindle_outputs: SpindleOutputs = NO_OUTPUTS
     unended: frozenset[str] = field(default=frozenset(), compare=False, repr=False)

@@ -180,8 +180,7 @@ def _run_alone(ex: Motion, span: Span, words: Words, texts: Texts, comment: str,
         columns = letters_of(ex.machine)
         if finding.code is codes.UNKNOWN_CODE and ex.program.open_codes:
             what = f"{finding.message.split()[0]}, which only a macro file would define,"
-            hint = "CNC.MAC may define it: --machine WINCNC.INI, with CNC.MAC beside it"
-            finding = codes.UNSUPPORTED_CODE.at(finding.span, code=what, hint=hint)
+            finding = codes.UNSUPPORTED_CODE.at(finding.span, code=what, hint=ex.program.open_codes)
         aim = None if line is None else functools.partial(single_motion.aim, ex, line)
         refused_lines.refuse_words(ex, words, columns, refusal, finding, aim)
         ex._refuse(finding)

@@ -308,10 +308,12 @@ class _Loader:
                 from gproof.frontend.wincnc.mac_file import read_macros
 
                 source = read_source(found, dos=True)
-                self.macros = dict(read_macros(source, self.findings, self.controls.lexical))
+                self.macros, unread = read_macros(source, self.findings, self.controls.lexical)
                 self.macro_source = source
+                if unread:
+                    self.program.open_codes = f"line {unread[0]} of {source.name} was not understood, and may define it"
                 return
-        self.program.open_codes = True
+        self.program.open_codes = "CNC.MAC may define it: --machine WINCNC.INI, with CNC.MAC beside it"
         if self.machine_file is not None:
             name = self.machine_file.name
             self.findings.add(

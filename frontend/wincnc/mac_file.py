@@ -51,16 +51,23 @@ class Macro:
     continued: bool = False
 
 
-def read_macros(source: SourceFile, findings: Findings, lexical: Lexical) -> dict[str, Macro]:
-    """The definitions of a file by their names; a line that can be none is a finding at its place."""
+def read_macros(source: SourceFile, findings: Findings, lexical: Lexical) -> tuple[dict[str, Macro], list[int]]:
+    """The definitions of a file by their names; a line that can be none is a finding at its place.
+
+    Beside them the lines that say something and define nothing here: a controller may read a definition there.
+    """
     macros: dict[str, Macro] = {}
-    for macro in each_macro(source, findings, lexical):
+    unread: list[int] = []
+    for macro in each_macro(source, findings, lexical, unread):
         macros.setdefault(macro.name, macro)
-    return macros
+    return macros, unread
 
 
-def each_macro(source: SourceFile, findings: Findings, lexical: Lexical) -> Iterator[Macro]:
-    """The definitions of a file in order, the same one again included; findings as for ``read_macros``."""
+def each_macro(
+    source: SourceFile, findings: Findings, lexical: Lexical, unread: list[int] | None = None
+) -> Iterator[Macro]:  # fmt: skip
+    """The definitions of a file in order, the same one again included; findings and ``unread``: see ``read_macros``."""
+    unread = [] if unread is None else unread
     macros: dict[str, Macro] = {}
     signs = COMMENT_SIGNS + lexical.comment_signs
     for number, raw in enumerate(_END_OF_LINE.split(bytes(source.data).removeprefix(UTF8_MARK)), 1):
@@ -69,10 +76,12 @@ def each_macro(source: SourceFile, findings: Findings, lexical: Lexical) -> Iter
         leads = is_comment(line, signs) and 0 < after < len(line)
         line = " " * after + line[after:] if leads else line
         if is_comment(line, signs):
-            _tell_what_follows(source.name, number, line, len(line) - len(line.lstrip()), findings, signs)
+            if _tell_what_follows(source.name, number, line, len(line) - len(line.lstrip()), findings, signs):
+                unread.append(number)
             continue
         macro = _macro(source.name, number, line, findings, signs, continued=lexical.continued)
         if macro is None:
+            unread.append(number)
             continue
         macro = replace(macro, continued=True) if leads else macro
         before = macros.setdefault(macro.name, macro)
@@ -149,12 +158,13 @@ def end_of_command(line: str, begin: int, signs: str) -> int:
     return at
 
 
-def _tell_what_follows(file: str, number: int, line: str, at: int, findings: Findings, signs: str) -> None:
-    """GP134 for words behind a closed comment."""
+def _tell_what_follows(file: str, number: int, line: str, at: int, findings: Findings, signs: str) -> bool:
+    """GP134 for words behind a closed comment; whether there are any."""
     at = behind_comments(line, at, signs)
     if at < len(line):
         span = Span(file, number, at + 1, len(line.rstrip()) + 1)
         findings.add(codes.TEXT_BEHIND_COMMENT.at(span, text=line[at:].strip()[:40]))
+    return at < len(line)
 
 
 def behind_comments(line: str, at: int, signs: str) -> int:

@@ -106,6 +106,33 @@ def test_an_arc_that_no_controller_takes_ends_the_trace(tmp_path: Path, capsys: 
     assert rows[-1]["code"] == "GP401"
 
 
+JOBS_TO_DUMP = {
+    "all is well": "G0 X20\nM30\n",
+    "arc": "G0 X20 Y20\nG2 X40 Y20 I7 J0 F100\nG0 X0\nM30\n",
+    "arc after a stop": "G0 X20 Y20\nM0\nG2 X40 Y20 I7 J0 F100\nG0 X0\nM30\n",
+    "arc and another error": "X5\nG0 X20 Y20\nG2 X40 Y20 I7 J0 F100\nM30\n",
+    "word": "G0 X20 H3\nG0 X0\nM30\n",
+    "motion": "X5\nM30\n",
+    "unread": "G0 X20 )\nM30\n",
+    "unknown": "G0 X20\nGetToolInfo num 3\nG0 X0\nM30\n",
+}
+
+
+@pytest.mark.parametrize("text", JOBS_TO_DUMP.values(), ids=JOBS_TO_DUMP)
+def test_both_forms_of_the_trace_exit_alike(text: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    lines, rows = trace(capsys, tmp_path, text)
+    words = [str(tmp_path / "job.cnc"), "--machine", str(tmp_path / "machine.toml"), "--setup", "zero"]
+    assert main(["dump", *words, "--stage", "trace"]) == lines
+    done = capsys.readouterr()
+    if rows[-1]["op"] == "error":
+        assert str(rows[-1]["code"]) in done.err
+    assert ("GP401" in done.err) == ("G2" in text)
+    # Of an arc that no controller takes there is no plan.
+    if "G2" in text:
+        assert main(["dump", *words, "--stage", "plan"]) == 1
+        assert not capsys.readouterr().out
+
+
 def test_sections_and_branches_are_marked(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     code, rows = trace(capsys, tmp_path, "G0 X20\nM0\nG0 X40\nM30\n")
     assert code == 0

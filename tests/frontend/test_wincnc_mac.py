@@ -18,7 +18,7 @@ def read(text: str | bytes, lexical: Lexical | None = None) -> tuple[dict[str, M
     data = text if isinstance(text, bytes) else text.encode()
     findings = Findings()
     source = SourceFile(name="CNC.MAC", sha256=hashlib.sha256(data).hexdigest(), data=data)
-    return read_macros(source, findings, lexical or Lexical()), findings.kept
+    return read_macros(source, findings, lexical or Lexical())[0], findings.kept
 
 
 def texts(text: str | bytes, lexical: Lexical | None = None) -> dict[str, str]:
