@@ -122,6 +122,8 @@ def _gather(ex: Motion, columns: dict[str, int], span: Span, words: Words, bare:
             continue
         taker = _taker(line, owner, columns, letter, where)
         if letter in bare and not (taker.rule is not None and taker.rule.function in _NAMES_AXES):
+            if letter in columns and owner is not None and owner.rule is not None:
+                _no_chosen_axes(owner.rule, letter, where)
             raise Refusal(codes.MISSING_VALUE.at(where, letter=letter))
         if letter in taker.values:
             raise Refusal(codes.REPEATED_WORD.at(where, letter=letter))
@@ -139,6 +141,13 @@ def _gather(ex: Motion, columns: dict[str, int], span: Span, words: Words, bare:
                 needed = "a number" if letter == PARAMETER else letter
                 raise Refusal(codes.WORD_MISSING.at(part.code_span(), code=part.rule.text, needed=needed))
     return line
+
+
+def _no_chosen_axes(rule: CodeRule, letter: str, where: Span) -> None:
+    """Refusal GP113 for ``G154 X``: "for any number of axes" (3.34) may name them so, and shows no form that does."""
+    if rule.function is F.ZERO_OFFSET_RESTORE:
+        what = f"{rule.text} with the letter {letter} alone (whether letters choose its axes is not documented)"
+        raise Refusal(codes.UNSUPPORTED_CODE.at(where, code=what))
 
 
 _ACTS_ON = {"spindle_cw": SPINDLE, "spindle_ccw": SPINDLE, "spindle_off": SPINDLE, "coolant_on": COOLANT,
