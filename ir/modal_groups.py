@@ -173,6 +173,8 @@ OF_ORIGINS = OF_PLACES - {DISTANCES, LOW, HIGH, CLAMP, BACKLASH, LOCKS, AXES, SP
 """Groups on which it rests where the program's zero is, and in what it counts."""
 OF_MACHINE_PLACES = OF_PLACES - {WORK, LOCAL, LENGTH, HEAD}
 """The same for words that are machine coordinates."""
+OF_ARCS = frozenset((PLANE, RETRACT, CENTERS))
+"""Groups on which it rests besides where words of arcs and cycles send the axes."""
 OF_FEEDS = frozenset((UNITS, FEED_MODE))
 """Groups in which the number of an F counts."""
 TRACKED = OF_PLACES | {PLANE, RETRACT, CENTERS, MOTION, SPINDLE, FEED_MODE}

@@ -32,6 +32,7 @@ from gproof.passes.values import NOWHERE, Position, Unknown, Value, between, not
 if TYPE_CHECKING:
     from gproof.passes.din import Part
     from gproof.passes.emitter import Emitter
+    from gproof.passes.modal import Modal
     from gproof.passes.motion import Motion
 
 _BY_NAME = {
@@ -288,13 +289,20 @@ def restore(ex: Motion, line: Part, rule: CodeRule) -> None:
 
 # ---- F, S, T, D
 
+F_LOST = "what F counts in behind a refused line"
+"""Why the feed is not known of an F whose unit or mode is lost."""
+
 
 def feed(ex: Motion, line: Part) -> None:
     """F: in interpolation units by the time unit that is in force (5.3, 3.28)."""
     value = line.values["F"]
-    s = ex.modal
     if not isinstance(value, Unknown) and value < 0:
         raise Refusal(codes.NEGATIVE_FEED.at(line.where("F"), value=value))
+    take_feed(ex.modal, value)
+
+
+def take_feed(s: Modal, value: Value) -> None:
+    """``feed`` of a number that is not below 0."""
     if isinstance(value, Unknown):
         s.din = s.din.but(feed=math.nan, feed_cause=value.cause, asked="", given=True)
     elif s.din.time_unit is None and value != 0.0:
@@ -303,7 +311,7 @@ def feed(ex: Motion, line: Part) -> None:
     else:
         s.din = s.din.but(feed=value * s.unit * 60.0 / (s.din.time_unit or 60.0), asked="", given=True)
         if s.unknown_modes & OF_FEEDS:
-            s.din = s.din.but(feed=math.nan, feed_cause="what F counts in behind a refused line")
+            s.din = s.din.but(feed=math.nan, feed_cause=F_LOST)
 
 
 def speed(ex: Motion, line: Part) -> None:

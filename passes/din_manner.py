@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import bisect
+import math
 from collections.abc import Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from gproof.ir import codes
 from gproof.ir.finding import Refusal, Span
+from gproof.ir.modal_groups import OF_FEEDS
 from gproof.ir.program import Block, Call, Expr, Input, Named, Number, Unsupported
 from gproof.passes import din, din_events, din_plain
 from gproof.passes import execute_kernels as k
@@ -142,6 +144,8 @@ def _hot(
     before, first = rows.count, at
     at = ex.run_kernel(run, columns, state, count, at)
     ex._unpack(state)
+    if s.unknown_modes & OF_FEEDS:
+        s.feed = math.nan
     continued = din_plain.taken(ex, start, before, columns[:3], first, at, numbers)
     s.motion = 0
     return at, continued

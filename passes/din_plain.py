@@ -6,6 +6,7 @@ these languages (reflection, cylinders, feeds of rotary axes, centre words that 
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -13,15 +14,18 @@ import numpy as np
 from gproof.ir import codes
 from gproof.ir.finding import Span
 from gproof.ir.machine import AXIS_NAMES
+from gproof.ir.modal_groups import OF_FEEDS
 from gproof.ir.trace import Op, Plane
 from gproof.passes import plain_kernels as k
 from gproof.passes.din_compensation import is_beside, is_for_nothing
+from gproof.passes.din_events import F_LOST
 from gproof.passes.din_state import SAME, DinState, own_unit
 from gproof.passes.single_state import letters_of
 from gproof.passes.values import NOWHERE
 
 if TYPE_CHECKING:
     from gproof.passes.emitter import Emitter
+    from gproof.passes.modal import Modal
 
 assert (Op.TRAVERSE, Op.ARC) == (k.TRAVERSE, k.ARC)
 
@@ -53,7 +57,7 @@ def is_plain(ex: Emitter) -> bool:
         and not is_for_nothing(din)
         and not din.constant_speed
         and not din.asked
-        and din.feed > 0.0
+        and _feed_is_plain(s)
         and not din.doubtful
         and own <= din.interpolating
         and all(s.linear[axis] for axis in own)
@@ -62,6 +66,14 @@ def is_plain(ex: Emitter) -> bool:
         and not any(place == NOWHERE or is_beside(place) for place in s.position)
         and not own & s.unhomed
     )
+
+
+def _feed_is_plain(s: Modal) -> bool:
+    """Whether a feed is known, or told already that it is not: neither does a row tell anything."""
+    din = s.din
+    if s.unknown_modes & OF_FEEDS and din.feed_cause != F_LOST and hot_letters(din)[ord("F")]:
+        return False  # an F would have another cause
+    return din.feed > 0.0 or (math.isnan(din.feed) and f"feed {din.feed_cause}" in din.told)
 
 
 def begin(ex: Emitter, continued: str) -> bool:
@@ -78,7 +90,7 @@ def begin(ex: Emitter, continued: str) -> bool:
 def arcs_are_plain(ex: Emitter) -> bool:
     """Whether centres count from the start of an arc, in X and Y."""
     s = ex.modal
-    return s.plane is Plane.XY and (not s.absolute or s.din.centers_absolute is False)
+    return s.arcs_known and s.plane is Plane.XY and (not s.absolute or s.din.centers_absolute is False)
 
 
 def taken(
@@ -90,7 +102,11 @@ def taken(
     """
     s, rows = ex.modal, ex.rows
     continued = f"G{s.motion - 1}"
-    din = s.din if s.feed == s.din.feed else s.din.but(feed=s.feed, given=True)
+    din, lost = s.din, math.isnan(s.feed)
+    if lost:
+        s.feed = din.feed
+    elif s.feed != din.feed:
+        din = din.but(feed=s.feed, given=True)
     if rows.count > before:
         out, made = rows.arrays, rows.count - before
         if numbers is not None:

@@ -241,7 +241,8 @@ def run_lines(
                 ints[DISTANCES] = 2
             word = end
             continue
-        if motion != 1 and not rate > 0.0:
+        if motion != 1 and rate <= 0.0:
+            # One that is not known (NaN) goes on.
             return word, row
         if motion <= 2 and seen & 960:
             return word, row

@@ -11,7 +11,7 @@ from dataclasses import replace
 from gproof.ir import codes
 from gproof.ir.finding import Refusal, Span
 from gproof.ir.machine import AXES, AXIS_NAMES, Machine
-from gproof.ir.modal_groups import OF_FEEDS, OF_ORIGINS, SPINDLE
+from gproof.ir.modal_groups import MOTION, OF_ARCS, OF_FEEDS, OF_ORIGINS, OF_PLACES, SPINDLE
 from gproof.ir.rules import LanguageRules, ParameterRange
 from gproof.ir.setup import Interval, Setup
 from gproof.ir.trace import (
@@ -280,28 +280,46 @@ class Modal:
 
     @property
     def plain_motion(self) -> bool:
-        """True where moves mean what ``run_lines`` makes of them."""
-        return self.compensation is None and self.plain_contour
+        """True where straight moves mean what ``run_lines`` makes of them, but for feeds (``open_feeds``); arcs do
+        where ``arcs_known`` holds too."""
+        return self.compensation is None and self._plain_ways and self.feeds_plain and self.modes_known
 
     @property
     def plain_contour(self) -> bool:
         """True where ``run_lines`` makes of lines what the program asks for, whether or not it is compensated."""
         return (
-            not self.xz_mirrored
-            and not self.xz_view_open
-            and not self.transform_in_doubt
-            and not self.drives_were_off
-            and not self.jumped
+            self._plain_ways
             and not self.feed_unknown
-            and self.modes_known
-            # From nowhere an arc goes nowhere: whether its ends fit nobody can say.
-            and all(place.form != UNKNOWN for place in self.position)
+            and self.refused_at is None
+            and not self.unknown_modes - {SPINDLE}
+            and self.arcs_known
         )
 
     @property
+    def _plain_ways(self) -> bool:
+        return not (
+            self.xz_mirrored
+            or self.xz_view_open
+            or self.transform_in_doubt
+            or self.drives_were_off
+            or self.jumped
+        )  # fmt: skip
+
+    @property
     def modes_known(self) -> bool:
-        """True where no refused line leaves open what moves and feeds mean, or waits to be told with a move."""
-        return self.refused_at is None and not self.unknown_modes - {SPINDLE}
+        """True where no refused line leaves open what straight moves mean, or waits to be told with a move."""
+        return self.refused_at is None and not self.unknown_modes & (OF_PLACES | {MOTION})
+
+    @property
+    def arcs_known(self) -> bool:
+        """True where no refused line leaves open what arcs mean besides, nor where they begin."""
+        # From nowhere an arc goes nowhere: whether its ends fit nobody can say.
+        return not self.unknown_modes & OF_ARCS and all(place.form != UNKNOWN for place in self.position)
+
+    @property
+    def feeds_plain(self) -> bool:
+        """True where the feed of rows is that of their words, or not known for all of them (``feed_unknown``)."""
+        return not self.feed_input and (not self.unknown_modes & OF_FEEDS or math.isnan(self.feed))
 
     @property
     def transform_in_doubt(self) -> bool:

@@ -321,7 +321,7 @@ def vague(ex: Motion, line: Line, rule: CodeRule, *, machine: bool = False) -> b
     straight = function in _STRAIGHT or function is F.MACHINE_TRAVERSE
     known = rule is not LOST_MOTION and words_count(s, machine=machine)
     if known and not straight and function not in _TO_STORED:
-        known = not s.unknown_modes & {g.PLANE, g.RETRACT, g.CENTERS}
+        known = not s.unknown_modes & g.OF_ARCS
         known = known and all(s.position[axis].form != UNKNOWN for axis in range(3))
     if known:
         restate(ex, (rule,), has_axes=True)
@@ -331,12 +331,15 @@ def vague(ex: Motion, line: Line, rule: CodeRule, *, machine: bool = False) -> b
     axes = named if straight and named and not s.transform.on else {axis.index for axis in ex.machine.axes}
     target = [NOWHERE if axis in axes else place for axis, place in enumerate(s.position)]
     s.compensation = None
+    if function not in _RAPID and (s.rules.one_command or s.rules.source_order):
+        s.feed = math.nan  # which of the feeds counts, those axes say that move
     ex.move(Op.TRAVERSE if function in _RAPID else Op.FEED, target, line.span)
     ex._moved = True
     if rule is LOST_MOTION:
         return True
     if function in _MODAL_MOTIONS:
-        s.motion, s.cycle, s.cycle_code = int(function), {}, 0
+        # Where the source decides what goes on, nothing of it is kept here.
+        s.motion, s.cycle, s.cycle_code = 0 if s.rules.source_order else int(function), {}, 0
         s.unknown_modes -= {g.MOTION}
     else:
         # A cycle whose words are not all known may be in force.
@@ -360,6 +363,8 @@ def tell(ex: Emitter, target: list[Position], span: Span) -> None:
     assert s.refused_at is not None
     lost = [axis.word for axis in ex.machine.axes if target[axis.index].form == UNKNOWN]
     if not lost:
+        if words_count(s):
+            s.refused_at = None  # all of it is known again: no move rests on that line any more
         return
     where, s.refused_at = s.refused_at, None
     names = "every axis" if len(lost) == len(ex.machine.axes) else " ".join(lost)

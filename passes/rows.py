@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
+
+import numpy as np
 
 from gproof.ir.columns import Array, Columns
 from gproof.ir.trace import TRACE_ROW, Chunk, Edge, Op, Trace
 
 FIRST_CAPACITY = 256
 CAPACITY = 1 << 15
+_FED = (Op.FEED, Op.ARC)
 
 
 class RowBuffer:
@@ -55,6 +59,11 @@ class RowBuffer:
         a["arg"][i] = arg
         a["text"][i] = text
         self.count += 1
+
+    def forget_feeds(self, begin: int) -> None:
+        """The feed of moves from row ``begin`` on is not known."""
+        made = slice(begin, self.count)
+        self.arrays["feed"][made][np.isin(self.arrays["op"][made], _FED)] = math.nan
 
     def flush(self, *, last: bool = False, edges: tuple[Edge, ...] = ()) -> None:
         """Hand out what is collected and go on in a fresh buffer."""

@@ -270,6 +270,8 @@ def without_command(ex: Motion, line: Command) -> None:
             feed_word(ex, line, columns)
             raise Refusal(codes.UNSUPPORTED_CODE.at(line.span, code=what))
     if MOTION in s.unknown_modes:
+        if axes and "F" in letters:
+            feed_word(ex, line, set(axes))
         refused_lines.vague(ex, line, refused_lines.LOST_MOTION)
         return
     if s.motion == 0 and not s.cycle_code and not stored and not ex.takes(accepts.KEPT_MOTION):

@@ -12,8 +12,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from gproof.ir.machine import AXES
+from gproof.ir.modal_groups import OF_FEEDS
 from gproof.ir.rules import Function as F
 from gproof.ir.trace import Op
+from gproof.passes import refused_lines
 from gproof.passes import single_kernels as k
 from gproof.passes.single_motion import feed_columns, note_assumptions, usual_feed
 from gproof.passes.single_state import LEANING, letters_of
@@ -34,7 +36,6 @@ def is_plain(s: Modal) -> bool:
     return (
         s.feed_mode == 94
         and s.modes_known
-        and not s.line_lost
         and single.sources == _ALL
         and not single.slaves
         and not single.locked
@@ -48,12 +49,18 @@ def is_plain(s: Modal) -> bool:
         and not s.transform.on
         and s.compensation is None
         and not s.jumped
-        and not s.feed_unknown
-        and s.feed_override == 1.0
+        and _feeds_are_plain(s)
         and s.pitch == 0.0
         and not s.following
         and not (s.clamped or s.drives_were_off or s.not_programmed)
     )
+
+
+def _feeds_are_plain(s: Modal) -> bool:
+    """Whether feeds are those of the words, or not known for any move."""
+    if s.unknown_modes & OF_FEEDS and not all(map(math.isnan, s.single.feeds)):
+        return False
+    return not s.feed_input and (s.feed_override == 1.0 or s.feed_unknown)
 
 
 class PlainLines:
@@ -84,6 +91,8 @@ class PlainLines:
     ) -> int:  # fmt: skip
         """Run lines in the kernel from word ``at``; returns the first word it left over. words: see ``run_moves``."""
         s, rows = ex.modal, ex.rows
+        if s.line_lost:
+            refused_lines.settle(s)
         if not is_plain(s):
             return at
         state = self._packed(ex, compiled)
@@ -154,6 +163,8 @@ class PlainLines:
             out["call"][new] = ex._call
             # The same for all of these lines, and made only where there are rows.
             out["frame"][new], out["state"][new] = ex._frame(), ex._state()
+            if ex.modal.feed_unknown:
+                rows.forget_feeds(before)
         _unpack(ex, state, rows.count - before - events)
 
     def _packed(self, ex: Motion, compiled: bool) -> tuple[Any, Any, Any, Any]:
@@ -162,6 +173,9 @@ class PlainLines:
         controls = ex.machine.controller.controls
         offsets = [s.offset(axis) for axis in _ALL]
         known = not any(s.position[axis].minus(s.position[axis]).form for axis in (0, 1))
+        if s.line_lost:
+            # Of arcs that a refused line leaves open Python says what is known.
+            known = known and s.arcs_known and not s.feed_unknown and not math.isnan(s.single.arc_feed or 0.0)
         kept = s.single.center
         ints: Any = [
             s.motion, int(s.absolute),
@@ -193,10 +207,11 @@ def _unpack(ex: Motion, state: tuple[Any, Any, Any, Any], rows: int) -> None:
     """Take over what ``run_moves`` has made of the state."""
     ints, floats = (part if isinstance(part, list) else part.tolist() for part in state[:2])
     s = ex.modal
+    open_feeds = bool(s.unknown_modes & OF_FEEDS)
     ex.blocks += ints[k.LINES]
     s.absolute = bool(ints[k.ABSOLUTE])
     if ints[k.LINES]:
-        feeds = tuple(floats[k.FEEDS : k.FEEDS + AXES])
+        feeds = s.single.feeds if open_feeds else tuple(floats[k.FEEDS : k.FEEDS + AXES])
         # One object for what is not known: states are compared.
         lost = (math.nan, math.nan) if ints[k.KEPT] == 2 else None
         center = (floats[k.KEPT_I], floats[k.KEPT_J]) if ints[k.KEPT] == 1 else lost
@@ -207,7 +222,7 @@ def _unpack(ex: Motion, state: tuple[Any, Any, Any, Any], rows: int) -> None:
     if ints[k.RESET]:
         s.motion, s.cycle = ints[k.MOTION], {}
     if ints[k.USED]:
-        s.feed, s.feed_unit = floats[k.FEED], 1.0
+        s.feed, s.feed_unit = math.nan if open_feeds else floats[k.FEED], 1.0
     if rows:
         ex._moves += rows
         ex._moved = True

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
@@ -11,9 +12,10 @@ import numpy as np
 from gproof.ir.columns import Columns
 from gproof.ir.finding import Span
 from gproof.ir.machine import AXES
+from gproof.ir.modal_groups import OF_FEEDS
 from gproof.ir.program import FLAG_BARE, FLAG_DELETE, BlockTable
 from gproof.ir.trace import TRACE_ROW
-from gproof.passes import compensated
+from gproof.passes import compensated, lost_lines
 from gproof.passes import compensation_kernels as c
 from gproof.passes import execute_kernels as k
 from gproof.passes.blocks import Blocks
@@ -74,6 +76,8 @@ class Straight(Blocks):
         count = len(frame.words)
         while frame.at < count:
             if not frame.cold or int(line[frame.at]) not in frame.cold:
+                if self.modal.line_lost:
+                    frame.at = lost_lines.run(self, frame, count, frame.at)
                 frame.at = self._manner.hot(self, run, frame.columns, count, frame.at, compiled)
             at = frame.at
             if at < count and self.rows.count < self.rows.capacity:
@@ -106,8 +110,12 @@ class Straight(Blocks):
         if not s.plain_motion:
             return at
         state = self._packed([p.value for p in s.position], compiled, distances=distances)
+        if not s.arcs_known:
+            state[0][k.ARC_ABSOLUTE] = 1  # which leaves arcs to Python
         at = self.run_kernel(run, columns, state, count, at)
         self._unpack(state)
+        if s.unknown_modes & OF_FEEDS:
+            s.feed = math.nan
         return at
 
     def run_kernel(self, run: Any, columns: tuple[Any, ...], state: _State, count: int, at: int) -> int:
@@ -116,6 +124,8 @@ class Straight(Blocks):
         before = rows.count
         at, rows.count = _run(run, (*columns[:3], count, at), state, rows.arrays, before, rows.capacity)
         self.blocks += rows.count - before
+        if self.modal.feed_unknown:
+            rows.forget_feeds(before)
         return at
 
     def _along_contour(self, run: Any, columns: tuple[Any, ...], count: int, at: int, compiled: bool) -> int:
