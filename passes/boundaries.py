@@ -211,8 +211,9 @@ class Boundaries(Check):
             if room.least > room.most + 2 * ROUNDING:
                 self._refuted(form, room)
             elif low > high + 2 * ROUNDING:
+                end = room.below or room.above
                 self._unknown(
-                    self._first,
+                    self._first if end is None else end.span,
                     describe(form, self.machine),
                     f"no {describe(form, self.machine)} keeps the whole job within boundaries",
                 )
@@ -273,6 +274,9 @@ class Boundaries(Check):
             if stated is not None:
                 if low - ROUNDING <= stated.low and stated.high <= high + ROUNDING:
                     continue
+                if stated.low < low - ROUNDING:
+                    # The move that needs the lower side, not the one that goes highest.
+                    span = box.low_span[slot, edge.axis]
                 if stated.high < low or stated.low > high:
                     self._errors += 1
                     over = low - stated.high if stated.high < low else stated.low - high

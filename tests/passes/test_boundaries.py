@@ -365,3 +365,26 @@ def test_a_shift_of_a_workspace_moves_the_boundary(tmp_path: Path) -> None:
         assert answer(tmp_path, past)[:2] == (Verdict.UNSAFE, [("GP330", 5)])
         home = replace(made, program=made.program + "G53 X0\n")
         assert answer(tmp_path, home)[0] is Verdict.UNSAFE
+
+
+@pytest.mark.parametrize("turned", [False, True], ids=["lower first", "upper first"])
+@pytest.mark.parametrize(
+    ("bounds", "measure", "code", "low"),
+    [
+        # Machine places Z-10 and Z40, the tip lower by the measure: the one passes -100, the other 100.
+        ((-100.0, None), (10.0, 91.0), "GP304", True),
+        ((-100.0, None), (90.5, 91.0), "GP330", True),
+        ((None, 100.0), (-61.0, 0.0), "GP304", False),
+        ((None, 100.0), (-80.0, -70.0), "GP330", False),
+    ],
+)
+def test_a_finding_stands_at_the_move_that_passes_the_boundary(
+    bounds: tuple[float | None, float | None], measure: tuple[float, float], code: str, low: bool, turned: bool,
+    tmp_path: Path,
+) -> None:  # fmt: skip
+    """Of two moves the one that passes the side, not the one that goes highest."""
+    moves = ["G53 Z-10", "G53 Z40"]
+    text = "\n".join(reversed(moves) if turned else moves) + "\n"
+    made = job(text, bounds={"z": bounds}, measures={"z": measure, "w": 0.0})
+    _, findings, _ = answer(tmp_path, made)
+    assert findings == [(code, 4 if low != turned else 5)], findings
