@@ -293,7 +293,8 @@ def _together(session: Session, findings: Findings, limits: PropertyResult, edge
         hint = "what soft limits and boundaries ask excludes each other; " + ", ".join(asked)
         findings.add(
             codes.NO_SAFE_OFFSET.at(
-                Span(str(session.job), 1), name=names, extent=missed, unit="mm", room=0.0, hint=hint
+                Span(str(session.job), 1), what=f"no offset {names} makes the job fit: it spans", extent=missed,
+                unit="mm", other="the axis has", room=0.0, hint=hint,
             )
         )  # fmt: skip
         return dataclasses.replace(fits, verdict=Verdict.UNSAFE, conditions=())

@@ -360,7 +360,7 @@ NO_SAFE_OFFSET = code(
     303,
     "no-safe-offset",
     _E,
-    "no offset {name} makes the job fit: it spans {extent:.4f} {unit} and the axis has {room:.4f}",
+    "{what} {extent:.4f} {unit} and {other} {room:.4f}",
     "limits",
 )
 POSITION_UNKNOWN = code(304, "position-unknown", _U, "the position of {axis} depends on {cause}", "limits")

@@ -22,7 +22,7 @@ from gproof.ir.record import record
 from gproof.ir.setup import Setup
 from gproof.ir.trace import UNKNOWN, UNMEASURED, Affine, Boundary, Chunk, State, Trace
 from gproof.ir.verdict import Condition, PropertyResult, Verdict
-from gproof.passes.check import KEPT, Check, Like, form_interval, row_span, split_form, told_of
+from gproof.passes.check import KEPT, Check, Like, form_interval, no_safe_offset, row_span, split_form, told_of
 from gproof.passes.extent_kernels import row_boxes
 from gproof.passes.single_state import vertical_axes
 from gproof.passes.values import add_forms, describe
@@ -243,8 +243,8 @@ class Boundaries(Check):
         self._errors += 1
         self.findings.add(
             codes.NO_SAFE_OFFSET.at(
-                lower.span, name=describe(form, self.machine), extent=free + room.least - room.most, room=free,
-                unit=mm,
+                lower.span, what=f"no offset {describe(form, self.machine)} makes the job fit: it spans",
+                extent=free + room.least - room.most, unit=mm, other="the axis has", room=free,
                 hint=f"above its lower boundary this line needs an offset of {asks[0]}",
                 related=(Related(upper.span, f"below its upper boundary this line needs an offset of {asks[1]}"),),
             )
@@ -295,9 +295,8 @@ class Boundaries(Check):
             if low > high + 2 * ROUNDING and edge.low is not None and edge.high is not None:
                 self._errors += 1
                 self.findings.add(
-                    codes.NO_SAFE_OFFSET.at(
-                        span, name=describe(form, self.machine), extent=most - least,
-                        unit=self._units.get(edge.axis, "mm"),
+                    no_safe_offset(
+                        span, form, self.machine, extent=most - least, unit=self._units.get(edge.axis, "mm"),
                         room=edge.high - edge.low,
                     )
                 )  # fmt: skip

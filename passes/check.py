@@ -9,12 +9,14 @@ from typing import TYPE_CHECKING, TypedDict
 import numpy as np
 import numpy.typing as npt
 
+from gproof.ir import codes
 from gproof.ir.columns import Columns
-from gproof.ir.finding import Findings, Span
+from gproof.ir.finding import Finding, Findings, Span
 from gproof.ir.machine import AXES, Machine
 from gproof.ir.setup import Interval, Setup
 from gproof.ir.trace import UNKNOWN, Affine, Chunk, Trace
 from gproof.ir.verdict import PropertyResult
+from gproof.passes.values import describe
 
 if TYPE_CHECKING:
     from gproof.passes.stock_fields import Remains
@@ -122,6 +124,29 @@ def form_interval(form: Affine, setup: Setup, trace: Trace) -> Interval | None:
         ends = (known.low * coefficient, known.high * coefficient)
         low, high = low + min(ends), high + max(ends)
     return Interval(low, high)
+
+
+def no_safe_offset(span: Span, form: Affine, machine: Machine, *, extent: float, room: float, unit: str) -> Finding:
+    """GP303 of unknowns that nothing bounds; extent: what the job spans on the axis, room: what the axis has."""
+    name = describe(form, machine)
+    free = not split_form(form)[0]
+    what = f"no offset {name} makes the job fit" if free else f"whatever {name} is, the job does not fit"
+    return codes.NO_SAFE_OFFSET.at(
+        span, what=f"{what}: it spans", extent=extent, unit=unit, other="the axis has", room=room
+    )
+
+
+def none_suits(span: Span, form: Affine, machine: Machine, *, known: Interval, safe: Interval, unit: str) -> Finding:
+    """GP303 of unknowns whose whole range lies on one side of what is safe."""
+    above = known.low > safe.high
+    ends = (known.low, safe.high) if above else (known.high, safe.low)
+    sides = ("at least", "at most") if above else ("at most", "at least")
+    said = f"{round(known.low, 6) + 0.0:g} to {round(known.high, 6) + 0.0:g}"
+    return codes.NO_SAFE_OFFSET.at(
+        span, what=f"{describe(form, machine)} leaves no room for the job: it is {sides[0]}", extent=ends[0] + 0.0,
+        unit=unit, other=f"safe is {sides[1]}", room=ends[1] + 0.0,
+        hint=f"safe for {safe.low:.4f} to {safe.high:.4f} {unit}, and it is {said} {unit}",
+    )  # fmt: skip
 
 
 _STATED = ("start", "work", "g92", "tool", "head")

@@ -19,10 +19,20 @@ from gproof.ir import codes
 from gproof.ir.columns import occurring
 from gproof.ir.finding import Findings, Severity, Span
 from gproof.ir.machine import AXES, AXIS_NAMES, NO_MACHINE, Axis, AxisKind, Machine, Unmodelled
-from gproof.ir.setup import Setup
+from gproof.ir.setup import Interval, Setup
 from gproof.ir.trace import HEIGHT_MAP, KNIFE, UNKNOWN, Affine, Chunk, Op, Plane, Trace
 from gproof.ir.verdict import Condition, PropertyResult, Verdict
-from gproof.passes.check import KEPT, Check, Like, form_interval, row_span, split_form, told_of
+from gproof.passes.check import (
+    KEPT,
+    Check,
+    Like,
+    form_interval,
+    no_safe_offset,
+    none_suits,
+    row_span,
+    split_form,
+    told_of,
+)  # fmt: skip
 from gproof.passes.extent_kernels import row_boxes
 from gproof.passes.height_map import heights_of
 from gproof.passes.open_settings import note
@@ -600,8 +610,8 @@ class Limits(Check):
         self._errors += 1
         extent = offset.most - offset.least
         self.findings.add(
-            codes.NO_SAFE_OFFSET.at(
-                offset.span, name=describe(form, self.machine), extent=extent, unit=offset.axis.unit,
+            no_safe_offset(
+                offset.span, form, self.machine, extent=extent, unit=offset.axis.unit,
                 room=max(0.0, extent - (offset.low - offset.high)),
             )
         )  # fmt: skip
@@ -628,18 +638,17 @@ class Limits(Check):
                     continue
                 # The move that needs the side of the range which the statement does not keep.
                 needed = offset.low_span if stated.low < low - ROUNDING else offset.high_span
-                safe = f"{low:.4f} to {high:.4f}"
-                said = f"{round(stated.low, 6) + 0.0:g} to {round(stated.high, 6) + 0.0:g}"
                 if stated.high < low or stated.low > high:
                     self._errors += 1
                     self.findings.add(
-                        codes.NO_SAFE_OFFSET.at(
-                            needed, name=describe(form, self.machine), extent=stated.high - stated.low, unit="mm",
-                            room=max(0.0, high - low), hint=f"safe for {safe} mm, and it is {said} mm",
+                        none_suits(
+                            needed, form, self.machine, known=stated, safe=Interval(low, high), unit=offset.axis.unit
                         )
-                    )  # fmt: skip
+                    )
                 else:
                     unit = offset.axis.unit
+                    safe = f"{low:.4f} to {high:.4f}"
+                    said = f"{round(stated.low, 6) + 0.0:g} to {round(stated.high, 6) + 0.0:g}"
                     cause = f"{describe(form, self.machine)}, which is {said} {unit}; safe is {safe} {unit}"
                     self.findings.add(codes.POSITION_UNKNOWN.at(needed, axis=offset.axis.word, cause=cause))
                 continue

@@ -7,10 +7,12 @@ vise is X 100 ... 190, Y -190 ... -100. #110 lies between 2 and 6, #2000 is not 
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 
 import pytest
 from passes.worked_programs import agree
+from support.command import in_this_process
 
 MACHINE = """\
 schema = "gproof-machine/1"
@@ -586,3 +588,21 @@ def test_x_counts_diameters(program: str, tmp_path: Path) -> None:
 def test_a_job_may_begin_with_a_motion(program: str, tmp_path: Path) -> None:
     files = {"machine.toml": MACHINE, "setup.toml": SETUP, "job.cnc": f"{program}\n"}
     agree(tmp_path, "job.cnc", files, AS_SWITCHED_ON[program], START)
+
+
+@pytest.mark.parametrize(
+    ("program", "said"),
+    [
+        # The probe touches at Z-60 to Z-20: 65 above that is 5 at the least, and the axis ends at 0.
+        ("G43 H2\nG38.2 Z-60 F100\nG0 Z[#5053+90]", "leaves no room for the job: it is at least "),
+        ("#1=[#110*10]\nG0 Z#1", "leaves no room for the job: it is at least 20.0000 mm and safe is at most 0.0000"),
+        ("#1=[-100*#110]\nG0 Z#1", "leaves no room for the job: it is at most -200.0000 mm and safe is at least "),
+    ],
+)  # fmt: skip
+def test_a_range_that_never_fits_is_told_with_its_nearest_value(program: str, said: str, tmp_path: Path) -> None:
+    files = {"machine.toml": MACHINE, "setup.toml": SETUP, "job.cnc": f"{HEAD}{program}\n"}
+    for name, text in files.items():
+        (tmp_path / name).write_text(text, "utf-8")
+    words = ["check", "job.cnc", "--machine", "machine.toml", "--setup", "setup.toml", "--format", "json"]
+    findings = json.loads(in_this_process(words, tmp_path).out)["findings"]
+    assert [said in f["message"] for f in findings if f["code"] == "GP303"] == [True], findings
