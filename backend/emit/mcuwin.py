@@ -35,6 +35,7 @@ from gproof.ir.program import (
     DeferredBlock,
     For,
     If,
+    Mistake,
     Program,
     Repeat,
     Statement,
@@ -77,6 +78,8 @@ class _Printer(LinePrinter):
                 names += node.names
             elif isinstance(node, Unsupported) and node.text and node.span.file == self.source.name:
                 self.as_is.add(node.span.line)
+            elif isinstance(node, Mistake) and node.span.file == self.source.name:
+                self.untouched |= {node.span.line}
         for sub in program.subprograms.values():
             names += [sub.text or sub.name, *(name for name, _, _ in sub.parameters)]
         known = declared_names(names) if din.case_sensitive is False else None
