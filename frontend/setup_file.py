@@ -162,7 +162,6 @@ def _homed(root: TomlTable, columns: Columns) -> tuple[str, ...] | None:
 _ELSEWHERE = {
     "position": "[start] and the offsets",
     "machine_position": "[start]",
-    "g92": "[g92]",
     "work": "[work.1] to [work.9]",
     "tool": "tool",
     "tool_radius": "tool and the tool table",
@@ -199,7 +198,7 @@ def _mistake(number: int, is_list: bool, low: float) -> str:
         return f"#{number} follows from #{number - _PROBE_JOINTS + 5051}"
     if kind in _CHANGING and not is_list:
         return f"#{number} changes while the job runs: state a list of its lower and upper end"
-    if kind in ("head", "work_number") and is_list:
+    if kind in ("head", "work_number", "g92") and is_list:
         return f"#{number} is one number"
     if kind == "head" and low not in (0.0, 1.0, 2.0):
         return f"#{number} is 0 (M90), 1 (M91) or 2 (M92)"

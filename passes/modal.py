@@ -149,7 +149,7 @@ class Modal:
         self.work_offsets = {(n, a): self._symbol(f"work.{n}.{AXIS_NAMES[a]}") for n in range(10) for a in range(AXES)}
         self.written_work: dict[tuple[int, int], Position] = {}
         self.g92 = [self._symbol(f"g92.{name}") for name in AXIS_NAMES]
-        self.g92_stored = list(self.g92)
+        self.g92_stored = self._stored_offsets()
         self.tool_offset = list(NO_OFFSET)
         if setup.default_offset is None:
             self.tool_offset[2] = self._symbol("tool.0.z")
@@ -197,6 +197,20 @@ class Modal:
                 self.zero_lengths[int(number)] = None
             return Position(known.low)
         return Position(0.0, ((symbol, 1),))
+
+    @property
+    def offset_is_stored(self) -> bool:
+        """Whether #5211 to #5216 hold the G92 offset of the start: one that is in force, which G92 sets with them."""
+        stated = [self.setup.interval(f"g92.{name}") for name in AXIS_NAMES]
+        return any(ends is not None and (ends.low > 0.0 or ends.high < 0.0) for ends in stated)
+
+    def _stored_offsets(self) -> list[Position]:
+        """#5211 to #5216 at the start: G92.2 of an earlier job ends the offset and leaves them (3.4.23)."""
+        entry = next((entry for entry in self.rules.parameters if entry.kind == "g92"), None)
+        if entry is None or self.setup.default_offset is not None or self.offset_is_stored:
+            return list(self.g92)
+        stated = [self.setup.parameters.get(entry.first + axis) for axis in range(AXES)]
+        return [NOWHERE if n is None else Position(n * self.machine_unit(axis)) for axis, n in enumerate(stated)]
 
     def _left(self, number: int) -> Value:
         """What the setup states of a variable, exactly or by bounds."""

@@ -115,7 +115,7 @@ class Origins(Motion):
             self._note_assumptions(line, rule)
         if rule.function in _AXIS_OFFSETS:
             compensated.keep_offsets(s, line, rule)
-            self._note_stored(rule)
+            self._note_stored(line, rule)
         if rule.function in (F.PARK_1, F.PARK_2):
             compensated.no_parking(s, line, rule)
             self._park(line, "park_1" if rule.function is F.PARK_1 else "park_2")
@@ -140,11 +140,18 @@ class Origins(Motion):
             s.g92 = list(s.g92_stored)
             self.event(Op.OFFSET, line.span)
 
-    def _note_stored(self, rule: CodeRule) -> None:
+    def _note_stored(self, line: Line, rule: CodeRule) -> None:
         """G92.3 brings back what #5211 to #5216 hold, which G92.2 leaves when it ends the offset itself (3.4.23)."""
         s = self.modal
         if rule.function is F.AXIS_OFFSET_RESTORE and "stored" not in s.stated and s.setup.default_offset is None:
-            self.assumed["#5211 to #5216 hold the G92 offset that is in force at the start"] = None
+            if s.offset_is_stored:
+                self.assumed["#5211 to #5216 hold the G92 offset that is in force at the start"] = None
+            elif all(s.g92_stored[axis.index] == NOWHERE for axis in self.machine.axes):
+                word = f"the offset that {rule.text} brings back"
+                self.findings.add(codes.UNKNOWN_VALUE.at(
+                    line.where_code(rule), word=word, cause="parameters #5211 to #5216", why=NOBODY,
+                    hint="state them under [parameters] in the setup file: G92.2 of an earlier job leaves them",
+                ))  # fmt: skip
         if rule.function in (F.AXIS_OFFSET_SET, F.AXIS_OFFSET_RESET):
             s.stated.add("stored")
 

@@ -110,7 +110,7 @@ def test_inches(tmp_path: Path) -> None:
         (HEAD + "[parameters]\n1 = [2, 1]\n", "GP603", 3, "parameters.1"),
         (HEAD + "[parameters]\n5221 = 1\n", "GP603", 3, "#5221 follows from [work.1] to [work.9]"),
         (HEAD + "[parameters]\n5001 = [1, 2]\n", "GP603", 3, "#5001 follows from [start]"),
-        (HEAD + "[parameters]\n5211 = 0\n", "GP603", 3, "#5211 follows from [g92]"),
+        (HEAD + "[parameters]\n5211 = [0, 1]\n", "GP603", 3, "#5211 is one number"),
         *(
             (HEAD + f"[parameters]\n{number} = 1\n", "GP603", 3, f"#{number} {said}")
             for number, said in (

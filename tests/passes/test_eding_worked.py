@@ -120,6 +120,10 @@ ENDS = {
     "G92 X0\nG10 L2 P1 X5\nG0 X1": "SAFE 16 . . .",
     "G92 X0\nG55\nG0 X1": "SAFE 21 . . .",
     "G92 X0\nG92.1\nG0 X1": "SAFE 1 . . .",
+    "G92.3\nG0 X1": "UNKNOWN",
+    "G92.2\nG92.3\nG0 X1": "UNKNOWN",
+    "G0 X#5211": "UNKNOWN",
+    "#1=#5211\nG0 X1": "SAFE 1 . . .",
     "G92 X0\nG92.2\nG92.3\nG0 X1": "SAFE 11 . . .",
     "G92 X0\nG92.1\nG92.3\nG0 X1": "SAFE 1 . . .",
     "G92 X7\nG92 X9\nG0 X0": "SAFE 1 . . .",
@@ -483,6 +487,15 @@ OFFSET = {
     "G10 L2 P2 X20\nG0 X0": "SAFE 70 . . .",
 }
 
+STORED = {
+    "G92.3\nG0 X1": "SAFE 51 . . .",
+    "G92.3\nG0 X160": "UNSAFE",
+    "G0 X#5211": "SAFE 50 . . .",
+    "G92.2\nG92.3\nG0 X1 Y2": "SAFE 51 2 . .",
+    "G92.1\nG92.3\nG0 X1": "SAFE 1 . . .",
+}
+"""The setup states 50 for #5211 and 0 for the others, and that no offset is in force."""
+
 WITH_MACROS = {
     "M123 X7": "SAFE 7 . . .",
     "M123": "UNSAFE",
@@ -534,12 +547,14 @@ SETUPS: dict[str, tuple[str, str]] = {
     "turned": ("angle = 0.0", "angle = 90.0"),
     "scaled": ("factor = 1.0", "factor = 2.0"),
     "offset": ("active_work = 1", "active_work = 2"),
+    "stored": ("[parameters]\n", "[parameters]\n5211 = 50\n5212 = 0\n5213 = 0\n5214 = 0\n"),
 }
 """What a setup has in place of what SETUP has."""
 TABLES: list[tuple[dict[str, str], str]] = [
     (WITH_BLOCK_DELETE, "block delete"), (FROM_A_RANGE, "range"), (WITH_A_ZERO_IN_A_RANGE, "zero"),
     (WITH_A_LENGTH, "length"), (WITH_NO_LENGTH_STATED, "no length"), (TURNED, "turned"),
     (SCALED, "scaled"), (OFFSET, "offset"),
+    (STORED, "stored"),
 ]  # fmt: skip
 HEAD = "G21 G90 G54 G17\n"
 
