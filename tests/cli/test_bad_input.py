@@ -653,7 +653,7 @@ STREAMS = {
 }
 
 
-@pytest.mark.parametrize("name", share(list(STREAMS), 3))
+@pytest.mark.parametrize("name", share(list(STREAMS), 4))
 def test_streams_that_are_closed_or_full(name: str, folder: Path, gproof: Run) -> None:
     """No output is told with exit 3, never with the exit code of a verdict; a lost message changes nothing else."""
     assert gproof("compile", "job.cnc", *WITH_MACHINE, "--unsigned", "-o", "made.gpx").exit == 0

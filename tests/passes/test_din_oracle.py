@@ -12,6 +12,7 @@ import pytest
 from hand.compare import open_or_wrong
 from passes.din_oracle import AXES, OLD, Oracle, Shop, random_program
 from passes.din_programs import TASKS, machine
+from support.campaigns import seeds
 
 from gproof.frontend.mcuwin.load import load_program
 from gproof.ir.din import RadiusTool
@@ -121,7 +122,7 @@ def agree(text: list[str], shop: Shop, path: Path) -> None:
         assert any(line == stop.line + 1 and severity in kinds for line, severity, _ in told), what + "not told"
 
 
-@pytest.mark.parametrize("seed", range(60))
+@pytest.mark.parametrize("seed", seeds(20, 1000))
 def test_random_programs_mean_what_the_manual_says(seed: int, tmp_path: Path) -> None:
     rand = random.Random(f"din {seed}")
     shop = shop_of(rand)

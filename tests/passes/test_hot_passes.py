@@ -6,7 +6,7 @@ import random
 from pathlib import Path
 
 import pytest
-from support.campaigns import seeds
+from support.campaigns import seeds, share
 
 from gproof.cli.session import Running, open_session
 from gproof.ir.text import print_ir
@@ -100,7 +100,7 @@ EDING_HEAD = "G21 G90 G17 G40 G49 G54\nF500\nG0 X1 Y1 Z1\n#1=0\n#2=0\n#3=1\n"
         ("#4=[#4+1]\nG1 X#4\n#1=[#1+1]\n", True),  # a variable of the setup
     ],
 )  # fmt: skip
-@pytest.mark.parametrize("head", ["while [#1 < 300]", "while [#1 <> 300]", "while [1 == 1]"])
+@pytest.mark.parametrize("head", share(["while [#1 < 300]", "while [#1 <> 300]", "while [1 == 1]"], 3))
 def test_eding(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, head: str, body: str, is_hot: bool) -> None:
     text = f"{EDING_HEAD}{head}\n{body}endwhile\nG0 X0\nM30\n"
     _, over = both(tmp_path, text, monkeypatch, pascal=False, budget=5000)

@@ -12,6 +12,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from support.campaigns import seeds
 from support.judging import answer, judged
 from support.paths import AXES, Offsets, Points, RandomPath, nearest
 
@@ -75,7 +76,7 @@ def assert_clean(judgement: Judgement, where: str) -> None:
     assert answer(judgement, "arcs").verdict is Verdict.SAFE, where
 
 
-@pytest.mark.parametrize("group", range(10))
+@pytest.mark.parametrize("group", seeds(4, 10))
 def test_limits_agree_with_a_dense_walk_of_the_path(group: int, tmp_path: Path) -> None:
     verdicts = []
     for seed in range(group * 40, group * 40 + 40):
@@ -100,7 +101,7 @@ def test_limits_agree_with_a_dense_walk_of_the_path(group: int, tmp_path: Path) 
     assert set(verdicts) == {Verdict.SAFE, Verdict.UNSAFE}
 
 
-@pytest.mark.parametrize("group", range(10))
+@pytest.mark.parametrize("group", seeds(4, 10))
 def test_tool_change_area_agrees_with_a_dense_walk_of_the_path(group: int, tmp_path: Path) -> None:
     verdicts = []
     for seed in range(group * 30, group * 30 + 30):
@@ -199,7 +200,7 @@ def merged(conditions: tuple[Condition, ...]) -> list[Condition]:
     return list(conditions)
 
 
-@pytest.mark.parametrize("group", range(5))
+@pytest.mark.parametrize("group", seeds(2, 5))
 def test_printed_offsets_are_exactly_the_safe_ones(group: int, tmp_path: Path) -> None:
     conditional = impossible = 0
     unknown = 'schema = "gproof-setup/1"\nactive_work = 1\ntool = 1\n'

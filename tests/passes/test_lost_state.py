@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import pytest
+from support.campaigns import share
 
 from gproof.cli.accept import accept_comments
 from gproof.cli.conclude import _all_accepted
@@ -103,8 +104,8 @@ IN_WORDS = [(each, rule) for each, rule in CODES if not rule.has_text]
 """Codes that no text follows, which would take what is not understood."""
 
 
-def names(cases: list[tuple[Language, CodeRule]]) -> list[str]:
-    return [f"{each.name}-{rule.text}" for each, rule in cases]
+def name(value: Language | CodeRule) -> str:
+    return value.name if isinstance(value, Language) else value.text
 
 
 def run(folder: Path, language: Language, lines: list[str], allowed: str = "") -> tuple[Judgement, list[Chunk], bool]:
@@ -145,7 +146,7 @@ def at_lines(language: Language, lines: list[str], *, allowed: bool) -> int:
     return len(language.before) + allowed + len(lines)
 
 
-@pytest.mark.parametrize(("language", "rule"), FOLLOWED, ids=names(FOLLOWED))
+@pytest.mark.parametrize(("language", "rule"), share(FOLLOWED, 4), ids=name)
 def test_what_is_not_understood_loses_all(language: Language, rule: CodeRule, tmp_path: Path) -> None:
     lines = [language.lost.format(code=rule.text), language.far]
     judgement, chunks, done = run(tmp_path, language, lines, "GP113, GP134, GP139, GP514")
@@ -155,7 +156,7 @@ def test_what_is_not_understood_loses_all(language: Language, rule: CodeRule, tm
     assert all(form == UNKNOWN for form in forms), told(judgement)
 
 
-@pytest.mark.parametrize(("language", "rule"), IN_WORDS, ids=names(IN_WORDS))
+@pytest.mark.parametrize(("language", "rule"), share(IN_WORDS, 4), ids=name)
 def test_nothing_is_refuted_behind_it(language: Language, rule: CodeRule, tmp_path: Path) -> None:
     """A move that the old state would send past a limit is no error behind a line that is an error itself."""
     lines = [language.error.format(code=rule.text), language.far.replace("9", "900"), "G91", language.far] * 2

@@ -23,7 +23,7 @@ from gproof.passes import plan_kernels, step_kernels
 from gproof.passes.plan import MotionEstimate, plan
 from gproof.passes.step import step
 
-RANDOM = settings(deadline=None, max_examples=25, suppress_health_check=list(HealthCheck))
+RANDOM = settings(deadline=None, max_examples=12, suppress_health_check=list(HealthCheck))
 FAST = 16_000_000
 
 
@@ -57,7 +57,7 @@ def test_python_and_numba_say_the_same(trace: Trace) -> None:
 
 def test_python_and_numba_say_the_same_of_a_long_job() -> None:
     path = Path()
-    for n in range(1, 300):
+    for n in range(1, 150):
         path.feed(2000 + n, x=20 * math.sin(n * 0.07), y=0.003 * n * n, z=math.cos(n))
         if n % 40 == 0:
             path.arc(1500, 2, (path.place[0] + 3.7, path.place[1]), z=1.0, a=n).dwell(0.01)

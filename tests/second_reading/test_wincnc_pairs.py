@@ -113,7 +113,7 @@ OPEN_ROWS = re.findall(r'Open\("([^"]+)"\)', Path(states.__file__).read_text("ut
 
 
 @pytest.mark.parametrize("first", CODES)
-@pytest.mark.parametrize("count", sizes(15, len(CODES) * len(PROBES)))
+@pytest.mark.parametrize("count", sizes(8, len(CODES) * len(PROBES)))
 def test_after_two_commands_every_axis_is_where_the_guide_says(first: str, count: int, shop: Path) -> None:
     programs = [f"{first}\n{second}\n{probe}" for second in CODES for probe in PROBES]
     chosen = random.Random(first).sample(programs, count)
@@ -121,7 +121,7 @@ def test_after_two_commands_every_axis_is_where_the_guide_says(first: str, count
     assert not wrong, "\n\n".join(f"{program}\n=> {found}" for program, found in wrong.items())
 
 
-@pytest.mark.parametrize("count", sizes(100, 6000))
+@pytest.mark.parametrize("count", sizes(50, 6000))
 @pytest.mark.parametrize("length", [3, 4])
 def test_after_more_commands(length: int, count: int, shop: Path) -> None:
     rng = random.Random(f"rows of {length}")
