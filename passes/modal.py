@@ -272,6 +272,8 @@ class Modal:
         """The point the program is at in program coordinates, mm."""
         if axis < 2 and self.transform.on:
             return self.in_program([self.programmed(k) for k in range(AXES)])[axis]
+        if axis == 2 and self.transform.height != 1.0:
+            return NOWHERE
         return self.programmed(axis).minus(self.offset(axis))
 
     def programmed(self, axis: int) -> Position:
@@ -346,6 +348,8 @@ class Modal:
         found = [place.minus(self.offset(axis)) for axis, place in enumerate(places)]
         if self.transform.on:
             found[:2] = self.transform.program((places[0], places[1]), (self.offset(0), self.offset(1)))
+        if self.transform.height != 1.0:
+            found[2] = NOWHERE
         return found
 
     def scale(self, axis: int) -> float:
@@ -530,7 +534,7 @@ class Modal:
 
     def shown_position(self, number: int, axis: int) -> Value:
         """What #5001 to #5006 show: the point the program is at."""
-        if axis < 2 and self.transform.on:
+        if (axis < 2 and self.transform.on) or (axis == 2 and self.transform.height != 1.0):
             return self.plain(self.program_position(axis), self.scale(axis), number)
         return self.shown(number, axis, self.programmed(axis), self.offset(axis))
 

@@ -23,7 +23,7 @@ from gproof.passes.spindle import note_speed_unknown, true_rpm
 from gproof.passes.synchronised import SYNCHRONISED, run_synchronised
 from gproof.passes.threading import run_threading
 from gproof.passes.transform_codes import check_arc, settle
-from gproof.passes.values import NOWHERE, ORIGIN, Position, Unknown, Value, describe, not_known
+from gproof.passes.values import NOWHERE, ORIGIN, Position, Unknown, Value, bounds, describe, not_known
 
 _OUT_OF_PLANE = {Plane.XY: "K", Plane.XZ: "J", Plane.YZ: "I"}
 _CENTER_WORDS = {Plane.XY: ("I", "J"), Plane.XZ: ("I", "K"), Plane.YZ: ("J", "K")}
@@ -63,6 +63,12 @@ class Motion(Emitter):
         s = self.modal
         if axis < 2 and s.transform.on:
             return NOWHERE
+        if axis == 2 and s.transform.height != 1.0 and value != 0.0:
+            # By both readings of G51 P: scaled about the program's zero, and not.
+            ends = [end * factor for end in bounds(value) for factor in (1.0, s.transform.height)]
+            if not all(map(math.isfinite, ends)):
+                return NOWHERE
+            return self._bounded(axis, Unknown(f"Z under G51 P{s.transform.height:g}", min(ends), max(ends)), None)
         if isinstance(value, Unknown):
             named = self._named(axis, value, s.offset(axis)) if s.absolute else None
             return named or self._bounded(axis, value, None)

@@ -182,6 +182,8 @@ class Origins(Motion):
     def _back(self, axis: int, value: Value) -> Position:
         """The place that lies so far before the present one that this gets the number ``value``."""
         at = self.modal.position[axis]
+        if axis == 2 and self.modal.transform.height != 1.0:
+            return NOWHERE
         if isinstance(value, Unknown):
             return self._bounded(axis, Unknown(value.cause, -value.high, -value.low), at)
         return at.moved(-value * self.modal.scale(axis))

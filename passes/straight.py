@@ -210,7 +210,8 @@ class Straight(Blocks):
 
     def _active_axes(self) -> int:
         held = CLAMPED if self.modal.clamped else -1
-        return sum(1 << axis for axis in range(AXES) if self.modal.has_axis(axis) and axis != held)
+        open_height = 2 if self.modal.transform.height != 1.0 else -1
+        return sum(1 << axis for axis in range(AXES) if self.modal.has_axis(axis) and axis not in (held, open_height))
 
     def _cold(self, table: BlockTable, words: Columns, begin: int, end: int, base: int) -> None:
         """One plain line in Python."""

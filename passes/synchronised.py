@@ -43,7 +43,9 @@ def run_synchronised(ex: Motion, line: Line, rule: CodeRule, target: list[Positi
         raise Refusal(codes.WORD_MISSING.at(line.where("K"), code=rule.text, needed=f"K{given}"))
     need_turning(ex, line, rule)
     pitch *= s.unit
-    if any(abs(factor) != 1.0 for factor in s.transform.factors) and target[:2] != s.position[:2]:
+    if any(abs(factor) != 1.0 for factor in s.transform.factors) and (
+        target[:2] != s.position[:2] or s.transform.height != 1.0
+    ):
         # 3.4.13 scales X and Y, and 3.4.9 calls K a distance: the way is known, how fast it is gone is not.
         pitch = math.nan
         ex._fail(codes.SYNCHRONISED_PITCH.at(line.where("K"), code=rule.text))

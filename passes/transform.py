@@ -31,7 +31,8 @@ class Transform:
 
     rotated, scaled: whether each is on; angle: degrees, counter-clockwise; factors: of X and Y; center: mm in
     program coordinates; origin: offsets of X and Y under which the center was given; open: why nobody knows what
-    the axes do now, "" when it is known; doubt: why nobody will as soon as X or Y move.
+    the axes do now, "" when it is known; doubt: why nobody will as soon as X or Y move; height: a factor that Z has, or
+    has not (``G51 P``: 3.4.13 does not say which axes), NaN where it is not known.
     """
 
     rotated: bool = False
@@ -42,6 +43,7 @@ class Transform:
     origin: tuple[Position, Position] = (Position(0.0), Position(0.0))
     open: str = ""
     doubt: str = ""
+    height: float = 1.0
 
     kind: int = field(init=False, repr=False, compare=False)
     on: bool = field(init=False, repr=False, compare=False)

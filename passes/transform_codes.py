@@ -78,7 +78,7 @@ def at_start(modal: Modal) -> Transform:
         origin, doubt = (NOWHERE, NOWHERE), "what the setup's rotation or scaling makes of diameters"
     return Transform(
         rotated=angle != 0.0, scaled=factors != (1.0, 1.0), angle=angle, factors=factors,
-        center=(stated.x, stated.y), origin=origin, doubt=doubt,
+        center=(stated.x, stated.y), origin=origin, doubt=doubt, height=factors[0] if factors[0] == factors[1] else 1.0,
     )  # fmt: skip
 
 
@@ -120,7 +120,7 @@ def _cancel(ex: Motion, line: Line, rule: CodeRule) -> None:
     if rule.function is F.ROTATION_OFF:
         now = replace(now, rotated=False, angle=0.0)
     else:
-        now = replace(now, scaled=False, factors=(1.0, 1.0))
+        now = replace(now, scaled=False, factors=(1.0, 1.0), height=1.0)
     s.transform = now if now.rotated or now.scaled else NO_TRANSFORM
     ex._state_changed()
 
@@ -146,7 +146,7 @@ def _scaling(ex: Motion, line: Line, rule: CodeRule) -> Transform:
     """G51 P I J, or G51 X Y I J (3.4.13)."""
     now = ex.modal.transform
     _only_xy(line)
-    made = replace(now, scaled=True)
+    made = replace(now, scaled=True, height=math.nan if "P" in line.values else 1.0)
     values = _values(line, "PXYIJ")
     if values is None:
         return replace(made, open=f"{rule.text} with a number that nobody stated")
@@ -164,9 +164,7 @@ def _scaling(ex: Motion, line: Line, rule: CodeRule) -> Transform:
     if (i is None or j is None) and not (now.rotated and i is None and j is None):
         raise Refusal(codes.WORD_MISSING.at(line.where_code(rule), code=rule.text, needed="its point in I and J"))
     point = None if i is None or j is None else (i * ex.modal.unit, j * ex.modal.unit)
-    if p is not None:
-        ex.assumed["G51 P scales X and Y, not Z"] = None
-    return _about(ex, replace(made, factors=(x, y)), rule, point, now.scaled)
+    return _about(ex, replace(made, factors=(x, y), height=1.0 if p is None else p), rule, point, now.scaled)
 
 
 def _about(ex: Motion, made: Transform, rule: CodeRule, point: Pair | None, again: bool) -> Transform:
@@ -236,6 +234,8 @@ def check_arc(ex: Motion, line: Line) -> float:
 
 def check_cycle(ex: Motion, line: Line, rule: CodeRule, drill: int) -> None:
     """Refusal for cycles whose direction is not known: GP276 out of G17, GP113 along a diameter."""
+    if drill == 2 and ex.modal.transform.height != 1.0:
+        raise Refusal(codes.TRANSFORM_OPEN.at(line.span, what=f"whether G51 P scales the depths of {rule.text}"))
     if ex.modal.transform.on and drill != 2:
         raise Refusal(codes.TRANSFORM_OPEN.at(line.span, what=f"{rule.text} in another plane than G17"))
     if drill == 0 and ex.machine.controller.diameter_programming:
