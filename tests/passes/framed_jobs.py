@@ -188,7 +188,7 @@ class Framed(Scene):
             self.say(f"G51 X{f} Y{g} I{at[0]} J{at[1]}")
         else:
             self.matrix = np.diag([f, f])
-            self.say(f"G51 P{f} I{at[0]} J{at[1]}")
+            self.say(f"G51 X{f} Y{f} I{at[0]} J{at[1]}")
         self.framed = "G50"
 
     def unframe(self) -> None:

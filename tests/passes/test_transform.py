@@ -353,7 +353,7 @@ def test_a_program_under_a_transform_is_the_program_transformed(
 ) -> None:
     lines = random_lines(random.Random(seed))
     body = "\n".join(lines) + "\nM30\n"
-    on = f"G68 R{angle:.9f} X{x} Y{y}\n" + (f"G51 P{factor} I{x} J{y}\n" if factor != 1.0 else "")
+    on = f"G68 R{angle:.9f} X{x} Y{y}\n" + (f"G51 X{factor} Y{factor} I{x} J{y}\n" if factor != 1.0 else "")
     setup, origin = (FIXTURE, complex(100, -40)) if fixture else (ZERO, 0j)
     plain, told = run(tmp_path, HEAD + body, setup)
     turned, told_turned = run(tmp_path, HEAD + on + body, setup)
@@ -388,7 +388,7 @@ def test_unequal_factors(tmp_path: Path, seed: int, factors: tuple[float, float]
 @given(st.integers(0, 10**9), st.sampled_from([30.0, 90.0, 180.0, -57.3]), st.sampled_from([1.0, 2.0, -0.3]))
 def test_every_way_of_execution_gives_the_same_bits(tmp_path: Path, seed: int, angle: float, factor: float) -> None:
     """The compiled loop, the same loop in Python, and line by line (expressions are no plain lines)."""
-    on = f"G68 R{angle} X3.3 Y-1.7\nG51 P{factor} I3.3 J-1.7\n"
+    on = f"G68 R{angle} X3.3 Y-1.7\nG51 X{factor} Y{factor} I3.3 J-1.7\n"
     traces = []
     for mode, bracketed in (("python", False), ("numba", False), ("python", True)):
         lines = random_lines(random.Random(seed), bracketed=bracketed)

@@ -97,7 +97,7 @@ def turned(rng: random.Random) -> Made:
     start = [round(rng.uniform(-30, 30), 3) for _ in range(3)]
     lines.append(f"G68 R{angle} X{about.real} Y{about.imag}")
     if factor != 1.0:
-        lines.append(f"G51 P{factor} I{about.real} J{about.imag}")
+        lines.append(f"G51 X{factor} Y{factor} I{about.real} J{about.imag}")
     moves: list[Move] = []
     at, z = complex(start[0], start[1]), start[2]
     point: complex | None = None
