@@ -454,9 +454,11 @@ class Maker:
         )
         off = words("G69")
         if kind == 1:
-            factor = Word("P", rng.choice((2.0, 0.5, -1.0)), plain=True)
+            # With P it is open whether Z is scaled too.
+            factor = rng.choice((2.0, 0.5, -1.0))
+            both = (Word("X", factor, plain=True), Word("Y", factor, plain=True))
             on, off = (
-                Block((*words("G51").words, factor, Word("I", self.length()), Word("J", self.length())), "g51"),
+                Block((*words("G51").words, *both, Word("I", self.length()), Word("J", self.length())), "g51"),
                 words("G50"),
             )
         if kind == 2:
