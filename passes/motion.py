@@ -64,7 +64,12 @@ class Motion(Emitter):
         if axis < 2 and s.transform.on:
             return NOWHERE
         if axis == 2 and s.transform.height != 1.0 and value != 0.0:
-            # By both readings of G51 P: scaled about the program's zero, and not.
+            # By both readings of G51 P: not scaled, which is the number of the row, or scaled about the program's zero.
+            if not isinstance(value, Unknown) and math.isfinite(s.transform.height):
+                origin = s.offset(axis) if s.absolute else s.programmed(axis)
+                plain, more = value * s.scale(axis), value * s.scale(axis) * (s.transform.height - 1.0)
+                at = Position(plain + origin.value, origin.form)
+                return self.unknown_place("value", axis, (min(0.0, more), max(0.0, more)), at)
             ends = [end * factor for end in bounds(value) for factor in (1.0, s.transform.height)]
             if not all(map(math.isfinite, ends)):
                 return NOWHERE
