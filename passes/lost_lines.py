@@ -14,8 +14,8 @@ import numpy as np
 from gproof.ir import modal_groups as g
 from gproof.ir.machine import AXES, AXIS_NAMES
 from gproof.ir.trace import KNIFE, Op
-from gproof.passes import din_events, din_plain, refused_lines
 from gproof.passes import lost_kernels as k
+from gproof.passes import refused_lines
 from gproof.passes.single_state import letters_of
 from gproof.passes.values import NOWHERE
 
@@ -85,7 +85,12 @@ def _packed(ex: Straight, frame: Frame) -> tuple[Any, Any]:
     rules = s.rules
     own_feeds = rules.one_command or rules.source_order
     open_feeds = bool(s.unknown_modes & g.OF_FEEDS)
-    motion = din_plain.MOTIONS.get(frame.continued, 0) if rules.source_order else s.motion
+    motion = s.motion
+    if rules.source_order:
+        # Only jobs of McuWIN load these.
+        from gproof.passes.din_plain import MOTIONS
+
+        motion = MOTIONS.get(frame.continued, 0)
     arcs = "arcs" not in ex.settings.waiting and (own_feeds or "plane" in s.stated)
     if rules.one_command:
         # One F is the feed of many axes; where none is known it leaves none known.
@@ -122,7 +127,9 @@ def _taken(ex: Straight, frame: Frame, ints: list[int], floats: list[float], mad
     ex.blocks += ints[k.LINES]
     ex._moves += made
     if ints[k.FED] and s.rules.source_order:
-        din_events.take_feed(s, floats[k.LAST])
+        from gproof.passes.din_events import take_feed
+
+        take_feed(s, floats[k.LAST])
     elif ints[k.FED] and not s.rules.one_command:
         s.feed = floats[k.FEED]
     if s.rules.one_command or s.rules.source_order:

@@ -178,7 +178,7 @@ def test_a_pair_is_whole() -> None:
             assert (folder / settings(folder, dialect, side)["program"]).is_file(), f"{folder.name} {dialect} {side}"
 
 
-@pytest.mark.parametrize(("folder", "dialect"), EXAMPLES, ids=cell_name)
+@pytest.mark.parametrize(("folder", "dialect"), share(EXAMPLES, 2), ids=cell_name)
 def test_bad_program_gives_its_code(folder: Path, dialect: str, gproof: Runner) -> None:
     program, result = gproof(folder, dialect, "bad")
     code = folder.name

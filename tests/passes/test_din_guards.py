@@ -110,7 +110,9 @@ def test_a_long_loop_within_the_machine_runs_to_its_end() -> None:
         (["G00 X10", "G98 X20", "G00 X30"], ["GP301"]),
         (["G00 X10", "G99 X5"], ["GP301"]),
         (["G00 X10", "G98 X10", "G99 X10", "G00 Y5"], []),
-        (["G92 X10", "G00 X0", "G98 X5", "G00 X1"], []),
+        # From machine zero X stands within, from the offset it does not: 3.29 has neither.
+        (["G92 X10", "G00 X0", "G98 X5", "G00 X1"], ["GP302"]),
+        (["G92 X10", "G00 X0", "G99 X50", "G00 X1"], []),
         (["G91", "G00 X10", "G90", "G98 X5 Y1"], ["GP301"]),
         # Of a limit that nobody knows nothing is past, nor of the one before it.
         (["G00 X10", "G98 X5", "G91", "G98 X-9", "G90", "G00 X3"], ["GP302"]),

@@ -14,6 +14,7 @@ from reach.page import rows, run_fields, stated_fields, words_of_readers
 from reach.witness import Witness
 from reach.witnesses import WITNESSES
 from reach.worlds import STATE, answered, moved
+from support.campaigns import share
 
 ROWS = rows()
 THROUGH = {"trace": set(TARGETS), "language": set(TARGETS)}
@@ -112,7 +113,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return tmp_path_factory.mktemp("reach")
 
 
-@pytest.mark.parametrize("field", SHOWN)
+@pytest.mark.parametrize("field", share(SHOWN, 2))
 def test_what_a_row_says_can_be_seen(field: str, folder: Path) -> None:
     """Each target of a row moves with one of the field's witnesses, and no other target does."""
     row = ROWS[field]
