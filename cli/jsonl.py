@@ -64,7 +64,8 @@ def _branch(chunk: Chunk, edge: Edge, job: str) -> str:
 def _zeros(state: State | None) -> dict[int, Position]:
     """Where the controller's machine zero is, by axis, where a program has moved it (L28)."""
     edges = state.boundaries if state is not None else ()
-    return {edge.axis: Position(edge.shift, edge.form) for edge in edges if edge.limit and (edge.shift or edge.form)}
+    held = (edge for edge in edges if edge.limit and not edge.open)
+    return {edge.axis: Position(edge.shift, edge.form) for edge in held if edge.shift or edge.form}
 
 
 def _place(

@@ -159,6 +159,7 @@ class Boundary:
 
     low, high: None where there is none; shift, form: workspace and tool measure in force, number and unknowns.
     limit: a software limit that the program has set or moved; shift is then where the controller has machine zero.
+    open: why it is open whether it holds; past such a one the answer is unknown.
     """
 
     axis: int
@@ -167,6 +168,7 @@ class Boundary:
     shift: float
     form: Affine
     limit: bool = False
+    open: str = ""
 
 
 @record(frozen=True, slots=True)

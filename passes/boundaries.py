@@ -33,7 +33,8 @@ ROUNDING = 1e-9
 
 Floats = npt.NDArray[np.float64]
 Key = tuple[tuple[Boundary, ...], bool, bool]
-"""Boundaries of a state, whether their guard is off, and whether low ones of vertical axes do not count yet."""
+"""Boundaries of a state, whether their guard is off, and whether low ones of vertical axes do not count yet; an open one
+stands alone."""
 
 
 class _Box:
@@ -85,11 +86,17 @@ class _Room:
         self.above: _End | None = None
 
     def ask(
-        self, ends: tuple[float, float], arising: tuple[float, float], below: _End | None, above: _End | None
+        self, ends: tuple[float, float], arising: tuple[float, float], below: _End | None, above: _End | None, *,
+        open_: bool = False,
     ) -> None:  # fmt: skip
-        """Rows that fit where the offset and what arises, between its two ends, lie between ``ends`` together."""
+        """Rows that fit where the offset and what arises, between its two ends, lie between ``ends`` together.
+
+        open_: whether that is asked of them is open: without it they may fit elsewhere too.
+        """
         low, high = ends
         self.low, self.high = max(self.low, low - arising[0]), min(self.high, high - arising[1])
+        if open_:
+            return
         if low - arising[1] > self.least:
             self.least, self.below = low - arising[1], below
         if high - arising[0] < self.most:
@@ -148,9 +155,16 @@ class Boundaries(Check):
             under, over = lower[0, axes] - reach, reach - upper[0, axes]
             kinds = np.column_stack([axes, under > over])
             for n, like in told_of(rows, row, kinds, np.maximum(under, over), self.kept):
+                if key[0][0].open:
+                    edges = trace.states[int(rows["state"][row[n]])].boundaries
+                    self._past_open(row_span(trace, rows, int(row[n])), key[0][0], float(reach[n]), edges, like)
+                    continue
                 self._beyond(row_span(trace, rows, int(row[n])), key, int(axes[n]), float(reach[n]), like)
             if key[2]:
                 count -= int((np.isin(axes, self._vertical) & (under > over)).sum())
+        if key[0][0].open:
+            self._is_open = self._is_open or count > 0
+            return
         self._errors += 0 if key[1] else count
 
     def _beyond_rows(
@@ -189,6 +203,20 @@ class Boundaries(Check):
             ),
             **(like or {}),
         )  # fmt: skip
+
+    def _past_open(
+        self, span: Span, edge: Boundary, reach: float, edges: tuple[Boundary, ...], like: Like | None = None
+    ) -> None:
+        """GP302 for a row past a limit in one reading of it; not where it is past what holds in every reading."""
+        for other in edges:
+            if other.axis == edge.axis and not other.open and not (other.form or other.shift):
+                low = edge.low is not None and other.low is not None and reach < other.low - ROUNDING
+                high = edge.high is not None and other.high is not None and reach > other.high + ROUNDING
+                if low or high:
+                    return
+        side = "upper" if edge.low is None else "lower"
+        finding = codes.LIMIT_UNKNOWN.at(span, side=side, axis=self.machine.word(edge.axis), hint=edge.open)
+        self.findings.add(finding, **(like or {}))
 
     def _nothing_holds(self, span: Span, axis: int) -> None:
         """GP302, once for an axis: its low boundary does not count yet, and no limit of the machine holds it there."""
@@ -274,6 +302,12 @@ class Boundaries(Check):
             if stated is not None:
                 if low - ROUNDING <= stated.low and stated.high <= high + ROUNDING:
                     continue
+                if edge.open:
+                    self._is_open = True
+                    below = stated.low < low - ROUNDING
+                    span = (box.low_span if below else box.high_span)[slot, edge.axis]
+                    self._past_open(span, edge, math.nan, ())
+                    continue
                 if stated.low < low - ROUNDING:
                     # The move that needs the lower side, not the one that goes highest.
                     span = box.low_span[slot, edge.axis]
@@ -309,7 +343,10 @@ class Boundaries(Check):
             room = rooms.setdefault(rest, _Room())
             lowest = None if edge.low is None else _End(edge.axis, edge.low, box.low_span[slot, edge.axis])
             highest = None if edge.high is None else _End(edge.axis, edge.high, box.high_span[slot, edge.axis])
-            room.ask((low, high), (0.0, 0.0) if bounds is None else (bounds.low, bounds.high), lowest, highest)
+            room.ask(
+                (low, high), (0.0, 0.0) if bounds is None else (bounds.low, bounds.high), lowest, highest,
+                open_=bool(edge.open),
+            )  # fmt: skip
 
     def _unknown(self, span: Span, axis: str, cause: str) -> None:
         self.findings.add(codes.POSITION_UNKNOWN.at(span, axis=axis, cause=cause))
@@ -318,6 +355,8 @@ class Boundaries(Check):
 def _keys(state: State) -> list[Key]:
     """What holds in a state: boundaries, and limits that the program has moved, which have a guard of their own."""
     own = tuple(edge for edge in state.boundaries if not edge.limit)
-    moved = tuple(edge for edge in state.boundaries if edge.limit and (edge.low is not None or edge.high is not None))
+    held = [edge for edge in state.boundaries if edge.limit and not edge.open]
+    moved = tuple(edge for edge in held if edge.low is not None or edge.high is not None)
     found: list[Key] = [(own, GUARD in state.guards_off, UNMEASURED in state.guards_off)] if own else []
-    return [*found, (moved, False, False)] if moved else found
+    found += [(moved, False, False)] if moved else []
+    return [*found, *(((edge,), False, False) for edge in state.boundaries if edge.open)]

@@ -6,6 +6,7 @@ The offset that is in force is ``Modal.g92``; these codes end a contour of spool
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING
 
 from gproof.ir import codes
@@ -15,15 +16,19 @@ from gproof.ir.finding import Refusal
 from gproof.ir.machine import AXES, AXIS_NAMES, Axis
 from gproof.ir.rules import CodeRule
 from gproof.ir.rules import Function as F
-from gproof.ir.trace import Op
+from gproof.ir.trace import Boundary, Op
 from gproof.passes.din_motion import Handler, note_assumptions
 from gproof.passes.din_state import SAME, din_of, own_unit
 from gproof.passes.modal import ZERO
-from gproof.passes.values import NOBODY, NOWHERE, Position, Unknown, Value, bounds, describe, not_known
+from gproof.passes.values import NOBODY, NOWHERE, ORIGIN, Position, Unknown, Value, bounds, describe, not_known
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator
+
     from gproof.passes.din import Part
     from gproof.passes.motion import Motion
+
+FROM_WHERE = "whether it counts from the zero offset is not documented (3.29): G53 before it"
 
 
 def end_contour(ex: Motion, line: Part, code: str) -> bool:
@@ -191,6 +196,7 @@ def limit(ex: Motion, line: Part, rule: CodeRule) -> None:
     upper = list(s.din.upper or [by_index[n].upper if n in by_index else None for n in range(AXES)])
     left = rule.function is F.LIMIT_LEFT
     unsure = set(s.din.limits_open)
+    readings = [edge for edge in s.din.limit_readings if edge.axis not in words or (edge.low is None) == left]
     for axis, value in words.items():
         side = lower if left else upper
         scale = own_unit(ex.machine, axis)
@@ -209,7 +215,10 @@ def limit(ex: Motion, line: Part, rule: CodeRule) -> None:
                 line.where(ex.machine.word(axis)), side="left" if left else "right", axis=ex.machine.word(axis),
                 hint="whether G91 holds for it is not documented: G90 before"))  # fmt: skip
             continue
-        if _past_all(by_index[axis], value * scale, left=left):
+        origins = _origins(ex, axis)
+        places = [Position(value * scale).plus(origin) for origin in origins]
+        ends = [_ends(ex, place) for place in places]
+        if all(_past_all(by_index[axis], high if left else low, left=left) for low, high in ends):
             # The end stops decide there, and nobody said where they are.
             unsure.add(axis)
             key = "travel_min" if left else "travel_max"
@@ -217,27 +226,42 @@ def limit(ex: Motion, line: Part, rule: CodeRule) -> None:
                 line.where(ex.machine.word(axis)), side="left" if left else "right", axis=ex.machine.word(axis),
                 hint=f"it lies past that of the machine file, where {key} of [axes] says how far the axis goes",
             ))  # fmt: skip
-        if _narrower_from_the_offset(ex, axis, left=left):
-            # It holds as it stands, and moves within it may still be past what the controller took it for.
+        widest = min(low for low, _ in ends) if left else max(high for _, high in ends)
+        side[axis] = widest if math.isfinite(widest) else None
+        if len(origins) > 1:
+            readings += _open_ends(axis, value * scale, origins, widest, left=left)
+        if NOWHERE in origins:
             ex._fail(codes.LIMIT_UNKNOWN.at(
                 line.where(ex.machine.word(axis)), side="left" if left else "right", axis=ex.machine.word(axis),
-                hint="whether it counts from the zero offset is not documented (3.29): G53 before"))  # fmt: skip
-        side[axis] = value * scale
-        _stands(ex, line, axis, value * scale, left=left)
-    s.din = s.din.but(lower=tuple(lower), upper=tuple(upper), limits_open=frozenset(unsure))
+                hint=FROM_WHERE))  # fmt: skip
+        _stands(ex, line, axis, places, left=left)
+    s.din = s.din.but(
+        lower=tuple(lower), upper=tuple(upper), limit_readings=tuple(readings), limits_open=frozenset(unsure)
+    )
     _use_limits(ex)
 
 
-def _narrower_from_the_offset(ex: Motion, axis: int, *, left: bool) -> bool:
-    """Whether a limit of G98 or G99 leaves less room where it counts from the zero offset (3.29 leaves it open)."""
+def _origins(ex: Motion, axis: int) -> list[Position]:
+    """Where a limit of G98 or G99 may count from: machine zero, or the zero offset in force (3.29 leaves it open)."""
     offset = ex.modal.g92[axis]
-    if offset == NOWHERE:
-        return True
-    value = ex.modal.plain(offset, 1.0, 0)
-    if isinstance(value, Unknown) and not value.bounded:
-        return True
-    low, high = bounds(value)
-    return high > SAME if left else low < -SAME
+    low, high = _ends(ex, offset)
+    return [ORIGIN] if -SAME <= low <= high <= SAME else [ORIGIN, offset]
+
+
+def _ends(ex: Motion, place: Position) -> tuple[float, float]:
+    """The least and the greatest number that a place can be; infinite where nobody knows it."""
+    value = ex.modal.plain(place, 1.0, 0)
+    return (-math.inf, math.inf) if isinstance(value, Unknown) and not value.bounded else bounds(value)
+
+
+def _open_ends(
+    axis: int, value: float, origins: list[Position], widest: float, *, left: bool
+) -> Iterator[Boundary]:  # fmt: skip
+    """A limit as each origin has it, but for the one that holds anyway."""
+    for origin in origins:
+        if origin != NOWHERE and (origin.form or value + origin.value != widest):
+            low, high = (value, None) if left else (None, value)
+            yield Boundary(axis, low, high, origin.value, origin.form, limit=True, open=FROM_WHERE)
 
 
 def _past_all(axis: Axis, place: float, *, left: bool) -> bool:
@@ -246,25 +270,32 @@ def _past_all(axis: Axis, place: float, *, left: bool) -> bool:
     return travel is None and soft is not None and (place < soft if left else place > soft)
 
 
-def _stands(ex: Motion, line: Part, axis: int, limit: float, *, left: bool) -> None:
-    """GP301 where the axis stands past its new limit, which the controller watches at once (13.1.1.7); else GP304."""
+def _stands(ex: Motion, line: Part, axis: int, limits: list[Position], *, left: bool) -> None:
+    """GP301 where the axis stands past its new limit, which the controller watches at once (13.1.1.7); else GP304.
+
+    limits: where it is in each reading; past some of them only is GP302.
+    """
     at, word = ex.modal.position[axis], ex.machine.word(axis)
     if at == NOWHERE:
         return
-    here = ex.modal.plain(at, 1.0, 0)
-    if isinstance(here, Unknown) and not here.bounded:
+    # How far past each limit it stands, at least and at most.
+    rooms = [_ends(ex, limit.minus(at) if left else at.minus(limit)) for limit in limits if limit != NOWHERE]
+    if not all(math.isfinite(low) for low, _ in rooms):
         ex.assumed[f"{word} stands within the limits that G98 and G99 set where they set them"] = None
-        return
-    low, high = bounds(here)
-    nearest, furthest = (high, low) if left else (low, high)
-    sign = 1.0 if left else -1.0
-    if (limit - nearest) * sign > SAME:
+        rooms = [room for room in rooms if math.isfinite(room[0])]
+    if len(rooms) == len(limits) and min(low for low, _ in rooms) > SAME:
         known = ex.machine.axis(AXIS_NAMES[axis])
+        low, high = _ends(ex, at)
+        nearest, over = high if left else low, min(low for low, _ in rooms)
         ex._fail(codes.SOFT_LIMIT.at(
             line.where(word), axis=word, reached=nearest, unit="mm" if known is None else known.unit,
-            over=abs(limit - nearest), side="lower" if left else "upper", limit=limit, hint="it stands there already",
+            over=over, side="lower" if left else "upper", limit=nearest + (over if left else -over),
+            hint="it stands there already",
         ))  # fmt: skip
-    elif (limit - furthest) * sign > SAME:
+    elif any(low > SAME for low, _ in rooms):
+        side = "lower" if left else "upper"
+        ex._fail(codes.LIMIT_UNKNOWN.at(line.where(word), side=side, axis=word, hint=FROM_WHERE))
+    elif any(high > SAME for _, high in rooms):
         ex._fail(codes.POSITION_UNKNOWN.at(line.where(word), axis=word, cause=describe(at.form)))
 
 

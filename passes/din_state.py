@@ -60,7 +60,8 @@ class DinState:
     must be given anew (3.21, 3.22, 3.28); time_unit: seconds, None: not stated; constant_speed: G96. center: I and J
     of the last arc in mm. side: of the radius compensation that is on, 1 left, -1 right, 0 off; idle: the same while
     the tool's radius is 0; corrected: what is known of the compensation, None: nothing; tool: the record that is
-    selected, chosen: by a T of the job. lower, upper: software limits now, None: those of the machine's file;
+    selected, chosen: by a T of the job. lower, upper: software limits that hold now in every reading, None: those of
+    the machine's file; limit_readings: what each reading of a limit leaves where they differ, one end each;
     limits_open: columns whose limits are not known. saved: values that the job saved (M901, M903), by the variable's
     number. contour: a move that can be joined was the last one. stored: by axis what the last G153 left in CD50 and on,
     and the offset it stands for. told: what is told once. mirrored: a code that reflects
@@ -91,6 +92,7 @@ class DinState:
     chosen: bool = False
     lower: tuple[float | None, ...] | None = None
     upper: tuple[float | None, ...] | None = None
+    limit_readings: tuple[Boundary, ...] = ()
     limits_open: frozenset[int] = frozenset()
     saved: Pairs = ()
     contour: bool = False
@@ -151,11 +153,12 @@ def limits_of(modal: Modal) -> tuple[Boundary, ...]:
     din = modal.din
     if din.lower is None or din.upper is None:
         return ()
-    return tuple(
+    held = (
         Boundary(axis, low, high, 0.0, (), limit=True)
         for axis, (low, high) in enumerate(zip(din.lower, din.upper, strict=True))
         if low is not None or high is not None
     )
+    return (*held, *din.limit_readings)
 
 
 def prepare(modal: Modal) -> None:

@@ -66,8 +66,9 @@ class Oracle:
         self.seconds = s.seconds
         self.centre = s.absolute
         self.last_centre: tuple[float, float] | None = None
-        self.low: dict[str, float] = {}
-        self.high: dict[str, float] = {}
+        self.low: dict[str, tuple[float, float]] = {}
+        self.high: dict[str, tuple[float, float]] = {}
+        """Limits as counted from machine zero and from the zero offset: 3.29 does not say which."""
         self.outside: list[int] = []
         self.doubtful_limit = False
         self.values: dict[str, float] = {}
@@ -298,10 +299,11 @@ class Oracle:
                     if not self.absolute or axis in self.mirror or doubt:
                         raise Stop(n, "open", "limit")
                     limit = value * self.own(axis)
-                    # From the zero offset it would leave less room: 3.29 does not say from where it counts.
-                    self.doubtful_limit |= self.zero[axis] > 1e-9 if number == 98 else self.zero[axis] < -1e-9
-                    (self.low if number == 98 else self.high)[axis] = limit
-                    if limit > self.at[axis] + 1e-9 if number == 98 else limit < self.at[axis] - 1e-9:
+                    (self.low if number == 98 else self.high)[axis] = both = (limit, limit + self.zero[axis])
+                    here = self.at[axis]
+                    past = {each > here + 1e-9 if number == 98 else each < here - 1e-9 for each in both}
+                    self.doubtful_limit |= len(past) == 2
+                    if past == {True}:
                         self.outside.append(n)
             case 153:
                 if self.unit != (25.4 if self.shop.inch else 1.0) or self.radius:
@@ -438,10 +440,15 @@ class Oracle:
                 angle = a + turns * sweep * k / 720
                 places.append({**to, u: place[u] + radius * math.cos(angle), v: place[v] + radius * math.sin(angle)})
         for axis in watched:
-            low, high = self.low.get(axis, -math.inf), self.high.get(axis, math.inf)
             # A sample of an arc lies up to 1e-5 of its radius inside the extreme.
-            if any(p[axis] < low - 1e-3 or p[axis] > high + 1e-3 for p in places):
-                self.outside.append(n)
+            least, most = min(p[axis] for p in places), max(p[axis] for p in places)
+            for past in (
+                {least < low - 1e-3 for low in self.low.get(axis, (-math.inf,))},
+                {most > high + 1e-3 for high in self.high.get(axis, (math.inf,))},
+            ):
+                self.doubtful_limit |= len(past) == 2
+                if past == {True}:
+                    self.outside.append(n)
         if arc is not None or any(abs(to[a] - self.at[a]) > 1e-9 for a in AXES):
             centre = None if arc is None else (arc[0] + arc[1], arc[2][arc[0]], arc[2][arc[1]], arc[3])
             self.rows.append((n + 1, motion, tuple(to[a] for a in AXES), centre, feed))

@@ -11,10 +11,6 @@ from .comparing import Job
 from .walked import Limits, Point, Walk
 
 AXES = ("X", "Y", "Z", "A")
-SETTLED = {
-    "limits by G98, G99: of the machine, of the program": 0,  # docs/dialects/mcuwin.md: machine positions
-}
-"""Where the page of the dialect follows one reading of an open place."""
 
 
 class Writer:
@@ -426,7 +422,7 @@ def job(rng: random.Random) -> Job:
 
     def read_one(limits: Limits, offset: Point) -> Iterator[Walk]:
         facts = mcuwin.Facts(limits, start, interpolated, offset, records, absolute_centres=absolute, tool_table=table)
-        return mcuwin.read(program, facts, SETTLED)
+        return mcuwin.read(program, facts)
 
     def files(limits: Limits) -> dict[str, str]:
         text = ['schema = "gproof-machine/1"', 'units = "mm"']
