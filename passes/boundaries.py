@@ -33,8 +33,8 @@ ROUNDING = 1e-9
 
 Floats = npt.NDArray[np.float64]
 Key = tuple[tuple[Boundary, ...], bool, bool]
-"""Boundaries of a state, whether their guard is off, and whether low ones of vertical axes do not count yet; an open one
-stands alone."""
+"""Boundaries of a state, whether their guard is off, and whether low ones of vertical axes do not count yet; open ones
+stand alone."""
 
 
 class _Box:
