@@ -7,7 +7,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from gproof.cli.accept import MANY, Baseline, Known, accept_comments, known_findings, may_accept
-from gproof.cli.judge import Beat, Judgement, Observer, judge
+from gproof.cli.judge import Beat, Judgement, Observer, in_spite_of, judge
 from gproof.cli.policy import NO_POLICY, Policy, fails, under
 from gproof.cli.properties import ALL
 from gproof.cli.session import Running, Session
@@ -38,7 +38,8 @@ def conclude(
 ) -> tuple[Judgement, int, Known]:
     """Judge a job; the judgement with what is accepted, the exit code, and what a new baseline says of the job.
 
-    0 is SAFE without findings that fail the policy, or all that speaks against it is accepted.
+    0 is SAFE without findings that fail the policy, or all that speaks against it is accepted. What an accepted error
+    leaves open is found too, and is accepted by itself or not at all.
     """
     limit = session.findings.limit
     if asked.baseline is not None or asked.new_baseline is not None or may_accept(session.program):
@@ -55,6 +56,12 @@ def conclude(
                 judgement.findings.add(weighed)
     if asked.baseline is not None:
         asked.baseline.accept(judgement)
+        errors = [finding for finding in judgement.accepted if finding.severity is Severity.ERROR]
+        more = in_spite_of(session, judgement, errors, running=running, properties=asked.policy.properties, beat=beat)
+        for weighed in filter(None, map(asked.policy.weighed, more)):
+            judgement.findings.add(weighed)
+        if more:
+            asked.baseline.accept(judgement)
     code = _exit_code(judgement, asked.policy)
     known = {} if asked.new_baseline is None else known_findings(judgement, asked.new_baseline)
     judgement.findings = judgement.findings.shortened(limit, judgement.accepted)
@@ -67,8 +74,19 @@ def _exit_code(judgement: Judgement, policy: Policy) -> int:
     if judgement.verdict is Verdict.SAFE:
         return Verdict.UNSAFE.exit_code if fails(policy, left) else 0
     if not accepted or not _all_accepted(judgement, policy, left):
-        return judgement.verdict.exit_code
+        return _left_verdict(judgement, policy, left).exit_code
     return Verdict.UNSAFE.exit_code if fails(policy, left) else 0
+
+
+def _left_verdict(judgement: Judgement, policy: Policy, left: list[Finding]) -> Verdict:
+    """The verdict, UNKNOWN where all that makes it UNSAFE is accepted: what follows an accepted error is not known."""
+    findings = judgement.findings
+    errors = [finding for finding in judgement.accepted if finding.severity is Severity.ERROR]
+    said = {"language" if finding.code.decides == "files" else finding.code.decides for finding in errors}
+    refuted = {r.name for r in judgement.properties if r.verdict is Verdict.UNSAFE and r.name in policy.properties}
+    fails = any(finding.severity is Severity.ERROR for finding in left) or not refuted <= said
+    fails = fails or any(findings.hidden(finding.code) for finding in errors)
+    return judgement.verdict if fails else Verdict.UNKNOWN
 
 
 def _all_accepted(judgement: Judgement, policy: Policy, left: list[Finding]) -> bool:

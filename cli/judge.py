@@ -136,13 +136,44 @@ def judge(
     )  # fmt: skip
 
 
+def in_spite_of(
+    session: Session, judgement: Judgement, errors: Iterable[Finding], *, running: Running,
+    properties: Sequence[str] = DEFAULT_POLICY, beat: Beat | None = None,
+) -> list[Finding]:  # fmt: skip
+    """What is found besides where these errors are accepted: the job is run with what their lines changed lost.
+
+    Behind an error nothing is told of what rests on its line, as no controller comes there; who accepts it does.
+    """
+    accepted = frozenset((finding.code.number, finding.span) for finding in errors)
+    if session.program is None or not accepted or not judgement.summary.open_path:
+        return []
+    seen = {(finding.code.number, finding.span) for finding in judgement.findings.kept}
+    found: dict[tuple[int, Span], Finding] = {}
+    stated = session.setup.block_delete
+    for block_delete in (False, True) if stated is None else (stated,):
+        other = Findings(limit=judgement.findings.limit)
+        *_, met = _pass(
+            session, other, block_delete, running, properties, None, beat, None, accepted
+        )  # fmt: skip
+        for finding in other.kept:
+            if (finding.code.number, finding.span) not in seen:
+                found.setdefault((finding.code.number, finding.span), finding)
+        if not met:
+            break
+    return list(found.values())
+
+
 def _pass(
     session: Session, findings: Findings, block_delete: bool, running: Running, properties: Sequence[str],
     observe: Observer | None, beat: Beat | None, hears: Hears | None,
+    accepted: frozenset[tuple[int, Span]] = frozenset(),
 ) -> tuple[list[PropertyResult], Summary, list[str], bool]:  # fmt: skip
     assert session.program is not None
     machine, setup = session.machine, session.setup
-    ex = Executor(session.program, setup, machine, findings, block_delete=block_delete, **session.options(running))
+    ex = Executor(
+        session.program, setup, machine, findings, block_delete=block_delete, accepted=accepted,
+        **session.options(running),
+    )  # fmt: skip
     ex.on_beat = beat
     limits = Limits(machine, setup, findings)
     stated = machine.controller.straight_traverse

@@ -304,6 +304,10 @@ def print_brief(
         click.echo(f"  if {name:<{width}} is {ends} ({prop})")
 
 
+_WHY_OTHER = {0: " (accepted)", Verdict.UNKNOWN.exit_code: " (accepted, but for what is UNKNOWN)"}
+"""Why an exit code is not the verdict's."""
+
+
 def _verdict_line(session: Session, judgement: Judgement, code: int, condition: str) -> str:
     """``job.cnc: UNKNOWN (accepted)``: the verdict, and where the exit code says something else, why.
 
@@ -311,7 +315,7 @@ def _verdict_line(session: Session, judgement: Judgement, code: int, condition: 
     """
     said = ""
     if code != judgement.verdict.exit_code:
-        said = " (accepted)" if code == 0 else " (and findings that fail the check)"
+        said = _WHY_OTHER.get(code, " (and findings that fail the check)")
     open_to = [r.name for r in judgement.properties if r.name in judgement.left_out and r.verdict is not Verdict.SAFE]
     if open_to and judgement.verdict is Verdict.SAFE:
         said = f", {' and '.join(open_to)} left out by the policy" + said

@@ -36,8 +36,9 @@ def begin_array(ex: Executor, node: Array) -> None:
     try:
         cells = _cells(ex, node)
     except Refusal as refusal:
-        is_open = refusal.finding.severity is not Severity.ERROR
-        ex._refuse(refusal.finding)
+        finding = ex.as_accepted(refusal.finding)
+        is_open = finding.severity is not Severity.ERROR
+        ex._refuse(finding)
     ex._enter(node.span)
     ex._stack.append(Frame(node.body, node, cells=cells))
     s.single = s.single.but(cell_open=cells is not None and cells.count > 1)
@@ -99,7 +100,7 @@ def next_cell(ex: Executor, frame: Frame) -> bool:
     try:
         _need_own_axes(ex, frame.node)  # type: ignore[arg-type]
     except Refusal as refusal:
-        ex._refuse(refusal.finding)
+        ex._refuse(ex.as_accepted(refusal.finding))
         ex.modal.position[0] = ex.modal.position[1] = NOWHERE
         ex.modal.jumped = True
         return False

@@ -7,7 +7,7 @@ import math
 
 from gproof.ir import codes
 from gproof.ir.dialects import accepts
-from gproof.ir.finding import FollowsRefusal, Refusal, Span
+from gproof.ir.finding import Finding, FollowsRefusal, Refusal, Span
 from gproof.ir.machine import AXES
 from gproof.ir.modal_groups import MOTION, OF_FEEDS
 from gproof.ir.rules import CodeRule
@@ -40,8 +40,9 @@ class Blocks(Origins):
             else:
                 self._beside(line, unsupported)
         except Refusal as refusal:
-            self._recover(words, line, refusal)
-            self._refuse(refusal.finding, told=isinstance(refusal, FollowsRefusal))
+            finding = self.as_accepted(refusal.finding)
+            self._recover(words, line, refusal, finding)
+            self._refuse(finding, told=isinstance(refusal, FollowsRefusal))
 
     def _beside(self, line: Line, unsupported: CodeRule) -> None:
         """GP113 for a code that is not modelled; what else the line says counts.
@@ -61,13 +62,15 @@ class Blocks(Origins):
             self.modal.position[axis] = NOWHERE
         self._stop(line)
 
-    def _recover(self, words: list[tuple[str, Value, Span]], line: Line | None, refusal: Refusal) -> None:
+    def _recover(
+        self, words: list[tuple[str, Value, Span]], line: Line | None, refusal: Refusal, finding: Finding
+    ) -> None:
         """After an error what the line may have changed is not known.
 
         A cycle that did not begin is in force nevertheless: the places of the lines behind it are holes.
         """
         aim = None if line is None or not line.find(F.ARC_CW, F.ARC_CCW) else functools.partial(self.aim, line)
-        refused_lines.refuse_words(self, words, AXIS_INDEX, refusal, refusal.finding, aim)
+        refused_lines.refuse_words(self, words, AXIS_INDEX, refusal, finding, aim)
         cycle = None if line is None else line.group("G1")
         if cycle is not None and cycle.function in CYCLES:
             self.modal.motion = F.UNSUPPORTED

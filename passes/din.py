@@ -93,8 +93,9 @@ def run(
         line = _gather(ex, columns, span, words, bare)
         _execute(ex, line, continued)
     except Refusal as refusal:
-        refused_lines.refuse_words(ex, words, columns, refusal, refusal.finding)
-        ex._refuse(refusal.finding)
+        finding = ex.as_accepted(refusal.finding)
+        refused_lines.refuse_words(ex, words, columns, refusal, finding)
+        ex._refuse(finding)
 
 
 def _gather(ex: Motion, columns: dict[str, int], span: Span, words: Words, bare: frozenset[str]) -> Gathered:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Callable
+from dataclasses import replace
 
 from gproof.ir import codes
 from gproof.ir.dialects.accepts import TOOL_ZERO, Accepted
@@ -60,12 +61,14 @@ class Emitter:
         self, program: Program, setup: Setup, machine: Machine, findings: Findings, *,
         block_delete: bool = False, budget: int = DEFAULT_BUDGET, stop_at_error: bool = False,
         max_branches: int = DEFAULT_BRANCHES, render: bool = False,
+        accepted: frozenset[tuple[int, Span]] = frozenset(),
     ) -> None:  # fmt: skip
         self.program = program
         self.machine = machine
         self.setup = setup
         self.findings = findings
         self.block_delete = block_delete
+        self.accepted = accepted
         self.budget = budget
         # Who wants to hear how far it is: (blocks executed, place).
         self.on_beat: Callable[[int, Span], None] | None = None
@@ -202,11 +205,24 @@ class Emitter:
             if self.failed is None:
                 self.failed = finding
             if finding.code.number in _ENDS:
+                self._tell_rest(finding)
                 self._end_section(Wait.UNKNOWN, finding.message, -1, finding.span)
                 raise ProgramEnd
             if self.stop_at_error:
                 self._end_section(Wait.UNKNOWN, "error", -1, finding.span)
                 raise ProgramEnd
+
+    def as_accepted(self, finding: Finding) -> Finding:
+        """The finding of a refusal; an error that somebody accepts as an unknown: the job is run in spite of it."""
+        if finding.severity is Severity.ERROR and (finding.code.number, finding.span) in self.accepted:
+            return replace(finding, code=finding.code.as_unknown())
+        return finding
+
+    def _tell_rest(self, finding: Finding) -> None:
+        """GP304 for all that comes after an accepted error which ends the run."""
+        if (finding.code.number, finding.span) in self.accepted:
+            cause = f"line {finding.span.line}, after which nothing can be followed"
+            self.findings.add(codes.POSITION_UNKNOWN.at(finding.span, axis="every axis", cause=cause))
 
     def _refuse(self, finding: Finding, *, told: bool = False) -> None:
         """The line or statement of a Refusal did nothing, or half: what follows is not the job's path any more."""

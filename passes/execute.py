@@ -97,7 +97,8 @@ class Executor(Flow):
         except Refusal as refusal:
             with contextlib.suppress(ProgramEnd):
                 self._run_pending()
-                self._refuse(refusal.finding)
+                self._refuse(self.as_accepted(refusal.finding))
+                self._tell_rest(refusal.finding)
                 self._end_section(Wait.UNKNOWN, refusal.finding.message, -1, refusal.finding.span)
         if not self._ended:
             if self.failed is None:
@@ -382,7 +383,7 @@ class Executor(Flow):
         try:
             found = replaced(self.program, self._depth, words, span)
         except Refusal as refusal:
-            self._refuse(refusal.finding)
+            self._refuse(self.as_accepted(refusal.finding))
             return
         if found is None:
             super()._line(span, words)
@@ -408,7 +409,7 @@ class Executor(Flow):
             elif isinstance(node, Device):
                 run_command(self, node)
             elif isinstance(node, Mistake):
-                finding = Finding(codes.CODES[node.code], node.span, node.message, node.hint)
+                finding = self.as_accepted(Finding(codes.CODES[node.code], node.span, node.message, node.hint))
                 refused_lines.lose_everything(self, finding)
                 raise Refusal(finding)
             elif isinstance(node, Unsupported):
@@ -429,7 +430,8 @@ class Executor(Flow):
                 # Nothing that a program may hold is passed over because nobody has thought of it here.
                 raise Refusal(codes.UNSUPPORTED_CODE.at(node.span, code=type(node).__name__.lower()))  # type: ignore[union-attr]
         except Refusal as refusal:
-            self._refuse(refusal.finding, told=isinstance(node, Unsupported | Mistake) and node.told)
+            finding = self.as_accepted(refusal.finding)
+            self._refuse(finding, told=isinstance(node, Unsupported | Mistake) and node.told)
 
     def _message(self, node: Message) -> None:
         text = describe_parts(node.parts, self.evaluator)

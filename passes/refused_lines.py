@@ -3,7 +3,8 @@
 Words that were read say by the table of ``ir/modal_groups.py`` which modal groups they may have changed; a text that
 was not understood may have been anything. What rests on such a group is not known from there on: places, feeds,
 speeds. Codes that state a group whole make it known again. The refused line is told itself; behind an unknown one the
-first move that rests on it is GP304, once; behind an error nothing is, as no controller comes there.
+first move that rests on it is GP304, once; behind an error nothing is, as no controller comes there, unless somebody
+accepts the error.
 """
 
 from __future__ import annotations
@@ -59,13 +60,15 @@ def refuse_words(
 ) -> None:  # fmt: skip
     """Behind a refused line of these words: lost is what they may have changed.
 
-    columns: of the letters that are axes; finding: what is told of the refusal; aim: gives where the line sends the
+    columns: of the letters that are axes; finding: what is told of the refusal, an unknown for an error that somebody
+    accepts; aim: gives where the line sends the
     axes: an arc of which only the way is open ends there.
     """
     if isinstance(refusal, FollowedRefusal):
         _name_line(ex, finding)
         return
-    if aim is not None and finding.code.decides == "arcs" and finding.severity is Severity.UNKNOWN:
+    # An error is lost as in the run that found it, where somebody accepts it: what follows has the same findings then.
+    if aim is not None and finding.code.decides == "arcs" and refusal.finding.severity is Severity.UNKNOWN:
         s = ex.modal
         with contextlib.suppress(Refusal):
             place = aim()

@@ -181,6 +181,7 @@ def _run_alone(ex: Motion, span: Span, words: Words, texts: Texts, comment: str,
         if finding.code is codes.UNKNOWN_CODE and ex.program.open_codes:
             what = f"{finding.message.split()[0]}, which only a macro file would define,"
             finding = codes.UNSUPPORTED_CODE.at(finding.span, code=what, hint=ex.program.open_codes)
+        finding = ex.as_accepted(finding)
         aim = None if line is None else functools.partial(single_motion.aim, ex, line)
         refused_lines.refuse_words(ex, words, columns, refusal, finding, aim)
         ex._refuse(finding)

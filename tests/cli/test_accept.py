@@ -161,6 +161,12 @@ def test_each_of_hundreds_of_findings_is_known(check: Any, name: str, which: int
     machine = CODES / ("machine.toml" if name.endswith("cnc") else "wincnc/WINCNC.INI")
     assert check(head + body + tail, "--write-baseline", "known.json", name=name, machine=machine)[0] == 0
     code, report = check(None, "--baseline", "known.json", name=name, machine=machine)
+    if which == 3:
+        # Where an arc that is refused ends is not known: what rests on that is accepted by itself.
+        assert code == 2
+        again = ("--baseline", "known.json", "--write-baseline", "known.json")
+        assert check(None, *again, name=name, machine=machine)[0] == 0
+        code, report = check(None, "--baseline", "known.json", name=name, machine=machine)
     assert (code, report["verdict"]) == (0, "UNSAFE")
     assert max(report["counts"].values()) >= 300
 
@@ -271,3 +277,52 @@ def test_a_comment_far_down_a_long_file_is_read(check: Any, monkeypatch: pytest.
         (found,) = of(report, "GP113")
         assert found["suppressed"]["reason"] == "it is a lamp", piece
         assert found["line"] == text.count("\n", 0, text.index(OPEN)) + 1
+
+
+REFUSED = {
+    "job.cnc": (HEAD, "G0 Y1\n", "M30\n", ("G1 X10 F-1", "G1 X10 ~", "G2 X10 Y0", "G1 X10 D5", "#1 = [2", "G1 G2 X5")),
+    "job.tap": (
+        "G20\nG90\nG92 X0 Y0 Z0\nF50\nG0 X1 Y1\n", "G0 Y2\n", "",
+        ("G1 X2 F-1", "G1 X2 ~", "G2 X2", "G1 X1 X2", "G7777 X2"),
+    ),
+    "job.src": ("%A\nG90\nG00 X0 Y0\n", "G00 Y1\n", "M30\n", ("G01 X10 F-1", "G01 X10 ~", "G01 X10 X11")),
+}  # fmt: skip
+"""By job: what comes before a line that is an error, a move after it, the end, and such lines."""
+
+
+@pytest.mark.parametrize(
+    ("name", "line"), [(name, line) for name, told in REFUSED.items() for line in told[3]], ids=str
+)
+def test_what_follows_an_accepted_error_is_unknown(check: Any, name: str, line: str) -> None:
+    """A line that was refused loses what it may have changed, whoever accepts it: exit 2 then."""
+    head, move, tail, _ = REFUSED[name]
+    machine = {"job.cnc": "machine.toml", "job.tap": "wincnc/WINCNC.INI", "job.src": "mcuwin/machine.toml"}[name]
+    at, program = {"name": name, "machine": CODES / machine}, f"{head}{line}\n{move}{tail}"
+    code, report = check(program, **at)
+    place = head.count("\n") + 1
+    assert (code, report["verdict"]) == (1, "UNSAFE")
+    assert [f["line"] for f in report["findings"] if f["severity"] == "error"] == [place]
+    assert check(None, "--write-baseline", "known.json", **at)[0] == 0
+    code, report = check(None, "--baseline", "known.json", **at)
+    assert (code, report["exit_code"], report["verdict"]) == (2, 2, "UNSAFE"), program
+    answers = {name: answer["verdict"] for name, answer in report["properties"].items()}
+    assert (answers["limits"], answers["areas"]) == ("UNKNOWN", "UNKNOWN")
+    assert answers["arcs"] != "SAFE"
+    (left,) = [f for f in report["findings"] if "suppressed" not in f and f["severity"] in ("error", "unknown")]
+    assert (left["code"], left["line"]) == ("GP304", place + 1)
+    # Who accepts that too says so; and behind which nothing moves, that leaves nothing open.
+    assert check(None, "--baseline", "known.json", "--write-baseline", "all.json", **at)[0] == 0
+    assert check(None, "--baseline", "all.json", **at)[0] == 0
+    assert check(f"{head}{line}\n{tail}", "--baseline", "known.json", **at)[0] == 0
+
+
+def test_a_new_error_is_before_what_an_accepted_one_leaves_open(check: Any) -> None:
+    program = HEAD + "G1 X10 F-1\nG0 X0 Y0 Z0\n" + TAIL
+    assert check(program, "--write-baseline", "known.json")[0] == 0
+    assert check(program.replace(TAIL, f"{FAR}\n" + TAIL), "--baseline", "known.json")[0] == 1
+
+
+def test_nothing_of_a_run_that_an_accepted_error_ends_is_known(check: Any) -> None:
+    program = HEAD + "while [1 / 0]\nG1 X1 F100\nendwhile\n" + TAIL
+    assert check(program, "--write-baseline", "known.json")[0] == 0
+    assert check(None, "--baseline", "known.json")[0] == 2
