@@ -10,6 +10,14 @@ import enum
 
 from gproof.ir.record import field, record
 
+LINE_LETTERS = "XYZWUVABCIJKRFSPHTN"
+"""Words that a line without a command may begin with, where a line has one command; N may number it."""
+
+
+def only_a_macro(name: str) -> str:
+    """What findings call a code or word that the language does not have, and that a file of macros may define."""
+    return f"{name}, which only a macro file would define,"
+
 
 class Function(enum.IntEnum):
     """Neutral machine functions. Motion that a kernel executes has the numbers 1 to 4."""

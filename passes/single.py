@@ -13,12 +13,12 @@ from typing import TYPE_CHECKING
 
 from gproof.ir import codes
 from gproof.ir.dialects.accepts import REPEATED_CHANNEL
-from gproof.ir.finding import Refusal, Span
+from gproof.ir.finding import Refusal, Severity, Span
 from gproof.ir.machine import AXES
 from gproof.ir.modal_groups import MOVES, PLACE
 from gproof.ir.program import Text
 from gproof.ir.record import field, record
-from gproof.ir.rules import CHECKED_ONLY, CodeRule, LanguageRules
+from gproof.ir.rules import CHECKED_ONLY, LINE_LETTERS, CodeRule, LanguageRules, only_a_macro
 from gproof.ir.rules import Function as F
 from gproof.passes import refused_lines, single_cycles, single_events, single_motion, single_origins
 from gproof.passes.line import LARGEST, Line
@@ -179,8 +179,14 @@ def _run_alone(ex: Motion, span: Span, words: Words, texts: Texts, comment: str,
         finding = refusal.finding
         columns = letters_of(ex.machine)
         if finding.code is codes.UNKNOWN_CODE and ex.program.open_codes:
-            what = f"{finding.message.split()[0]}, which only a macro file would define,"
+            what = only_a_macro(finding.message.split()[0])
             finding = codes.UNSUPPORTED_CODE.at(finding.span, code=what, hint=ex.program.open_codes)
+        name = _open_name(words) if ex.program.open_codes and finding.severity is Severity.ERROR else ""
+        if name:
+            finding = codes.UNSUPPORTED_CODE.at(span, code=only_a_macro(name), hint=ex.program.open_codes)
+            refused_lines.lose_everything(ex, finding)
+            ex._refuse(finding)
+            return
         finding = ex.as_accepted(finding)
         aim = None if line is None else functools.partial(single_motion.aim, ex, line)
         refused_lines.refuse_words(ex, words, columns, refusal, finding, aim)
@@ -188,6 +194,33 @@ def _run_alone(ex: Motion, span: Span, words: Words, texts: Texts, comment: str,
     finally:
         if ex.modal.single.absolute_once is not None:
             ex.modal.single = ex.modal.single.but(absolute_once=None)
+
+
+def _open_name(words: Words) -> str:
+    """The name of letters and digits with which a line begins that is none of its words alone; "" where there is none.
+
+    A word of two letters or more (``PARK``, ``TOOL3``), or a letter that begins no line (``Q5``).
+    """
+    name, ends = "", -1
+    for letter, value, where in words:
+        if name and where.column != ends:
+            break
+        is_bare = where.end_column == where.column + 1
+        if not name and (not is_bare or not where.column):
+            return (
+                ""
+                if letter in LINE_LETTERS or letter in "GLM"
+                else f"{letter}{value:g}"
+                if _is_number(value)
+                else letter
+            )
+        name += letter if is_bare else f"{letter}{value:g}" if _is_number(value) else letter
+        ends = where.end_column
+    return name if len(name) > 1 or name not in LINE_LETTERS + "GLM" else ""
+
+
+def _is_number(value: Value) -> bool:
+    return not isinstance(value, Unknown)
 
 
 def _measure_behind(words: Words) -> int:

@@ -276,7 +276,9 @@ def without_command(ex: Motion, line: Command) -> None:
         return
     if s.motion == 0 and not s.cycle_code and not stored and not ex.takes(accepts.KEPT_MOTION):
         hint = accepts.KEPT_MOTION.hint
-        raise Refusal(codes.AXIS_WORDS_UNUSED.at(line.span, why="no motion code before", hint=hint))
+        # G0 and G1 stay, and no section says what a file begins with: whether, and how, such words move is not known.
+        code = codes.AXIS_WORDS_UNUSED.as_unknown()
+        raise Refusal(code.at(line.span, why="no motion code before", hint=hint))
     rule = ex.program.rules.codes["G", s.cycle_code] if s.cycle_code else ex._motion_rules.get(s.motion)
     if rule is None:
         rule = ex.program.rules.codes["G", 0]

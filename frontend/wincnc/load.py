@@ -208,12 +208,13 @@ class _Loader:
         """Read the macro file; then lines can be read."""
         self._macro_file()
         self.scanner = scanner(self.controls.lexical, self.macros)
-        if isinstance(self.files, _AnyFiles) and self.macro_source is None:
+        if self.program.open_codes:
             self.scanner = dataclasses.replace(self.scanner, open_names=True)
         self.program.scan = self.scanner.scan
         self.program.annotate = Annotator(self.scanner, self.reader, self.program.rules.line_length).annotate
         self.lines = Lines(
-            self.reader, self.program.rules, self.macros, self.files, len(self.controls.changers)
+            self.reader, self.program.rules, self.macros, self.files, len(self.controls.changers),
+            self.program.open_codes, self.program.open_codes if self.macro_source is None else "",
         )  # fmt: skip
 
     def job(self, path: Path) -> tuple[Statement, ...]:
@@ -313,9 +314,14 @@ class _Loader:
                 if unread:
                     self.program.open_codes = f"line {unread[0]} of {source.name} was not understood, and may define it"
                 return
-        self.program.open_codes = "CNC.MAC may define it: --machine WINCNC.INI, with CNC.MAC beside it"
+        self.program.open_codes = (
+            "the controller's own files say: --machine WINCNC.INI, with CNC.MAC and its files beside it"
+        )
         if self.machine_file is not None:
             name = self.machine_file.name
+            self.program.open_codes = (
+                f"the controller's own files say: put CNC.MAC and the files that it names beside {name}"
+            )
             self.findings.add(
                 codes.MACRO_FILE_MISSING.at(Span(str(self.machine_file), 1), name="CNC.MAC", machine=name)
             )

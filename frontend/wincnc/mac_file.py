@@ -16,6 +16,7 @@ from gproof.frontend.source import UTF8_MARK, decode
 from gproof.frontend.wincnc.ini_file import ENDS_OF_QUOTES
 from gproof.ir import codes
 from gproof.ir.controls import Lexical
+from gproof.ir.dialects.accepts import LINE_NUMBERS
 from gproof.ir.finding import Findings, Related, Span
 from gproof.ir.program import SourceFile
 from gproof.ir.record import record
@@ -31,6 +32,8 @@ _CLOSED_BY = {"[": "]", "(": ")"}
 _CODE = re.compile(r"(?P<letter>[A-Za-z])[ \t]*(?P<whole>[0-9]{1,6})(?:\.(?P<part>[0-9]{0,6}))?", re.ASCII)
 _WORD = re.compile(r"[A-Za-z_][A-Za-z0-9_]*", re.ASCII)
 _COMMAND = re.compile(r"~?[ \t]*[A-Za-z]", re.ASCII)
+_NUMBERED = re.compile(r"[ \t]*[Nn][ \t]*[0-9]+(?=[ \t]+[A-Za-z_])", re.ASCII)
+_NAME_FIRST = re.compile(r"[ \t]*[A-Za-z0-9_]")
 _CONTROL = re.compile(r"[\x00-\x08\x0b-\x1f\x7f]")
 
 
@@ -40,7 +43,8 @@ class Macro:
 
     name: upper case, a code without leading zeros: ``M3`` for ``m03``; label: as written; text: its command as written,
     "" for a code that is switched off; span: of the line, its columns those of the text; column: where the text begins,
-    from 1; continued: words of the text stand behind a closed comment, which the shop's controller takes.
+    from 1; continued: words of the text stand behind a closed comment, numbered: the line has a number of its own, both
+    of which the shop's controller takes.
     """
 
     name: str
@@ -49,6 +53,7 @@ class Macro:
     column: int
     label: str
     continued: bool = False
+    numbered: bool = False
 
 
 def read_macros(source: SourceFile, findings: Findings, lexical: Lexical) -> tuple[dict[str, Macro], list[int]]:
@@ -79,7 +84,9 @@ def each_macro(
             if _tell_what_follows(source.name, number, line, len(line) - len(line.lstrip()), findings, signs):
                 unread.append(number)
             continue
-        macro = _macro(source.name, number, line, findings, signs, continued=lexical.continued)
+        macro = _macro(
+            source.name, number, line, findings, signs, continued=lexical.continued, numbers=lexical.numbered
+        )  # fmt: skip
         if macro is None:
             unread.append(number)
             continue
@@ -107,7 +114,7 @@ def code_name(text: str) -> str | None:
 
 
 def _macro(
-    file: str, number: int, line: str, findings: Findings, signs: str, *, continued: bool = False
+    file: str, number: int, line: str, findings: Findings, signs: str, *, continued: bool = False, numbers: bool = False
 ) -> Macro | None:  # fmt: skip
     control = _CONTROL.search(line)
     if control is not None:
@@ -117,6 +124,18 @@ def _macro(
     written, equals, rest = line.partition("=")
     at = len(written) - len(written.lstrip())
     name = code_name(written.strip()) if equals else None
+    numbered = _NUMBERED.match(written) if equals and name is None else None
+    if numbered is not None and numbers:
+        name = code_name(written[numbered.end() :].strip())
+    if name is None and equals and _NAME_FIRST.match(written) is not None:
+        # The manual shows names that are codes: what else may be one, and whether lines have numbers, it does not say.
+        what = f"the definition of {written.strip()[:30]!r}, a name of which the manual does not say that it is one,"
+        hint = ""
+        if numbered is not None:
+            what, hint = "an N that begins a definition, which the manual does not have,", LINE_NUMBERS.hint
+        span = Span(file, number, at + 1, len(written.rstrip()) + 1)
+        findings.add(codes.UNSUPPORTED_CODE.at(span, code=what, hint=hint))
+        return None
     if name is None:
         what = "neither NAME=command nor a comment"
         findings.add(codes.SYNTAX.at(Span(file, number, at + 1, len(line.rstrip()) + 1), what=what))
@@ -141,7 +160,7 @@ def _macro(
         what = f"{name}={text[:30]}: a variable, of which the manual does not say how it is defined"
         findings.add(codes.UNSUPPORTED_CODE.at(span, code=what))
         return None
-    return Macro(name, text, span, begin + 1, written.strip(), continued=goes_on)
+    return Macro(name, text, span, begin + 1, written.strip(), continued=goes_on, numbered=numbered is not None)
 
 
 def end_of_command(line: str, begin: int, signs: str) -> int:

@@ -15,7 +15,7 @@ from gproof.frontend.wincnc.line import Items, LineError, LineReader, NumberedLi
 from gproof.frontend.wincnc.mac_file import Macro
 from gproof.frontend.wincnc.mac_file import code_name as macro_name
 from gproof.ir import codes
-from gproof.ir.finding import Span
+from gproof.ir.finding import Severity, Span
 from gproof.ir.program import (
     Binary,
     Block,
@@ -32,7 +32,7 @@ from gproof.ir.program import (
     Word,
 )
 from gproof.ir.record import record
-from gproof.ir.rules import CodeRule, LanguageRules
+from gproof.ir.rules import LINE_LETTERS, CodeRule, LanguageRules, only_a_macro
 from gproof.ir.rules import Function as F
 
 DEEPEST_MACRO = 20
@@ -69,17 +69,21 @@ class Lines:
     """Reads lines of any file of a program.
 
     macros: by the names that ``read_macros`` gives them; files: where subprograms are; changers: how many tool changers
-    the machine has.
+    the machine has; open_codes: where CNC.MAC may define further names, why, else ""; open_files: where the
+    folder of the subprograms is not given, what to give, else "".
     """
 
     def __init__(
-        self, reader: LineReader, rules: LanguageRules, macros: dict[str, Macro], files: FileFinder, changers: int
-    ) -> None:
+        self, reader: LineReader, rules: LanguageRules, macros: dict[str, Macro], files: FileFinder, changers: int,
+        open_codes: str = "", open_files: str = "",
+    ) -> None:  # fmt: skip
         self.reader = reader
         self.rules = rules
         self.macros = macros
         self.files = files
         self.changers = changers
+        self.open_codes = open_codes
+        self.open_files = open_files
         self.questions = 0
         self.limit = rules.line_length
 
@@ -104,12 +108,40 @@ class Lines:
                 return self.parse(" " * end + text[end:], file, line, depth)
             span = Span(file, line, begin + 1, end + 1)
             return Replaced(written=code.strip(), body=(), span=span, comment=comment)
-        items = self.reader.read(text, file, line)
-        if not items.words and not items.texts:
-            raise LineError(codes.SYNTAX, items.begin, items.begin + 1, what="no command behind the tilde")
-        if self.macros:
-            self._no_macro_inside(items)
-        return self._statement(items, text, file, line)
+        try:
+            items = self.reader.read(text, file, line)
+            if not items.words and not items.texts:
+                raise LineError(codes.SYNTAX, items.begin, items.begin + 1, what="no command behind the tilde")
+            if self.macros:
+                self._no_macro_inside(items)
+            return self._statement(items, text, file, line)
+        except LineError as error:
+            name = self._open_name(code) if error.code.severity is Severity.ERROR else ""
+            if not name:
+                raise
+            begin, what = len(code) - len(code.lstrip()), only_a_macro(name)
+            end = len(code.rstrip())
+            raise LineError(codes.UNSUPPORTED_CODE, begin, end, code=what, hint=self.open_codes) from None
+
+    def _open_name(self, code: str) -> str:
+        """The name that begins a line and that CNC.MAC may define without our knowing, "" where it can not.
+
+        A code that the controller has keeps its meaning: that CNC.MAC may replace it is a finding of its own (GP607).
+        """
+        if not self.open_codes:
+            return ""
+        begin = len(code) - len(code.lstrip())
+        found = _BEGINS_WITH_CODE.match(code, begin)
+        if found is not None:
+            name = re.sub(r"[ \t+]", "", found.group()).upper()
+            if name[0] in "GLM":
+                tenths = float(name[1:]) * 10
+                is_known = abs(tenths - round(tenths)) < 1e-6 and (name[0], round(tenths)) in self.rules.codes
+                return "" if is_known else name
+            if name[0] not in LINE_LETTERS:
+                return name
+        word = _BEGINS_WITH_WORD.match(code, begin)
+        return word.group().upper() if word is not None and word.group()[1:2].isalpha() else ""
 
     def _number(self, code: str, file: str, line: int) -> tuple[int, int]:
         """Where the number of a line begins and ends; 0, 0 where it has none, or where N is a word of its command."""
@@ -172,6 +204,7 @@ class Lines:
             as_line = self._replaced_line(macro, code, begin, end, span, None)
             return Replaced(written=written, body=(), span=span, comment=comment, line=as_line)
         self.reader.has_continued |= macro.continued
+        self.reader.has_numbers |= macro.numbered
         text = macro.text + (f" {rest.strip()}" if rest.strip() else "")
         if len(text) > self.limit:
             raise LineError(codes.MACRO_TOO_LONG, begin, end, length=len(text), name=macro.name, allowed=self.limit)
@@ -263,6 +296,10 @@ class Lines:
         key = self.files.find(name)
         if key is None:
             at = items.rest_at
+            if self.open_files:
+                # Where the controller's own folder is not given, its files are not: that one is missing nobody knows.
+                what = f"the file {name}, which is not beside the job,"
+                raise LineError(codes.UNSUPPORTED_CODE, at, at + len(name), code=what, hint=self.open_files)
             raise LineError(codes.FILE_NOT_FOUND, at, at + len(name), name=name, where=self.files.where)
         where = Span(span.file, span.line, items.rest_at + 1, items.rest_at + len(name) + 1)
         as_line = self._block(dataclasses.replace(items, rest=None), span)

@@ -80,7 +80,9 @@ def test_windows_1252_and_a_utf8_mark() -> None:
     ("text", "label", "line", "column"),
     [
         ("M1=M11C1\nspindle on\n", "GP101", 2, 1),
-        ("  3X=M11C1", "GP101", 1, 3),
+        ("  3X=M11C1", "GP113", 1, 3),
+        ("?=M11C1", "GP101", 1, 1),
+        ("N10 M7=M11C2", "GP113", 1, 1),
         ("M1=", "GP603", 1, 1),
         ("M1=M11C1\nM01=M11C2", "GP603", 2, 5),
         ("DEPTH=12.5", "GP113", 1, 7),

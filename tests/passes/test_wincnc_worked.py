@@ -59,7 +59,7 @@ ENDS = {
     "G0 X1Y": "SAFE 1 0 . .",
     "G00X1": "SAFE 1 . . .",
     "G 0 X 5 Y 6": "SAFE 5 6 . .",
-    "X5": "UNSAFE ? ? ? ?",
+    "X5": "UNKNOWN ? ? ? ?",
     "G1 X5\nY6": "SAFE 5 6 . .",
     "G0 X5\nG4 X1\nY6": "SAFE 5 6 . .",
     "G0 X5 [go]": "SAFE 5 . . .",
@@ -120,7 +120,7 @@ ENDS = {
     # Cycles: G73, G80 to G83.
     "G81 X5 Y6 Z-30 R-10 F100": "SAFE 5 6 -10 .",
     "G81 X5 Y6 Z-30 R-10\nX7": "SAFE 7 6 -10 .",
-    "G81 X5 Y6 Z-30 R-10\nG80\nX8": "UNSAFE ? ? ? ?",
+    "G81 X5 Y6 Z-30 R-10\nG80\nX8": "UNKNOWN ? ? ? ?",
     "G0 X1\nG81 X5 Y6 Z-30 R-10\nG80\nX8": "SAFE 8 6 -10 .",
     "G81 X5 Y6 Z-30 R-10\nG0 Z-5": "SAFE 5 6 -5 .",
     "G83 X5 Y6 Z-30 R-10 Q5": "SAFE 5 6 -10 .",
