@@ -439,6 +439,8 @@ def _accepts(table: TomlTable, dialect: object) -> tuple[str, ...] | None:
         elif name not in ACCEPTS:
             near = meant(name, known)
             table.bad("accepts", f"{name!r} is none of {', '.join(known)}{'; ' * bool(near)}{near}")
+        elif ACCEPTS[name].against in found[: found.index(name)]:
+            table.bad("accepts", f"{ACCEPTS[name].against!r} and {name!r} can not both be true")
     return found
 
 

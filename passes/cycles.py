@@ -66,11 +66,12 @@ def run_cycle(ex: Motion, line: Line, rule: CodeRule) -> None:
     _check_rotary(ex, line, rule)
     _need_feed(ex, line, rule)
     unit, absolute = s.unit, s.absolute
+    along_z = unit * (s.transform.upright if drill == 2 else 1.0)
     if absolute:
-        r, depth = s.offset(drill).moved(r_word * unit), s.offset(drill).moved(depth_word * unit)
+        r, depth = s.offset(drill).moved(r_word * along_z), s.offset(drill).moved(depth_word * along_z)
     else:
-        r = s.position[drill].moved(r_word * unit)
-        depth = r.moved(depth_word * unit)
+        r = s.position[drill].moved(r_word * along_z)
+        depth = r.moved(depth_word * along_z)
     if r.minus(depth).value < 0:
         raise Refusal(
             codes.CYCLE_R_BELOW_DEPTH.at(line.where("R"), code=rule.text, r=r_word, letter=letters, depth=depth_word)
@@ -207,6 +208,9 @@ def _check_rotary(ex: Motion, line: Line, rule: CodeRule) -> None:
             continue
         if isinstance(value, Unknown):
             raise Refusal(not_known(line.span, AXIS_NAMES[axis].upper(), value))
+        if axis in ex.modal.transform.loose and value != 0.0:
+            what = f"whether G51 P scales {AXIS_NAMES[axis].upper()}, which may not move with {rule.text},"
+            raise Refusal(codes.TRANSFORM_OPEN.at(line.span, what=what))
         moved = ex.target(axis, value).minus(ex.modal.position[axis])
         if moved.form or abs(moved.value) > 1e-9:
             raise Refusal(codes.CYCLE_ROTARY_MOTION.at(line.span, code=rule.text, axis=AXIS_NAMES[axis].upper()))

@@ -37,7 +37,7 @@ from gproof.passes.extent_kernels import row_boxes
 from gproof.passes.height_map import heights_of
 from gproof.passes.open_settings import note
 from gproof.passes.reach import Range, reach_of, reaches
-from gproof.passes.values import RISEN, UNHOMED, describe
+from gproof.passes.values import RISEN, UNHOMED, describe, hint_of
 
 Floats = npt.NDArray[np.float64]
 
@@ -650,7 +650,8 @@ class Limits(Check):
                     safe = f"{low:.4f} to {high:.4f}"
                     said = f"{round(stated.low, 6) + 0.0:g} to {round(stated.high, 6) + 0.0:g}"
                     cause = f"{describe(form, self.machine)}, which is {said} {unit}; safe is {safe} {unit}"
-                    self.findings.add(codes.POSITION_UNKNOWN.at(needed, axis=offset.axis.word, cause=cause))
+                    word = offset.axis.word
+                    self.findings.add(codes.POSITION_UNKNOWN.at(needed, axis=word, cause=cause, hint=hint_of(form)))
                 continue
             if low > high or (low == -math.inf and high == math.inf):
                 continue
@@ -658,8 +659,9 @@ class Limits(Check):
             if arising:
                 span = form_interval(arising, self.setup, self._trace)
                 if span is None or not rest or low - span.low > high - span.high:
-                    self.findings.add(codes.POSITION_UNKNOWN.at(offset.span, axis=offset.axis.word,
-                                                                cause=describe(form, self.machine)))  # fmt: skip
+                    self.findings.add(codes.POSITION_UNKNOWN.at(
+                        offset.span, axis=offset.axis.word, cause=describe(form, self.machine), hint=hint_of(form)
+                    ))  # fmt: skip
                     continue
                 low, high = low - span.low, high - span.high
             if len(rest) == 1 and rest[0][0].startswith("start."):
@@ -675,7 +677,9 @@ class Limits(Check):
             if low > high:
                 cause = f"{describe(form, self.machine)}: no value of it suits the whole job"
                 self.findings.add(
-                    codes.POSITION_UNKNOWN.at(needs.get(form, self._first), axis=words[form], cause=cause)
+                    codes.POSITION_UNKNOWN.at(
+                        needs.get(form, self._first), axis=words[form], cause=cause, hint=hint_of(form)
+                    )
                 )
             else:
                 out.append(Condition(terms=form, low=low, high=high))

@@ -272,9 +272,16 @@ class Modal:
         """The point the program is at in program coordinates, mm."""
         if axis < 2 and self.transform.on:
             return self.in_program([self.programmed(k) for k in range(AXES)])[axis]
-        if axis == 2 and self.transform.height != 1.0:
+        return self._unscaled(axis, self.programmed(axis).minus(self.offset(axis)))
+
+    def _unscaled(self, axis: int, place: Position) -> Position:
+        """A place from the zero of an axis beside X and Y, as the program has it: ``G51 P``."""
+        now = self.transform
+        if axis in now.loose and (place.form or place.value != 0.0):
             return NOWHERE
-        return self.programmed(axis).minus(self.offset(axis))
+        if axis != 2 or now.upright == 1.0:
+            return place
+        return NOWHERE if place.form else Position(place.value / now.upright)
 
     def programmed(self, axis: int) -> Position:
         """The point the program is at, in machine coordinates: that of the contour while it is compensated."""
@@ -348,8 +355,7 @@ class Modal:
         found = [place.minus(self.offset(axis)) for axis, place in enumerate(places)]
         if self.transform.on:
             found[:2] = self.transform.program((places[0], places[1]), (self.offset(0), self.offset(1)))
-        if self.transform.height != 1.0:
-            found[2] = NOWHERE
+        found[2:] = [self._unscaled(axis, found[axis]) for axis in range(2, AXES)]
         return found
 
     def scale(self, axis: int) -> float:
@@ -534,7 +540,8 @@ class Modal:
 
     def shown_position(self, number: int, axis: int) -> Value:
         """What #5001 to #5006 show: the point the program is at."""
-        if (axis < 2 and self.transform.on) or (axis == 2 and self.transform.height != 1.0):
+        now = self.transform
+        if (axis < 2 and self.transform.on) or axis in now.loose or (axis == 2 and now.upright != 1.0):
             return self.plain(self.program_position(axis), self.scale(axis), number)
         return self.shown(number, axis, self.programmed(axis), self.offset(axis))
 

@@ -22,8 +22,8 @@ from gproof.passes.single_state import drifted, followed, tell_held_back
 from gproof.passes.spindle import note_speed_unknown, true_rpm
 from gproof.passes.synchronised import SYNCHRONISED, run_synchronised
 from gproof.passes.threading import run_threading
-from gproof.passes.transform_codes import check_arc, settle
-from gproof.passes.values import NOWHERE, ORIGIN, Position, Unknown, Value, bounds, describe, not_known
+from gproof.passes.transform_codes import check_arc, note_reading, settle
+from gproof.passes.values import NOWHERE, ORIGIN, UNIFORM, Position, Unknown, Value, bounds, describe, not_known, scaled
 
 _OUT_OF_PLANE = {Plane.XY: "K", Plane.XZ: "J", Plane.YZ: "I"}
 _CENTER_WORDS = {Plane.XY: ("I", "J"), Plane.XZ: ("I", "K"), Plane.YZ: ("J", "K")}
@@ -63,22 +63,31 @@ class Motion(Emitter):
         s = self.modal
         if axis < 2 and s.transform.on:
             return NOWHERE
-        if axis == 2 and s.transform.height != 1.0 and value != 0.0:
-            # By both readings of G51 P: not scaled, which is the number of the row, or scaled about the program's zero.
-            if not isinstance(value, Unknown) and math.isfinite(s.transform.height):
-                origin = s.offset(axis) if s.absolute else s.programmed(axis)
-                plain, more = value * s.scale(axis), value * s.scale(axis) * (s.transform.height - 1.0)
-                at = Position(plain + origin.value, origin.form)
-                return self.unknown_place("value", axis, (min(0.0, more), max(0.0, more)), at)
-            ends = [end * factor for end in bounds(value) for factor in (1.0, s.transform.height)]
-            if not all(map(math.isfinite, ends)):
-                return NOWHERE
-            return self._bounded(axis, Unknown(f"Z under G51 P{s.transform.height:g}", min(ends), max(ends)), None)
+        if s.transform.uniform != 1.0 and value != 0.0:
+            if axis in s.transform.loose:
+                return self._either_scaled(axis, value)
+            if axis == 2:
+                note_reading(self)
+                value = scaled(value, s.transform.upright)
         if isinstance(value, Unknown):
             named = self._named(axis, value, s.offset(axis)) if s.absolute else None
             return named or self._bounded(axis, value, None)
         origin = s.offset(axis) if s.absolute else s.programmed(axis)
         return Position(value * s.scale(axis) + origin.value, origin.form)
+
+    def _either_scaled(self, axis: int, value: Value) -> Position:
+        """By both readings of ``G51 P``: not scaled, which is the number of the row, or about the program's zero."""
+        s = self.modal
+        factor = s.transform.uniform
+        if not isinstance(value, Unknown) and math.isfinite(factor):
+            origin = s.offset(axis) if s.absolute else s.programmed(axis)
+            plain, more = value * s.scale(axis), value * s.scale(axis) * (factor - 1.0)
+            at = Position(plain + origin.value, origin.form)
+            return self.unknown_place(UNIFORM, axis, (min(0.0, more), max(0.0, more)), at)
+        ends = [end * by for end in bounds(value) for by in (1.0, factor)]
+        if not all(map(math.isfinite, ends)):
+            return NOWHERE
+        return self._bounded(axis, Unknown(f"{self.machine.word(axis)} under G51 P", min(ends), max(ends)), None)
 
     def _named(self, axis: int, value: Unknown, origin: Position) -> Position | None:
         """The place whose coordinate from an origin a value is, whatever number that is: ``Z#5063`` behind a probe."""

@@ -182,7 +182,8 @@ class Origins(Motion):
     def _back(self, axis: int, value: Value) -> Position:
         """The place that lies so far before the present one that this gets the number ``value``."""
         at = self.modal.position[axis]
-        if axis == 2 and self.modal.transform.height != 1.0:
+        if axis in self.modal.transform.loose or (axis == 2 and self.modal.transform.upright != 1.0):
+            # Of X and Y it is open whether the number is one before or after scaling (GP276), and no less of these.
             return NOWHERE
         if isinstance(value, Unknown):
             return self._bounded(axis, Unknown(value.cause, -value.high, -value.low), at)

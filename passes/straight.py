@@ -21,6 +21,7 @@ from gproof.passes import execute_kernels as k
 from gproof.passes.blocks import Blocks
 from gproof.passes.frames import Frame
 from gproof.passes.outputs import CLAMPED
+from gproof.passes.transform_codes import noted
 from gproof.passes.values import Position, Value
 
 CHUNK_BYTES = 1 << 20
@@ -210,8 +211,11 @@ class Straight(Blocks):
 
     def _active_axes(self) -> int:
         held = CLAMPED if self.modal.clamped else -1
-        open_height = 2 if self.modal.transform.height != 1.0 else -1
-        return sum(1 << axis for axis in range(AXES) if self.modal.has_axis(axis) and axis not in (held, open_height))
+        # Words of these take the other way under G51 P: Z, unless it is as it is written and that has been said.
+        apart = self.modal.transform.loose if noted(self) else (2, *self.modal.transform.loose)
+        return sum(
+            1 << axis for axis in range(AXES) if self.modal.has_axis(axis) and axis != held and axis not in apart
+        )
 
     def _cold(self, table: BlockTable, words: Columns, begin: int, end: int, base: int) -> None:
         """One plain line in Python."""

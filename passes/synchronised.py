@@ -44,7 +44,7 @@ def run_synchronised(ex: Motion, line: Line, rule: CodeRule, target: list[Positi
     need_turning(ex, line, rule)
     pitch *= s.unit
     if any(abs(factor) != 1.0 for factor in s.transform.factors) and (
-        target[:2] != s.position[:2] or s.transform.height != 1.0
+        target[:2] != s.position[:2] or 2 in s.transform.loose or s.transform.upright != 1.0
     ):
         # 3.4.13 scales X and Y, and 3.4.9 calls K a distance: the way is known, how fast it is gone is not.
         pitch = math.nan

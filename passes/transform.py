@@ -31,8 +31,11 @@ class Transform:
 
     rotated, scaled: whether each is on; angle: degrees, counter-clockwise; factors: of X and Y; center: mm in
     program coordinates; origin: offsets of X and Y under which the center was given; open: why nobody knows what
-    the axes do now, "" when it is known; doubt: why nobody will as soon as X or Y move; height: a factor that Z has, or
-    has not (``G51 P``: 3.4.13 does not say which axes), NaN where it is not known.
+    the axes do now, "" when it is known; doubt: why nobody will as soon as X or Y move; uniform: P of ``G51 P``, NaN
+    where it is not known; tall: whether that scales Z as well, None: 3.4.13 names no axes, and nobody stated it.
+
+    Made of these: loose, columns of axes beside X and Y that count by ``uniform`` or as they are, which nobody knows
+    (the rotary ones among them: 3.4.13 has nothing of these either); upright: the factor of Z where it is known.
     """
 
     rotated: bool = False
@@ -43,11 +46,14 @@ class Transform:
     origin: tuple[Position, Position] = (Position(0.0), Position(0.0))
     open: str = ""
     doubt: str = ""
-    height: float = 1.0
+    uniform: float = 1.0
+    tall: bool | None = None
 
     kind: int = field(init=False, repr=False, compare=False)
     on: bool = field(init=False, repr=False, compare=False)
     numbers: tuple[float, ...] = field(init=False, repr=False, compare=False)
+    loose: tuple[int, ...] = field(init=False, repr=False, compare=False)
+    upright: float = field(init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
         cosine, sine = cos_sin(self.angle)
@@ -61,6 +67,10 @@ class Transform:
         object.__setattr__(self, "kind", kind)
         object.__setattr__(self, "on", bool(self.open) or kind != k.TURN_NONE)
         object.__setattr__(self, "numbers", (*self.center, *matrix, *inverse, radius))
+        settled = self.tall is False or (self.tall is True and math.isfinite(self.uniform))
+        loose = () if self.uniform == 1.0 else (3, 4, 5) if settled else (2, 3, 4, 5)
+        object.__setattr__(self, "loose", loose)
+        object.__setattr__(self, "upright", self.uniform if self.tall is True and settled else 1.0)
 
     @property
     def arc_tolerance(self) -> float:

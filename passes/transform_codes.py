@@ -11,6 +11,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from gproof.ir import codes
+from gproof.ir.dialects.accepts import READINGS_OF_Z, SCALED_Z, UNSCALED_Z
 from gproof.ir.finding import Refusal, Span
 from gproof.ir.machine import AXIS_NAMES
 from gproof.ir.rules import CodeRule
@@ -21,12 +22,16 @@ from gproof.passes.transform import NO_TRANSFORM, Pair, Transform
 from gproof.passes.values import NOWHERE, Unknown
 
 if TYPE_CHECKING:
+    from gproof.ir.machine import Machine
+    from gproof.passes.emitter import Emitter
     from gproof.passes.modal import Modal
     from gproof.passes.motion import Motion
 
 _SETS = (F.ROTATION_ON, F.SCALING_ON)
 _CANCELS = (F.ROTATION_OFF, F.SCALING_OFF)
 _STATES = {F.ROTATION_OFF: "rotation", F.SCALING_OFF: "scaling"}
+_LENGTHS_ALONG = (F.DRILL_PECK, F.DRILL_CHIP_BREAK, F.BORE_BACK)
+"""Cycles with lengths along Z that are no places."""
 _BESIDE = frozenset((
     F.ROTATION_ON, F.ROTATION_OFF, F.SCALING_ON, F.SCALING_OFF, F.PLANE_XY, F.PLANE_XZ, F.PLANE_YZ, F.UNITS_INCH,
     F.UNITS_MM, F.COMPENSATION_OFF, F.TOOL_OFFSET_OFF, F.SELECT_COORDINATES, F.ABSOLUTE, F.INCREMENTAL, F.MOTION_CANCEL,
@@ -74,11 +79,14 @@ def at_start(modal: Modal) -> Transform:
     if angle == 0.0 and factors == (1.0, 1.0):
         return NO_TRANSFORM
     origin, doubt = (modal.offset(0), modal.offset(1)), ""
+    uniform = factors[0] if factors[0] == factors[1] else 1.0
     if modal.machine.controller.diameter_programming:
         origin, doubt = (NOWHERE, NOWHERE), "what the setup's rotation or scaling makes of diameters"
     return Transform(
         rotated=angle != 0.0, scaled=factors != (1.0, 1.0), angle=angle, factors=factors,
-        center=(stated.x, stated.y), origin=origin, doubt=doubt, height=factors[0] if factors[0] == factors[1] else 1.0,
+        center=(stated.x, stated.y), origin=origin, doubt=doubt, uniform=uniform,
+        # Equal factors may be those of X and Y, which leave Z as it is on every controller.
+        tall=_tall(modal.machine) and None,
     )  # fmt: skip
 
 
@@ -120,7 +128,7 @@ def _cancel(ex: Motion, line: Line, rule: CodeRule) -> None:
     if rule.function is F.ROTATION_OFF:
         now = replace(now, rotated=False, angle=0.0)
     else:
-        now = replace(now, scaled=False, factors=(1.0, 1.0), height=1.0)
+        now = replace(now, scaled=False, factors=(1.0, 1.0), uniform=1.0, tall=None)
     s.transform = now if now.rotated or now.scaled else NO_TRANSFORM
     ex._state_changed()
 
@@ -146,7 +154,8 @@ def _scaling(ex: Motion, line: Line, rule: CodeRule) -> Transform:
     """G51 P I J, or G51 X Y I J (3.4.13)."""
     now = ex.modal.transform
     _only_xy(line)
-    made = replace(now, scaled=True, height=math.nan if "P" in line.values else 1.0)
+    uniform = math.nan if "P" in line.values else 1.0
+    made = replace(now, scaled=True, uniform=uniform, tall=_tall(ex.machine))
     values = _values(line, "PXYIJ")
     if values is None:
         return replace(made, open=f"{rule.text} with a number that nobody stated")
@@ -164,7 +173,25 @@ def _scaling(ex: Motion, line: Line, rule: CodeRule) -> Transform:
     if (i is None or j is None) and not (now.rotated and i is None and j is None):
         raise Refusal(codes.WORD_MISSING.at(line.where_code(rule), code=rule.text, needed="its point in I and J"))
     point = None if i is None or j is None else (i * ex.modal.unit, j * ex.modal.unit)
-    return _about(ex, replace(made, factors=(x, y), height=1.0 if p is None else p), rule, point, now.scaled)
+    return _about(ex, replace(made, factors=(x, y), uniform=1.0 if p is None else p), rule, point, now.scaled)
+
+
+def _tall(machine: Machine) -> bool | None:
+    """Whether ``G51 P`` scales Z, as the shop states it; None: nobody did."""
+    accepts = machine.controller.accepts
+    return True if SCALED_Z.name in accepts else False if UNSCALED_Z.name in accepts else None
+
+
+def note_reading(ex: Emitter) -> None:
+    """The answer rests on which axes ``G51 P`` scales, where the shop states it."""
+    if ex.modal.transform.uniform != 1.0 and not ex.takes(SCALED_Z):
+        ex.takes(UNSCALED_Z)
+
+
+def noted(ex: Emitter) -> bool:
+    """Whether Z is as it is written, and nothing has to be said of that any more."""
+    now = ex.modal.transform
+    return now.uniform == 1.0 or (now.tall is False and UNSCALED_Z.assumption in ex.assumed)
 
 
 def _about(ex: Motion, made: Transform, rule: CodeRule, point: Pair | None, again: bool) -> Transform:
@@ -234,8 +261,19 @@ def check_arc(ex: Motion, line: Line) -> float:
 
 def check_cycle(ex: Motion, line: Line, rule: CodeRule, drill: int) -> None:
     """Refusal for cycles whose direction is not known: GP276 out of G17, GP113 along a diameter."""
-    if drill == 2 and ex.modal.transform.height != 1.0:
-        raise Refusal(codes.TRANSFORM_OPEN.at(line.span, what=f"whether G51 P scales the depths of {rule.text}"))
+    now = ex.modal.transform
+    if drill == 2 and 2 in now.loose:
+        hint = READINGS_OF_Z
+        raise Refusal(
+            codes.TRANSFORM_OPEN.at(line.span, what=f"whether G51 P scales the depths of {rule.text}", hint=hint)
+        )
+    if drill == 2:
+        note_reading(ex)
+        if now.upright < 0.0:
+            raise Refusal(codes.TRANSFORM_OPEN.at(line.span, what=f"{rule.text} upside down (G51 P{now.upright:g})"))
+        if now.upright != 1.0 and rule.function in _LENGTHS_ALONG:
+            what = f"whether G51 P scales the pecks and lifts of {rule.text}"
+            raise Refusal(codes.TRANSFORM_OPEN.at(line.span, what=what))
     if ex.modal.transform.on and drill != 2:
         raise Refusal(codes.TRANSFORM_OPEN.at(line.span, what=f"{rule.text} in another plane than G17"))
     if drill == 0 and ex.machine.controller.diameter_programming:

@@ -6,6 +6,7 @@ import math
 from itertools import takewhile
 
 from gproof.ir import codes
+from gproof.ir.dialects.accepts import READINGS_OF_Z
 from gproof.ir.finding import Finding, Span
 from gproof.ir.machine import AXES, AXIS_NAMES, Machine
 from gproof.ir.record import record
@@ -53,6 +54,14 @@ def behind_loop(name: str) -> str:
 def bounds(value: Value) -> Range:
     """The least and the greatest number that a value can be."""
     return (value.low, value.high) if isinstance(value, Unknown) else (value, value)
+
+
+def scaled(value: Value, factor: float) -> Value:
+    """A value times a number that is known."""
+    if not isinstance(value, Unknown):
+        return value * factor
+    low, high = sorted((value.low * factor, value.high * factor))
+    return Unknown(value.cause, low, high)
 
 
 def hull(one: Value, other: Value) -> Range:
@@ -134,6 +143,8 @@ def at_place(value: Unknown, axis: int, at: Position, origin: Position, scale: f
 
 RISEN = "risen"
 """Kind of the symbols of heights that a cycle rises to: the greater of two places of the path."""
+UNIFORM = "uniform"
+"""Kind of the symbols by which axes lie elsewhere if ``G51 P`` scales them, too."""
 BESIDE = "beside."
 """How the symbols of places beside a contour begin (docs/trace.md, Frames)."""
 
@@ -163,12 +174,17 @@ def describe(form: Affine, machine: Machine | None = None) -> str:
     return " + ".join(said)
 
 
+def hint_of(form: Affine) -> str:
+    """What a shop can state of the unknowns of a sum, "" where nothing is known that it could."""
+    return READINGS_OF_Z if any(s.startswith(f"{UNIFORM}.") and s.endswith(".z") for s, _ in form) else ""
+
+
 ONE_BY_ONE = 3
 """So many unknowns of a kind are named one by one."""
 _SEVERAL = {
     "probe": "probe contacts in {axis}", "home": "places of {axis} after homing", "tool": "lengths of tools",
     RISEN: "heights of {axis} that cycles rise to", "length": "tool lengths that are measured or typed",
-    "value": "values of {axis}",
+    "value": "values of {axis}", UNIFORM: "places of {axis} under G51 P",
 }  # fmt: skip
 """Kinds of which there may be many in one sum, in words."""
 
@@ -208,6 +224,8 @@ def describe_symbol(symbol: str, machine: Machine | None = None) -> str:
         return f"the height {rest[0]} of {_word(rest[1], machine)} that a cycle rises to"
     if kind == "length":
         return f"the tool length {rest[0]}, which is measured or typed while the job runs"
+    if kind == UNIFORM:
+        return f"what G51 P makes of {_word(rest[1], machine)} (scaled or not, no. {rest[0]})"
     if kind == "value":
         return f"a value of {_word(rest[1], machine)} that is only bounded (no. {rest[0]})"
     return "a value that nobody stated"

@@ -19,7 +19,8 @@ class Accepted:
 
     name: as machine files have it; dialects: of whose controllers it may be said; means: what the controller then
     does, which is also the assumption that is printed where a job needed it; source: the place of the manual that does
-    not have it, and who has; codes: numbers of the findings that name it in their hint.
+    not have it, and who has; codes: numbers of the findings that name it in their hint; against: the entry that says
+    the opposite, "" where none does.
     """
 
     name: str
@@ -27,6 +28,7 @@ class Accepted:
     means: str
     source: str
     codes: tuple[int, ...]
+    against: str = ""
 
     @property
     def assumption(self) -> str:
@@ -95,6 +97,26 @@ WRITTEN_TOOLS = Accepted(
     "Eding 3.1.1 shows both and nothing that writes them; macros of V4.03 do",
     (113,),
 )
+SCALED_Z = Accepted(
+    "scaled-z",
+    ("eding",),
+    "G51 P scales Z as it scales X and Y, about the zero of the program",
+    "Eding 3.4.13 names no axes, and no point for Z",
+    (276, 304),
+    "unscaled-z",
+)
+UNSCALED_Z = Accepted(
+    "unscaled-z",
+    ("eding",),
+    "G51 P scales X and Y, and leaves Z as it is",
+    "Eding 3.4.13 names no axes, and no point for Z",
+    (276, 304),
+    "scaled-z",
+)
+READINGS_OF_Z = (
+    f'accepts = ["{SCALED_Z.name}"] or accepts = ["{UNSCALED_Z.name}"] under [controller] of the machine file'
+)
+"""Hint of findings that rest on both."""
 TOOL_ZERO = Accepted(
     "tool-zero",
     ("eding",),
@@ -170,6 +192,8 @@ ACCEPTS = {
         KEPT_MOTION,
         SHOWN_TOOLS,
         WRITTEN_TOOLS,
+        SCALED_Z,
+        UNSCALED_Z,
         TOOL_ZERO,
         LONG_DIALOGS,
         TOOL_INFO,

@@ -283,7 +283,7 @@ ENDS = {
     "G0 A720": "UNSAFE",
     "G91 G0 A350\nA20": "UNSAFE",
     "G20\nG0 A90": "SAFE . . . 90",
-    "G51 P2 I0 J0\nG0 A90": "SAFE . . . 90",
+    "G51 P2 I0 J0\nG0 A90": "SAFE . . . ?",
     "G10 L2 P1 A30\nG0 A340": "UNSAFE",
     "G20\nG10 L2 P1 A30\nG0 A10": "SAFE . . . 40",
     "G93\nG1 X5": "UNSAFE",

@@ -48,6 +48,13 @@ w("Controller.dialect", EDING, CUT, "machine.controller.dialect", None)
 w("Controller.macro_file", EDING, CUT, "machine.controller.macro_file", "no-such-file.cnc")
 w("Controller.version", EDING, CUT, "machine.controller.version", "4.03")
 w("Controller.accepts", EDING, "G0 X1; G1; M30", "machine.controller.accepts", ("motion-alone",))
+w(
+    "Controller.accepts",
+    EDING.but(*m(("machine.controller.accepts", ("scaled-z",)))),
+    "G51 P2 I0 J0; G0 Z-1; M30",
+    "machine.controller.accepts",
+    ("unscaled-z",),
+)
 BACKLASH = EDING.but(*m(("machine.axes.0.backlash", 0.1)))
 w(
     "Controller.limits_hold",

@@ -14,6 +14,7 @@ from dataclasses import dataclass, field
 
 from .walked import Limits, NotRead, Point, Questions, Refused, Walk, centre_of, every_reading, swept
 
+HEIGHTS = "G51 P: X and Y, or Z too"
 INCH = 25.4
 LINEAR = "XYZ"
 AXES = "XYZABC"
@@ -340,6 +341,7 @@ class Run:
         self.back_to_old = True
         self.turned: tuple[float, float, float] | None = None
         self.scaled: tuple[float, float, float, float, float] | None = None
+        self.scaled_rotary = 1.0
         self.cycle: dict[str, float] = {}
         self.cycle_relative = False
         self.cycle_inches = False
@@ -364,6 +366,8 @@ class Run:
         if self.scaled:
             sx, sy, sz, i, j = self.scaled
             out["X"], out["Y"], out["Z"] = i + sx * (out["X"] - i), j + sy * (out["Y"] - j), sz * out["Z"]
+            for axis in set(self.axes) - set("XYZ"):
+                out[axis] *= self.scaled_rotary
         if self.turned:
             angle, x, y = self.turned
             dx, dy = out["X"] - x, out["Y"] - y
@@ -387,6 +391,8 @@ class Run:
         if self.scaled:
             sx, sy, sz, i, j = self.scaled
             at["X"], at["Y"], at["Z"] = i + (at["X"] - i) / sx, j + (at["Y"] - j) / sy, at["Z"] / sz
+            for axis in set(self.axes) - set("XYZ"):
+                at[axis] /= self.scaled_rotary
         return at
 
     def to(self, at: Point) -> None:
@@ -740,7 +746,7 @@ class Run:
         if 690 in codes:
             self.turned = None
         if 500 in codes:
-            self.scaled = None
+            self.scaled, self.scaled_rotary = None, 1.0
         if 680 in codes:
             if "R" not in left or self.turned:
                 raise NotRead("G68 without R, or a second one")
@@ -766,13 +772,14 @@ class Run:
         i, j = left.pop("I") * self.size("I"), left.pop("J") * self.size("J")
         if "P" in left:
             p = left.pop("P")
-            z = (1.0, p)[self.pick("G51 P: X and Y, or Z too")]
-            self.scaled = (p, p, z, i, j)
+            # "UNIFORM": of X and Y, for which the page has a point each, of Z, or of whatever axis there is.
+            z = (1.0, p)[self.pick(HEIGHTS)]
+            self.scaled, self.scaled_rotary = (p, p, z, i, j), (1.0, p)[self.pick("G51 P: rotary axes or not")]
         elif "X" in left and "Y" in left:
             self.scaled = (left.pop("X"), left.pop("Y"), 1.0, i, j)
         else:
             raise NotRead("G51 with one factor")
-        if 0.0 in self.scaled[:3]:
+        if 0.0 in (*self.scaled[:3], self.scaled_rotary):
             raise NotRead("scaled by nothing")
 
     # -- moves (3.4)

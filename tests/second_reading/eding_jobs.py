@@ -13,7 +13,6 @@ from .walked import Limits, Point, Walk
 AXES = ("X", "Y", "Z", "A")
 VARIABLES = (1, 2, 3, 100, 101)
 SETTLED = {
-    "G51 P: X and Y, or Z too": 0,  # docs/dialects/eding.md: an assumption that is printed
     # 3.4, "their current value": the coordinate of where the axes are, as the page has it
     "the program's place when rotation or scaling changes: that of the machine, the last programmed": 0,
 }
@@ -437,6 +436,9 @@ def job(rng: random.Random) -> Job:
     lengths = {n: round(rng.uniform(5, 45), 2) for n in range(1, 5)}
     park = [{a: round(rng.uniform(-50, 50), 2) for a in AXES} for _ in range(2)]
     active, tool, deleted = rng.randrange(1, 10), rng.randrange(0, 5), rng.random() < 0.5
+    # What the shop states of G51 P: nothing, or one of the readings.
+    stated = rng.choice((None, None, 0, 1))
+    settled = SETTLED if stated is None else {**SETTLED, eding.HEIGHTS: stated}
     macros = "sub m101\n g91 g1 x#24\n g90\nendsub\n"
 
     heads = {n: {a: round(rng.uniform(-15, 15), 2) for a in "XYZ"} for n in (1, 2)}
@@ -465,7 +467,7 @@ def job(rng: random.Random) -> Job:
             macros=macros,
             heads=heads,
         )
-        return eding.read(program, facts, SETTLED)
+        return eding.read(program, facts, settled)
 
     def files(limits: Limits) -> dict[str, str]:
         setup = ['schema = "gproof-setup/1"', 'homed = ["x", "y", "z", "a"]', f"start = {row(start)}", f"tool = {tool}"]
@@ -484,7 +486,7 @@ def job(rng: random.Random) -> Job:
             for i, a in enumerate(AXES)
         ]
         return {
-            "machine.toml": machine_file(limits, lengths, heads),
+            "machine.toml": machine_file(limits, lengths, heads, stated),
             "setup.toml": "\n".join(setup) + "\n",
             "macro.cnc": macros,
         }
@@ -500,7 +502,7 @@ def row(place: Point, spread: Point | None = None) -> str:
     return "{" + ", ".join(f"{a.lower()} = {v}" for a, v in values.items()) + "}"
 
 
-def machine_file(limits: Limits, lengths: dict[int, float], heads: dict[int, Point]) -> str:
+def machine_file(limits: Limits, lengths: dict[int, float], heads: dict[int, Point], scaled: int | None) -> str:
     text = ['schema = "gproof-machine/1"', 'units = "mm"']
     for axis, (low, high) in limits.items():
         text += [
@@ -515,4 +517,6 @@ def machine_file(limits: Limits, lengths: dict[int, float], heads: dict[int, Poi
     for number, offset in heads.items():
         text += [f"[spindles.{number}]", *(f"{a.lower()} = {v}" for a, v in offset.items())]
     text += ["[controller]", 'dialect = "eding"', "auto_tool_change = false"]
+    if scaled is not None:
+        text.append(f'accepts = ["{("unscaled-z", "scaled-z")[scaled]}"]')
     return "\n".join(text) + "\n"
