@@ -207,10 +207,14 @@ class Modal:
     def _stored_offsets(self) -> list[Position]:
         """#5211 to #5216 at the start: G92.2 of an earlier job ends the offset and leaves them (3.4.23)."""
         entry = next((entry for entry in self.rules.parameters if entry.kind == "g92"), None)
-        if entry is None or self.setup.default_offset is not None or self.offset_is_stored:
+        if entry is None:
             return list(self.g92)
+        held = self.setup.default_offset is not None or self.offset_is_stored
         stated = [self.setup.parameters.get(entry.first + axis) for axis in range(AXES)]
-        return [NOWHERE if n is None else Position(n * self.machine_unit(axis)) for axis, n in enumerate(stated)]
+        return [
+            (self.g92[axis] if held else NOWHERE) if n is None else Position(n * self.machine_unit(axis))
+            for axis, n in enumerate(stated)
+        ]
 
     def _left(self, number: int) -> Value:
         """What the setup states of a variable, exactly or by bounds."""

@@ -18,8 +18,9 @@ from gproof.passes import compensated
 from gproof.passes.line import LARGEST, Line
 from gproof.passes.modal import NO_OFFSET, TOOL_LENGTH, TOOL_X_OFFSET
 from gproof.passes.motion import Motion
+from gproof.passes.ranges import ANY
 from gproof.passes.transform_codes import shifts
-from gproof.passes.values import NOBODY, NOWHERE, Position, Unknown, Value
+from gproof.passes.values import NOBODY, NOWHERE, ORIGIN, STORED, Position, Unknown, Value
 
 _AXIS_OFFSETS = (F.AXIS_OFFSET_SET, F.AXIS_OFFSET_RESET, F.AXIS_OFFSET_SUSPEND, F.AXIS_OFFSET_RESTORE)
 
@@ -146,12 +147,10 @@ class Origins(Motion):
         if rule.function is F.AXIS_OFFSET_RESTORE and "stored" not in s.stated and s.setup.default_offset is None:
             if s.offset_is_stored:
                 self.assumed["#5211 to #5216 hold the G92 offset that is in force at the start"] = None
-            elif all(s.g92_stored[axis.index] == NOWHERE for axis in self.machine.axes):
-                word = f"the offset that {rule.text} brings back"
-                self.findings.add(codes.UNKNOWN_VALUE.at(
-                    line.where_code(rule), word=word, cause="parameters #5211 to #5216", why=NOBODY,
-                    hint="state them under [parameters] in the setup file: G92.2 of an earlier job leaves them",
-                ))  # fmt: skip
+            # Each axis has its own: what nobody stated is an unknown of its own, wherever the axis goes with it.
+            for axis in range(AXES):
+                if s.g92_stored[axis] == NOWHERE:
+                    s.g92_stored[axis] = self.unknown_place(STORED, axis, ANY, ORIGIN)
         if rule.function in (F.AXIS_OFFSET_SET, F.AXIS_OFFSET_RESET):
             s.stated.add("stored")
 

@@ -143,6 +143,8 @@ def at_place(value: Unknown, axis: int, at: Position, origin: Position, scale: f
 
 RISEN = "risen"
 """Kind of the symbols of heights that a cycle rises to: the greater of two places of the path."""
+STORED = "stored"
+"""Kind of the symbols of #5211 to #5216 as an earlier job left them."""
 UNIFORM = "uniform"
 """Kind of the symbols by which axes lie elsewhere if ``G51 P`` scales them, too."""
 BESIDE = "beside."
@@ -176,7 +178,11 @@ def describe(form: Affine, machine: Machine | None = None) -> str:
 
 def hint_of(form: Affine) -> str:
     """What a shop can state of the unknowns of a sum, "" where nothing is known that it could."""
-    return READINGS_OF_Z if any(s.startswith(f"{UNIFORM}.") and s.endswith(".z") for s, _ in form) else ""
+    if any(s.startswith(f"{UNIFORM}.") and s.endswith(".z") for s, _ in form):
+        return READINGS_OF_Z
+    if any(s.startswith(f"{STORED}.") for s, _ in form):
+        return "state it under [parameters] in the setup file: G92.2 of an earlier job leaves it"
+    return ""
 
 
 ONE_BY_ONE = 3
@@ -224,6 +230,8 @@ def describe_symbol(symbol: str, machine: Machine | None = None) -> str:
         return f"the height {rest[0]} of {_word(rest[1], machine)} that a cycle rises to"
     if kind == "length":
         return f"the tool length {rest[0]}, which is measured or typed while the job runs"
+    if kind == STORED:
+        return f"#{5211 + AXIS_NAMES.index(rest[1])}, which G92.3 brings back"
     if kind == UNIFORM:
         return f"what G51 P makes of {_word(rest[1], machine)} (scaled or not, no. {rest[0]})"
     if kind == "value":
