@@ -103,6 +103,7 @@ def _settings(table: TomlTable, unit: Fraction, axes: tuple[Axis, ...]) -> dict[
         "program_size": table.whole("program_size", 1, LARGEST_PROGRAM),
         "pre_include": _file_name(table, "pre_include"),
         "post_include": _file_name(table, "post_include"),
+        "g60": table.text("g60", ("run", "once")),
         "channels": table.whole("channels", 1, MOST_CHANNELS),
         "keeps_over_codes": None if persistence is None else persistence == "keep",
     }

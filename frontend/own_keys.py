@@ -103,8 +103,8 @@ KEYS: dict[str, Keys] = {
         board=_keys("name tick_frequency step_pulse direction_setup"),
         din=_keys(
             "version case_sensitive line_numbers position_unit time_unit wait_unit persistence absolute_centers"
-            " interpolation_axes zero_offsets angle_unit arc_tolerance program_size pre_include post_include tool_unit"
-            " tool_file shortest_path channels error_compensation",
+            " interpolation_axes g60 zero_offsets angle_unit arc_tolerance program_size pre_include post_include"
+            " tool_unit tool_file shortest_path channels error_compensation",
             task0=_keys(named=_keys("does breaks parameters")),
         ),
     ),

@@ -59,18 +59,20 @@ class RadiusTool:
 class Din:
     """See the module's text.
 
-    version: one of VERSIONS. case_sensitive: names and words (14, 2.5.3.30), None: not stated; line_numbers: every line
-    needs one. position_unit: mm in one interpolation unit, None: not stated, usually mm (3.22); time_unit: seconds in
-    the unit of feeds, 60 or 1 (IniCfg). absolute_centers: what IniCfg has for centres in G90 (3.3, 3.35).
+    version: one of VERSIONS. case_sensitive: names and words (14, 2.5.3.30), None: not stated; line_numbers: every
+    line needs one. position_unit: mm in one interpolation unit, None: not stated, usually mm (3.22); time_unit:
+    seconds in the unit of feeds, 60 or 1 (IniCfg). absolute_centers: what IniCfg has for centres in G90 (3.3, 3.35).
     interpolation_axes: letters at the start, as programs have them, ``XYZ`` (3.20). zero_offsets: the table of mcfg,
     G54 first, six columns X to C of mm or degrees, those of axes that the machine does not have 0 (3.19). tools: of
     ToolComp.INI; None: no machine file is given; (): there is none, or none with tools: no T, no G41 (2.7, 5.5).
     tasks: what Task 0 does; None: nothing is stated. angle_unit: ``radians`` or ``degrees`` of the functions of
-    rw_SymPas; wait_unit: seconds in the unit of wt. arc_tolerance: mm by which the radii at start and end of an arc may
-    differ. program_size: bytes that a compiled program may have (SZTSK3, 13.1.1.13). pre_include, post_include: files
-    that are compiled before and behind each job, relative to the machine file. keeps_over_codes: a bare line goes on
-    with the last motion even behind another G code or a ``$`` line. channels: axis channels of the board, which M26 and
-    M27 number (4.11), None: not stated. unstated: those of ``USUAL`` that no file states.
+    rw_SymPas; wait_unit: seconds in the unit of wt. arc_tolerance: mm by which the radii at start and end of an arc
+    may differ. program_size: bytes that a compiled program may have (SZTSK3, 13.1.1.13). pre_include, post_include:
+    files that are compiled before and behind each job, relative to the machine file. keeps_over_codes: a bare line
+    goes on with the last motion even behind another G code or a ``$`` line. g60: a second G60, and one behind moves,
+    counts where it runs, ``run``, or not at all, ``once`` (3.20, 14 (2.5.3.78)); empty: not stated. channels: axis
+    channels of the board, which M26 and M27 number (4.11), None: not stated. unstated: those of ``USUAL`` that no file
+    states.
     """
 
     version: str = VERSIONS[0]
@@ -91,6 +93,7 @@ class Din:
     post_include: str = ""
     keeps_over_codes: bool = False
     channels: int | None = None
+    g60: str = ""
     unstated: tuple[str, ...] = tuple(USUAL)
 
     def task(self, code: str) -> TaskCode | None:

@@ -9,7 +9,6 @@ import math
 from typing import TYPE_CHECKING
 
 from gproof.ir import codes
-from gproof.ir.din import VERSIONS
 from gproof.ir.finding import Refusal
 from gproof.ir.rules import CodeRule
 from gproof.ir.rules import Function as F
@@ -18,7 +17,7 @@ from gproof.passes.din_compensation import correct, correction, unfollowed
 from gproof.passes.din_motion import Handler
 from gproof.passes.din_state import din_of, has_tools, mirror_columns
 from gproof.passes.modal import INCH
-from gproof.passes.values import Unknown
+from gproof.passes.values import NOWHERE, Unknown
 
 if TYPE_CHECKING:
     from gproof.passes.din import Part
@@ -163,17 +162,25 @@ def centers(ex: Motion, line: Part, rule: CodeRule) -> None:
 
 
 def interpolation_axes(ex: Motion, line: Part, rule: CodeRule) -> None:
-    """G60: the axes of G01 to G03 (3.20, 14 (2.5.3.78))."""
+    """G60: the axes of G01 to G03 (3.20, 14 (2.5.3.78)).
+
+    It counts where it runs (the notes of 2.5.3.78), or what it says is read once, when the program starts (3.20): where
+    it is not the first thing that such a program does, axes of which the two differ are doubtful.
+    """
     s = ex.modal
     new = frozenset(line.axes())
     if not new:
         raise Refusal(codes.AXIS_WORDS_MISSING.at(line.code_span(), code=rule.text))
-    din = s.din
-    old = din.interpolating
-    # Since 2.5.3.78 it counts when it runs; before, where it stood in the source, and whether a second one did is open.
-    again = din_of(ex.machine).version == VERSIONS[1] and (din.programmed_axes or ex._moves)
-    doubtful = (old ^ new) | (din.doubtful - (old & new)) if again else frozenset()
-    s.din = din.but(interpolating=new | old if doubtful else new, doubtful=doubtful, programmed_axes=True)
+    din, stated = s.din, din_of(ex.machine).g60
+    again = din.programmed_axes or bool(ex._moves)
+    if again and stated == "once":
+        return
+    start = din.at_start if again and stated != "run" else new
+    if not again and not stated and "work" in s.stated:
+        # Read when the program started, it holds for the offsets that were set above it too.
+        for axis in din.interpolating ^ new:
+            s.g92[axis] = NOWHERE
+    s.din = din.but(interpolating=new | start, doubtful=new ^ start, at_start=start, programmed_axes=True)
 
 
 HANDLERS: dict[F, Handler] = {

@@ -35,6 +35,8 @@ Handler = Callable[["Motion", "Part", CodeRule], None]
 
 _CENTERS = {Plane.XY: "IJ", Plane.XZ: "IK", Plane.YZ: "JK"}
 """Centre words by plane (DIN 66025), in the order of ``AXES_OF_PLANE``."""
+_SECOND = "a second G60 or one behind moves: whether it counts is not documented (3.20)"
+_G60 = "g60 under [din] of the machine file says which counts"
 
 
 def note_assumptions(ex: Motion) -> None:
@@ -184,8 +186,8 @@ def _interpolated(ex: Motion, line: Part, rule: CodeRule) -> None:
         if letter not in line.values or (axis in din.interpolating and axis not in din.doubtful):
             continue
         if axis in din.doubtful:
-            what = f"{letter} in {rule.text} after another G60 (whether a second one counts is not documented)"
-            raise Refusal(codes.UNSUPPORTED_CODE.at(line.where(letter), code=what))
+            what = f"{letter} in {rule.text} after {_SECOND}"
+            raise Refusal(codes.UNSUPPORTED_CODE.at(line.where(letter), code=what, hint=_G60))
         names = " ".join(word for word, column in line.columns.items() if column in din.interpolating)
         what = f"none of the interpolation axes, {names or 'of which there are none'} (G60)"
         raise Refusal(codes.ILLEGAL_VALUE.at(line.where(letter), word=letter, what=what))
@@ -274,8 +276,8 @@ def _arc(ex: Motion, line: Part, rule: CodeRule, target: list[Position]) -> None
             what = "an arc goes through it, and it is none of the interpolation axes (G60)"
             raise Refusal(codes.ILLEGAL_VALUE.at(line.span, word=letter, what=what))
         if axis in (first, second) and axis in din.doubtful:
-            what = f"an arc through {letter} after another G60 (whether a second one counts is not documented)"
-            raise Refusal(codes.UNSUPPORTED_CODE.at(line.span, code=what))
+            what = f"an arc through {letter} after {_SECOND}"
+            raise Refusal(codes.UNSUPPORTED_CODE.at(line.span, code=what, hint=_G60))
     letters = _CENTERS[s.plane]
     for letter in "IJK":
         if letter in line.values and letter not in letters:

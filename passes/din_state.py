@@ -54,17 +54,17 @@ class DinState:
 
     mode_open: whether words are places or distances nobody knows (G53 in G91, 3.18). reflected: columns; factors: of X
     and Y, NaN: open (3.12, 3.13). radii: (column, mm) of G51, NaN: open. interpolating: columns of G01 to G03;
-    doubtful: those that one reading counts in besides; programmed_axes: a G60 has come (3.20). centers_absolute:
-    centres are places in G90, None: not stated. plane_open: G18 or G19 without a tool table (2.7). spline: G151.
-    feed: mm/min of linear moves, NaN: not known, for feed_cause; given: an F has come; asked: the code behind which F
-    must be given anew (3.21, 3.22, 3.28); time_unit: seconds, None: not stated; constant_speed: G96. center: I and J
-    of the last arc in mm. side: of the radius compensation that is on, 1 left, -1 right, 0 off; idle: the same while
-    the tool's radius is 0; corrected: what is known of the compensation, None: nothing; tool: the record that is
-    selected, chosen: by a T of the job. lower, upper: software limits that hold now in every reading, None: those of
-    the machine's file; limit_readings: what each reading of a limit leaves where they differ, one end each;
-    limits_open: columns whose limits are not known. saved: values that the job saved (M901, M903), by the variable's
-    number. contour: a move that can be joined was the last one. stored: by axis what the last G153 left in CD50 and on,
-    and the offset it stands for. told: what is told once. mirrored: a code that reflects
+    doubtful: those that one reading counts in besides; at_start: those where G60 is read once; programmed_axes: a G60
+    has come (3.20). centers_absolute: centres are places in G90, None: not stated. plane_open: G18 or G19 without a
+    tool table (2.7). spline: G151. feed: mm/min of linear moves, NaN: not known, for feed_cause; given: an F has come;
+    asked: the code behind which F must be given anew (3.21, 3.22, 3.28); time_unit: seconds, None: not stated;
+    constant_speed: G96. center: I and J of the last arc in mm. side: of the radius compensation that is on, 1 left, -1
+    right, 0 off; idle: the same while the tool's radius is 0; corrected: what is known of the compensation, None:
+    nothing; tool: the record that is selected, chosen: by a T of the job. lower, upper: software limits that hold now
+    in every reading, None: those of the machine's file; limit_readings: what each reading of a limit leaves where they
+    differ, one end each; limits_open: columns whose limits are not known. saved: values that the job saved (M901,
+    M903), by the variable's number. contour: a move that can be joined was the last one. stored: by axis what the last
+    G153 left in CD50 and on, and the offset it stands for. told: what is told once. mirrored: a code that reflects
     axes since before the first move, and its place.
     """
 
@@ -74,6 +74,7 @@ class DinState:
     radii: tuple[tuple[int, float], ...] = ()
     interpolating: frozenset[int] = frozenset()
     doubtful: frozenset[int] = frozenset()
+    at_start: frozenset[int] = frozenset()
     programmed_axes: bool = False
     centers_absolute: bool | None = None
     plane_open: bool = False
@@ -190,6 +191,6 @@ def prepare(modal: Modal) -> None:
     named = din.interpolation_axes
     columns = frozenset(letters.values() if named is None else (letters[c] for c in named if c in letters))
     modal.din = DinState(
-        centers_absolute=din.absolute_centers, time_unit=din.time_unit, interpolating=columns,
+        centers_absolute=din.absolute_centers, time_unit=din.time_unit, interpolating=columns, at_start=columns,
         tool=0 if setup.tool is None else setup.tool,
     )  # fmt: skip

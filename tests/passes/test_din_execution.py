@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 
+import pytest
 from passes.din_programs import labels, machine, moves, never_homed, run
 
 from gproof.ir.din import RadiusTool, TaskCode
@@ -136,9 +137,48 @@ def test_several_codes_in_a_line() -> None:
 
 def test_interpolation_axes() -> None:
     assert labels(run(["G60 X Y", "G01 X1 F100", "G00 Z1", "G01 Z2"])[1]) == ["GP129"]
-    assert labels(run(["G60 X Y", "G60 X Y Z", "G01 Z2 F100"])[1]) == []
-    old = machine(version="2.5.3.32")
-    assert labels(run(["G60 X Y", "G60 X Y Z", "G01 X1 F100", "G01 Z2"], on=old)[1]) == ["GP113"]
+    assert labels(run(["G60 X Y", "G00 X1", "G60 X Y Z", "G01 Z2 F100"], on=machine(g60="run"))[1]) == []
+    assert labels(run(["G60 X Y", "G00 X1", "G60 X Y Z", "G01 Z2 F100"], on=machine(g60="once"))[1]) == ["GP129"]
+
+
+@pytest.mark.parametrize("version", ["2.5.3.32", "2.5.3.133"])
+@pytest.mark.parametrize(
+    ("lines", "expected"),
+    [
+        # 3.20 reads it once, when the program starts; 14 (2.5.3.78) where it runs: axes that both count in move.
+        (["G60 X Y", "G60 X Y Z", "G01 X1 F100", "G01 Z2"], ["GP113"]),
+        (["G60 X Y", "G00 X1", "G60 X Y Z", "G01 X2 F100"], []),
+        (["G60 X Y Z", "G00 X1", "G60 X Y", "G01 Y1 F100"], []),
+        (["G60 X Y Z", "G00 X1", "G60 X Y", "G01 Z1 F100"], ["GP113"]),
+        # Those that neither counts in are an error in both.
+        (["G60 X Y", "G00 X1", "G60 X", "G01 Z1 F100"], ["GP129"]),
+        (["G00 X1", "G60 X Y", "G01 Z1 F100"], ["GP113"]),
+        # Written twice it is no less a second one; the first set again is both.
+        (["G60 X Y", "G00 X1", "G60 X Y Z", "G60 X Y Z", "G01 Z2 F100"], ["GP113"]),
+        (["G60 X Y", "G00 X1", "G60 X Y Z", "G60 X Y", "G01 X2 F100"], []),
+        (["G60 X Y", "G00 X1", "G60 X Y Z", "G60 X Y", "G01 Z2 F100"], ["GP129"]),
+        # G53 switches off the offset of the axes that interpolate.
+        # G00 is no interpolation.
+        (["G60 X Y Z", "G00 X1", "G60 X Y", "G00 Z1"], []),
+    ],
+)
+def test_a_second_g60_counts_or_does_not(version: str, lines: list[str], expected: list[str]) -> None:
+    assert labels(run(lines, on=machine(version=version))[1]) == expected
+
+
+@pytest.mark.parametrize(
+    ("lines", "known"),
+    [
+        # G53 switches off the offset of the axes that interpolate: Z goes to 1 or to 6.
+        (["G60 X Y", "G00 X1", "G60 X Y Z", "G53", "G00 X1"], True),
+        (["G60 X Y", "G00 X1", "G60 X Y Z", "G53", "G00 Z1"], False),
+        (["G53", "G60 X Y", "G00 Z1"], False),
+        (["G53", "G60 X Y Z", "G00 Z1"], True),
+    ],
+)
+def test_offsets_where_it_is_open_which_axes_interpolate(lines: list[str], known: bool) -> None:
+    trace, _ = run(["G92 Z5", *lines], on=machine(interpolation_axes="XYZ"))
+    assert (UNKNOWN not in [frame[2] for frame in trace.frames]) is known
 
 
 def test_limits_that_the_program_sets() -> None:

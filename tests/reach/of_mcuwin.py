@@ -32,6 +32,7 @@ w("Din.angle_unit", KNOWN, "G90 G71; CD600 := sin(1.0) * 100; G00 X(CD600); M30"
 w("Din.wait_unit", KNOWN, "G90 G71; G00 X10; $ wt(500)\x3b G00 X20; M30", f"{D}.wait_unit", 1.0)
 w("Din.keeps_over_codes", KNOWN, "G90 G71; G00 X10; G04 P100; X20; M30", f"{D}.keeps_over_codes", True)
 w("Din.keeps_over_codes", KNOWN, "G90 G71; G00 X10; G71; X20; M30", f"{D}.keeps_over_codes", True)
+w("Din.g60", KNOWN, "G90 G71; G60 X Y; G00 X10; G60 X Y Z; G01 Z5 F100; M30", f"{D}.g60", "run")
 w("Din.channels", KNOWN, "G90 G71; M26 502; G00 X10; M30", f"{D}.channels", 5)
 w("Setup.resident", KNOWN, "G90 G71; M904 605; G00 X(CD605); M30", "setup.resident", {605: Interval(5.0, 5.0)})
 w("Din.unstated", KNOWN, "G90 G71; G00 C500; M30", f"{D}.unstated", ("shortest_path",))

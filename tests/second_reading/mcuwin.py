@@ -238,6 +238,7 @@ class Run:
         self.old: set[str] = set()
         """Axes whose factor was set before a G24."""
         self.interpolated = set(facts.interpolated)
+        self.named_axes = self.moved = False
         self.steps = 0
         self.loops: dict[int, tuple[float, float]] = {}
         self.lines = lines_of(self.declared(program))
@@ -527,7 +528,9 @@ class Run:
         if code == 60:
             if words or not named:
                 raise NotRead("G60")
-            self.interpolated = set(named)
+            if (self.named_axes or self.moved) and self.pick("a second G60: where it runs, not at all"):
+                return
+            self.interpolated, self.named_axes = set(named), True
             return
         if named:
             raise NotRead("an axis without a value")
@@ -707,6 +710,7 @@ class Run:
 
     def move(self, code: int, words: dict[str, float]) -> None:
         named = [a for a in words if a in self.axes]
+        self.moved = True
         if code == 0:
             if len(named) < len(words) or not named:
                 raise NotRead("G00 with other words, or none")
