@@ -304,11 +304,13 @@ def _arc(ex: Motion, line: Part, rule: CodeRule, target: list[Position]) -> None
     if at_start < ZERO_RADIUS:
         raise Refusal(codes.ARC_RADIUS_ZERO.at(line.span))
     if abs(at_end - at_start) > s.arc_tolerance() + SAME:
-        raise Refusal(
-            codes.ARC_RADIUS_MISMATCH.at(
-                line.span, start=at_start, end=at_end, off=abs(at_end - at_start), allowed=s.arc_tolerance(), unit="mm"
-            )
-        )  # fmt: skip
+        finding = codes.ARC_RADIUS_MISMATCH.at(
+            line.span, start=at_start, end=at_end, off=abs(at_end - at_start), allowed=s.arc_tolerance(), unit="mm"
+        )
+        if s.din.side or s.din.spline:
+            raise Refusal(finding)
+        # As ``din_plain.taken`` does: the row stays, and ``arcs`` tells it of its row.
+        ex._fail(finding, told=True)
     if all(abs(a.value - b.value) < 1e-6 for a, b in zip(start, end, strict=True)):
         target[first], target[second] = start
     whole = [p.value for p in s.position[:3]]

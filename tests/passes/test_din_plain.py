@@ -13,8 +13,9 @@ from gproof.frontend.mcuwin.load import load_program
 from gproof.ir.finding import Findings
 from gproof.ir.program import BlockTable, Repeat
 from gproof.ir.setup import ZERO
-from gproof.ir.trace import Op
+from gproof.ir.trace import Op, chunks
 from gproof.passes import din_plain
+from gproof.passes.arc_radius import ArcRadius
 from gproof.passes.execute import Executor, collect
 
 
@@ -115,3 +116,65 @@ def test_the_kernel_is_used(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> 
     rows, _, _ = outcome(path, 60.0)
     assert sum(made) > 590
     assert np.isclose(len(rows[0]) - 1, 600, atol=1)
+
+
+ARCS = {
+    "on its circle": "G02 X4 Y0 I2 J0",
+    "within the tolerance": "G02 X4.0009 Y0 I2 J0",
+    "at the tolerance": "G02 X4.001 Y0 I2 J0",
+    "just off": "G02 X4.0011 Y0 I2 J0",
+    "far off": "G03 X4.5 Y0 I2 J0",
+    "off, a helix": "G03 X4.5 Y0 Z3 I2 J0",
+    "off towards the centre": "G03 X3 Y0 I2 J0",
+    "its end is the centre": "G03 X2 Y0 I2 J0",
+    "a full circle": "G03 X0 Y0 I2 J0",
+    "a full circle without ends": "G03 I2 J0",
+    "a full circle of a helix": "G03 Z4 I2 J0",
+    "nearly a full circle": "G03 X0.0000001 Y0 I2 J0",
+    "nearly a full circle, off": "G03 X0.01 Y0 I2 J0",
+    "one axis": "G02 X4 I2 J0",
+    "one axis, off": "G02 X4.2 I2 J0",
+    "no radius": "G02 X4 Y0 I0 J0",
+    "no radius and no end": "G02 I0 J0",
+    "hardly a radius": "G02 X0 Y0 I0.0000000001 J0",
+    "no centre": "G02 X4 Y0",
+    "half a centre": "G02 X4 Y0 I2",
+    "half a centre, off": "G02 X4.5 Y0 I2",
+    "the other half": "G02 X0 Y4 J2",
+    "huge": "G02 X4 Y0 I2 J90000",
+    "huge and off": "G02 X4 Y1 I2 J90000",
+    "out of its plane": "G02 X4 Y0 I2 K0",
+    "a radius word": "G02 X4 Y0 R2",
+    "a feed": "G02 X4.5 Y0 I2 J0 F700",
+}
+AFTER = ("G01 X5 Y5", "G00 X1", "X4 Y0 I2 J0", "G03 X4 Y0 I2 J0", "G91\nG01 X1", "Z1", "G01 X500")
+
+
+@pytest.mark.parametrize("modes", ["G91", "G90\nG162"])
+@pytest.mark.parametrize("kind", ARCS)
+def test_arcs_of_every_kind_are_the_same_both_ways(
+    kind: str, modes: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Rows, findings of the run and of ``arcs``, state: whether the kernel takes an arc or a line by itself does."""
+    path = tmp_path / "job.src"
+    for after in (*AFTER, "\n".join(AFTER)):
+        path.write_text(f"%1\nG90\nG00 X0 Y0 Z0\n{modes}\nG01 F300 X1 Y1\nX0 Y0\n{ARCS[kind]}\n{after}\nM30\n%\n")
+        fast = (outcome(path, 60.0), told_by_arcs(path))
+        with monkeypatch.context() as patch:
+            patch.setattr(din_plain, "is_plain", lambda ex: False)
+            slow = (outcome(path, 60.0), told_by_arcs(path))
+        assert repr(fast) == repr(slow), path.read_text()
+        off = "off" in kind or kind in {"its end is the centre", "a feed"}
+        if modes != "G91" and "half" not in kind and kind != "at the tolerance":
+            assert bool(fast[1]) is off, path.read_text()
+
+
+def told_by_arcs(path: Path) -> list[str]:
+    """The lines of which ``arcs`` says that no controller takes them."""
+    on, findings = machine(time_unit=60.0), Findings()
+    program = load_program(path, Findings(), on)
+    assert program is not None
+    check = ArcRadius(on, ZERO, findings)
+    for chunk in chunks(collect(Executor(program, ZERO, on, Findings()))):
+        check.feed(chunk)
+    return sorted(str(f) for f in findings.kept if f.code.number == 401)
