@@ -19,9 +19,9 @@ from gproof.ir.finding import Severity
 from gproof.ir.machine import AXIS_NAMES, Machine
 from gproof.ir.record import field, record
 from gproof.ir.setup import Interval
+from gproof.ir.symbols import describe
 from gproof.ir.trace import UNKNOWN, Affine
 from gproof.ir.verdict import DEFAULT_POLICY, Condition, Verdict
-from gproof.passes.values import describe
 
 SLACK = 1e-9
 """mm or degrees by which a stated offset may be past an end: what the checks allow to arithmetic."""

@@ -17,9 +17,9 @@ from gproof.cli.report import coloured, distinct, finding_json, print_findings
 from gproof.cli.session import Session
 from gproof.ir.finding import Findings, Severity
 from gproof.ir.record import record
+from gproof.ir.symbols import describe
 from gproof.ir.trace import Affine
 from gproof.ir.verdict import Verdict
-from gproof.passes.values import describe
 from gproof.passes.zone_boxes import outline
 from gproof.passes.zone_regions import FAR
 

@@ -17,10 +17,10 @@ from gproof.cli.fit_open import Asked
 from gproof.cli.offsets import contradiction
 from gproof.ir.record import record
 from gproof.ir.setup import Interval
+from gproof.ir.symbols import describe
 from gproof.ir.trace import Affine, Chunk
 from gproof.ir.verdict import Condition
 from gproof.passes.open_zones import OpenZones, Place, Ranges, Resolve, Stand
-from gproof.passes.values import describe
 from gproof.passes.zone_offsets import View
 from gproof.passes.zone_regions import FAR, Layer, Pair, Solid
 from gproof.passes.zone_shapes import Polygon, Rectangle, Shape

@@ -10,8 +10,9 @@ from typing import Any
 
 from gproof.ir.finding import Finding
 from gproof.ir.machine import AXIS_NAMES, Machine
+from gproof.ir.symbols import describe
 from gproof.ir.trace import Chunk, Edge, Op, Plane, State, Trace, Wait
-from gproof.passes.values import ORIGIN, Position, describe
+from gproof.passes.values import ORIGIN, Position
 
 _PLANES = {Plane.XY: ("XY", 0, 1), Plane.XZ: ("XZ", 0, 2), Plane.YZ: ("YZ", 1, 2)}
 _PAIRS = {Plane.XY: "xy", Plane.XZ: "zx"}

@@ -19,6 +19,7 @@ from gproof.ir.finding import AT_END, Finding, Findings, Severity, Span
 from gproof.ir.machine import Machine
 from gproof.ir.record import field, record
 from gproof.ir.setup import ZERO
+from gproof.ir.symbols import describe
 from gproof.ir.trace import Affine, Chunk, Frame, Op, Wait, verify_rows
 from gproof.ir.verdict import DEFAULT_POLICY, Condition, PropertyResult, Verdict, worst
 from gproof.passes.arc_radius import ArcRadius
@@ -33,7 +34,6 @@ from gproof.passes.open_settings import note
 from gproof.passes.outcomes import Outcomes
 from gproof.passes.plan import MotionEstimate
 from gproof.passes.stock_fields import Remains
-from gproof.passes.values import describe
 from gproof.passes.zone_check import Hears
 
 _LEAVES_THE_PATH_OPEN = (

@@ -34,9 +34,9 @@ from gproof.ir.codes import CODES
 from gproof.ir.finding import Severity
 from gproof.ir.machine import AXIS_NAMES, Machine
 from gproof.ir.record import record
+from gproof.ir.symbols import describe
 from gproof.ir.trace import Chunk
 from gproof.ir.verdict import Verdict
-from gproof.passes.values import describe
 
 WIDTH, EDGE, RULER, GAP = 1000.0, 22.0, 46.0, 26.0
 CUT_WIDTH, CUT_HEIGHT, CUT_FRONT, CUT_LEAST = 540.0, 500.0, 240.0, 70.0

@@ -16,9 +16,9 @@ from gproof.cli.report import coloured, distinct, finding_json, print_findings
 from gproof.cli.session import Session
 from gproof.ir.codes import CODES, SYNTAX
 from gproof.ir.machine import Axis, Machine
+from gproof.ir.symbols import describe
 from gproof.ir.trace import UNKNOWN
 from gproof.ir.verdict import Condition, Verdict
-from gproof.passes.values import describe
 
 SCHEMA = "gproof-check/1"
 _NOWHERE = describe(UNKNOWN)

@@ -9,7 +9,7 @@ import numpy as np
 
 from gproof.cli.session import Session
 from gproof.ir.machine import AXIS_NAMES, Area
-from gproof.passes.values import describe
+from gproof.ir.symbols import describe
 from gproof.passes.zone_shapes import Zone, shape_of
 
 Pair = tuple[float, float]

@@ -54,10 +54,20 @@ class _Filler(string.Formatter):
         return super().format_field(value, format_spec) if found is None else fixed(value, int(found[1]))
 
 
+def _seen(name: str, value: object) -> object:
+    """A value as it is printed: no zero has a sign, and below four decimals places x, y and z are noise."""
+    if not isinstance(value, float):
+        return value
+    return (round(value, 4) if name in _PLACES else value) + 0.0
+
+
+_PLACES = ("x", "y", "z")
+
+
 def filled(template: str, values: Mapping[str, object]) -> str:
     """The message of a template."""
-    if any(isinstance(value, float) and 0.0 < abs(value) < _LEAST for value in values.values()):
-        return _Filler().vformat(template, (), values)
+    if any(isinstance(value, float) and abs(value) < _LEAST for value in values.values()):
+        return _Filler().vformat(template, (), {name: _seen(name, value) for name, value in values.items()})
     return template.format(**values)
 
 

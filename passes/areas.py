@@ -12,6 +12,7 @@ from collections.abc import Callable
 from gproof.ir.finding import Findings, Severity
 from gproof.ir.machine import NO_MACHINE, Area, Machine
 from gproof.ir.setup import Setup
+from gproof.ir.symbols import describe
 from gproof.ir.trace import Chunk, Op
 from gproof.ir.verdict import Condition, PropertyResult, Verdict
 from gproof.passes.check import Check
@@ -19,7 +20,7 @@ from gproof.passes.clearance import Clearance
 from gproof.passes.height_map import heights_of
 from gproof.passes.off_path import NO_TOLERANCE, blends_by_nothing
 from gproof.passes.placing import OWN_LENGTH, rests_on_length_in_force, rotary_axes
-from gproof.passes.values import NOWHERE, Position, describe
+from gproof.passes.values import NOWHERE, Position
 from gproof.passes.zone_check import Hears, ZoneCheck
 from gproof.passes.zone_offsets import Ranges
 from gproof.passes.zone_tool import CUTTER, Told, most_parts

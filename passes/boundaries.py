@@ -20,12 +20,13 @@ from gproof.ir.finding import Findings, Related, Severity, Span
 from gproof.ir.machine import AXES, Machine
 from gproof.ir.record import record
 from gproof.ir.setup import Setup
+from gproof.ir.symbols import describe
 from gproof.ir.trace import UNKNOWN, UNMEASURED, Affine, Boundary, Chunk, State, Trace
 from gproof.ir.verdict import Condition, PropertyResult, Verdict
 from gproof.passes.check import KEPT, Check, Like, form_interval, no_safe_offset, row_span, split_form, told_of
 from gproof.passes.extent_kernels import row_boxes
 from gproof.passes.single_state import vertical_axes
-from gproof.passes.values import add_forms, describe
+from gproof.passes.values import add_forms
 
 GUARD = "boundaries"
 """Name of the guard in ``State.guards_off``."""

@@ -14,9 +14,9 @@ from gproof.ir.columns import Columns
 from gproof.ir.finding import Finding, Findings, Span
 from gproof.ir.machine import AXES, Machine
 from gproof.ir.setup import Interval, Setup
+from gproof.ir.symbols import describe
 from gproof.ir.trace import UNKNOWN, Affine, Chunk, Trace
 from gproof.ir.verdict import PropertyResult
-from gproof.passes.values import describe
 
 if TYPE_CHECKING:
     from gproof.passes.stock_fields import Remains

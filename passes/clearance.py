@@ -16,10 +16,10 @@ from gproof.ir import codes
 from gproof.ir.finding import Findings, Span
 from gproof.ir.machine import Machine
 from gproof.ir.setup import Setup
+from gproof.ir.symbols import describe
 from gproof.ir.trace import UNKNOWN, Affine, Chunk, Op, Trace
 from gproof.ir.verdict import Condition
 from gproof.passes.check import form_interval, row_span, split_form
-from gproof.passes.values import describe
 from gproof.passes.zone_check import row_box
 from gproof.passes.zone_offsets import Ranges
 

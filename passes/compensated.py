@@ -15,12 +15,13 @@ from gproof.ir.finding import Finding, Refusal, Span
 from gproof.ir.machine import AXIS_NAMES
 from gproof.ir.rules import CodeRule
 from gproof.ir.rules import Function as F
+from gproof.ir.symbols import describe
 from gproof.ir.trace import UNKNOWN, Op, Plane
 from gproof.passes import compensation as geometry
 from gproof.passes.compensation import Compensation, Fault, Path, Piece, Point, Trouble
 from gproof.passes.compensation_kernels import distance
 from gproof.passes.line import Line
-from gproof.passes.values import Position, Unknown, describe
+from gproof.passes.values import Position, Unknown
 
 if TYPE_CHECKING:
     from gproof.passes.modal import Modal

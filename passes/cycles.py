@@ -11,6 +11,7 @@ from gproof.ir import codes
 from gproof.ir.finding import Refusal
 from gproof.ir.machine import AXIS_NAMES
 from gproof.ir.rules import CodeRule, Function
+from gproof.ir.symbols import RISEN
 from gproof.ir.trace import Op, Plane
 from gproof.passes.check import form_interval
 from gproof.passes.holes import HOLES, Hole, along
@@ -18,7 +19,7 @@ from gproof.passes.line import Line
 from gproof.passes.reach import reach_of
 from gproof.passes.spindle import need_turning, note_speed_unknown
 from gproof.passes.transform_codes import check_cycle
-from gproof.passes.values import RISEN, Position, Unknown, not_known
+from gproof.passes.values import Position, Unknown, not_known
 from gproof.passes.word_owner import owned
 
 if TYPE_CHECKING:

@@ -17,6 +17,7 @@ from gproof.ir.machine import AXES, AXIS_NAMES, AxisKind
 from gproof.ir.rules import CodeRule
 from gproof.ir.rules import Function as F
 from gproof.ir.setup import Interval
+from gproof.ir.symbols import MIRRORED, describe
 from gproof.ir.trace import Op, Plane
 from gproof.passes import refused_lines
 from gproof.passes.cycles import AXES_OF_PLANE
@@ -25,7 +26,7 @@ from gproof.passes.din_state import SAME, din_of, factor, has_tools, own_unit
 from gproof.passes.modal import ZERO
 from gproof.passes.motion_hints import of_value
 from gproof.passes.single_kernels import ZERO_RADIUS, distance
-from gproof.passes.values import MIRRORED, NOWHERE, Position, Unknown, Value, describe, not_known
+from gproof.passes.values import NOWHERE, Position, Unknown, Value, not_known
 
 if TYPE_CHECKING:
     from gproof.passes.din import Part

@@ -16,11 +16,12 @@ from gproof.ir.finding import Refusal
 from gproof.ir.machine import AXES, AXIS_NAMES, Axis
 from gproof.ir.rules import CodeRule
 from gproof.ir.rules import Function as F
+from gproof.ir.symbols import describe
 from gproof.ir.trace import Boundary, Op
 from gproof.passes.din_motion import Handler, note_assumptions
 from gproof.passes.din_state import SAME, din_of, own_unit
 from gproof.passes.modal import ZERO
-from gproof.passes.values import NOBODY, NOWHERE, ORIGIN, Position, Unknown, Value, bounds, describe, not_known
+from gproof.passes.values import NOBODY, NOWHERE, ORIGIN, Position, Unknown, Value, bounds, not_known
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

@@ -20,6 +20,7 @@ from gproof.ir.columns import occurring
 from gproof.ir.finding import Findings, Severity, Span
 from gproof.ir.machine import AXES, AXIS_NAMES, NO_MACHINE, Axis, AxisKind, Machine, Unmodelled
 from gproof.ir.setup import Interval, Setup
+from gproof.ir.symbols import RISEN, UNHOMED, describe
 from gproof.ir.trace import HEIGHT_MAP, KNIFE, UNKNOWN, Affine, Chunk, Op, Plane, Trace
 from gproof.ir.verdict import Condition, PropertyResult, Verdict
 from gproof.passes.check import (
@@ -37,7 +38,7 @@ from gproof.passes.extent_kernels import row_boxes
 from gproof.passes.height_map import heights_of
 from gproof.passes.open_settings import note
 from gproof.passes.reach import Range, reach_of, reaches
-from gproof.passes.values import RISEN, UNHOMED, describe, hint_of
+from gproof.passes.values import hint_of
 
 Floats = npt.NDArray[np.float64]
 

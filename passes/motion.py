@@ -9,6 +9,7 @@ from gproof.ir.finding import Refusal, Span
 from gproof.ir.machine import AXES, AXIS_NAMES
 from gproof.ir.rules import CodeRule
 from gproof.ir.rules import Function as F
+from gproof.ir.symbols import UNIFORM, describe
 from gproof.ir.trace import KNIFE, Op, Plane, Wait
 from gproof.passes import compensated, refused_lines
 from gproof.passes import execute_kernels as k
@@ -23,7 +24,7 @@ from gproof.passes.spindle import note_speed_unknown, true_rpm
 from gproof.passes.synchronised import SYNCHRONISED, run_synchronised
 from gproof.passes.threading import run_threading
 from gproof.passes.transform_codes import check_arc, note_reading, settle
-from gproof.passes.values import NOWHERE, ORIGIN, UNIFORM, Position, Unknown, Value, bounds, describe, not_known, scaled
+from gproof.passes.values import NOWHERE, ORIGIN, Position, Unknown, Value, bounds, not_known, scaled
 
 _OUT_OF_PLANE = {Plane.XY: "K", Plane.XZ: "J", Plane.YZ: "I"}
 _CENTER_WORDS = {Plane.XY: ("I", "J"), Plane.XZ: ("I", "K"), Plane.YZ: ("J", "K")}

@@ -13,6 +13,7 @@ from gproof.ir.finding import Refusal, Span
 from gproof.ir.machine import AXES, AXIS_NAMES
 from gproof.ir.rules import CodeRule
 from gproof.ir.rules import Function as F
+from gproof.ir.symbols import STORED
 from gproof.ir.trace import Op
 from gproof.passes import compensated
 from gproof.passes.line import LARGEST, Line
@@ -20,7 +21,7 @@ from gproof.passes.modal import NO_OFFSET, TOOL_LENGTH, TOOL_X_OFFSET
 from gproof.passes.motion import Motion
 from gproof.passes.ranges import ANY
 from gproof.passes.transform_codes import shifts
-from gproof.passes.values import NOBODY, NOWHERE, ORIGIN, STORED, Position, Unknown, Value
+from gproof.passes.values import NOBODY, NOWHERE, ORIGIN, Position, Unknown, Value
 
 _AXIS_OFFSETS = (F.AXIS_OFFSET_SET, F.AXIS_OFFSET_RESET, F.AXIS_OFFSET_SUSPEND, F.AXIS_OFFSET_RESTORE)
 

@@ -24,13 +24,14 @@ from gproof.ir.machine import AXIS_NAMES, AxisKind, Machine
 from gproof.ir.program import Program
 from gproof.ir.record import record
 from gproof.ir.setup import Setup
+from gproof.ir.symbols import describe
 from gproof.ir.trace import HEIGHT_MAP, UNKNOWN, Affine, Chunk, Op, State, TipOffset, Trace
 from gproof.ir.workpiece import ACTIVE, MACHINE
 from gproof.passes.check import form_interval
 from gproof.passes.modal import Modal
 from gproof.passes.spindle_tool import SpindleTools
 from gproof.passes.tip_ranges import EVERYWHERE, NOWHERE_KNOWN, Span
-from gproof.passes.values import Position, add_forms, describe
+from gproof.passes.values import Position, add_forms
 
 Floats = npt.NDArray[np.float64]
 Bools = npt.NDArray[np.bool_]

@@ -15,11 +15,11 @@ from gproof.ir import codes
 from gproof.ir.finding import Findings, Span
 from gproof.ir.machine import AXIS_NAMES, Machine
 from gproof.ir.rules import LanguageRules
+from gproof.ir.symbols import describe
 from gproof.ir.trace import OTHER_UNIT, Affine, Chunk, Edge, Op, Trace, TraceSection, Wait
 from gproof.passes import motion_hints as hints
 from gproof.passes import plan_kernels as k
 from gproof.passes.check import row_span
-from gproof.passes.values import describe
 
 
 class Measured(Protocol):

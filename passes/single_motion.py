@@ -18,6 +18,7 @@ from gproof.ir.machine import AXES, AXIS_NAMES
 from gproof.ir.modal_groups import MOTION, OF_FEEDS
 from gproof.ir.rules import CodeRule
 from gproof.ir.rules import Function as F
+from gproof.ir.symbols import describe
 from gproof.ir.trace import Op, Plane, Wait
 from gproof.passes import execute_kernels as k
 from gproof.passes import refused_lines
@@ -37,7 +38,7 @@ from gproof.passes.single_state import (
     went_along,
     with_pair,
 )
-from gproof.passes.values import NOWHERE, Position, Unknown, Value, describe
+from gproof.passes.values import NOWHERE, Position, Unknown, Value
 
 if TYPE_CHECKING:
     from gproof.passes.modal import Modal

@@ -22,6 +22,7 @@ from gproof.ir.finding import Finding, Findings, Refusal, Span
 from gproof.ir.machine import AXIS_NAMES, Axis, Drive, Machine, PitchTable
 from gproof.ir.plan import Plan, PlanSection
 from gproof.ir.stream import EVENT, Motor, StepStream, StreamSection
+from gproof.ir.symbols import describe
 from gproof.ir.trace import HEIGHT_MAP, KNIFE, Op, Plane, Trace, TraceSection
 from gproof.passes import step_kernels as k
 from gproof.passes.backlash import backlash_steps
@@ -31,7 +32,6 @@ from gproof.passes.pitch import exact_motor_position, motor_positions
 from gproof.passes.plan import shortest_interval
 from gproof.passes.plan_kernels import SPINDLE_UNSEEN, arc_shapes
 from gproof.passes.run_encoder import ANY, BUFFER, PLAIN, BacklashEncoder, Encoder, Loops, Spacing
-from gproof.passes.values import describe
 
 Floats = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]

@@ -13,10 +13,11 @@ import numpy as np
 from gproof.ir.machine import AXIS_NAMES, Machine
 from gproof.ir.record import record
 from gproof.ir.setup import Setup
+from gproof.ir.symbols import describe
 from gproof.ir.trace import UNKNOWN, Affine, Trace
 from gproof.ir.verdict import Condition
 from gproof.passes.check import form_interval, split_form
-from gproof.passes.values import Position, add_forms, describe
+from gproof.passes.values import Position, add_forms
 from gproof.passes.zone_shapes import Box, Point, Zone
 
 EVERYWHERE = (-math.inf, math.inf)

@@ -18,11 +18,13 @@ from gproof.ir import codes
 from gproof.ir.finding import Finding, Severity, Span
 from gproof.ir.machine import AXIS_NAMES, Machine
 from gproof.ir.record import record
-from gproof.ir.setup import CylinderMap, HeightMap, Interval, Setup
+from gproof.ir.setup import Interval, Setup
 from gproof.ir.stream import StepStream
+from gproof.ir.symbols import describe
 from gproof.ir.text import print_ir
 from gproof.ir.trace import Trace
 from gproof.ir.verdict import DEFAULT_POLICY, Condition, PropertyResult, Verdict
+from gproof.verify import certificate_words as words
 from gproof.verify.package import (
     BODY,
     SIGNATURE,
@@ -219,14 +221,14 @@ def _check_conditions(
             low, high = float(condition["low"]), float(condition["high"])
             known = _sum(condition["terms"], setup)
             if known is None or not (low <= known.low and known.high <= high):
-                stated = "not stated" if known is None else f"{known.low:g} to {known.high:g}"
-                names = " + ".join(str(s) for s, _ in condition["terms"])
+                terms = tuple((str(symbol), int(count)) for symbol, count in condition["terms"])
+                stated = "not stated" if known is None else words.between(known.low, known.high)
+                names = describe(terms, package.machine)
                 finding = codes.CERTIFICATE_OFFSETS.at(
-                    where, what=f"holds for {names} in {low:g} to {high:g}; it is {stated}"
+                    where, what=f"the certificate holds for {names} {words.between(low, high)}; it is {stated} now"
                 )
                 findings.append(finding)
                 if known is None:
-                    terms = tuple((str(symbol), int(count)) for symbol, count in condition["terms"])
                     left.append((finding, str(prop["name"]), Condition(terms=terms, low=low, high=high)))
     return left
 
@@ -241,21 +243,29 @@ def _check_setup(made_for: Setup, now: Setup, findings: list[Finding], where: Sp
     symbols += [f"g92.{axis}" for axis in {*made_for.g92, *now.g92}]
     symbols += [f"head.{number}.{axis}" for number, axis in {*made_for.heads, *now.heads}]
     symbols += [f"tool.{number}.z" for number in {*made_for.tool_lengths, *now.tool_lengths}]
-    differing: list[tuple[str, object, object]] = []
+    differing: list[tuple[str, str, str]] = []
     for symbol in sorted(symbols):
         then, given = made_for.interval(symbol), now.interval(symbol)
         if then is not None and (given is None or not then.low <= given.low <= given.high <= then.high):
-            differing.append(
-                (symbol, f"{then.low:g} to {then.high:g}", f"{given.low:g} to {given.high:g}" if given else None)
-            )
-    plain = [(f"#{n}", made_for.parameter(n), now.parameter(n)) for n in {*made_for.parameters, *now.parameters}]
+            found = words.between(given.low, given.high) if given else "not stated"
+            differing.append((describe(((symbol, 1),), machine), words.between(then.low, then.high), found))
+    plain = [
+        (f"variable {n}", made_for.parameter(n), now.parameter(n)) for n in {*made_for.parameters, *now.parameters}
+    ]
     for name in ("active_work", "tool", "default_start", "default_offset", "default_parameter", "block_delete",
                  "optional_stop", "transform"):  # fmt: skip
         plain.append((name, getattr(made_for, name), getattr(now, name)))
-    differing += [(name, was, is_) for name, was, is_ in plain if was is not None and was != is_]
+    for name, was, is_ in plain:
+        if was is not None and was != is_:
+            said = words.setting(name, was), words.setting(name, is_)
+            differing.append((words.SETTINGS.get(name, name), *said))
     for number, kept in sorted(made_for.resident.items()):
-        if now.resident.get(number) != kept:
-            differing.append((f"resident {number}", kept, now.resident.get(number)))
+        held = now.resident.get(number)
+        if held != kept:
+            found = words.between(held.low, held.high) if held is not None else "not stated"
+            differing.append(
+                (f"variable {number}, which the job before left,", words.between(kept.low, kept.high), found)
+            )
     # Where nothing was stated, the axes were taken to be homed.
     gone = sorted(now.unhomed(machine) - made_for.unhomed(machine))
     differing += [(AXIS_NAMES[axis].upper(), "homed", "not homed") for axis in gone]
@@ -263,17 +273,11 @@ def _check_setup(made_for: Setup, now: Setup, findings: list[Finding], where: Sp
     for name in ("cylinder", "height_map"):
         was, is_ = getattr(made_for, name), getattr(now, name)
         if was != is_:
-            differing.append((name, _named(was), "another one" if was and is_ else _named(is_)))
+            other = words.setting(name, is_)
+            other = f"another one ({other})" if was and is_ else other
+            differing.append((words.SETTINGS[name], words.setting(name, was), other))
     for name, wanted, found in differing:
-        said = "not stated" if found is None else found
-        findings.append(codes.CERTIFICATE_OFFSETS.at(where, what=f"made for {name} {wanted}; it is {said} now"))
-
-
-def _named(compensation: CylinderMap | HeightMap | None) -> str:
-    """A word for a mapping or a map in a message."""
-    if isinstance(compensation, HeightMap):
-        return f"of {compensation.name or 'the setup file'}, {'on' if compensation.on else 'off'}"
-    return "none" if compensation is None else repr(compensation)
+        findings.append(codes.CERTIFICATE_OFFSETS.at(where, what=f"made for {name} {wanted}; it is {found} now"))
 
 
 def _sum(terms: list[list[Any]], setup: Setup) -> Interval | None:

@@ -117,3 +117,35 @@ def readme_tables(dialect: str) -> dict[str, str]:
     pieces = re.split(r"^\*\*(Safe|Not safe|Not known)\*\*", part, flags=re.M)
     verdicts = {"Safe": "SAFE", "Not safe": "UNSAFE", "Not known": "UNKNOWN"}
     return {verdicts[name]: body for name, body in zip(pieces[1::2], pieces[2::2], strict=True)}
+
+
+INSIDE = {
+    "a symbol of an unknown": r"\b(?:work|start|g92|tool|head|probe|home|value|length|risen|mirrored|unhomed|beside)"
+    r"\.(?:\d+\.)?[a-z]\b",
+    "a constant of the source": r"\b(?:None|True|False)\b",
+    "no number": r"(?<![\w.])[-+]?(?:inf|nan|infinity)\b",
+    "a class": r"\b[A-Z][a-z]+[A-Z][a-z]\w*\(|object at 0x|<class|\bInterval\(|\b\w+\(\w+=",
+    "a member of an enum": r"\b[A-Z][a-z]+[A-Za-z]*\.[A-Z][A-Z_]{2,}\b",
+    "a field that nothing filled": r"(?<!\{)\{[a-z]\w*\}",
+    "a nothing that is too much": r"(?<![\d.])-?0\.0{3,} ?(?:mm|inch|in|deg|degrees|s)? ?"
+    r"(?:past|over|more than|into|beyond)\b",
+    "a zero with a sign": r"(?<![\w.])-0(?:\.0+)?(?![\d.])",
+    "a number of more digits than anybody can read": r"\d\.\d{9,}",
+}
+"""What a reader can make nothing of."""
+COMPUTED = {"GP231"}
+"""Codes that show a number to the last bit: that it is not the written one is what they tell."""
+
+
+def strange(text: str) -> list[str]:
+    """What of a text is none of a reader's business."""
+    return [f"{what}: {found.group()!r}" for what, way in INSIDE.items() for found in re.finditer(way, text)]
+
+
+def strange_texts(report: dict) -> list[str]:
+    """What is none of a reader's business in the findings and assumptions of `check --format json`."""
+    texts = list(report["assumptions"])
+    for item in report["findings"]:
+        if item["code"] not in COMPUTED:
+            texts += [item["message"], item.get("hint") or "", *(r["message"] for r in item.get("related", ()))]
+    return [f"{one} in {text!r}" for text in texts for one in strange(text)]

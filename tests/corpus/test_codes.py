@@ -19,7 +19,18 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import pytest
-from corpus.expectations import JUDGED, ROOT, Found, findings, markers, misplaced, report_of, shown
+from corpus.expectations import (
+    JUDGED,
+    ROOT,
+    Found,
+    findings,
+    markers,
+    misplaced,
+    report_of,
+    shown,
+    strange,
+    strange_texts,
+)
 from support.campaigns import share
 
 from gproof.ir.codes import CODES
@@ -78,11 +89,12 @@ def settings(folder: Path, dialect: str, side: str) -> dict:
 
 @dataclass(frozen=True)
 class Result:
-    """What one run of the command line left behind."""
+    """What one run of the command line left behind; strange: texts that no reader can make anything of."""
 
     exit: int
     output: str
     found: list[Found]
+    strange: list[str]
 
 
 class Runner:
@@ -111,8 +123,12 @@ class Runner:
         captured = self.capsys.readouterr()
         output = captured.out + captured.err
         if as_json and captured.out.lstrip().startswith("{"):
-            return Result(exit_code, output, findings(report_of(captured.out)))
-        return Result(exit_code, output, shown(output))
+            report = report_of(captured.out)
+            return Result(exit_code, output, findings(report), strange_texts(report))
+        lines = [line for line in output.splitlines() if not re.match(r" +\d+ \||\s*\|", line)]
+        return Result(
+            exit_code, output, shown(output), [f"{one} in {line!r}" for line in lines for one in strange(line)]
+        )
 
 
 @pytest.fixture
@@ -189,6 +205,7 @@ def test_bad_program_gives_its_code(folder: Path, dialect: str, gproof: Runner) 
         assert re.search(rf"(?<!/){code}\b", result.output), result.output
     if code in markers(program).codes:
         assert misplaced(result.found, program) == [], result.output
+    assert not result.strange, "\n".join(result.strange)
 
 
 @pytest.mark.parametrize(("folder", "dialect"), share(EXAMPLES, 2), ids=cell_name)
@@ -196,3 +213,4 @@ def test_good_program_gives_no_error(folder: Path, dialect: str, gproof: Runner)
     _, result = gproof(folder, dialect, "good")
     assert [one for one in result.found if one.severity in JUDGED or one.code == folder.name] == []
     assert result.exit == 0, result.output
+    assert not result.strange, "\n".join(result.strange)

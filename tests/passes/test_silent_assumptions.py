@@ -12,12 +12,12 @@ from gproof.cli.properties import ALL
 from gproof.cli.session import Running, open_session
 from gproof.ir.machine import Area, Axis, AxisKind
 from gproof.ir.setup import Interval
+from gproof.ir.symbols import describe
 from gproof.ir.trace import Affine
 from gproof.ir.workpiece import Box, Placed, Workpiece
 from gproof.passes.feeds import KNOB
 from gproof.passes.off_path import NO_TOLERANCE
 from gproof.passes.placing import OWN_LENGTH
-from gproof.passes.values import describe
 
 NO_ROUNDING = "no rounding of corners (G64 P) and no joining of lines (Q) is in force at the start"
 ZONE = (Area(name="post", box=((300.0, 310.0), (0.0, 10.0), (-150.0, -100.0))),)

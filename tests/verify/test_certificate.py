@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from corpus.expectations import strange
 from verify.jobs import JOBS
 from verify.reference_stepper import machine, step, stream_of
 
@@ -248,6 +249,65 @@ def test_conditions_are_held_against_the_setup(tmp_path: Path) -> None:
     assert "GP825" in check(Setup(g92={"x": Interval(0.0, 0.0)}))
 
 
+@pytest.mark.parametrize(
+    ("condition", "setup", "told"),
+    [
+        (
+            Condition(terms=(("work.1.x", 1),), low=20.0, high=100.0),
+            {},
+            "the certificate holds for G54 X offset from 20 to 100; it is not stated now",
+        ),
+        (
+            Condition(terms=(("g92.x", -1), ("work.1.x", 2)), low=-1.0, high=float("inf")),
+            {"work": {(1, "x"): Interval(-4.0, -3.5)}, "g92": {"x": Interval(0.0, 0.0)}},
+            "the certificate holds for 2 x G54 X offset - G92 X offset at least -1; it is from -8 to -7 now",
+        ),
+        (
+            Condition(terms=(("tool.3.z", 1),), low=-1e9, high=40.125),
+            {"tool_lengths": {3: Interval(50.0, 50.0)}},
+            "the certificate holds for length of tool 3 from -1000000000 to 40.125; it is 50 now",
+        ),
+    ],
+)
+def test_a_condition_that_does_not_hold_is_told_in_words(
+    condition: Condition, setup: dict[str, Any], told: str, tmp_path: Path
+) -> None:
+    properties = (*SAFE[:1], dataclasses.replace(SAFE[1], conditions=(condition,)), *SAFE[2:])
+    check = check_package(read_package(write(tmp_path / "c.gpx", properties=properties, setup=Setup(**setup))))
+    assert told in [finding.message for finding in check.findings if finding.code.number == 825]
+
+
+@pytest.mark.parametrize(
+    ("then", "now", "told"),
+    [
+        ({"active_work": 1}, {"active_work": 2}, "made for the active work offset G54; it is G55 now"),
+        ({"optional_stop": False}, {"optional_stop": True}, "made for the optional stop switch off; it is on now"),
+        ({"tool": 3}, {"tool": None}, "made for the tool in the spindle 3; it is not stated now"),
+        ({"parameters": {100: 2.5}}, {"parameters": {}}, "made for variable 100 2.5; it is not stated now"),
+        (
+            {"resident": {5: Interval(1.0, 2.0)}},
+            {},
+            "made for variable 5, which the job before left, from 1 to 2; it is not stated now",
+        ),
+        (
+            {"transform": InForce(angle=1.25, x=10.0)},
+            {"transform": None},
+            "made for the rotation and scaling of X and Y angle 1.25, factor of X not stated, factor of Y not stated, "
+            "about X10 Y0; it is not stated now",
+        ),
+        ({"cylinder": CylinderMap(radius=5.0)}, {}, "made for the mapping onto a cylinder radius 5; it is none now"),
+        ({"start": {"x": Interval(3.0, 3.0)}}, {}, "made for the start position of X 3; it is not stated now"),
+    ],
+)
+def test_a_setup_that_differs_is_told_in_words(
+    then: dict[str, Any], now: dict[str, Any], told: str, tmp_path: Path
+) -> None:
+    package = read_package(write(tmp_path / "job.gpx", setup=Setup(**then)))
+    check = check_package(package, setup=Setup(**now))
+    messages = [finding.message for finding in check.findings if finding.code.number == 825]
+    assert told in messages, messages
+
+
 def test_a_stream_runs_only_with_the_setup_it_was_made_for(tmp_path: Path) -> None:
     made_for = dataclasses.replace(
         ZERO, work={(1, "x"): Interval(5.0, 6.0)}, parameters={100: 2.0}, heads={(1, "x"): Interval(50.0, 50.5)},
@@ -275,6 +335,8 @@ def test_a_stream_runs_only_with_the_setup_it_was_made_for(tmp_path: Path) -> No
         check = check_package(package, setup=dataclasses.replace(made_for, **change))
         assert "GP825" in codes(check), change
         assert not check.valid
+        for finding in check.findings:
+            assert not strange(finding.message), finding.message
     open_ = read_package(write(tmp_path / "open.gpx", setup=NOTHING))
     assert check_package(open_, setup=made_for).valid, "what its setup left open, the stream does not depend on"
 
