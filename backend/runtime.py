@@ -47,6 +47,10 @@ PREPARING = 0.2
 """Seconds that working out a feed hold beside a running board may take, beside twice what a rehearsal took."""
 
 
+SENSED = frozenset({Wait.PROBE, Wait.HOME})
+"""Waits that a switch ends in the middle of a move: steps sent regardless would go on through the contact."""
+
+
 class RunFailed(Exception):
     """A callback or the runtime itself failed after the board was opened; ``record`` says how far it came."""
 
@@ -423,3 +427,7 @@ def _unfit(job: Job, is_: Capabilities) -> Iterator[Finding]:
     for wrong, what in wanted:
         if wrong:
             yield codes.CERTIFICATE_MACHINE.at(Span(job.name, 0), what=f"board {is_.name} {what}")
+    for section in job.trace.sections:
+        for wait in sorted({edge.wait.value for edge in section.edges if edge.wait in SENSED}):
+            what = f"board {is_.name} has no {wait} switch that it hears, and section {section.number} waits for one"
+            yield codes.CERTIFICATE_MACHINE.at(Span(job.name, 0), what=what)

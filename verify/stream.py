@@ -19,9 +19,9 @@ from gproof.ir.machine import Machine
 from gproof.ir.setup import Setup
 from gproof.ir.stream import StepStream
 from gproof.ir.trace import Trace, Wait
+from gproof.verify import section_graph, surface
 from gproof.verify import stream_inputs as inputs
 from gproof.verify import stream_kernels as kernels
-from gproof.verify import surface
 from gproof.verify.lifted_path import Lifting, Unfollowed
 from gproof.verify.stream_explain import explain
 from gproof.verify.stream_report import Collector, StreamReport
@@ -81,6 +81,13 @@ def _well_formed(
     if not problems:
         problems = [*inputs.machine_problems(stream, trace, machine), *inputs.unfollowed(trace, machine, setup)]
         problems += surface.problems(trace, machine, setup)
+    if not problems:
+        graph = list(section_graph.problems(trace, machine, setup))
+        for section, row, what in graph[:20]:
+            where = f"section {section}" + (f", row {row}" if row >= 0 else "") + ": " if section >= 0 else ""
+            collector.add(STREAM_MALFORMED.at(inputs.span_of(trace, max(section, 0), row), what=where + what))
+        if graph:
+            return False
     if not problems and setup.cylinder is not None:
         seen = surface.view(stream, trace, machine, setup)
         problems = list(inputs.machine_problems(seen.stream, seen.trace, seen.machine))

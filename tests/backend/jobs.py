@@ -13,6 +13,9 @@ from gproof.ir.trace import TRACE_ROW, Edge, Op, State, Trace, TraceSection, Wai
 
 FEED = 60.0
 
+ROWS = {Wait.END: Op.END, Wait.OPERATOR: Op.STOP, Wait.TOOL_CHANGE: Op.TOOL_CHANGE, Wait.INPUT: Op.INPUT_WAIT}
+"""The row that waits before each edge."""
+
 
 def rows_of(points: list[tuple[float, ...]], ops: list[tuple[Op, float]], at: tuple[float, ...]) -> Columns:
     """Feed rows to the points, then rows that stay there."""
@@ -41,8 +44,11 @@ def job(*ways: list[tuple[float, ...]], waits: tuple[Wait, ...] = (), axes: str 
         section = planned(relative, of, feed=FEED)
         section.number = number
         section.start = stream.sections[-1].end() if number else (0,) * len(axes)
-        rows = rows_of(way, [(Op.COOLANT, 1.0)], place)
-        section.events = events_of([(section.duration, len(way), int(Op.COOLANT), (1000, 0))])
+        rows = rows_of(way, [(Op.COOLANT, 1.0), (ROWS[wait], 0.0)], place)
+        events = [(section.duration, len(way), int(Op.COOLANT), (1000, 0))]
+        if wait is not Wait.END:
+            events.append((section.duration, len(way) + 1, int(ROWS[wait]), (0, 0)))
+        section.events = events_of(events)
         section.duration += 1000
         stream.sections.append(section)
         start = (*place, *(0.0,) * (6 - len(axes)))

@@ -60,7 +60,7 @@ def test_a_job_runs_to_its_end() -> None:
     assert sum(record.steps) == TWO.stream.steps()
     assert [s.number for s in record.sections] == [0, 1, 2]
     assert [s.target for s in record.sections] == [1, 2, -1]
-    assert [len(s.events) for s in record.sections] == [1, 1, 1]
+    assert [len(s.events) for s in record.sections] == [2, 2, 1]
     assert parts == sorted(parts)
     assert parts[-1] == 1.0
     assert record.findings() == []

@@ -16,7 +16,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from passes.reference_motion import Motion, expand, paths
-from passes.traces import Path, machine
+from passes.traces import Path, machine, validate
 
 from gproof.ir.columns import Columns
 from gproof.ir.finding import Findings
@@ -29,7 +29,6 @@ from gproof.ir.verdict import Verdict
 from gproof.passes import step as module
 from gproof.passes.plan import MotionEstimate, plan
 from gproof.passes.step import step
-from gproof.verify.stream import validate
 
 RANDOM = settings(deadline=None, max_examples=15)
 

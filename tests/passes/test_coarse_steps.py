@@ -5,14 +5,13 @@ from __future__ import annotations
 from fractions import Fraction
 
 import pytest
-from passes.traces import Path, machine
+from passes.traces import Path, machine, validate
 
 from gproof.ir.finding import Findings
 from gproof.ir.setup import NOTHING
 from gproof.ir.verdict import Verdict
 from gproof.passes.plan import plan
 from gproof.passes.step import step
-from gproof.verify.stream import validate
 
 
 @pytest.mark.parametrize("steps", [Fraction(40, 3), Fraction(10), Fraction(100)])

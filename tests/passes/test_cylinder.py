@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from passes.reference_motion import Motion, expand
-from passes.traces import Path, machine
+from passes.traces import Path, machine, validate
 
 from gproof.ir.finding import Findings
 from gproof.ir.machine import Machine, PitchTable, Slave
@@ -22,7 +22,6 @@ from gproof.ir.verdict import Verdict
 from gproof.passes.lift import follow
 from gproof.passes.plan import plan
 from gproof.passes.step import step
-from gproof.verify.stream import validate
 
 CUP = CylinderMap(radius=20.0, y=120.0, z=0.0, zero=-4.0)
 ON_CUP = Setup(cylinder=CUP)

@@ -14,7 +14,7 @@ from fractions import Fraction
 import numpy as np
 import pytest
 from passes.reference_motion import PAIRS, Motion, expand
-from passes.traces import Path, machine
+from passes.traces import Path, machine, validate
 from support.campaigns import seeds
 
 from gproof.ir.finding import Findings
@@ -27,7 +27,6 @@ from gproof.ir.verdict import Verdict
 from gproof.passes.lift import Followed, follow
 from gproof.passes.plan import plan
 from gproof.passes.step import step
-from gproof.verify.stream import validate
 
 ON = (HEIGHT_MAP,)
 ALLOWED = 0.05

@@ -12,7 +12,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from passes.reference_motion import Motion, expand, paths
-from passes.traces import Path, machine
+from passes.traces import Path, machine, validate
 from support.campaigns import examples
 
 from gproof.ir.columns import Columns
@@ -25,7 +25,6 @@ from gproof.ir.trace import Op, Plane, Trace
 from gproof.passes import step as module
 from gproof.passes.plan import plan, shortest_interval
 from gproof.passes.step import nearest_count, nearest_counts, step
-from gproof.verify.stream import validate
 
 RANDOM = examples(30, 500)
 SECOND = 16_000_000

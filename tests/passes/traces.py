@@ -4,11 +4,19 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 from fractions import Fraction
+from typing import Any
 
-from gproof.ir.columns import Columns
+import numpy as np
+
+from gproof.ir.columns import Columns, concatenate
 from gproof.ir.machine import AXIS_NAMES, Axis, AxisKind, Board, Controller, Machine, Slave
-from gproof.ir.trace import TRACE_ROW, Frame, Op, PathMode, Plane, State, Trace, TraceSection
+from gproof.ir.setup import Setup
+from gproof.ir.stream import StepStream
+from gproof.ir.trace import TRACE_ROW, Edge, Frame, Op, PathMode, Plane, State, Trace, TraceSection, Wait
+from gproof.verify import stream as stream_checker
+from gproof.verify.stream_report import StreamReport
 
 RAD = math.pi / 180.0
 
@@ -130,6 +138,36 @@ class Path:
             self.end_section()
         self.trace.verify()
         return self.trace
+
+    def whole(self) -> Trace:
+        """As a run needs it: the last section ends the program."""
+        self.other(Op.END)
+        trace = self.done()
+        trace.sections[-1].edges = (Edge(wait=Wait.END, outcome="end", target=-1),)
+        return trace
+
+
+def ended(trace: Trace) -> Trace:
+    """A copy as a run needs it: sections without edges follow one another, the last one ends the program."""
+    sections = [replace(section) for section in trace.sections]
+    for number, section in enumerate(sections):
+        if section.edges:
+            continue
+        target = number + 1 if number + 1 < len(sections) else -1
+        section.edges = (Edge(wait=Wait.OPERATOR if target > 0 else Wait.END, outcome="go on", target=target),)
+        if target < 0 and not (section.rows["op"] == Op.END).any():
+            last = TRACE_ROW.empty(1)
+            rows = section.rows
+            last["op"][:], last["to"][:] = Op.END, rows["to"][-1:] if len(rows) else np.array([section.start])
+            last["frame"][:] = rows["frame"][-1:] if len(rows) else section.start_frame
+            last["state"][:] = rows["state"][-1:] if len(rows) else 0
+            section.rows = concatenate(TRACE_ROW, [rows, Columns(TRACE_ROW, last)])
+    return replace(trace, sections=sections)
+
+
+def validate(stream: StepStream, trace: Trace, on: Machine, setup: Setup, **more: Any) -> StreamReport:
+    """The checker's answer for a path that ends the program."""
+    return stream_checker.validate(stream, ended(trace), on, setup, **more)
 
 
 def known(frame: Frame) -> bool:

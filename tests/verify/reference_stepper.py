@@ -20,6 +20,16 @@ from gproof.ir.trace import TRACE_ROW, Edge, Op, State, Trace, TraceSection, Wai
 Steps = list[tuple[int, int]]
 PAIRS = {1: (0, 1, 2), 2: (2, 0, 1), 3: (1, 2, 0)}
 EVENTS = {Op.DWELL, Op.SPINDLE, Op.COOLANT, Op.TOOL_CHANGE, Op.OUTPUT, Op.INPUT_WAIT, Op.STOP, Op.HOME, Op.SETPOINT}
+WAITS = {
+    Op.STOP: Wait.OPERATOR,
+    Op.TOOL_CHANGE: Wait.TOOL_CHANGE,
+    Op.INPUT_WAIT: Wait.INPUT,
+    Op.HOME: Wait.HOME,
+    Op.PROBE: Wait.PROBE,
+}
+"""Edges after rows that wait."""
+NOTES = {Op.OFFSET, Op.TOOL_OFFSET, Op.UNITS, Op.PLANE, Op.OVERRIDE, Op.PATH_MODE, Op.GUARD, Op.MESSAGE}
+"""Rows after which a wait is still the last thing."""
 
 
 def machine(**changes: object) -> Machine:
@@ -95,13 +105,13 @@ class Job:
         return Columns(TRACE_ROW, arrays)
 
     def trace(self) -> Trace:
-        section = TraceSection(
-            number=0,
-            start=self.start,
-            start_frame=0,
-            rows=self.columns(),
-            edges=(Edge(wait=Wait.END, outcome="end", target=-1),),
-        )
+        """One section that ends the program, or in the wait of its last row."""
+        acting = [row["op"] for row in self.rows if row["op"] not in NOTES]
+        last = acting[-1] if acting else None
+        waiting = WAITS.get(last)  # type: ignore[call-overload]
+        job = self if last is Op.END or waiting else Job(self.start, list(self.rows), self.states).add(Op.END)
+        edge = Edge(wait=waiting or Wait.END, outcome="go on" if waiting else "end", target=-1)
+        section = TraceSection(number=0, start=self.start, start_frame=0, rows=job.columns(), edges=(edge,))
         return Trace(files=["job.cnc"], states=list(self.states), texts=["pwm"], sections=[section])
 
 

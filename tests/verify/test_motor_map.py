@@ -71,7 +71,7 @@ def test_the_manuals_table_by_hand() -> None:
 
 def test_the_motor_stays_short_of_an_axis_that_runs_ahead_of_it() -> None:
     on = with_x(pitch=MANUAL)
-    trace = Path().feed(6000, x=50.01).feed(6000, x=0).done()
+    trace = Path().feed(6000, x=50.01).feed(6000, x=0).whole()
     stream = lowered(trace, on)
     assert stream.sections[0].runs[0]["count"].sum() == 2 * 16000  # 50 mm of the motor, not 50.01
     assert validate(stream, trace, on, NOTHING).verdict is Verdict.SAFE
@@ -80,14 +80,14 @@ def test_the_motor_stays_short_of_an_axis_that_runs_ahead_of_it() -> None:
 
 
 def test_a_table_read_the_other_way_round_is_refused() -> None:
-    trace = Path().feed(6000, x=50.01).feed(6000, x=30, y=4).done()
+    trace = Path().feed(6000, x=50.01).feed(6000, x=30, y=4).whole()
     turned = with_x(pitch=PitchTable(machine=MANUAL.calibrated, calibrated=MANUAL.machine))
     assert found(lowered(trace, turned), trace, with_x(pitch=MANUAL)) & {"GP801", "GP802", "GP808"}
 
 
 def test_one_point_of_the_table_shifted_is_refused() -> None:
     # Start and end agree; halfway X is 6 steps beside where Y says that it should be.
-    trace = Path().feed(6000, x=20.02, y=13).done()
+    trace = Path().feed(6000, x=20.02, y=13).whole()
     other = PitchTable(machine=(0.0, 5.0, 20.0), calibrated=(0.0, 5.03, 20.02))
     mine = PitchTable(machine=(0.0, 5.0, 20.0), calibrated=(0.0, 5.01, 20.02))
     assert found(lowered(trace, with_x(pitch=other)), trace, with_x(pitch=mine)) <= {"GP801", "GP802", "GP808"}
@@ -98,7 +98,7 @@ def test_one_point_of_the_table_shifted_is_refused() -> None:
 def test_a_steep_table_slows_the_axis_so_that_its_motor_keeps_its_velocity() -> None:
     steep = PitchTable(machine=(0.0, 60.0), calibrated=(0.0, 50.0))
     on = with_x(pitch=steep)
-    trace = Path().traverse(x=50).done()
+    trace = Path().traverse(x=50).whole()
     assert validate(lowered(trace, on), trace, on, NOTHING).verdict is Verdict.SAFE
     fast = with_x(pitch=steep, max_velocity=130.0)
     assert "GP805" in found(lowered(trace, fast), trace, on)
@@ -127,7 +127,7 @@ def a_path(rng: random.Random) -> Trace:
             path.dwell(0.1)
         else:
             path.traverse(x=x, z=z)
-    return path.done()
+    return path.whole()
 
 
 @pytest.mark.parametrize("seed", range(16))
@@ -181,7 +181,7 @@ def gantry(**slave: object) -> Machine:
 
 def test_a_second_motor_has_its_own_resolution_and_direction() -> None:
     on = gantry(steps_per_unit=Fraction(-160))
-    trace = Path(x=1).feed(1200, x=11).done()
+    trace = Path(x=1).feed(1200, x=11).whole()
     stream = lowered(trace, on)
     assert [(m.name, m.steps_per_unit) for m in stream.motors[:2]] == [("X", 320), ("X2", -160)]
     assert (stream.sections[0].start[:2], stream.sections[0].end()[:2]) == ((320, -160), (3520, -1760))
@@ -197,7 +197,7 @@ def test_a_second_motor_has_its_own_resolution_and_direction() -> None:
     ],
 )  # fmt: skip
 def test_a_second_motor_is_held_to_its_own_bounds(slave: dict[str, object], code: str) -> None:
-    trace = Path(x=1).traverse(x=11).done()
+    trace = Path(x=1).traverse(x=11).whole()
     stream = lowered(trace, gantry())
     assert found(stream, trace, gantry()) == set()
     assert found(stream, trace, gantry(**slave)) == {code}
@@ -205,7 +205,7 @@ def test_a_second_motor_is_held_to_its_own_bounds(slave: dict[str, object], code
 
 def test_the_plan_goes_as_fast_as_the_slower_motor() -> None:
     on = gantry(max_velocity=10.0, max_acceleration=20.0)
-    trace = Path(x=1).traverse(x=11).done()
+    trace = Path(x=1).traverse(x=11).whole()
     stream = lowered(trace, on)
     assert validate(stream, trace, on, NOTHING).verdict is Verdict.SAFE
     seconds = stream.sections[0].duration / stream.tick_frequency

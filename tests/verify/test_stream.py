@@ -15,7 +15,7 @@ from verify.reference_stepper import Job, Stepped, machine, step, stream_of
 from gproof.ir.machine import Axis, AxisKind, Controller, Machine, Slave
 from gproof.ir.setup import NOTHING, Interval, Setup
 from gproof.ir.stream import StepStream, StreamSection
-from gproof.ir.trace import Edge, Op, State, Trace, TraceSection, Wait
+from gproof.ir.trace import Edge, Op, State, Trace, Wait
 from gproof.ir.verdict import Verdict
 from gproof.verify import stream_kernels
 from gproof.verify.stream import validate
@@ -249,10 +249,11 @@ def test_a_section_without_rows_or_motors() -> None:
 
 def two_sections(second: Job, wait: Wait = Wait.OPERATOR) -> tuple[StepStream, Trace]:
     on = machine()
-    first = Job().rapid(x=2, y=1).event(Op.STOP, 0.0)
+    first = Job().rapid(x=2, y=1).event(Op.HOME if wait is Wait.HOME else Op.STOP, 0.0)
     trace = first.trace()
+    trace.texts.append("x y")
     trace.sections[0].edges = (Edge(wait=wait, outcome="go on", target=1),)
-    trace.sections.append(TraceSection(number=1, start=second.start, start_frame=0, rows=second.columns()))
+    trace.sections.append(dataclasses.replace(second.trace().sections[0], number=1))
     stream = stream_of(step(first, on), on)
     stream.sections.append(step(second, on).section(1))
     return stream, trace

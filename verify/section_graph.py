@@ -1,0 +1,185 @@
+"""The section graph: what waits ends its section, every section is reached, and nothing runs in a circle.
+
+The steps of a section say nothing of what comes between two sections. A stop that was merged into a longer section, an
+end that was put in the middle or an edge that leads back leave all steps as they are, so they are judged here, from the
+Trace's rows and edges alone. docs/verification.md states the proposition.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from gproof.ir.machine import Machine
+from gproof.ir.setup import Setup
+from gproof.ir.trace import HEIGHT_MAP, KNIFE, Op, State, Trace, TraceSection, Wait
+
+WAITS = {
+    Op.STOP: Wait.OPERATOR,
+    Op.TOOL_CHANGE: Wait.TOOL_CHANGE,
+    Op.INPUT_WAIT: Wait.INPUT,
+    Op.PROBE: Wait.PROBE,
+    Op.HOME: Wait.HOME,
+    Op.END: Wait.END,
+}
+"""Rows that wait, and the edge that leads on from each."""
+
+WITHOUT_A_ROW = frozenset({Wait.OPERATOR})
+"""Edges that need no row of their own: dialogs and messages ask the operator too."""
+
+UNDECIDED = frozenset({Wait.BRANCH, Wait.UNKNOWN})
+"""Edges that a run can not choose from: what they depend on is not known to whoever sends steps."""
+
+NOTES = frozenset({Op.OFFSET, Op.TOOL_OFFSET, Op.UNITS, Op.PLANE, Op.OVERRIDE, Op.PATH_MODE, Op.GUARD, Op.MESSAGE})
+"""Rows that may follow a wait in its section: they take no time, move nothing and switch nothing."""
+
+LAST_MOTION = Op.PROBE
+
+
+class Problem(NamedTuple):
+    """section, row: where (-1: the whole); what: a sentence part."""
+
+    section: int
+    row: int
+    what: str
+
+
+def problems(trace: Trace, machine: Machine, setup: Setup) -> Iterator[Problem]:
+    """What keeps the sections from being run one after the other as the rows say."""
+    if not trace.sections:
+        yield Problem(-1, -1, "there is no section, so nothing to run")
+        return
+    for section in trace.sections:
+        yield from _edges(section)
+        yield from _waits(section, machine)
+        yield from _open_loop(section, trace.states)
+        yield from _knife(section, trace.states, machine)
+    yield from _ways(trace)
+    yield from _height_map(trace, setup)
+
+
+def _edges(section: TraceSection) -> Iterator[Problem]:
+    """A section is left in one way, by distinct outcomes."""
+    edges, number = section.edges, section.number
+    if not edges:
+        yield Problem(number, -1, "nothing says what follows")
+        return
+    kinds = {edge.wait for edge in edges}
+    if len(kinds) > 1:
+        yield Problem(number, -1, f"it ends in {' and '.join(sorted(kind.value for kind in kinds))} at once")
+    for kind in sorted(kinds & UNDECIDED, key=lambda k: k.value):
+        yield Problem(number, -1, f"nobody who sends steps can decide what follows ({kind.value})")
+    outcomes = [edge.outcome for edge in edges]
+    if len(set(outcomes)) < len(outcomes):
+        yield Problem(number, -1, f"two ways on for one outcome: {', '.join(map(repr, outcomes))}")
+    if Wait.END in kinds and (len(edges) > 1 or edges[0].target != -1):
+        yield Problem(number, -1, f"the program ends here and goes on with section {edges[0].target}")
+
+
+def _waits(section: TraceSection, machine: Machine) -> Iterator[Problem]:
+    """What waits is the last of its section, and row and edge are of one kind."""
+    rows, number = section.rows, section.number
+    op = rows["op"]
+    kinds = {edge.wait for edge in section.edges}
+    waiting = np.isin(op, np.array([int(o) for o in WAITS], dtype=op.dtype))
+    if machine.controller.auto_tool_change:
+        # The changer's own cycle is in the job's rows; the motors stand for the change and go on.
+        waiting &= op != Op.TOOL_CHANGE
+    acting = ~np.isin(op, np.array([int(o) for o in NOTES], dtype=op.dtype))
+    last = int(np.flatnonzero(acting)[-1]) if acting.any() else -1
+    for row in np.flatnonzero(waiting).tolist():
+        kind = Op(int(op[row]))
+        name = _named(kind)
+        if row != last:
+            yield Problem(number, row, f"the section goes on after {name}")
+        elif WAITS[kind] not in kinds:
+            others = " and ".join(sorted(k.value for k in kinds)) or "nothing"
+            yield Problem(number, row, f"after {name} comes {others}")
+    ends = Op(int(op[last])) if last >= 0 else None
+    for wait in kinds - WITHOUT_A_ROW - UNDECIDED:
+        if ends is None or WAITS.get(ends) is not wait:
+            yield Problem(number, last, f"it ends in {wait.value}, and no row of it says so")
+
+
+def _named(kind: Op) -> str:
+    name = kind.name.lower().replace("_", " ")
+    article = "the" if kind is Op.END else "an" if name[0] in "aeiou" else "a"
+    return f"{article} {name}"
+
+
+def _ways(trace: Trace) -> Iterator[Problem]:
+    """Every section is reached from the first one, and no way leads back to where it has been."""
+    count = len(trace.sections)
+    targets = [[e.target for e in s.edges if 0 <= e.target < count] for s in trace.sections]
+    NEW, OPEN, DONE = 0, 1, 2
+    seen = [NEW] * count
+    stack: list[tuple[int, int]] = [(0, 0)]
+    seen[0] = OPEN
+    while stack:
+        number, place = stack.pop()
+        if place == len(targets[number]):
+            seen[number] = DONE
+            continue
+        stack.append((number, place + 1))
+        target = targets[number][place]
+        if seen[target] == OPEN:
+            yield Problem(number, -1, f"it leads back to section {target}: a stream that never ends has no time")
+        elif seen[target] == NEW:
+            seen[target] = OPEN
+            stack.append((target, 0))
+    for number in range(count):
+        if seen[number] == NEW:
+            yield Problem(number, -1, "no way leads here")
+
+
+def _open_loop(section: TraceSection, states: list[State]) -> Iterator[Problem]:
+    """What depends on where the spindle is, or on what the job itself changed of its axes."""
+    rows, number = section.rows, section.number
+    moving = rows["op"] <= LAST_MOTION
+    by_state: tuple[tuple[Callable[[State], bool], str], ...] = (
+        (lambda s: s.synchronised, "this move follows the turns of the spindle"),
+        (lambda s: s.surface_speed != 0.0, "the spindle's speed follows the tool"),
+        (lambda s: s.head != 0, "another head is selected"),
+        (lambda s: bool(s.retimed or s.backlash), "the job has changed what the machine file says of its axes"),
+    )
+    for found, what in (
+        *((moving & _where(rows["state"], states, true), what) for true, what in by_state),
+        (rows["op"] == Op.ORIENT, "the spindle stops in an orientation"),
+        ((rows["op"] == Op.HEAD) & (rows["arg"][:, 0] != 0), "another head is selected"),
+    ):  # fmt: skip
+        if found.any():
+            yield Problem(number, int(np.argmax(found)), what)
+
+
+def _knife(section: TraceSection, states: list[State], machine: Machine) -> Iterator[Problem]:
+    """A knife whose turning is not in the rows."""
+    knife = machine.controller.controls.knife
+    if knife is None or not (knife.output is not None or knife.target or knife.blend):
+        return
+    found = (section.rows["op"] <= LAST_MOTION) & _where(section.rows["state"], states, lambda s: KNIFE in s.following)
+    if found.any():
+        yield Problem(section.number, int(np.argmax(found)), "the knife is turned by the controller, not by these rows")
+
+
+def _height_map(trace: Trace, setup: Setup) -> Iterator[Problem]:
+    """A map that is on when the job begins, and that none of its moves follows."""
+    if setup.height_map is None or not setup.height_map.on:
+        return
+    moves = False
+    for section in trace.sections:
+        moving = section.rows["op"] <= LAST_MOTION
+        moves = moves or bool(moving.any())
+        if (moving & _where(section.rows["state"], trace.states, lambda s: HEIGHT_MAP in s.following)).any():
+            return
+    if moves:
+        yield Problem(-1, -1, "the setup's height map is on, and no move follows it")
+
+
+def _where(index: npt.NDArray[np.int32], states: list[State], true: Callable[[State], bool]) -> npt.NDArray[np.bool_]:
+    """By row, whether its state is so; indices are those of a verified Trace."""
+    if not states:
+        return np.zeros(len(index), dtype=np.bool_)
+    return np.array([true(state) for state in states], dtype=np.bool_)[index]
