@@ -153,7 +153,7 @@ def _quiet_lower(session: Session, running: Running) -> Lowered:
     from gproof.ir.finding import Findings
 
     told = session.findings
-    session.findings = Findings(limit=told.limit)
+    session.findings = Findings(limit=told.limit, stated=told.stated)
     lowered = lower(session, running, "stream")
     known = {(f.code.number, f.span) for f in told.kept}
     for finding in session.findings.kept:

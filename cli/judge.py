@@ -15,7 +15,7 @@ from gproof.cli.properties import added_checks, decided
 from gproof.cli.session import Running, Session
 from gproof.ir import codes
 from gproof.ir.dialects.accepts import MANUALS
-from gproof.ir.finding import AT_END, Finding, Findings, Severity, Span
+from gproof.ir.finding import AT_END, Finding, Findings, Related, Severity, Span
 from gproof.ir.machine import Machine
 from gproof.ir.record import field, record
 from gproof.ir.setup import ZERO
@@ -26,7 +26,9 @@ from gproof.passes.arc_radius import ArcRadius
 from gproof.passes.areas import Areas
 from gproof.passes.beside import InOrder
 from gproof.passes.boundaries import Boundaries
+from gproof.passes.check import apart, excluding
 from gproof.passes.execute import Executor
+from gproof.passes.first_moves import FirstMoves
 from gproof.passes.guards import GuardStretches
 from gproof.passes.knife import follow_knife
 from gproof.passes.limits import Limits
@@ -113,16 +115,16 @@ def judge(
             summary=Summary(), findings=findings,
         )  # fmt: skip
     setting = session.setup.block_delete
-    results, summary, assumed, met = _pass(
+    results, summary, assumed, met, _ = _pass(
         session, findings, bool(setting), running, properties, observe, beat, hears
     )  # fmt: skip
     if met and setting is None:
-        other = Findings(limit=findings.limit)
-        second, switched, more, _ = _pass(session, other, True, running, properties, None, beat, hears)
+        other = Findings(limit=findings.limit, stated=findings.stated)
+        second, switched, more, _, later = _pass(session, other, True, running, properties, None, beat, hears)
         summary.extents += switched.extents
         summary.open_path |= switched.open_path
         summary.remains = ()
-        results = [_both(session, findings, a, b) for a, b in zip(results, second, strict=True)]
+        results = [_both(session, findings, a, b, later) for a, b in zip(results, second, strict=True)]
         findings.join(other)
         assumed += [a for a in more if a not in assumed]
         assumed.append("judged with block delete off and on")
@@ -151,8 +153,8 @@ def in_spite_of(
     found: dict[tuple[int, Span], Finding] = {}
     stated = session.setup.block_delete
     for block_delete in (False, True) if stated is None else (stated,):
-        other = Findings(limit=judgement.findings.limit)
-        *_, met = _pass(
+        other = Findings(limit=judgement.findings.limit, stated=session.findings.stated)
+        *_, met, _ = _pass(
             session, other, block_delete, running, properties, None, beat, None, accepted
         )  # fmt: skip
         for finding in other.kept:
@@ -167,7 +169,7 @@ def _pass(
     session: Session, findings: Findings, block_delete: bool, running: Running, properties: Sequence[str],
     observe: Observer | None, beat: Beat | None, hears: Hears | None,
     accepted: frozenset[tuple[int, Span]] = frozenset(),
-) -> tuple[list[PropertyResult], Summary, list[str], bool]:  # fmt: skip
+) -> tuple[list[PropertyResult], Summary, list[str], bool, FirstMoves]:  # fmt: skip
     assert session.program is not None
     machine, setup = session.machine, session.setup
     ex = Executor(
@@ -188,7 +190,7 @@ def _pass(
     stretches = GuardStretches(machine, findings)
     estimate = MotionEstimate(machine)
     timed = InOrder(estimate.feed)
-    outcomes = Outcomes()
+    outcomes, firsts = Outcomes(), FirstMoves()
     sections, waits = 0, set[Wait]()
     begin: dict[str, float] = {}
     ends: list[dict[str, float]] = []
@@ -206,6 +208,7 @@ def _pass(
             unit = float(chunk.rows["arg"][int(named[0]), 0])
         waits.update(edge.wait for edge in chunk.edges)
         outcomes.feed(chunk, forked=bool(ex.asked))
+        firsts.feed(chunk)
         with findings.within(chunk.section):
             for check in (*checks, edges, *added):
                 check.feed(chunk)
@@ -219,13 +222,13 @@ def _pass(
     timed.wait()
     estimate.finish()
     stretches.finish()
-    fits = _together(session, findings, limits.finish(), edges.finish())
+    fits = _together(session, findings, limits.finish(), edges.finish(), firsts)
     area.given(fits.conditions)
     results = [fits, *(check.finish() for check in checks[1:])]
     for name, answers in itertools.groupby((check.finish() for check in added), key=lambda answer: answer.name):
         first, *more = answers
         results.append(
-            functools.reduce(lambda a, b: _both(session, findings, a, b, f"the checks of {name}"), more, first)
+            functools.reduce(lambda a, b: _both(session, findings, a, b, firsts, f"the checks of {name}"), more, first)
         )
     findings.section = None
     outcomes.name(findings, ex.asked, session.program)
@@ -250,7 +253,7 @@ def _pass(
         *ex.assumed,
         *_standing(session, waits),
     ]
-    return [language, *results], summary, assumed, ex.met_deleted
+    return [language, *results], summary, assumed, ex.met_deleted, firsts
 
 
 def _taken_as_zero(session: Session, lengths: Iterable[int]) -> list[str]:
@@ -305,15 +308,18 @@ def _not_proved(result: PropertyResult) -> PropertyResult:
     return dataclasses.replace(result, verdict=Verdict.UNKNOWN, conditions=())
 
 
-def _together(session: Session, findings: Findings, limits: PropertyResult, edges: PropertyResult) -> PropertyResult:
+def _together(
+    session: Session, findings: Findings, limits: PropertyResult, edges: PropertyResult, firsts: FirstMoves
+) -> PropertyResult:
     """What soft limits and boundaries ask of unknown offsets, which both hold at once.
 
-    GP303 where what each needs for certain excludes the other; GP304 where only their conditions do.
+    GP303 where what each needs for certain excludes the other; GP304 where only their conditions do: at the later one
+    of two moves that exclude each other.
     """
     needed = (*limits.needed, *edges.needed)
     missed = contradiction(needed) if limits.needed and edges.needed else 0.0
     told = findings.has(Severity.ERROR, ("limits",))
-    fits = _both(session, findings, limits, edges, "limits and boundaries", refuted=bool(missed))
+    fits = _both(session, findings, limits, edges, firsts, "limits and boundaries", refuted=bool(missed))
     if missed and not told:
         names = " and ".join(
             dict.fromkeys(describe(((symbol, 1),), session.machine) for c in needed for symbol, _ in c.terms)
@@ -322,24 +328,70 @@ def _together(session: Session, findings: Findings, limits: PropertyResult, edge
             f"{what}: {_range(session, c)}" for what, r in (("limits", limits), ("boundaries", edges)) for c in r.needed
         ]
         hint = "what soft limits and boundaries ask excludes each other; " + ", ".join(asked)
+        where, _, related = _apart(session, limits.needed, edges.needed, firsts)
         findings.add(
             codes.NO_SAFE_OFFSET.at(
-                Span(str(session.job), 1), what=f"no offset {names} makes the job fit: it spans", extent=missed,
-                unit="mm", other="the axis has", room=0.0, hint=hint,
+                where, what=f"no offset {names} makes the job fit: it spans", extent=missed,
+                unit="mm", other="the axis has", room=0.0, hint=hint, related=related,
             )
         )  # fmt: skip
         return dataclasses.replace(fits, verdict=Verdict.UNSAFE, conditions=())
     if not missed and fits.verdict is Verdict.SAFE and contradiction(fits.conditions):
         names = " and ".join(describe(c.terms, session.machine) for c in fits.conditions)
         cause = f"{names}: no values of them suit limits and boundaries at once"
-        findings.add(codes.POSITION_UNKNOWN.at(Span(str(session.job), 1), axis="the job", cause=cause))
+        where, hint, related = _apart(session, limits.conditions, edges.conditions, firsts)
+        findings.add(codes.POSITION_UNKNOWN.at(where, axis="the job", cause=cause, hint=hint, related=related))
         return dataclasses.replace(fits, verdict=Verdict.UNKNOWN)
     return fits
 
 
+def _apart(
+    session: Session, ours: Sequence[Condition], theirs: Sequence[Condition], firsts: FirstMoves
+) -> tuple[Span, str, tuple[Related, ...]]:
+    """Where conditions of two checks exclude each other: at the later of the two moves that miss each other most."""
+    one_sided = [
+        [c for whole in several for c in _sides(whole) if math.isfinite(c.low) or math.isfinite(c.high)]
+        for several in (ours, theirs)
+    ]
+    most, pair = 0.0, None
+    for a, b in itertools.product(*one_sided):
+        missed = contradiction((a, b))
+        most, pair = (missed, (a, b)) if missed > most else (most, pair)
+    everything = (*ours, *theirs)
+    otherwise = _begins(session, tuple(term for c in everything for term in c.terms), firsts)
+    if pair is None:
+        return otherwise, "", ()
+    one, other = ((_place(side), _range(session, side)) for side in pair)
+    return excluding(one, other, otherwise)
+
+
+def _sides(condition: Condition) -> tuple[Condition, Condition]:
+    """What a condition asks below and above."""
+    below, above = condition.places
+    return (
+        dataclasses.replace(condition, high=math.inf, places=(below, None)),
+        dataclasses.replace(condition, low=-math.inf, places=(None, above)),
+    )
+
+
+def _place(side: Condition) -> Span | None:
+    return side.places[0] or side.places[1]
+
+
+def _begins(session: Session, terms: Affine, firsts: FirstMoves) -> Span:
+    """The first move that rests on these; of a job without moves its first line."""
+    return firsts.of_terms(terms) or Span(str(session.job), 1)
+
+
+def _unit(session: Session, condition: Condition) -> str:
+    """That of the axis whose offsets a condition is about."""
+    names = {symbol.rpartition(".")[2] for symbol, _ in condition.terms}
+    return next((axis.unit for axis in session.machine.axes if axis.name in names), "mm")
+
+
 def _range(session: Session, condition: Condition) -> str:
     ends = [
-        f"{side} {value + 0.0:.4f} mm"
+        f"{side} {value + 0.0:.4f} {_unit(session, condition)}"
         for side, value in (("at least", condition.low), ("at most", condition.high))
         if math.isfinite(value)
     ]
@@ -347,29 +399,29 @@ def _range(session: Session, condition: Condition) -> str:
 
 
 def _both(
-    session: Session, findings: Findings, a: PropertyResult, b: PropertyResult, what: str = "the block delete switch",
-    *, refuted: bool = False,
+    session: Session, findings: Findings, a: PropertyResult, b: PropertyResult, firsts: FirstMoves,
+    what: str = "the block delete switch", *, refuted: bool = False,
 ) -> PropertyResult:  # fmt: skip
     """One property under two settings of a switch, or by two checks: both must hold, for the same offsets.
 
-    refuted: that they exclude each other is told already.
+    firsts: moves of the second one; refuted: that they exclude each other is told already.
     """
     verdict = worst((a.verdict, b.verdict))
     assumptions = a.assumptions + tuple(x for x in b.assumptions if x not in a.assumptions)
-    ranges: dict[Affine, tuple[float, float]] = {}
+    ranges: dict[Affine, Condition] = {}
     for c in (*a.conditions, *b.conditions):
-        low, high = ranges.get(c.terms, (-math.inf, math.inf))
-        ranges[c.terms] = max(low, c.low), min(high, c.high)
-    conditions = tuple(Condition(terms=terms, low=low, high=high) for terms, (low, high) in ranges.items())
+        ranges[c.terms] = c.within(ranges[c.terms]) if c.terms in ranges else c
+    conditions = tuple(ranges.values())
     for c in conditions:
         if c.empty and not refuted:
             both = f"both settings of {what}" if what == "the block delete switch" else f"all of {what}"
             cause = f"{describe(c.terms, session.machine)}: no value of it suits {both}"
-            where = Span(str(session.job), 1)
+            unit = _unit(session, c)
+            where, hint, related = apart(c, session.machine, unit, _begins(session, c.terms, firsts))
             if a.name == "areas":
-                findings.add(codes.TOOL_CHANGE_AREA_UNKNOWN.at(where, cause=cause))
+                findings.add(codes.TOOL_CHANGE_AREA_UNKNOWN.at(where, cause=cause, hint=hint, related=related))
             else:
-                findings.add(codes.POSITION_UNKNOWN.at(where, axis="the job", cause=cause))
+                findings.add(codes.POSITION_UNKNOWN.at(where, axis="the job", cause=cause, hint=hint, related=related))
             verdict = worst((verdict, Verdict.UNKNOWN))
     conditions = tuple(c for c in conditions if not c.empty)
     return PropertyResult(name=a.name, verdict=verdict, assumptions=assumptions, conditions=conditions)

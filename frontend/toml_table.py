@@ -30,6 +30,8 @@ TINIEST = Fraction(1, 10**12)
 OPTIONS = {"gproof-machine/1": "--machine", "gproof-setup/1": "--setup"}
 """The option that takes the files of a schema."""
 
+_ROLES = {"gproof-machine/1": "machine", "gproof-setup/1": "setup"}
+
 _NO_TOML = {
     "gproof-machine/1": "a machine file is gproof's (TOML), or the controller's: WINCNC.INI, McuWIN.ini, cnc.ini",
     "gproof-setup/1": "a setup file is gproof's (TOML)",
@@ -118,6 +120,10 @@ class TomlFile:
             self.add_at(codes.FILE_UNREADABLE, span, what=what, hint=hint)
             return None
         self._lines = _lines_of_keys(text)
+        role = _ROLES.get(self.schema)
+        for key, line in self._lines.items() if role else ():
+            # Of files that refine one another the outermost one has the last word, and is read first.
+            self.findings.stated.setdefault(f"{role}.{key.replace('-', '_')}", Span(self.name, line))
         return parsed
 
     def _check_schema(self, schema: str) -> None:

@@ -294,6 +294,7 @@ class Findings:
     order of arrival, and beyond these the first of each kind, ``limit`` again at most; ``times`` how often each
     kept one came; ``groups`` every kind, with those that are not kept. ``section``: of the trace, in which findings
     arise now, -1 at the end of a job, None outside of a run; ``sections``: for each kept one those in which it arose.
+    ``stated``: where files state what they state, by dotted keys, ``setup.`` or ``machine.`` before them.
     """
 
     limit: int = 20
@@ -303,6 +304,7 @@ class Findings:
     groups: dict[GroupKey, Group] = field(default_factory=dict)
     section: int | None = None
     sections: dict[Finding, set[int]] = field(default_factory=dict)
+    stated: dict[str, Span] = field(default_factory=dict, compare=False, repr=False)
     _different: dict[int, int] = field(default_factory=dict)
     _kinds: dict[int, int] = field(default_factory=dict)
 
@@ -334,6 +336,12 @@ class Findings:
             self._arose(finding, sections)
             if group is not None:
                 group.kept += 1
+
+    def where(self, key: str, otherwise: Span) -> Span:
+        """Where a dotted key is stated, or the nearest table that holds it; otherwise: where no file states it."""
+        while key and key not in self.stated:
+            key = key.rpartition(".")[0]
+        return self.stated.get(key, otherwise)
 
     def _arose(self, finding: Finding, sections: Iterable[int]) -> None:
         if self.section is not None:

@@ -5,7 +5,8 @@ from __future__ import annotations
 import enum
 from collections.abc import Iterable
 
-from gproof.ir.record import record
+from gproof.ir.finding import Span
+from gproof.ir.record import field, record
 
 
 class Verdict(enum.Enum):
@@ -50,17 +51,27 @@ class PropertyResult:
 class Condition:
     """low <= sum(coefficient * symbol) <= high, in mm or degrees, over unknown offsets.
 
-    terms: ((symbol, coefficient), ...) such as (("work.1.x", 1),); sorted by symbol.
+    terms: ((symbol, coefficient), ...) such as (("work.1.x", 1),); sorted by symbol; places: the moves that ask for
+    ``low`` and for ``high``, None where none is known; no part of what it states.
     """
 
     terms: tuple[tuple[str, int], ...]
     low: float
     high: float
+    places: tuple[Span | None, Span | None] = field(default=(None, None), compare=False, repr=False)
 
     @property
     def empty(self) -> bool:
         """True when no value satisfies it."""
         return not self.low <= self.high
+
+    def within(self, other: Condition) -> Condition:
+        """Both at once, of the same terms; where they ask for the same, the place of the other one."""
+        below, above = self.low > other.low, self.high < other.high
+        return Condition(
+            terms=self.terms, low=self.low if below else other.low, high=self.high if above else other.high,
+            places=((self if below else other).places[0], (self if above else other).places[1]),
+        )  # fmt: skip
 
 
 DEFAULT_POLICY = ("language", "limits", "areas", "arcs")

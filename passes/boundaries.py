@@ -16,15 +16,27 @@ import numpy.typing as npt
 
 from gproof.ir import codes
 from gproof.ir.columns import occurring
-from gproof.ir.finding import Findings, Related, Severity, Span
+from gproof.ir.finding import Findings, Severity, Span
 from gproof.ir.machine import AXES, Machine
 from gproof.ir.record import record
 from gproof.ir.setup import Setup
 from gproof.ir.symbols import describe
 from gproof.ir.trace import UNKNOWN, UNMEASURED, Affine, Boundary, Chunk, State, Trace
 from gproof.ir.verdict import Condition, PropertyResult, Verdict
-from gproof.passes.check import KEPT, Check, Like, form_interval, no_safe_offset, row_span, split_form, told_of
+from gproof.passes.check import (
+    KEPT,
+    Check,
+    Like,
+    apart,
+    excluding,
+    form_interval,
+    no_safe_offset,
+    row_span,
+    split_form,
+    told_of,
+)  # fmt: skip
 from gproof.passes.extent_kernels import row_boxes
+from gproof.passes.first_moves import FirstMoves
 from gproof.passes.single_state import vertical_axes
 from gproof.passes.values import add_forms
 
@@ -118,6 +130,7 @@ class Boundaries(Check):
         self._units = {axis.index: axis.unit for axis in machine.axes}
         self._vertical = vertical_axes(machine)
         self._unheld: set[int] = set()
+        self._firsts = FirstMoves()
         self._first = Span("", 1)
 
     def feed(self, chunk: Chunk) -> None:
@@ -127,6 +140,8 @@ class Boundaries(Check):
             self._trace, self._first = trace, Span(trace.files[0], 1)
         if not len(rows):
             return
+        self._firsts.feed(chunk)
+        self._first = self._firsts.job or self._first
         keys = {key for index in occurring(rows["state"]) for key in _keys(trace.states[index])}
         for key in sorted(keys, key=repr):
             self._walk(chunk, key)
@@ -236,22 +251,25 @@ class Boundaries(Check):
         conditions, needed = [], []
         for form, room in sorted(rooms.items(), key=lambda pair: pair[0]):
             low, high = room.low, room.high
-            needed.append(Condition(terms=form, low=room.least, high=room.most))
+            below, above = room.below, room.above
+            places = None if below is None else below.span, None if above is None else above.span
+            needed.append(Condition(terms=form, low=room.least, high=room.most, places=places))
             if room.least > room.most + 2 * ROUNDING:
                 self._refuted(form, room)
             elif low > high + 2 * ROUNDING:
-                end = room.below or room.above
-                self._unknown(
-                    self._first if end is None else end.span,
-                    describe(form, self.machine),
-                    f"no {describe(form, self.machine)} keeps the whole job within boundaries",
-                )
+                asked = Condition(terms=form, low=low, high=high, places=places)
+                mm = "mm" if room.below is None else self._units.get(room.below.axis, "mm")
+                where, hint, related = apart(asked, self.machine, mm, self._first)
+                name = describe(form, self.machine)
+                cause = f"no {name} keeps the whole job within boundaries"
+                self.findings.add(codes.POSITION_UNKNOWN.at(where, axis=name, cause=cause, hint=hint, related=related))
             else:
                 low, high = min(low, high), max(low, high)
                 if all(coefficient < 0 for _, coefficient in form):
                     # Told of the offset itself, not of its negative.
                     form, low, high = tuple((symbol, -c) for symbol, c in form), -high, -low
-                conditions.append(Condition(terms=form, low=low, high=high))
+                    places = places[1], places[0]
+                conditions.append(Condition(terms=form, low=low, high=high, places=places))
         verdict = Verdict.SAFE
         if self._errors or self.findings.has(Severity.ERROR, (self.name,)):
             verdict = Verdict.UNSAFE
@@ -269,13 +287,17 @@ class Boundaries(Check):
         if all(coefficient < 0 for _, coefficient in form):
             form = tuple((symbol, -c) for symbol, c in form)
             asks = f"at most {-room.least:.4f} {mm}", f"at least {-room.most:.4f} {mm}"
+        where, hint, related = excluding(
+            (lower.span, f"an offset of {asks[0]} above its lower boundary"),
+            (upper.span, f"an offset of {asks[1]} below its upper boundary"),
+            self._first,
+        )
         self._errors += 1
         self.findings.add(
             codes.NO_SAFE_OFFSET.at(
-                lower.span, what=f"no offset {describe(form, self.machine)} makes the job fit: it spans",
-                extent=free + room.least - room.most, unit=mm, other="the axis has", room=free,
-                hint=f"above its lower boundary this line needs an offset of {asks[0]}",
-                related=(Related(upper.span, f"below its upper boundary this line needs an offset of {asks[1]}"),),
+                where, what=f"no offset {describe(form, self.machine)} makes the job fit: it spans",
+                extent=free + room.least - room.most, unit=mm, other="the axis has", room=free, hint=hint,
+                related=related,
             )
         )  # fmt: skip
 
@@ -329,10 +351,14 @@ class Boundaries(Check):
                 continue
             if low > high + 2 * ROUNDING and edge.low is not None and edge.high is not None:
                 self._errors += 1
+                mm = self._units.get(edge.axis, "mm")
+                places = box.low_span[slot, edge.axis], box.high_span[slot, edge.axis]
+                asked = Condition(terms=form, low=low, high=high, places=places)
+                where, hint, related = apart(asked, self.machine, mm, span)
                 self.findings.add(
                     no_safe_offset(
-                        span, form, self.machine, extent=most - least, unit=self._units.get(edge.axis, "mm"),
-                        room=edge.high - edge.low,
+                        where, form, self.machine, extent=most - least, unit=mm, room=edge.high - edge.low, hint=hint,
+                        related=related,
                     )
                 )  # fmt: skip
                 continue

@@ -11,12 +11,12 @@ import numpy.typing as npt
 
 from gproof.ir import codes
 from gproof.ir.columns import Columns
-from gproof.ir.finding import Finding, Findings, Span
+from gproof.ir.finding import Finding, Findings, Related, Span
 from gproof.ir.machine import AXES, Machine
 from gproof.ir.setup import Interval, Setup
 from gproof.ir.symbols import describe
 from gproof.ir.trace import UNKNOWN, Affine, Chunk, Trace
-from gproof.ir.verdict import PropertyResult
+from gproof.ir.verdict import Condition, PropertyResult
 
 if TYPE_CHECKING:
     from gproof.passes.stock_fields import Remains
@@ -126,14 +126,46 @@ def form_interval(form: Affine, setup: Setup, trace: Trace) -> Interval | None:
     return Interval(low, high)
 
 
-def no_safe_offset(span: Span, form: Affine, machine: Machine, *, extent: float, room: float, unit: str) -> Finding:
+Asking = tuple[Span | None, str]
+"""A move, None where none is known, and what it asks for."""
+
+
+def excluding(below: Asking, above: Asking, otherwise: Span) -> tuple[Span, str, tuple[Related, ...]]:
+    """Where two moves that exclude each other are reported: (place of the later one, what it asks, the other one).
+
+    A file that is called has no place before or after the job's lines: the second one counts there.
+    """
+    there = [(span, asks) for span, asks in (below, above) if span is not None]
+    if not there:
+        return otherwise, "", ()
+    if len(there) == 1 or there[0][0] == there[1][0]:
+        return there[0][0], " and ".join(f"this line needs {asks}" for _, asks in there), ()
+    (one, asks), (other, others) = there
+    if one.file == other.file and one.line > other.line:
+        (one, asks), (other, others) = (other, others), (one, asks)
+    return other, f"this line needs {others}", (Related(one, f"this line needs {asks}"),)
+
+
+def apart(asked: Condition, machine: Machine, unit: str, otherwise: Span) -> tuple[Span, str, tuple[Related, ...]]:
+    """The same for a condition that nothing satisfies; unit: of its ends."""
+    name = describe(asked.terms, machine)
+    below = asked.places[0], f"{name} at least {asked.low + 0.0:.4f} {unit}"
+    above = asked.places[1], f"{name} at most {asked.high + 0.0:.4f} {unit}"
+    return excluding(below, above, otherwise)
+
+
+def no_safe_offset(
+    span: Span, form: Affine, machine: Machine, *, extent: float, room: float, unit: str, hint: str = "",
+    related: tuple[Related, ...] = (),
+) -> Finding:  # fmt: skip
     """GP303 of unknowns that nothing bounds; extent: what the job spans on the axis, room: what the axis has."""
     name = describe(form, machine)
     free = not split_form(form)[0]
     what = f"no offset {name} makes the job fit" if free else f"whatever {name} is, the job does not fit"
     return codes.NO_SAFE_OFFSET.at(
-        span, what=f"{what}: it spans", extent=extent, unit=unit, other="the axis has", room=room
-    )
+        span, what=f"{what}: it spans", extent=extent, unit=unit, other="the axis has", room=room, hint=hint,
+        related=related,
+    )  # fmt: skip
 
 
 def none_suits(span: Span, form: Affine, machine: Machine, *, known: Interval, safe: Interval, unit: str) -> Finding:

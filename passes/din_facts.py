@@ -35,46 +35,53 @@ def _contradicted(setup: Setup, machine: Machine, name: str) -> bool:
     return record is not None and (record.high < now.low or record.low > now.high)
 
 
-def foreign(setup: Setup, machine: Machine) -> Iterator[str]:
-    """What of both no McuWIN has, in the words of the files; what is neutral everywhere is left out."""
+def foreign(setup: Setup, machine: Machine) -> Iterator[tuple[str, str]]:
+    """(what of both no McuWIN has, in words of the files, its dotted key); what is neutral everywhere is left out."""
     turned = setup.transform
     if turned is not None and (
         math.fmod(turned.angle or 0.0, 360.0) or (turned.factor_x or 1.0, turned.factor_y or 1.0) != (1.0, 1.0)
     ):
-        yield "[transform]: no code of this controller rotates or scales"
+        yield "[transform]: no code of this controller rotates or scales", "setup.transform"
     if any(ends.low or ends.high for ends in setup.heads.values()):
-        yield "[heads]: no code of this controller selects a head"
+        yield "[heads]: no code of this controller selects a head", "setup.heads"
     if setup.cylinder is not None:
-        yield "[cylinder]: a cylinder is programmed by G51 (3.17)"
+        yield "[cylinder]: a cylinder is programmed by G51 (3.17)", "setup.cylinder"
     if setup.height_map is not None:
-        yield "[height_map]: this controller follows none"
-    if any(ends.low or ends.high for ends in setup.tool_lengths.values()):
-        yield "lengths of tools ([tools], tool_length): this controller has them in ToolComp.INI (2.7)"
+        yield "[height_map]: this controller follows none", "setup.height_map"
+    lengths = [number for number, ends in setup.tool_lengths.items() if ends.low or ends.high]
+    if lengths:
+        key = f"setup.tools.{min(lengths)}" if min(lengths) else "setup.tool_length"
+        yield "lengths of tools ([tools], tool_length): this controller has them in ToolComp.INI (2.7)", key
     if any(ends.low or ends.high for ends in setup.measures.values()):
-        yield "[measures]: this controller has lengths of tools in ToolComp.INI (2.7)"
-    if any(number > RECORDS and (ends.low or ends.high) for (number, _), ends in setup.work.items()):
-        yield "[work.6] and on: there are five records of zero offsets, G54 to G58 (3.19)"
+        yield "[measures]: this controller has lengths of tools in ToolComp.INI (2.7)", "setup.measures"
+    beyond = [number for (number, _), ends in setup.work.items() if number > RECORDS and (ends.low or ends.high)]
+    if beyond:
+        said = "[work.6] and on: there are five records of zero offsets, G54 to G58 (3.19)"
+        yield said, f"setup.work.{min(beyond)}"
     if setup.active_work is not None and setup.active_work > RECORDS:
-        yield f"active_work = {setup.active_work}: there are five records of zero offsets, G54 to G58 (3.19)"
+        said = f"active_work = {setup.active_work}: there are five records of zero offsets, G54 to G58 (3.19)"
+        yield said, "setup.active_work"
     other = [name for name in AXIS_NAMES if _contradicted(setup, machine, name)]
     if other:
         names = " ".join(name.upper() for name in other)
-        yield f"active_work = {setup.active_work} beside [g92], which states another zero offset in force for {names}"
+        said = f"active_work = {setup.active_work} beside [g92], which states another zero offset in force for {names}"
+        yield said, f"setup.g92.{other[0]}"
     strange = [number for number in setup.inputs if number < _FIRST_INPUT]
     if strange:
-        yield f'[inputs] {strange[0]}: inputs here have an axis, "X.digib.1" (7)'
+        yield f'[inputs] {strange[0]}: inputs here have an axis, "X.digib.1" (7)', f"setup.inputs.{strange[0]}"
     stated = {**{n: (v, v) for n, v in setup.parameters.items()},
               **{n: (r.low, r.high) for n, r in setup.parameter_ranges.items()}}  # fmt: skip
     for number, ends in sorted(stated.items()):
+        key = f"setup.parameters.{number}"
         if number >= DECLARED:
-            yield f"[parameters] {number}: CD0 is 0, CI0 is {COMMON}, and CI999 is {DECLARED - 1}"
+            yield f"[parameters] {number}: CD0 is 0, CI0 is {COMMON}, and CI999 is {DECLARED - 1}", key
         elif number >= COMMON and not all(end == math.floor(end) and abs(end) < 2.0**31 for end in ends):
-            yield f"[parameters] {number}: CI{number - COMMON} is a whole number of 32 bits (11)"
+            yield f"[parameters] {number}: CI{number - COMMON} is a whole number of 32 bits (11)", key
     controller = machine.controller
     for key in ("diameter_programming", "absolute_arc_centers", "turning", "extruder"):
         if getattr(controller, key):
-            yield f"{key} of the machine file: this controller does not have it"
+            yield f"{key} of the machine file: this controller does not have it", f"machine.controller.{key}"
     if machine.knife is not None:
-        yield "[knife] of the machine file: this controller turns none"
+        yield "[knife] of the machine file: this controller turns none", "machine.knife"
     if controller.controls != NO_CONTROLS:
-        yield "[controls] of the machine file: settings of another controller"
+        yield "[controls] of the machine file: settings of another controller", "machine.controls"

@@ -116,8 +116,9 @@ class Emitter:
         self.risen: dict[tuple[Position, Position], Position] = {}
         self._start_system(setup)
         if program.rules.source_order:
-            for what in foreign(setup, machine):
-                self._fail(codes.FOREIGN_FACT.at(Span(setup.name, 1), what=what))
+            for what, key in foreign(setup, machine):
+                where = findings.where(key, Span(machine.name if key.startswith("machine.") else setup.name, 1))
+                self._fail(codes.FOREIGN_FACT.at(where, what=what))
         # What is still to do, and what branches and loops keep of it: passes/branches.py, passes/loops.py.
         self.branches = 0
         # What led into a section that is one outcome of several.
@@ -159,7 +160,8 @@ class Emitter:
             return
         whole = round(value)
         if abs(value - whole) > self.program.rules.integer_tolerance or not 1 <= whole <= 9:
-            self.findings.add(codes.STARTUP_COORDINATE_SYSTEM.at(Span(setup.name, 1), value=value))
+            where = self.findings.where("setup.parameters.5220", Span(setup.name, 1))
+            self.findings.add(codes.STARTUP_COORDINATE_SYSTEM.at(where, value=value))
 
     def spend(self, span: Span) -> None:
         """Count one executed block; Refusal GP233 when the budget is used up."""

@@ -17,7 +17,7 @@ import numpy.typing as npt
 
 from gproof.ir import codes
 from gproof.ir.columns import occurring
-from gproof.ir.finding import Findings, Severity, Span
+from gproof.ir.finding import Findings, Related, Severity, Span
 from gproof.ir.machine import AXES, AXIS_NAMES, NO_MACHINE, Axis, AxisKind, Machine, Unmodelled
 from gproof.ir.setup import Interval, Setup
 from gproof.ir.symbols import RISEN, UNHOMED, describe
@@ -27,6 +27,7 @@ from gproof.passes.check import (
     KEPT,
     Check,
     Like,
+    apart,
     form_interval,
     no_safe_offset,
     none_suits,
@@ -35,6 +36,7 @@ from gproof.passes.check import (
     told_of,
 )  # fmt: skip
 from gproof.passes.extent_kernels import row_boxes
+from gproof.passes.first_moves import FirstMoves
 from gproof.passes.height_map import heights_of
 from gproof.passes.open_settings import note
 from gproof.passes.reach import Range, reach_of, reaches
@@ -105,28 +107,29 @@ def _with_backlash(axis: Axis, amount: float) -> Axis:
 class _Offset:
     """What all rows under one unknown offset leave of it, whatever frame and guard they stand in.
 
-    low, high: its range; least, most: extent of the rows without it; span: the row that reaches highest; low_span,
+    low, high: its range; least, most: extent of the rows without it; span: the first move that rests on it; low_span,
     high_span: the rows that bound the range.
     """
 
-    def __init__(self, axis: Axis) -> None:
-        self.axis = axis
+    def __init__(self, axis: Axis, span: Span) -> None:
+        self.axis, self.span = axis, span
         self.low, self.high = -math.inf, math.inf
         self.least, self.most = math.inf, -math.inf
-        self.span = Span("", 0)
         self.low_span = self.high_span = Span("", 0)
 
     def within(self, room: tuple[float, float], least: float, most: float, spans: tuple[Span, Span]) -> None:
         """Rows from ``least`` to ``most``, the lowest and the highest at ``spans``, fit with the offset in ``room``."""
-        span = spans[1]
         if room[0] > self.low or not self.low_span.line:
             self.low_span = spans[0]
         if room[1] < self.high or not self.high_span.line:
             self.high_span = spans[1]
         self.low, self.high = max(self.low, room[0]), min(self.high, room[1])
-        if most > self.most:
-            self.most, self.span = most, span
-        self.least = min(self.least, least)
+        self.least, self.most = min(self.least, least), max(self.most, most)
+
+    def apart(self, form: Affine, machine: Machine) -> tuple[Span, str, tuple[Related, ...]]:
+        """Where the two rows that bound the range are reported when they leave nothing of it."""
+        asked = Condition(terms=form, low=self.low, high=self.high, places=(self.low_span, self.high_span))
+        return apart(asked, machine, self.axis.unit, self.span)
 
 
 class Limits(Check):
@@ -161,7 +164,8 @@ class Limits(Check):
         self._used = [False] * AXES
         self._errors = 0
         self._is_open = False
-        self._needed: dict[Affine, tuple[float, float]] = {}
+        self._needed: dict[Affine, Condition] = {}
+        self._firsts = FirstMoves()
         self._first: Span | None = None
         self._assumptions: list[str] = []
         self.noted: list[Unmodelled] = []
@@ -184,9 +188,11 @@ class Limits(Check):
     def feed(self, chunk: Chunk) -> None:
         """Widen the extents by the chunk's rows; findings for rows beyond known limits."""
         trace, rows = chunk.trace, chunk.rows
+        self._firsts.feed(chunk)
         if self._trace is None:
             self._trace = trace
             self._begin(chunk)
+        self._first = self._firsts.job or self._first
         if not len(rows):
             return
         if self.setup.cylinder is not None:
@@ -366,9 +372,10 @@ class Limits(Check):
             low, high = self._own_y
             if (low is not None and cylinder.y < low - ROUNDING) or (high is not None and cylinder.y > high + ROUNDING):
                 self._errors += 1
-                self.findings.add(codes.START_OUTSIDE_LIMITS.at(self._first, axis="Y", value=cylinder.y, unit="mm"))
+                where = self.findings.where("setup.cylinder.y", self._first)
+                self.findings.add(codes.START_OUTSIDE_LIMITS.at(where, axis="Y", value=cylinder.y, unit="mm"))
         for what in missing:
-            self.findings.add(codes.MAPPED_AXIS.at(self._first, what=what))
+            self.findings.add(codes.MAPPED_AXIS.at(self.findings.where("setup.cylinder", self._first), what=what))
 
     def _mapping(self, chunk: Chunk) -> None:
         """GP321 when the program turns A by itself while Y does."""
@@ -386,7 +393,7 @@ class Limits(Check):
     def _begin(self, chunk: Chunk) -> None:
         self._start = chunk.start
         self._start_forms = chunk.trace.frames[chunk.start_frame]
-        self._first = Span(chunk.trace.files[0], 1)
+        self._first = self._firsts.job or Span(chunk.trace.files[0], 1)
         if self.setup.cylinder is not None:
             self._begin_mapping()
         for reach in self.reaches.values():
@@ -395,7 +402,8 @@ class Limits(Check):
             below = low is not None and at < low - ROUNDING
             above = high is not None and at > high + ROUNDING
             if form == () and (below or above):
-                self.findings.add(codes.START_OUTSIDE_LIMITS.at(self._first, axis=axis.word, value=at, unit=axis.unit))
+                where = self.findings.where(f"setup.start.{axis.word.lower()}", self._first)
+                self.findings.add(codes.START_OUTSIDE_LIMITS.at(where, axis=axis.word, value=at, unit=axis.unit))
                 self._errors += 1
 
     def _beyond(
@@ -448,7 +456,7 @@ class Limits(Check):
         ):
             self._assumptions.append(PROGRAMMED)
         results = self._conditions(offsets)
-        needed = tuple(Condition(terms=form, low=low, high=high) for form, (low, high) in sorted(self._needed.items()))
+        needed = tuple(self._needed[form] for form in sorted(self._needed))
         verdict = Verdict.SAFE
         if self._errors or self.findings.has(Severity.ERROR, (self.name,)):
             verdict = Verdict.UNSAFE
@@ -528,15 +536,17 @@ class Limits(Check):
                 continue
             room = -math.inf if low is None else low - least, math.inf if high is None else high - most
             if not off:
-                self._need(axis, form, least, most)
-            offset = offsets.setdefault(form, _Offset(axis))
+                self._need(axis, form, slot)
+            first = self._firsts.of_frame(slot // 2) or self._low_span[slot, index]
+            offset = offsets.setdefault(form, _Offset(axis, first))
             offset.within(room, least, most, (self._low_span[slot, index], self._high_span[slot, index]))
         form, at = self._start_forms[index], float(self._start[index])
         if axis is not None and form not in ((), UNKNOWN) and not _is_lost(form):
             # The path begins at the start: what GP306 says of a stated one is a condition on an unknown one.
             low, high = self.reaches[axis.name].stated[False]
             room = -math.inf if low is None else low - at, math.inf if high is None else high - at
-            offsets.setdefault(form, _Offset(axis)).within(room, at, at, (self._first, self._first))
+            offset = offsets.setdefault(form, _Offset(axis, self._first))
+            offset.within(room, at, at, (self._first, self._first))
 
     def _endless(self, index: int, axis: Axis) -> bool:
         """Whether an axis turns and its machine's file gives it no limit of any kind: it may go wherever it is told."""
@@ -548,18 +558,20 @@ class Limits(Check):
         held = any(edge.low is not None or edge.high is not None for edge in edges)
         return ends == {None} and not held
 
-    def _need(self, axis: Axis, form: Affine, least: float, most: float) -> None:
-        """Rows between two places with the guard on: outside of what they leave a limit is passed for certain."""
+    def _need(self, axis: Axis, form: Affine, slot: int) -> None:
+        """The rows of a slot, with the guard on: outside of what they leave a limit is passed for certain."""
         assert self._trace is not None
+        least, most = float(self._low[slot, axis.index]), float(self._high[slot, axis.index])
         arising, rest = split_form(form)
         span = form_interval(arising, self.setup, self._trace)
         if span is None or not rest or not self._plain or self.setup.cylinder is not None:
             return
         lower, upper = self.reaches[axis.name].stated[False]
-        before = self._needed.get(rest, (-math.inf, math.inf))
         low = -math.inf if lower is None else lower - least - span.high
         high = math.inf if upper is None else upper - most - span.low
-        self._needed[rest] = max(before[0], low), min(before[1], high)
+        places = self._low_span[slot, axis.index], self._high_span[slot, axis.index]
+        asked = Condition(terms=rest, low=low, high=high, places=places)
+        self._needed[rest] = asked.within(self._needed[rest]) if rest in self._needed else asked
 
     def _is_bounded(self, index: int, side: str) -> bool:
         """Whether a boundary holds the axis on this side in every state: ``boundaries`` then judges it."""
@@ -610,10 +622,11 @@ class Limits(Check):
         """GP303: the lowest and the highest point of the job do not fit at the same time."""
         self._errors += 1
         extent = offset.most - offset.least
+        where, hint, related = offset.apart(form, self.machine)
         self.findings.add(
             no_safe_offset(
-                offset.span, form, self.machine, extent=extent, unit=offset.axis.unit,
-                room=max(0.0, extent - (offset.low - offset.high)),
+                where, form, self.machine, extent=extent, unit=offset.axis.unit,
+                room=max(0.0, extent - (offset.low - offset.high)), hint=hint, related=related,
             )
         )  # fmt: skip
 
@@ -624,9 +637,8 @@ class Limits(Check):
     def _conditions(self, found: dict[Affine, _Offset]) -> tuple[Condition, ...]:
         """Conditions that the setup does not already meet; findings where it can not or need not."""
         out = []
-        rooms: dict[Affine, tuple[float, float]] = {}
-        needs: dict[Affine, Span] = {}
-        words: dict[Affine, str] = {}
+        rooms: dict[Affine, Condition] = {}
+        axes: dict[Affine, Axis] = {}
         assert self._first is not None and self._trace is not None
         for form, offset in sorted(found.items()):
             if offset.low > offset.high + 2 * ROUNDING:
@@ -660,30 +672,35 @@ class Limits(Check):
             if arising:
                 span = form_interval(arising, self.setup, self._trace)
                 if span is None or not rest or low - span.low > high - span.high:
-                    self.findings.add(codes.POSITION_UNKNOWN.at(
-                        offset.span, axis=offset.axis.word, cause=describe(form, self.machine), hint=hint_of(form)
-                    ))  # fmt: skip
+                    there = offset.apart(form, self.machine) if span is not None and rest else (offset.span, "", ())
+                    where, hint, related = there
+                    cause = describe(form, self.machine)
+                    self.findings.add(
+                        codes.POSITION_UNKNOWN.at(
+                            where, axis=offset.axis.word, cause=cause, hint=hint_of(form) or hint, related=related
+                        )
+                    )
                     continue
                 low, high = low - span.low, high - span.high
             if len(rest) == 1 and rest[0][0].startswith("start."):
-                where = f"between {low:.4f} and {high:.4f} {offset.axis.unit}"
-                said = f"{describe(rest, self.machine)} lies {where} (machine coordinates)"
+                ends = f"between {low:.4f} and {high:.4f} {offset.axis.unit}"
+                said = f"{describe(rest, self.machine)} lies {ends} (machine coordinates)"
                 self._assumptions.append(said)
-            words.setdefault(rest, offset.axis.word)
-            before = rooms.get(rest, (-math.inf, math.inf))
-            if low > before[0]:
-                needs[rest] = offset.low_span
-            rooms[rest] = max(before[0], low), min(before[1], high)
-        for form, (low, high) in sorted(rooms.items()):
-            if low > high:
-                cause = f"{describe(form, self.machine)}: no value of it suits the whole job"
+            axes.setdefault(rest, offset.axis)
+            asked = Condition(terms=rest, low=low, high=high, places=(offset.low_span, offset.high_span))
+            rooms[rest] = asked.within(rooms[rest]) if rest in rooms else asked
+        for form, asked in sorted(rooms.items()):
+            if asked.low > asked.high:
+                name = describe(form, self.machine)
+                where, hint, related = apart(asked, self.machine, axes[form].unit, self._first)
+                cause = f"{name}: no value of it suits the whole job"
                 self.findings.add(
                     codes.POSITION_UNKNOWN.at(
-                        needs.get(form, self._first), axis=words[form], cause=cause, hint=hint_of(form)
+                        where, axis=axes[form].word, cause=cause, hint=hint_of(form) or hint, related=related
                     )
                 )
             else:
-                out.append(Condition(terms=form, low=low, high=high))
+                out.append(asked)
         return tuple(out)
 
     def extents(self) -> list[tuple[int, Affine, float, float]]:

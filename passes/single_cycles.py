@@ -33,7 +33,7 @@ MAX_PECKS = 100_000
 
 def drill(ex: Motion, line: Command, rule: CodeRule) -> None:
     """One hole; Refusal GP113, GP216, GP217, GP218, GP222 or GP223."""
-    note_assumptions(ex)
+    note_assumptions(ex, line.span)
     s = ex.modal
     if not is_absolute(ex):
         raise Refusal(

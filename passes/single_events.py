@@ -681,7 +681,7 @@ def level_heads(ex: Motion, line: Command, rule: CodeRule) -> None:
         why = "while G49 puts measures aside (whether they count)" if aside else "with tools that are not measured"
         why = "behind an L28 of a head (how high it can go)" if moved else why
         raise Refusal(codes.UNSUPPORTED_CODE.at(line.span, code=f"{rule.text} {why}"))
-    note_assumptions(ex)
+    note_assumptions(ex, line.span)
     target = list(s.position)
     if heads:
         # At machine zero the tip of an axis stands at minus its measure: the lowest of them all can reach.
@@ -728,7 +728,7 @@ def _surface(ex: Motion, line: Command, axis: int, contact: Interval) -> None:
     if contact.low > start.value:
         what = f"L82 from below the contact that the setup states of {ex.machine.word(axis)}"
         raise Refusal(codes.UNSUPPORTED_CODE.at(line.span, code=what))
-    note_assumptions(ex)
+    note_assumptions(ex, line.span)
     word = ex.machine.word(axis)
     ex.assumed[f"the setup says where the probe of {word} touches, and it rises no higher than it came from"] = None
     down = list(s.position)

@@ -53,21 +53,21 @@ MOVES = frozenset((
 ))  # fmt: skip
 
 
-def note_assumptions(ex: Motion) -> None:
-    """What is taken for granted because neither job nor files say it."""
+def note_assumptions(ex: Motion, span: Span | None) -> None:
+    """What is taken for granted because neither job nor files say it. span: of the move, None of a code without one."""
     stated = ex.modal.stated
     controls = ex.machine.controller.controls
     if "distance" not in stated and controls.absolute is None:
         ex.assumed["the job starts in absolute distances (G90)"] = None
     if ex.settings.waiting:
-        ex.settings.meet(f"workspaces.{ex.modal.work + 53}")
+        ex.settings.meet(f"workspaces.{ex.modal.work + 53}", span)
     if ex.setup.active_work is None and "work" not in stated:
         ex.assumed["the job starts in workspace G54"] = None
     space = next((one for one in controls.workspaces if one.kind and one.number - 53 == ex.modal.work), None)
-    if space is not None and "turned" not in ex.modal.single.flags:
+    if space is not None and span is not None and "turned" not in ex.modal.single.flags:
         ex.modal.single = ex.modal.single.but(flags=ex.modal.single.flags | {"turned"})
         what = f"the job's first workspace, G{space.number}, {turning(space)}"
-        ex._fail(codes.UNSUPPORTED_CODE.at(Span(ex.trace.files[0], 1), code=what))
+        ex._fail(codes.UNSUPPORTED_CODE.at(span, code=what))
     if ex.setup.default_offset is None:
         ex.assumed[
             "no rotation, no scaling, no axis that is mapped, coupled or locked, no cutter compensation, no knife and "
@@ -386,7 +386,7 @@ def use_feed(ex: Motion, line: Command, target: list[Position], moving: set[int]
 
 def straight(ex: Motion, line: Command, rule: CodeRule) -> None:
     """G0 and G1."""
-    note_assumptions(ex)
+    note_assumptions(ex, line.span)
     s = ex.modal
     s.motion = int(rule.function)
     s.cycle, s.cycle_code = {}, 0
@@ -609,7 +609,7 @@ def _clearance(ex: Motion, name: str) -> float | None:
 
 def lifted(ex: Motion, line: Command, rule: CodeRule) -> None:
     """G0.1: vertical heads up, over, down to where they were."""
-    note_assumptions(ex)
+    note_assumptions(ex, line.span)
     target = aim(ex, line)
     heads = vertical_axes(ex.machine)
     if any(axis in heads for axis in mapped(ex, line)):
@@ -647,7 +647,7 @@ def over_heads(
 
 def machine_traverse(ex: Motion, line: Command, rule: CodeRule) -> None:
     """G53: rapid in machine coordinates; alone it lifts all vertical axes to machine zero."""
-    note_assumptions(ex)
+    note_assumptions(ex, line.span)
     switch_output(ex, line, cutting=False)
     if stored_place(ex, line, Op.TRAVERSE, machine=True):
         return
@@ -669,7 +669,7 @@ def machine_traverse(ex: Motion, line: Command, rule: CodeRule) -> None:
 
 def arc(ex: Motion, line: Command, rule: CodeRule) -> None:
     """G2 and G3 in X and Y; what else the line names moves along evenly."""
-    note_assumptions(ex)
+    note_assumptions(ex, line.span)
     s = ex.modal
     controls = ex.machine.controller.controls
     if controls.arcs_modal:

@@ -267,7 +267,7 @@ def workspace(ex: Motion, line: Command, rule: CodeRule) -> None:
         change = s.work_offsets[s.work, axis].minus(old[axis])
         target[axis] = s.position[axis].plus(change) if before[axis] != NOWHERE else NOWHERE
     if target != s.position:
-        note_assumptions(ex)
+        note_assumptions(ex, line.span)
         turn_unsettled(s)
         ex.move(Op.TRAVERSE, follow(ex, target, line.span), line.span)
         ex._moved = True
@@ -550,7 +550,7 @@ def store_home(ex: Motion, line: Command, rule: CodeRule) -> None:
 def return_home(ex: Motion, line: Command, rule: CodeRule) -> None:
     """L4: rapid to where L3 was met."""
     s = ex.modal
-    note_assumptions(ex)
+    note_assumptions(ex, line.span)
     target = list(s.position)
     for axis in line.axes() or _all_axes(ex):
         stored = s.single.homes[axis]

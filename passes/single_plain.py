@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from gproof.ir.finding import Span
 from gproof.ir.machine import AXES
 from gproof.ir.modal_groups import OF_FEEDS
 from gproof.ir.rules import Function as F
@@ -165,7 +166,8 @@ class PlainLines:
             out["frame"][new], out["state"][new] = ex._frame(), ex._state()
             if ex.modal.feed_unknown:
                 rows.forget_feeds(before)
-        _unpack(ex, state, rows.count - before - events)
+        first = Span(ex.trace.files[ex._file], int(out["line"][before])) if rows.count > before else None
+        _unpack(ex, state, rows.count - before - events, first)
 
     def _packed(self, ex: Motion, compiled: bool) -> tuple[Any, Any, Any, Any]:
         """The state of ``run_moves``: integers, floats, frames of the axes and of their offsets."""
@@ -203,8 +205,8 @@ def _known(kept: tuple[float, float] | None) -> int:
     return 0 if kept is None else 2 if math.isnan(kept[0]) else 1
 
 
-def _unpack(ex: Motion, state: tuple[Any, Any, Any, Any], rows: int) -> None:
-    """Take over what ``run_moves`` has made of the state."""
+def _unpack(ex: Motion, state: tuple[Any, Any, Any, Any], rows: int, first: Span | None) -> None:
+    """Take over what ``run_moves`` has made of the state; first: of its rows that move."""
     ints, floats = (part if isinstance(part, list) else part.tolist() for part in state[:2])
     s = ex.modal
     open_feeds = bool(s.unknown_modes & OF_FEEDS)
@@ -218,7 +220,7 @@ def _unpack(ex: Motion, state: tuple[Any, Any, Any, Any], rows: int) -> None:
         arc_feed = None if floats[k.ARC_FEED] < 0 else floats[k.ARC_FEED]
         s.single = s.single.but(feeds=feeds, center=center, arc_feed=arc_feed, feed_doubt=bool(ints[k.DOUBT]))
     if ints[k.NOTED]:
-        note_assumptions(ex)
+        note_assumptions(ex, first)
     if ints[k.RESET]:
         s.motion, s.cycle = ints[k.MOTION], {}
     if ints[k.USED]:

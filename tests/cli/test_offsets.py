@@ -23,16 +23,20 @@ start = {x = 0.0, y = 0.0, z = 0.0}
 """
 
 
-def check(folder: Path, boundary: str, capsys: pytest.CaptureFixture[str]) -> tuple[str, list[str]]:
+def check(
+    folder: Path, boundary: str, capsys: pytest.CaptureFixture[str], moves: str = "G0 X0\nG0 X40\n"
+) -> tuple[str, list[str], list[list[int]]]:
     (folder / "WINCNC.INI").write_text(INI + boundary)
     (folder / "CNC.MAC").write_text("")
     (folder / "setup.toml").write_text(SETUP)
-    (folder / "job.tap").write_text("G90\nG0 X0\nG0 X40\n")
+    (folder / "job.tap").write_text("G90\n" + moves)
     words = ["--machine", str(folder / "WINCNC.INI"), "--setup", str(folder / "setup.toml"), "--format", "json"]
     capsys.readouterr()
     main(["check", str(folder / "job.tap"), *words])
     report = json.loads(capsys.readouterr().out)
-    return report["verdict"], [f["code"] for f in report["findings"] if f["severity"] in ("error", "unknown")]
+    told = [f for f in report["findings"] if f["severity"] in ("error", "unknown")]
+    places = [[f["line"], *(other["line"] for other in f.get("related", ()))] for f in told]
+    return report["verdict"], [f["code"] for f in told], places
 
 
 @pytest.mark.parametrize(
@@ -49,7 +53,23 @@ def check(folder: Path, boundary: str, capsys: pytest.CaptureFixture[str]) -> tu
 def test_limits_and_boundaries(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], boundary: str, verdict: str, codes: list[str]
 ) -> None:
-    assert check(tmp_path, boundary, capsys) == (verdict, codes)
+    assert check(tmp_path, boundary, capsys)[:2] == (verdict, codes)
+
+
+@pytest.mark.parametrize("boundary", ["lobound=X10.1\n", "hibound=X39\n"])
+@pytest.mark.parametrize(
+    ("moves", "places"),
+    [
+        ("G0 X0\nG0 X40\n", [3, 2]),
+        ("G0 X40\nG0 X0\n", [3, 2]),
+        ("G0 X20\nG0 Y1\nG0 X40\nG0 Y2\nG0 X0\nG0 Y3\n", [6, 4]),
+    ],
+)
+def test_limits_and_boundaries_that_exclude_each_other_stand_at_the_later_move(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], boundary: str, moves: str, places: list[int]
+) -> None:
+    """One of the two asks something of X0, the other one of X40, whichever comes first."""
+    assert check(tmp_path, boundary, capsys, moves)[1:] == (["GP303"], [places])
 
 
 def condition(low: float, high: float, **terms: int) -> Condition:

@@ -336,7 +336,7 @@ def test_boundaries_one_after_the_other_that_no_measure_keeps(tmp_path: Path) ->
     text = "G53 Z-10\nL23 Z20\nG53 Z{}\n"
     made = job(text.format(40), bounds={"z": (-20.0, None)}, measures=UNMEASURED)
     verdict, findings, conditions = answer(tmp_path, made)
-    assert (verdict, findings) == (Verdict.UNSAFE, [("GP303", 4)])
+    assert (verdict, findings) == (Verdict.UNSAFE, [("GP303", 6)])
     assert not [c for c in conditions if "tool" in c.terms[0][0]]
     for measure in (-40.0, 0.0, 9.0, 15.0, 21.0, 60.0):
         assert answer(tmp_path, replace(made, measures={"z": measure, "w": 0.0}))[0] is Verdict.UNSAFE

@@ -51,13 +51,15 @@ length = 0.0
 """
 
 
-def judged(folder: Path, capsys: pytest.CaptureFixture[str], program: str) -> tuple[str, set[tuple[str, int]], dict]:
+def judged(
+    folder: Path, capsys: pytest.CaptureFixture[str], program: str, setup: str = SETUP
+) -> tuple[str, set[tuple[str, int]], dict]:
     """Verdict, (code, line) of errors and unknowns, and the ends by axis."""
     for name, text in (
         ("WINCNC.INI", INI),
         ("machine.toml", TOML),
         ("CNC.MAC", ""),
-        ("setup.toml", SETUP),
+        ("setup.toml", setup),
         ("job.tap", program),
     ):
         (folder / name).write_text(text, encoding="ascii")
@@ -113,3 +115,18 @@ def test_heads_that_move_and_heads_that_may(
     program: str, verdict: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert judged(tmp_path, capsys, f"G49\n{program}")[0] == verdict
+
+
+@pytest.mark.parametrize(
+    ("program", "line"),
+    [
+        ("[a]\nG90\nF500\nG0 X100\nG1 Y5\n", 4),
+        ("[a]\nG90\nF500\nG0\n[b]\nG53 Z0\nG0 X100\n", 6),
+        ("[a]\nG90\nF500\nG81 X5 Y5 Z-20 R0\n", 4),
+    ],
+)
+def test_a_workspace_that_turns_from_the_start_stands_at_the_first_move(
+    program: str, line: int, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    _, found, _ = judged(tmp_path, capsys, program, SETUP.replace("active_work = 1", "active_work = 2"))
+    assert {at for code, at in found if code == "GP113"} == {line}
