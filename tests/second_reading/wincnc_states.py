@@ -513,6 +513,9 @@ def home(model: Model, words: Words, code: str) -> None:
     axes = set(words) or set(AXES)
     if axes & (model.locked | set(model.follower or ())):
         raise Open("homing an axis that L300 locks or L13 couples")
+    if any(model.base[axis] for axis in axes & model.moulded()):
+        # It takes back what L28 has moved.
+        raise Open("G92 and its kin, and L28, while G51 or G52 is on")
     for axis in axes:
         model.at[axis] = model.base[axis] = 0.0
         model.drift.pop(axis, None)
@@ -555,6 +558,8 @@ def level(model: Model, words: Words, code: str) -> None:
         raise Open("L53 behind an L28 of a head")
     if any(model.put_aside.values()):
         raise Open("L53 while G49 is in force")
+    if any(math.isnan(model.measure[a]) for a in VERTICAL):
+        raise Open("L53 with several heads whose measures are not known")
     tip = min(-model.measure[a] for a in VERTICAL)
     there = {a: tip + model.measure[a] for a in VERTICAL}
     by_machine(model, there, {a for a in VERTICAL if not _same(there[a], model.at[a])})
