@@ -17,8 +17,8 @@ from gproof.ir.record import record
 from gproof.ir.rules import LanguageRules
 from gproof.passes.expressions import BINARY_FUNCTIONS, LEAST_WHOLE, MOST_WHOLE, UNARY_FUNCTIONS, open_mod, open_rem
 
-HOT_LETTERS = frozenset("GFXYZABCIJKR")
-"""Words of lines that ``execute_kernels.run_lines`` may take."""
+HOT_LETTERS = frozenset("GFXYZABCIJKRP")
+"""Words of lines that ``execute_kernels.run_lines`` may take; P is that of G4."""
 
 LARGE = 1e150
 """Beyond this the evaluator decides: products and sums of anything smaller are finite or raise here."""

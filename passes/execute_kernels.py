@@ -15,7 +15,7 @@ from gproof.ir.kernel import kernel
 
 # Layout of the integer state
 MOTION, PLANE, ABSOLUTE, FRAME, STATE, FILE, CALL, FEED_MODE, ENABLED, ARC_ABSOLUTE, ACTIVE_AXES, TURN_KIND = range(12)
-# Whether G90 and G91 are run here, and whether one was
+# Whether G90, G91 and G4 are run here, and whether one of the first two was
 DISTANCES = 12
 INT_STATE = 13
 NOT_HERE, HERE, MET = 0, 1, 2
@@ -31,6 +31,8 @@ TURN_NONE, TURN_SEPARATE, TURN_SWAPPED, TURN_MIXED = range(4)
 LARGEST = 1e12
 """As in ``line``: numbers up to here can not overflow in anything that is computed from them."""
 
+DWELL = 10
+"""Op of ir/trace.py."""
 RADIUS_OK, RADIUS_SAME_POINT, RADIUS_UNREACHABLE, RADIUS_ZERO = range(4)
 
 
@@ -139,6 +141,7 @@ def run_lines(
     center: Any,
     turns: Any,
     plane: Any,
+    arg: Any,
     row: Any,
     capacity: Any,
 ) -> tuple[int, int]:
@@ -146,11 +149,11 @@ def run_lines(
 
     line i4, letter u1, value f8: WORD columns of ``count`` words; ints, floats: state, changed in place;
     form, offset_form: (6,) i8, the frame of each axis now and under the active offsets;
-    op .. plane: TRACE_ROW columns, written from ``row`` while below ``capacity``.
+    op .. arg: TRACE_ROW columns, written from ``row`` while below ``capacity``.
     """
     word = first_word
-    # Values of one line by slot: X Y Z A B C I J K R F
-    v0 = v1 = v2 = v3 = v4 = v5 = vi = vj = vk = vr = vf = 0.0
+    # Values of one line by slot: X Y Z A B C I J K R F P
+    v0 = v1 = v2 = v3 = v4 = v5 = vi = vj = vk = vr = vf = vp = 0.0
     while word < count and row < capacity:
         here = line[word]
         end = word
@@ -176,6 +179,11 @@ def run_lines(
             elif code == 71 and ints[DISTANCES] != 0 and 90.0 <= number <= 91.0 and number % 1.0 == 0.0:
                 distance = 1 if number == 90.0 else 0
                 bit = 4096
+            elif code == 71 and ints[DISTANCES] != 0 and number == 4.0:
+                bit = 8192
+            elif code == 80 and ints[DISTANCES] != 0:
+                bit = 16384
+                vp = number
             elif code == 71:
                 if number == 1.0:
                     motion = 2
@@ -221,6 +229,22 @@ def run_lines(
         axes = seen & 63
         if not plain or ints[ENABLED] == 0 or motion < 1 or motion > 4 or ints[FEED_MODE] != 94:
             return word, row
+        if seen & 24576:
+            # A dwell alone (3.4.4), of a time that is not negative: nothing of the state changes.
+            if seen != 24576 or vp < 0.0:
+                return word, row
+            op[row] = DWELL
+            file[row] = ints[FILE]
+            line_out[row] = here
+            call[row] = ints[CALL]
+            for axis in range(6):
+                to[row, axis] = floats[POSITION + axis]
+            frame[row] = ints[FRAME]
+            state[row] = ints[STATE]
+            arg[row, 0] = vp
+            row += 1
+            word = end
+            continue
         if axes & ~ints[ACTIVE_AXES]:
             return word, row
         if axes & 56 and floats[UNIT] != 1.0:

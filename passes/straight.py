@@ -100,7 +100,7 @@ class Straight(Blocks):
     ) -> int:  # fmt: skip
         """Run lines of many commands in the kernel from word ``at``; returns the first word it left over.
 
-        distances: G90 and G91 too, which make no row that would count their blocks.
+        distances: G90 and G91 too, which make no row that would count their blocks, and G4.
         """
         s = self.modal
         if not self._moved or s.feed_unit != s.unit or not 1 <= s.motion <= 4 or s.feed_mode != 94:
@@ -256,7 +256,7 @@ def _run(
     """``run_lines`` into ``rows``; (next word, next row)."""
     at, row = run(
         *words, *state, rows["op"], rows["file"], rows["line"], rows["call"], rows["to"], rows["frame"], rows["state"],
-        rows["feed"], rows["center"], rows["turns"], rows["plane"], first, capacity,
+        rows["feed"], rows["center"], rows["turns"], rows["plane"], rows["arg"], first, capacity,
     )  # fmt: skip
     return int(at), int(row)
 

@@ -12,6 +12,7 @@ from gproof.cli.session import Running, open_session
 from gproof.ir.text import print_ir
 from gproof.passes import hot_passes
 from gproof.passes.execute import Executor, collect
+from gproof.passes.loops import Loops
 
 AXIS = 'kind = "linear"\nmin = -5000\nmax = 5000\ntravel_min = -5000\ntravel_max = 5000\n'
 DIN = """[din]
@@ -90,7 +91,21 @@ EDING_HEAD = "G21 G90 G17 G40 G49 G54\nF500\nG0 X1 Y1 Z1\n#1=0\n#2=0\n#3=1\n"
         ("if [[#1 mod 90] == 80]\nmsg \"at \"#1\nendif\n#1=[#1+1]\nG1 X[#1]\n", True),
         ("G1 X[10/[#1-150]]\n#1=[#1+1]\n", True),  # division by zero in the middle
         ("if [#1 > 200]\nG1 Z2\nG1 Z1\nendif\n#1=[#1+1]\nG1 Y[#1/7]\n", True),  # a branch that runs late
-        ("G1 X[#1]\nG4 P0.1\n#1=[#1+1]\n", False),
+        ("G1 X[#1]\nG4 P0.1\n#1=[#1+1]\n", True),
+        ("G4 P[#1*0.01]\nG1 X[#1]\n#1=[#1+1]\n", True),
+        ("G1 X[#1]\nG4 P[150-#1]\n#1=[#1+1]\n", True),  # less than no time in the middle
+        ("G1 X[#1]\nG4\n#1=[#1+1]\n", True),
+        ("G1 X[#1]\nP1\n#1=[#1+1]\n", True),
+        ("G1 X[#1]\nG4 P0 F[300+#1]\nG4 P1 G91\nG1 Y0.1\nG90\nG4 P2 G1\n#1=[#1+1]\n", True),
+        ("G1 X[#1]\nG4 P0.1 X2\nG4 P0.2 P0.3\n#1=[#1+1]\n", True),
+        ("G1 X[#1]\nG4 P10000000000000\n#1=[#1+1]\n", True),
+        ("G2 X[#1] Y[#1+1] R5 P2\n#1=[#1+1]\n", True),
+        ("G82 X[#1] Y1 Z-1 R1 P0.5 L1\nG4 P1\nX3\nG80\n#1=[#1+1]\n", False),
+        ("G82 X[#1] Y1 Z-1 R1 P0.5\nG4 P1\nX3\nG80\nG4 P1\n#1=[#1+1]\n", True),
+        ("G41 D1\nG1 X[#1+5]\nG4 P1\nG1 X[#1+9] Y9\nG40\n#1=[#1+1]\n", False),
+        ("G51 P2 I0 J0\nG1 X[#1]\nG4 P0.1\nG50\n#1=[#1+1]\n", True),
+        ("G93\nG1 X[#1] F2\nG4 P0.1\nG94\n#1=[#1+1]\n", True),
+        ("G20\nG1 X[#1/50]\nG4 P0.1\nG21\n#1=[#1+1]\n", True),
         ("G1 X[#1] F[150-#1]\n#1=[#1+1]\n", True),  # no feed, then less than none
         ("#3=[#3*1.9]\nG1 X[#3/#3]\n#1=[#1+1]\n", True),  # beyond all numbers
         ("G2 X[#1] Y[#1+1] R[0.5+#1/500]\n#1=[#1+1]\n", True),  # arcs that cannot be
@@ -247,3 +262,20 @@ def _mcuwin(rng: random.Random) -> str:
         f"M98 L70 O{often}\n",
     ])  # fmt: skip
     return f"{PASCAL}{loop}M30\n%\n%70\n{body}n := n + 1\nM17\n%\n"
+
+
+@pytest.mark.parametrize("dwell", ["G4 P0.1", "G04 P[#1/7]", "g4p0", "P0.5 G4", "G4 P[3-#1]", "G4 P-0", "G4 P1 F99"])
+@pytest.mark.parametrize("before", ["", "G1 X[#1]\n", "G91 G1 X0.01\nG90\n", "G82 X[#1] Y0 Z-1 R1 P0.2\n", "G92 X0\n"])
+def test_dwells_of_loops_are_what_each_line_says(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, before: str, dwell: str
+) -> None:
+    """In columns, many passes at once, and by the evaluator alone."""
+    text = f"{EDING_HEAD}while [#1 < 200]\n{before}{dwell}\nG1 Y2\n#1=[#1+1]\nendwhile\nM30\n"
+    fast, _ = both(tmp_path, text, monkeypatch, pascal=False, budget=5000)
+    with monkeypatch.context() as patch:
+        patch.setattr(hot_passes, "_FEW", 1 << 40)
+        patch.setattr(Loops, "_fast_block", lambda self, node: False)
+        slow = told(tmp_path, text, pascal=False, budget=5000)
+    assert fast == slow[0], text
+    assert fast == told(tmp_path, text, pascal=False, budget=5000)[0]
+    assert told(tmp_path, text, pascal=False, budget=5000)[1] == slow[1], text
