@@ -30,11 +30,23 @@ def programs() -> dict[tuple[str, str], tuple[str, str, Path]]:
     passes = BLOCKS // 4
     eding, din, ini = HERE / "machine.toml", HERE / "mcuwin.toml", HERE / "WINCNC.INI"
     while_body = "G1 X[#1 * 0.0005] Y[12 + #1 * 0.0001]\nG1 Z[0 - #1 * 0.000001]\n#1 = [#1 + 1]\n"
+    round_body = "G1 X[#1 * 0.00001] Y0\nG2 X[#1 * 0.00001 + 1] Y1 R1\n#1 = [#1 + 1]\n"
+    dwell_body = "G1 X[#1 * 0.0005] Y0\nG4 P[#1 * 0.000001]\n#1 = [#1 + 1]\n"
     square = "G92 XY\nG1 Z-1 F50\nG1 X0.1\nG1 Y0.1\nG1 X0\nG1 Y0\nG1 Z2\nG0 X0.05\n"
     return {
         ("Eding", "while"): (".cnc", f"{EDING}while [#1 < {passes}]\n{while_body}endwhile\nM30\n", eding),
         ("Eding", "drift"): (
             ".cnc", f"{EDING}G91\nwhile [1 == 1]\n#1 = [#1 + 1]\nG1 X0.0000001\nendwhile\nM30\n", eding,
+        ),
+        ("Eding", "radius"): (
+            ".cnc",
+            f"{EDING}while [#1 < {passes}]\n{round_body}endwhile\nM30\n",
+            eding,
+        ),
+        ("Eding", "dwell"): (
+            ".cnc",
+            f"{EDING}while [#1 < {passes}]\n{dwell_body}endwhile\nM30\n",
+            eding,
         ),
         ("WinCNC", "array"): (".tap", f"{WINCNC}L10 R{BLOCKS // 9} C1 X0 Y0.001\n{square}", ini),
         ("McuWIN", "while"): (
