@@ -24,8 +24,11 @@ _ALIKE = 1e-6
 """Degrees between a start of A that is stated and the one that Y has there."""
 
 
-def on_surface(trace: Trace, machine: Machine, setup: Setup) -> tuple[Trace, Machine]:
-    """Trace and machine with the surface's Y, less where A is 0; Refusal GP520 where the setup leaves it open."""
+def on_surface(trace: Trace, machine: Machine, setup: Setup, where: Span) -> tuple[Trace, Machine]:
+    """Trace and machine with the surface's Y, less where A is 0; Refusal GP520 where the setup leaves it open.
+
+    where: the setup states the cylinder.
+    """
     cylinder = setup.cylinder
     assert cylinder is not None
     turned, across = machine.axis("a"), machine.axis("y")
@@ -38,11 +41,11 @@ def on_surface(trace: Trace, machine: Machine, setup: Setup) -> tuple[Trace, Mac
     ):
         if missing:
             what = f"Y is mapped onto A without {what}"
-            raise Refusal(codes.NOT_STEPPED.at(Span(trace.files[0], 1), what=what, hint=hint))
+            raise Refusal(codes.NOT_STEPPED.at(where, what=what, hint=hint))
     assert turned is not None
     assert across is not None
     mm = mm_per_degree(cylinder)
-    _refuse_another_start(trace, setup, cylinder, mm)
+    _refuse_another_start(trace, setup, cylinder, mm, where)
     axes = [axis for axis in machine.axes if axis.index not in (Y, A)]
     axes += [
         _scaled(turned, mm, name="y", kind=AxisKind.LINEAR, tip_feed=False),
@@ -82,7 +85,7 @@ def mm_per_degree(cylinder: CylinderMap) -> float:
     return math.radians(cylinder.radius)
 
 
-def _refuse_another_start(trace: Trace, setup: Setup, cylinder: CylinderMap, mm: float) -> None:
+def _refuse_another_start(trace: Trace, setup: Setup, cylinder: CylinderMap, mm: float, where: Span) -> None:
     """GP520 when the setup says that A starts elsewhere than the mapping has it."""
     stated = setup.interval("start.a")
     if stated is None or not trace.sections or trace.frames[trace.sections[0].start_frame][Y]:
@@ -92,7 +95,7 @@ def _refuse_another_start(trace: Trace, setup: Setup, cylinder: CylinderMap, mm:
     if not stated.low - _ALIKE <= angle <= stated.high + _ALIKE:
         what = f"A is stated to start at {stated.low:g} and the mapping has it at {angle:.4f}"
         hint = "start and zero of [cylinder] in the setup file must agree"
-        raise Refusal(codes.NOT_STEPPED.at(Span(trace.files[0], 1), what=what, hint=hint))
+        raise Refusal(codes.NOT_STEPPED.at(where, what=what, hint=hint))
 
 
 def _scaled(axis: Axis, mm: float, *, name: str, kind: AxisKind, tip_feed: bool) -> Axis:

@@ -75,11 +75,12 @@ def follow(trace: Trace, setup: Setup, machine: Machine, findings: Findings) -> 
     try:
         if setup.cylinder is not None:
             if lifts.any() or on_at_start:
-                where = Span(trace.files[0], 1)
+                where = findings.where("setup.height_map", Span(trace.files[0], 1))
                 raise Refusal(
                     codes.NOT_STEPPED.at(where, what="a height map is followed on a cylinder", hint=ON_ITS_CONTROLLER)
                 )
-            trace, machine = on_surface(trace, machine, setup)
+            where = findings.where("setup.cylinder", Span(trace.files[0], 1))
+            trace, machine = on_surface(trace, machine, setup, where)
             return Followed(trace=trace, machine=machine)
         if height_map is None or not (lifts.any() or on_at_start):
             return Followed(trace=trace, machine=machine)

@@ -339,9 +339,10 @@ def _report_rates(machine: Machine, moved: set[str], where: Span, findings: Find
                 continue
             needed = drive.max_velocity * abs(float(drive.steps_per_unit))
             if needed > step_rate(machine):
+                place = findings.where(f"machine.axes.{axis.name}.max_velocity", where)
                 findings.add(
                     codes.STEP_FREQUENCY.at(
-                        where, axis=drive.name, velocity=drive.max_velocity, unit=axis.unit, needed=needed,
+                        place, axis=drive.name, velocity=drive.max_velocity, unit=axis.unit, needed=needed,
                         allowed=step_rate(machine), hint=f"it is planned with {allowed:g} {axis.unit}/s",
                     )
                 )  # fmt: skip

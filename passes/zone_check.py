@@ -55,6 +55,8 @@ MOST = 10_000
 TURNED = "a rotary axis, which does not stand where it stood when the job began"
 _MANY = 256
 """Rows beside a polygon from which on shapely sorts out those that are far from it."""
+_FEW_PLACES = 64
+"""Among so many extents the move that leaves no face is looked for; of a job with more its first open move is told."""
 
 
 Hears = Callable[[str, View, Chunk, npt.NDArray[np.bool_], bool | None], None]
@@ -83,6 +85,8 @@ class ZoneCheck:
         self._of_key: dict[object, int] = {}
         self._of_state: list[int] = []
         self._symbolic: Span | None = None
+        # The first of them that leaves no face beside which all may stay.
+        self._blocked: Span | None = None
         self._open = OpenPlaces(machine, setup, self._views)
         # A zone of the work turns with it; one of the machine stays.
         self._turning = [] if change or origin is None else rotary_axes(machine)
@@ -412,7 +416,30 @@ class ZoneCheck:
     def _collect(
         self, chunk: Chunk, number: int, known: npt.NDArray[np.bool_], open_: npt.NDArray[np.bool_]
     ) -> None:  # fmt: skip
-        """Extents by frame of the rows that do not lie in known frames from end to end."""
+        """Extents by frame of the rows that do not lie in known frames from end to end, and the first of them that
+        leaves no face of the zone beside which all may stay."""
+        at = np.flatnonzero(open_)
+        if self._symbolic is None:
+            self._symbolic = row_span(chunk.trace, chunk.rows, int(at[0]))
+        searched = self._blocked is None and len(self._open.low) <= _FEW_PLACES
+        before = self._open.copy() if searched else self._open
+        self._extend(chunk, number, known, open_)
+        if not searched or self._open.best_face({}) is not None:
+            return
+        fits, blocks = 0, len(at)
+        while blocks - fits > 1:
+            half = (fits + blocks) // 2
+            tried, whole = before.copy(), self._open
+            self._open = tried
+            self._extend(chunk, number, known, np.isin(np.arange(len(open_)), at[:half]))
+            self._open = whole
+            fits, blocks = (fits, half) if tried.best_face({}) is None else (half, blocks)
+        self._blocked = row_span(chunk.trace, chunk.rows, int(at[blocks - 1]))
+
+    def _extend(
+        self, chunk: Chunk, number: int, known: npt.NDArray[np.bool_], open_: npt.NDArray[np.bool_]
+    ) -> None:  # fmt: skip
+        """Widen the extents by these rows."""
         rows, trace = chunk.rows, chunk.trace
         frames = len(trace.frames)
         low, high = np.full((2 * frames, 6), math.inf), np.full((2 * frames, 6), -math.inf)
@@ -437,8 +464,6 @@ class ZoneCheck:
         # A known frame that meets an unknown one needs its own extent beside the same face, arcs their bulge as well.
         for row in np.flatnonzero(open_ & known[rows["frame"]]).tolist():
             self._open.widen(number, int(rows["frame"][row]), *row_box(rows, row, befores[row]))
-        if self._symbolic is None:
-            self._symbolic = row_span(trace, rows, int(np.argmax(open_)))
 
     def conditions(self, given: Ranges) -> tuple[Condition, ...]:
         """What keeps the rest of the path beside the zone; given: what is asked of offsets anyway."""
@@ -451,11 +476,11 @@ class ZoneCheck:
         if self._open.has_lost and self._is_told():
             self.is_open = True
             return ()
-        cause = ", ".join(self._open.causes())
+        cause, where = ", ".join(self._open.causes()), self._blocked or self._symbolic
         if self._change:
-            self.findings.add(codes.TOOL_CHANGE_AREA_UNKNOWN.at(self._symbolic, cause=cause))
+            self.findings.add(codes.TOOL_CHANGE_AREA_UNKNOWN.at(where, cause=cause))
         else:
-            self.findings.add(codes.KEEP_OUT_UNKNOWN.at(self._symbolic, name=self.area.name, cause=cause))
+            self.findings.add(codes.KEEP_OUT_UNKNOWN.at(where, name=self.area.name, cause=cause))
         return ()
 
 

@@ -55,6 +55,12 @@ class OpenPlaces:
         self.low: dict[tuple[int, int], np.ndarray] = {}
         self.high: dict[tuple[int, int], np.ndarray] = {}
 
+    def copy(self) -> OpenPlaces:
+        """The same extents, to be widened by themselves."""
+        other = OpenPlaces(self._machine, self._setup, self.views)
+        other.trace, other.low, other.high = self.trace, dict(self.low), dict(self.high)
+        return other
+
     def widen(self, view: int, frame: int, low: np.ndarray, high: np.ndarray) -> None:
         """Rows of a view reach from low to high, (3,) each, in a frame."""
         key = view, frame

@@ -19,8 +19,10 @@ MACHINE = 'schema = "gproof-machine/1"\nunits = "mm"\n[axes.x]\nmin = 0\nmax = 3
 EDING = "(a plate)\nG21 G90 G94 G17 G40 G49 G54\n"
 
 
-def found(folder: Path, program: str, capsys: pytest.CaptureFixture[str], setup: str = "") -> list[dict[str, Any]]:
-    (folder / "machine.toml").write_text(MACHINE)
+def found(
+    folder: Path, program: str, capsys: pytest.CaptureFixture[str], setup: str = "", machine: str = MACHINE
+) -> list[dict[str, Any]]:
+    (folder / "machine.toml").write_text(machine)
     (folder / "job.cnc").write_text(program)
     words = ["check", str(folder / "job.cnc"), "--machine", str(folder / "machine.toml"), "--format", "json"]
     if setup:
@@ -128,3 +130,28 @@ def test_what_a_setup_states_wrongly_stands_there(
 ) -> None:
     told = found(tmp_path, EDING + "G0 X10\nG0 Y1\nM30\n", capsys, setup)
     assert {(Path(f["file"]).name, f["line"]) for f in told if f["code"] == code} == {("setup.toml", line)}
+
+
+ZONE = '[[keep_out]]\nname = "clamp"\nx = [100, 120]\ny = [100, 120]\nz = [-100, -20]\n'
+CHANGE = "[areas.tool_change]\nx = [100, 120]\ny = [100, 120]\nz = [-100, -20]\n"
+LONG = "".join(f"G1 X{n % 7} F900\n" for n in range(300))
+
+
+@pytest.mark.parametrize(("area", "code"), [(ZONE, "GP337"), (CHANGE, "GP311")])
+@pytest.mark.parametrize(
+    ("moves", "line"),
+    [
+        # From Z0 down to Z-90 on an axis of 100 no offset keeps Z above -20, and X and Y are on both sides.
+        ("G0 Z0\nG0 X0 Y0\nG0 X10 Y10\nG0 X250 Y250\nG0 Z-90\nG0 X10\nG0 Z-1\n", 7),
+        ("G0 Z0\nG0 X0 Y0\nG0 Z-90\nG0 X10\nG0 X250 Y250\nG0 Z-1\nG0 X10\n", 7),
+        (f"G0 Z0\nG0 X0 Y0\n{LONG}G0 Z-90\nG0 X250 Y250\nG0 Z-1\n{LONG}", 306),
+    ],
+)
+def test_a_zone_that_no_offset_keeps_clear_stands_at_the_move_that_leaves_none(
+    moves: str, line: int, area: str, code: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Every move is beside some face of the zone until this one; the tool is a point, its length 0."""
+    setup = 'homed = ["x", "y", "z"]\ntool = 1\ntool_length = 0.0\nstart = {x = 0.0, y = 0.0, z = 0.0}\n'
+    whole = MACHINE + "[tools.1]\nlength = 0.0\ndiameter = 0.001\n" + area
+    told = found(tmp_path, EDING + moves + "M30\n", capsys, setup, whole)
+    assert [(f["code"], f["line"]) for f in told] == [(code, line)]
