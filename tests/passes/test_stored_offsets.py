@@ -112,3 +112,20 @@ def test_a_stream_needs_only_what_its_moves_count_from(known: str, tmp_path: Pat
     other = "y" if known == "x" else "x"
     done = run(tmp_path, f"G92.3\nG0 {other.upper()}5", state, "compile", "-o", "other.gpx")
     assert done.exit == 2 and not (tmp_path / "other.gpx").exists(), done.out + done.err
+
+
+@pytest.mark.parametrize("known", LINEAR)
+def test_a_zone_that_the_known_axis_clears_is_clear(known: str, tmp_path: Path) -> None:
+    """Whatever the unknown offset of another axis is; where the known one may be in it, that decides and is unknown."""
+    other = "y" if known == "x" else "x"
+    zone = f'[[keep_out]]\nname = "vise"\n{known} = [50.0, 60.0]\n{other} = [-100.0, 100.0]\n'
+    if known == "z":
+        zone = '[[keep_out]]\nname = "vise"\nx = [-100.0, 100.0]\ny = [-100.0, 100.0]\nz = [50.0, 60.0]\n'
+    state = setup({5211 + AXES.index(known): 7.0})
+    for place, verdict in ((5, "SAFE"), (46, "UNSAFE")):
+        (tmp_path / "setup.toml").write_text(state)
+        (tmp_path / "job.cnc").write_text(f"{HEAD}G92.3\nG0 {known.upper()}{place}\n{other.upper()}5\nM30\n")
+        (tmp_path / "machine.toml").write_text(MACHINE + zone)
+        words = ["check", "job.cnc", "--machine", "machine.toml", "--setup", "setup.toml", "--format", "json"]
+        areas = json.loads(in_this_process(words, tmp_path).out)["properties"]["areas"]
+        assert areas["verdict"] == verdict, (known, place)
