@@ -359,7 +359,7 @@ class Executor(Flow):
         allowed = self.program.rules.call_depth if own is None else own
         again = self._depth.count(name)
         asked = 0 < again <= sum(frame.group is not None for frame in self._stack)
-        if asked:
+        if asked and not self._counts(sub):
             # One more answer of the operator each time: the answer is UNKNOWN long before any controller's limit.
             allowed = min(allowed, self._depth.index(name) + MOST_RETRIES)
         if len(self._depth) >= allowed:
@@ -369,7 +369,7 @@ class Executor(Flow):
             kind = codes.RECURSION.as_unknown() if asked else codes.RECURSION
             raise Refusal(kind.at(span, allowed=allowed, chain=chain))
         self._enter(span)
-        caller = Caller(self._call, self._file, rest)
+        caller = Caller(self._call, self._file, rest, numbers=dict(self.modal.parameters) if again else None)
         self._depth = [*self._depth, name]
         text = f"{' > '.join(self._depth)} (from line {span.line})"
         if text not in self.trace.calls:
@@ -377,6 +377,20 @@ class Executor(Flow):
         self._call = self.trace.calls.index(text)
         body = self._with_settings(sub, span)
         self._stack.append(Frame(body, sub, caller=caller, around=body is not sub.body))
+
+    def _counts(self, sub: Subprogram) -> bool:
+        """Whether a variable is another number than at the call before: one that counts may end the calls."""
+        callers = (frame.caller for frame in reversed(self._stack) if frame.node is sub and frame.caller is not None)
+        before = next(callers, None)
+        if before is None or before.numbers is None:
+            return True
+        now = self.modal.parameters
+        return any(
+            not isinstance(value, Unknown)
+            and not isinstance(now.get(number, value), Unknown)
+            and now.get(number, value) != value
+            for number, value in before.numbers.items()
+        )
 
     def _line(self, span: Span, words: list[Words]) -> None:
         """One line: by the subprogram that replaces a code of it (4.4, 3.5.3), else as the controller's own."""
@@ -490,7 +504,7 @@ class Executor(Flow):
 
 
 MOST_RETRIES = 8
-"""Calls within a subprogram that calls itself again when an outcome says so: so many are followed."""
+"""Calls of a subprogram within itself, when an outcome says so and nothing counts them: so many are followed."""
 _SILENT = frozenset((Label, Declare, Include, Mode))
 """Statements that do nothing when they run."""
 _PASSED_OVER = frozenset((Call, Message, Guard, Device, Unsupported))

@@ -91,6 +91,7 @@ class Caller:
 
     before: what of the state is to be as it was when a subprogram that is a file is over. back: (number of a parameter,
     number of the variable that it was given) of a procedure, which takes what it holds when the procedure is over.
+    numbers: the variables as they were, where a subprogram calls itself.
     """
 
     call: int
@@ -98,6 +99,7 @@ class Caller:
     rest: tuple[Span, list[Words]] | None
     before: Kept | None = None
     back: tuple[tuple[int, int], ...] = ()
+    numbers: dict[int, Value] | None = field(default=None, compare=False, repr=False)
 
 
 ANY = -1
