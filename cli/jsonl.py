@@ -117,7 +117,7 @@ def _event(op: Op, arg: list[float], texts: list[str], text: int) -> dict[str, A
     first, second = arg
     match op:
         case Op.DWELL:
-            return {"seconds": first}
+            return {"seconds": _number(first)}
         case Op.SPINDLE:
             return {"dir": _DIRECTIONS[int(first)], "rpm": _number(second)}
         case Op.COOLANT:
@@ -146,7 +146,7 @@ def _event(op: Op, arg: list[float], texts: list[str], text: int) -> dict[str, A
         case Op.HEAD:
             return {"head": int(first)}
         case Op.PATH_MODE:
-            return {"mode": _PATH_MODES[int(first)], "tolerance": second}
+            return {"mode": _PATH_MODES[int(first)], "tolerance": second if math.isfinite(second) else None}
         case Op.GUARD:
             return {"name": texts[text], "on": bool(first)}
         case Op.MESSAGE | Op.DEVICE:

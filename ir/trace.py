@@ -98,7 +98,7 @@ ARGUMENTS = {
     Op.TRAVERSE: _PROGRAMMED,
     Op.FEED: _PROGRAMMED,
     Op.ARC: _PROGRAMMED,
-    Op.DWELL: "arg[0]: seconds",
+    Op.DWELL: "arg[0]: seconds (NaN: unknown)",
     Op.SPINDLE: "arg[0]: direction (+1 cw, -1 ccw, 0 off); arg[1]: revolutions a minute (NaN: unknown)",
     Op.COOLANT: "arg[0]: mist (0 or 1); arg[1]: flood",
     Op.TOOL_CHANGE: "arg[0]: tool number (NaN: unknown)",
@@ -114,7 +114,7 @@ ARGUMENTS = {
     Op.OVERRIDE: "arg[0]: 1 when overrides are allowed",
     Op.ORIENT: "the spindle, which rests, stands in a fixed orientation",
     Op.HEAD: "arg[0]: 0 to 2 spindles, 4 probe, 5 camera",
-    Op.PATH_MODE: "arg[0]: PathMode; arg[1]: tolerance in mm",
+    Op.PATH_MODE: "arg[0]: PathMode; arg[1]: tolerance in mm (infinite: unknown)",
     Op.GUARD: "arg[0]: 1 on, 0 off; text: name",
     Op.MESSAGE: "text: the message",
     Op.END: "arg[0]: 1 where no code says so: behind the last line; 2 behind what runs after an abort",
@@ -200,7 +200,7 @@ class State:
     synchronised: the move follows the turns of the spindle, its feed is nominal; feed_override: the factor that the
     program set, NaN unknown (feeds are those with it); surface_speed: m/min at constant surface speed, else 0
     (NaN unknown), spindle_limit: rpm it may reach then (NaN: no limit); head: see Op.HEAD;
-    path_tolerance: mm (P), simplify: mm (Q), laf_angle: degrees (R, NaN: the machine's setting);
+    path_tolerance: mm (P), simplify: mm (Q), infinite: unknown; laf_angle: degrees (R, NaN: the machine's setting);
     arc_tolerance: mm that start and end radius of an arc may differ; guards_off: names of guards that are off.
     compensation: of the cutter's radius, 0 off, else the tool left (+) or right (-) of the path in the right-handed
     pair of Plane 1 or 2, whose number it is; then ``arg`` of motion rows is the programmed point in that pair.

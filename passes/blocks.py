@@ -18,6 +18,7 @@ from gproof.passes.cycles import CYCLES
 from gproof.passes.emitter import ProgramEnd
 from gproof.passes.line import Line, check_unused, gather
 from gproof.passes.modal import INCH
+from gproof.passes.open_numbers import number_or_open, width_or_open
 from gproof.passes.origins import Origins
 from gproof.passes.outputs import run_outputs
 from gproof.passes.transform_codes import frame_of, run_transform
@@ -280,7 +281,7 @@ class Blocks(Origins):
             return
         tolerance = self.program.rules.integer_tolerance
         digital, analog = line.whole("P", tolerance), line.whole("E", tolerance)
-        wait, timeout = line.whole("L", tolerance), line.number("Q")
+        wait, timeout = line.whole("L", tolerance), number_or_open(self, line, "Q", rule.text)
         if (digital is None) == (analog is None):
             raise Refusal(codes.INPUT_CHANNEL.at(line.where_code(rule), what="M56 takes one input: P or E"))
         if wait not in (None, 0, 1, 2) or (wait and digital is None):
@@ -305,7 +306,7 @@ class Blocks(Origins):
         rule = line.find(F.DWELL)
         if rule is None:
             return
-        seconds = line.number("P")
+        seconds = number_or_open(self, line, "P", rule.text)
         if seconds is None:
             raise Refusal(codes.DWELL_MISSING.at(line.where_code(rule), code=rule.text))
         if seconds < 0:
@@ -343,8 +344,8 @@ class Blocks(Origins):
         s.path_mode = {F.EXACT_PATH: PathMode.EXACT_PATH, F.EXACT_STOP: PathMode.EXACT_STOP}.get(
             rule.function, PathMode.CONTINUOUS
         )
-        tolerance = line.number("P") if rule.function is F.CONTINUOUS else None
-        simplify, angle = line.number("Q"), line.number("R")
+        tolerance = width_or_open(self, line, "P", rule.text) if rule.function is F.CONTINUOUS else None
+        simplify, angle = width_or_open(self, line, "Q", rule.text), line.number("R")
         for letter, value in (("P", tolerance), ("Q", simplify)):
             if value is not None and value < 0.0:
                 what = f"a path can not be kept within {value:g}"

@@ -16,6 +16,7 @@ from gproof.ir.trace import Op, Plane
 from gproof.passes.check import form_interval
 from gproof.passes.holes import HOLES, Hole, along
 from gproof.passes.line import Line
+from gproof.passes.open_numbers import number_or_open
 from gproof.passes.reach import reach_of
 from gproof.passes.spindle import need_turning, note_speed_unknown
 from gproof.passes.transform_codes import check_cycle
@@ -61,7 +62,7 @@ def run_cycle(ex: Motion, line: Line, rule: CodeRule) -> None:
     r_word = _sticky(line, sticky, "R")
     if r_word is None:
         raise Refusal(codes.CYCLE_R_MISSING.at(line.span, code=rule.text))
-    words = {"R": r_word, letters: depth_word} | _dwell(line, rule, sticky) | _peck(line, rule, sticky)
+    words = {"R": r_word, letters: depth_word} | _dwell(ex, line, rule, sticky) | _peck(ex, line, rule, sticky)
     words |= _back_bore(ex, line, rule, sticky)
     repeats = _repeats(line, rule)
     _check_rotary(ex, line, rule)
@@ -121,10 +122,12 @@ def _sticky(line: Line, sticky: dict[str, float], letter: str) -> float | None:
     return sticky.get(letter) if given is None else given
 
 
-def _dwell(line: Line, rule: CodeRule, sticky: dict[str, float]) -> dict[str, float]:
+def _dwell(ex: Motion, line: Line, rule: CodeRule, sticky: dict[str, float]) -> dict[str, float]:
+    """P; NaN where it is not known: the way is the same."""
     if rule.function not in _DWELLS:
         return {}
-    seconds = _sticky(line, sticky, "P")
+    given = number_or_open(ex, line, "P", rule.text)
+    seconds = sticky.get("P") if given is None else given
     if seconds is None:
         raise Refusal(codes.CYCLE_DWELL_MISSING.at(line.span, code=rule.text))
     if seconds < 0:
@@ -132,10 +135,12 @@ def _dwell(line: Line, rule: CodeRule, sticky: dict[str, float]) -> dict[str, fl
     return {"P": seconds}
 
 
-def _peck(line: Line, rule: CodeRule, sticky: dict[str, float]) -> dict[str, float]:
+def _peck(ex: Motion, line: Line, rule: CodeRule, sticky: dict[str, float]) -> dict[str, float]:
+    """Q; NaN where it is not known: how often the tool turns round on the way between depth and clear position."""
     if rule.function not in (Function.DRILL_PECK, Function.DRILL_CHIP_BREAK):
         return {}
-    peck = _sticky(line, sticky, "Q")
+    now = number_or_open(ex, line, "Q", rule.text, positive=True)
+    peck = sticky.get("Q") if now is None else now
     if peck is None or peck <= 0:
         given = "" if peck is None else f"; Q{peck:g} is given"
         raise Refusal(codes.CYCLE_PECK.at(line.where("Q"), code=rule.text, given=given))

@@ -25,9 +25,10 @@ from gproof.passes.din_origins import end_contour
 from gproof.passes.din_state import din_of, has_tools, own_unit
 from gproof.passes.emitter import ProgramEnd
 from gproof.passes.modal import ZERO
+from gproof.passes.open_numbers import number_or_open, or_open
 from gproof.passes.single_motion import lose_places
 from gproof.passes.single_state import letters_of, value_of, with_pair
-from gproof.passes.values import NOWHERE, Position, Unknown, Value, between, not_known
+from gproof.passes.values import NOWHERE, Position, Unknown, Value, between
 
 if TYPE_CHECKING:
     from gproof.passes.din import Part
@@ -199,7 +200,7 @@ def lose_all(ex: Motion, what: str) -> None:
 
 def dwell(ex: Motion, line: Part, rule: CodeRule) -> None:
     """G04: seconds."""
-    seconds = line.number(PARAMETER)
+    seconds = number_or_open(ex, line, PARAMETER, rule.text)
     assert seconds is not None
     if seconds < 0:
         raise Refusal(codes.DWELL_NEGATIVE.at(line.where(PARAMETER), seconds=seconds))
@@ -448,14 +449,13 @@ def read_named(ex: Emitter, node: Named) -> Value:
 
 def wait(ex: Emitter, seconds: Value, span: Span) -> None:
     """wt: in the unit of the machine's file."""
-    if isinstance(seconds, Unknown):
-        raise Refusal(not_known(span, "wt", seconds))
-    if seconds < 0:
-        raise Refusal(codes.DWELL_NEGATIVE.at(span, seconds=seconds))
+    number = or_open(ex, seconds, "wt")
+    if number < 0:
+        raise Refusal(codes.DWELL_NEGATIVE.at(span, seconds=number))
     unit = din_of(ex.machine).wait_unit
     ex.assumed[f"wt counts {'milliseconds' if unit == 0.001 else 'seconds'}"] = None
     ex.modal.din = ex.modal.din.but(contour=False)
-    ex.event(Op.DWELL, span, arg=(seconds * unit, 0.0))
+    ex.event(Op.DWELL, span, arg=(number * unit, 0.0))
 
 
 HANDLERS: dict[F, Handler] = {

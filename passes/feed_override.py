@@ -16,6 +16,7 @@ from gproof.ir.rules import CodeRule
 from gproof.ir.rules import Function as F
 from gproof.ir.trace import Op
 from gproof.passes.line import Line
+from gproof.passes.values import Unknown, bounds
 from gproof.passes.word_owner import owned
 
 if TYPE_CHECKING:
@@ -47,14 +48,19 @@ def overrides(ex: Emitter, line: Line) -> None:
 def _set(ex: Emitter, line: Line, rule: CodeRule) -> None:
     s = ex.modal
     owned(line, rule, "P")
-    value = line.number("P")
+    value = line.values.get("P")
+    line.used.add("P")
     if value is None:
         raise Refusal(codes.WORD_MISSING.at(line.where_code(rule), code=rule.text, needed="P"))
-    if value < 0:
+    if bounds(value)[1] < 0:
         # M50: "the value remains as is"; M51: the override is off, so the speed is the programmed one.
         s.speed_override_known = s.speed_override_known or rule.function is F.SPEED_OVERRIDE
         return
-    what = f"whether P1 or P100 leaves it as it is, and so what P{value:g} does, is not documented"
+    what = (
+        f"P depends on {value.cause}, which nobody stated"
+        if isinstance(value, Unknown)
+        else f"whether P1 or P100 leaves it as it is, and so what P{value:g} does, is not documented"
+    )
     ex.findings.add(codes.OVERRIDE_FACTOR.at(line.where("P"), code=rule.text, what=what))
     if rule.function is F.FEED_OVERRIDE:
         s.feed_override = math.nan

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import math
 from collections.abc import Callable
 from typing import TYPE_CHECKING
 
@@ -74,6 +75,9 @@ def _peck(ex: Motion, line: Line, hole: Hole) -> None:
     Out is the clear position (G83), or the length of a peck but not beyond R (G73).
     """
     r, depth, drill = hole.r, hole.depth, hole.drill
+    if math.isnan(hole.peck):
+        _open_pecks(ex, line, hole)
+        return
     back_off = min(ex.modal.rules.peck_clearance_mm, hole.peck)
     for k in itertools.count(1):
         bottom = Position(max(r.value - k * hole.peck, depth.value), depth.form)
@@ -85,6 +89,20 @@ def _peck(ex: Motion, line: Line, hole: Hole) -> None:
             out = Position(min(bottom.value + hole.peck, r.value), bottom.form)
         along(ex, line, drill, out, Op.TRAVERSE)
         along(ex, line, drill, Position(min(bottom.value + back_off, r.value), bottom.form), Op.TRAVERSE)
+    along(ex, line, drill, hole.clear, Op.TRAVERSE)
+
+
+def _open_pecks(ex: Motion, line: Line, hole: Hole) -> None:
+    """The same where nobody knows how long a peck is: somewhere in the hole it turns round, or nowhere."""
+    r, depth, drill = hole.r, hole.depth, hole.drill
+    ends = depth.value - r.value, 0.0
+    out = hole.clear
+    along(ex, line, drill, ex.unknown_place("value", drill, ends, r), Op.FEED)
+    if hole.rule.function is F.DRILL_CHIP_BREAK:
+        out = ex.unknown_place("value", drill, ends, r)
+    along(ex, line, drill, out, Op.TRAVERSE)
+    along(ex, line, drill, ex.unknown_place("value", drill, ends, r), Op.TRAVERSE)
+    along(ex, line, drill, depth, Op.FEED)
     along(ex, line, drill, hole.clear, Op.TRAVERSE)
 
 

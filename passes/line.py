@@ -22,7 +22,7 @@ ARGUMENTS = "DEHIJKLPQR"
 LETTERS = frozenset("ABCDEFGHIJKLMPQRSTXYZ")
 
 
-def _named(letter: str) -> str:
+def named(letter: str) -> str:
     """A word in a message: a number behind a code has no letter."""
     return "the number" if letter == PARAMETER else letter
 
@@ -71,7 +71,7 @@ class Line:
         self.used.add(letter)
         value = self.values.get(letter)
         if isinstance(value, Unknown):
-            raise Refusal(not_known(self.where(letter), _named(letter), value))
+            raise Refusal(not_known(self.where(letter), named(letter), value))
         return value
 
     def whole(self, letter: str, tolerance: float) -> int | None:
@@ -80,7 +80,7 @@ class Line:
         if value is None:
             return None
         if abs(value - round(value)) > tolerance:
-            raise Refusal(codes.NOT_AN_INTEGER.at(self.where(letter), word=_named(letter), value=value))
+            raise Refusal(codes.NOT_AN_INTEGER.at(self.where(letter), word=named(letter), value=value))
         return round(value)
 
     def axes(self) -> dict[int, Value]:

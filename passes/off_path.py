@@ -18,6 +18,8 @@ from gproof.ir.trace import PathMode, State
 BACKLASH = "the backlash of axes"
 NO_TOLERANCE = "G64 without P does not round corners"
 ROUNDED = "how the controller rounds corners (P, Q)"
+_AS_FAR = 1e5
+"""mm: further than any machine goes, for a tolerance that nobody knows."""
 
 
 @record(frozen=True, slots=True)
@@ -40,6 +42,7 @@ def off_path(machine: Machine, state: State) -> OffPath:
     blend = max(0.0, state.simplify)
     if state.path_mode is PathMode.CONTINUOUS:
         blend += max(0.0, state.path_tolerance)
+    blend = min(blend, _AS_FAR)
     causes = ((BACKLASH,) if distance else ()) + ((ROUNDED,) if blend else ())
     return OffPath(around + blend, z + blend, distance + blend, causes)
 

@@ -6,6 +6,7 @@ have, down to R, drill, and back to R.
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING
 
 from gproof.ir import codes
@@ -13,6 +14,7 @@ from gproof.ir.finding import Refusal
 from gproof.ir.rules import CodeRule
 from gproof.ir.rules import Function as F
 from gproof.ir.trace import Op
+from gproof.passes.open_numbers import low_of, number_or_open
 from gproof.passes.single_motion import Handler, aim, feed_word, is_absolute, mapped, note_assumptions, place_of
 from gproof.passes.single_state import UNSCALED
 from gproof.passes.values import NOWHERE, Position
@@ -44,7 +46,12 @@ def drill(ex: Motion, line: Command, rule: CodeRule) -> None:
     if s.feed_mode == 93:
         raise Refusal(codes.CYCLE_INVERSE_TIME.at(line.span, code=rule.text))
     sticky = s.cycle if s.cycle_code == rule.tenths else {}
-    words = {letter: line.number(letter) for letter in "ZRQPL"}
+    words = {letter: line.number(letter) for letter in "ZRL"}
+    # What a Q of 0 or less does the manual does not say: one that may be none above 0 is not followed.
+    words["Q"] = None if low_of(line, "Q") > 0.0 else line.number("Q")
+    if words["Q"] is None:
+        words["Q"] = number_or_open(ex, line, "Q", rule.text, positive=True)
+    words["P"] = number_or_open(ex, line, "P", rule.text)
     found = {letter: sticky.get(letter) if value is None else value for letter, value in words.items()}
     if any(axis > 2 for axis in mapped(ex, line)):
         raise Refusal(codes.UNSUPPORTED_CODE.at(line.span, code=f"{rule.text} with other axes than X, Y and Z"))
@@ -88,9 +95,9 @@ def drill(ex: Motion, line: Command, rule: CodeRule) -> None:
     ex._moved = True
     _go(ex, line, Op.TRAVERSE, r)
     if rule.function is F.DRILL_PECK:
-        _pecks(ex, line, r, depth, peck, found["L"], scaled=factor != 1.0)
+        _pecks(ex, line, r, depth, peck, found["L"], open_=factor != 1.0 or math.isnan(peck))
     elif rule.function is F.DRILL_CHIP_BREAK:
-        _chips(ex, line, r, depth, peck, scaled=factor != 1.0)
+        _chips(ex, line, r, depth, peck, open_=factor != 1.0 or math.isnan(peck))
     else:
         _go(ex, line, Op.FEED, depth)
     _dwell(ex, line, rule, found["P"])
@@ -135,12 +142,12 @@ def _go(ex: Motion, line: Command, op: Op, place: Position) -> None:
 
 
 def _pecks(
-    ex: Motion, line: Command, r: Position, depth: Position, peck: float, lift_word: float | None, *, scaled: bool
+    ex: Motion, line: Command, r: Position, depth: Position, peck: float, lift_word: float | None, *, open_: bool
 ) -> None:  # fmt: skip
     """G83: back to R after each peck but the last, then rapid to just above where it was.
 
     With g81set=L the way back ends so far above R: the top of the hole, from which it counts, is nowhere above R.
-    scaled: whether G51 makes other pecks of Q is not said: they end anywhere on the way.
+    open_: Q is not known, or whether G51 makes other pecks of it is not said: they end anywhere on the way.
     """
     settings = ex.machine.controller.controls.drill
     approach = APPROACH if settings.approach is None else settings.approach
@@ -150,7 +157,7 @@ def _pecks(
     if settings.lift is not None and settings.lift > 0.0:
         top = Position(r.value + settings.lift, r.form)
         ex.assumed["between pecks (G83) a drill lifts no higher than g81set=L above R"] = None
-    if scaled:
+    if open_:
         for op, place in ((Op.FEED, _between(ex, r, depth)), (Op.TRAVERSE, top), (Op.TRAVERSE, _between(ex, r, depth))):
             _go(ex, line, op, place)
         _go(ex, line, Op.FEED, depth)
@@ -170,10 +177,10 @@ def _between(ex: Motion, r: Position, depth: Position) -> Position:
 
 
 def _chips(
-    ex: Motion, line: Command, r: Position, depth: Position, peck: float, *, scaled: bool
+    ex: Motion, line: Command, r: Position, depth: Position, peck: float, *, open_: bool
 ) -> None:  # fmt: skip
-    """G73: a little lift after each peck but the last. scaled: see ``_pecks``."""
-    if scaled:
+    """G73: a little lift after each peck but the last. open_: see ``_pecks``."""
+    if open_:
         top = ex.unknown_place("value", DRILL, (depth.value - r.value, APPROACH), r)
         for op, place in ((Op.FEED, _between(ex, r, depth)), (Op.TRAVERSE, top)):
             _go(ex, line, op, place)

@@ -20,6 +20,7 @@ from gproof.ir.trace import KNIFE, Op, ToolDiameter, Wait
 from gproof.passes import single_knife
 from gproof.passes.emitter import ProgramEnd
 from gproof.passes.expressions import Evaluator
+from gproof.passes.open_numbers import number_or_open
 from gproof.passes.single_motion import Handler, follow, lose_places, note_assumptions, spindle_range, switch_output
 from gproof.passes.single_state import (
     COUPLING_OPEN,
@@ -51,7 +52,7 @@ def note(ex: Motion, line: Command, rule: CodeRule) -> None:
 def dwell(ex: Motion, line: Command, rule: CodeRule) -> None:
     """G4 X: seconds; alone: until the operator goes on."""
     letter = "D" if rule.letter == "L" else "X"
-    seconds = line.number(letter)
+    seconds = number_or_open(ex, line, letter, rule.text)
     if seconds is None:
         if line.comment:
             ex.event(Op.MESSAGE, line.span, text=ex._text(line.comment))
@@ -640,7 +641,7 @@ def auto_output(ex: Motion, line: Command, rule: CodeRule) -> None:
     s = ex.modal
     on = rule.function is F.AUTO_OUTPUT_ON
     if "D" in line.values:
-        seconds = line.number("D") or 0.0
+        seconds = number_or_open(ex, line, "D", rule.text) or 0.0
         first, second = s.single.auto_dwell
         s.single = s.single.but(auto_dwell=(seconds, second) if on else (first, seconds))
     else:

@@ -15,6 +15,7 @@ from gproof.ir.modal_groups import SPINDLE
 from gproof.ir.rules import CodeRule
 from gproof.ir.rules import Function as F
 from gproof.passes.line import Line
+from gproof.passes.open_numbers import number_or_open
 from gproof.passes.outputs import takes_speed
 from gproof.passes.values import Unknown
 from gproof.passes.word_owner import owned
@@ -135,8 +136,8 @@ def _mode(ex: Emitter, line: Line, rule: CodeRule) -> None:
     if "S" not in line.values:
         raise Refusal(codes.WORD_MISSING.at(line.where_code(rule), code=rule.text, needed="S"))
     owned(line, rule, "D")
-    limit = line.number("D")
-    if limit is not None and not limit > 0:
+    limit = number_or_open(ex, line, "D", rule.text, positive=True)
+    if limit is not None and limit <= 0:
         raise Refusal(codes.SURFACE_SPEED_LIMIT.at(line.where("D"), value=limit))
     if limit is None:
         ex.findings.add(codes.SURFACE_SPEED_UNBOUNDED.at(line.where_code(rule), code=rule.text))

@@ -15,6 +15,7 @@ from gproof.ir.rules import CodeRule
 from gproof.ir.rules import Function as F
 from gproof.ir.trace import Op
 from gproof.passes.line import Line
+from gproof.passes.open_numbers import number_or_open
 from gproof.passes.spindle import need_turning, note_speed_unknown, true_rpm
 from gproof.passes.values import Position
 from gproof.passes.word_owner import owned
@@ -37,10 +38,14 @@ def run_synchronised(ex: Motion, line: Line, rule: CodeRule, target: list[Positi
             word = AXIS_NAMES[axis].upper()
             raise Refusal(codes.UNUSED_WORD.at(line.where(word), word=f"{word} beside {rule.text}"))
     owned(line, rule, "K")
-    pitch = line.number("K")
-    if pitch is None or not pitch > 0:
+    pitch = number_or_open(ex, line, "K", rule.text, positive=True)
+    if pitch is None or pitch <= 0:
         given = "" if pitch is None else f" greater than 0; K{pitch:g} is given"
         raise Refusal(codes.WORD_MISSING.at(line.where("K"), code=rule.text, needed=f"K{given}"))
+    if math.isnan(pitch):
+        # Whether an axis can follow (3.4.9) rests on it as the feed does.
+        cause = "K, which nobody stated"
+        ex.findings.add(codes.FEED_UNKNOWN.at(line.where("K"), code=rule.text, cause=cause))
     need_turning(ex, line, rule)
     pitch *= s.unit
     if any(abs(factor) != 1.0 for factor in s.transform.factors) and (

@@ -515,7 +515,7 @@ def _event_problem(op: Op, arg: list[float], given: int, values: list[int]) -> s
             return f"{op.name} with a value that is not known"
         if abs(Fraction(value) * 1000 - thousandths) > Fraction(1, 2) + _TOUCH:
             return f"{op.name} with {thousandths} thousandths, the row says {value!r}"
-    if op is Op.DWELL and arg[0] < 0:
+    if op is Op.DWELL and not 0 <= arg[0] < math.inf:
         return f"a dwell of {arg[0]!r} seconds"
     if op is Op.SPINDLE and arg[0] not in (-1.0, 0.0, 1.0):
         return f"a spindle direction of {arg[0]!r}"

@@ -27,7 +27,7 @@ LINES = [
     # refused with an error of another property than language
     "G17 G91 G2 X5 Y0 F100", "G17 G91 G2 X5 Y0 R0 F100", "G17 G91 G2 X5 Y0 R1 F100", "G17 G91 G2 X0 Y0 R4 F100",
     # values that nobody stated: the line is refused, or its axis is anywhere
-    "G4 P[#3999]", "G10 L2 P[#3999] X0", "G10 L[#3999] P1 X0", "G0 G53 X[1/0]", "G[#3999] X1", "M[#3999]",
+    "G10 L2 P[#3999] X0", "G10 L[#3999] P1 X0", "G0 G53 X[1/0]", "G[#3999] X1", "M[#3999]",
     "G17 G91 G2 X5 I[#3999] F100", "G17 G91 G2 X5 R[#3999] F100", "G81 X1 Y1 Z-1 R[#3999] F100", "#[#3999] = 1",
     "G81 X1 Y1 Z-1 R1 L[#3999] F100", "M54 P[#3999]", "T[#3999] M6 L5", "zhcon", "tkon", "M6 T900", "G93 G1 X1",
 ]  # fmt: skip

@@ -68,10 +68,10 @@ def test_a_stated_range_is_stated(tmp_path: Path) -> None:
     _, findings = run_whole(tmp_path, f"{HEAD}G1 X5 F#110\nM30\n", setup=setup)
     said = [f.message for f in findings.kept if f.code.label == "GP225"]
     assert not any("nobody stated" in message for message in said)
-    _, findings = run_whole(tmp_path, f"{HEAD}G4 P#110\nM30\n", setup=setup)
+    _, findings = run_whole(tmp_path, f"{HEAD}M54 P#110\nM30\n", setup=setup)
     assert [f.message for f in findings.kept if f.code.label == "GP225"] == [
         "P depends on #110, of which bounds are known, and no number"
     ]
-    _, findings = run_whole(tmp_path, f"{HEAD}G4 P#111\nM30\n", setup=NOTHING)
+    _, findings = run_whole(tmp_path, f"{HEAD}M54 P#111\nM30\n", setup=NOTHING)
     assert codes_of(findings) == ["GP234", "GP225"]
     assert "#111, which nobody stated" in findings.kept[-1].message
