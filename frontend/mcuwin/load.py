@@ -23,9 +23,9 @@ from gproof.ir import codes
 from gproof.ir.columns import Columns
 from gproof.ir.dialects import rules_named
 from gproof.ir.din import NO_DIN
-from gproof.ir.finding import Findings, Refusal, Span
+from gproof.ir.finding import Finding, Findings, Refusal, Span
 from gproof.ir.machine import Machine
-from gproof.ir.program import BlockTable, Program, SourceFile, Statement, Unsupported
+from gproof.ir.program import BlockTable, Mistake, Program, SourceFile, Statement, Unsupported
 
 HELD_LINES = 2000
 HELD_IN_ALL = 200_000
@@ -216,7 +216,7 @@ class _Loader:
             return
         if not found:
             where = f" in {' or '.join(str(folder) for folder in folders)}"
-            self.findings.add(codes.FILE_NOT_FOUND.at(span, name=name, where=where))
+            self._left_out(codes.FILE_NOT_FOUND.at(span, name=name, where=where))
             return
         path = found[0]
         if path.resolve() in self.stack or len(self.stack) >= DEEPEST:
@@ -225,7 +225,7 @@ class _Loader:
             if path.resolve() not in self.stack:
                 what = f"would be the {len(chain) - 1}th include within another, and gproof reads {DEEPEST - 1}"
                 chain = [*chain[:3], "...", *chain[-2:]]
-            self.findings.add(codes.INCLUDE_CYCLE.at(span, name=name, what=what, chain=" -> ".join(chain)))
+            self._left_out(codes.INCLUDE_CYCLE.at(span, name=name, what=what, chain=" -> ".join(chain)))
             return
         if self.included > MOST:
             what = f"a job with more than {MOST} inclusions"
@@ -239,6 +239,15 @@ class _Loader:
         if what:
             self.text.structure.add([Unsupported(what=what, span=span)])
         self._read(path)
+
+    def _left_out(self, finding: Finding) -> None:
+        """An include that is not read: its lines may have changed anything."""
+        self.findings.add(finding)
+        what, hint = finding.message, finding.hint
+        node = Mistake(code=finding.code.number, message=what, span=finding.span, text="", hint=hint, told=True)
+        # The end that its module lacks may stand in the file.
+        self.text.structure.section.broken = True
+        self.text.structure.add([node])
 
     def _read(self, path: Path) -> None:
         try:

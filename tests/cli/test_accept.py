@@ -285,7 +285,7 @@ REFUSED = {
         "G20\nG90\nG92 X0 Y0 Z0\nF50\nG0 X1 Y1\n", "G0 Y2\n", "",
         ("G1 X2 F-1", "G1 X2 ~", "G2 X2", "G1 X1 X2", "G7777 X2"),
     ),
-    "job.src": ("%A\nG90\nG00 X0 Y0\n", "G00 Y1\n", "M30\n", ("G01 X10 F-1", "G01 X10 ~", "G01 X10 X11")),
+    "job.src": ("%A\nG90\nG00 X0 Y0\n", "G00 Y1\n", "M30\n", ("G01 X10 F-1", "G01 X10 ~", "G01 X10 X11", "$I no.inc")),
 }  # fmt: skip
 """By job: what comes before a line that is an error, a move after it, the end, and such lines."""
 
