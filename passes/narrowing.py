@@ -13,7 +13,8 @@ from collections.abc import Callable
 
 from gproof.ir.finding import Findings, Refusal, Span
 from gproof.ir.program import Binary, Expr, Number, Unary, Variable
-from gproof.passes.expressions import NEARLY, Evaluator
+from gproof.passes import ranges
+from gproof.passes.expressions import LEAST_WHOLE, MOST_WHOLE, NEARLY, Evaluator
 from gproof.passes.ranges import ANY, Range
 from gproof.passes.values import Unknown, Value, bounds, is_whole
 
@@ -117,9 +118,10 @@ class Narrowing:
                 return self._within(node.operand, (-high, -low), known, depth + 1)
             if node.operator == "pos":
                 return self._within(node.operand, ends, known, depth + 1)
-            if node.operator == "abs" and high < math.inf:
-                return self._within(node.operand, (-high, high), known, depth + 1)
-            return known
+            if node.whole and node.operator == "sqr":
+                return known  # its square may not fit 32 bits
+            inner = _of_unary(node.operator, ends, bounds(self._value(node.operand, known)))
+            return known if inner is None else self._within(node.operand, inner, known, depth + 1)
         if isinstance(node, Binary) and not node.doubtful and not node.whole and node.operator in ("+", "-"):
             left, right = bounds(self._value(node.left, known)), bounds(self._value(node.right, known))
             if node.operator == "+":
@@ -128,7 +130,34 @@ class Narrowing:
                 ends_left, ends_right = _less(ends, (-right[1], -right[0])), _less((-high, -low), (-left[1], -left[0]))
             first = self._within(node.left, ends_left, known, depth + 1)
             return None if first is None else self._within(node.right, ends_right, first, depth + 1)
+        if isinstance(node, Binary) and not node.doubtful:
+            return self._of_product(node, ends, known, depth)
         return known
+
+    def _of_product(self, node: Binary, ends: Range, known: Bounds, depth: int) -> Bounds | None:
+        """What is known where a product, a quotient or a shift lies in a range; one of its operands is a number."""
+        left, right = self._value(node.left, known), self._value(node.right, known)
+        operator = node.operator
+        if node.whole and (operator not in ("div", "shr") or right == -1.0):
+            # What does not fit 32 bits has no value here, and may have another one at the controller.
+            exact = ranges.whole_binary(operator, bounds(left), bounds(right))
+            if exact is None or not LEAST_WHOLE <= exact[0] <= exact[1] <= MOST_WHOLE:
+                return known
+        if operator in ("+", "-") and node.whole:
+            (a, b), (c, d), (low, high) = bounds(left), bounds(right), ends
+            if operator == "-":
+                c, d = -d, -c
+            first = self._within(node.left, (low - d, high - c), known, depth + 1)
+            other = (low - b, high - a) if operator == "+" else (a - high, b - low)
+            return None if first is None else self._within(node.right, other, first, depth + 1)
+        if operator == "*" and not isinstance(left, Unknown):
+            left, right, of = right, left, node.right
+        else:
+            of = node.left
+        if isinstance(right, Unknown) or not math.isfinite(right):
+            return known
+        inner = _of_binary(operator, ends, right, least=bounds(left)[0], whole=is_whole(left) and is_whole(right))
+        return known if inner is None else self._within(of, inner, known, depth + 1)
 
     def _variable(self, node: Variable, ends: Range, known: Bounds) -> Bounds | None:
         if not isinstance(node.number, Number) or node.number.value != round(node.number.value):
@@ -163,6 +192,56 @@ def _below(value: float, *, whole: bool) -> float:
 
 def _above(value: float, *, whole: bool) -> float:
     return value + 1.0 if whole and abs(value) < 2.0**52 else math.nextafter(value, math.inf)
+
+
+def _of_unary(operator: str, ends: Range, now: Range) -> Range | None:
+    """Where x lies when ``operator x`` lies between ends and x is known to lie in ``now``; None: nothing is said."""
+    low, high = ends
+    match operator:
+        case "abs" if now[0] >= 0.0:
+            return low, high
+        case "abs" if now[1] <= 0.0:
+            return -high, -low
+        case "abs" if high < math.inf:
+            return -high, high
+        case "fix" | "fup" | "int" | "round" | "trunc" | "nearest":
+            return low - 1.0, high + 1.0  # whichever way it rounds
+        case "sqr" if 0.0 <= high < math.inf:
+            most = math.nextafter(math.sqrt(high), math.inf) * (1.0 + _PAD)
+            return -most, most
+        case "sqrt" if 0.0 <= high < _LARGE_ROOT:
+            return max(0.0, low) ** 2 * (1.0 - _PAD), high * high * (1.0 + _PAD)
+    return None
+
+
+_LARGE_ROOT = 1e150
+
+
+def _of_binary(operator: str, ends: Range, number: float, *, least: float, whole: bool) -> Range | None:
+    """Where x lies when ``x operator number`` lies between ends; None: nothing is said.
+
+    least: x is known to be no less; whole: both are whole numbers. The bounds of a quotient hold whether it
+    is cut towards 0, as of ``div``, or rounded down, as by a shift.
+    """
+    low, high = ends
+    if operator in ("<<", ">>", "shr"):
+        if not whole or not 0.0 <= number < 32.0 or (operator == "shr" and least < 0.0):
+            return None
+        operator, number = ("*" if operator == "<<" else "div"), 2.0**number
+    if operator == "div" and whole and number != 0.0:
+        if number < 0.0:
+            low, high, number = -high, -low, -number
+        low = low if math.isinf(low) else float(math.ceil(low))
+        high = high if math.isinf(high) else float(math.floor(high))
+        return (low * number if low > 0.0 else (low - 1.0) * number + 1.0), (high + 1.0) * number - 1.0
+    if operator not in ("*", "/") or number == 0.0 or not 1e-100 < abs(number) < 1e100:
+        return None
+    found = [end / number if operator == "*" else end * number for end in (low, high)]
+    if any(math.isnan(end) for end in found):
+        return None
+    first, last = min(found), max(found)
+    pads = [_PAD * abs(end) + 1e-200 if math.isfinite(end) else 0.0 for end in (first, last)]
+    return first - pads[0], last + pads[1]
 
 
 def _less(ends: Range, term: Range) -> Range:
