@@ -35,7 +35,7 @@ def machine_of(shop: Shop) -> Machine:
     on = machine(
         version=shop.version, position_unit=25.4 if shop.inch else 1.0, time_unit=shop.seconds,
         absolute_centers=shop.absolute, interpolation_axes=shop.axes, zero_offsets=table, keeps_over_codes=shop.keep,
-        tools=TOOLS if shop.tools else (), tasks=TASKS, line_numbers=False, case_sensitive=True, unstated=(),
+        tools=TOOLS if shop.tools else (), tasks=TASKS, line_numbers=False, case_sensitive=True, unstated=(), g60="run",
     )  # fmt: skip
     axes = (dataclasses.replace(axis, position_unit=shop.own_x if axis.word == "X" else 1.0) for axis in on.axes)
     return dataclasses.replace(on, axes=tuple(axis for axis in axes if axis.word in AXES))
