@@ -10,12 +10,18 @@ T = TypeVar("T")
 
 
 class Control:
-    """Feed hold and emergency stop, asked for at any moment and heard by the runtime at the next."""
+    """Feed hold and emergency stop, asked for at any moment and heard by the runtime at the next.
+
+    signalled: a signal interrupted the run; ending: why it ends at the next rest, empty when it does not.
+    """
 
     def __init__(self) -> None:
         self._hold = threading.Event()
         self._stop = threading.Event()
         self._asking = False
+        self._closing = False
+        self.signalled = False
+        self.ending = ""
 
     def hold(self) -> None:
         """Ask for a feed hold."""
@@ -30,11 +36,32 @@ class Control:
 
         While the operator is being asked, at rest, it ends the question instead: KeyboardInterrupt.
         """
+        if self._closing:
+            return
+        self.signalled = True
         if self._asking:
             raise KeyboardInterrupt
         if self._hold.is_set():
             self.stop()
         self.hold()
+
+    def terminate(self) -> None:
+        """For signal handlers: an emergency stop; it ends a question as ``interrupt`` does."""
+        if self._closing:
+            return
+        self.signalled = True
+        self.stop()
+        if self._asking:
+            raise KeyboardInterrupt
+
+    def end_at_rest(self, why: str) -> None:
+        """Ask for a feed hold that nobody is asked about: the job ends there, because of ``why``."""
+        self.ending = self.ending or why
+        self.hold()
+
+    def closing(self) -> None:
+        """The run is over: what interrupts it from now on has nothing left to stop."""
+        self._closing = True
 
     @property
     def hold_asked(self) -> bool:
@@ -51,11 +78,14 @@ class Control:
         self._hold.clear()
 
     def ask(self, question: Callable[[], T]) -> T | None:
-        """The operator's answer, or None when an interrupt came first."""
-        try:
-            self._asking = True
-            return question()
-        except KeyboardInterrupt:
+        """The operator's answer, or None when an interrupt came first, or nobody can be asked: a closed terminal."""
+        if self.ending or self.stop_asked:
             return None
-        finally:
-            self._asking = False
+        try:
+            try:
+                self._asking = True
+                return question()
+            finally:
+                self._asking = False
+        except (KeyboardInterrupt, OSError):
+            return None

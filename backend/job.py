@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from dataclasses import replace
 
+from gproof.backend.record_data import ANY_SIGNER, TRUSTED
 from gproof.ir.finding import Finding
 from gproof.ir.machine import Machine
 from gproof.ir.record import record
@@ -24,7 +26,10 @@ class RunRefused(Exception):
 
 @record(frozen=True, slots=True, kw_only=True)
 class Job:
-    """name: the source file; certificate: SHA-256 of the certificate's body; the rest is what it certifies."""
+    """name: the source file; certificate: SHA-256 of the certificate's body; the rest is what it certifies.
+
+    accepted: why it may run (``record_data.TRUSTED`` …); signer: the public key that signed it, in base64, or nobody.
+    """
 
     name: str
     certificate: str
@@ -32,6 +37,8 @@ class Job:
     machine: Machine
     setup: Setup
     stream: StepStream
+    accepted: str = ANY_SIGNER
+    signer: str = ""
 
 
 def job_of(package: Package) -> Job:
@@ -60,4 +67,5 @@ def checked_job(
     check = check_package(package, machine, setup, trusted_keys)
     if not check.valid:
         raise RunRefused(check.findings)
-    return job_of(package)
+    accepted = ANY_SIGNER if trusted_keys is None else TRUSTED
+    return replace(job_of(package), accepted=accepted, signer=check.signer or "")

@@ -41,7 +41,7 @@ def problems(record: ExecutionRecord, job: Job) -> Iterator[str]:
     if record.board.tick_frequency != stream.tick_frequency:
         yield f"the board counted {record.board.tick_frequency} ticks a second, not {stream.tick_frequency}"
     motors = len(stream.motors)
-    lists = [record.start, record.steps, record.position]
+    lists = [record.start, record.steps, record.last_position if record.position is None else record.position]
     lists += [v for s in record.sections for v in (s.steps, s.position, s.accepted)]
     if any(len(v) != motors for v in lists):
         yield "not one count for each motor"
@@ -57,7 +57,12 @@ def problems(record: ExecutionRecord, job: Job) -> Iterator[str]:
     totals = tuple(sum(s.steps[m] for s in record.sections) for m in range(motors))
     if record.steps != totals:
         yield f"{list(record.steps)} steps in all, {list(totals)} in the sections"
-    if record.position != at:
+    if record.position is None:
+        if record.result not in (Result.INTERRUPTED, Result.FAULT):
+            yield f"the position is not known although the result is {record.result.value}"
+    elif record.sections and record.sections[-1].outcome is Result.INTERRUPTED:
+        yield f"section {record.sections[-1].number} was interrupted, and the position is claimed to be known"
+    elif record.position != at:
         yield f"ended at {list(record.position)}, the last section at {list(at)}"
     if not record.observed.clean:
         yield f"the board saw pulses or direction changes that came too early: {_seen(record.observed)}"
@@ -112,7 +117,7 @@ def _section(done: SectionRecord, planned: StreamSection, at: tuple[int, ...], j
     complete = done.outcome is Result.COMPLETED
     if complete and done.ticks != section.duration:
         yield f"{where}: completed after {done.ticks} ticks, it lasts {section.duration}"
-    broken = done.outcome in (Result.UNDERRUN, Result.FAULT)
+    broken = done.outcome in (Result.UNDERRUN, Result.FAULT, Result.INTERRUPTED)
     for motor, runs, start, steps, position in zip(
         job.stream.motors, section.runs, section.start, done.steps, done.position, strict=True
     ):

@@ -1,8 +1,8 @@
 """The execution record: what the board acknowledged, as canonical JSON, chained onto the certificate.
 
 Whole numbers and text only, no clock times, no host names: the same run of the same job on the virtual board
-gives the same bytes. ``docs/execution-record.md`` defines each field; ``record_check`` compares a record with
-the package that was run.
+gives the same bytes. ``docs/execution-record.md`` defines each field; ``record.py`` compares a record with the
+package that was run, ``record_signature.py`` signs one.
 """
 
 from __future__ import annotations
@@ -25,7 +25,26 @@ from gproof.ir import codes
 from gproof.ir.finding import Finding, Span
 from gproof.ir.record import record
 
-SCHEMA = "gproof-record/1"
+SCHEMA = "gproof-record/2"
+FIRST_SCHEMA = "gproof-record/1"
+"""Still read: it has no ``accepted`` and no ``unproved``, and its position was always taken to be known."""
+
+UNPROVED = (
+    "board",
+    "observed",
+    "reason",
+    "sections.accepted",
+    "sections.answer",
+    "sections.events",
+    "sections.outcome",
+    "sections.position",
+    "sections.steps",
+    "sections.ticks",
+)
+"""Fields that rest on what the board, or who was asked, said: comparing with the package shows that they can be so."""
+
+TRUSTED, ANY_SIGNER, ALLOWED = "trusted-key", "any-signer", "allow-untrusted"
+"""Why the package might run: signed by a trusted key; no key was asked for; untrusted, and allowed to run."""
 
 
 class Result(enum.Enum):
@@ -34,6 +53,7 @@ class Result(enum.Enum):
     COMPLETED: the program's end. STOPPED: at rest, because the operator or a wait ended it there.
     EMERGENCY_STOP, UNDERRUN, FAULT (the board or the line to it): in the middle of things. REFUSED: at rest,
     because a retimed section did not pass the validator or does not begin where the last one ended.
+    INTERRUPTED: gproof was killed or lost its computer; the record was made from the journal afterwards.
     """
 
     COMPLETED = "completed"
@@ -42,6 +62,7 @@ class Result(enum.Enum):
     UNDERRUN = "underrun"
     FAULT = "fault"
     REFUSED = "refused"
+    INTERRUPTED = "interrupted"
 
 
 @record(frozen=True, slots=True, kw_only=True)
@@ -83,6 +104,8 @@ class SectionRecord:
     ticks: how far its time ran (its duration when completed); steps: pulses acknowledged, by motor;
     position: in steps at its end, by motor; accepted: runs the board took, by motor; events: (tick, row, op)
     carried out; wait, answer, target: what ended it, what was answered ("": nothing), and where that leads.
+    Of an interrupted section steps, position, ticks, accepted and events are what was acknowledged last: it
+    had come at least so far.
     """
 
     number: int
@@ -117,7 +140,8 @@ class ExecutionRecord:
 
     certificate: SHA-256 of the certificate's body; motors: their names; start: positions in steps before the
     first section; sections in the order of execution; steps: totals by motor; position: where the motors
-    ended; observed: what the board measured at its outputs; reason: a sentence when not completed.
+    ended (None: not known); observed: what the board measured at its outputs; reason: a sentence when not
+    completed; accepted: why the package might run (``TRUSTED`` …); schema: in which it is written.
     """
 
     certificate: str
@@ -127,34 +151,40 @@ class ExecutionRecord:
     start: tuple[int, ...]
     sections: tuple[SectionRecord, ...]
     steps: tuple[int, ...]
-    position: tuple[int, ...]
+    position: tuple[int, ...] | None
     observed: Observed
     result: Result
     reason: str = ""
+    accepted: str = ANY_SIGNER
+    schema: str = SCHEMA
+
+    @property
+    def last_position(self) -> tuple[int, ...]:
+        """The positions in steps that were acknowledged last, by motor."""
+        return self.sections[-1].position if self.sections else self.start
 
     @property
     def sha256(self) -> str:
         """The hash that chains this record onto its certificate: SHA-256 of the certificate's hash and the body."""
-        return _chain(self.certificate, canonical(self._body()))
+        return _chain(self.certificate, canonical(self.body()))
 
-    def _body(self) -> dict[str, Any]:
-        return {"schema": SCHEMA, **_plain(self)}
+    def body(self) -> dict[str, Any]:
+        """Everything that the hash covers, as plain JSON values."""
+        body = plain(self)
+        if self.schema == FIRST_SCHEMA:
+            del body["accepted"]
+        else:
+            body["unproved"] = list(UNPROVED)
+        return dict(body)
 
-    def to_json(self) -> bytes:
-        """Canonical JSON with the hash, ending in a newline."""
-        return canonical({**self._body(), "sha256": self.sha256}) + b"\n"
+    def to_json(self, signature: dict[str, str] | None = None) -> bytes:
+        """Canonical JSON with the hash, and the signature if there is one, ending in a newline."""
+        signed = {} if signature is None else {"signature": signature}
+        return canonical({**self.body(), "sha256": self.sha256, **signed}) + b"\n"
 
-    def write(self, path: Path) -> None:
-        """To a temporary name beside ``path``, then renamed."""
-        handle, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")
-        try:
-            with os.fdopen(handle, "wb") as file:
-                file.write(self.to_json())
-            os.chmod(name, 0o644)
-            os.replace(name, path)
-        except BaseException:
-            Path(name).unlink(missing_ok=True)
-            raise
+    def write(self, path: Path, signature: dict[str, str] | None = None) -> None:
+        """To a temporary name beside ``path``, on the disk, then renamed; OSError, and nothing written."""
+        write_whole(path, self.to_json(signature))
 
     def findings(self) -> list[Finding]:
         """What the user must hear of the run: underrun, emergency stop, feed holds, what the board saw."""
@@ -168,7 +198,9 @@ class ExecutionRecord:
                         f"at rest from {change.rest_begins} for {change.rest} ticks"
                     )
                     found.append(codes.FEED_HOLD.at(place, what=what))
-        if self.result is Result.UNDERRUN:
+        if self.result is Result.INTERRUPTED:
+            found.append(codes.RUN_INTERRUPTED.at(place, what=self.reason))
+        elif self.result is Result.UNDERRUN:
             found.append(codes.FIFO_UNDERRUN.at(place, what=self.reason))
         elif self.result is Result.EMERGENCY_STOP:
             found.append(codes.EMERGENCY_STOP.at(place, what=self.reason))
@@ -178,6 +210,21 @@ class ExecutionRecord:
                 what = f"the board saw pulses or direction changes of motor {name} come too early"
                 found.append(codes.STREAM_PULSE.at(place, what=what))
         return found
+
+
+def write_whole(path: Path, data: bytes) -> None:
+    """Bytes to a temporary name beside ``path``, on the disk, then renamed; OSError, and nothing left over."""
+    handle, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")
+    try:
+        with os.fdopen(handle, "wb") as file:
+            file.write(data)
+            file.flush()
+            os.fsync(file.fileno())
+        os.chmod(name, 0o644)
+        os.replace(name, path)
+    except BaseException:
+        Path(name).unlink(missing_ok=True)
+        raise
 
 
 def canonical(value: Any) -> bytes:
@@ -190,12 +237,12 @@ def _chain(certificate: str, body: bytes) -> str:
     return hashlib.sha256(bytes.fromhex(certificate) + body).hexdigest()
 
 
-def _plain(value: Any) -> Any:
+def plain(value: Any) -> Any:
     """Dataclasses as objects, tuples as lists, results as their text."""
     if dataclasses.is_dataclass(value) and not isinstance(value, type):
-        return {f.name: _plain(getattr(value, f.name)) for f in dataclasses.fields(value)}
+        return {f.name: plain(getattr(value, f.name)) for f in dataclasses.fields(value)}
     if isinstance(value, tuple | list):
-        return [_plain(v) for v in value]
+        return [plain(v) for v in value]
     if isinstance(value, Result):
         return value.value
     return value

@@ -2,29 +2,30 @@
 
 Before any motion the package is checked again, whole; nothing is sent that was not validated, retimed
 sections included. Between sections the operator answers. Whatever happens after the board was opened ends in
-an ExecutionRecord that says how far it came.
+an ExecutionRecord that says how far it came, and what it is made from goes into a journal as it happens.
 """
 
 from __future__ import annotations
 
 import contextlib
 import math
-import signal
-import threading
 import time
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import replace
 from fractions import Fraction
-from types import FrameType
+from typing import Any
 
 from gproof.backend.boards.board import Board, BoardError, Capabilities, EventDone, Observed, Status, ticks_up
 from gproof.backend.control import Control
+from gproof.backend.interrupts import interrupts
 from gproof.backend.job import Job, RunRefused, checked_job
+from gproof.backend.journal import Notes
 from gproof.backend.operators import AutoContinue, HoldRequest, Operator, WaitRequest
-from gproof.backend.record_data import BoardRecord, ExecutionRecord, Result, Retiming, SectionRecord
+from gproof.backend.record_data import BoardRecord, ExecutionRecord, Result, Retiming, SectionRecord, plain
 from gproof.backend.retime import GREATEST_FACTOR, LEAST_FACTOR
 from gproof.backend.retimer import Retimer
 from gproof.backend.section_run import Pace, SectionRun
+from gproof.backend.trail import Trail
 from gproof.ir import codes
 from gproof.ir.finding import Finding, Span
 from gproof.ir.machine import Machine
@@ -46,6 +47,9 @@ LEAD = 0.05
 PREPARING = 0.2
 """Seconds that working out a feed hold beside a running board may take, beside twice what a rehearsal took."""
 
+
+NOTED = 1.0
+"""Seconds of motion between two entries of the journal that say how far a section has come."""
 
 SENSED = frozenset({Wait.PROBE, Wait.HOME})
 """Waits that a switch ends in the middle of a move: steps sent regardless would go on through the contact."""
@@ -80,16 +84,18 @@ def run(
     setup: Setup | None = None,
     trusted_keys: Iterable[bytes] | None = None,
     control: Control | None = None,
+    journal: Notes | None = None,
 ) -> ExecutionRecord:
     """Run a package on a board; RunRefused before any motion, a record afterwards whatever happens.
 
-    RunFailed, with the record, when a callback raises.
+    RunFailed, with the record, when a callback raises. OSError when the journal can not be begun: nothing has moved.
 
     operator: who answers waits (default: AutoContinue). on_progress: called with the part of all ticks done.
     hold_at: feed holds, in ticks of motion since the start (an int rests for one second). override: 0.1 to 1,
     of the planned speed. estop_at: emergency stop at that tick of motion. machine, setup: what is at hand, when
     it is known apart from the package; trusted_keys: whose certificates are accepted. control: requests from
-    other threads; Ctrl-C is a feed hold, a second one an emergency stop.
+    other threads; Ctrl-C is a feed hold, a second one an emergency stop, and so are SIGTERM and SIGHUP. journal:
+    what has to be there when this process ends before the run does; a run that can not go on writing it ends at rest.
     """
     return walk(
         checked_job(package, machine=machine, setup=setup, trusted_keys=trusted_keys),
@@ -100,6 +106,7 @@ def run(
         override=override,
         estop_at=estop_at,
         control=control,
+        journal=journal,
     )
 
 
@@ -113,6 +120,7 @@ def walk(
     override: float | Fraction = 1,
     estop_at: int | None = None,
     control: Control | None = None,
+    journal: Notes | None = None,
 ) -> ExecutionRecord:
     """``run`` for a job that has been checked; only ``checked_job`` makes one from a package."""
     factor = Fraction(override).limit_denominator(1000)
@@ -123,8 +131,8 @@ def walk(
     holds = [hold_at] if isinstance(hold_at, Hold) else sorted(hold_at or (), key=lambda h: h.at)
     walking = _Walk(job, board, operator or AutoContinue(), control or Control())
     walking.factor, walking.holds, walking.estop_at = factor, holds, estop_at
-    walking.on_progress = on_progress
-    with _interrupts(walking.control):
+    walking.on_progress, walking.journal = on_progress, journal
+    with interrupts(walking.control):
         return walking.run()
 
 
@@ -140,12 +148,15 @@ class _Walk:
         self.holds: list[Hold] = []
         self.estop_at: int | None = None
         self.on_progress: Progress | None = None
-        self.sections: list[SectionRecord] = []
+        self.journal: Notes | None = None
+        self.trail = Trail()
         self.result = Result.FAULT
         self.reason = ""
         self.done_ticks = 0
         self._shown = -1.0
-        self._last: Status | None = None
+        self._noted = 0
+        self._events: list[EventDone] = []
+        self._events_noted = 0
         self._all_ticks = 1
         self.observed = Observed()
         self.retimer = Retimer(job.stream.motors, job.machine, job.stream.tick_frequency, self._accept)
@@ -159,6 +170,11 @@ class _Walk:
             raise RunRefused(refusals)
         self._all_ticks = int(sum(s.duration for s in self.job.stream.sections) / self.factor) or 1
         try:
+            self._begin(is_)
+        except BaseException:
+            self.board.close()
+            raise
+        try:
             try:
                 number = 0
                 while number >= 0:
@@ -169,34 +185,54 @@ class _Walk:
                     self.board.close()
         except BoardError as error:
             self.result, self.reason = Result.FAULT, str(error)
-        except Exception as error:
+        except BaseException as error:
             self.result, self.reason = Result.FAULT, f"{type(error).__name__}: {error}"
-            raise RunFailed(self._record(is_)) from error
-        return self._record(is_)
+            self._end()
+            if not isinstance(error, Exception):
+                raise
+            raise RunFailed(self.trail.record()) from error
+        self._end()
+        return self.trail.record()
 
-    def _record(self, is_: Capabilities) -> ExecutionRecord:
-        start = self.job.stream.sections[0].start
-        return ExecutionRecord(
-            certificate=self.job.certificate,
-            job=self.job.name,
-            board=BoardRecord(
-                name=is_.name,
-                motors=is_.motors,
-                tick_frequency=is_.tick_frequency,
-                fifo_runs=is_.fifo_runs,
-                step_pulse=is_.step_pulse,
-                direction_setup=is_.direction_setup,
-                real_time=is_.real_time,
-            ),
-            motors=tuple(m.name for m in self.job.stream.motors),
-            start=start,
-            sections=tuple(self.sections),
-            steps=self._last.steps if self._last else (0,) * is_.motors,
-            position=self.sections[-1].position if self.sections else start,
-            observed=self.observed,
-            result=self.result,
-            reason=self.reason,
+    # What is noted.
+
+    def _write(self, kind: str, fields: dict[str, Any], *, sync: bool = False) -> None:
+        """Note an entry; one that the journal does not take ends the run at the next rest."""
+        self.trail.add(kind, fields)
+        if self.journal is None:
+            return
+        try:
+            self.journal.note(kind, fields, sync=sync)
+        except OSError as error:
+            if kind == "begin":
+                raise
+            self.control.end_at_rest(f"the journal can not be written ({error.strerror or error})")
+
+    def _begin(self, is_: Capabilities) -> None:
+        """Everything that the record says of a run that has not moved yet; OSError when that can not be kept."""
+        board = BoardRecord(
+            name=is_.name,
+            motors=is_.motors,
+            tick_frequency=is_.tick_frequency,
+            fifo_runs=is_.fifo_runs,
+            step_pulse=is_.step_pulse,
+            direction_setup=is_.direction_setup,
+            real_time=is_.real_time,
         )
+        fields = {
+            "certificate": self.job.certificate,
+            "job": self.job.name,
+            "board": plain(board),
+            "motors": [m.name for m in self.job.stream.motors],
+            "start": list(self.job.stream.sections[0].start),
+            "accepted": self.job.accepted,
+            "signer": self.job.signer,
+        }
+        self._write("begin", fields, sync=True)
+
+    def _end(self) -> None:
+        fields = {"result": self.result.value, "reason": self.reason, "observed": plain(self.observed)}
+        self._write("end", fields, sync=True)
 
     # One section.
 
@@ -208,18 +244,28 @@ class _Walk:
             self.result, self.reason = Result.REFUSED, f"section {number}: {ready}"
             return -1
         section, retimings = ready
+        pace = self._pace(is_, section)
         before = self.board.status()
+        fields = {"number": number, "start": list(section.start), "retimings": plain(retimings)}
+        self._write("section", fields, sync=True)
+        if self.control.ending:
+            self._write("withdrawn", {})
+            self.result, self.reason = Result.STOPPED, f"section {number} was not begun: {self.control.ending}"
+            return -1
         run = SectionRun(
             self.board,
             is_,
             section,
-            pace=self._pace(is_, section),
+            pace=pace,
             prepare=self.retimer.hold,
             operator=self.operator,
             control=self.control,
             estop_at=None if self.estop_at is None else self.estop_at - self.done_ticks,
             on_tick=self._show,
+            on_retimed=lambda held: self._write("retimed", {"retimings": plain([*retimings, *held])}),
         )
+        run.on_tick = lambda now: self._passed(now, before, run)
+        self._noted, self._events, self._events_noted = 0, [], 0
         try:
             run.run()
         except KeyboardInterrupt:
@@ -288,22 +334,43 @@ class _Walk:
     def _note(self, before: Status, run: SectionRun, planned: list[Retiming]) -> None:
         """Write down how a section went, from the board's first and last answers."""
         ended = run.ended
-        self._last = after = run.seen or before
-        events: list[EventDone] = []
-        with contextlib.suppress(BoardError):
-            events = self.board.take_events()
-        self.sections.append(
-            SectionRecord(
-                number=ended.section.number,
-                outcome=ended.outcome,
-                ticks=ended.ticks,
-                retimings=(*planned, *ended.retimings),
-                steps=tuple(b - a for a, b in zip(before.steps, after.steps, strict=True)),
-                position=after.position,
-                accepted=tuple(b - a for a, b in zip(before.accepted, after.accepted, strict=True)),
-                events=tuple((e.tick - run.base, e.row, e.op) for e in events),
-            )
+        after = run.seen or before
+        self._take_events()
+        done = SectionRecord(
+            number=ended.section.number,
+            outcome=ended.outcome,
+            ticks=ended.ticks,
+            retimings=(*planned, *ended.retimings),
+            steps=tuple(b - a for a, b in zip(before.steps, after.steps, strict=True)),
+            position=after.position,
+            accepted=tuple(b - a for a, b in zip(before.accepted, after.accepted, strict=True)),
+            events=tuple((e.tick - run.base, e.row, e.op) for e in self._events),
         )
+        self._write("ended", {"section": plain(done), "reason": ended.reason, "known": ended.known}, sync=True)
+
+    def _take_events(self) -> None:
+        """What the board carried out since it was last asked."""
+        with contextlib.suppress(BoardError):
+            self._events += self.board.take_events()
+
+    def _passed(self, now: int, before: Status, run: SectionRun) -> None:
+        """The board's clock shows tick ``now`` of the section: note it at intervals, and tell the progress."""
+        seen = run.seen
+        every = int(NOTED * self.job.stream.tick_frequency)
+        if seen is not None and now >= self._noted + every:
+            self._noted = now
+            self._take_events()
+            new = [e for e in self._events[self._events_noted :] if e.tick <= seen.tick]
+            self._events_noted += len(new)
+            fields = {
+                "tick": now,
+                "steps": [b - a for a, b in zip(before.steps, seen.steps, strict=True)],
+                "position": list(seen.position),
+                "accepted": [b - a for a, b in zip(before.accepted, seen.accepted, strict=True)],
+                "events": [[e.tick - run.base, e.row, e.op] for e in new],
+            }
+            self._write("at", fields)
+        self._show(now)
 
     def _show(self, now: int) -> None:
         """Tell the progress, at most a thousand times."""
@@ -314,6 +381,9 @@ class _Walk:
                 self.on_progress(part)
             except KeyboardInterrupt:
                 self.control.interrupt()
+            except OSError:
+                # Whoever watched has gone; the machine goes on.
+                self.on_progress = None
 
     # Between sections.
 
@@ -323,6 +393,9 @@ class _Walk:
         if not edges or any(edge.wait is Wait.END for edge in edges):
             self._answer(edges[0] if edges else None)
             self.result = Result.COMPLETED
+            return -1
+        if self.control.stop_asked:
+            self.result, self.reason = Result.STOPPED, f"section {number}: ended by a signal, at rest"
             return -1
         if self.control.hold_asked and not self._go_on(number):
             return -1
@@ -341,7 +414,7 @@ class _Walk:
 
     def _reached(self, target: int) -> int:
         """The next section, when it begins where the motors are."""
-        here, there = self.sections[-1].position, self.job.stream.sections[target].start
+        here, there = self.trail.sections[-1].position, self.job.stream.sections[target].start
         if here == there:
             return target
         self.result = Result.REFUSED
@@ -350,18 +423,17 @@ class _Walk:
 
     def _go_on(self, number: int) -> bool:
         """A feed hold that was asked for so late that the section has ended: it holds here."""
-        request = HoldRequest(section=number, tick=self.sections[-1].ticks)
+        request = HoldRequest(section=number, tick=self.trail.sections[-1].ticks)
         resume = bool(self.control.ask(lambda: self.operator.held(request)))
         self.control.answered()
         if not resume:
-            self.result, self.reason = Result.STOPPED, f"section {number}: ended in a feed hold"
+            why = self.control.ending or "ended in a feed hold"
+            self.result, self.reason = Result.STOPPED, f"section {number}: {why}"
         return resume
 
     def _answer(self, edge: Edge | None) -> None:
         if edge is not None:
-            self.sections[-1] = replace(
-                self.sections[-1], wait=edge.wait.value, answer=edge.outcome, target=edge.target
-            )
+            self._write("answer", {"wait": edge.wait.value, "answer": edge.outcome, "target": edge.target})
 
 
 def _request(trace: Trace, section: TraceSection) -> WaitRequest:
@@ -390,23 +462,6 @@ def _request(trace: Trace, section: TraceSection) -> WaitRequest:
         outcomes=tuple(edge.outcome for edge in section.edges),
         optional=optional,
     )
-
-
-@contextlib.contextmanager
-def _interrupts(control: Control) -> Iterator[None]:
-    """Ctrl-C asks for a feed hold, a second one for an emergency stop; only the main thread can hear it."""
-    if threading.current_thread() is not threading.main_thread():
-        yield
-        return
-
-    def heard(_number: int, _frame: FrameType | None) -> None:
-        control.interrupt()
-
-    before = signal.signal(signal.SIGINT, heard)
-    try:
-        yield
-    finally:
-        signal.signal(signal.SIGINT, before)
 
 
 def _unfit(job: Job, is_: Capabilities) -> Iterator[Finding]:

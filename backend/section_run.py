@@ -43,13 +43,17 @@ class Pace:
 
 @record(slots=True)
 class Ended:
-    """How a section ended, after ``ticks`` of the section that was last valid."""
+    """How a section ended, after ``ticks`` of the section that was last valid.
+
+    known: the board said where its motors are after it had stopped.
+    """
 
     outcome: Result
     ticks: int
     section: StreamSection
     retimings: list[Retiming] = field(default_factory=list)
     reason: str = ""
+    known: bool = True
 
 
 _Ready = tuple[Prepared, Feeder]
@@ -70,6 +74,7 @@ class SectionRun:
         control: Control,
         estop_at: int | None,
         on_tick: Callable[[int], None],
+        on_retimed: Callable[[list[Retiming]], None] = lambda _: None,
     ) -> None:
         self.board = board
         self.is_ = is_
@@ -79,6 +84,7 @@ class SectionRun:
         self.control = control
         self.estop_at = estop_at
         self.on_tick = on_tick
+        self.on_retimed = on_retimed
         self.ended = Ended(Result.FAULT, 0, section)
         self.base = 0
         self.seen: Status | None = None
@@ -127,9 +133,11 @@ class SectionRun:
 
     def broken(self, why: str) -> None:
         """The board, or the line to it, failed: stop it if it still hears, and note what is known."""
+        self.ended.known = False
         with contextlib.suppress(BoardError):
             self.board.emergency_stop()
             self.seen = self.board.status()
+            self.ended.known = self.seen.state is not BoardState.RUNNING
         if self.seen is not None:
             self.end(self.seen)
         self.ended.outcome = Result.FAULT
@@ -221,7 +229,8 @@ class SectionRun:
 
     def _take(self, ready: _Ready | None) -> None:
         if ready is None:
-            self.ended.reason = "no feed hold passed the validator"
+            why = f"; {self.control.ending}" if self.control.ending else ""
+            self.ended.reason = f"no feed hold passed the validator{why}"
             self.control.stop()
             return
         self._replace(*ready)
@@ -234,6 +243,7 @@ class SectionRun:
             self.ended.retimings.pop()
         self.ended.section = prepared.section
         self.ended.retimings.append(prepared.retiming)
+        self.on_retimed(self.ended.retimings)
 
     def _rest(self, now: int) -> bool:
         """At rest in a feed hold: go on or end here. False when the section is over."""
@@ -255,6 +265,8 @@ class SectionRun:
         self.ended.outcome = Result.REFUSED if resume else Result.STOPPED
         self.ended.ticks = begins
         self.ended.reason = f"section {number}: " + (
-            "the rest of the section did not pass the validator" if resume else "ended in a feed hold"
+            "the rest of the section did not pass the validator"
+            if resume
+            else self.control.ending or "ended in a feed hold"
         )
         return False

@@ -62,9 +62,12 @@ def run_run(
     click.echo(f"{path}: {done.result.value}" + (f": {done.reason}" if done.reason else ""))
     click.echo(f"  board       {done.board.name}, {frequency / 1e6:g} MHz, FIFO of {done.board.fifo_runs} runs")
     click.echo(f"  sections    {len(done.sections)} of {len(package.stream.sections)}")
-    for name, motor, steps, position in zip(done.motors, package.stream.motors, done.steps, done.position, strict=True):
+    ends = "ends at" if done.position is not None else "position unknown, last acknowledged at"
+    for name, motor, steps, position in zip(
+        done.motors, package.stream.motors, done.steps, done.last_position, strict=True
+    ):
         place = float(Fraction(position) / motor.steps_per_unit)
-        click.echo(f"  motor {name:<5} {steps} steps, ends at step {position} ({place:.4f})")
+        click.echo(f"  motor {name:<5} {steps} steps, {ends} step {position} ({place:.4f})")
     click.echo(f"  time        {ticks / frequency:.1f} s of motion" + ("" if real_time else f", run in {took:.1f} s"))
     click.echo(f"  record      {done.sha256}" + (f", in {record}" if record is not None else ""))
     return 0 if done.result is Result.COMPLETED else Verdict.UNSAFE.exit_code

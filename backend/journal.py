@@ -1,0 +1,317 @@
+"""The journal of a run: an append-only file that says what was begun before it begins, whatever happens then.
+
+Each line is a checksum, a blank and a JSON object; the checksum is SHA-256 over the checksum before it and the
+object, so that no line can be lost, changed or moved without notice. What has to be on the disk before something
+moves is synced. A journal is held by a lock that ends with its process: one that is open and not held belongs to a
+run that did not end. ``trail.py`` makes the record from its entries; ``docs/execution-record.md`` defines the file.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import fcntl
+import hashlib
+import json
+import os
+import re
+import secrets
+from collections.abc import Iterator, Mapping
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import Any, Protocol
+
+from gproof.backend.record_data import canonical
+from gproof.backend.trail import Entry, Trail
+from gproof.ir.record import record
+
+SCHEMA = "gproof-journal/1"
+SUFFIX, ENDED, DAMAGED = ".journal", ".ended", ".damaged"
+"""Of an open journal; of one that is closed; of one that could not be read to its end, after somebody was told so."""
+
+KEPT = 50
+"""Closed journals that are kept in a folder; their records say the same."""
+
+LARGEST = 1 << 28
+"""Bytes of a journal that are read; a day of motion takes a tenth of it."""
+
+_FIRST = hashlib.sha256(SCHEMA.encode()).hexdigest()
+_DIGITS = 64
+
+
+class Notes(Protocol):
+    """What the runtime writes to."""
+
+    def note(self, kind: str, fields: Mapping[str, Any], *, sync: bool) -> None:
+        """Keep an entry; sync: it is on the disk when this returns. OSError when it can not be kept."""
+
+
+class Journal:
+    """A journal that is being written.
+
+    heading: further fields of the entry ``begin``: who began the run, and for what. ``note`` keeps what could not be
+    written, and the next ``note`` writes it first, behind nothing that is half a line.
+    """
+
+    def __init__(self, path: Path, board: str, heading: Mapping[str, Any]) -> None:
+        """Make the file, which must not be there, and hold it; OSError."""
+        self.path = path
+        self._heading = {"schema": SCHEMA, "place": board, **heading}
+        self._check = _FIRST
+        self._size = 0
+        self._torn = False
+        self._pending: list[bytes] = []
+        self._handle = os.open(path, os.O_RDWR | os.O_APPEND | os.O_CREAT | os.O_EXCL, 0o600)
+        try:
+            fcntl.flock(self._handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            _sync_folder(path.parent)
+        except BaseException:
+            self.discard()
+            raise
+
+    def note(self, kind: str, fields: Mapping[str, Any], *, sync: bool) -> None:
+        """See ``Notes``."""
+        entry = {**fields, **(self._heading if kind == "begin" else {})}
+        line = _line(self._check, {"kind": kind, "time": _now(), **entry})
+        self._check = line[:_DIGITS].decode()
+        self._pending.append(line)
+        self._flush(sync)
+
+    def _flush(self, sync: bool) -> None:
+        if self._torn:
+            os.ftruncate(self._handle, self._size)
+            self._torn = False
+        while self._pending:
+            self._torn = True
+            _write(self._handle, self._pending[0])
+            self._torn = False
+            self._size += len(self._pending.pop(0))
+        if sync:
+            os.fsync(self._handle)
+
+    @property
+    def whole(self) -> bool:
+        """True when every entry was written."""
+        return not self._pending and not self._torn
+
+    def close(self, record: str) -> None:
+        """Say where the record is, and that nothing is left to be done; OSError, and the journal stays open."""
+        self.note("recorded", {"path": record}, sync=False)
+        self.note("closed", {}, sync=True)
+        os.replace(self.path, self.path.with_suffix(ENDED))
+        self.let_go()
+
+    def let_go(self) -> None:
+        """Close the file as it is."""
+        if self._handle >= 0:
+            handle, self._handle = self._handle, -1
+            with contextlib.suppress(OSError):
+                os.close(handle)
+
+    def discard(self) -> None:
+        """Remove the file: nothing was begun."""
+        with contextlib.suppress(OSError):
+            self.path.unlink()
+        self.let_go()
+
+
+def _write(handle: int, data: bytes) -> None:
+    while data:
+        data = data[os.write(handle, data) :]
+
+
+def _line(before: str, entry: Mapping[str, Any]) -> bytes:
+    data = canonical(entry)
+    return f"{_chained(before, data)} ".encode() + data + b"\n"
+
+
+def _chained(before: str, data: bytes) -> str:
+    return hashlib.sha256(before.encode() + data).hexdigest()
+
+
+def _now() -> str:
+    return datetime.now(UTC).isoformat(timespec="milliseconds")
+
+
+def _sync_folder(folder: Path) -> None:
+    handle = os.open(folder, os.O_RDONLY)
+    try:
+        os.fsync(handle)
+    finally:
+        os.close(handle)
+
+
+def begin(folder: Path, board: str, heading: Mapping[str, Any]) -> Journal:
+    """A new journal in a folder, which is made when it is not there; OSError."""
+    folder.mkdir(parents=True, exist_ok=True, mode=0o700)
+    stamp = datetime.now(UTC).strftime("%Y%m%dT%H%M%SZ")
+    for old in sorted(folder.glob(f"*{ENDED}"))[:-KEPT]:
+        old.unlink(missing_ok=True)
+    return Journal(folder / f"{stamp}-{_plain(board)[:40]}-{secrets.token_hex(4)}{SUFFIX}", board, heading)
+
+
+def _plain(name: str) -> str:
+    """A name as part of a file's name."""
+    return re.sub("[^A-Za-z0-9_-]+", "-", name)
+
+
+# Reading.
+
+
+@record(frozen=True, slots=True, kw_only=True)
+class Found:
+    """A journal as read. entries: those before the first line that does not fit; damaged: the line number of it.
+
+    A last line without its end is no damage: what is told there had not begun when the writer died.
+    """
+
+    path: Path
+    entries: tuple[Entry, ...]
+    damaged: int = 0
+
+    def field(self, name: str) -> str:
+        """A text of the entry ``begin``; empty when it is not there."""
+        value = self.entries[0][1].get(name) if self.entries else None
+        return value if isinstance(value, str) else ""
+
+    @property
+    def closed(self) -> bool:
+        """True when nothing is left to be done about it."""
+        return bool(self.entries) and self.entries[-1][0] == "closed"
+
+    @property
+    def recorded(self) -> str:
+        """Where its record was written; empty when there is none yet."""
+        places = [fields.get("path") for kind, fields in self.entries if kind == "recorded"]
+        return str(places[-1]) if places else ""
+
+    def trail(self) -> Trail:
+        """What it says of the run, up to what can be believed."""
+        trail = Trail()
+        for kind, fields in self.entries:
+            if kind in ("recorded", "closed"):
+                continue
+            try:
+                trail.add(kind, fields)
+            except ValueError:
+                trail.damaged = True
+                break
+        trail.damaged = trail.damaged or bool(self.damaged)
+        return trail
+
+
+def read_journal(path: Path) -> Found:
+    """A journal, as far as it can be believed; OSError when it can not be read."""
+    return _parsed(path, path.read_bytes() if path.stat().st_size <= LARGEST else b"\n")
+
+
+def _parsed(path: Path, data: bytes) -> Found:
+    entries: list[Entry] = []
+    check = _FIRST
+    lines = data.split(b"\n")
+    for number, line in enumerate(lines[:-1], start=1):
+        text = line[_DIGITS + 1 :]
+        if line[: _DIGITS + 1] != f"{_chained(check, text)} ".encode():
+            return Found(path=path, entries=tuple(entries), damaged=number)
+        check = line[:_DIGITS].decode()
+        try:
+            fields = json.loads(text)
+            kind = str(fields.pop("kind"))
+        except (ValueError, KeyError, TypeError, AttributeError, RecursionError):
+            return Found(path=path, entries=tuple(entries), damaged=number)
+        entries.append((kind, fields))
+    if entries and entries[0][1].get("schema") != SCHEMA:
+        return Found(path=path, entries=(), damaged=1)
+    return Found(path=path, entries=tuple(entries))
+
+
+class Left:
+    """A journal that a run left open, held so that nobody else deals with it."""
+
+    def __init__(self, found: Found, handle: int) -> None:
+        self.found = found
+        self._handle = handle
+
+    def note(self, kind: str, fields: Mapping[str, Any]) -> None:
+        """Append an entry and sync it, after cutting off half a line; OSError. Nothing is added to a damaged one."""
+        if self.found.damaged:
+            return
+        data = self.found.path.read_bytes()
+        whole = data[: data.rfind(b"\n") + 1]
+        last = whole[whole.rfind(b"\n", 0, len(whole) - 1) + 1 :]
+        if len(whole) < len(data):
+            os.ftruncate(self._handle, len(whole))
+        _write(self._handle, _line(last[:_DIGITS].decode() or _FIRST, {"kind": kind, "time": _now(), **fields}))
+        os.fsync(self._handle)
+        self.found = read_journal(self.found.path)
+
+    def close(self) -> None:
+        """Nothing is left to be done about it; OSError."""
+        if not self.found.closed:
+            self.note("closed", {})
+        path = self.found.path
+        os.replace(path, path.with_suffix(DAMAGED if self.found.damaged else ENDED))
+        self.let_go()
+
+    def let_go(self) -> None:
+        """Let others have it."""
+        if self._handle >= 0:
+            handle, self._handle = self._handle, -1
+            os.close(handle)
+
+    def remove(self) -> None:
+        """Remove the file: nothing was begun."""
+        self.found.path.unlink(missing_ok=True)
+        self.let_go()
+
+
+def left_open(folder: Path, board: str) -> list[Left]:
+    """Journals of a board that no living process holds and that are not closed, the oldest first; OSError.
+
+    One that says of no board is of every board.
+    """
+    out = []
+    for path in sorted(folder.glob(f"*{SUFFIX}")) if folder.is_dir() else ():
+        left = _left(path)
+        if left is None:
+            continue
+        if left.found.field("place") in ("", board):
+            out.append(left)
+        else:
+            left.let_go()
+    return out
+
+
+def _left(path: Path) -> Left | None:
+    """The journal held, or None when another process holds it or has dealt with it."""
+    try:
+        handle = os.open(path, os.O_RDWR | os.O_APPEND)
+    except FileNotFoundError:
+        return None
+    try:
+        fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        return Left(read_journal(path), handle)
+    except (BlockingIOError, FileNotFoundError):
+        os.close(handle)
+        return None
+    except BaseException:
+        os.close(handle)
+        raise
+
+
+@contextlib.contextmanager
+def held(folder: Path, board: str) -> Iterator[bool]:
+    """One run at a time on a board that is there only once: False while another process holds it; OSError.
+
+    The lock ends with its process, however that ends.
+    """
+    folder.mkdir(parents=True, exist_ok=True, mode=0o700)
+    handle = os.open(folder / (f"{_plain(board)}.lock"), os.O_RDWR | os.O_CREAT, 0o600)
+    try:
+        try:
+            fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            yield False
+            return
+        yield True
+    finally:
+        os.close(handle)
