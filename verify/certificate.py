@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any
 
 from gproof.ir import codes
 from gproof.ir.finding import Finding, Severity, Span
-from gproof.ir.machine import AXIS_NAMES, Machine
+from gproof.ir.machine import Machine
 from gproof.ir.record import record
 from gproof.ir.setup import Interval, Setup
 from gproof.ir.stream import StepStream
@@ -35,6 +35,7 @@ from gproof.verify.package import (
     read_package,
     write_members,
 )
+from gproof.verify.setup_at_hand import differences
 from gproof.verify.stream import validate
 from gproof.verify.stream_report import BOUNDS, CHECKER, CHECKER_VERSION, StreamReport
 
@@ -48,6 +49,7 @@ __all__ = [
 
 FORMAT = "gproof-certificate/1"
 TRACE_CHECKER = "gproof.passes"
+COMPILE_AGAIN = "a package holds for the setup that it was made for: gproof compile makes one for the setup at hand"
 
 
 @record(frozen=True, slots=True, kw_only=True)
@@ -155,7 +157,10 @@ def check_package(
         _check_verdicts(package, findings, where)
         left = _check_conditions(package, setup or package.setup, findings, where)
         if setup is not None:
-            _check_setup(package.setup, setup, findings, where, package.machine)
+            findings += (
+                codes.CERTIFICATE_OFFSETS.at(where, what=said, hint=COMPILE_AGAIN)
+                for said in differences(package.setup, setup, package.machine, package.trace)
+            )
     except (LookupError, ValueError, TypeError, AttributeError, ArithmeticError) as error:
         findings.append(codes.CERTIFICATE_MALFORMED.at(where, what=f"the body is not of its form ({error})"))
     report = validate(package.stream, package.trace, package.machine, package.setup)
@@ -231,53 +236,6 @@ def _check_conditions(
                 if known is None:
                     left.append((finding, str(prop["name"]), Condition(terms=terms, low=low, high=high)))
     return left
-
-
-def _check_setup(made_for: Setup, now: Setup, findings: list[Finding], where: Span, machine: Machine) -> None:
-    """What the stream was reckoned with is so now: offsets, tool lengths, parameters, start, switches, homed axes.
-
-    What the package's setup leaves open the stream does not depend on.
-    """
-    symbols = [f"start.{axis}" for axis in {*made_for.start, *now.start}]
-    symbols += [f"work.{number}.{axis}" for number, axis in {*made_for.work, *now.work}]
-    symbols += [f"g92.{axis}" for axis in {*made_for.g92, *now.g92}]
-    symbols += [f"head.{number}.{axis}" for number, axis in {*made_for.heads, *now.heads}]
-    symbols += [f"tool.{number}.z" for number in {*made_for.tool_lengths, *now.tool_lengths}]
-    differing: list[tuple[str, str, str]] = []
-    for symbol in sorted(symbols):
-        then, given = made_for.interval(symbol), now.interval(symbol)
-        if then is not None and (given is None or not then.low <= given.low <= given.high <= then.high):
-            found = words.between(given.low, given.high) if given else "not stated"
-            differing.append((describe(((symbol, 1),), machine), words.between(then.low, then.high), found))
-    plain = [
-        (f"variable {n}", made_for.parameter(n), now.parameter(n)) for n in {*made_for.parameters, *now.parameters}
-    ]
-    for name in ("active_work", "tool", "default_start", "default_offset", "default_parameter", "block_delete",
-                 "optional_stop", "transform"):  # fmt: skip
-        plain.append((name, getattr(made_for, name), getattr(now, name)))
-    for name, was, is_ in plain:
-        if was is not None and was != is_:
-            said = words.setting(name, was), words.setting(name, is_)
-            differing.append((words.SETTINGS.get(name, name), *said))
-    for number, kept in sorted(made_for.resident.items()):
-        held = now.resident.get(number)
-        if held != kept:
-            found = words.between(held.low, held.high) if held is not None else "not stated"
-            differing.append(
-                (f"variable {number}, which the job before left,", words.between(kept.low, kept.high), found)
-            )
-    # Where nothing was stated, the axes were taken to be homed.
-    gone = sorted(now.unhomed(machine) - made_for.unhomed(machine))
-    differing += [(AXIS_NAMES[axis].upper(), "homed", "not homed") for axis in gone]
-    # What is added to the path counts also where nothing was: motors went as the Trace says then.
-    for name in ("cylinder", "height_map"):
-        was, is_ = getattr(made_for, name), getattr(now, name)
-        if was != is_:
-            other = words.setting(name, is_)
-            other = f"another one ({other})" if was and is_ else other
-            differing.append((words.SETTINGS[name], words.setting(name, was), other))
-    for name, wanted, found in differing:
-        findings.append(codes.CERTIFICATE_OFFSETS.at(where, what=f"made for {name} {wanted}; it is {found} now"))
 
 
 def _sum(terms: list[list[Any]], setup: Setup) -> Interval | None:

@@ -20,6 +20,8 @@ SETTINGS = {
     "transform": "the rotation and scaling of X and Y",
     "cylinder": "the mapping onto a cylinder",
     "height_map": "the height map",
+    "workpiece": "stock, part and fixtures",
+    "homed": "the homed axes",
 }
 """Fields of a Setup in words."""
 _NAMES = ("none", "G54", "G55", "G56", "G57", "G58", "G59", "G59.1", "G59.2", "G59.3")
@@ -56,7 +58,9 @@ def setting(name: str, value: object) -> str:
         return "on" if value else "off"
     if name == "active_work" and isinstance(value, int) and 0 <= value < len(_NAMES):
         return _NAMES[value]
-    return number(value) if isinstance(value, int | float) else str(value)
+    if isinstance(value, int | float):
+        return number(value)
+    return str(value) if isinstance(value, str) else "stated otherwise"
 
 
 def _in_force(value: InForce) -> str:
