@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 from gproof.ir.kernel import cache_root
 from gproof.ir.kernel_cache import write_whole
+from gproof.ir.private_folder import read_own
 
 if TYPE_CHECKING:
     from lark import Lark
@@ -51,9 +52,8 @@ def parser(grammar: Path, start: Sequence[str], transformer: Any) -> Lark:
 
 
 def _read(path: Path) -> bytes | None:
-    try:
-        data = path.read_bytes()
-    except OSError:
+    data = read_own(path)
+    if data is None:
         return None
     digest, content = data[:_DIGEST_BYTES], data[_DIGEST_BYTES:]
     return content if content and hashlib.sha256(content).digest() == digest else None

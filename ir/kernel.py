@@ -9,7 +9,8 @@ for the compiler on a first job that is done sooner without it, nor for ever wit
 Rules for kernel bodies: + - * / and ``math`` functions only, no division by zero, int64 and float64
 arithmetic, other kernels may be called when they stand in the same file.
 
-``GPROOF_KERNELS=python`` or ``numba`` forces one mode; ``GPROOF_CACHE_DIR`` moves the compile cache.
+``GPROOF_KERNELS=python`` or ``numba`` forces one mode; ``GPROOF_CACHE_DIR`` moves the compile cache, which is used
+only where nobody else can write (``private_folder``).
 """
 
 from __future__ import annotations
@@ -24,6 +25,7 @@ from pathlib import Path
 from typing import Any, Generic, ParamSpec, TypeVar
 
 from gproof.ir.kernel_cache import FileCache, code_digest, write_whole
+from gproof.ir.private_folder import private_or_other
 
 P = ParamSpec("P")
 R = TypeVar("R")
@@ -36,12 +38,12 @@ noted: a loss smaller than this is not worth a file."""
 
 
 def cache_root() -> Path:
-    """The folder for compiled kernels: next to nothing else of the user's, created on demand."""
+    """The folder for compiled kernels: next to nothing else of the user's, created on demand, private."""
     named = os.environ.get("GPROOF_CACHE_DIR")
-    if named:
-        return Path(named)
-    base = os.environ.get("XDG_CACHE_HOME") or os.path.join(os.path.expanduser("~"), ".cache")
-    return Path(base) / "gproof"
+    if not named:
+        base = os.environ.get("XDG_CACHE_HOME") or os.path.join(os.path.expanduser("~"), ".cache")
+        named = os.path.join(base, "gproof")
+    return private_or_other(named)
 
 
 class Kernel(Generic[P, R]):

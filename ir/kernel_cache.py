@@ -5,6 +5,8 @@ at the same time can both take number 1; the index then names machine code for o
 called, or worse. Here a file's name is what it holds, it appears in one step, and whoever reads it compares its
 digest and its signature first; whatever does not fit counts as not there and is compiled again.
 
+Machine code from here becomes the checker, so it is read and kept in private folders alone (``private_folder``).
+
 The folder of a kernel is named by its code and by all that numba freezes into it: constants, wherever they were
 imported from, and callees. The source file does not decide, it may have changed since it was imported.
 """
@@ -21,6 +23,8 @@ import types
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
+
+from gproof.ir.private_folder import make_private, not_private, read_own
 
 _DIGEST_BYTES = 32
 
@@ -103,7 +107,9 @@ class FileCache:
         arguments = _arguments(signature)
         place, key = self._place(arguments, target.codegen().magic_tuple())
         try:
-            raw = place.read_bytes()
+            raw = read_own(place)
+            if raw is None:
+                return None
             payload = memoryview(raw)[_DIGEST_BYTES:]
             if hashlib.sha256(payload).digest() != raw[:_DIGEST_BYTES]:
                 return None
@@ -126,6 +132,8 @@ class FileCache:
             return
         serialize: Any = importlib.import_module("numba.core.serialize")
         place, key = self._place(_arguments(signature), result.library.codegen.magic_tuple())
+        if not_private(self.folder):
+            return
         payload = serialize.dumps((key, result._reduce()))
         write_whole(place, hashlib.sha256(payload).digest() + payload)
 
@@ -138,8 +146,10 @@ def write_whole(path: Path, content: bytes) -> None:
     """Write a file in one step, or not at all: the cache is never worth an error."""
     draft = path.with_name(f"{path.name}.{os.urandom(6).hex()}")
     try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        draft.write_bytes(content)
+        make_private(path.parent)
+        handle = os.open(draft, os.O_WRONLY | os.O_CREAT | os.O_EXCL | getattr(os, "O_BINARY", 0), 0o600)
+        with os.fdopen(handle, "wb") as out:
+            out.write(content)
         os.replace(draft, path)
     except OSError:
         with contextlib.suppress(OSError):
