@@ -19,7 +19,7 @@ class Control:
         self._hold = threading.Event()
         self._stop = threading.Event()
         self._asking = False
-        self._closing = False
+        self._running = self._closing = False
         self.signalled = False
         self.ending = ""
 
@@ -38,6 +38,8 @@ class Control:
         """
         if self._closing:
             return
+        if not self._running:
+            raise KeyboardInterrupt
         self.signalled = True
         if self._asking:
             raise KeyboardInterrupt
@@ -49,6 +51,8 @@ class Control:
         """For signal handlers: an emergency stop; it ends a question as ``interrupt`` does."""
         if self._closing:
             return
+        if not self._running:
+            raise KeyboardInterrupt
         self.signalled = True
         self.stop()
         if self._asking:
@@ -58,6 +62,10 @@ class Control:
         """Ask for a feed hold that nobody is asked about: the job ends there, because of ``why``."""
         self.ending = self.ending or why
         self.hold()
+
+    def running(self) -> None:
+        """The run begins: signals are requests from now on; until then they end what prepares it."""
+        self._running = True
 
     def closing(self) -> None:
         """The run is over: what interrupts it from now on has nothing left to stop."""

@@ -1,6 +1,7 @@
 """Signals while a job runs: Ctrl-C is a feed hold, then an emergency stop; SIGTERM and SIGHUP are emergency stops.
 
-No signal ends the process between the first motion and the record: handlers only ask, through ``Control``.
+No signal ends the process between the beginning of a run and its record: handlers only ask, through ``Control``. Before
+that they interrupt what is going on (KeyboardInterrupt), after it they find nothing left to stop.
 """
 
 from __future__ import annotations

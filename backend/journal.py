@@ -89,9 +89,9 @@ class Journal:
             os.fsync(self._handle)
 
     @property
-    def whole(self) -> bool:
-        """True when every entry was written."""
-        return not self._pending and not self._torn
+    def begun(self) -> bool:
+        """True when an entry was written: something may have moved since."""
+        return self._size > 0
 
     def close(self, record: str) -> None:
         """Say where the record is, and that nothing is left to be done; OSError, and the journal stays open."""

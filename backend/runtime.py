@@ -133,7 +133,11 @@ def walk(
     walking.factor, walking.holds, walking.estop_at = factor, holds, estop_at
     walking.on_progress, walking.journal = on_progress, journal
     with interrupts(walking.control):
-        return walking.run()
+        walking.control.running()
+        try:
+            return walking.run()
+        finally:
+            walking.control.closing()
 
 
 class _Walk:

@@ -251,14 +251,20 @@ def compile_(
     )  # fmt: skip
 
 
-@cli.command()
+@cli.command(short_help="Validate a certified stream, or check a record.")
 @click.argument("package", type=FileName())
 @click.option("--machine", type=FileName(), help="Also require that it was made for this machine.")
 @click.option("--trust", type=FileName(), multiple=True, help="Public key (PEM) to accept; repeatable.")
-def verify(package: Path, machine: Path | None, trust: tuple[Path, ...]) -> int:
-    """Validate a certified stream again, from its parts alone."""
+@click.option("--package", "run_package", type=FileName(), help="Of an execution record: the package that was run.")
+def verify(package: Path, machine: Path | None, trust: tuple[Path, ...], run_package: Path | None) -> int:
+    """Validate a certified stream again, from its parts alone; or check an execution record."""
     from gproof.cli.verify import run_verify
+    from gproof.cli.verify_record import is_no_package, run_verify_record
 
+    if is_no_package(package):
+        return run_verify_record(package, package=run_package, trust=trust, machine=machine)
+    if run_package is not None:
+        raise UsageError("--package says which package a record is of; this is no record")
     return run_verify(package, machine=machine, trust=trust)
 
 
@@ -266,6 +272,11 @@ def verify(package: Path, machine: Path | None, trust: tuple[Path, ...]) -> int:
 @click.argument("package", type=FileName())
 @click.option("--board", type=click.Choice(["virtual"]), required=True, help="Where to run it.")
 @click.option("--record", type=FileName(), help="Write the execution record (JSON) here.")
+@click.option("--replace-record", is_flag=True, help="Replace a record that is there from an earlier run.")
+@click.option("--runs", type=FileName(), help="Folder for journals and records; the user's own by default.")
+@click.option(
+    "--after-interruption", is_flag=True, help="Run although the last run did not end: the position has been checked."
+)
 @click.option("--real-time", is_flag=True, help="As slow as the real machine.")
 @click.option("--hold-at", type=_Finite(0), help="Feed hold at this second of the first section.")
 @click.option("--estop-at", type=_Finite(0), help="Emergency stop at this second.")
@@ -273,14 +284,14 @@ def verify(package: Path, machine: Path | None, trust: tuple[Path, ...]) -> int:
 @click.option("--ask", is_flag=True, help="Ask at operator stops; a virtual board goes on by itself otherwise.")
 def run(
     package: Path, board: str, record: Path | None, real_time: bool, hold_at: float | None, estop_at: float | None,
-    override: float | None, ask: bool,
+    override: float | None, ask: bool, replace_record: bool, runs: Path | None, after_interruption: bool,
 ) -> int:  # fmt: skip
     """Run a certified stream on a board; it is validated again before anything moves."""
     from gproof.cli.run import run_run
 
     return run_run(
         package, board=board, record=record, real_time=real_time, hold_at=hold_at, estop_at=estop_at,
-        override=override, ask=ask,
+        override=override, ask=ask, replace_record=replace_record, runs=runs, after_interruption=after_interruption,
     )  # fmt: skip
 
 

@@ -5,13 +5,14 @@ from __future__ import annotations
 import sys
 import time
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from fractions import Fraction
 from pathlib import Path
 
 import click
 
-from gproof.cli.files import require_file, require_place
+from gproof.cli.files import require_file
+from gproof.cli.main import INTERRUPTED
 from gproof.cli.report import print_findings
 from gproof.ir.finding import Finding, Findings, Severity
 from gproof.ir.verdict import Verdict
@@ -19,58 +20,92 @@ from gproof.ir.verdict import Verdict
 
 def run_run(
     path: Path, *, board: str, record: Path | None, real_time: bool, hold_at: float | None, estop_at: float | None,
-    override: float | None, ask: bool,
+    override: float | None, ask: bool, runs: Path | None = None, after_interruption: bool = False,
+    replace_record: bool = False,
 ) -> int:  # fmt: skip
-    """Check the package again, run it, print what came back; exit 0 only for a completed run."""
+    """Check the package again, run it, print what came back; exit 0 only for a completed run.
+
+    runs: where the journal is kept; after_interruption, replace_record: answers given beforehand
+    (``run_journal.settled``, ``require_record_place``).
+    """
     from gproof.backend.boards.virtual import VirtualBoard
+    from gproof.backend.control import Control
+    from gproof.backend.interrupts import interrupts
     from gproof.backend.operators import AutoContinue, Terminal
     from gproof.backend.record_data import Result
     from gproof.backend.runtime import RunFailed, RunRefused, run
+    from gproof.cli.run_journal import Keeper, require_record_place, runs_folder, settled
     from gproof.verify.certificate import CertificateError, read_package
 
     assert board == "virtual"
     require_file(path, "package")
     if record is not None:
-        require_place(record, "record", (path,))
+        require_record_place(record, path, replace_record)
     try:
         package = read_package(path)
     except CertificateError as error:
         return _refused([error.finding])
     frequency = package.stream.tick_frequency
     the_board = VirtualBoard.for_machine(package.machine, len(package.stream.motors), real_time=real_time)
+    folder = runs_folder(runs)
+    if not settled(folder, board, after_interruption):
+        return Verdict.UNKNOWN.exit_code
+    control = Control()
+    keeper = Keeper(folder, board, path, record)
     began = time.monotonic()
-    with _progress() as progress:
-        try:
-            done = run(
-                package, the_board, operator=Terminal(tell=click.echo) if ask else AutoContinue(),
-                on_progress=progress, hold_at=None if hold_at is None else round(hold_at * frequency),
-                estop_at=None if estop_at is None else round(estop_at * frequency),
-                override=Fraction(1) if override is None else Fraction(override).limit_denominator(1000),
-            )  # fmt: skip
-        except RunRefused as refused:
-            return _refused(list(refused.findings))
-        except RunFailed as failed:
-            done = failed.record
-    took = time.monotonic() - began
-    if record is not None:
-        done.write(record)
-    findings = Findings()
-    for finding in done.findings():
-        findings.add(finding)
-    print_findings(findings)
-    ticks = sum(section.ticks for section in done.sections)
-    click.echo(f"{path}: {done.result.value}" + (f": {done.reason}" if done.reason else ""))
-    click.echo(f"  board       {done.board.name}, {frequency / 1e6:g} MHz, FIFO of {done.board.fifo_runs} runs")
-    click.echo(f"  sections    {len(done.sections)} of {len(package.stream.sections)}")
-    ends = "ends at" if done.position is not None else "position unknown, last acknowledged at"
-    for name, motor, steps, position in zip(
-        done.motors, package.stream.motors, done.steps, done.last_position, strict=True
-    ):
-        place = float(Fraction(position) / motor.steps_per_unit)
-        click.echo(f"  motor {name:<5} {steps} steps, {ends} step {position} ({place:.4f})")
-    click.echo(f"  time        {ticks / frequency:.1f} s of motion" + ("" if real_time else f", run in {took:.1f} s"))
-    click.echo(f"  record      {done.sha256}" + (f", in {record}" if record is not None else ""))
-    return 0 if done.result is Result.COMPLETED else Verdict.UNSAFE.exit_code
+    with interrupts(control), keeper:
+        with _progress() as progress:
+            try:
+                done = run(
+                    package, the_board, operator=Terminal(tell=click.echo) if ask else AutoContinue(),
+                    on_progress=progress, hold_at=None if hold_at is None else round(hold_at * frequency),
+                    estop_at=None if estop_at is None else round(estop_at * frequency),
+                    override=Fraction(1) if override is None else Fraction(override).limit_denominator(1000),
+                    control=control, journal=keeper.journal,
+                )  # fmt: skip
+            except RunRefused as refused:
+                return _refused(list(refused.findings))
+            except RunFailed as failed:
+                done = failed.record
+            except OSError as error:
+                raise keeper.unusable(error) from None
+        took = time.monotonic() - began
+        where, lost = keeper.keep(done)
+        findings = Findings()
+        for finding in (*done.findings(), *lost):
+            findings.add(finding)
+        lines = [f"{path}: {done.result.value}" + (f": {done.reason}" if done.reason else "")]
+        lines.append(f"  board       {done.board.name}, {frequency / 1e6:g} MHz, FIFO of {done.board.fifo_runs} runs")
+        lines.append(f"  sections    {len(done.sections)} of {len(package.stream.sections)}")
+        ends = "ends at" if done.position is not None else "position unknown, last acknowledged at"
+        for name, motor, steps, position in zip(
+            done.motors, package.stream.motors, done.steps, done.last_position, strict=True
+        ):
+            place = float(Fraction(position) / motor.steps_per_unit)
+            lines.append(f"  motor {name:<5} {steps} steps, {ends} step {position} ({place:.4f})")
+        ticks = sum(section.ticks for section in done.sections)
+        lines.append(
+            f"  time        {ticks / frequency:.1f} s of motion" + ("" if real_time else f", run in {took:.1f} s")
+        )
+        told = where is not None and (record is not None or bool(lost))
+        lines.append(f"  record      {done.sha256}" + (f", in {where}" if told else ""))
+        _say(findings, lines)
+    if done.result is Result.COMPLETED:
+        return 0
+    return INTERRUPTED if control.signalled else Verdict.UNSAFE.exit_code
+
+
+def _say(findings: Findings, lines: list[str]) -> None:
+    """Print how it went; OSError where standard output takes nothing: the positions are on standard error then."""
+    try:
+        print_findings(findings)
+        for line in lines:
+            click.echo(line)
+    except OSError:
+        with suppress(OSError):
+            for line in lines:
+                click.echo(line, err=True)
+        raise
 
 
 def _refused(found: list[Finding]) -> int:

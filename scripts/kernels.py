@@ -54,6 +54,7 @@ def main() -> None:
     from gproof.ir.kernel import cache_root
 
     with tempfile.TemporaryDirectory() as folder:
+        os.environ["XDG_CONFIG_HOME"] = folder  # the journals of the runs are of no use to the user
         for words in commands(Path(folder)):
             said = [io.TextIOWrapper(io.BytesIO(), encoding="utf-8") for _ in range(2)]
             with contextlib.redirect_stdout(said[0]), contextlib.redirect_stderr(said[1]):

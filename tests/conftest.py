@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable
 from pathlib import Path
 
@@ -16,6 +17,12 @@ Golden = Callable[[Path, str], None]
 settings.register_profile("every run", max_examples=40)
 if not SOAK:
     settings.load_profile("every run")
+
+
+@pytest.fixture(scope="session", autouse=True)
+def own_folder(tmp_path_factory: pytest.TempPathFactory) -> None:
+    """Keys, journals and records of the tests, and of processes that they start, are not among the user's own."""
+    os.environ["XDG_CONFIG_HOME"] = str(tmp_path_factory.mktemp("config"))
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:

@@ -1,0 +1,270 @@
+"""What a run leaves on the disk: its journal while it goes on, its signed record afterwards, wherever there is room.
+
+``backend/journal.py`` is the file itself. Here is where it stands, what happens to one that an earlier run left open,
+and the way of a record to the user: the place asked for, else the folder of the runs, else the folder for temporary
+files, else standard error.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import sys
+import tempfile
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from gproof.cli.compile import default_key_path
+from gproof.cli.files import require_place
+from gproof.cli.main import UsageError
+from gproof.cli.options import in_one_line
+from gproof.cli.report import print_findings
+from gproof.ir import codes
+from gproof.ir.finding import Finding, Findings, Span
+
+if TYPE_CHECKING:
+    from cryptography.hazmat.primitives.asymmetric.ed25519 import Ed25519PrivateKey
+
+    from gproof.backend.journal import Found, Journal, Left
+    from gproof.backend.record_data import ExecutionRecord
+
+RECORD = ".record.json"
+
+
+def runs_folder(given: Path | None) -> Path:
+    """Where journals and records are kept: the user's own folder for gproof, or another one that is given."""
+    return given or Path(click.get_app_dir("gproof")) / "runs"
+
+
+def require_record_place(path: Path, package: Path, replace: bool) -> None:
+    """UsageError where no record can be written, or where something stands that is not a record to be replaced."""
+    from gproof.backend.record_parse import is_record
+
+    require_place(path, "record", (package,))
+    if not path.exists():
+        return
+    try:
+        data = path.read_bytes()
+    except OSError as error:
+        raise UsageError(f"record {path}: {error.strerror}") from None
+    if not is_record(data):
+        raise UsageError(f"record {path}: is there and is not an execution record; it stays as it is")
+    if replace:
+        return
+    if not _somebody_is_there():
+        raise UsageError(f"record {path}: is there; --replace-record replaces it")
+    if not click.confirm(f"{path} is a record of an earlier run. Replace it?", err=True):
+        raise UsageError(f"record {path}: stays as it is")
+
+
+def _somebody_is_there() -> bool:
+    return sys.stdin.isatty() and sys.stderr.isatty()
+
+
+def own_key() -> Ed25519PrivateKey | None:
+    """The user's signing key; None, with a line on standard error, when there can be none."""
+    from gproof.verify.certificate import load_or_create_key
+
+    try:
+        return load_or_create_key(default_key_path())
+    except (ValueError, OSError) as error:
+        _tell(f"gproof: warning: the record will not be signed: {error}")
+        return None
+
+
+def _tell(line: str) -> None:
+    """A line on standard error, if there is anybody to read it."""
+    with contextlib.suppress(OSError):
+        click.echo(in_one_line(line), err=True)
+
+
+class Keeper:
+    """The journal and the record of one run."""
+
+    def __init__(self, folder: Path, board: str, package: Path, record: Path | None) -> None:
+        """Make the journal; UsageError when that can not be done: nothing is run that leaves no trace."""
+        from importlib.metadata import version
+
+        from gproof.backend.journal import begin
+
+        self.folder, self.package, self.wanted = folder, package, record
+        self.key = own_key()
+        heading = {
+            "gproof": version("gproof"),
+            "package": _said(package),
+            "record": "" if record is None else _said(record),
+        }
+        try:
+            self.journal: Journal = begin(folder, board, heading)
+        except OSError as error:
+            raise self.unusable(error) from None
+
+    def unusable(self, error: OSError) -> UsageError:
+        """What to say when the journal can not be begun."""
+        what = error.strerror or error
+        return UsageError(f"the journal of the run can not be written below {self.folder}: {what}; nothing was moved")
+
+    def __enter__(self) -> Keeper:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        """A journal in which nothing was begun goes; any other stays, for whoever looks at it next."""
+        if self.journal.begun:
+            self.journal.let_go()
+        else:
+            self.journal.discard()
+
+    def keep(self, record: ExecutionRecord) -> tuple[Path | None, list[Finding]]:
+        """Write the record, signed, and close the journal. Where it is, and what went wrong on the way."""
+        found = _read(self.journal.path)
+        own = self.journal.path.with_suffix(RECORD)
+        where, lost = write_record(record, _signature(record, self.key, found), self.wanted, own)
+        if where is not None:
+            try:
+                self.journal.close(str(where))
+            except OSError as error:
+                what = f"the journal {self.journal.path} can not be written ({error.strerror or error})"
+                lost.append(codes.JOURNAL_LOST.at(Span(str(self.package), 0), what=what))
+        return where, lost
+
+
+def _said(path: Path) -> str:
+    """A path as text of a journal, from wherever it is read."""
+    return str(path.absolute()).encode("utf-8", "backslashreplace").decode()
+
+
+def _read(path: Path) -> Found | None:
+    """A journal, or None when it can not be read."""
+    from gproof.backend.journal import read_journal
+
+    try:
+        return read_journal(path)
+    except OSError:
+        return None
+
+
+def _signature(
+    record: ExecutionRecord, key: Ed25519PrivateKey | None, found: Found | None
+) -> dict[str, str] | None:  # fmt: skip
+    from gproof.backend.record_signature import sign
+
+    if key is None:
+        return None
+    created, signer = (found.field("time"), found.field("signer")) if found else ("", "")
+    return sign(record, key, created=created, package_signer=signer)
+
+
+def write_record(
+    record: ExecutionRecord, signature: dict[str, str] | None, wanted: Path | None, own: Path
+) -> tuple[Path | None, list[Finding]]:
+    """Write a record to the first place that takes it; None when it could only be printed. What went wrong."""
+    from gproof.backend.record_parse import is_record
+
+    lost: list[Finding] = []
+    elsewhere = Path(tempfile.gettempdir()) / own.name
+    for place in (*([] if wanted is None else [wanted]), own, elsewhere):
+        try:
+            if place.exists() and not is_record(place.read_bytes()):
+                raise FileExistsError(0, "what is there is not an execution record")
+            record.write(place, signature)
+        except OSError as error:
+            what = f"the record can not be written to {place} ({error.strerror or error})"
+            lost.append(codes.JOURNAL_LOST.at(Span(record.job, 0), what=what))
+            continue
+        if lost:
+            what = f"the record is in {place}"
+            lost.append(codes.JOURNAL_LOST.at(Span(record.job, 0), what=what))
+        return place, lost
+    _tell("gproof: no folder takes the record; this is it:")
+    _tell(record.to_json(signature).decode().rstrip())
+    return None, lost
+
+
+# What an earlier run left.
+
+
+def settled(folder: Path, board: str, go_on: bool) -> bool:
+    """Deal with journals that were left open: True when a job may run now.
+
+    The record of each is made and told. A run that did not end has to be answered for: at a terminal by a person, else
+    by ``--after-interruption`` (``go_on``). UsageError when the journals can not be read.
+    """
+    from gproof.backend.journal import left_open
+
+    try:
+        lefts = left_open(folder, board)
+        return _settled(lefts, board, go_on)
+    except OSError as error:
+        raise UsageError(f"journals in {folder}: {error.strerror or error}") from None
+
+
+def _settled(lefts: list[Left], board: str, go_on: bool) -> bool:
+    unanswered: list[Left] = []
+    key: Ed25519PrivateKey | None = None
+    try:
+        for left in lefts:
+            trail = left.found.trail()
+            if not trail.begun and not left.found.damaged:
+                left.remove()
+                continue
+            key = key or own_key()
+            _tell_of(left, key)
+            if trail.ended:
+                left.close()
+            else:
+                unanswered.append(left)
+        if not unanswered:
+            return True
+        if not go_on and not (_somebody_is_there() and click.confirm("Run the job now?", err=True)):
+            _tell(
+                f"gproof: nothing was moved: the last run on board {board} did not end. Home the machine, look at tool "
+                "and part, then run with --after-interruption"
+            )
+            return False
+        for left in unanswered:
+            left.close()
+        return True
+    finally:
+        for left in lefts:
+            left.let_go()
+
+
+def _tell_of(left: Left, key: Ed25519PrivateKey | None) -> None:
+    """Make the record of a run that left its journal open, unless that was done, and say what is known of it."""
+    found = left.found
+    trail = found.trail()
+    if not trail.begun:
+        what = (
+            f"{found.path.name} is damaged from its first line on: what was executed, and the position, are not known"
+        )
+        _print([codes.RUN_INTERRUPTED.at(Span(str(found.path), 0), what=what)])
+        return
+    record = trail.record()
+    where = found.recorded
+    lost: list[Finding] = []
+    if not where:
+        own = found.path.with_suffix(RECORD)
+        asked = Path(found.field("record")) if found.field("record") else None
+        place, lost = write_record(
+            record, _signature(record, key, found), None if asked and asked.exists() else asked, own
+        )
+        if place is not None:
+            where = str(place)
+            with contextlib.suppress(OSError):
+                left.note("recorded", {"path": where})
+    _tell(f"gproof: the run of {found.field('package')} of {found.field('time')} left its journal open")
+    _print([*record.findings(), *lost])
+    known = "stands at" if record.position is not None else "position unknown, last acknowledged at"
+    for name, steps, position in zip(record.motors, record.steps, record.last_position, strict=True):
+        _tell(f"  motor {name:<5} {steps} steps acknowledged, {known} step {position}")
+    _tell(f"  result      {record.result.value}" + (f", {record.reason}" if record.reason else ""))
+    _tell(f"  record      {record.sha256}" + (f", in {where}" if where else ""))
+
+
+def _print(found: list[Finding]) -> None:
+    findings = Findings()
+    for finding in found:
+        findings.add(finding)
+    with contextlib.suppress(OSError):
+        print_findings(findings, err=True)

@@ -1,0 +1,155 @@
+"""``gproof verify RECORD``: an execution record judged by its hash, its signature and the package that was run."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from gproof.cli.compile import default_key_path
+from gproof.cli.files import require_file
+from gproof.cli.main import UsageError
+from gproof.cli.options import in_one_line
+from gproof.cli.report import print_findings
+from gproof.ir import codes
+from gproof.ir.finding import Finding, Findings, Severity, Span
+from gproof.ir.verdict import Verdict
+
+if TYPE_CHECKING:
+    from gproof.backend.record_data import ExecutionRecord
+
+LARGEST = 256 << 20
+"""Bytes of a record that are read."""
+
+OWN, TRUSTED, UNKNOWN = "your own key", "trusted", "not trusted"
+
+HOLDS = {Verdict.SAFE: "the record holds", Verdict.UNSAFE: "the record does not hold", Verdict.UNKNOWN: "UNKNOWN"}
+
+
+def is_no_package(path: Path) -> bool:
+    """True for a file that begins as JSON does: a package is a zip file."""
+    try:
+        with path.open("rb") as file:
+            return file.read(64).lstrip()[:1] == b"{"
+    except OSError:
+        return False
+
+
+def run_verify_record(path: Path, *, package: Path | None, trust: tuple[Path, ...], machine: Path | None) -> int:
+    """Print what holds of a record; exit 0 only for one that is whole, signed by who is trusted, and fits."""
+    from gproof.backend.record_parse import parse_signed
+    from gproof.verify.certificate import load_public_key
+
+    require_file(path, "record")
+    if machine is not None:
+        raise UsageError("--machine is for packages; a record is compared with its package (--package)")
+    for key in trust:
+        require_file(key, "trusted key")
+    if package is not None:
+        require_file(package, "package")
+    try:
+        trusted = {load_public_key(key) for key in trust}
+    except (ValueError, OSError) as error:
+        raise UsageError(str(error)) from None
+    if path.stat().st_size > LARGEST:
+        return _malformed(path, f"{path.stat().st_size} bytes are more than a record has")
+    try:
+        record, signature = parse_signed(path.read_bytes())
+    except ValueError as error:
+        return _malformed(path, str(error))
+    found, signer = _signed(path, record, signature, trusted)
+    if package is not None:
+        found += _compared(record, package)
+    findings = Findings()
+    for finding in found:
+        findings.add(finding)
+    print_findings(findings)
+    verdict = Verdict.SAFE
+    if findings.has(Severity.ERROR):
+        verdict = Verdict.UNSAFE
+    elif findings.has(Severity.UNKNOWN):
+        verdict = Verdict.UNKNOWN
+    click.echo(f"{path}: {HOLDS[verdict]}")
+    for line in _lines(record, signature, signer, package):
+        click.echo(in_one_line(line))
+    return verdict.exit_code
+
+
+def _malformed(path: Path, what: str) -> int:
+    findings = Findings()
+    findings.add(codes.RECORD_MALFORMED.at(Span(str(path), 0), what=in_one_line(what)))
+    print_findings(findings)
+    click.echo(f"{path}: {HOLDS[Verdict.UNSAFE]}")
+    return Verdict.UNSAFE.exit_code
+
+
+def _signed(
+    path: Path, record: ExecutionRecord, signature: dict[str, str] | None, trusted: set[bytes]
+) -> tuple[list[Finding], str]:
+    """What is wrong with the signature, and what its key is to the user."""
+    from gproof.backend.record_signature import signer_of
+
+    place = Span(str(path), 0)
+    if signature is None:
+        return [codes.RECORD_UNTRUSTED.at(place, what="the record carries no signature")], UNKNOWN
+    try:
+        raw = signer_of(record, signature)
+    except ValueError as error:
+        return [codes.RECORD_SIGNATURE.at(place, what=in_one_line(str(error)))], UNKNOWN
+    if raw in trusted:
+        return [], TRUSTED
+    if raw == _own_key():
+        return [], OWN
+    what = f"signed by {signature['public_key']}, who is not trusted (--trust)"
+    return [codes.RECORD_UNTRUSTED.at(place, what=what)], UNKNOWN
+
+
+def _own_key() -> bytes | None:
+    """The user's own public key, when there is one."""
+    from cryptography.hazmat.primitives.serialization import Encoding, PublicFormat
+
+    from gproof.verify.certificate import load_key
+
+    try:
+        return load_key(default_key_path()).public_key().public_bytes(Encoding.Raw, PublicFormat.Raw)
+    except (ValueError, OSError):
+        return None
+
+
+def _compared(record: ExecutionRecord, package: Path) -> list[Finding]:
+    """What does not fit the package."""
+    from gproof.backend.record import verify_record
+    from gproof.verify.certificate import CertificateError, read_package
+
+    try:
+        read = read_package(package)
+    except CertificateError as error:
+        return [error.finding]
+    try:
+        return verify_record(record, read)
+    except (ValueError, LookupError, TypeError, ArithmeticError) as error:
+        what = f"the record can not be of this package ({type(error).__name__}: {error})"
+        return [codes.RECORD_MISMATCH.at(Span(record.job, 0), what=in_one_line(what))]
+
+
+def _lines(record: ExecutionRecord, signature: dict[str, str] | None, signer: str, package: Path | None) -> list[str]:
+    """What the record says, by who vouches for it."""
+    label = signature or {}
+    out = [f"  record      {record.sha256}, {record.schema}", f"  certificate {record.certificate}"]
+    out.append(f"  signed by   {label['public_key']} ({signer})" if signature else "  signed by   nobody")
+    if label.get("created"):
+        out.append(f"  begun       {label['created']}, as the signer says")
+    of = f", signed by {label['package_signer']}" if label.get("package_signer") else ""
+    out.append(f"  package     ran as {record.accepted}{of}")
+    if package is None:
+        out.append("  compared    with nothing: --package says which package was run")
+    else:
+        out.append(f"  compared    with {package}: sections, steps, positions, events")
+    out.append(f"  job         {record.job}, on board {record.board.name}")
+    out.append(f"  result      {record.result.value}" + (f": {record.reason}" if record.reason else ""))
+    ends = "ends at" if record.position is not None else "position unknown, last acknowledged at"
+    for name, steps, position in zip(record.motors, record.steps, record.last_position, strict=False):
+        out.append(f"  motor {name:<5} {steps} steps, {ends} step {position}")
+    out.append("  not proved  what the board alone says: that these steps were made, when, and what it measured")
+    return out
