@@ -124,8 +124,8 @@ def _run(
         return _refuse(session, judgement, verdict, f"the job is {safe}, but no step stream can be made of it")
     from gproof.verify.stream import validate
 
-    shown.phase("verifying every step")
-    report = validate(lowered.stream, lowered.trace, session.machine, session.setup)
+    shown.phase("verifying every step", lowered.stream.steps())
+    report = validate(lowered.stream, lowered.trace, session.machine, session.setup, beat=shown.done)
     for finding in report.findings:
         findings.add(finding)
     if report.verdict is not Verdict.SAFE:

@@ -38,8 +38,9 @@ def run_verify(path: Path, *, machine: Path | None, trust: tuple[Path, ...]) -> 
         print_findings(findings)
         click.echo(f"{path}: {Verdict.UNSAFE.value}")
         return Verdict.UNSAFE.exit_code
-    with progress("verifying every step"):
-        check = check_package(package, given, None, trusted)
+    with progress("verifying every step") as shown:
+        shown.phase("verifying every step", package.stream.steps())
+        check = check_package(package, given, None, trusted, shown.done)
     against = [f for f in check.findings if not check.valid_if or f not in check.open]
     for finding in against:
         findings.add(finding)

@@ -51,12 +51,17 @@ class Kernel(Generic[P, R]):
 
     seconds_per_unit: cost in plain Python of one unit of the caller's ``work``.
     compile_seconds: what numba needs for it without a cache, about.
+    inline: put into every kernel that calls it, before compiling: a call costs more than it does, as each array of its
+    arguments is counted there and back.
     """
 
     _forecast = 0.0
 
-    def __init__(self, function: Callable[P, R], seconds_per_unit: float, compile_seconds: float) -> None:
+    def __init__(
+        self, function: Callable[P, R], seconds_per_unit: float, compile_seconds: float, inline: bool = False
+    ) -> None:
         self.python = function
+        self.inline = inline
         self.seconds_per_unit = seconds_per_unit
         self.compile_seconds = compile_seconds
         self._compiled: Callable[P, R] | None = None
@@ -162,7 +167,7 @@ class Kernel(Generic[P, R]):
         copy = types.FunctionType(function.__code__, scope, function.__name__, function.__defaults__)
         copy.__module__ = function.__module__
         copy.__qualname__ = function.__qualname__
-        dispatcher: Any = numba.njit(error_model="numpy", nogil=True)(copy)
+        dispatcher: Any = numba.njit(error_model="numpy", nogil=True, inline="always" if self.inline else "never")(copy)
         dispatcher._cache = FileCache(self._folder())
         done[self] = dispatcher
         return dispatcher
@@ -172,10 +177,12 @@ def _behind(value: object) -> Any:
     return value.python if isinstance(value, Kernel) else None
 
 
-def kernel(*, seconds_per_unit: float = 2e-6, compile_seconds: float = 3.0) -> Callable[[Callable[P, R]], Kernel[P, R]]:
+def kernel(
+    *, seconds_per_unit: float = 2e-6, compile_seconds: float = 3.0, inline: bool = False
+) -> Callable[[Callable[P, R]], Kernel[P, R]]:
     """Mark a function as a kernel; see the module's text for the rules its body keeps."""
 
     def wrap(function: Callable[P, R]) -> Kernel[P, R]:
-        return Kernel(function, seconds_per_unit, compile_seconds)
+        return Kernel(function, seconds_per_unit, compile_seconds, inline)
 
     return wrap

@@ -10,7 +10,7 @@ from __future__ import annotations
 import base64
 import hashlib
 import os
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -136,12 +136,13 @@ def _property(result: PropertyResult, checker: str, version: str, bound: str) ->
 
 def check_package(
     package: Package, machine: Machine | None = None, setup: Setup | None = None,
-    trusted_keys: Iterable[bytes] | None = None,
+    trusted_keys: Iterable[bytes] | None = None, beat: Callable[[int], None] | None = None,
 ) -> Check:  # fmt: skip
     """Check everything but the hashes (``read_package`` did): signature, machine, verdicts, conditions, stream.
 
     machine, setup: those at hand, when they are known apart from the package; trusted_keys: raw public keys of
-    signers to accept (None: any signer, an empty list: nobody). Never raises for what the package says.
+    signers to accept (None: any signer, an empty list: nobody); beat: as for ``validate``. Never raises for what the
+    package says.
     """
     where = Span(package.path, 0)
     findings: list[Finding] = []
@@ -163,7 +164,7 @@ def check_package(
             )
     except (LookupError, ValueError, TypeError, AttributeError, ArithmeticError) as error:
         findings.append(codes.CERTIFICATE_MALFORMED.at(where, what=f"the body is not of its form ({error})"))
-    report = validate(package.stream, package.trace, package.machine, package.setup)
+    report = validate(package.stream, package.trace, package.machine, package.setup, beat=beat)
     findings += report.findings
     if report.verdict is not Verdict.SAFE and not report.findings:
         findings.append(codes.CERTIFICATE_VERDICT.at(where, what="the stream checker could not judge every property"))

@@ -8,10 +8,11 @@ not say are in docs/verification.md; the loop is in stream_kernels.py.
 from __future__ import annotations
 
 import math
-from collections.abc import Collection
+from collections.abc import Callable, Collection
 from fractions import Fraction
 
 import numpy as np
+import numpy.typing as npt
 
 from gproof.ir.codes import STREAM_END, STREAM_MALFORMED, STREAM_PULSE, STREAM_STEP_RATE
 from gproof.ir.finding import Span
@@ -26,6 +27,9 @@ from gproof.verify.lifted_path import Lifting, Unfollowed
 from gproof.verify.stream_explain import explain
 from gproof.verify.stream_report import Collector, StreamReport
 
+SLICE = 1 << 20
+"""Steps that are followed before Ctrl-C and the progress are looked at: some hundredths of a second."""
+
 MOVED_BY_OTHERS = (Wait.HOME, Wait.PROBE)
 """Waits after which the machine may stand elsewhere than the section ended."""
 
@@ -39,12 +43,13 @@ def validate(
     override: float = 1.0,
     stretched: bool = False,
     sections: Collection[int] | None = None,
+    beat: Callable[[int], None] | None = None,
 ) -> StreamReport:
     """Judge a stream; never raises for a bad one.
 
     override: the highest feed override the stream may contain; stretched: the time in which backlash is taken up is
     not bounded, as in a section whose time the runtime has stretched; sections: only those (None: all), as when it
-    has retimed one of them.
+    has retimed one of them; beat: called now and then with the number of steps checked so far, and may raise.
     """
     collector = Collector()
     if not _well_formed(stream, trace, machine, setup, override, collector):
@@ -60,7 +65,9 @@ def validate(
     spindle = inputs.spindle_before(trace)
     for number in range(len(trace.sections)):
         if sections is None or number in sections:
-            _section(stream, trace, machine, setup, number, spindle[number], lifting, times, motors, window, collector)
+            _section(
+                stream, trace, machine, setup, number, spindle[number], lifting, times, motors, window, collector, beat
+            )
             _edges(stream, trace, number, times, collector)
     return collector.report()
 
@@ -111,6 +118,31 @@ def _times(stream: StepStream, machine: Machine, override: float) -> kernels.Tim
     )
 
 
+def _cursor(position: npt.NDArray[np.int64], runs: kernels.Runs) -> kernels.Cursor:
+    """At the section's start, for ``begin_section``."""
+    count = len(position)
+
+    def zeros() -> npt.NDArray[np.int64]:
+        return np.zeros(count, np.int64)
+
+    return kernels.Cursor(
+        n=position.copy(),
+        near=np.empty((count, 2)),
+        at=position.copy(),
+        until=np.full(count, -1, np.int64),
+        run=runs.first[:-1].copy(),
+        due=zeros(),
+        gap=zeros(),
+        left=zeros(),
+        last=np.full(count, -1, np.int64),
+        way=zeros(),
+        positions=np.zeros((kernels.RING, count), np.int64),
+        progress=np.zeros((kernels.RING, 2)),
+        now=np.zeros(kernels.NOW, np.int64),
+        began=np.zeros(1),
+    )
+
+
 def _window(motors: int) -> kernels.Window:
     room = 2 * kernels.WINDOW
     return kernels.Window(line=np.empty((room, motors, 3)), reach=np.empty((room, 5)), row=np.zeros(room, np.int64))
@@ -128,6 +160,7 @@ def _section(
     motors: kernels.Motors,
     window: kernels.Window,
     collector: Collector,
+    beat: Callable[[int], None] | None = None,
 ) -> None:
     """Judge one section."""
     rows = inputs.row_arrays(stream, trace, trace.sections[number], collector)
@@ -167,20 +200,20 @@ def _section(
         numbers=np.zeros((room, 2)),
     )
     position = np.array(section.start, np.int64)
+    given = kernels.Runs(runs[0], runs[1], runs[2], runs[3], first)
+    times = times._replace(duration=section.duration)
+    cursor = _cursor(position, given)
     work = float(sum(int(r["count"].sum()) for r in section.runs) + len(rows.op))
-    collector.steps += int(
-        kernels.check_section.pick(work)(
-            position,
-            kernels.Runs(runs[0], runs[1], runs[2], runs[3], first),
-            rows,
-            events,
-            motors,
-            times._replace(duration=section.duration),
-            window,
-            walk,
-            problems,
+    kernels.begin_section.pick(1.0)(cursor, given, rows, events, motors, times, window, walk)
+    before = collector.steps
+    while not cursor.now[kernels.OVER]:
+        walked = kernels.check_section.pick(work)(
+            SLICE, cursor, position, given, rows, events, motors, times, window, walk, problems
         )
-    )
+        work = 0.0
+        collector.steps = before + int(walked)
+        if beat is not None:
+            beat(collector.steps)
     explain(stream, trace, machine, number, path, problems, position, collector)
 
 

@@ -76,6 +76,12 @@ HEAD, TAIL, FRONT, DONE = 4, 5, 6, 7  # window begin and end, last reachable pie
 FIRST, SECOND, NOTED = 8, 9, 10  # the row's arc axes (-1: a line); problems kept
 INTS = 11
 
+# What ``Cursor.now`` holds: 1: nothing more to follow; 1: an axis lags; 1: more is near than the window holds; place in
+# the rings; samples without a step; steps made, and at the last sample; next event; tick up to which motors stand
+# still; tick of the last rest; tick of the next sample.
+OVER, LAGGING, DENSE, AT, QUIET, STEPS, SAMPLED, EVENT, STILL, REST, EDGE = 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10
+NOW = 11
+
 # What ``Walk.reals`` holds: of an arc radii, angles, centre, the last piece's direction; seconds at full feed of a
 # piece of the row, and of all pieces made so far.
 R0, R1, ANGLE, SWEEP, CENTER_0, CENTER_1, COS, SIN, SHARE, TIME = 0, 1, 2, 3, 4, 5, 6, 7, 8, 9
@@ -183,6 +189,28 @@ class Backlash(NamedTuple):
     until: Ints
 
 
+class Cursor(NamedTuple):
+    """How far a section has been followed. By motor: n: its step; near: from ``surround``; at, until: ``Backlash``;
+    run: the one it is in; due: tick of its next step; gap: before it; left: steps of the run; last: tick of the last
+    step; way: its direction. positions, progress: the rings of ``sample``; now: see OVER; began: seconds at full feed
+    up to the last rest."""
+
+    n: Ints
+    near: Floats
+    at: Ints
+    until: Ints
+    run: Ints
+    due: Ints
+    gap: Ints
+    left: Ints
+    last: Ints
+    way: Ints
+    positions: Ints
+    progress: Floats
+    now: Ints
+    began: Floats
+
+
 class Problems(NamedTuple):
     """counts by kind; the first KEPT of each: (kind, motor, tick, row) and two numbers."""
 
@@ -270,7 +298,7 @@ def drag(m: int, t: int, direction: int, before: int, n: Ints, backlash: Backlas
     return bool(moved)
 
 
-@kernel(seconds_per_unit=5e-6)
+@kernel(seconds_per_unit=5e-6, inline=True)
 def turned(way: float, m: int, turns: Ints) -> None:
     """The path moves motor ``m`` in the direction of ``way``: count it when that is a reversal."""
     sign = 0
@@ -501,7 +529,7 @@ def from_rest(row: int, barrier: int, motors: Motors, window: Window, walk: Walk
             walk.turns[k, m] = 0
 
 
-@kernel(seconds_per_unit=1e-5)
+@kernel(seconds_per_unit=1e-5, inline=True)
 def shrink(near: Floats, j: int, flows: bool, line: Floats, reach: Floats, ints: Ints) -> None:
     """From piece ``j`` on, keep what is reachable and near the motors, and follow the path while it is near.
 
@@ -576,7 +604,7 @@ def off_place(n: Ints, motors: Motors, walk: Walk) -> int:
     return -1
 
 
-@kernel(seconds_per_unit=2e-5)
+@kernel(seconds_per_unit=2e-5, inline=True)
 def sample(
     n: Ints,
     tick: int,
@@ -664,8 +692,43 @@ def unmoved(began: float, progress: Floats, window: Window, walk: Walk) -> None:
         progress[k, 1] = max(began, farthest)
 
 
+@kernel(seconds_per_unit=2e-5)
+def begin_section(
+    cursor: Cursor,
+    runs: Runs,
+    rows: Rows,
+    events: Events,
+    motors: Motors,
+    times: Times,
+    window: Window,
+    walk: Walk,
+) -> None:
+    """Before the first step of a section; the cursor's positions are where it starts.
+
+    walk.place[HERE]: the section's traced start, which they round.
+    """
+    count = cursor.n.shape[0]
+    for m in range(count):
+        surround(m, cursor.n, Backlash(cursor.at, cursor.until), motors, cursor.near)
+        cursor.due[m] = NEVER
+        if cursor.run[m] < runs.first[m + 1]:
+            cursor.gap[m] = runs.interval[cursor.run[m]]
+            cursor.left[m] = runs.length[cursor.run[m]]
+            cursor.due[m] = cursor.gap[m]
+    for k in range(RING):
+        for m in range(count):
+            cursor.positions[k, m] = cursor.n[m]
+    cursor.now[QUIET] = SETTLED
+    cursor.now[EDGE] = times.grid
+    from_rest(0, events.row[0] if events.row.shape[0] > 0 else rows.op.shape[0], motors, window, walk)
+    cursor.now[DENSE] = 0 if follow(cursor.near, rows, motors, window, walk) else 1
+    unmoved(0.0, cursor.progress, window, walk)
+
+
 @kernel(seconds_per_unit=4e-5, compile_seconds=12.0)
 def check_section(
+    most: int,
+    cursor: Cursor,
     start: Ints,
     runs: Runs,
     rows: Rows,
@@ -676,50 +739,53 @@ def check_section(
     walk: Walk,
     problems: Problems,
 ) -> int:
-    """Follow one section's steps; the number of steps checked (all of them unless a problem ended the walk).
+    """Follow the section's next steps, about ``most`` of them; the number of steps checked so far.
 
-    walk.place[HERE]: the section's traced start, which ``start`` rounds.
+    cursor.now[OVER] is 1 when the section's end, or a problem that ends the walk, has been reached; start: where
+    it ended then.
     """
     count = start.shape[0]
-    n = start.copy()
-    near = np.empty((count, 2))
-    backlash = Backlash(start.copy(), np.full(count, -1, np.int64))
-    lagging = False
-    for m in range(count):
-        surround(m, n, backlash, motors, near)
+    now = cursor.now
+    n = cursor.n
+    near = cursor.near
+    backlash = Backlash(cursor.at, cursor.until)
     ints = walk.ints
     line = window.line
     reach = window.reach
-    run = runs.first[:-1].copy()
-    due = np.empty(count, np.int64)
-    gap = np.zeros(count, np.int64)
-    left = np.zeros(count, np.int64)
-    last = np.full(count, -1, np.int64)
-    way = np.zeros(count, np.int64)
-    for m in range(count):
-        due[m] = NEVER
-        if run[m] < runs.first[m + 1]:
-            gap[m] = runs.interval[run[m]]
-            left[m] = runs.length[run[m]]
-            due[m] = gap[m]
-    positions = np.zeros((RING, count), np.int64)
-    progress = np.zeros((RING, 2))
-    for k in range(RING):
-        for m in range(count):
-            positions[k, m] = n[m]
-    at = 0
-    quiet = SETTLED
-    steps = 0
-    sampled = 0
-    e = 0
-    still = 0
-    begin = 0
-    began = 0.0
-    edge = times.grid
-    from_rest(0, events.row[0] if events.row.shape[0] > 0 else rows.op.shape[0], motors, window, walk)
-    dense = not follow(near, rows, motors, window, walk)
-    unmoved(0.0, progress, window, walk)
+    run = cursor.run
+    due = cursor.due
+    gap = cursor.gap
+    left = cursor.left
+    last = cursor.last
+    way = cursor.way
+    positions = cursor.positions
+    progress = cursor.progress
+    lagging = now[LAGGING] == 1
+    dense = now[DENSE] == 1
+    at = now[AT]
+    quiet = now[QUIET]
+    steps = now[STEPS]
+    sampled = now[SAMPLED]
+    e = now[EVENT]
+    still = now[STILL]
+    begin = now[REST]
+    edge = now[EDGE]
+    began = cursor.began[0]
+    enough = steps + most
     while True:
+        if steps >= enough:
+            now[LAGGING] = 1 if lagging else 0
+            now[DENSE] = 1 if dense else 0
+            now[AT] = at
+            now[QUIET] = quiet
+            now[STEPS] = steps
+            now[SAMPLED] = sampled
+            now[EVENT] = e
+            now[STILL] = still
+            now[REST] = begin
+            now[EDGE] = edge
+            cursor.began[0] = began
+            return steps
         t = NEVER
         m = -1
         for k in range(count):
@@ -736,16 +802,22 @@ def check_section(
                     k = catch_up(NEVER, n, backlash, motors, window, walk, near)
                     if k >= 0:
                         note(P_SLACK, k, tick, row, np.float64(n[k]), np.float64(backlash.at[k]), walk, problems)
+                        now[OVER] = 1
+                        now[STEPS] = steps
                         return steps
                 if tick < still:
                     note(P_WAIT_CUT, -1, tick, row, np.float64(still - tick), 0.0, walk, problems)
                 if ints[DONE] != 1:
                     note(P_EARLY, -1, tick, row, np.float64(window.row[ints[FRONT]]), 0.0, walk, problems)
+                    now[OVER] = 1
+                    now[STEPS] = steps
                     return steps
                 if not ready:
                     k = off_place(backlash.at, motors, walk)
                     aim = walk.place[HERE, motors.axis[k]] * motors.spu[k]
                     note(P_OFF_PLACE, k, tick, row, np.float64(backlash.at[k]), aim, walk, problems)
+                    now[OVER] = 1
+                    now[STEPS] = steps
                     return steps
                 rest_problems(n, tick, row, begin, began, times, walk, problems)
                 if steps != sampled or quiet < SETTLED:
@@ -792,6 +864,8 @@ def check_section(
             k = catch_up(t, n, backlash, motors, window, walk, near)
             if k >= 0:
                 note(P_SLACK, k, t, row, np.float64(n[k]), np.float64(backlash.at[k]), walk, problems)
+                now[OVER] = 1
+                now[STEPS] = steps
                 return steps
             lagging = backlash.until.max() >= 0
         n[m] += direction
@@ -810,7 +884,12 @@ def check_section(
             walk.turns[2, m] = direction
         way[m] = direction
         last[m] = t
-        surround(m, n, backlash, motors, near)
+        if motors.slack[m] == 0 and motors.first_knot[m] == motors.first_knot[m + 1]:
+            # As ``surround`` has it for such a motor; a call with this many arrays takes longer than all else here.
+            near[m, 0] = np.float64(n[m]) - PATH_TOLERANCE
+            near[m, 1] = np.float64(n[m]) + PATH_TOLERANCE
+        else:
+            surround(m, n, backlash, motors, near)
         steps += 1
 
         shrink(near, ints[HEAD], False, line, reach, ints)
@@ -818,11 +897,15 @@ def check_section(
             note(P_LEFT, m, t, row, np.float64(n[m]), np.float64(direction), walk, problems)
             for k in range(count):
                 start[k] = backlash.at[k]
+            now[OVER] = 1
+            now[STEPS] = steps
             return steps
         if ints[DONE] == 1:
             dense = not follow(near, rows, motors, window, walk)
         if dense:
             note(P_DENSE, m, t, row, 0.0, 0.0, walk, problems)
+            now[OVER] = 1
+            now[STEPS] = steps
             return steps
 
         if n[m] < motors.low[m] or n[m] > motors.high[m]:
@@ -855,11 +938,15 @@ def check_section(
     k = catch_up(NEVER, n, backlash, motors, window, walk, near)
     if k >= 0:
         note(P_SLACK, k, times.duration, row, np.float64(n[k]), np.float64(backlash.at[k]), walk, problems)
+        now[OVER] = 1
+        now[STEPS] = steps
         return steps
     for m in range(count):
         start[m] = n[m]
     if ints[DONE] != 1:
         note(P_UNFINISHED, -1, times.duration, window.row[ints[FRONT]], 0.0, 0.0, walk, problems)
+        now[OVER] = 1
+        now[STEPS] = steps
         return steps
     # Not the axis alone, but the motor too is where the next section starts.
     for ended in (backlash.at, n):
@@ -867,9 +954,13 @@ def check_section(
         if m >= 0:
             aim = walk.place[HERE, motors.axis[m]] * motors.spu[m]
             note(P_END, m, times.duration, row, np.float64(ended[m]), aim, walk, problems)
+            now[OVER] = 1
+            now[STEPS] = steps
             return steps
     rest_problems(n, times.duration, row, begin, began, times, walk, problems)
     settle(n, times.duration, at, positions, progress, motors, times, window, walk, problems)
     if times.duration < still:
         note(P_WAIT_CUT, -1, times.duration, row, np.float64(still - times.duration), 0.0, walk, problems)
+    now[OVER] = 1
+    now[STEPS] = steps
     return steps

@@ -17,6 +17,7 @@ from gproof.ir.setup import NOTHING, Interval, Setup
 from gproof.ir.stream import StepStream, StreamSection
 from gproof.ir.trace import Edge, Op, State, Trace, Wait
 from gproof.ir.verdict import Verdict
+from gproof.verify import stream as checker
 from gproof.verify import stream_kernels
 from gproof.verify.stream import validate
 from gproof.verify.stream_report import BOUNDS, StreamReport
@@ -62,6 +63,46 @@ def test_both_speeds_agree_bit_for_bit(name: str, monkeypatch: pytest.MonkeyPatc
         assert seen[0][1]
 
 
+@pytest.mark.parametrize("name", JOBS)
+@pytest.mark.parametrize("size", [1, 7, 501])
+def test_slices_change_nothing(name: str, size: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The walk stops and goes on anywhere: the same findings, and the same bytes left behind at its end."""
+    job = JOBS[name]()
+    done = step(job, machine())
+    spoilt = done.copy()
+    busiest = max(spoilt.steps, key=len)
+    del busiest[len(busiest) // 3]
+    monkeypatch.setenv("GPROOF_KERNELS", "python")
+    for stream in (done, spoilt):
+        seen: list[tuple[StreamReport, list[bytes]]] = []
+        for most in (1 << 20, size):
+            with monkeypatch.context() as patch:
+                taken: list[bytes] = []
+                patch.setattr(checker, "SLICE", most)
+                watch(patch, taken)
+                seen.append((check(stream, job), taken))
+        (whole, all_), (parts, slices) = seen
+        assert whole == parts
+        assert slices[-len(all_) :] == all_
+        assert len(slices) > len(all_) or whole.steps < size
+
+
+def test_a_beat_is_heard_between_slices(monkeypatch: pytest.MonkeyPatch) -> None:
+    job = JOBS["square"]()
+    stream = stream_of(step(job, machine()), machine())
+    monkeypatch.setattr(checker, "SLICE", 100)
+    heard: list[int] = []
+
+    def beat(steps: int) -> None:
+        heard.append(steps)
+        if len(heard) == 3:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        validate(stream, job.trace(), machine(), NOTHING, beat=beat)
+    assert heard == [100, 200, 300]
+
+
 def hurried(axis: Axis) -> Axis:
     return dataclasses.replace(axis, max_velocity=20.0, max_acceleration=100.0, upper=2.0)
 
@@ -73,14 +114,14 @@ def watch(monkeypatch: pytest.MonkeyPatch, taken: list[bytes]) -> None:
     def picked(work: float) -> Callable[..., int]:
         run = pick(work)
 
-        def call(start: np.ndarray, *args: object) -> int:
-            steps = run(start, *args)  # type: ignore[arg-type]
+        def call(most: int, cursor: stream_kernels.Cursor, start: np.ndarray, *args: object) -> int:
+            steps = run(most, cursor, start, *args)  # type: ignore[arg-type]
             window, walk, problems = args[-3:]
             assert isinstance(window, stream_kernels.Window)
             assert isinstance(walk, stream_kernels.Walk)
             assert isinstance(problems, stream_kernels.Problems)
             tail = walk.ints[stream_kernels.TAIL]
-            kept = [start, *walk, *problems, window.line[:tail], window.reach[:tail], window.row[:tail]]
+            kept = [start, *cursor[:-2], *walk, *problems, window.line[:tail], window.reach[:tail], window.row[:tail]]
             taken.extend(array.tobytes() for array in kept)
             return int(steps)
 
