@@ -54,6 +54,7 @@ VERY_LONG = 10_000_000  # from so many lines on a program is removed after its r
 GOAL_START_S = 0.35
 GOALS = {1_000_000: (0.5, 400.0), 10_000_000: (0.125, 600.0)}
 """From so many lines on: the most of rs274's wall time, and of memory in MB."""
+GOAL_VALIDATE = 20_000_000  # steps a second
 GOAL_PARSE = {"repeat": 20_000, "different": 3_000}  # lines a second
 
 
@@ -286,7 +287,11 @@ def print_stages(rows: list[dict[str, Any]]) -> None:
             figure = f"{f['count'] / f['seconds'] / 1e3:,.0f} {f['unit']}" if "count" in f else ""
             cells.append(f" {figure or f.get('problem', '-')[:18]:>18}")
         steps = row["stages"].get("step", {}).get("count")
-        print(f"  {row['shape']:<7}" + "".join(cells) + f" {steps if steps else '-':>12} {row['peak_mb']:5.0f}")
+        told = ""
+        if "count" in (checked := row["stages"].get("validate", {})):
+            met = checked["count"] / checked["seconds"] >= GOAL_VALIDATE
+            told = f"  at least {GOAL_VALIDATE // 1000:,} steps validated  {verdict(met)}"
+        print(f"  {row['shape']:<7}" + "".join(cells) + f" {steps if steps else '-':>12} {row['peak_mb']:5.0f}{told}")
 
 
 def print_parse(dialect: str, found: dict[str, Any]) -> None:

@@ -86,11 +86,11 @@ def over_a_height_map(trace: Any) -> tuple[Any, Any]:
 
 def checked(lifting: Any, trace: Any, setup: Any, stream: Any) -> int:
     """How many chords the stream checker makes of a job over a height map."""
-    from gproof.verify.stream_inputs import row_arrays
+    from gproof.verify.stream_inputs import row_arrays, tables_of
     from gproof.verify.stream_report import Collector
 
     made = lifting(trace, setup, stream.motors)
-    arrays = [row_arrays(stream, trace, section, Collector()) for section in trace.sections]
+    arrays = [row_arrays(trace, section, tables_of(stream, trace), Collector()) for section in trace.sections]
     return sum(len(made.section(number, rows).origin) for number, rows in enumerate(arrays) if rows is not None)
 
 

@@ -333,12 +333,16 @@ class Trace:
             verify_rows(section.rows, self, where)
 
 
+_KNOWN = np.zeros(256, np.bool_)
+_KNOWN[list(Op)] = True
+
+
 def verify_rows(rows: Columns, trace: Trace, where: str = "rows") -> None:
     """Row invariants: known ops, finite positions, indices in range, arcs whole."""
     if not len(rows):
         return
     op = rows["op"]
-    if not np.isin(op, np.array([int(o) for o in Op], dtype=op.dtype)).all():
+    if not _KNOWN[op].all():
         raise ValueError(f"{where}: unknown op")
     if not np.isfinite(rows["to"]).all() or not np.isfinite(rows["center"]).all():
         raise ValueError(f"{where}: a position is not finite")

@@ -38,6 +38,10 @@ NOTES = frozenset({Op.OFFSET, Op.TOOL_OFFSET, Op.UNITS, Op.PLANE, Op.OVERRIDE, O
 
 LAST_MOTION = Op.PROBE
 
+_WAITING, _ACTING = np.zeros(256, np.bool_), np.ones(256, np.bool_)
+_WAITING[list(WAITS)] = True
+_ACTING[list(NOTES)] = False
+
 
 class Problem(NamedTuple):
     """section, row: where (-1: the whole); what: a sentence part."""
@@ -52,11 +56,13 @@ def problems(trace: Trace, machine: Machine, setup: Setup) -> Iterator[Problem]:
     if not trace.sections:
         yield Problem(-1, -1, "there is no section, so nothing to run")
         return
+    moves = [*_OPEN_LOOP, *_knife(machine)]
+    by_state = [(np.array([true(state) for state in trace.states], dtype=np.bool_), what) for true, what in moves]
+    by_state = [(found, what) for found, what in by_state if found.any()]
     for section in trace.sections:
         yield from _edges(section)
         yield from _waits(section, machine)
-        yield from _open_loop(section, trace.states)
-        yield from _knife(section, trace.states, machine)
+        yield from _open_loop(section, by_state)
     yield from _ways(trace)
     yield from _height_map(trace, setup)
 
@@ -84,12 +90,12 @@ def _waits(section: TraceSection, machine: Machine) -> Iterator[Problem]:
     rows, number = section.rows, section.number
     op = rows["op"]
     kinds = {edge.wait for edge in section.edges}
-    waiting = np.isin(op, np.array([int(o) for o in WAITS], dtype=op.dtype))
+    waiting = _WAITING[op]
     if machine.controller.auto_tool_change:
         # The changer's own cycle is in the job's rows; the motors stand for the change and go on.
         waiting &= op != Op.TOOL_CHANGE
-    acting = ~np.isin(op, np.array([int(o) for o in NOTES], dtype=op.dtype))
-    last = int(np.flatnonzero(acting)[-1]) if acting.any() else -1
+    acting = np.flatnonzero(_ACTING[op])
+    last = int(acting[-1]) if len(acting) else -1
     for row in np.flatnonzero(waiting).tolist():
         kind = Op(int(op[row]))
         name = _named(kind)
@@ -135,33 +141,36 @@ def _ways(trace: Trace) -> Iterator[Problem]:
             yield Problem(number, -1, "no way leads here")
 
 
-def _open_loop(section: TraceSection, states: list[State]) -> Iterator[Problem]:
-    """What depends on where the spindle is, or on what the job itself changed of its axes."""
-    rows, number = section.rows, section.number
-    moving = rows["op"] <= LAST_MOTION
-    by_state: tuple[tuple[Callable[[State], bool], str], ...] = (
-        (lambda s: s.synchronised, "this move follows the turns of the spindle"),
-        (lambda s: s.surface_speed != 0.0, "the spindle's speed follows the tool"),
-        (lambda s: s.head != 0, "another head is selected"),
-        (lambda s: bool(s.retimed or s.backlash), "the job has changed what the machine file says of its axes"),
-    )
-    for found, what in (
-        *((moving & _where(rows["state"], states, true), what) for true, what in by_state),
-        (rows["op"] == Op.ORIENT, "the spindle stops in an orientation"),
-        ((rows["op"] == Op.HEAD) & (rows["arg"][:, 0] != 0), "another head is selected"),
-    ):  # fmt: skip
-        if found.any():
-            yield Problem(number, int(np.argmax(found)), what)
+_OPEN_LOOP: tuple[tuple[Callable[[State], bool], str], ...] = (
+    (lambda s: s.synchronised, "this move follows the turns of the spindle"),
+    (lambda s: s.surface_speed != 0.0, "the spindle's speed follows the tool"),
+    (lambda s: s.head != 0, "another head is selected"),
+    (lambda s: bool(s.retimed or s.backlash), "the job has changed what the machine file says of its axes"),
+)
+"""By state, moves that depend on where the spindle is, or on what the job itself changed of its axes."""
 
 
-def _knife(section: TraceSection, states: list[State], machine: Machine) -> Iterator[Problem]:
-    """A knife whose turning is not in the rows."""
+def _knife(machine: Machine) -> list[tuple[Callable[[State], bool], str]]:
+    """Moves with a knife whose turning is not in the rows."""
     knife = machine.controller.controls.knife
     if knife is None or not (knife.output is not None or knife.target or knife.blend):
-        return
-    found = (section.rows["op"] <= LAST_MOTION) & _where(section.rows["state"], states, lambda s: KNIFE in s.following)
-    if found.any():
-        yield Problem(section.number, int(np.argmax(found)), "the knife is turned by the controller, not by these rows")
+        return []
+    return [(lambda s: KNIFE in s.following, "the knife is turned by the controller, not by these rows")]
+
+
+def _open_loop(
+    section: TraceSection, by_state: list[tuple[npt.NDArray[np.bool_], str]]
+) -> Iterator[Problem]:  # fmt: skip
+    """What moves motors, or turns the spindle, in ways that the steps do not have."""
+    rows, number = section.rows, section.number
+    moving = rows["op"] <= LAST_MOTION
+    for found, what in (
+        *((moving & states[rows["state"]], what) for states, what in by_state),
+        (rows["op"] == Op.ORIENT, "the spindle stops in an orientation"),
+        ((rows["op"] == Op.HEAD) & (rows["arg"][:, 0] != 0), "another head is selected"),
+    ):
+        if found.any():
+            yield Problem(number, int(np.argmax(found)), what)
 
 
 def _height_map(trace: Trace, setup: Setup) -> Iterator[Problem]:
@@ -169,17 +178,11 @@ def _height_map(trace: Trace, setup: Setup) -> Iterator[Problem]:
     if setup.height_map is None or not setup.height_map.on:
         return
     moves = False
+    follows = np.array([HEIGHT_MAP in state.following for state in trace.states], dtype=np.bool_)
     for section in trace.sections:
         moving = section.rows["op"] <= LAST_MOTION
         moves = moves or bool(moving.any())
-        if (moving & _where(section.rows["state"], trace.states, lambda s: HEIGHT_MAP in s.following)).any():
+        if follows.any() and (moving & follows[section.rows["state"]]).any():
             return
     if moves:
         yield Problem(-1, -1, "the setup's height map is on, and no move follows it")
-
-
-def _where(index: npt.NDArray[np.int32], states: list[State], true: Callable[[State], bool]) -> npt.NDArray[np.bool_]:
-    """By row, whether its state is so; indices are those of a verified Trace."""
-    if not states:
-        return np.zeros(len(index), dtype=np.bool_)
-    return np.array([true(state) for state in states], dtype=np.bool_)[index]

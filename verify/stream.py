@@ -7,6 +7,7 @@ not say are in docs/verification.md; the loop is in stream_kernels.py.
 
 from __future__ import annotations
 
+import functools
 import math
 from collections.abc import Callable, Collection
 from fractions import Fraction
@@ -60,15 +61,18 @@ def validate(
     motors = inputs.motor_arrays(stream, machine, times.grid, collector, stretched=stretched)
     if machine.controller.max_step_frequency is None:
         collector.assume("stream-step-rate", "the machine file states no greatest step frequency")
+    tables = inputs.tables_of(stream, trace)
+    ends = functools.cache(lambda number: inputs.ends(stream.sections[number]))
     window = _window(len(stream.motors))
     lifting = Lifting(trace, setup, stream.motors)
     spindle = inputs.spindle_before(trace)
     for number in range(len(trace.sections)):
         if sections is None or number in sections:
             _section(
-                stream, trace, machine, setup, number, spindle[number], lifting, times, motors, window, collector, beat
-            )
-            _edges(stream, trace, number, times, collector)
+                stream, trace, machine, setup, number, spindle[number], lifting, times, motors, tables, window,
+                collector, beat,
+            )  # fmt: skip
+            _edges(stream, trace, number, times, ends, collector)
     return collector.report()
 
 
@@ -158,12 +162,13 @@ def _section(
     lifting: Lifting,
     times: kernels.Times,
     motors: kernels.Motors,
+    tables: inputs.Tables,
     window: kernels.Window,
     collector: Collector,
     beat: Callable[[int], None] | None = None,
 ) -> None:
     """Judge one section."""
-    rows = inputs.row_arrays(stream, trace, trace.sections[number], collector)
+    rows = inputs.row_arrays(trace, trace.sections[number], tables, collector)
     good = inputs.start_problems(stream, trace, machine, number, setup, lifting.rise(number), collector)
     ramp = machine.controller.spindle_ramp_time
     events = inputs.event_arrays(stream, trace, number, spindle, ramp, collector)
@@ -217,12 +222,19 @@ def _section(
     explain(stream, trace, machine, number, path, problems, position, collector)
 
 
-def _edges(stream: StepStream, trace: Trace, number: int, times: kernels.Times, collector: Collector) -> None:
+def _edges(
+    stream: StepStream,
+    trace: Trace,
+    number: int,
+    times: kernels.Times,
+    ends: Callable[[int], inputs.Ends],
+    collector: Collector,
+) -> None:
     """What follows a section starts where it ended, and its first steps keep their distance from the last ones."""
     here, rows = stream.sections[number], trace.sections[number].rows
     ended = tuple(float(x) for x in rows["to"][-1]) if len(rows) else trace.sections[number].start
     span = inputs.span_of(trace, number, len(rows) - 1)
-    final, before = here.end(), inputs.ends(here)
+    final, before = here.end(), ends(number)
     for edge in trace.sections[number].edges:
         if edge.target < 0:
             continue
@@ -232,7 +244,7 @@ def _edges(stream: StepStream, trace: Trace, number: int, times: kernels.Times, 
         elif final != there.start or tuple(trace.sections[edge.target].start) != tuple(ended):
             what = f"section {number} ends at {final}, section {edge.target} starts at {there.start}"
             collector.add(STREAM_END.at(span, what=what))
-        for motor, last, next_ in zip(stream.motors, before, inputs.ends(there), strict=True):
+        for motor, last, next_ in zip(stream.motors, before, ends(edge.target), strict=True):
             if last is None or next_ is None:
                 continue
             ticks = here.duration - last[2] + next_[0]

@@ -8,6 +8,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from fractions import Fraction
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -38,6 +39,11 @@ EVENT_OPS = (
 MOTION_OPS = (Op.TRAVERSE, Op.FEED, Op.ARC, Op.PROBE)
 assert kernels.ARC_OP == Op.ARC and kernels.LAST_MOTION_OP == Op.PROBE == max(MOTION_OPS)
 
+MOVES, SWITCHES = np.zeros(256, np.bool_), np.zeros(256, np.bool_)
+MOVES[list(MOTION_OPS)] = True
+SWITCHES[list(EVENT_OPS)] = True
+"""By op, whether it is one of these."""
+
 PAIRS = {Plane.XY: (0, 1), Plane.XZ: (2, 0), Plane.YZ: (1, 2)}
 """The axes of an arc, in the order of a right-handed frame."""
 
@@ -51,6 +57,9 @@ FARTHEST = 1 << 28
 """Steps: positions and lengths of arcs up to this keep float64's rounding far below ``kernels.ROUNDING``."""
 
 Floats = npt.NDArray[np.float64]
+
+_SURELY = 0.499
+"""Steps: what float64 makes of a distance below this is below ``kernels.EXACT`` exactly too."""
 
 _FEW = 1 << 52
 _LONG = 1 << 60
@@ -104,7 +113,10 @@ def number_problems(stream: StepStream) -> Iterator[str]:
                 yield f"{where}: {motor.name} has more steps or ticks than can be counted"
 
 
-def ends(section: StreamSection) -> list[tuple[int, int, int, int] | None]:
+Ends = list[tuple[int, int, int, int] | None]
+
+
+def ends(section: StreamSection) -> Ends:
     """(first tick, first direction, last tick, last direction) by motor; None for a motor without steps."""
     found: list[tuple[int, int, int, int] | None] = []
     for runs in section.runs:
@@ -303,7 +315,39 @@ def _limits(spu: Fraction, lower: float | None, upper: float | None) -> tuple[in
 # --- stream against trace -----------------------------------------------------------------------------------
 
 
-def row_arrays(stream: StepStream, trace: Trace, section: TraceSection, collector: Collector) -> kernels.Rows | None:
+class Tables(NamedTuple):
+    """What all sections share. driven: axes with a motor; reach: (6,) steps per unit of each; known: by frame, whether
+    the driven axes are known in it; off: by state, 1 where the soft limits are off; idle: axes without a motor; planes:
+    (256,) 0 no plane, 1 one whose axes have motors, 2 another one."""
+
+    driven: list[int]
+    reach: Floats
+    known: npt.NDArray[np.bool_]
+    off: npt.NDArray[np.uint8]
+    idle: npt.NDArray[np.intp]
+    planes: npt.NDArray[np.uint8]
+
+
+def tables_of(stream: StepStream, trace: Trace) -> Tables:
+    """For ``row_arrays``."""
+    driven = sorted({motor.axis for motor in stream.motors})
+    reach = np.zeros(AXES)
+    for motor in stream.motors:
+        reach[motor.axis] = abs(float(motor.steps_per_unit))
+    planes = np.zeros(256, np.uint8)
+    for plane, pair in PAIRS.items():
+        planes[int(plane)] = 1 if set(pair) <= set(driven) else 2
+    return Tables(
+        driven=driven,
+        reach=reach,
+        known=np.array([all(frame[a] == () for a in driven) for frame in trace.frames], dtype=bool),
+        off=np.array([GUARD in state.guards_off for state in trace.states], dtype=np.uint8),
+        idle=np.array([a for a in range(AXES) if a not in driven], dtype=np.intp),
+        planes=planes,
+    )
+
+
+def row_arrays(trace: Trace, section: TraceSection, tables: Tables, collector: Collector) -> kernels.Rows | None:
     """The section's rows for the kernel, when each of them can be followed."""
     rows = section.rows
     refused: list[int] = []
@@ -316,8 +360,7 @@ def row_arrays(stream: StepStream, trace: Trace, section: TraceSection, collecto
             )
         )
 
-    driven = sorted({motor.axis for motor in stream.motors})
-    known = np.array([all(frame[a] == () for a in driven) for frame in trace.frames], dtype=bool)
+    known, reach, idle = tables.known, tables.reach, tables.idle
     if not known[section.start_frame]:
         refuse(-1, "the section's start depends on something that is not known")
     if rows.schema is not TRACE_ROW:
@@ -331,13 +374,9 @@ def row_arrays(stream: StepStream, trace: Trace, section: TraceSection, collecto
         return None
     before = np.vstack([start[np.newaxis, :], to])[:n]
     op = rows["op"]
-    motion = np.isin(op, np.array([int(o) for o in MOTION_OPS], dtype=op.dtype))
+    motion = MOVES[op]
     arcs = op == Op.ARC
-    idle = np.array([a for a in range(AXES) if a not in driven], dtype=np.intp)
-    undriven = [int(plane) for plane, pair in PAIRS.items() if not set(pair) <= set(driven)]
-    reach = np.zeros(AXES)
-    for motor in stream.motors:
-        reach[motor.axis] = abs(float(motor.steps_per_unit))
+    planes = tables.planes[rows["plane"]]
     extent = np.abs(to) * reach
     moved = (to != before).any(axis=1)
     needs_feed = motion & (op != Op.TRAVERSE) & (moved | arcs)
@@ -345,9 +384,9 @@ def row_arrays(stream: StepStream, trace: Trace, section: TraceSection, collecto
         (~known[rows["frame"]], "the position depends on something that is not known"),
         (moved & ~motion, "the position jumps in a row that is no motion"),
         ((to[:, idle] != start[idle]).any(axis=1), "an axis without a motor moves"),
-        (arcs & np.isin(rows["plane"], undriven), "an arc in an axis without a motor"),
+        (arcs & (planes == 2), "an arc in an axis without a motor"),
         ((extent > FARTHEST).any(axis=1), f"a position of more than {FARTHEST} steps"),
-        (arcs & ~np.isin(rows["plane"], [int(p) for p in Plane if p]), "an arc in no plane"),
+        (arcs & (planes == 0), "an arc in no plane"),
         (needs_feed & ~(np.isfinite(rows["feed"]) & (rows["feed"] > 0)), "motion without a feed"),
     ):
         if bad.any():
@@ -364,10 +403,9 @@ def row_arrays(stream: StepStream, trace: Trace, section: TraceSection, collecto
             refuse(int(here[problem[0]]), problem[1])
     if refused:
         return None
-    off = np.array([GUARD in state.guards_off for state in trace.states], dtype=np.uint8)
     guard = np.zeros(n + 1, np.uint8)
     if n:
-        guard[:n] = off[rows["state"]]
+        guard[:n] = tables.off[rows["state"]]
     return kernels.Rows(
         op=np.ascontiguousarray(op, dtype=np.uint8),
         to=to,
@@ -409,6 +447,8 @@ def start_problems(
     good = True
     for motor, drive, steps in zip(stream.motors, drives_of(stream, machine), section.start, strict=True):
         at = place[motor.axis] + (raised if motor.axis == Z else 0.0)
+        if drive.pitch is None and abs(steps - at * float(motor.steps_per_unit)) < _SURELY and abs(steps) < FARTHEST:
+            continue
         exact = motor_at(drive.pitch, at) * motor.steps_per_unit
         if abs(steps - exact) > Fraction(kernels.EXACT):
             good = False
@@ -440,7 +480,7 @@ def event_arrays(
 ) -> kernels.Events | None:
     """The section's events, when they are those of its rows. spindle: direction before the section, None: unknown."""
     rows, given = trace.sections[number].rows, stream.sections[number].events
-    wanted = np.flatnonzero(np.isin(rows["op"], np.array([int(o) for o in EVENT_OPS], dtype=np.uint8)))
+    wanted = np.flatnonzero(SWITCHES[rows["op"]])
     good = True
 
     def refuse(row: int, tick: int, what: str) -> None:
@@ -513,7 +553,8 @@ def _event_problem(op: Op, arg: list[float], given: int, values: list[int]) -> s
     for value, thousandths in zip(arg, values, strict=True):
         if not math.isfinite(value):
             return f"{op.name} with a value that is not known"
-        if abs(Fraction(value) * 1000 - thousandths) > Fraction(1, 2) + _TOUCH:
+        whole = value == int(value) and int(value) * 1000 == thousandths
+        if not whole and abs(Fraction(value) * 1000 - thousandths) > Fraction(1, 2) + _TOUCH:
             return f"{op.name} with {thousandths} thousandths, the row says {value!r}"
     if op is Op.DWELL and not 0 <= arg[0] < math.inf:
         return f"a dwell of {arg[0]!r} seconds"

@@ -764,7 +764,7 @@ def check_section(
     dense = now[DENSE] == 1
     at = now[AT]
     quiet = now[QUIET]
-    steps = now[STEPS]
+    steps = int(now[STEPS])
     sampled = now[SAMPLED]
     e = now[EVENT]
     still = now[STILL]

@@ -26,7 +26,7 @@ from gproof.ir.verdict import Verdict
 from gproof.verify import lifted_path as module
 from gproof.verify.lifted_path import Lifted, Lifting, Unfollowed
 from gproof.verify.stream import validate
-from gproof.verify.stream_inputs import row_arrays
+from gproof.verify.stream_inputs import row_arrays, tables_of
 from gproof.verify.stream_report import Collector, StreamReport
 
 
@@ -40,7 +40,7 @@ def motors(on: Machine) -> tuple[Motor, ...]:
 
 def raised(trace: Trace, setup: Setup, on: Machine, number: int = 0) -> Lifted:
     stream = StepStream(tick_frequency=1, motors=motors(on))
-    rows = row_arrays(stream, trace, trace.sections[number], Collector())
+    rows = row_arrays(trace, trace.sections[number], tables_of(stream, trace), Collector())
     assert rows is not None
     return Lifting(trace, setup, motors(on)).section(number, rows)
 
