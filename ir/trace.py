@@ -361,7 +361,8 @@ def verify_rows(rows: Columns, trace: Trace, where: str = "rows") -> None:
     feed = rows["feed"]
     if (feed < 0).any() or (feed[op == Op.TRAVERSE] != 0).any():
         raise ValueError(f"{where}: negative feed, or a traverse with one")
-    if (rows["text"][(op == Op.MESSAGE) | (op == Op.SETPOINT) | (op == Op.DEVICE)] >= len(trace.texts)).any():
+    texts = rows["text"][(op == Op.MESSAGE) | (op == Op.SETPOINT) | (op == Op.DEVICE)]
+    if ((texts < 0) | (texts >= len(trace.texts))).any():
         raise ValueError(f"{where}: text index out of range")
 
 

@@ -66,6 +66,9 @@ def validate(
     window = _window(len(stream.motors))
     lifting = Lifting(trace, setup, stream.motors)
     spindle = inputs.spindle_before(trace)
+    left = inputs.left_to_others(trace)
+    if left:
+        collector.assume("stream-event", f"no board carries out {left}: who runs the stream sees to it")
     for number in range(len(trace.sections)):
         if sections is None or number in sections:
             _section(

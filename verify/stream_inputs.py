@@ -563,6 +563,17 @@ def _event_problem(op: Op, arg: list[float], given: int, values: list[int]) -> s
     return ""
 
 
+def left_to_others(trace: Trace) -> str:
+    """Commands of the trace that no event carries out, at most five by name; empty when there are none."""
+    found: dict[str, None] = {}
+    for section in trace.sections:
+        rows = section.rows
+        for text in np.unique(rows["text"][rows["op"] == Op.DEVICE]).tolist():
+            found[trace.texts[text]] = None
+    names = list(found)
+    return ", ".join(names[:5]) + (f" and {len(names) - 5} more" if len(names) > 5 else "")
+
+
 def spindle_before(trace: Trace) -> list[int | None]:
     """The spindle's direction at each section's beginning; None where it depends on the way there.
 

@@ -229,6 +229,18 @@ def test_what_is_no_path_of_the_motors_alone_is_refused(name: str) -> None:
     assert judged([Job().rapid(x=1).event(Op.HEAD, 0.0).line(x=0)], line(1)) == ""
 
 
+def test_commands_that_no_board_carries_out_are_an_assumption() -> None:
+    job = Job().rapid(x=1).add(Op.DEVICE, text=0).rapid(x=0)
+    stream, trace = made(job)
+    trace.texts[0] = "M210"
+    report = validate(stream, trace, machine(), NOTHING)
+    assert report.verdict is Verdict.SAFE
+    told = [text for p in report.properties if p.name == "stream-event" for text in p.assumptions]
+    assert told == ["no board carries out M210: who runs the stream sees to it"]
+    plain = validate(*made(Job().rapid(x=1)), machine(), NOTHING)
+    assert [p.assumptions for p in plain.properties if p.name == "stream-event"] == [()]
+
+
 def test_a_state_that_no_move_has_does_not_matter() -> None:
     job = Job().rapid(x=1).rapid(x=0).state(State(surface_speed=120.0)).add(Op.END)
     assert judged([job], line(1)) == ""
