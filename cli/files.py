@@ -19,11 +19,19 @@ SETTINGS = {
 OTHER_PICTURES = (".png", ".jpg", ".jpeg", ".gif", ".pdf", ".webp", ".bmp")
 
 
+LONGEST = 300
+"""Characters of a name that can be none, in the message."""
+
+
 def require_file(path: Path, what: str) -> None:
     """UsageError for what is not a readable file.
 
     Pipes and devices are refused: a job is read more than once, and half of one must not be judged.
     """
+    try:
+        path.exists()
+    except OSError as error:
+        raise UsageError(f"{what} {str(path)[:LONGEST]}: {error.strerror}") from None
     if str(path) == "-" and not path.exists():
         raise UsageError(f"{what} -: is read from a file, not from standard input")
     if not path.exists():

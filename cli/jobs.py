@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import glob
+import re
 import tomllib
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
@@ -12,7 +13,7 @@ from gproof.cli.files import require_file
 from gproof.cli.main import UsageError
 from gproof.cli.properties import ADDED
 from gproof.frontend.guess import EXTENSIONS
-from gproof.frontend.toml_table import TomlFile, TomlTable
+from gproof.frontend.toml_table import TomlFile, TomlTable, is_there
 from gproof.ir.finding import Findings
 from gproof.ir.record import record
 
@@ -168,12 +169,23 @@ def _names(table: TomlTable) -> list[str]:
 def _named(table: TomlTable, key: str, source: Path, name: str, settings: Job) -> list[Job]:
     """The files of a path or pattern, seen from the folder of the job file."""
     folder = source.parent
-    if not glob.has_magic(name) or (folder / name).exists():
+    if "\0" in name:
+        table.bad(key, f"{name!r} is no name of a file")
+        return []
+    if not glob.has_magic(name) or is_there(folder / name):
         return [replace(settings, path=folder / name)]
-    files = sorted(folder / one for one in glob.glob(name, root_dir=folder, recursive=True))
+    files = sorted(folder / one for one in _matching(name, folder))
     if not files:
         table.bad(key, f"no file matches {name!r}")
     return [replace(settings, path=file) for file in files if file.is_file()]
+
+
+def _matching(pattern: str, folder: Path) -> list[str]:
+    """What a pattern matches; nothing for what can not be one."""
+    try:
+        return glob.glob(pattern, root_dir=folder, recursive=True)
+    except (OSError, ValueError, re.error, OverflowError, RecursionError):
+        return []
 
 
 def _also(table: TomlTable, base: Job) -> tuple[str, ...]:

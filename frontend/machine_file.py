@@ -15,7 +15,7 @@ from typing import Any
 from gproof.frontend.areas_table import areas_from
 from gproof.frontend.controls_table import controls_from
 from gproof.frontend.mcuwin.machine import with_axes
-from gproof.frontend.toml_table import MILLIMETRES, TomlFile, TomlTable, meant
+from gproof.frontend.toml_table import MILLIMETRES, TomlFile, TomlTable, is_there, meant
 from gproof.frontend.tool_table import check_shape, shape_keys
 from gproof.ir.dialects.accepts import ACCEPTS, LINE_NUMBERS, TEXT_AFTER_COMMENT, names_of
 from gproof.ir.finding import Findings
@@ -97,7 +97,7 @@ def _load_toml(
             file.finish()
             return None, files
         target = path.parent / base
-        if "\0" in base or (target.exists() and not target.is_file()):
+        if "\0" in base or (is_there(target) and not target.is_file()):
             root.bad("base", f"{base!r} is not a regular file")
             file.finish()
             return None, files

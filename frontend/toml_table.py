@@ -425,6 +425,14 @@ def is_file(path: Path) -> bool:
         return False
 
 
+def is_there(path: Path) -> bool:
+    """True for a file or folder of any kind; False for what can not even be a name."""
+    try:
+        return path.exists()
+    except (OSError, ValueError):
+        return False
+
+
 def small_number(name: str, low: int, high: int) -> int | None:
     """The whole number that a key spells, when it lies in range."""
     if name.isascii() and name.isdigit() and len(name) <= 9 and low <= int(name) <= high:

@@ -7,6 +7,7 @@ Specification, Comment, Braces; Macro File Configuration for the tilde). What th
 
 from __future__ import annotations
 
+import math
 import re
 from typing import Any
 
@@ -19,6 +20,7 @@ from gproof.ir.finding import Code, Finding, Span
 from gproof.ir.program import Binary, Expr, Named, Number, Text, Word
 from gproof.ir.record import field, record
 
+TOO_LARGE = "a number that is too large for a double"
 OPERATORS = "*/+-"
 _NUMBER = re.compile(r"[-+]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)")
 _COMMA_NUMBER = re.compile(r"[-+]?(?:[0-9]+[.,]?[0-9]*|[.,][0-9]+)")
@@ -162,7 +164,7 @@ class LineReader:
             return Number(0.0, Span(file, line, begin + 1, begin + 2)), begin + 1
         text = found.group()
         span = Span(file, line, at + 1, found.end() + 1)
-        return Number(float(text.replace(",", ".")), span, "." in text or "," in text), found.end()
+        return _literal(text, span), found.end()
 
     def braces(self, code: str, begin: int, end: int, file: str, line: int) -> Expr:
         """What stands in code[begin + 1:end]: a name or number, and at most one operator with a number."""
@@ -175,11 +177,19 @@ class LineReader:
         if found["name"]:
             first = Named(found["name"].upper(), span)
         else:
-            first = Number(float(found["first"]), span, "." in found["first"])
+            first = _literal(found["first"], span)
         if not found["operator"]:
             return first
-        second = Number(float(found["second"]), span, "." in found["second"])
+        second = _literal(found["second"], span)
         return Binary(found["operator"], first, second, span)
+
+
+def _literal(text: str, span: Span) -> Number:
+    """A number as it is written; LineError for one that no double holds: lines of a macro may be of any length."""
+    value = float(text.replace(",", "."))
+    if math.isinf(value):
+        raise LineError(codes.BAD_EXPRESSION, span.column - 1, span.end_column - 1, what=TOO_LARGE)
+    return Number(value, span, "." in text or "," in text)
 
 
 def line_number(code: str) -> re.Match[str] | None:

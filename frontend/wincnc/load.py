@@ -49,6 +49,8 @@ from gproof.ir.record import record
 
 _FILE_NAME = re.compile(r"[^\s=]*[A-Za-z_][^\s=]*\.[A-Za-z]\w{0,3}")
 """What can be nothing but the name of a file: a command has no letters behind a point."""
+MOST_IN_A_ROW = 8
+"""Lines that decide about the next line, one after the other: each doubles what may run, and nobody writes three."""
 HELD_LINES = 2000
 HELD_IN_ALL = 200_000
 """A table of at most so many lines holds its words, until the tables of a program hold that many."""
@@ -538,10 +540,10 @@ class _Walk:
         except LineError:
             return True
 
-    def _conditional(self, head: Head, line: int) -> Iterator[Statement]:
-        """A line that decides about the next one, and that line."""
+    def _conditional(self, head: Head, line: int, before: int = 0) -> Iterator[Statement]:
+        """A line that decides about the next one, and that line; before: lines that decide about this one."""
         span = Span(self.source.name, line)
-        taken = self._next()
+        taken = self._next(before)
         code = getattr(head.statement, "written", None) or _code_of(head)
         if taken is None:
             if not self.is_job or self.in_array or self.loader.controls.end.strip():
@@ -559,7 +561,7 @@ class _Walk:
         yield If(condition=head.condition, then=then, otherwise=otherwise, span=head.condition.span if line else span,
                  head=head.statement)  # fmt: skip
 
-    def _next(self) -> _Taken | None:
+    def _next(self, before: int) -> _Taken | None:
         """The next line, as what a condition decides about; None at the end."""
         if self.byte >= len(self.data):
             return None
@@ -576,8 +578,11 @@ class _Walk:
             return _Taken((parsed,), why=f"line {line} begins with a character of skipchars=")
         if isinstance(parsed, Replaced) and not parsed.body:
             return _Taken((parsed,), why=f"line {line} is switched off or left out")
+        if isinstance(parsed, Head) and before >= MOST_IN_A_ROW:
+            node = Unsupported(what=f"the condition {_code_of(parsed)}", span=parsed.condition.span)
+            return _Taken((node,), why=f"line {line} is the last of {before + 2} conditions in a row")
         if isinstance(parsed, Head):
-            inner = tuple(self._conditional(parsed, line))
+            inner = tuple(self._conditional(parsed, line, before + 1))
             if len(inner) == 1 and isinstance(inner[0], If):
                 return _Taken(inner, inner[0].then)
             return _Taken(inner, why=f"line {line} decides about a line that is not there")

@@ -9,14 +9,13 @@ from __future__ import annotations
 import io
 import json
 import random
-import signal
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager, redirect_stdout
+from collections.abc import Callable
+from contextlib import redirect_stdout
 from pathlib import Path
-from types import FrameType
 
 import pytest
 from support.campaigns import seeds
+from support.guarded import alarm
 from support.wild import ROOT, corpus_jobs, mutated, random_bytes, wild_program
 
 from gproof.cli.dump import loaded
@@ -71,22 +70,6 @@ def folder(tmp_path: Path) -> Path:
     (tmp_path / "other.toml").write_text(other)
     (tmp_path / "setup.toml").write_text(SETUP)
     return tmp_path
-
-
-@contextmanager
-def alarm(seconds: int) -> Iterator[None]:
-    """TimeoutError in whatever still runs after that time."""
-
-    def ring(number: int, frame: FrameType | None) -> None:
-        raise TimeoutError(f"still running after {seconds} s")
-
-    before = signal.signal(signal.SIGALRM, ring)
-    signal.alarm(seconds)
-    try:
-        yield
-    finally:
-        signal.alarm(0)
-        signal.signal(signal.SIGALRM, before)
 
 
 def answers(job: Path, machine: Path | None, setup: str | None) -> Judgement:

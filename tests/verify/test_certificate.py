@@ -16,6 +16,7 @@ from typing import Any
 import pytest
 from corpus.expectations import strange
 from verify.jobs import JOBS
+from verify.package_files import SAFE, Members, members_of, rebuilt, write
 from verify.reference_stepper import machine, step, stream_of
 
 from gproof.ir.machine import Machine
@@ -30,35 +31,9 @@ from gproof.verify.certificate import (
     load_or_create_key,
     load_public_key,
     public_key_text,
-    write_package,
 )
 from gproof.verify.conform import misfit
 from gproof.verify.package import CertificateError, Package, canonical, read_package, seal
-from gproof.verify.stream import validate
-
-SAFE = tuple(PropertyResult(name=name, verdict=Verdict.SAFE) for name in DEFAULT_POLICY)
-Members = dict[str, bytes]
-
-
-def write(path: Path, *, name: str = "events", setup: Setup = ZERO, **changes: Any) -> Path:
-    job = JOBS[name]()
-    on, trace = machine(), job.trace()
-    stream = stream_of(step(job, on), on)
-    values: dict[str, Any] = {
-        "job": "job.cnc",
-        "version": "1.2.3",
-        "inputs": [("job.cnc", "ab" * 32, "source"), ("machine.toml", "cd" * 32, "machine")],
-        "properties": SAFE,
-        "not_judged": ["gouges", "feeds"],
-        "assumptions": ["setup zero"],
-        "machine": on,
-        "setup": setup,
-        "trace": trace,
-        "stream": stream,
-        "report": validate(stream, trace, on, setup),
-    }
-    write_package(path, **(values | changes))
-    return path
 
 
 @pytest.fixture(scope="module")
@@ -360,30 +335,6 @@ def test_a_height_map_or_a_mapping_is_the_one_that_the_stream_was_made_for(tmp_p
 
 
 # --- damage -------------------------------------------------------------------------------------------------
-
-
-def members_of(path: Path) -> Members:
-    with zipfile.ZipFile(path) as archive:
-        return {name: archive.read(name) for name in archive.namelist()}
-
-
-def rebuilt(path: Path, members: Members, *, rehash: bool = True, extra: tuple[str, bytes] | None = None) -> Path:
-    """A package as a forger would make it: hashes and seal fit, only the signature does not."""
-    if rehash and "body.json" in members:
-        body = json.loads(members["body.json"])
-        inside = {n: d for n, d in members.items() if n not in ("body.json", "signature.json")}
-        body["members"] = {n: packages.hashlib.sha256(d).hexdigest() for n, d in inside.items()}
-        members = members | {"body.json": canonical(body)}
-    buffer = io.BytesIO()
-    with zipfile.ZipFile(buffer, "w", zipfile.ZIP_DEFLATED) as archive:
-        for name, data in members.items():
-            archive.writestr(name, data)
-        if extra is not None:
-            archive.writestr(*extra)
-        archive.comment = b"sha256:" + b"0" * 64
-    seal(buffer)
-    path.write_bytes(buffer.getvalue())
-    return path
 
 
 def damage(data: bytes, rng: random.Random) -> bytes:

@@ -1,0 +1,107 @@
+"""The smallest inputs of what the random ones have found, a family each: every one is answered, and in a moment."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from support.command import Done, in_this_process
+from support.guarded import alarm
+
+from gproof.frontend.machine_file import load_machine
+from gproof.frontend.wincnc.load import load_program
+from gproof.frontend.wincnc.machine import NO_SHOP
+from gproof.ir.finding import Findings
+from gproof.ir.program import If, Unsupported
+
+MACHINE = 'schema = "gproof-machine/1"\nunits = "mm"\n'
+LONG_NAME = "n" * 5000
+
+
+@pytest.fixture(autouse=True)
+def traced(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("GPROOF_TRACEBACK", "1")
+
+
+def ran(folder: Path, *words: str) -> Done:
+    with alarm(10):
+        return in_this_process(words, folder)
+
+
+# -- conditions one behind the other: each line of them doubles what may run
+
+
+@pytest.mark.parametrize("line", ["M17.1 C6", "M17.2 C6"])
+@pytest.mark.parametrize("count", [2, 5, 9])
+def test_some_conditions_in_a_row_are_followed(line: str, count: int, tmp_path: Path) -> None:
+    job = tmp_path / "job.tap"
+    job.write_text(f"{line}\n" * count + "G0 X1\nG0 X2\n")
+    findings = Findings()
+    program = load_program(job, findings, NO_SHOP)
+    assert program is not None
+    assert isinstance(program.body[0], If)
+    assert not findings.kept
+
+
+@pytest.mark.parametrize("count", [10, 11, 20, 100, 3000])
+def test_many_conditions_in_a_row_are_not_known(count: int, tmp_path: Path) -> None:
+    job = tmp_path / "job.tap"
+    job.write_text("M17.1 C6\n" * count + "G0 X1\nG0 X2\n")
+    findings = Findings()
+    with alarm(10):
+        program = load_program(job, findings, NO_SHOP)
+    assert program is not None
+    assert any(isinstance(node, Unsupported) for node in program.body)
+    assert ran(tmp_path, "check", "job.tap", "--dialect", "wincnc").exit in (1, 2)
+
+
+# -- a number that no double holds, where lines may be of any length
+
+
+@pytest.mark.parametrize("word", ["M{}", "G{}", "X{}", "X-{}", "X{{{}}}", "X{{{}*2}}", "X{{2*{}}}"])
+def test_numbers_beyond_all_in_a_macro(word: str, tmp_path: Path) -> None:
+    (tmp_path / "CNC.MAC").write_text(f"MYMACRO=G0 {word.format('9' * 400)}\n")
+    (tmp_path / "job.tap").write_text("G90\nMYMACRO\n")
+    alone = ran(tmp_path, "check", "CNC.MAC", "--dialect", "wincnc")
+    assert alone.exit in (1, 2), alone
+    done = ran(tmp_path, "check", "job.tap", "--dialect", "wincnc")
+    assert done.exit == 1, done
+
+
+# -- names that no file can have
+
+
+@pytest.mark.parametrize("name", [LONG_NAME, "a\\u0000b", "x/" * 3000])
+def test_names_that_can_not_be(name: str, tmp_path: Path) -> None:
+    (tmp_path / "job.cnc").write_text("G21 G90\nM30\n")
+    (tmp_path / "machine.toml").write_text(f'{MACHINE}base = "{name}"\n')
+    findings = Findings()
+    assert load_machine(tmp_path / "machine.toml", findings)[0] is None
+    assert findings.kept
+    for key in ("job", "machine", "setup", "policy"):
+        keys = {"job": "job.cnc", key: name}
+        text = "\n".join(f'{k} = "{v}"' for k, v in keys.items())
+        (tmp_path / "list.toml").write_text(f'schema = "gproof-job/1"\n{text}\n')
+        done = ran(tmp_path, "check", "list.toml")
+        assert done.exit == 3, done
+        assert all(len(line) < 7_000 for line in done.err.splitlines())
+
+
+@pytest.mark.parametrize("pattern", ["*" * 3000, "[", "**/" * 500, "?" * 300, "[z-a].cnc"])
+def test_patterns_that_match_nothing(pattern: str, tmp_path: Path) -> None:
+    (tmp_path / "list.toml").write_text(f'schema = "gproof-job/1"\njob = "{pattern}"\n')
+    assert ran(tmp_path, "check", "list.toml").exit == 3
+
+
+# -- nesting deeper than the stack
+
+
+@pytest.mark.parametrize(
+    "text", ["[" * 50_000, '{"a":' * 50_000, '{"schema":"gproof-baseline/1","files":' + "[" * 50_000]
+)
+def test_deep_baselines(text: str, tmp_path: Path) -> None:
+    (tmp_path / "job.cnc").write_text("G21 G90\nM30\n")
+    (tmp_path / "known.json").write_text(text)
+    done = ran(tmp_path, "check", "job.cnc", "--baseline", "known.json")
+    assert done.exit == 3
+    assert "is no baseline" in done.err

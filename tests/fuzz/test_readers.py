@@ -1,0 +1,65 @@
+"""Whatever a file of a stranger holds, each reader answers: no exception, no long run, no memory eaten.
+
+A million cases in a soak, the first hundredth of each reader's in every run. Each calls the reader itself; one in so
+many runs the whole command, which ends with an exit code of its own. A failure prints the seed and the bytes.
+"""
+
+from __future__ import annotations
+
+import random
+from pathlib import Path
+
+import pytest
+from fuzz.readers import READERS, Reader
+from support.campaigns import SOAK
+from support.command import in_this_process
+from support.guarded import alarm, memory
+
+SECONDS, BYTES = 10, 1 << 30
+PARTS = 100
+WHOLE = 25
+"""One case in so many is a whole command."""
+EXITS = (0, 1, 2, 3, 130)
+GROUPS = [
+    pytest.param(name, part, marks=pytest.mark.soak) if part else (name, part)
+    for part in range(PARTS if SOAK else 1)
+    for name in READERS
+]
+
+
+def test_there_are_a_million_cases() -> None:
+    assert sum(reader.cases for reader in READERS.values()) == 1_000_000
+    assert all(reader.cases % PARTS == 0 for reader in READERS.values())
+
+
+def one(reader: Reader, rng: random.Random, path: Path, *, whole: bool) -> None:
+    """One case; the file stays as it was read."""
+    path.write_bytes(reader.make(rng, reader.seeds()))
+    with alarm(SECONDS), memory(BYTES):
+        if not whole or not reader.words:
+            reader.read(path)
+            return
+        done = in_this_process(reader.words, path.parent)
+    assert done.exit in EXITS, done
+    assert "internal error" not in done.err, done.err
+    assert "not enough memory" not in done.err, done.err
+    assert "MemoryError" not in done.out, done.out
+    assert done.exit == 3 or done.out, "neither an answer nor a reason"
+
+
+@pytest.mark.parametrize(("name", "part"), GROUPS)
+def test_any_file_is_answered(name: str, part: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("XDG_CONFIG_HOME", str(tmp_path / "config"))
+    monkeypatch.setenv("GPROOF_TRACEBACK", "1")
+    reader = READERS[name]
+    assert len(reader.seeds()) > 0
+    for file, data in reader.around.items():
+        (tmp_path / file).write_bytes(data)
+    path, size = tmp_path / reader.name, reader.cases // PARTS
+    for number in range(part * size, (part + 1) * size):
+        try:
+            one(reader, random.Random(f"{name} {number}"), path, whole=number % WHOLE == 0)
+        except BaseException:
+            data = path.read_bytes()
+            print(f"{name}, case {number}: {reader.name} of {len(data)} bytes\n{data!r}")
+            raise
