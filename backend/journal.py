@@ -20,7 +20,7 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any, Protocol
 
-from gproof.backend.record_data import canonical
+from gproof.backend.record_data import canonical, sync_folder
 from gproof.backend.trail import Entry, Trail
 from gproof.ir.record import record
 
@@ -63,7 +63,7 @@ class Journal:
         self._handle = os.open(path, os.O_RDWR | os.O_APPEND | os.O_CREAT | os.O_EXCL, 0o600)
         try:
             fcntl.flock(self._handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
-            _sync_folder(path.parent)
+            sync_folder(path.parent)
         except BaseException:
             self.discard()
             raise
@@ -130,14 +130,6 @@ def _chained(before: str, data: bytes) -> str:
 
 def _now() -> str:
     return datetime.now(UTC).isoformat(timespec="milliseconds")
-
-
-def _sync_folder(folder: Path) -> None:
-    handle = os.open(folder, os.O_RDONLY)
-    try:
-        os.fsync(handle)
-    finally:
-        os.close(handle)
 
 
 def begin(folder: Path, board: str, heading: Mapping[str, Any]) -> Journal:

@@ -39,8 +39,7 @@ def run_run(
 
     assert board == "virtual"
     require_file(path, "package")
-    if record is not None:
-        require_record_place(record, path, replace_record)
+    replace = record is not None and require_record_place(record, path, replace_record)
     try:
         package = read_package(path)
     except CertificateError as error:
@@ -51,7 +50,7 @@ def run_run(
     if not settled(folder, board, after_interruption):
         return Verdict.UNKNOWN.exit_code
     control = Control()
-    keeper = Keeper(folder, board, path, record)
+    keeper = Keeper(folder, board, path, record, replace)
     began = time.monotonic()
     with interrupts(control), keeper:
         with _progress() as progress:

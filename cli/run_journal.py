@@ -37,13 +37,16 @@ def runs_folder(given: Path | None) -> Path:
     return given or Path(click.get_app_dir("gproof")) / "runs"
 
 
-def require_record_place(path: Path, package: Path, replace: bool) -> None:
-    """UsageError where no record can be written, or where something stands that is not a record to be replaced."""
+def require_record_place(path: Path, package: Path, replace: bool) -> bool:
+    """UsageError where no record can be written, or where something stands that is not a record to be replaced.
+
+    True when there is one that is.
+    """
     from gproof.backend.record_parse import is_record
 
     require_place(path, "record", (package,))
     if not path.exists():
-        return
+        return False
     try:
         data = path.read_bytes()
     except OSError as error:
@@ -51,11 +54,12 @@ def require_record_place(path: Path, package: Path, replace: bool) -> None:
     if not is_record(data):
         raise UsageError(f"record {path}: is there and is not an execution record; it stays as it is")
     if replace:
-        return
+        return True
     if not _somebody_is_there():
         raise UsageError(f"record {path}: is there; --replace-record replaces it")
     if not click.confirm(f"{path} is a record of an earlier run. Replace it?", err=True):
         raise UsageError(f"record {path}: stays as it is")
+    return True
 
 
 def _somebody_is_there() -> bool:
@@ -82,13 +86,16 @@ def _tell(line: str) -> None:
 class Keeper:
     """The journal and the record of one run."""
 
-    def __init__(self, folder: Path, board: str, package: Path, record: Path | None) -> None:
-        """Make the journal; UsageError when that can not be done: nothing is run that leaves no trace."""
+    def __init__(self, folder: Path, board: str, package: Path, record: Path | None, replace: bool = False) -> None:
+        """Make the journal; UsageError when that can not be done: nothing is run that leaves no trace.
+
+        record: where the record is to go; replace: instead of one that is there.
+        """
         from importlib.metadata import version
 
         from gproof.backend.journal import begin
 
-        self.folder, self.package, self.wanted = folder, package, record
+        self.folder, self.package, self.wanted, self.replace = folder, package, record, replace
         self.key = own_key()
         heading = {
             "gproof": version("gproof"),
@@ -119,7 +126,7 @@ class Keeper:
         """Write the record, signed, and close the journal. Where it is, and what went wrong on the way."""
         found = _read(self.journal.path)
         own = self.journal.path.with_suffix(RECORD)
-        where, lost = write_record(record, _signature(record, self.key, found), self.wanted, own)
+        where, lost = write_record(record, _signature(record, self.key, found), self.wanted, own, self.replace)
         if where is not None:
             try:
                 self.journal.close(str(where))
@@ -156,17 +163,20 @@ def _signature(
 
 
 def write_record(
-    record: ExecutionRecord, signature: dict[str, str] | None, wanted: Path | None, own: Path
+    record: ExecutionRecord, signature: dict[str, str] | None, wanted: Path | None, own: Path, replace: bool = False
 ) -> tuple[Path | None, list[Finding]]:
-    """Write a record to the first place that takes it; None when it could only be printed. What went wrong."""
+    """Write a record to the first place that takes it; None when it could only be printed. What went wrong.
+
+    wanted: nothing there is replaced unless it is a record and ``replace`` says so.
+    """
     from gproof.backend.record_parse import is_record
 
     lost: list[Finding] = []
     elsewhere = Path(tempfile.gettempdir()) / own.name
     for place in (*([] if wanted is None else [wanted]), own, elsewhere):
         try:
-            if place.exists() and not is_record(place.read_bytes()):
-                raise FileExistsError(0, "what is there is not an execution record")
+            if place.exists() and not ((replace or place != wanted) and is_record(place.read_bytes())):
+                raise FileExistsError(0, "something is there that was not there before the run")
             record.write(place, signature)
         except OSError as error:
             what = f"the record can not be written to {place} ({error.strerror or error})"

@@ -331,6 +331,17 @@ def test_a_killed_run_is_told_and_asked_about_at_the_next_start(shop: Path, monk
     assert (shop / "record.json").read_bytes() == written
 
 
+def test_the_record_of_a_killed_run_is_not_overwritten_by_the_next_one(shop: Path) -> None:
+    process = begun(shop, "--record", "record.json")
+    process.kill()
+    process.communicate()
+    done = run(shop, "--record", "record.json", "--after-interruption")
+    assert done.exit == 0
+    assert "the record can not be written to record.json (something is there" in done.out
+    assert read_record(shop / "record.json").result is Result.INTERRUPTED
+    assert read_record(only(shop, ".record.json")).result is Result.COMPLETED
+
+
 def test_an_answer_beforehand_and_a_damaged_journal(shop: Path) -> None:
     process = begun(shop)
     process.kill()
