@@ -2,7 +2,8 @@
 
 `python killed_runs.py FOLDER SIGNAL POINT...`: for each point a child runs the job `TWO` on a virtual board, with a
 journal in FOLDER/POINT, and gets the signal when its POINT-th call begins or ends (calls of the board, writes and syncs
-of the file system count; `half` before the number: a write is cut in the middle first). What the board really did
+of the file system count; `half` before the number: a write is cut in the middle first; two numbers with a comma
+between: it gets the signal twice). What the board really did
 goes into a map of shared memory as it happens, which nothing that ends the process can lose. `count` as the only point
 prints how many there are. Prints a line of JSON for each: exit status, what the board did, the record that came back.
 """
@@ -33,14 +34,13 @@ runtime.NOTED = 0.1
 class Bomb:
     """Counts calls and fires at one of them."""
 
-    def __init__(self, at: int, number: signal.Signals, half: bool) -> None:
-        self.left, self.number, self.half = at, number, half
+    def __init__(self, at: set[int], number: signal.Signals, half: bool) -> None:
+        self.at, self.number, self.half = at, number, half
         self.count = 0
 
     def tick(self) -> bool:
         self.count += 1
-        self.left -= 1
-        return self.left == 0
+        return self.count in self.at
 
     def fire(self) -> None:
         os.kill(os.getpid(), self.number)
@@ -103,7 +103,8 @@ def main() -> None:
         memory = mmap.mmap(-1, 8 * WORDS)
         child = os.fork()
         if child == 0:
-            half, at = point.startswith("half"), 0 if point == "count" else int(point.removeprefix("half"))
+            half = point.startswith("half")
+            at = set() if point == "count" else {int(number) for number in point.removeprefix("half").split(",")}
             bomb = Bomb(at, number, half)
             run(place, bomb, memory)
             if point == "count":

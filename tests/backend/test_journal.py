@@ -444,19 +444,26 @@ def test_killed_at_any_point_the_record_says_the_truth(seed: int, many: int, tmp
 @pytest.mark.parametrize("number", SIGNALS[1:])
 @pytest.mark.parametrize("many", sizes(20, 200))
 def test_a_signal_at_any_point_stops_and_closes(number: str, many: int, tmp_path: Path) -> None:
+    chance = random.Random(3)
     points = [point.removeprefix("half") for point in points_of(tmp_path, 2, many)]
+    # Half of them get it twice, most of these while they are closing.
+    points = [f"{p},{int(p) + chance.choice([1, 2, 5, 9, 40])}" if chance.random() < 0.5 else p for p in points]
     results: dict[str, int] = {}
     for went in killed(tmp_path / "runs", number, points):
-        assert went["status"] == 0, went
         place = tmp_path / "runs" / went["point"]
+        if went["status"] == -signal.SIGINT:  # before the run was running: nothing was begun
+            assert went["steps"] == [0, 0]
+            assert not any(left.found.trail().begun for left in journals.left_open(place, "virtual"))
+            continue
+        assert went["status"] == 0, went
         record = parse_record((place / "record.json").read_bytes())
         assert list(problems(record, TWO)) == []
         assert [*record.steps, *(record.position or ())] == went["steps"] + went["position"]
         assert read_journal(only(place, journals.ENDED)).closed
         results[record.result.value] = results.get(record.result.value, 0) + 1
     stopped = "stopped" if number == "SIGINT" else "emergency-stop"
-    assert results[stopped] > len(points) // 2, results
-    assert set(results) <= {stopped, "completed", "stopped"}
+    assert results[stopped] > len(points) // 3, results
+    assert set(results) <= {"emergency-stop", "completed", "stopped"}
 
 
 # A record of the first schema.
