@@ -36,8 +36,9 @@ def run_verify(path: Path, *, machine: Path | None, trust: tuple[Path, ...]) -> 
     except CertificateError as error:
         findings.add(error.finding)
         print_findings(findings)
-        click.echo(f"{path}: {Verdict.UNSAFE.value}")
-        return Verdict.UNSAFE.exit_code
+        refused = Verdict.UNKNOWN if error.finding.severity is Severity.UNKNOWN else Verdict.UNSAFE
+        click.echo(f"{path}: {refused.value}")
+        return refused.exit_code
     with progress("verifying every step") as shown:
         shown.phase("verifying every step", package.stream.steps())
         check = check_package(package, given, None, trusted, shown.done)

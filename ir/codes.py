@@ -783,6 +783,7 @@ CERTIFICATE_MACHINE = code(823, "certificate-machine", _E, "{what}", "certificat
 CERTIFICATE_VERDICT = code(824, "certificate-verdict", _E, "{what}", "certificate")
 CERTIFICATE_OFFSETS = code(825, "certificate-offsets", _E, "{what}", "certificate")
 CERTIFICATE_UNSIGNED = code(826, "certificate-unsigned", _W, "the certificate carries no signature", "certificate")
+CERTIFICATE_FORMAT = code(857, "certificate-format", _U, "{what}", "certificate")
 FIFO_UNDERRUN = code(830, "fifo-underrun", _E, "{what}", "run")
 EMERGENCY_STOP = code(831, "emergency-stop", _E, "{what}", "run")
 FEED_HOLD = code(832, "feed-hold", _N, "{what}", "run")

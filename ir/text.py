@@ -15,7 +15,8 @@ import functools
 import json
 import re
 import typing
-from collections.abc import Callable, Iterator
+import warnings
+from collections.abc import Callable, Iterable, Iterator
 from fractions import Fraction
 from typing import Any
 
@@ -182,49 +183,74 @@ def print_ir(value: Any) -> str:
     return "\n".join(_lines(value, "")) + "\n"
 
 
-_TOKEN = re.compile(r'\s+|;[^\n]*|([()\[\]{}])|(b?"(?:[^"\\]|\\.)*")|([^\s()\[\]{};"]+)')
+DEPTH = 200
+"""Brackets within brackets at most: no value of the IR has as many."""
+TOKENS = 2_000_000
+"""Words and brackets of one text at most, those of tables aside: some seconds of reading."""
 
-
-def _tokens(text: str) -> Iterator[str]:
-    at = 0
-    while at < len(text):
-        m = _TOKEN.match(text, at)
-        if m is None:
-            raise ValueError(f"text form: unreadable at offset {at}")
-        at = m.end()
-        if m.lastindex:
-            yield m.group(m.lastindex)
+_TOKEN = re.compile(r'(?:\s+|;[^\n]*)*+([()\[\]{}]|b?"(?:[^"\\]|\\.)*+"|[^\s()\[\]{};"]+|.|$)', re.DOTALL)
+_TABLE_END = re.compile(r"[()\[\]{}\"]")
+_COMMENT = re.compile(r";[^\n]*")
 
 
 class _Reader:
-    def __init__(self, text: str) -> None:
-        self.tokens = _tokens(text)
-        self.token: str | None = next(self.tokens, None)
+    """A recursive reader; ``token`` is the next one, "" at the end of the text."""
+
+    def __init__(self, text: str, tokens: int) -> None:
+        self.text = text
+        self.end = 0
+        self.left = tokens
+        self.depth = 0
+        self.token = ""
+        self.next()
+
+    def next(self) -> None:
+        """Go on to the next token."""
+        found = _TOKEN.match(self.text, self.end)
+        assert found is not None
+        self.end = found.end()
+        self.token = found[1]
+        self.left -= 1
+        if self.left < 0:
+            raise ValueError(f"text form: more than {TOKENS} words")
 
     def take(self) -> str:
         token = self.token
-        if token is None:
+        if not token:
             raise ValueError("text form: ends too early")
-        self.token = next(self.tokens, None)
+        self.next()
         return token
 
     def value(self) -> Any:
-        token = self.take()
-        if token == "(":
+        token = self.token
+        if token in _OPENING:
+            if self.depth == DEPTH:
+                raise ValueError(f"text form: nested more than {DEPTH} deep")
+            self.depth += 1
+            self.next()
+            value = self.nested(token)
+            self.depth -= 1
+            return value
+        return _read_atom(self.take())
+
+    def nested(self, opening: str) -> Any:
+        if opening == "(":
             name = self.take()
             return self.columns() if name == "columns" else self.object(name)
-        if token == "[":
+        if opening == "[":
             return tuple(self.until("]"))
-        if token == "{":
-            flat = self.until("}")
-            return dict(zip(flat[::2], flat[1::2], strict=True))
-        return _read_atom(token)
+        flat = self.until("}")
+        return dict(zip(flat[::2], flat[1::2], strict=True))
 
     def until(self, close: str) -> list[Any]:
         out = []
         while self.token != close:
-            out.append(self.value())
-        self.take()
+            if self.token in _OPENING:
+                out.append(self.value())
+            else:
+                out.append(_read_atom(self.token))
+                self.next()
+        self.next()
         return out
 
     def object(self, name: str) -> Any:
@@ -237,28 +263,85 @@ class _Reader:
         cls = classes.get(name)
         if cls is None:
             raise ValueError(f"text form: unknown type {name!r}")
-        names = _fields(cls)
+        names = _field_hints(cls)
         if len(values) != len(names):
             raise ValueError(f"text form: {name} has {len(names)} fields, {len(values)} given")
-        hints = _hints(cls)
-        return cls(**{f.name: _as_field(v, hints[f.name]) for f, v in zip(names, values, strict=True)})
+        # Lists and tuples share brackets in the text: the field's type tells which one it was.
+        return cls(
+            **{
+                name: list(value) if is_list and isinstance(value, tuple) else value
+                for (name, is_list), value in zip(names, values, strict=True)
+            }
+        )
 
     def columns(self) -> Columns:
+        """A table; its values are read at once, not word by word."""
         _, _, schemas = _registry()
-        schema, rows = schemas[self.take()], int(self.take())
+        schema, rows = schemas[self.take()], int(self.token)
+        if rows == 0:  # As all tables of a package are.
+            self.next()
+            if self.take() != ")":
+                raise ValueError("text form: a table has more values than rows")
+            return Columns(schema)
         width = sum(c.width for c in schema.columns)
-        flat = [self.take() for _ in range(rows * width)]
+        close = _TABLE_END.search(self.text, self.end)
+        if close is None:
+            raise ValueError("text form: ends too early")
+        body = self.text[self.end : close.start()]
+        if not 0 <= rows <= len(body):
+            raise ValueError("text form: a table has less values than rows")
+        body = _COMMENT.sub("", body)
+        if all(c.dtype.startswith("f") for c in schema.columns):
+            flat = _floats(body, rows * width)
+            cells = flat.reshape(rows, width)
+        else:
+            if len(body) > _TABLE_CHARACTERS:
+                raise ValueError("text form: a table is too long")
+            words = body.split()
+            if len(words) != rows * width:
+                raise ValueError("text form: a table has not as many values as its rows need")
+            cells = np.array(words, dtype=object).reshape(rows, width)
+        self.end = close.start()
+        self.next()
         if self.take() != ")":
             raise ValueError("text form: a table has more values than rows")
         arrays, at = {}, 0
         for c in schema.columns:
             kind: Any = float if c.dtype.startswith("f") else int
-            part = np.array(
-                [[kind(flat[r * width + at + k]) for k in range(c.width)] for r in range(rows)], dtype=c.dtype
-            ).reshape(rows, c.width)
+            part = cells[:, at : at + c.width]
+            if part.dtype == object:
+                part = np.array([[kind(v) for v in row] for row in part]).reshape(rows, c.width)
+            part = part.astype(c.dtype)
             arrays[c.name] = part if c.width > 1 else part[:, 0]
             at += c.width
         return Columns(schema, arrays)
+
+
+_OPENING = frozenset("([{")
+_TABLE_CHARACTERS = 1 << 22
+"""Of a table of whole numbers in a text: those of packages are empty there."""
+
+
+def _floats(text: str, count: int) -> np.ndarray[Any, np.dtype[np.float64]]:
+    """So many decimal numbers with blanks between; ValueError."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        try:
+            flat = np.fromstring(text, dtype=np.float64, sep=" ")
+        except DeprecationWarning as error:
+            raise ValueError(f"text form: {error}") from None
+    if not text.strip():
+        flat = flat[:0]
+    if len(flat) != count:
+        raise ValueError("text form: a table has not as many values as its rows need")
+    return flat
+
+
+@functools.cache
+def _field_hints(cls: type) -> tuple[tuple[str, bool], ...]:
+    """Names of the fields that are printed, and whether each is a list."""
+    hints = _hints(cls)
+    return tuple((f.name, typing.get_origin(hints[f.name]) is list) for f in _fields(cls))
 
 
 @functools.cache
@@ -266,38 +349,55 @@ def _hints(cls: type) -> dict[str, Any]:
     return typing.get_type_hints(cls)
 
 
-def _as_field(value: Any, hint: Any) -> Any:
-    """Lists and tuples share brackets in the text: the field's type tells which one it was."""
-    if isinstance(value, tuple) and typing.get_origin(hint) is list:
-        return list(value)
-    return value
+_NAMED = {
+    "none": None, "true": True, "false": False, "inf": float("inf"), "-inf": float("-inf"), "nan": float("nan"),
+}  # fmt: skip
+_WHOLE = re.compile(r"-?[0-9]{1,640}", re.ASCII)
+_RATIONAL = re.compile(r"-?[0-9]{1,640}/[0-9]{1,640}", re.ASCII)
+_REAL = re.compile(r"-?[0-9]{1,400}(?:\.[0-9]{0,400})?(?:e[-+]?[0-9]{1,4})?", re.ASCII)
 
 
+@functools.lru_cache(1024)
 def _read_atom(token: str) -> Any:
+    if not token:
+        raise ValueError("text form: ends too early")
+    if _WHOLE.fullmatch(token):
+        return int(token)
+    if token in _NAMED:
+        return _NAMED[token]
     if token[0] == '"':
         return json.loads(token)
     if token.startswith('b"'):
         return json.loads(token[1:]).encode("utf-8", "surrogateescape")
-    named = {"none": None, "true": True, "false": False}
-    if token in named:
-        return named[token]
-    if token in ("inf", "-inf", "nan"):
+    if _REAL.fullmatch(token):
         return float(token)
-    head, dot, member = token.partition(".")
-    if dot and head and head[0].isalpha():
-        return _registry()[1][head][member]
-    if "/" in token:
+    if _RATIONAL.fullmatch(token):
         return Fraction(token)
-    return float(token) if any(c in token for c in ".en") else int(token)
+    head, _, member = token.partition(".")
+    found = _registry()[1].get(head)
+    if found is None or not member:
+        raise ValueError(f"text form: {token[:40]!r} is no value")
+    return found[member]
 
 
 def parse_ir(text: str) -> Any:
-    """The value that ``print_ir`` printed; ValueError when the text is not of that form."""
-    reader = _Reader(text)
-    try:
-        value = reader.value()
-    except (KeyError, TypeError, ArithmeticError, RecursionError, json.JSONDecodeError) as error:
-        raise ValueError(f"text form: {error}") from None
-    if reader.token is not None:
-        raise ValueError("text form: text after the end")
-    return value
+    """The value that ``print_ir`` printed; ValueError when the text is not of that form.
+
+    Nested no deeper than DEPTH, no longer than TOKENS.
+    """
+    return next(parse_texts([text]))
+
+
+def parse_texts(texts: Iterable[str]) -> Iterator[Any]:
+    """The value of each text, as ``parse_ir``; all together are no longer than TOKENS."""
+    left = TOKENS
+    for text in texts:
+        try:
+            reader = _Reader(text, left)
+            value = reader.value()
+        except (KeyError, TypeError, ArithmeticError, RecursionError, json.JSONDecodeError) as error:
+            raise ValueError(f"text form: {error}") from None
+        if reader.token:
+            raise ValueError("text form: text after the end")
+        left = reader.left
+        yield value

@@ -27,6 +27,7 @@ from gproof.ir.verdict import DEFAULT_POLICY, Condition, PropertyResult, Verdict
 from gproof.verify import certificate_words as words
 from gproof.verify.package import (
     BODY,
+    FORMAT,
     SIGNATURE,
     CertificateError,
     Package,
@@ -47,7 +48,6 @@ __all__ = [
     "write_package",
 ]  # fmt: skip
 
-FORMAT = "gproof-certificate/1"
 TRACE_CHECKER = "gproof.passes"
 COMPILE_AGAIN = "a package holds for the setup that it was made for: gproof compile makes one for the setup at hand"
 
@@ -97,6 +97,7 @@ def write_package(
         "policy": list(DEFAULT_POLICY),
         "inputs": [{"name": n, "sha256": d, "role": r} for n, d, r in sorted(inputs, key=lambda i: (i[2], i[0]))],
         "members": {name: hashlib.sha256(data).hexdigest() for name, data in members.items()},
+        "sizes": {name: len(data) for name, data in members.items()},
         "properties": [
             *(_property(p, TRACE_CHECKER, version, "") for p in properties),
             *(_property(p, CHECKER, CHECKER_VERSION, BOUNDS[p.name]) for p in report.properties),

@@ -10,46 +10,43 @@ Nothing is believed while reading; docs/certificate.md defines the format.
 from __future__ import annotations
 
 import dataclasses
+import functools
 import hashlib
 import json
-import os
 import struct
-import tempfile
 import zipfile
 import zlib
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Any, BinaryIO
+from typing import Any
 
 import numpy as np
 
 from gproof.ir import codes
-from gproof.ir.columns import Columns, Schema
-from gproof.ir.finding import Code, Finding, Span
+from gproof.ir.columns import Column, Columns, Schema
 from gproof.ir.machine import Machine
 from gproof.ir.record import record
 from gproof.ir.setup import Setup
 from gproof.ir.stream import EVENT, RUN, StepStream
-from gproof.ir.text import parse_ir, print_ir
+from gproof.ir.text import parse_texts, print_ir
 from gproof.ir.trace import TRACE_ROW, Trace
 from gproof.verify.conform import misfit
+from gproof.verify.package_zip import CertificateError, Sealed, open_sealed, seal, write_members
+from gproof.verify.signature import fits
+
+__all__ = [
+    "BODY", "FORMAT", "SIGNATURE", "CertificateError", "Package", "canonical", "parts_of", "read_package", "seal",
+    "write_members",
+]  # fmt: skip
 
 BODY, SIGNATURE = "body.json", "signature.json"
 TEXTS = ("machine.ir", "setup.ir", "trace.ir", "stream.ir")
+FORMAT = "gproof-certificate/2"
 MEMBER_LIMIT = 2 << 30
-"""Bytes of one table at most (and of one text, of all together): more is refused before it is read."""
+"""Bytes of one table at most (and of one text, of the body, of the signature): more is refused before it is read."""
 TEXT_LIMIT = 64 << 20
-TOTAL_LIMIT = 4 << 30
-_SEAL = b"sha256:"
-_EPOCH = (1980, 1, 1, 0, 0, 0)
-
-
-class CertificateError(Exception):
-    """A package can not be used; ``finding`` says why (GP820 or GP821)."""
-
-    def __init__(self, code: Code, path: str, what: str) -> None:
-        self.finding: Finding = code.at(Span(path, 0), what=what)
-        super().__init__(what)
+BODY_LIMIT = 32 << 20
+SIGNATURE_LIMIT = 1 << 16
 
 
 @record(frozen=True, slots=True, kw_only=True)
@@ -115,58 +112,27 @@ def _encode(table: Columns) -> bytes:
     return b"".join(table[c.name].astype(_little(c.dtype), copy=False).tobytes() for c in table.schema.columns)
 
 
-def _decode(schema: Schema, data: bytes) -> Columns:
-    sizes = [np.dtype(c.dtype).itemsize * c.width for c in schema.columns]
-    rows, rest = divmod(len(data), sum(sizes))
+def _decode(schema: Schema, data: bytes | bytearray) -> Columns:
+    if not data:
+        return Columns(schema)
+    layout = _layout(schema)
+    rows, rest = divmod(len(data), sum(size for _, _, _, size in layout))
     if rest:
         raise ValueError(f"a {schema.name} table of {len(data)} bytes does not hold whole rows")
     arrays, at = {}, 0
-    for c, size in zip(schema.columns, sizes, strict=True):
-        flat = np.frombuffer(data, dtype=_little(c.dtype), count=rows * c.width, offset=at).astype(c.dtype)
+    for c, little, dtype, size in layout:
+        flat = np.frombuffer(data, dtype=little, count=rows * c.width, offset=at).astype(dtype)
         arrays[c.name] = flat.reshape(rows, c.width) if c.width > 1 else flat
         at += rows * size
     return Columns(schema, arrays)
 
 
-def write_members(path: Path, members: dict[str, bytes]) -> None:
-    """Write the zip whole or not at all; an existing file is replaced only by a complete one."""
-    handle, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")
-    try:
-        with os.fdopen(handle, "w+b") as out:
-            with zipfile.ZipFile(out, "w") as archive:
-                for member in sorted(members):
-                    info = zipfile.ZipInfo(member, date_time=_EPOCH)
-                    info.compress_type = zipfile.ZIP_DEFLATED
-                    info.external_attr = 0o644 << 16
-                    info.create_system = 3
-                    archive.writestr(info, members[member], compresslevel=6)
-                archive.comment = _SEAL + b"0" * 64
-            seal(out)
-            out.flush()
-            os.fsync(out.fileno())
-        os.chmod(name, 0o644)
-        os.replace(name, path)
-    except BaseException:
-        os.unlink(name)
-        raise
-
-
-def seal(file: BinaryIO) -> None:
-    """Write the digest of everything before it over the last 64 bytes of the zip's comment."""
-    end = file.seek(-64, os.SEEK_END)
-    file.seek(0)
-    digest = _digest(file, end)
-    file.seek(end)
-    file.write(digest)
-
-
-def _digest(file: BinaryIO, size: int) -> bytes:
-    """SHA-256 of the next ``size`` bytes, as hexadecimal text."""
-    whole = hashlib.sha256()
-    while size > 0 and (block := file.read(min(size, 1 << 20))):
-        whole.update(block)
-        size -= len(block)
-    return whole.hexdigest().encode()
+@functools.cache
+def _layout(schema: Schema) -> tuple[tuple[Column, np.dtype[Any], np.dtype[Any], int], ...]:
+    """Each column with its type in the file, its type in memory, and its bytes a row."""
+    return tuple(
+        (c, _little(c.dtype), np.dtype(c.dtype), np.dtype(c.dtype).itemsize * c.width) for c in schema.columns
+    )
 
 
 def read_package(path: Path) -> Package:
@@ -186,26 +152,79 @@ def read_package(path: Path) -> Package:
 
 
 def _read(path: Path) -> Package:
-    members = _members(path)
-    for needed in (BODY, *TEXTS):
-        if needed not in members:
-            raise CertificateError(codes.CERTIFICATE_MALFORMED, str(path), f"{needed} is missing")
-    body = _json(path, BODY, members[BODY])
-    _check_hashes(path, body, members)
-    signature = _json(path, SIGNATURE, members[SIGNATURE]) if SIGNATURE in members else None
-    machine, setup, trace, stream = (parse_ir(members[name].decode()) for name in TEXTS)
-    for value, kind in ((machine, Machine), (setup, Setup), (trace, Trace), (stream, StepStream)):
-        wrong = misfit(value, kind, kind.__name__)
-        if wrong:
-            raise CertificateError(codes.CERTIFICATE_MALFORMED, str(path), wrong)
-    _fill(trace, stream, members)
+    with open_sealed(path) as sealed:
+        for needed in (BODY, *TEXTS):
+            if needed not in sealed.names:
+                raise sealed.refused(f"{needed} is missing")
+        body_bytes = sealed.small(BODY, BODY_LIMIT)
+        body = _json(path, BODY, body_bytes)
+        _check_format(path, body.get("format"))
+        signature = None
+        if SIGNATURE in sealed.names:
+            signature = _json(path, SIGNATURE, sealed.small(SIGNATURE, SIGNATURE_LIMIT))
+            if not fits(signature, body_bytes):
+                what = "the signature does not fit the certificate"
+                raise CertificateError(codes.CERTIFICATE_SIGNATURE, str(path), what)
+        parts = _Parts(path, sealed, body)
+        machine, setup, trace, stream = parse_texts(parts.take(name).decode() for name in TEXTS)
+        for value, kind in ((machine, Machine), (setup, Setup), (trace, Trace), (stream, StepStream)):
+            wrong = misfit(value, kind, kind.__name__)
+            if wrong:
+                raise CertificateError(codes.CERTIFICATE_MALFORMED, str(path), wrong)
+        _fill(trace, stream, parts)
+        left = parts.left()
+        if left:
+            raise ValueError(f"a table that belongs nowhere: {left}")
     machine.verify()
     trace.verify()
     stream.verify()
     return Package(
-        path=str(path), body=body, body_bytes=members[BODY], signature=signature, machine=machine, setup=setup,
+        path=str(path), body=body, body_bytes=body_bytes, signature=signature, machine=machine, setup=setup,
         trace=trace, stream=stream,
     )  # fmt: skip
+
+
+def _check_format(path: Path, said: object) -> None:
+    if said == FORMAT:
+        return
+    family, _, number = str(said).partition("/")
+    if family != FORMAT.partition("/")[0] or not number.isdecimal() or len(number) > 4:
+        raise CertificateError(codes.CERTIFICATE_MALFORMED, str(path), f"format {said!r} is not {FORMAT}")
+    age = "an older" if int(number) < int(FORMAT.partition("/")[2]) else "a newer"
+    raise CertificateError(codes.CERTIFICATE_FORMAT, str(path), f"made by {age} gproof ({said}; this one has {FORMAT})")
+
+
+class _Parts:
+    """The members that a body names, each inflated once, when it is needed, to the size that the body states."""
+
+    def __init__(self, path: Path, sealed: Sealed, body: dict[str, Any]) -> None:
+        self._path = path
+        self._sealed = sealed
+        self._digests: dict[str, str] = body["members"]
+        self._sizes: dict[str, int] = body["sizes"]
+        for odd in sorted(set(self._digests) ^ (sealed.names - {BODY, SIGNATURE})):
+            raise CertificateError(codes.CERTIFICATE_HASH, str(path), f"{odd} is not what the certificate lists")
+        for odd in sorted(set(self._digests) ^ set(self._sizes)):
+            raise sealed.refused(f"{odd} has no size")
+        for name, size in self._sizes.items():
+            limit = MEMBER_LIMIT if name.endswith(".bin") else TEXT_LIMIT
+            if type(size) is not int or not 0 <= size <= limit:
+                raise sealed.refused(f"{name} is of {size!r} bytes")
+        if sum(self._sizes.values()) > sealed.most:
+            raise sealed.refused(f"its parts are of more bytes than a file of its size may hold ({sealed.most})")
+        self._unused = set(self._digests)
+
+    def take(self, name: str) -> bytearray:
+        """The bytes of a part, which fit its hash."""
+        self._unused.discard(name)
+        data, digest = self._sealed.member(name, self._sizes[name])
+        if digest != self._digests[name]:
+            raise CertificateError(codes.CERTIFICATE_HASH, str(self._path), f"{name} was changed: its hash differs")
+        return data
+
+    def left(self) -> str:
+        """A part that nobody has taken, or an empty text."""
+        return min(self._unused, default="")
 
 
 def _json(path: Path, name: str, data: bytes) -> dict[str, Any]:
@@ -216,61 +235,11 @@ def _json(path: Path, name: str, data: bytes) -> dict[str, Any]:
     return value
 
 
-def _members(path: Path) -> dict[str, bytes]:
-    """All members of a sealed zip, each no larger than it says and all together bounded."""
-    out: dict[str, bytes] = {}
-    total = 0
-    with path.open("rb") as file:
-        size = os.fstat(file.fileno()).st_size - 64
-        if size < 0 or _digest(file, size) != file.read():
-            raise CertificateError(codes.CERTIFICATE_HASH, str(path), "the file is damaged, cut short or not a package")
-        with zipfile.ZipFile(file) as archive:
-            if not archive.comment.startswith(_SEAL) or len(archive.comment) != len(_SEAL) + 64:
-                raise CertificateError(codes.CERTIFICATE_MALFORMED, str(path), "the zip file is not a sealed package")
-            for info in archive.infolist():
-                name = info.filename
-                total += info.file_size
-                limit = MEMBER_LIMIT if name.endswith(".bin") else TEXT_LIMIT
-                if info.file_size > limit or total > TOTAL_LIMIT:
-                    raise CertificateError(codes.CERTIFICATE_MALFORMED, str(path), f"{name!r} is too large")
-                if name in out:
-                    raise CertificateError(codes.CERTIFICATE_MALFORMED, str(path), f"{name!r} is there twice")
-                if info.compress_type not in (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED):
-                    raise CertificateError(codes.CERTIFICATE_MALFORMED, str(path), f"{name!r} is packed otherwise")
-                with archive.open(info) as handle:
-                    data = handle.read(info.file_size + 1)
-                if len(data) != info.file_size:
-                    raise CertificateError(
-                        codes.CERTIFICATE_MALFORMED, str(path), f"{name!r} is not as long as it says"
-                    )
-                out[name] = data
-    return out
-
-
-def _check_hashes(path: Path, body: dict[str, Any], members: dict[str, bytes]) -> None:
-    named = body["members"]
-    there = set(members) - {BODY, SIGNATURE}
-    if set(named) != there:
-        odd = sorted(set(named) ^ there)[0]
-        raise CertificateError(codes.CERTIFICATE_HASH, str(path), f"{odd} is not what the certificate lists")
-    for name, digest in named.items():
-        if hashlib.sha256(members[name]).hexdigest() != digest:
-            raise CertificateError(codes.CERTIFICATE_HASH, str(path), f"{name} was changed: its hash differs")
-
-
-def _fill(trace: Trace, stream: StepStream, members: dict[str, bytes]) -> None:
-    """Put the tables where they belong; every table member is used exactly once."""
-    used = set()
-
-    def table(name: str, schema: Schema) -> Columns:
-        used.add(name)
-        return _decode(schema, members[name])
-
+def _fill(trace: Trace, stream: StepStream, parts: _Parts) -> None:
+    """Put the tables where they belong."""
     for section in trace.sections:
-        section.rows = table(f"trace/{section.number}.bin", TRACE_ROW)
+        section.rows = _decode(TRACE_ROW, parts.take(f"trace/{section.number}.bin"))
     for part in stream.sections:
-        part.runs = tuple(table(f"stream/{part.number}/{i}.bin", RUN) for i in range(len(part.runs)))
-        part.events = table(f"stream/{part.number}/events.bin", EVENT)
-    extra = set(members) - used - {BODY, SIGNATURE, *TEXTS}
-    if extra:
-        raise ValueError(f"a table that belongs nowhere: {sorted(extra)[0]}")
+        place = f"stream/{part.number}"
+        part.runs = tuple(_decode(RUN, parts.take(f"{place}/{i}.bin")) for i in range(len(part.runs)))
+        part.events = _decode(EVENT, parts.take(f"{place}/events.bin"))

@@ -61,6 +61,7 @@ def rehashed(members: Members) -> Members:
     body = json.loads(members[BODY])
     inside = {name: data for name, data in members.items() if name not in (BODY, SIGNATURE)}
     body["members"] = {name: hashlib.sha256(data).hexdigest() for name, data in inside.items()}
+    body["sizes"] = {name: len(data) for name, data in inside.items()}
     return members | {BODY: canonical(body)}
 
 

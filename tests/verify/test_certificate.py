@@ -96,7 +96,7 @@ def test_everything_is_read_back_bit_for_bit(name: str, tmp_path: Path) -> None:
 def test_body_says_what_was_proved(signed: Path) -> None:
     package = read_package(signed)
     body = package.body
-    assert body["format"] == "gproof-certificate/1"
+    assert body["format"] == "gproof-certificate/2"
     assert body["gproof"] == "1.2.3"
     assert [p["name"] for p in body["properties"]][:4] == list(DEFAULT_POLICY)
     assert {p["name"] for p in body["properties"]} > {"stream-position", "stream-velocity", "stream-event"}
@@ -395,7 +395,7 @@ def fuzz_sealed(source: Path, path: Path, seeds: range) -> int:
         try:
             package = read_package(path)
         except CertificateError as error:
-            assert error.finding.code.label in ("GP820", "GP821"), seed
+            assert error.finding.code.label in ("GP820", "GP821", "GP822"), seed
             continue
         readable += 1
         check = check_package(package)
@@ -405,7 +405,7 @@ def fuzz_sealed(source: Path, path: Path, seeds: range) -> int:
 
 
 def test_forged_parts_are_refused(signed: Path, tmp_path: Path) -> None:
-    assert fuzz_sealed(signed, tmp_path / "forged.gpx", range(300)) > 20
+    assert fuzz_sealed(signed, tmp_path / "forged.gpx", range(300)) > 15
 
 
 @pytest.mark.soak
@@ -457,7 +457,7 @@ EDITS: dict[str, Callable[[Members], None]] = {
     "verdict": edited_body(lambda body: body["properties"][1].update(verdict="UNKNOWN")),
     "inputs": edited_body(lambda body: body.update(inputs=[])),
     "gproof version": edited_body(lambda body: body.update(gproof="9")),
-    "format": edited_body(lambda body: body.update(format="gproof-certificate/2")),
+    "format": edited_body(lambda body: body.update(format="other-certificate/2")),
     "properties no list": edited_body(lambda body: body.update(properties=7)),
     "property no object": edited_body(lambda body: body["properties"].append("limits")),
     "conditions no list": edited_body(lambda body: body["properties"][0].update(conditions=3)),
@@ -481,13 +481,12 @@ EDITS: dict[str, Callable[[Members], None]] = {
 def test_edited_parts_with_fitting_hashes_are_refused(name: str, signed: Path, tmp_path: Path) -> None:
     members = members_of(signed)
     EDITS[name](members)
-    path = rebuilt(tmp_path / "edited.gpx", members)
-    check = check_package(read_package(path))
-    assert "GP822" in codes(check)
-    assert not check.valid
+    assert refusal(rebuilt(tmp_path / "edited.gpx", members)) == ("GP820" if name == "format" else "GP822")
 
 
-@pytest.mark.parametrize("name", [n for n in EDITS if n not in ("inputs", "gproof version", "setup", "limit widened")])
+@pytest.mark.parametrize(
+    "name", [n for n in EDITS if n not in ("inputs", "format", "gproof version", "setup", "limit widened")]
+)
 def test_edited_parts_are_refused_without_a_signature_too(name: str, signed: Path, tmp_path: Path) -> None:
     """Inputs, versions and the assumptions of who ran the checks are somebody's word: that is what the signature
     is for. All else is found out."""
@@ -581,9 +580,7 @@ def test_zip_bombs_are_not_unpacked(unsigned: Path, tmp_path: Path, monkeypatch:
 def test_a_stolen_signature_does_not_fit(signed: Path, tmp_path: Path, key: Any) -> None:
     other = write(tmp_path / "other.gpx", name="square", key=key)
     members = members_of(other) | {"signature.json": members_of(signed)["signature.json"]}
-    check = check_package(read_package(rebuilt(tmp_path / "stolen.gpx", members)))
-    assert codes(check) == {"GP822"}
-    assert not check.valid
+    assert refusal(rebuilt(tmp_path / "stolen.gpx", members)) == "GP822"
 
 
 def test_types_are_checked_all_the_way_down() -> None:

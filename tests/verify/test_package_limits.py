@@ -1,0 +1,189 @@
+"""A stranger's package: what it may cost to find out that it is none, and packages of other versions."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+import zipfile
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+from verify.package_files import members_of, rebuilt, write
+from verify.test_certificate import refusal
+
+from gproof.cli.main import main
+from gproof.ir.text import DEPTH, TOKENS, parse_ir, print_ir
+from gproof.verify.certificate import load_or_create_key
+from gproof.verify.package import canonical, read_package, write_members
+from gproof.verify.package_zip import FREE, RATIO, Sealed
+
+PACKAGES = Path(__file__).parent / "packages"
+Members = dict[str, bytes]
+
+
+@pytest.fixture(scope="module")
+def whole(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return write(tmp_path_factory.mktemp("limits") / "whole.gpx")
+
+
+@pytest.mark.parametrize("command", [["verify"], ["run", "--board", "virtual"]])
+def test_a_package_of_format_1_is_refused_as_older(command: list[str], capfd: pytest.CaptureFixture[str]) -> None:
+    assert main([command[0], str(PACKAGES / "format-1.gpx"), *command[1:]]) == 2
+    said = "".join(capfd.readouterr())
+    assert "GP857" in said and "an older gproof" in said
+
+
+@pytest.mark.parametrize(
+    ("said", "code"),
+    [
+        ("gproof-certificate/1", "GP857"), ("gproof-certificate/3", "GP857"), ("gproof-certificate/", "GP820"),
+        ("gproof-certificate/2 ", "GP820"), ("gproof-certificate/" + "9" * 5000, "GP820"), ("", "GP820"), (2, "GP820"),
+        (None, "GP820"),
+    ],
+)  # fmt: skip
+def test_other_formats(said: object, code: str, whole: Path, tmp_path: Path) -> None:
+    members = members_of(whole)
+    body = json.loads(members["body.json"]) | {"format": said}
+    assert refusal(rebuilt(tmp_path / "a.gpx", members | {"body.json": canonical(body)}, rehash=False)) == code
+
+
+def sized(change: Callable[[dict[str, object]], object]) -> Callable[[Members], Members]:
+    def apply(members: Members) -> Members:
+        body = json.loads(members["body.json"])
+        change(body["sizes"])
+        return members | {"body.json": canonical(body)}
+
+    return apply
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        sized(lambda sizes: sizes.update({"trace/0.bin": 0})),
+        sized(lambda sizes: sizes.update({"trace/0.bin": sizes["trace/0.bin"] + 1})),  # type: ignore[operator]
+        sized(lambda sizes: sizes.update({"trace/0.bin": sizes["trace/0.bin"] - 1})),  # type: ignore[operator]
+        sized(lambda sizes: sizes.update({"trace/0.bin": -1})),
+        sized(lambda sizes: sizes.update({"trace/0.bin": 10**400})),
+        sized(lambda sizes: sizes.update({"trace/0.bin": 1.5})),
+        sized(lambda sizes: sizes.update({"trace/0.bin": True})),
+        sized(lambda sizes: sizes.update({"trace/0.bin": None})),
+        sized(lambda sizes: sizes.update({"trace/0.bin": (2 << 30) - 1})),
+        sized(lambda sizes: sizes.update({"other": 1})),
+        sized(lambda sizes: sizes.pop("trace/0.bin")),
+        sized(lambda sizes: sizes.clear()),
+    ],
+)
+def test_sizes_that_are_not_those_of_the_parts(
+    change: Callable[[Members], Members], whole: Path, tmp_path: Path
+) -> None:
+    assert refusal(rebuilt(tmp_path / "a.gpx", change(members_of(whole)), rehash=False)) == "GP820"
+
+
+def test_nothing_is_unpacked_before_body_and_signature_are_judged(
+    tmp_path: Path, whole: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    key = load_or_create_key(tmp_path / "key.pem")
+    signed = members_of(write(tmp_path / "signed.gpx", key=key))
+    opened: list[str] = []
+    real = Sealed.member
+    monkeypatch.setattr(Sealed, "member", lambda self, name, size: (opened.append(name), real(self, name, size))[1])
+    body = json.loads(signed["body.json"])
+    forged = signed | {"body.json": canonical(body | {"comment": "x"})}
+    assert refusal(rebuilt(tmp_path / "a.gpx", forged, rehash=False)) == "GP822"
+    assert opened == ["body.json", "signature.json"]
+    opened.clear()
+    huge = canonical(body | {"sizes": body["sizes"] | {"trace/0.bin": 2 * FREE}})
+    assert refusal(rebuilt(tmp_path / "a.gpx", members_of(whole) | {"body.json": huge}, rehash=False)) == "GP820"
+    assert opened == ["body.json"]
+
+
+def bomb(path: Path, name: str, data: bytes, whole: Path) -> Path:
+    """All hashes and sizes fit."""
+    return rebuilt(path, members_of(whole) | {name: data})
+
+
+BOMBS: dict[str, Callable[[Path, Path], Path]] = {
+    "a table of zeros": lambda path, whole: bomb(path, "trace/0.bin", bytes(200 << 20), whole),
+    "a table of zeros within the bounds": lambda path, whole: bomb(path, "stream/0/0.bin", bytes(47 << 20), whole),
+    "a text of blanks": lambda path, whole: bomb(path, "machine.ir", b" " * (47 << 20), whole),
+    "a text of numbers": lambda path, whole: bomb(path, "setup.ir", b"[" + b"1 " * (23 << 20) + b"]", whole),
+    "a text of brackets": lambda path, whole: bomb(path, "setup.ir", b"[" * (40 << 20), whole),
+    "a text of quotes": lambda path, whole: bomb(path, "setup.ir", b'"' + b"\\\\" * (20 << 20), whole),
+    "a text of comments": lambda path, whole: bomb(path, "setup.ir", b";\n" * (20 << 20), whole),
+    "a large table in a text": lambda path, whole: bomb(
+        path, "setup.ir", b"(columns triangles 2000000 " + b"1 " * 18_000_000 + b")", whole
+    ),
+    "a table of whole numbers in a text": lambda path, whole: bomb(
+        path, "setup.ir", b"(columns runs 1000000 " + b"1 " * 4_000_000 + b")", whole
+    ),
+    "a deep body": lambda path, whole: rebuilt(
+        path, members_of(whole) | {"body.json": b'{"a":' + b"[" * (30 << 20)}, rehash=False
+    ),
+    "a wide body": lambda path, whole: rebuilt(
+        path, members_of(whole) | {"body.json": b"[" + b"[]," * (4 << 20) + b"[]]"}, rehash=False
+    ),
+    "many members": lambda path, whole: rebuilt(
+        path, members_of(whole) | {str(n): b"" for n in range(100_000)}, rehash=False
+    ),
+}  # fmt: skip
+
+READ = """
+import sys, resource, time
+from pathlib import Path
+from gproof.verify.package import CertificateError, read_package
+began = time.process_time()
+try:
+    read_package(Path(sys.argv[1]))
+except CertificateError as error:
+    print(error.finding.code.label, time.process_time() - began, resource.getrusage(resource.RUSAGE_SELF).ru_maxrss)
+"""
+
+
+@pytest.mark.parametrize("name", BOMBS)
+def test_bombs_cost_seconds_and_megabytes(name: str, whole: Path, tmp_path: Path) -> None:
+    path = BOMBS[name](tmp_path / "bomb.gpx", whole)
+    done = subprocess.run([sys.executable, "-c", READ, str(path)], capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    code, seconds, kilobytes = done.stdout.split()
+    assert code in ("GP820", "GP821")
+    assert float(seconds) < 10.0
+    assert int(kilobytes) < 500_000
+
+
+def test_parts_that_pack_too_well_are_stored(tmp_path: Path) -> None:
+    path = tmp_path / "zeros.gpx"
+    write_members(path, {"a": bytes(FREE + (8 << 20))})
+    with zipfile.ZipFile(path) as archive:
+        assert archive.getinfo("a").compress_type == zipfile.ZIP_STORED
+    assert path.stat().st_size * RATIO > FREE
+    write_members(path, {"a": bytes(1 << 20)})
+    with zipfile.ZipFile(path) as archive:
+        assert archive.getinfo("a").compress_type == zipfile.ZIP_DEFLATED
+
+
+def test_texts_are_bounded() -> None:
+    assert parse_ir("[" * DEPTH + "]" * DEPTH)
+    with pytest.raises(ValueError, match="deep"):
+        parse_ir("[" * (DEPTH + 1) + "]" * (DEPTH + 1))
+    with pytest.raises(ValueError, match="more than"):
+        parse_ir("[" + "1 " * TOKENS + "]")
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["1e", "9" * 5000, "1/" + "9" * 5000, "1/0", "0x10", "1_000", "-", "Wait", "Wait.", "Wait.nothing", ".5", "nan1",
+     '"', "b", 'b"', "(", "(columns", "(columns runs", "(columns runs 1 1 1 1)", "(columns runs -1 )",
+     "(columns runs x)",
+     "(columns triangles 1 1 2 3 4 5 6 7 8)", "(columns triangles 1 1 2 3 4 5 6 7 8 x)", "{1}", "", "[1] 2", "]"],
+)  # fmt: skip
+def test_words_that_are_no_values(text: str) -> None:
+    with pytest.raises(ValueError, match=r"."):
+        parse_ir(text)
+
+
+def test_reading_is_what_it_was(whole: Path) -> None:
+    package = read_package(whole)
+    for part in (package.machine, package.setup, package.trace, package.stream):
+        assert parse_ir(print_ir(part)) == part or print_ir(parse_ir(print_ir(part))) == print_ir(part)
