@@ -130,9 +130,7 @@ def _decode(schema: Schema, data: bytes | bytearray) -> Columns:
 @functools.cache
 def _layout(schema: Schema) -> tuple[tuple[Column, np.dtype[Any], np.dtype[Any], int], ...]:
     """Each column with its type in the file, its type in memory, and its bytes a row."""
-    return tuple(
-        (c, _little(c.dtype), np.dtype(c.dtype), np.dtype(c.dtype).itemsize * c.width) for c in schema.columns
-    )
+    return tuple((c, _little(c.dtype), np.dtype(c.dtype), np.dtype(c.dtype).itemsize * c.width) for c in schema.columns)
 
 
 def read_package(path: Path) -> Package:
