@@ -22,6 +22,7 @@ from typing import Any, Protocol
 
 from gproof.backend.record_data import canonical, sync_folder
 from gproof.backend.trail import Entry, Trail
+from gproof.ir.private_folder import make_private
 from gproof.ir.record import record
 
 SCHEMA = "gproof-journal/1"
@@ -134,7 +135,7 @@ def _now() -> str:
 
 def begin(folder: Path, board: str, heading: Mapping[str, Any]) -> Journal:
     """A new journal in a folder, which is made when it is not there; OSError."""
-    folder.mkdir(parents=True, exist_ok=True, mode=0o700)
+    make_private(folder)
     stamp = datetime.now(UTC).strftime("%Y%m%dT%H%M%SZ")
     for old in sorted(folder.glob(f"*{ENDED}"))[:-KEPT]:
         old.unlink(missing_ok=True)
@@ -296,7 +297,7 @@ def held(folder: Path, board: str) -> Iterator[bool]:
 
     The lock ends with its process, however that ends.
     """
-    folder.mkdir(parents=True, exist_ok=True, mode=0o700)
+    make_private(folder)
     handle = os.open(folder / (f"{_plain(board)}.lock"), os.O_RDWR | os.O_CREAT, 0o600)
     try:
         try:

@@ -21,6 +21,9 @@ from gproof.backend.record_data import (
     SectionRecord,
 )
 
+LARGEST = 256 << 20
+"""Bytes of a record that are worth reading."""
+
 
 def parse_record(data: bytes) -> ExecutionRecord:
     """The record that ``to_json`` wrote; ValueError when it is none or its hash is wrong. The signature is not read."""

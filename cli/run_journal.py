@@ -33,8 +33,20 @@ RECORD = ".record.json"
 
 
 def runs_folder(given: Path | None) -> Path:
-    """Where journals and records are kept: the user's own folder for gproof, or another one that is given."""
-    return given or Path(click.get_app_dir("gproof")) / "runs"
+    """Where journals and records are kept: the user's own folder for gproof, or another one that is given.
+
+    UsageError for one that somebody else can write: what stands in a journal is signed with the user's key.
+    """
+    from gproof.ir.private_folder import not_private
+
+    folder = given or Path(click.get_app_dir("gproof")) / "runs"
+    why = not_private(folder)
+    if why:
+        raise UsageError(
+            f"nothing was moved: journals can not be kept in {folder} ({why}); --runs takes a folder that nobody else "
+            "can write"
+        )
+    return folder
 
 
 def require_record_place(path: Path, package: Path, replace: bool) -> bool:
@@ -42,16 +54,14 @@ def require_record_place(path: Path, package: Path, replace: bool) -> bool:
 
     True when there is one that is.
     """
-    from gproof.backend.record_parse import is_record
-
     require_place(path, "record", (package,))
     if not path.exists():
         return False
     try:
-        data = path.read_bytes()
+        known = _is_record(path)
     except OSError as error:
         raise UsageError(f"record {path}: {error.strerror}") from None
-    if not is_record(data):
+    if not known:
         raise UsageError(f"record {path}: is there and is not an execution record; it stays as it is")
     if replace:
         return True
@@ -60,6 +70,13 @@ def require_record_place(path: Path, package: Path, replace: bool) -> bool:
     if not click.confirm(f"{path} is a record of an earlier run. Replace it?", err=True):
         raise UsageError(f"record {path}: stays as it is")
     return True
+
+
+def _is_record(path: Path) -> bool:
+    """True for a file that is an execution record; OSError."""
+    from gproof.backend.record_parse import LARGEST, is_record
+
+    return path.stat().st_size <= LARGEST and is_record(path.read_bytes())
 
 
 def _somebody_is_there() -> bool:
@@ -169,13 +186,11 @@ def write_record(
 
     wanted: nothing there is replaced unless it is a record and ``replace`` says so.
     """
-    from gproof.backend.record_parse import is_record
-
     lost: list[Finding] = []
     elsewhere = Path(tempfile.gettempdir()) / own.name
     for place in (*([] if wanted is None else [wanted]), own, elsewhere):
         try:
-            if place.exists() and not ((replace or place != wanted) and is_record(place.read_bytes())):
+            if place.exists() and not ((replace or place != wanted) and _is_record(place)):
                 raise FileExistsError(0, "something is there that was not there before the run")
             record.write(place, signature)
         except OSError as error:

@@ -19,9 +19,6 @@ from gproof.ir.verdict import Verdict
 if TYPE_CHECKING:
     from gproof.backend.record_data import ExecutionRecord
 
-LARGEST = 256 << 20
-"""Bytes of a record that are read."""
-
 OWN, TRUSTED, UNKNOWN = "your own key", "trusted", "not trusted"
 
 HOLDS = {Verdict.SAFE: "the record holds", Verdict.UNSAFE: "the record does not hold", Verdict.UNKNOWN: "UNKNOWN"}
@@ -38,7 +35,7 @@ def is_no_package(path: Path) -> bool:
 
 def run_verify_record(path: Path, *, package: Path | None, trust: tuple[Path, ...], machine: Path | None) -> int:
     """Print what holds of a record; exit 0 only for one that is whole, signed by who is trusted, and fits."""
-    from gproof.backend.record_parse import parse_signed
+    from gproof.backend.record_parse import LARGEST, parse_signed
     from gproof.verify.certificate import load_public_key
 
     require_file(path, "record")

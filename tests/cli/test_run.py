@@ -219,6 +219,19 @@ def test_a_run_that_can_leave_no_trace_does_not_begin(shop: Path) -> None:
     assert len(done.err.splitlines()) <= 2
 
 
+def test_journals_that_others_can_write_are_not_used(shop: Path) -> None:
+    (shop / "open").mkdir()
+    (shop / "open").chmod(0o777)
+    (shop / "link").symlink_to(shop / "own")
+    for place in ("open", "open/deeper", "link"):
+        done = run(shop, "--runs", place)
+        assert (done.exit, done.out) == (3, "")
+        assert "--runs takes a folder that nobody else can write" in done.err
+    assert list((shop / "open").iterdir()) == []
+    assert run(shop, "--runs", "own/deeper").exit == 0
+    assert (shop / "own").stat().st_mode & 0o777 == 0o700
+
+
 def test_a_closed_standard_output_loses_neither_record_nor_positions(shop: Path) -> None:
     command = subprocess.list2cmdline([*COMMAND, *RUN, "--record", "record.json"])
     done = subprocess.run(
