@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 
-from gproof.backend.record_data import ANY_SIGNER, TRUSTED
-from gproof.ir.finding import Finding
+from gproof.backend.record_data import ALLOWED, ANY_SIGNER, TRUSTED
+from gproof.ir import codes
+from gproof.ir.finding import Finding, Severity
 from gproof.ir.machine import Machine
 from gproof.ir.record import record
 from gproof.ir.setup import Setup
@@ -14,6 +15,7 @@ from gproof.ir.stream import StepStream
 from gproof.ir.trace import Trace
 from gproof.verify.certificate import check_package
 from gproof.verify.package import Package
+from gproof.verify.signers import Trusted
 
 
 class RunRefused(Exception):
@@ -28,7 +30,8 @@ class RunRefused(Exception):
 class Job:
     """name: the source file; certificate: SHA-256 of the certificate's body; the rest is what it certifies.
 
-    accepted: why it may run (``record_data.TRUSTED`` …); signer: the public key that signed it, in base64, or nobody.
+    accepted: why it may run (``record_data.TRUSTED`` …); signer: the public key that signed it, in base64, or nobody;
+    machine_at_hand, setup_at_hand: it was held against those, and not against what the package says of them alone.
     """
 
     name: str
@@ -39,6 +42,8 @@ class Job:
     stream: StepStream
     accepted: str = ANY_SIGNER
     signer: str = ""
+    machine_at_hand: bool = False
+    setup_at_hand: bool = False
 
 
 def job_of(package: Package) -> Job:
@@ -58,14 +63,21 @@ def checked_job(
     *,
     machine: Machine | None = None,
     setup: Setup | None = None,
-    trusted_keys: Iterable[bytes] | None = None,
+    trusted_keys: Trusted = None,
+    allow_untrusted: bool = False,
 ) -> Job:
     """The parts of a package that holds here and now; RunRefused with all findings otherwise.
 
-    machine, setup, trusted_keys: as for ``check_package``.
+    machine, setup, trusted_keys: as for ``check_package``; allow_untrusted: that nobody trusted has signed it (GP827)
+    is no reason against, and the job says that it was none.
     """
     check = check_package(package, machine, setup, trusted_keys)
-    if not check.valid:
+    against = [f for f in check.findings if f.severity in (Severity.ERROR, Severity.UNKNOWN)]
+    untrusted = [f for f in against if f.code is codes.CERTIFICATE_UNTRUSTED]
+    if len(against) > len(untrusted) * allow_untrusted:
         raise RunRefused(check.findings)
-    accepted = ANY_SIGNER if trusted_keys is None else TRUSTED
-    return replace(job_of(package), accepted=accepted, signer=check.signer or "")
+    accepted = ANY_SIGNER if trusted_keys is None else ALLOWED if untrusted else TRUSTED
+    return replace(
+        job_of(package), accepted=accepted, signer=check.signer or "", machine_at_hand=machine is not None,
+        setup_at_hand=setup is not None,
+    )  # fmt: skip

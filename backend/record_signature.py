@@ -10,6 +10,7 @@ import base64
 from typing import TYPE_CHECKING
 
 from gproof.backend.record_data import ExecutionRecord, canonical
+from gproof.verify.ed25519_points import weakness
 
 if TYPE_CHECKING:
     from cryptography.hazmat.primitives.asymmetric.ed25519 import Ed25519PrivateKey
@@ -42,6 +43,8 @@ def signer_of(record: ExecutionRecord, signature: dict[str, str]) -> bytes:
         raise ValueError(f"fields {sorted(set(signature) ^ FIELDS)} of the signature are missing or unknown")
     label = {name: text for name, text in signature.items() if name != "label_signature"}
     raw = _decode(signature["public_key"])
+    if weak := weakness(raw):
+        raise ValueError(f"the key of the signature {weak}")
     try:
         public = Ed25519PublicKey.from_public_bytes(raw)
         public.verify(_decode(signature["signature"]), canonical(record.body()))

@@ -10,18 +10,35 @@ from __future__ import annotations
 import contextlib
 import math
 import time
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from fractions import Fraction
 from typing import Any
 
-from gproof.backend.boards.board import Board, BoardError, Capabilities, EventDone, Observed, Status, ticks_up
+from gproof.backend.boards.board import (
+    VIRTUAL,
+    Board,
+    BoardError,
+    Capabilities,
+    EventDone,
+    Observed,
+    Status,
+    ticks_up,
+)
 from gproof.backend.control import Control
 from gproof.backend.interrupts import interrupts
 from gproof.backend.job import Job, RunRefused, checked_job
 from gproof.backend.journal import Notes
 from gproof.backend.operators import AutoContinue, HoldRequest, Operator, WaitRequest
-from gproof.backend.record_data import BoardRecord, ExecutionRecord, Result, Retiming, SectionRecord, plain
+from gproof.backend.record_data import (
+    TRUSTED,
+    BoardRecord,
+    ExecutionRecord,
+    Result,
+    Retiming,
+    SectionRecord,
+    plain,
+)
 from gproof.backend.retime import GREATEST_FACTOR, LEAST_FACTOR
 from gproof.backend.retimer import Retimer
 from gproof.backend.section_run import Pace, SectionRun
@@ -35,6 +52,7 @@ from gproof.ir.stream import StreamSection
 from gproof.ir.trace import Edge, Op, Trace, TraceSection, Wait
 from gproof.ir.verdict import Verdict
 from gproof.verify.package import Package
+from gproof.verify.signers import Trusted
 from gproof.verify.stream import validate
 
 __all__ = ["Control", "Hold", "RunFailed", "RunRefused", "run"]
@@ -82,7 +100,8 @@ def run(
     estop_at: int | None = None,
     machine: Machine | None = None,
     setup: Setup | None = None,
-    trusted_keys: Iterable[bytes] | None = None,
+    trusted_keys: Trusted = None,
+    allow_untrusted: bool = False,
     control: Control | None = None,
     journal: Notes | None = None,
 ) -> ExecutionRecord:
@@ -93,12 +112,13 @@ def run(
     operator: who answers waits (default: AutoContinue). on_progress: called with the part of all ticks done.
     hold_at: feed holds, in ticks of motion since the start (an int rests for one second). override: 0.1 to 1,
     of the planned speed. estop_at: emergency stop at that tick of motion. machine, setup: what is at hand, when
-    it is known apart from the package; trusted_keys: whose certificates are accepted. control: requests from
+    it is known apart from the package; trusted_keys: whose certificates are accepted; a board that is not the one named
+    virtual asks for all three. allow_untrusted: on the virtual one, nobody has to be trusted. control: requests from
     other threads; Ctrl-C is a feed hold, a second one an emergency stop, and so are SIGTERM and SIGHUP. journal:
     what has to be there when this process ends before the run does; a run that can not go on writing it ends at rest.
     """
     return walk(
-        checked_job(package, machine=machine, setup=setup, trusted_keys=trusted_keys),
+        checked_job(package, machine=machine, setup=setup, trusted_keys=trusted_keys, allow_untrusted=allow_untrusted),
         board,
         operator=operator,
         on_progress=on_progress,
@@ -470,6 +490,14 @@ def _request(trace: Trace, section: TraceSection) -> WaitRequest:
 
 def _unfit(job: Job, is_: Capabilities) -> Iterator[Finding]:
     """Why a board can not run a job."""
+    where = Span(job.name, 0)
+    if is_.name != VIRTUAL:
+        if job.accepted != TRUSTED:
+            what = f"board {is_.name} is not the virtual one: it takes what a trusted key has signed"
+            yield codes.CERTIFICATE_UNTRUSTED.at(where, what=what)
+        if not (job.machine_at_hand and job.setup_at_hand):
+            what = f"board {is_.name} is not the virtual one: machine and setup have to be at hand"
+            yield codes.CERTIFICATE_MACHINE.at(where, what=what)
     board, ticks = job.machine.board, job.stream.tick_frequency
     wanted = (
         (is_.motors != len(job.stream.motors), f"drives {is_.motors} motors, the stream {len(job.stream.motors)}"),

@@ -12,6 +12,7 @@ from gproof.cli.conclude import with_options
 from gproof.cli.conditions import conditions_of
 from gproof.cli.files import require_file, require_place
 from gproof.cli.judge import Judgement, judge
+from gproof.cli.key_ring import own_key_path
 from gproof.cli.main import UsageError
 from gproof.cli.policy import NO_POLICY, under
 from gproof.cli.progress import Progress, progress
@@ -182,7 +183,7 @@ def _write(
     assert lowered.stream is not None
     key, signer = None, "nobody (--unsigned)"
     if not unsigned:
-        place = key_path or default_key_path()
+        place = key_path or own_key_path()
         try:
             key = c.load_or_create_key(place)
         except ValueError as error:
@@ -197,8 +198,3 @@ def _write(
         key=key, created=now,
     )  # fmt: skip
     return digest, signer
-
-
-def default_key_path() -> Path:
-    """Where a user's own signing key is kept; made on the first ``compile``."""
-    return Path(click.get_app_dir("gproof")) / "signing-key.pem"

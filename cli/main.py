@@ -16,6 +16,7 @@ from typing import Any
 
 import click
 
+from gproof.cli.boards import BOARDS
 from gproof.cli.options import ALSO, FileName, in_one_line, once
 
 COULD_NOT_RUN = 3
@@ -251,26 +252,46 @@ def compile_(
     )  # fmt: skip
 
 
+def _package_options(command: Any) -> Any:
+    """The options of every command that believes, or does not believe, a package."""
+    for option in reversed(
+        (
+            once("--machine", type=FileName(), help="Also require that it was made for this machine."),
+            once("--setup", help="Also require that it was made for this setup: a file, or 'zero'."),
+            once("--source", type=FileName(), help="Also require that it was made of this program."),
+            click.option("--trust", type=FileName(), multiple=True, help="Public key (PEM) to accept; repeatable."),
+        )
+    ):
+        command = option(command)
+    return command
+
+
 @cli.command(short_help="Validate a certified stream, or check a record.")
 @click.argument("package", type=FileName())
-@click.option("--machine", type=FileName(), help="Also require that it was made for this machine.")
-@click.option("--trust", type=FileName(), multiple=True, help="Public key (PEM) to accept; repeatable.")
+@_package_options
 @click.option("--package", "run_package", type=FileName(), help="Of an execution record: the package that was run.")
-def verify(package: Path, machine: Path | None, trust: tuple[Path, ...], run_package: Path | None) -> int:
+def verify(
+    package: Path, machine: Path | None, setup: str | None, source: Path | None, trust: tuple[Path, ...],
+    run_package: Path | None,
+) -> int:  # fmt: skip
     """Validate a certified stream again, from its parts alone; or check an execution record."""
     from gproof.cli.verify import run_verify
     from gproof.cli.verify_record import is_no_package, run_verify_record
 
     if is_no_package(package):
-        return run_verify_record(package, package=run_package, trust=trust, machine=machine)
+        if machine is not None or setup is not None or source is not None:
+            raise UsageError("--machine, --setup and --source are for packages; a record is compared with --package")
+        return run_verify_record(package, package=run_package, trust=trust)
     if run_package is not None:
         raise UsageError("--package says which package a record is of; this is no record")
-    return run_verify(package, machine=machine, trust=trust)
+    return run_verify(package, machine=machine, setup=setup, source=source, trust=trust)
 
 
 @cli.command(short_help="Run a certified stream on a board.")
 @click.argument("package", type=FileName())
-@click.option("--board", type=click.Choice(["virtual"]), required=True, help="Where to run it.")
+@click.option("--board", type=click.Choice(list(BOARDS)), required=True, help="Where to run it.")
+@_package_options
+@click.option("--allow-untrusted", is_flag=True, help="Whoever has signed it, or nobody; virtual board only.")
 @click.option("--record", type=FileName(), help="Write the execution record (JSON) here.")
 @click.option("--replace-record", is_flag=True, help="Replace a record that is there from an earlier run.")
 @click.option("--runs", type=FileName(), help="Folder for journals and records; the user's own by default.")
@@ -283,16 +304,73 @@ def verify(package: Path, machine: Path | None, trust: tuple[Path, ...], run_pac
 @click.option("--override", type=_Finite(0.1, 1.0), help="Feed override; 1 is 100 %.")
 @click.option("--ask", is_flag=True, help="Ask at operator stops; a virtual board goes on by itself otherwise.")
 def run(
-    package: Path, board: str, record: Path | None, real_time: bool, hold_at: float | None, estop_at: float | None,
+    package: Path, board: str, machine: Path | None, setup: str | None, source: Path | None, trust: tuple[Path, ...],
+    allow_untrusted: bool, record: Path | None, real_time: bool, hold_at: float | None, estop_at: float | None,
     override: float | None, ask: bool, replace_record: bool, runs: Path | None, after_interruption: bool,
 ) -> int:  # fmt: skip
-    """Run a certified stream on a board; it is validated again before anything moves."""
+    """Run a certified stream on a board; it is validated again before anything moves.
+
+    It runs when a trusted key has signed it: your own, one of --trust, one of "gproof keys trust".
+    """
     from gproof.cli.run import run_run
 
     return run_run(
         package, board=board, record=record, real_time=real_time, hold_at=hold_at, estop_at=estop_at,
         override=override, ask=ask, replace_record=replace_record, runs=runs, after_interruption=after_interruption,
+        trust=trust, machine=machine, setup=setup, source=source, allow_untrusted=allow_untrusted,
     )  # fmt: skip
+
+
+@cli.group(no_args_is_help=True)
+def keys() -> None:
+    """Your signing key, and whose signatures are believed."""
+
+
+@keys.command()
+@click.option("-o", "--output", type=FileName(), help="Write the private key here; it is not made your own.")
+def new(output: Path | None) -> int:
+    """Make a private key, readable by you alone; your own one, unless -o names a file."""
+    from gproof.cli.keys import run_new
+
+    return run_new(output)
+
+
+@keys.command(name="list")
+def list_() -> int:
+    """Name all keys, with fingerprints and what they are worth."""
+    from gproof.cli.keys import run_list
+
+    return run_list()
+
+
+@keys.command()
+@click.argument("name", default="own")
+def show(name: str) -> int:
+    """Print the public key NAME (PEM), to be given away: your own when none is named, or that of a key file."""
+    from gproof.cli.keys import run_show
+
+    return run_show(name)
+
+
+@keys.command()
+@click.argument("file", type=FileName())
+@click.option("--name", help="What to call it; the name of the file else.")
+@click.option("--expires", metavar="YYYY-MM-DD", help="The last day (UTC) on which it counts.")
+def trust(file: Path, name: str | None, expires: str | None) -> int:
+    """Believe what the owner of a public key (PEM) signs."""
+    from gproof.cli.keys import run_trust
+
+    return run_trust(file, name, expires)
+
+
+@keys.command()
+@click.argument("name")
+@click.option("--name", "new_name", help="What to call a key that is not known yet; the name of the file else.")
+def revoke(name: str, new_name: str | None) -> int:
+    """Refuse what a key signed and signs: one of "gproof keys list", a public key file, or "own"."""
+    from gproof.cli.keys import run_revoke
+
+    return run_revoke(name, new_name)
 
 
 @cli.command(short_help="Format programs and macro files.")

@@ -11,7 +11,10 @@ from pathlib import Path
 
 import click
 
+from gproof.cli.at_hand import other_source, read_at_hand, require_files
+from gproof.cli.boards import BOARDS, require_for
 from gproof.cli.files import require_file
+from gproof.cli.key_ring import trusted_with
 from gproof.cli.main import INTERRUPTED
 from gproof.cli.report import print_findings
 from gproof.ir.finding import Finding, Findings, Severity
@@ -21,31 +24,39 @@ from gproof.ir.verdict import Verdict
 def run_run(
     path: Path, *, board: str, record: Path | None, real_time: bool, hold_at: float | None, estop_at: float | None,
     override: float | None, ask: bool, runs: Path | None = None, after_interruption: bool = False,
-    replace_record: bool = False,
+    replace_record: bool = False, trust: tuple[Path, ...] = (), machine: Path | None = None, setup: str | None = None,
+    source: Path | None = None, allow_untrusted: bool = False,
 ) -> int:  # fmt: skip
     """Check the package again, run it, print what came back; exit 0 only for a completed run.
 
-    runs: where the journal is kept; after_interruption, replace_record: answers given beforehand
-    (``run_journal.settled``, ``require_record_place``).
+    trust, machine, setup, source: whom to believe beside the own keys, and what is at hand; allow_untrusted: nobody
+    has to be believed, on the virtual board. runs: where the journal is kept; after_interruption, replace_record:
+    answers given beforehand (``run_journal.settled``, ``require_record_place``).
     """
-    from gproof.backend.boards.virtual import VirtualBoard
     from gproof.backend.control import Control
     from gproof.backend.interrupts import interrupts
     from gproof.backend.operators import AutoContinue, Terminal
-    from gproof.backend.record_data import Result
+    from gproof.backend.record_data import ALLOWED, Result
     from gproof.backend.runtime import RunFailed, RunRefused, run
     from gproof.cli.run_journal import Keeper, require_record_place, runs_folder, settled
     from gproof.verify.certificate import CertificateError, read_package
 
-    assert board == "virtual"
     require_file(path, "package")
+    require_files(machine, setup, source)
     replace = record is not None and require_record_place(record, path, replace_record)
+    trusted = trusted_with(trust)
+    require_for(board, machine=machine, setup=setup, trusted=bool(trusted), allow_untrusted=allow_untrusted)
     try:
         package = read_package(path)
     except CertificateError as error:
         return _refused([error.finding])
+    of_files = Findings()
+    at_hand = read_at_hand(package, of_files, machine=machine, setup=setup, source=source)
+    print_findings(of_files)
+    if wrong := other_source(package, at_hand):
+        return _refused(wrong)
     frequency = package.stream.tick_frequency
-    the_board = VirtualBoard.for_machine(package.machine, len(package.stream.motors), real_time=real_time)
+    the_board = BOARDS[board](at_hand.machine or package.machine, len(package.stream.motors), real_time)
     folder = runs_folder(runs)
     if not settled(folder, board, after_interruption):
         return Verdict.UNKNOWN.exit_code
@@ -60,7 +71,8 @@ def run_run(
                     on_progress=progress, hold_at=None if hold_at is None else round(hold_at * frequency),
                     estop_at=None if estop_at is None else round(estop_at * frequency),
                     override=Fraction(1) if override is None else Fraction(override).limit_denominator(1000),
-                    control=control, journal=keeper.journal,
+                    machine=at_hand.machine, setup=at_hand.setup, trusted_keys=trusted,
+                    allow_untrusted=allow_untrusted, control=control, journal=keeper.journal,
                 )  # fmt: skip
             except RunRefused as refused:
                 return _refused(list(refused.findings))
@@ -86,6 +98,8 @@ def run_run(
         lines.append(
             f"  time        {ticks / frequency:.1f} s of motion" + ("" if real_time else f", run in {took:.1f} s")
         )
+        if done.accepted == ALLOWED:
+            lines.append("  trusted     no: nobody trusted has signed it, and --allow-untrusted let it run")
         told = where is not None and (record is not None or bool(lost))
         lines.append(f"  record      {done.sha256}" + (f", in {where}" if told else ""))
         _say(findings, lines)

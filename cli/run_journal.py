@@ -15,8 +15,8 @@ from typing import TYPE_CHECKING
 
 import click
 
-from gproof.cli.compile import default_key_path
 from gproof.cli.files import require_place
+from gproof.cli.key_ring import own_key_path
 from gproof.cli.main import UsageError
 from gproof.cli.options import in_one_line
 from gproof.cli.report import print_findings
@@ -88,7 +88,7 @@ def own_key() -> Ed25519PrivateKey | None:
     from gproof.verify.certificate import load_or_create_key
 
     try:
-        return load_or_create_key(default_key_path())
+        return load_or_create_key(own_key_path())
     except (ValueError, OSError) as error:
         _tell(f"gproof: warning: the record will not be signed: {error}")
         return None

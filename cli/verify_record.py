@@ -7,14 +7,15 @@ from typing import TYPE_CHECKING
 
 import click
 
-from gproof.cli.compile import default_key_path
 from gproof.cli.files import require_file
-from gproof.cli.main import UsageError
+from gproof.cli.key_ring import OWN as OWN_NAME
+from gproof.cli.key_ring import trusted_with
 from gproof.cli.options import in_one_line
 from gproof.cli.report import print_findings
 from gproof.ir import codes
 from gproof.ir.finding import Finding, Findings, Severity, Span
 from gproof.ir.verdict import Verdict
+from gproof.verify.signers import Signer, called, fingerprint, signed_by, today
 
 if TYPE_CHECKING:
     from gproof.backend.record_data import ExecutionRecord
@@ -33,22 +34,14 @@ def is_no_package(path: Path) -> bool:
         return False
 
 
-def run_verify_record(path: Path, *, package: Path | None, trust: tuple[Path, ...], machine: Path | None) -> int:
+def run_verify_record(path: Path, *, package: Path | None, trust: tuple[Path, ...]) -> int:
     """Print what holds of a record; exit 0 only for one that is whole, signed by who is trusted, and fits."""
     from gproof.backend.record_parse import LARGEST, parse_signed
-    from gproof.verify.certificate import load_public_key
 
     require_file(path, "record")
-    if machine is not None:
-        raise UsageError("--machine is for packages; a record is compared with its package (--package)")
-    for key in trust:
-        require_file(key, "trusted key")
     if package is not None:
         require_file(package, "package")
-    try:
-        trusted = {load_public_key(key) for key in trust}
-    except (ValueError, OSError) as error:
-        raise UsageError(str(error)) from None
+    trusted = trusted_with(trust)
     if path.stat().st_size > LARGEST:
         return _malformed(path, f"{path.stat().st_size} bytes are more than a record has")
     try:
@@ -82,7 +75,7 @@ def _malformed(path: Path, what: str) -> int:
 
 
 def _signed(
-    path: Path, record: ExecutionRecord, signature: dict[str, str] | None, trusted: set[bytes]
+    path: Path, record: ExecutionRecord, signature: dict[str, str] | None, trusted: tuple[Signer, ...]
 ) -> tuple[list[Finding], str]:
     """What is wrong with the signature, and what its key is to the user."""
     from gproof.backend.record_signature import signer_of
@@ -94,24 +87,17 @@ def _signed(
         raw = signer_of(record, signature)
     except ValueError as error:
         return [codes.RECORD_SIGNATURE.at(place, what=in_one_line(str(error)))], UNKNOWN
-    if raw in trusted:
-        return [], TRUSTED
-    if raw == _own_key():
-        return [], OWN
-    what = f"signed by {signature['public_key']}, who is not trusted (--trust)"
-    return [codes.RECORD_UNTRUSTED.at(place, what=what)], UNKNOWN
-
-
-def _own_key() -> bytes | None:
-    """The user's own public key, when there is one."""
-    from cryptography.hazmat.primitives.serialization import Encoding, PublicFormat
-
-    from gproof.verify.certificate import load_key
-
-    try:
-        return load_key(default_key_path()).public_key().public_bytes(Encoding.Raw, PublicFormat.Raw)
-    except (ValueError, OSError):
-        return None
+    known = signed_by(raw, trusted)
+    if known is None:
+        what = f"signed by {fingerprint(raw)}, which is no trusted key"
+        return [codes.RECORD_UNTRUSTED.at(place, what=what)], UNKNOWN
+    if known.revoked is not None:
+        what = f"signed by {called(known)}, which was revoked on {known.revoked}"
+        return [codes.RECORD_SIGNATURE.at(place, what=what)], UNKNOWN
+    if known.expires is not None and today() > known.expires:
+        what = f"signed by {called(known)}, which expired on {known.expires}"
+        return [codes.RECORD_UNTRUSTED.at(place, what=what)], UNKNOWN
+    return [], OWN if known.name == OWN_NAME else TRUSTED
 
 
 def _compared(record: ExecutionRecord, package: Path) -> list[Finding]:

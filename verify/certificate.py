@@ -25,6 +25,7 @@ from gproof.ir.text import print_ir
 from gproof.ir.trace import Trace
 from gproof.ir.verdict import DEFAULT_POLICY, Condition, PropertyResult, Verdict
 from gproof.verify import certificate_words as words
+from gproof.verify.ed25519_points import weakness
 from gproof.verify.package import (
     BODY,
     FORMAT,
@@ -37,6 +38,7 @@ from gproof.verify.package import (
     write_members,
 )
 from gproof.verify.setup_at_hand import differences
+from gproof.verify.signers import Trusted, judge_signer
 from gproof.verify.stream import validate
 from gproof.verify.stream_report import BOUNDS, CHECKER, CHECKER_VERSION, StreamReport
 
@@ -111,7 +113,7 @@ def write_package(
     members[BODY] = data
     if key is not None:
         label = {
-            "public_key": _encode(_raw_public(key)),
+            "public_key": _encode(raw_public(key)),
             "signature": _encode(key.sign(data)),
             "created": created,
             "comment": comment,
@@ -137,13 +139,13 @@ def _property(result: PropertyResult, checker: str, version: str, bound: str) ->
 
 def check_package(
     package: Package, machine: Machine | None = None, setup: Setup | None = None,
-    trusted_keys: Iterable[bytes] | None = None, beat: Callable[[int], None] | None = None,
+    trusted_keys: Trusted = None, beat: Callable[[int], None] | None = None,
 ) -> Check:  # fmt: skip
     """Check everything but the hashes (``read_package`` did): signature, machine, verdicts, conditions, stream.
 
-    machine, setup: those at hand, when they are known apart from the package; trusted_keys: raw public keys of
-    signers to accept (None: any signer, an empty list: nobody); beat: as for ``validate``. Never raises for what the
-    package says.
+    machine, setup: those at hand, when they are known apart from the package; trusted_keys: public keys of signers
+    to accept (None: any signer, an empty list: nobody); beat: as for ``validate``. Never raises for what the package
+    says.
     """
     where = Span(package.path, 0)
     findings: list[Finding] = []
@@ -175,12 +177,11 @@ def check_package(
     )  # fmt: skip
 
 
-def _check_signature(
-    package: Package, trusted: Iterable[bytes] | None, findings: list[Finding], where: Span
-) -> str | None:
+def _check_signature(package: Package, trusted: Trusted, findings: list[Finding], where: Span) -> str | None:
+    """Who signed, in base64; None for nobody, and for a signature that says nothing."""
     if package.signature is None:
         if trusted is not None:
-            findings.append(codes.CERTIFICATE_SIGNATURE.at(where, what="unsigned, and a trusted signer is asked for"))
+            findings.append(codes.CERTIFICATE_UNTRUSTED.at(where, what="unsigned: nobody says where it comes from"))
         else:
             findings.append(codes.CERTIFICATE_UNSIGNED.at(where))
         return None
@@ -191,15 +192,16 @@ def _check_signature(
         label = dict(package.signature)
         over_label = _decode(label.pop("label_signature"))
         raw, signature = _decode(label["public_key"]), _decode(label["signature"])
-        public = Ed25519PublicKey.from_public_bytes(raw)
-        public.verify(signature, package.body_bytes)
-        public.verify(over_label, canonical(label))
+        weak = weakness(raw)
+        if not weak:
+            public = Ed25519PublicKey.from_public_bytes(raw)
+            public.verify(signature, package.body_bytes)
+            public.verify(over_label, canonical(label))
     except (KeyError, ValueError, TypeError, InvalidSignature):
         findings.append(codes.CERTIFICATE_SIGNATURE.at(where, what="the signature does not fit the certificate"))
         return None
-    if trusted is not None and raw not in set(trusted):
-        findings.append(codes.CERTIFICATE_SIGNATURE.at(where, what=f"signed by {_encode(raw)}, who is not trusted"))
-    return _encode(raw)
+    findings += judge_signer(raw, trusted, where, created=str(label.get("created", "")))
+    return None if weak else _encode(raw)
 
 
 def _check_verdicts(package: Package, findings: list[Finding], where: Span) -> None:
@@ -263,7 +265,8 @@ def _decode(text: str) -> bytes:
     return raw
 
 
-def _raw_public(key: Ed25519PrivateKey) -> bytes:
+def raw_public(key: Ed25519PrivateKey) -> bytes:
+    """The 32 bytes of the public half."""
     from cryptography.hazmat.primitives.serialization import Encoding, PublicFormat
 
     return key.public_key().public_bytes(Encoding.Raw, PublicFormat.Raw)
@@ -293,6 +296,11 @@ def load_or_create_key(path: Path) -> Ed25519PrivateKey:
         if os.name == "posix" and path.stat().st_mode & 0o077:
             raise ValueError(f"{path} can be read or written by others: chmod 600 it, or make a new key")
         return load_key(path)
+    return create_key(path)
+
+
+def create_key(path: Path) -> Ed25519PrivateKey:
+    """A new key, readable by its owner alone; OSError where there is a file already."""
     from cryptography.hazmat.primitives.asymmetric.ed25519 import Ed25519PrivateKey
     from cryptography.hazmat.primitives.serialization import Encoding, NoEncryption, PrivateFormat
 
@@ -305,11 +313,13 @@ def load_or_create_key(path: Path) -> Ed25519PrivateKey:
     return key
 
 
-def public_key_text(key: Ed25519PrivateKey) -> str:
-    """The public half in PEM, to hand out."""
+def public_key_text(key: Ed25519PrivateKey | bytes) -> str:
+    """The public half of a key, or a raw public one, in PEM, to hand out."""
+    from cryptography.hazmat.primitives.asymmetric.ed25519 import Ed25519PublicKey
     from cryptography.hazmat.primitives.serialization import Encoding, PublicFormat
 
-    return key.public_key().public_bytes(Encoding.PEM, PublicFormat.SubjectPublicKeyInfo).decode()
+    public = Ed25519PublicKey.from_public_bytes(key) if isinstance(key, bytes) else key.public_key()
+    return public.public_bytes(Encoding.PEM, PublicFormat.SubjectPublicKeyInfo).decode()
 
 
 def load_public_key(path: Path) -> bytes:
@@ -318,10 +328,16 @@ def load_public_key(path: Path) -> bytes:
     from cryptography.hazmat.primitives.asymmetric.ed25519 import Ed25519PublicKey
     from cryptography.hazmat.primitives.serialization import Encoding, PublicFormat, load_pem_public_key
 
+    data = path.read_bytes()
+    if b"PRIVATE KEY" in data:
+        raise ValueError(f"{path} is a private key, which is given to nobody; gproof keys show prints its public half")
     try:
-        key = load_pem_public_key(path.read_bytes())
+        key = load_pem_public_key(data)
     except (ValueError, TypeError, UnsupportedAlgorithm):
         raise ValueError(f"{path} is no public key in PEM form") from None
     if not isinstance(key, Ed25519PublicKey):
         raise ValueError(f"{path} is no Ed25519 key")
-    return key.public_bytes(Encoding.Raw, PublicFormat.Raw)
+    raw = key.public_bytes(Encoding.Raw, PublicFormat.Raw)
+    if weak := weakness(raw):
+        raise ValueError(f"{path}: the key {weak}")
+    return raw

@@ -15,6 +15,9 @@ from typing import Protocol
 from gproof.ir.columns import Columns
 from gproof.ir.record import record
 
+VIRTUAL = "virtual"
+"""The name of the only board that moves nothing; an emulator, model or simulator behind a port is a board as others."""
+
 
 def ticks_up(seconds: float, tick_frequency: int) -> int:
     """Whole ticks that last at least ``seconds``; what a float adds to a round number does not count."""

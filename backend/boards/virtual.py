@@ -15,6 +15,7 @@ import numpy as np
 
 from gproof.backend.boards import virtual_kernels as vk
 from gproof.backend.boards.board import (
+    VIRTUAL,
     BoardError,
     BoardState,
     Capabilities,
@@ -71,7 +72,7 @@ class VirtualBoard:
         if motors < 1 or fifo_runs < motors or tick_frequency < 1 or not speed > 0:
             raise ValueError("a board needs motors, at least one FIFO place for each, ticks and a speed")
         self._is = Capabilities(
-            name="virtual",
+            name=VIRTUAL,
             motors=motors,
             tick_frequency=tick_frequency,
             fifo_runs=fifo_runs,

@@ -15,7 +15,7 @@ from gproof.backend.runtime import RunRefused, run
 from gproof.ir.machine import Board
 from gproof.ir.setup import ZERO, Interval
 from gproof.ir.verdict import DEFAULT_POLICY, Condition, PropertyResult, Verdict
-from gproof.verify.certificate import check_package, write_package
+from gproof.verify.certificate import check_package, load_or_create_key, raw_public, write_package
 from gproof.verify.package import CertificateError, Package, read_package
 from gproof.verify.stream import validate
 
@@ -99,7 +99,51 @@ def test_a_stream_that_does_not_hold_is_refused(make: Make) -> None:
 
 
 def test_an_unsigned_package_is_refused_where_signers_are_named(make: Make) -> None:
-    assert refused(make(), trusted_keys=[b"x" * 32]) == {822}
+    assert refused(make(), trusted_keys=[b"x" * 32]) == {827}
+
+
+def test_an_untrusted_package_runs_where_that_is_allowed_and_the_record_says_so(make: Make) -> None:
+    package = make()
+    board = VirtualBoard.for_machine(package.machine, len(package.stream.motors))
+    record = run(package, board, trusted_keys=[], allow_untrusted=True)
+    assert (record.result.value, record.accepted) == ("completed", "allow-untrusted")
+    # Allowed is only that: whatever else is wrong is refused as ever.
+    assert refused(make(verdict=Verdict.UNKNOWN), trusted_keys=[], allow_untrusted=True) == {824, 827}
+
+
+class Emulator(Tap):
+    """The same board behind a port, or so it could be: it has another name."""
+
+    def open(self):
+        return dataclasses.replace(super().open(), name="mill simulator")
+
+
+@pytest.mark.parametrize("left_out", [(), ("machine",), ("setup",), ("trusted_keys",), ("allow",)])
+def test_a_board_of_another_name_asks_for_machine_setup_and_trusted_keys(
+    left_out: tuple[str, ...], tmp_path: Path
+) -> None:
+    key = load_or_create_key(tmp_path / "key.pem")
+    path = tmp_path / "job.gpx"
+    write_package(
+        path, job="job.cnc", version="0", inputs=[],
+        properties=[PropertyResult(name=name, verdict=Verdict.SAFE) for name in DEFAULT_POLICY],
+        not_judged=[], assumptions=[], machine=JOB.machine, setup=ZERO, trace=JOB.trace, stream=JOB.stream,
+        report=validate(JOB.stream, JOB.trace, JOB.machine, ZERO), key=key,
+    )  # fmt: skip
+    package = read_package(path)
+    more = {"machine": package.machine, "setup": ZERO, "trusted_keys": [raw_public(key)]}
+    if left_out == ("allow",):
+        more |= {"trusted_keys": [], "allow_untrusted": True}
+    board = Emulator(2)
+    if not left_out:
+        assert run(package, board, **more).result.value == "completed"
+        return
+    with pytest.raises(RunRefused) as refusal:
+        run(package, board, **{name: value for name, value in more.items() if name not in left_out})
+    assert board.status().state.value == "closed"
+    assert board.seen == [[], []]
+    wanted = 823 if left_out[0] in ("machine", "setup") else 827
+    assert [f.code.number for f in refusal.value.findings] == [wanted]
 
 
 def test_a_changed_file_is_not_even_read(make: Make) -> None:

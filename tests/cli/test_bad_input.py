@@ -542,7 +542,10 @@ def outputs(folder: Path, gproof: Run) -> list[tuple[Callable[[str], Done], str]
     return [
         (lambda place: gproof("check", "job.cnc", *WITH_MACHINE, "--picture", place), "picture"),
         (lambda place: gproof("compile", "job.cnc", *WITH_MACHINE, "--unsigned", "-o", place), "output"),
-        (lambda place: gproof("run", "made.gpx", "--board", "virtual", "--record", place), "record"),
+        (
+            lambda place: gproof("run", "made.gpx", "--board", "virtual", "--allow-untrusted", "--record", place),
+            "record",
+        ),
     ]
 
 
@@ -650,7 +653,7 @@ STREAMS = {
     "a missing job": "check nothere.cnc",
     "dump": "dump job.cnc --stage trace",
     "compile": "compile job.cnc --machine machine.toml --setup zero --unsigned -o new.gpx",
-    "run": "run made.gpx --board virtual",
+    "run": "run made.gpx --board virtual --allow-untrusted",
     "standard input": "fmt -",
     "explain": "explain GP301",
 }
@@ -690,7 +693,7 @@ def test_streams_that_are_closed_or_full(name: str, folder: Path, gproof: Run) -
         (["compile", "job.cnc", *WITH_MACHINE, "--unsigned", "-o", "new.gpx"], "os.replace"),
         (["check", "job.cnc", "--picture", "new.svg"], "os.replace"),
         (["verify", "made.gpx"], "gproof.verify.certificate.check_package"),
-        (["run", "made.gpx", "--board", "virtual", "--record", "new.json"], "os.replace"),
+        (["run", "made.gpx", "--board", "virtual", "--allow-untrusted", "--record", "new.json"], "os.replace"),
         (["fmt", "job.cnc"], "filecmp.cmp"),
         (["fmt", "job.cnc"], "os.replace"),
     ],

@@ -6,6 +6,7 @@ import dataclasses
 import errno
 import json
 import os
+import shutil
 import signal
 import subprocess
 import time
@@ -20,7 +21,7 @@ from gproof.backend.record import parse_record, read_record
 from gproof.backend.record_data import ExecutionRecord, Result
 from gproof.cli import run_journal
 from gproof.cli.run_journal import Keeper
-from gproof.verify.certificate import load_or_create_key, public_key_text
+from gproof.verify.certificate import create_key, load_or_create_key, public_key_text
 
 MACHINE = """schema = "gproof-machine/1"
 units = "mm"
@@ -40,9 +41,11 @@ RUN = ["run", "job.gpx", "--board", "virtual"]
 def packages(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("packages")
     (folder / "machine.toml").write_text(MACHINE)
+    create_key(folder / "signing-key.pem")
     for name, text in (("job", JOB), ("long", LONG)):
         (folder / f"{name}.cnc").write_text(text)
         words = ["compile", f"{name}.cnc", "--machine", "machine.toml", "--setup", "zero", "-o", f"{name}.gpx"]
+        words += ["--key", "signing-key.pem"]
         assert in_this_process(words, folder).exit == 0
     return folder
 
@@ -51,6 +54,9 @@ def packages(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def shop(packages: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """A folder with two packages, and a user's folder of its own."""
     monkeypatch.setenv("XDG_CONFIG_HOME", str(tmp_path / "config"))
+    keys = tmp_path / "config" / "gproof"
+    keys.mkdir(parents=True, mode=0o700)
+    shutil.copy(packages / "signing-key.pem", keys)
     shop = tmp_path / "shop"
     shop.mkdir()
     for name in ("job", "long"):
@@ -79,7 +85,7 @@ def test_a_run_leaves_a_signed_record_and_a_closed_journal(shop: Path) -> None:
     assert not list(runs(shop).glob(f"*{SUFFIX}"))
     value = json.loads((shop / "record.json").read_bytes())
     assert value["signature"]["created"]
-    assert value["accepted"] == "any-signer"
+    assert value["accepted"] == "trusted-key"
     assert "sections.steps" in value["unproved"]
     record = read_record(shop / "record.json")
     assert record.result is Result.COMPLETED
@@ -211,8 +217,7 @@ def test_a_disk_that_fills_up_during_the_run_ends_it_at_rest(shop: Path, monkeyp
 
 
 def test_a_run_that_can_leave_no_trace_does_not_begin(shop: Path) -> None:
-    (shop.parent / "config").mkdir()
-    (shop.parent / "config" / "gproof").write_text("a file where the folder should be")
+    runs(shop).write_text("a file where the folder should be")
     done = run(shop)
     assert (done.exit, done.out) == (3, "")
     assert "nothing was moved" in done.err
@@ -490,7 +495,10 @@ def test_a_key_that_others_can_read_signs_nothing_and_stops_nothing(shop: Path) 
     place = shop.parent / "config" / "gproof" / "signing-key.pem"
     load_or_create_key(place)
     place.chmod(0o644)
-    done = run(shop, "--record", "record.json")
+    done = run(shop)
+    assert (done.exit, "GP827" in done.out) == (2, True), "who reads it signs with it too"
+    done = run(shop, "--record", "record.json", "--allow-untrusted")
     assert done.exit == 0
+    assert "your own key is not trusted" in done.err
     assert "warning: the record will not be signed" in done.err
     assert verify(shop).exit == 2

@@ -131,12 +131,12 @@ def test_signature_and_signers(signed: Path, unsigned: Path, key: Any) -> None:
     assert check.signer == base64.b64encode(raw).decode()
     assert check.findings == ()
     assert check_package(package, trusted_keys=[b"x" * 32, raw]).valid
-    assert codes(check_package(package, trusted_keys=[b"x" * 32])) == {"GP822"}
-    assert codes(check_package(package, trusted_keys=[])) == {"GP822"}
+    assert codes(check_package(package, trusted_keys=[b"x" * 32])) == {"GP827"}
+    assert codes(check_package(package, trusted_keys=[])) == {"GP827"}
     nobody = check_package(read_package(unsigned))
     assert nobody.valid
     assert codes(nobody) == {"GP826"}
-    assert codes(check_package(read_package(unsigned), trusted_keys=[raw])) == {"GP822"}
+    assert codes(check_package(read_package(unsigned), trusted_keys=[raw])) == {"GP827"}
 
 
 def test_keys_are_private_and_kept(tmp_path: Path) -> None:

@@ -1,0 +1,31 @@
+"""What others wrote, as a terminal may show it: names of jobs, machines, motors, files, reasons and comments.
+
+Built on Unicode's general categories. Whatever would move the cursor, end the line, change colours or turn the order
+of what stands beside it (control characters, ESC, separators of lines, formats such as the overrides of direction,
+surrogates, private ones and those that are not assigned) is printed as its number.
+"""
+
+from __future__ import annotations
+
+import unicodedata
+
+LONGEST = 400
+"""Characters of one text that are printed; of more, the beginning, and how many there are."""
+_HIDDEN = frozenset({"Cc", "Cf", "Cs", "Co", "Cn", "Zl", "Zp"})
+
+
+def shown(text: object, longest: int = LONGEST) -> str:
+    """One line, in which nothing acts on the terminal; long ones cut, which is said."""
+    whole = str(text)
+    part = whole if len(whole) <= longest else whole[:longest]
+    out = part if part.isascii() and part.isprintable() else "".join(map(_visible, part))
+    return out if part is whole else f"{out}... ({len(whole)} characters)"
+
+
+def _visible(character: str) -> str:
+    if character.isprintable() or character == " ":
+        return character
+    if unicodedata.category(character) not in _HIDDEN:
+        return " "  # a blank of another width
+    number = ord(character)
+    return f"\\x{number:02x}" if number < 0x100 else f"\\u{number:04x}" if number < 0x10000 else f"\\U{number:08x}"

@@ -1,0 +1,158 @@
+"""``gproof keys``: the keys of the user, and whose signatures are believed."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import click
+
+from gproof.cli import key_ring
+from gproof.cli.escape import shown
+from gproof.cli.files import require_file, require_place
+from gproof.cli.key_ring import OWN, KeyRing, own_key_path, read_ring, require_name, write_entry
+from gproof.cli.main import UsageError
+from gproof.verify.signers import Signer, fingerprint, today
+
+
+def run_new(output: Path | None) -> int:
+    """Make the own key, or one for somewhere else; never over another."""
+    from gproof.verify.certificate import create_key, raw_public
+
+    if output is not None:
+        require_place(output, "output")
+    path = output or own_key_path()
+    if path.exists():
+        more = "" if output is not None else f"; gproof keys revoke {OWN} ends it first"
+        raise UsageError(f"{path}: there is a key already{more}")
+    raw = raw_public(create_key(path))
+    click.echo(f"{shown(str(path))}: a new key, {fingerprint(raw)}")
+    said = (
+        "gproof keys show prints its public half" if output is None else "gproof keys show FILE prints its public half"
+    )
+    click.echo(f"  {said}, which may be given to everybody; the file itself to nobody")
+    return 0
+
+
+def run_list() -> int:
+    """One line a key: name, fingerprint, what it is worth today."""
+    ring = read_ring()
+    rows = [(one.name, fingerprint(one.raw), _state(one)) for one in ring.signers]
+    width = max((len(name) for name, _, _ in rows), default=0)
+    for name, finger, state in rows:
+        click.echo(f"{shown(name):<{width}}  {finger}  {state}")
+    if ring.own is None:
+        click.echo("no key of your own yet: gproof keys new, or the first gproof compile, makes it", err=True)
+    return 0
+
+
+def _state(one: Signer) -> str:
+    if one.revoked is not None:
+        return f"revoked on {one.revoked}"
+    if one.expires is not None:
+        return f"expired on {one.expires}" if today() > one.expires else f"trusted until {one.expires}"
+    return "your own key" if one.name == OWN else "trusted"
+
+
+def run_show(name: str) -> int:
+    """The public key, alone on standard output; its fingerprint beside it."""
+    from gproof.verify.certificate import load_key, public_key_text, raw_public
+
+    found = next((one for one in read_ring().signers if one.name == name), None)
+    if found is not None:
+        raw = found.raw
+    elif name != OWN and Path(name).exists():
+        path = Path(name)
+        require_file(path, "key")
+        try:
+            raw = raw_public(load_key(path)) if b"PRIVATE KEY" in path.read_bytes() else _public(path)
+        except ValueError as error:
+            raise UsageError(str(error)) from None
+    elif name == OWN:
+        raise UsageError("there is no key of your own yet: gproof keys new makes it")
+    else:
+        raise UsageError(f"there is no key {name!r}; gproof keys list names those there are")
+    click.echo(public_key_text(raw), nl=False)
+    click.echo(f"fingerprint {fingerprint(raw)}", err=True)
+    return 0
+
+
+def run_trust(path: Path, name: str | None, expires: str | None) -> int:
+    """Believe from now on what a key signs."""
+    raw = _public(path)
+    name = path.stem if name is None else name
+    require_name(name)
+    try:
+        last = None if expires is None else key_ring.date_of(expires)
+    except ValueError as error:
+        raise UsageError(f"--expires: {error}") from None
+    if last is not None and last < today():
+        raise UsageError(f"--expires: {last} has passed")
+    ring = read_ring()
+    _not_otherwise(ring, raw, name)
+    write_entry(Signer(raw=raw, name=name, expires=last))
+    until = "" if last is None else f" until {last}"
+    click.echo(f"{name}: trusted{until}, {fingerprint(raw)}")
+    click.echo("  what it signs runs here: compare this fingerprint with the one that its owner reads out")
+    return 0
+
+
+def _not_otherwise(ring: KeyRing, raw: bytes, name: str) -> None:
+    """UsageError where the key is kept already in another way, or the name is another key's."""
+    for one in ring.signers:
+        if one.raw == raw and one.revoked is not None:
+            raise UsageError(f"this key was revoked on {one.revoked}, as {one.name}; it is not trusted again")
+    for one in ring.signers:
+        if one.raw == raw and one.name != name:
+            raise UsageError(f"this key is trusted already, as {one.name}")
+        if one.raw != raw and one.name.lower() == name.lower():
+            raise UsageError(f"name {name}: is that of another key ({fingerprint(one.raw)}); --name takes one")
+
+
+def run_revoke(name: str, new_name: str | None) -> int:
+    """Refuse from now on what a key signs, whoever names it, and whenever it was signed."""
+    ring = read_ring()
+    known = next((one for one in ring.signers if one.name == name), None)
+    if name == OWN:
+        if ring.own is None:
+            raise UsageError("there is no key of your own")
+        kept = _revoke_own(ring.own)
+        click.echo(f"{kept.name}: revoked, {fingerprint(kept.raw)}; what you signed with it is refused from now on")
+        return 0
+    if known is None:
+        path = Path(name)
+        if not path.exists():
+            raise UsageError(f"there is no key {name!r}; gproof keys list names those there are")
+        raw = _public(path)
+        known = next((one for one in ring.signers if one.raw == raw), None)
+        if known is None:
+            new_name = path.stem if new_name is None else new_name
+            require_name(new_name)
+            _not_otherwise(ring, raw, new_name)
+            known = Signer(raw=raw, name=new_name)
+        elif known.name == OWN:
+            raise UsageError(f"this is your own key: gproof keys revoke {OWN}")
+    if known.revoked is not None:
+        raise UsageError(f"{known.name}: was revoked on {known.revoked}")
+    write_entry(replace(known, revoked=today()))
+    click.echo(f"{known.name}: revoked, {fingerprint(known.raw)}; what it signed is refused from now on")
+    return 0
+
+
+def _revoke_own(own: Signer) -> Signer:
+    """Keep the public half as revoked, and set the private one aside: nothing is signed with it any more."""
+    kept = Signer(raw=own.raw, name=f"own-{fingerprint(own.raw)[:4]}", revoked=today())
+    write_entry(kept)
+    path = own_key_path()
+    path.rename(path.with_name(f"revoked-{fingerprint(own.raw)}.pem"))
+    return kept
+
+
+def _public(path: Path) -> bytes:
+    from gproof.verify.certificate import load_public_key
+
+    require_file(path, "key")
+    try:
+        return load_public_key(path)
+    except (ValueError, OSError) as error:
+        raise UsageError(str(error)) from None

@@ -1,0 +1,205 @@
+"""`gproof keys`: made, shown, trusted, listed, revoked; what can not be done is one line and leaves all as it was."""
+
+import os
+import re
+import stat
+import subprocess
+from pathlib import Path
+
+import pytest
+from cli.packages import Shop
+from cli.test_trust import refused, rsa
+
+from gproof.verify.certificate import load_public_key
+from gproof.verify.signers import Signer, fingerprint, signed_by
+
+FINGERPRINT = r"[a-z2-7]{4}(-[a-z2-7]{4}){3}"
+
+
+@pytest.fixture
+def shop(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Shop:
+    return Shop(tmp_path, monkeypatch.setenv)
+
+
+def state(shop: Shop) -> dict[str, bytes]:
+    return {str(p.relative_to(shop.folder)): p.read_bytes() for p in shop.folder.rglob("*") if p.is_file()}
+
+
+def test_a_new_key_is_private_and_its_public_half_can_be_given_away(shop: Shop) -> None:
+    done = shop("keys", "list")
+    assert (done.exit, done.out) == (0, "")
+    refused(shop("keys", "show"), "no key of your own yet")
+    done = shop("keys", "new")
+    assert done.exit == 0
+    private = shop.keys / "signing-key.pem"
+    assert stat.S_IMODE(private.stat().st_mode) == 0o600
+    assert stat.S_IMODE(shop.keys.stat().st_mode) == 0o700
+    before = private.read_bytes()
+    refused(shop("keys", "new"), "there is a key already")
+    assert private.read_bytes() == before
+    shown = shop("keys", "show")
+    assert "PRIVATE" not in shown.out
+    (shop.folder / "mine.pem").write_text(shown.out)
+    mine = fingerprint(load_public_key(shop.folder / "mine.pem"))
+    assert re.fullmatch(FINGERPRINT, mine)
+    assert shown.err == f"fingerprint {mine}\n"
+    assert mine in done.out
+    assert shop("keys", "list").out == f"own  {mine}  your own key\n"
+    assert shop("keys", "show", "own").out == shown.out
+    assert shop("keys", "show", "mine.pem").out == shown.out
+    assert shop("keys", "show", str(private)).out == shown.out, "of a private key the public half"
+
+
+def test_a_key_for_somewhere_else(shop: Shop) -> None:
+    done = shop("keys", "new", "-o", "robot.pem")
+    assert done.exit == 0
+    assert stat.S_IMODE((shop.folder / "robot.pem").stat().st_mode) == 0o600
+    assert not shop.keys.exists()
+    shop.compile("--key", "robot.pem")
+    assert shop("verify", "made.gpx").exit == 2, "it is not one's own"
+    refused(shop("keys", "new", "-o", "robot.pem"), "there is a key already")
+    refused(shop("keys", "new", "-o", "no/where.pem"), "no folder")
+    refused(shop("keys", "new", "-o", "."), "is a directory")
+
+
+def test_what_is_kept_is_a_key_for_every_tool(shop: Shop) -> None:
+    _, public = shop.key("bench")
+    assert shop("keys", "trust", "bench.pem", "--expires", shop.day(40)).exit == 0
+    kept = shop.keys / "keys" / "bench.pem"
+    assert load_public_key(kept) == load_public_key(public)
+    assert kept.read_text().splitlines()[1] == f"expires: {shop.day(40)}"
+    listed = shop("keys", "list").out
+    assert re.fullmatch(rf"bench  {FINGERPRINT}  trusted until {shop.day(40)}\n", listed)
+    assert shop("keys", "trust", "bench.pem").exit == 0, "the same key under the same name: another last day"
+    assert shop("keys", "list").out.endswith("  trusted\n")
+    assert shop("keys", "show", "bench").out == public.read_text()
+    assert shop("keys", "revoke", "bench").exit == 0
+    assert shop("keys", "list").out.endswith(f"  revoked on {shop.day(0)}\n")
+    refused(shop("keys", "revoke", "bench"), "was revoked")
+
+
+def test_a_key_that_was_never_trusted_can_be_revoked(shop: Shop) -> None:
+    shop.key("stolen")
+    assert shop("keys", "revoke", "stolen.pem").exit == 0
+    assert "stolen" in shop("keys", "list").out
+    refused(shop("keys", "trust", "stolen.pem"), "revoked")
+    _, second = shop.key("second")
+    assert shop("keys", "trust", second.name, "--name", "alias").exit == 0
+    assert shop("keys", "revoke", second.name).out.startswith("alias: revoked"), "known under its name"
+
+
+def test_words_that_do_not_fit_are_one_line_and_change_nothing(shop: Shop) -> None:
+    _, _ = shop.key("bench")
+    _, _ = shop.key("other")
+    (shop.folder / "rsa.pem").write_text(rsa())
+    (shop.folder / "garbage.pem").write_bytes(b"\xff\x00")
+    assert shop("keys", "new").exit == 0
+    (shop.folder / "mine.pem").write_text(shop("keys", "show").out)
+    assert shop("keys", "trust", "bench.pem").exit == 0
+    before = state(shop)
+    for words, said in (
+        (("trust", "nothere.pem"), "no such file"),
+        (("trust", "."), "is a directory"),
+        (("trust", "rsa.pem"), "no Ed25519 key"),
+        (("trust", "garbage.pem"), "no public key"),
+        (("trust", "bench-private.pem"), "is a private key"),
+        (("trust", "other.pem", "--name", "bench"), "another key"),
+        (("trust", "other.pem", "--name", "BENCH"), "another key"),
+        (("trust", "bench.pem", "--name", "alias"), "trusted already, as bench"),
+        (("trust", "mine.pem"), "trusted already, as own"),
+        (("trust", "other.pem", "--name", "own"), "your own key"),
+        (("trust", "other.pem", "--name", "Own"), "your own key"),
+        (("trust", "other.pem", "--name", "../up"), "is made of letters"),
+        (("trust", "other.pem", "--name", ".hidden"), "is made of letters"),
+        (("trust", "other.pem", "--name", ""), "is made of letters"),
+        (("trust", "other.pem", "--name", "x" * 65), "is made of letters"),
+        (("trust", "other.pem", "--name", "a\x1b[2J"), "is made of letters"),
+        (("trust", "other.pem", "--name", "\u202eneb"), "is made of letters"),
+        (("trust", "other.pem", "--expires", "soon"), "is no date"),
+        (("trust", "other.pem", "--expires", "2027-02-29"), "there is no day"),
+        (("trust", "other.pem", "--expires", "20270131"), "is no date"),
+        (("trust", "other.pem", "--expires", "2027-W05"), "is no date"),
+        (("trust", "other.pem", "--expires", "\u0662027-01-31"), "is no date"),
+        (("trust", "other.pem", "--expires", "2001-01-01"), "has passed"),
+        (("trust", "other.pem", "--expires", ""), "is no date"),
+        (("revoke", "nobody"), "there is no key"),
+        (("revoke", "."), "is a directory"),
+        (("revoke", "mine.pem"), "your own key"),
+        (("revoke", "bench-private.pem"), "is a private key"),
+        (("show", "nobody"), "there is no key"),
+        (("show", "."), "is a directory"),
+        (("show", "job.cnc"), "no public key"),
+        (("trust",), "FILE"),
+        (("revoke",), "NAME"),
+        (("sign",), "sign"),
+    ):
+        refused(shop("keys", *words), said)
+        assert state(shop) == before, words
+    assert shop("keys").exit == 3
+
+
+def test_a_damaged_key_stops_every_command_that_asks(shop: Shop) -> None:
+    """Or one that was revoked would come back."""
+    shop.key("bench")
+    assert shop("keys", "revoke", "bench.pem").exit == 0
+    kept = shop.keys / "keys" / "bench.pem"
+    whole = kept.read_text()
+    shop.compile()
+    assert shop("verify", "made.gpx").exit == 0
+    for spoilt, said in (
+        ("", "no public key"),
+        (whole.replace("revoked:", "revokd:"), "no line of a key"),
+        (whole.replace("revoked: 2", "revoked: x"), "is no date"),
+        (whole.replace("revoked:", "revoked: 2020-01-01\nrevoked:"), "no line of a key"),
+        (whole.replace("fingerprint: ", "fingerprint: a"), "another key"),
+        ("x" * 70_000, "no public key"),
+    ):
+        kept.write_text(spoilt)
+        for words in (("keys", "list"), ("verify", "made.gpx"), ("run", "made.gpx", "--board", "virtual")):
+            refused(shop(*words), "bench.pem", said)
+    kept.write_text(whole)
+    if os.geteuid() != 0:
+        kept.chmod(0)
+        refused(shop("keys", "list"), "bench.pem")
+        kept.chmod(0o600)
+
+
+@pytest.mark.skipif(os.name != "posix", reason="modes of files")
+@pytest.mark.parametrize("place", ["", "keys", "keys/bench.pem"])
+def test_where_others_can_write_nobody_is_trusted(place: str, shop: Shop) -> None:
+    shop.key("bench")
+    assert shop("keys", "trust", "bench.pem").exit == 0
+    path = shop.keys / place
+    path.chmod(path.stat().st_mode | 0o020)
+    refused(shop("keys", "list"), "others can")
+
+
+def test_ones_own_key_that_others_can_read_is_none(shop: Shop) -> None:
+    assert shop("keys", "new").exit == 0
+    (shop.keys / "signing-key.pem").chmod(0o640)
+    refused(shop("keys", "list"), "by others")
+
+
+def test_revoked_counts_before_all_else_and_the_latest_last_day() -> None:
+    import datetime
+
+    day = datetime.date(2027, 1, 31)
+    raw = b"k" * 32
+    gone = Signer(raw=raw, name="gone", revoked=day)
+    for others in ([raw, gone], [gone, raw], [Signer(raw=raw, expires=day), gone]):
+        assert signed_by(raw, others) == gone
+    assert signed_by(raw, [Signer(raw=raw, expires=day), raw]) == Signer(raw=raw)
+    assert signed_by(raw, [b"x" * 32]) is None
+
+
+def test_openssl_reads_what_is_shown(shop: Shop) -> None:
+    assert shop("keys", "new").exit == 0
+    (shop.folder / "mine.pem").write_text(shop("keys", "show").out)
+    try:
+        done = subprocess.run(
+            ["openssl", "pkey", "-pubin", "-in", shop.folder / "mine.pem", "-noout", "-text"],
+            capture_output=True, text=True, check=False,
+        )  # fmt: skip
+    except FileNotFoundError:
+        pytest.skip("no openssl")
+    assert "ED25519" in done.stdout.upper()
