@@ -149,7 +149,7 @@ def test_packages_say_under_which_conditions_they_hold(tmp_path: Path, capsys: p
     )
     (tmp_path / "s.toml").write_text(SETUP.replace("tool = 0", "tool = 1"))
     condition = "if active tool length is at most 60.0000 mm (areas)"
-    words = ["--machine", str(tmp_path / "m.toml"), "--setup", str(tmp_path / "s.toml"), "--unsigned"]
+    words = ["--machine", str(tmp_path / "m.toml"), "--setup", str(tmp_path / "s.toml")]
     for name, moves, code in (("cond", "G53 G0 X110 Y10\n", 0), ("plain", "G53 G0 X60 Y10\n", 0)):
         job, package = tmp_path / f"{name}.cnc", tmp_path / f"{name}.gpx"
         job.write_text(f"G21 G90 G17 G54\n{moves}M30\n")
