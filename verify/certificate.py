@@ -38,6 +38,7 @@ from gproof.verify.package import (
     write_members,
 )
 from gproof.verify.setup_at_hand import differences
+from gproof.verify.signature import fits
 from gproof.verify.signers import Trusted, judge_signer
 from gproof.verify.stream import validate
 from gproof.verify.stream_report import BOUNDS, CHECKER, CHECKER_VERSION, StreamReport
@@ -185,23 +186,12 @@ def _check_signature(package: Package, trusted: Trusted, findings: list[Finding]
         else:
             findings.append(codes.CERTIFICATE_UNSIGNED.at(where))
         return None
-    from cryptography.exceptions import InvalidSignature
-    from cryptography.hazmat.primitives.asymmetric.ed25519 import Ed25519PublicKey
-
-    try:
-        label = dict(package.signature)
-        over_label = _decode(label.pop("label_signature"))
-        raw, signature = _decode(label["public_key"]), _decode(label["signature"])
-        weak = weakness(raw)
-        if not weak:
-            public = Ed25519PublicKey.from_public_bytes(raw)
-            public.verify(signature, package.body_bytes)
-            public.verify(over_label, canonical(label))
-    except (KeyError, ValueError, TypeError, InvalidSignature):
+    if not fits(package.signature, package.body_bytes):
         findings.append(codes.CERTIFICATE_SIGNATURE.at(where, what="the signature does not fit the certificate"))
         return None
-    findings += judge_signer(raw, trusted, where, created=str(label.get("created", "")))
-    return None if weak else _encode(raw)
+    raw = _decode(package.signature["public_key"])
+    findings += judge_signer(raw, trusted, where, created=str(package.signature.get("created", "")))
+    return _encode(raw)
 
 
 def _check_verdicts(package: Package, findings: list[Finding], where: Span) -> None:
