@@ -12,14 +12,15 @@ T = TypeVar("T")
 class Control:
     """Feed hold and emergency stop, asked for at any moment and heard by the runtime at the next.
 
-    signalled: a signal interrupted the run; ending: why it ends at the next rest, empty when it does not.
+    began: the run has begun; signalled: a signal interrupted it; ending: why it ends at the next rest (empty: it does not).
     """
 
     def __init__(self) -> None:
         self._hold = threading.Event()
         self._stop = threading.Event()
         self._asking = False
-        self._running = self._closing = False
+        self._closing = False
+        self.began = False
         self.signalled = False
         self.ending = ""
 
@@ -38,12 +39,10 @@ class Control:
         """
         if self._closing:
             return
-        if not self._running:
-            raise KeyboardInterrupt
-        self.signalled = True
+        before, self.signalled = self.signalled, True
         if self._asking:
             raise KeyboardInterrupt
-        if self._hold.is_set():
+        if self._hold.is_set() and (before or not self.ending):
             self.stop()
         self.hold()
 
@@ -51,8 +50,6 @@ class Control:
         """For signal handlers: an emergency stop; it ends a question as ``interrupt`` does."""
         if self._closing:
             return
-        if not self._running:
-            raise KeyboardInterrupt
         self.signalled = True
         self.stop()
         if self._asking:
@@ -65,7 +62,7 @@ class Control:
 
     def running(self) -> None:
         """The run begins: signals are requests from now on; until then they end what prepares it."""
-        self._running = True
+        self.began, self._closing = True, False
 
     def closing(self) -> None:
         """The run is over: what interrupts it from now on has nothing left to stop."""

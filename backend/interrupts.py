@@ -22,6 +22,8 @@ class _Heard:
         self.control = control
 
     def __call__(self, number: int, _frame: FrameType | None) -> None:
+        if not self.control.began:
+            raise KeyboardInterrupt
         if number == signal.SIGINT:
             self.control.interrupt()
         else:

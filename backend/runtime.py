@@ -365,9 +365,9 @@ class _Walk:
             outcome=ended.outcome,
             ticks=ended.ticks,
             retimings=(*planned, *ended.retimings),
-            steps=tuple(b - a for a, b in zip(before.steps, after.steps, strict=True)),
-            position=after.position,
-            accepted=tuple(b - a for a, b in zip(before.accepted, after.accepted, strict=True)),
+            steps=tuple(int(b - a) for a, b in zip(before.steps, after.steps, strict=True)),
+            position=tuple(int(place) for place in after.position),
+            accepted=tuple(int(b - a) for a, b in zip(before.accepted, after.accepted, strict=True)),
             events=tuple((e.tick - run.base, e.row, e.op) for e in self._events),
         )
         self._write("ended", {"section": plain(done), "reason": ended.reason, "known": ended.known}, sync=True)
@@ -388,9 +388,9 @@ class _Walk:
             self._events_noted += len(new)
             fields = {
                 "tick": now,
-                "steps": [b - a for a, b in zip(before.steps, seen.steps, strict=True)],
-                "position": list(seen.position),
-                "accepted": [b - a for a, b in zip(before.accepted, seen.accepted, strict=True)],
+                "steps": [int(b - a) for a, b in zip(before.steps, seen.steps, strict=True)],
+                "position": [int(place) for place in seen.position],
+                "accepted": [int(b - a) for a, b in zip(before.accepted, seen.accepted, strict=True)],
                 "events": [[e.tick - run.base, e.row, e.op] for e in new],
             }
             self._write("at", fields)

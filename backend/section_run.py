@@ -93,7 +93,7 @@ class SectionRun:
         self._asked: tuple[int, Future[_Ready | None]] | None = None
         self._patience = pace.preparing
         self._worker: ThreadPoolExecutor | None = None
-        self._finished = False
+        self._finished = self._unheld = False
 
     def run(self) -> Ended:
         """To the end of the section, or to what stopped it."""
@@ -196,7 +196,7 @@ class SectionRun:
 
     def _hear(self, now: int) -> None:
         """Begin or go on working out a feed hold."""
-        if self._held is not None or self._finished or not self.control.hold_asked:
+        if self._held is not None or self._finished or self._unheld or not self.control.hold_asked:
             return
         rest = self.is_.tick_frequency
         section = self.ended.section
@@ -228,9 +228,12 @@ class SectionRun:
         return prepared, Feeder(prepared.section, max_count=self.is_.max_count)
 
     def _take(self, ready: _Ready | None) -> None:
+        if ready is None and self.control.ending:
+            # Nobody is in a hurry: on to the end of the section, which is at rest and loses no position.
+            self._unheld = True
+            return
         if ready is None:
-            why = f"; {self.control.ending}" if self.control.ending else ""
-            self.ended.reason = f"no feed hold passed the validator{why}"
+            self.ended.reason = "no feed hold passed the validator"
             self.control.stop()
             return
         self._replace(*ready)

@@ -337,6 +337,30 @@ def test_a_full_disk_at_any_write(point: int, space: int, tmp_path: Path, monkey
         assert found == record
 
 
+def test_where_no_feed_hold_is_possible_the_section_goes_on_to_its_end(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """An emergency stop may lose the position; a journal that can not be written is no reason for one."""
+    monkeypatch.setattr(runtime, "NOTED", 0.01)
+    monkeypatch.setattr(runtime._Walk, "_accept", lambda *_: False)
+    journal, board = begun(tmp_path), Tap(2)
+    full_from(monkeypatch, 8, 10**9)
+    record = runtime.walk(TWO, board, journal=journal)
+    assert record.result is Result.STOPPED
+    assert [s.outcome for s in record.sections] == [Result.COMPLETED]
+    assert record.position == TWO.stream.sections[0].end()
+    assert list(problems(record, TWO)) == []
+
+
+def test_the_first_interrupt_during_such_a_hold_is_no_emergency_stop() -> None:
+    control = Control()
+    control.end_at_rest("the journal can not be written")
+    control.interrupt()
+    assert not control.stop_asked
+    control.interrupt()
+    assert control.stop_asked
+
+
 def test_a_disk_that_is_full_from_the_start_moves_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     board = Tap(2)
     journal = begun(tmp_path)
