@@ -12,7 +12,7 @@ T = TypeVar("T")
 class Control:
     """Feed hold and emergency stop, asked for at any moment and heard by the runtime at the next.
 
-    began: the run has begun; signalled: a signal interrupted it; ending: why it ends at the next rest (empty: it does not).
+    began: the run has begun; signalled: a signal interrupted it; ending: why it ends at the next rest, or empty.
     """
 
     def __init__(self) -> None:
