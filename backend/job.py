@@ -69,7 +69,8 @@ def checked_job(
     """The parts of a package that holds here and now; RunRefused with all findings otherwise.
 
     machine, setup, trusted_keys: as for ``check_package``; allow_untrusted: that nobody trusted has signed it (GP827)
-    is no reason against, and the job says that it was none.
+    is no reason against, and the job says that it was none. Of a job with open offsets Trace and stream are those at
+    the offsets that the setup states.
     """
     check = check_package(package, machine, setup, trusted_keys)
     against = [f for f in check.findings if f.severity in (Severity.ERROR, Severity.UNKNOWN)]
@@ -77,7 +78,8 @@ def checked_job(
     if len(against) > len(untrusted) * allow_untrusted:
         raise RunRefused(check.findings)
     accepted = ANY_SIGNER if trusted_keys is None else ALLOWED if untrusted else TRUSTED
-    return replace(
+    job = replace(
         job_of(package), accepted=accepted, signer=check.signer or "", machine_at_hand=machine is not None,
         setup_at_hand=setup is not None,
     )  # fmt: skip
+    return job if check.moved is None else replace(job, trace=check.moved.trace, stream=check.moved.stream)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import datetime
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -24,24 +25,46 @@ from gproof.ir.finding import Severity
 from gproof.ir.plan import Plan
 from gproof.ir.record import record
 from gproof.ir.stream import StepStream
+from gproof.ir.symbols import describe
 from gproof.ir.trace import Trace
-from gproof.ir.verdict import Verdict
+from gproof.ir.verdict import Condition, Verdict
 
 if TYPE_CHECKING:
+    from gproof.cli.lengths import LengthUnit
+    from gproof.verify.measured import Open
     from gproof.verify.stream_report import StreamReport
 
 
 @record(slots=True, kw_only=True)
 class Lowered:
-    """The stages of a job; None from the first one that could not be reached."""
+    """The stages of a job; None from the first one that could not be reached.
+
+    left_open: the offsets that are measured later, None for none; the plan and the stream are then those of their
+    reference; not_placed: why there is no such reference, though the job rests on open offsets.
+    """
 
     trace: Trace
     plan: Plan | None = None
     stream: StepStream | None = None
+    left_open: Open | None = None
+    not_placed: str = ""
+
+    def followed(self) -> Trace:
+        """What the stream follows."""
+        if self.left_open is None:
+            return self.trace
+        from gproof.verify.measured import put
+
+        return put(self.trace, self.left_open.places, self.left_open.reference)
 
 
-def lower(session: Session, running: Running, stage: str) -> Lowered:
-    """Trace, then plan, then stream, as far as ``stage``; every stage verified."""
+def lower(
+    session: Session, running: Running, stage: str, conditions: Sequence[Condition] | None = None
+) -> Lowered:  # fmt: skip
+    """Trace, then plan, then stream, as far as ``stage``; every stage verified.
+
+    conditions: what open offsets are asked for: the stream is then made for a reference in the middle of it.
+    """
     from gproof.passes.execute import execute
 
     assert session.program is not None
@@ -55,7 +78,9 @@ def lower(session: Session, running: Running, stage: str) -> Lowered:
         return lowered
     from gproof.passes.lift import follow
 
-    followed = follow(trace, session.setup, session.machine, session.findings)
+    if conditions is not None:
+        _leave_open(session, lowered, conditions)
+    followed = follow(lowered.followed(), session.setup, session.machine, session.findings)
     if followed is None:
         return lowered
     followed.trace.verify()
@@ -75,6 +100,18 @@ def lower(session: Session, running: Running, stage: str) -> Lowered:
         lowered.stream = followed.on_machine(stream, session.machine)
         lowered.stream.verify()
     return lowered
+
+
+def _leave_open(session: Session, lowered: Lowered, conditions: Sequence[Condition]) -> None:
+    """Find what the places of the job rest on, and a reference for it."""
+    from gproof.verify.measured import NotPlaced, Open, places_of, reference
+
+    try:
+        places = places_of(lowered.trace, session.machine, session.setup)
+        if places:
+            lowered.left_open = Open(places=places, reference=reference(places, conditions, session.setup))
+    except NotPlaced as error:
+        lowered.not_placed = str(error)
 
 
 def run_compile(
@@ -116,17 +153,19 @@ def _run(
         shown.stop()
         return _refuse(session, judgement, judgement.verdict, "the job is not SAFE")
     shown.phase("planning the motion and its steps")
-    lowered = _quiet_lower(session, running)
+    asked = [condition for result in judgement.properties for condition in result.conditions]
+    lowered = _quiet_lower(session, running, asked)
     findings = session.findings
     if lowered.stream is None or findings.has(Severity.UNKNOWN) or findings.has(Severity.ERROR):
         verdict = Verdict.UNSAFE if findings.has(Severity.ERROR) else Verdict.UNKNOWN
         shown.stop()
         safe = "SAFE under conditions" if conditions_of(judgement) else "SAFE"
-        return _refuse(session, judgement, verdict, f"the job is {safe}, but no step stream can be made of it")
+        why = f": {lowered.not_placed}" if lowered.not_placed else ""
+        return _refuse(session, judgement, verdict, f"the job is {safe}, but no step stream can be made of it{why}")
     from gproof.verify.stream import validate
 
     shown.phase("verifying every step", lowered.stream.steps())
-    report = validate(lowered.stream, lowered.trace, session.machine, session.setup, beat=shown.done)
+    report = validate(lowered.stream, lowered.followed(), session.machine, session.setup, beat=shown.done)
     for finding in report.findings:
         findings.add(finding)
     if report.verdict is not Verdict.SAFE:
@@ -144,18 +183,33 @@ def _run(
         for condition in conditions:
             text = condition_text(session, condition, unit_of_report(session, judgement))
             click.echo(f"  if          {text} ({name})")
+    for text in _measured_later(session, lowered, unit_of_report(session, judgement)):
+        click.echo(f"  to measure  {text}")
     click.echo(f"  certificate {digest}")
     click.echo(f"  signed by   {signer}")
     return 0
 
 
-def _quiet_lower(session: Session, running: Running) -> Lowered:
+def _measured_later(session: Session, lowered: Lowered, unit: LengthUnit) -> Iterator[str]:
+    """What the setup at hand has to state when the package runs, and where the axes have to stand."""
+    machine = session.machine
+    for place in lowered.left_open.places.values() if lowered.left_open is not None else ():
+        form = describe(place.form, machine) or "machine zero"
+        if place.start is None:
+            yield form
+            continue
+        own = next(axis.unit for axis in machine.axes if axis.index == place.axis)
+        at = f"{unit.place(place.start, own)} {unit.named(own)} from {form}"
+        yield f"{form}, and {machine.word(place.axis)} stands {at} when the job begins"
+
+
+def _quiet_lower(session: Session, running: Running, conditions: Sequence[Condition]) -> Lowered:
     """Lower with a collector of its own: judging told what executing finds already."""
     from gproof.ir.finding import Findings
 
     told = session.findings
     session.findings = Findings(limit=told.limit, stated=told.stated)
-    lowered = lower(session, running, "stream")
+    lowered = lower(session, running, "stream", conditions)
     known = {(f.code.number, f.span) for f in told.kept}
     for finding in session.findings.kept:
         if (finding.code.number, finding.span) not in known:
@@ -195,6 +249,6 @@ def _write(
         properties=judgement.properties, not_judged=not_judged(r.name for r in judgement.properties),
         assumptions=judgement.assumptions,
         machine=session.machine, setup=session.setup, trace=lowered.trace, stream=lowered.stream, report=report,
-        key=key, created=now,
+        key=key, created=now, left_open=lowered.left_open,
     )  # fmt: skip
     return digest, signer

@@ -40,6 +40,7 @@ def run_run(
     from gproof.backend.runtime import RunFailed, RunRefused, run
     from gproof.cli.run_journal import Keeper, require_record_place, runs_folder, settled
     from gproof.verify.certificate import CertificateError, read_package
+    from gproof.verify.measured import taken
 
     require_file(path, "package")
     require_files(machine, setup, source)
@@ -98,6 +99,7 @@ def run_run(
         lines.append(
             f"  time        {ticks / frequency:.1f} s of motion" + ("" if real_time else f", run in {took:.1f} s")
         )
+        lines += [f"  taken       {said}" for said in taken(package, at_hand.setup)]
         if done.accepted == ALLOWED:
             lines.append("  trusted     no: nobody trusted has signed it, and --allow-untrusted let it run")
         told = where is not None and (record is not None or bool(lost))

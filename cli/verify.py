@@ -23,6 +23,7 @@ def run_verify(
     """Print what holds; exit 0 only when the package may run."""
     from gproof.cli.summary import condition_of
     from gproof.verify.certificate import CertificateError, check_package, read_package
+    from gproof.verify.measured import taken
 
     require_file(path, "package")
     require_files(machine, setup, source)
@@ -54,6 +55,8 @@ def run_verify(
     click.echo(f"{path}: {SAFE_IF if conditional else verdict.value}")
     for name, condition in check.conditions if verdict is not Verdict.UNSAFE else ():
         click.echo(f"  if          {condition_of(package.machine, condition)} ({name})")
+    for said in taken(package, at_hand.setup):
+        click.echo(f"  taken       {said}")
     click.echo(f"  certificate {package.sha256}")
     click.echo(f"  job         {package.body.get('job')}, machine {package.machine.name}")
     signer = "nobody" if check.signer is None else name_of(base64.b64decode(check.signer), trusted)

@@ -10,7 +10,9 @@ from __future__ import annotations
 import base64
 import hashlib
 import os
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import replace
+from fractions import Fraction
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -26,6 +28,8 @@ from gproof.ir.trace import Trace
 from gproof.ir.verdict import DEFAULT_POLICY, Condition, PropertyResult, Verdict
 from gproof.verify import certificate_words as words
 from gproof.verify.ed25519_points import weakness
+from gproof.verify.measured import Moved, NotPlaced, NotStated, Open, Place, open_of, slack, values_of, written
+from gproof.verify.measured import moved as move
 from gproof.verify.package import (
     BODY,
     FORMAT,
@@ -52,6 +56,8 @@ __all__ = [
 ]  # fmt: skip
 
 TRACE_CHECKER = "gproof.passes"
+PLACED = "stream-position"
+"""The property that has what is asked of offsets that are measured later."""
 COMPILE_AGAIN = "a package holds for the setup that it was made for: gproof compile makes one for the setup at hand"
 
 
@@ -60,7 +66,8 @@ class Check:
     """What ``check_package`` found. valid: every part holds, so that it may run; stream: the checker's report.
 
     open: those of the findings that only say of a condition that no setup states what it asks of; conditions: these, by
-    the property that has them.
+    the property that has them; moved: of a job with open offsets, Trace and stream where the setup states them, or
+    where the stream was made.
     """
 
     findings: tuple[Finding, ...]
@@ -68,6 +75,7 @@ class Check:
     signer: str | None
     open: tuple[Finding, ...] = ()
     conditions: tuple[tuple[str, Condition], ...] = ()
+    moved: Moved | None = None
 
     @property
     def valid(self) -> bool:
@@ -85,15 +93,20 @@ def write_package(
     path: Path, *, job: str, version: str, inputs: Iterable[tuple[str, str, str]],
     properties: Iterable[PropertyResult], not_judged: Iterable[str], assumptions: Iterable[str], machine: Machine,
     setup: Setup, trace: Trace, stream: StepStream, report: StreamReport, key: Ed25519PrivateKey | None = None,
-    created: str = "", comment: str = "",
+    created: str = "", comment: str = "", left_open: Open | None = None,
 ) -> str:  # fmt: skip
     """Write a package and return the SHA-256 of its body; the file appears whole or not at all.
 
     inputs: (name, sha256, role); properties: those of the trace; report: of the stream checker;
-    created, comment: kept beside the signature, outside the body; a second signature covers them.
+    created, comment: kept beside the signature, outside the body; a second signature covers them; left_open: the
+    offsets that are measured later, of which the runtime asks what the position of the stream then has as conditions.
     """
     members = parts_of(machine, setup, trace, stream)
-    body = {
+    of_stream = report.properties
+    if left_open is not None:
+        asked = tuple(c for place in left_open.places.values() for c in place.conditions())
+        of_stream = tuple(replace(p, conditions=asked) if p.name == PLACED else p for p in of_stream)
+    body: dict[str, Any] = {
         "format": FORMAT,
         "gproof": version,
         "job": job,
@@ -103,13 +116,15 @@ def write_package(
         "sizes": {name: len(data) for name, data in members.items()},
         "properties": [
             *(_property(p, TRACE_CHECKER, version, "") for p in properties),
-            *(_property(p, CHECKER, CHECKER_VERSION, BOUNDS[p.name]) for p in report.properties),
+            *(_property(p, CHECKER, CHECKER_VERSION, BOUNDS[p.name]) for p in of_stream),
         ],
         "not_judged": sorted(not_judged),
         "assumptions": list(assumptions),
         "steps": report.steps,
         "duration_ticks": sum(s.duration for s in stream.sections),
     }
+    if left_open is not None:
+        body["reference"] = written(left_open.places, left_open.reference)
     data = canonical(body)
     members[BODY] = data
     if key is not None:
@@ -158,24 +173,58 @@ def check_package(
                 where, what=f"made for machine {package.machine.name!r} in another state than {machine.name!r} is now"
             )
         )
+    moved: Moved | None = None
     try:
         _check_verdicts(package, findings, where)
-        left = _check_conditions(package, setup or package.setup, findings, where)
+        at_hand = setup or package.setup
+        open_ = open_of(package.body, package.trace, package.machine, package.setup)
+        taken, problems = ({}, []) if open_ is None else values_of(open_.places, at_hand, package.machine)
+        known = open_ if open_ is not None and not problems else None
+        left = _check_conditions(package, at_hand, findings, where, known, taken)
+        left += _not_stated(problems, left, findings, where)
+        if open_ is not None:
+            at = taken if known else {axis: Fraction(value) for axis, value in open_.reference.items()}
+            moved = move(package.trace, package.stream, open_, at, package.machine)
         if setup is not None:
+            measured = _condition_symbols(package.body) | (frozenset() if open_ is None else open_.symbols)
             findings += (
                 codes.CERTIFICATE_OFFSETS.at(where, what=said, hint=COMPILE_AGAIN)
-                for said in differences(package.setup, setup, package.machine, package.trace)
+                for said in differences(package.setup, setup, package.machine, package.trace, measured)
             )
     except (LookupError, ValueError, TypeError, AttributeError, ArithmeticError) as error:
         findings.append(codes.CERTIFICATE_MALFORMED.at(where, what=f"the body is not of its form ({error})"))
-    report = validate(package.stream, package.trace, package.machine, package.setup, beat=beat)
+    stream, trace = (package.stream, package.trace) if moved is None else (moved.stream, moved.trace)
+    report = validate(stream, trace, package.machine, package.setup, beat=beat)
     findings += report.findings
     if report.verdict is not Verdict.SAFE and not report.findings:
         findings.append(codes.CERTIFICATE_VERDICT.at(where, what="the stream checker could not judge every property"))
     return Check(
         findings=tuple(findings), stream=report, signer=signer, open=tuple(finding for finding, _, _ in left),
-        conditions=tuple((name, condition) for _, name, condition in left),
+        conditions=tuple((name, condition) for _, name, condition in left), moved=moved,
     )  # fmt: skip
+
+
+Left = list[tuple[Finding, str, Condition]]
+
+
+def _not_stated(problems: list[tuple[Place, NotPlaced]], left: Left, findings: list[Finding], where: Span) -> Left:
+    """Findings for offsets that have to be measured and that the setup does not state, or not as they have to be."""
+    found: Left = []
+    asked = {symbol for _, _, condition in left for symbol, _ in condition.terms}
+    for place, error in problems:
+        if isinstance(error, NotStated) and asked.intersection(error.symbols):
+            continue  # the condition says so
+        finding = codes.CERTIFICATE_OFFSETS.at(where, what=str(error))
+        findings.append(finding)
+        if isinstance(error, NotStated):
+            found += [(finding, PLACED, condition) for condition in place.conditions()]
+    return found
+
+
+def _condition_symbols(body: dict[str, Any]) -> frozenset[str]:
+    """What conditions ask of: left open when the job was judged, and stated now."""
+    conditions = [c for prop in body.get("properties", []) for c in prop.get("conditions", [])]
+    return frozenset(str(symbol) for condition in conditions for symbol, _ in condition["terms"])
 
 
 def _check_signature(package: Package, trusted: Trusted, findings: list[Finding], where: Span) -> str | None:
@@ -211,17 +260,25 @@ def _check_verdicts(package: Package, findings: list[Finding], where: Span) -> N
 
 
 def _check_conditions(
-    package: Package, setup: Setup, findings: list[Finding], where: Span
-) -> list[tuple[Finding, str, Condition]]:  # fmt: skip
-    """Findings for conditions that do not hold; those of which the setup states nothing, with their property."""
-    left: list[tuple[Finding, str, Condition]] = []
+    package: Package, setup: Setup, findings: list[Finding], where: Span, open_: Open | None,
+    taken: Mapping[int, Fraction],
+) -> Left:  # fmt: skip
+    """Findings for conditions that do not hold; those of which the setup states nothing, with their property.
+
+    open_, taken: offsets that are taken for whole steps, with which they have to hold too.
+    """
+    left: Left = []
     for prop in package.body.get("properties", []):
         for condition in prop.get("conditions", []):
             low, high = float(condition["low"]), float(condition["high"])
+            terms = tuple((str(symbol), int(count)) for symbol, count in condition["terms"])
             known = _sum(condition["terms"], setup)
-            if known is None or not (low <= known.low and known.high <= high):
-                terms = tuple((str(symbol), int(count)) for symbol, count in condition["terms"])
+            more = 0.0
+            if open_ is not None and prop.get("name") != PLACED:
+                more = slack(open_.places, taken, Condition(terms=terms, low=low, high=high), setup)
+            if known is None or not (low + more <= known.low and known.high <= high - more):
                 stated = "not stated" if known is None else words.between(known.low, known.high)
+                stated += f", and {words.number(more)} beside it on whole steps," if more else ""
                 names = describe(terms, package.machine)
                 finding = codes.CERTIFICATE_OFFSETS.at(
                     where, what=f"the certificate holds for {names} {words.between(low, high)}; it is {stated} now"

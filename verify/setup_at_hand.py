@@ -88,11 +88,17 @@ def how_compared(kind: type, name: str) -> How:
     return How.SAME if rule is None else rule.how
 
 
-def differences(then: Setup, now: Setup, machine: Machine, trace: Trace) -> list[str]:
-    """What keeps a package made for ``then`` from holding for ``now``, each a whole sentence; empty when it holds."""
+def differences(
+    then: Setup, now: Setup, machine: Machine, trace: Trace, measured: frozenset[str] = frozenset()
+) -> list[str]:
+    """What keeps a package made for ``then`` from holding for ``now``, each a whole sentence; empty when it holds.
+
+    measured: symbols that the package has conditions for, or a stream that is moved by them: what they are is judged
+    with these, where ``then`` left them open.
+    """
     if type(then) is not type(now):
         return [f"made for a {type(then).__name__}; it is a {type(now).__name__} now"]
-    pair = _Pair(then, now, machine, trace)
+    pair = _Pair(then, now, machine, trace, measured)
     return [said for field in dataclasses.fields(then) for said in pair.field(field.name)]
 
 
@@ -140,8 +146,11 @@ def _added(then: object, now: object) -> list[Any]:
 class _Pair:
     """The two setups."""
 
-    def __init__(self, then: Setup, now: Setup, machine: Machine, trace: Trace) -> None:
+    def __init__(
+        self, then: Setup, now: Setup, machine: Machine, trace: Trace, measured: frozenset[str]
+    ) -> None:  # fmt: skip
         self.then, self.now = then, now
+        self.measured = measured
         self.machine, self.trace = machine, trace
         self.by_field: dict[str, Callable[[str], Iterator[str]]] = {
             "start": self._symbols, "work": self._symbols, "g92": self._symbols, "tool_lengths": self._symbols,
@@ -216,7 +225,7 @@ class _Pair:
         for key in _keys(was, is_):
             symbol = _symbol(name, key)
             before, after = was.get(key), is_.get(key)
-            if before is None and after is not None and self._not_used(name, key):
+            if before is None and after is not None and self._may_be_stated(symbol, name, key):
                 continue
             before = self._default(self.then, name, key) if before is None else before
             after = self._default(self.now, name, key) if after is None else after
@@ -261,6 +270,11 @@ class _Pair:
         there = self.machine.spindle(key[0]) if name == "heads" and key[1] in AXIS_NAMES[:3] else None
         offset = None if there is None else there.offset[AXIS_NAMES.index(key[1])]
         return math.nan if there is not None and there.unsigned and offset else offset
+
+    def _may_be_stated(self, symbol: str, name: str, key: Any) -> bool:
+        """Whether what was left open is judged with what the package asks of it, or is used nowhere."""
+        open_ = self.then.interval(symbol) is None and self._of_machine(self.then, name, key) is None
+        return (open_ and symbol in self.measured) or self._not_used(name, key)
 
     def _not_used(self, name: str, key: Any) -> bool:
         """Whether an entry that was left open to everybody is one that no row of the Trace can rest on."""
