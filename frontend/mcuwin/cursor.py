@@ -14,8 +14,8 @@ from gproof.ir.notes import NoteKind
 from gproof.ir.program import PARAMETER, Expr, Number, Word
 
 _BLANKS = re.compile(r"[ \t]*")
-ASSIGNED = re.compile(r"[A-Za-z_][A-Za-z0-9_]*(?:\.[A-Za-z0-9_]+)*(?=[ \t]*(?:\[[^\]]*\][ \t]*)?:=)", re.ASCII)
-QUALIFIER = re.compile(r"[A-Za-z]+\.[A-Za-z_]", re.ASCII)
+_ASSIGNED = re.compile(r"[A-Za-z_][A-Za-z0-9_]*+(?:\.[A-Za-z0-9_]++)*+(?=[ \t]*(?:\[[^\]]*\][ \t]*)?:=)", re.ASCII)
+QUALIFIER = re.compile(r"[A-Za-z]++\.[A-Za-z_]", re.ASCII)
 _LITERAL = re.compile(
     r"[-+]?(?:[0-9]+(?P<point>\.[0-9]*)?|(?P<bare>\.[0-9]+))"
     r"(?![0-9.]|[eE][-+0-9])(?=[ \t]*(?:\Z|['(]|//|(?!(?:div|mod|and|or|xor|shl|shr)(?![A-Za-z0-9_]))[A-Za-z]))",
@@ -38,6 +38,7 @@ class LineCursor:
         self.code: tuple[str, int] | None = None
         self.comment = ""
         self.items = 0
+        self._last_sign = text.rfind(":=")
 
     def _blanks(self) -> None:
         self.at = self._behind_blanks(self.at)
@@ -93,13 +94,17 @@ class LineCursor:
         assert found is not None
         return found.end()
 
+    def _assigned(self, at: int) -> re.Match[str] | None:
+        """The name that begins at ``at`` and is assigned to; no name is looked for behind the last ``:=``."""
+        return _ASSIGNED.match(self.text, at) if at < self._last_sign else None
+
     def _begins_value(self, at: int) -> bool:
         """Whether a value begins at ``at``, not the next word."""
         at = self._behind_blanks(at)
         char = self.text[at : at + 1]
         if char and (char in "0123456789+-(" or (char == "." and self.text[at + 1 : at + 2].isdigit())):
             return True
-        if ASSIGNED.match(self.text, at):
+        if self._assigned(at):
             return False
         if QUALIFIER.match(self.text, at):
             return True

@@ -9,7 +9,7 @@ from __future__ import annotations
 import re
 
 from gproof.frontend.comment_hints import comment_hint
-from gproof.frontend.mcuwin.cursor import ASSIGNED, QUALIFIER, LineCursor
+from gproof.frontend.mcuwin.cursor import QUALIFIER, LineCursor
 from gproof.frontend.mcuwin.language import DinLine, Language
 from gproof.frontend.mcuwin.names import LABEL, NAME, label_name
 from gproof.frontend.mcuwin.pascal_text import MODE
@@ -91,7 +91,7 @@ class _Line(LineCursor):
 
     def _line_number(self) -> None:
         found = _LINE_NUMBER.match(self.text, self.at)
-        if found is None or ASSIGNED.match(self.text, self.at):
+        if found is None or self._assigned(self.at):
             return
         if not found[1]:
             raise self._error(codes.SYNTAX, self.at, found.end(), what="a line number is N and digits")
@@ -112,7 +112,7 @@ class _Line(LineCursor):
 
     def _item(self) -> None:
         char = self.text[self.at]
-        if ASSIGNED.match(self.text, self.at):
+        if self._assigned(self.at):
             self._assignment()
         elif _WRITE.match(self.text, self.at):
             self._message()
@@ -178,7 +178,7 @@ class _Line(LineCursor):
     def _axis_assignment(self) -> None:
         """To a variable of an axis, such as X.zerooffset (3.26): what it does, the manual does not say."""
         begin = self.at
-        name = ASSIGNED.match(self.text, begin)
+        name = self._assigned(begin)
         assert name is not None
         self.at = self.text.index(":=", begin) + 2
         self._value()
@@ -333,7 +333,7 @@ class _Line(LineCursor):
         else:
             name, count = self._target("M98", begin), None
             self._blanks()
-            if self.text[self.at : self.at + 1] in ("O", "o") and not ASSIGNED.match(self.text, self.at):
+            if self.text[self.at : self.at + 1] in ("O", "o") and not self._assigned(self.at):
                 start = self.at
                 self.at += 1
                 if not self._begins_value(self.at):

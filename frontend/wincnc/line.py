@@ -7,7 +7,6 @@ Specification, Comment, Braces; Macro File Configuration for the tilde). What th
 
 from __future__ import annotations
 
-import math
 import re
 from typing import Any
 
@@ -20,6 +19,8 @@ from gproof.ir.finding import Code, Finding, Span
 from gproof.ir.program import Binary, Expr, Named, Number, Text, Word
 from gproof.ir.record import field, record
 
+LARGEST = 1e300
+"""What a number may be: codes are looked up by their tenfold, which has to be one too."""
 TOO_LARGE = "a number that is too large for a double"
 OPERATORS = "*/+-"
 _NUMBER = re.compile(r"[-+]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)")
@@ -185,9 +186,9 @@ class LineReader:
 
 
 def _literal(text: str, span: Span) -> Number:
-    """A number as it is written; LineError for one that no double holds: lines of a macro may be of any length."""
+    """A number as it is written; LineError for one beyond doubles: lines of a macro may be of any length."""
     value = float(text.replace(",", "."))
-    if math.isinf(value):
+    if abs(value) > LARGEST:
         raise LineError(codes.BAD_EXPRESSION, span.column - 1, span.end_column - 1, what=TOO_LARGE)
     return Number(value, span, "." in text or "," in text)
 

@@ -58,9 +58,10 @@ def test_many_conditions_in_a_row_are_not_known(count: int, tmp_path: Path) -> N
 # -- a number that no double holds, where lines may be of any length
 
 
+@pytest.mark.parametrize("digits", [300, 301, 302, 308, 309, 310, 400, 5000])
 @pytest.mark.parametrize("word", ["M{}", "G{}", "X{}", "X-{}", "X{{{}}}", "X{{{}*2}}", "X{{2*{}}}"])
-def test_numbers_beyond_all_in_a_macro(word: str, tmp_path: Path) -> None:
-    (tmp_path / "CNC.MAC").write_text(f"MYMACRO=G0 {word.format('9' * 400)}\n")
+def test_numbers_beyond_all_in_a_macro(word: str, digits: int, tmp_path: Path) -> None:
+    (tmp_path / "CNC.MAC").write_text(f"MYMACRO=G0 {word.format('9' * digits)}\n")
     (tmp_path / "job.tap").write_text("G90\nMYMACRO\n")
     alone = ran(tmp_path, "check", "CNC.MAC", "--dialect", "wincnc")
     assert alone.exit in (1, 2), alone
@@ -91,6 +92,16 @@ def test_names_that_can_not_be(name: str, tmp_path: Path) -> None:
 def test_patterns_that_match_nothing(pattern: str, tmp_path: Path) -> None:
     (tmp_path / "list.toml").write_text(f'schema = "gproof-job/1"\njob = "{pattern}"\n')
     assert ran(tmp_path, "check", "list.toml").exit == 3
+
+
+# -- long lines of short words: what stands behind a word is looked at once
+
+
+@pytest.mark.parametrize("text", ["G01" * 8_000, "G" * 90_000, "X1" * 20_000, "G01.X" * 15_000, "a[" * 40_000,
+                                  "a.b" * 30_000, "a " * 40_000, "G01a" * 20_000 + ":=1"])  # fmt: skip
+def test_long_lines_of_mcuwin(text: str, tmp_path: Path) -> None:
+    (tmp_path / "job.src").write_text(f"{text}\nM30\n")
+    assert ran(tmp_path, "check", "job.src", "--dialect", "mcuwin", "--max-blocks", "1000").exit in (1, 2)
 
 
 # -- nesting deeper than the stack
