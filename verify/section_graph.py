@@ -15,7 +15,7 @@ import numpy.typing as npt
 
 from gproof.ir.machine import Machine
 from gproof.ir.setup import Setup
-from gproof.ir.trace import HEIGHT_MAP, KNIFE, Op, State, Trace, TraceSection, Wait
+from gproof.ir.trace import HEIGHT_MAP, KNIFE, SETPOINTS, Op, State, Trace, TraceSection, Wait
 
 WAITS = {
     Op.STOP: Wait.OPERATOR,
@@ -37,6 +37,8 @@ NOTES = frozenset({Op.OFFSET, Op.TOOL_OFFSET, Op.UNITS, Op.PLANE, Op.OVERRIDE, O
 """Rows that may follow a wait in its section: they take no time, move nothing and switch nothing."""
 
 LAST_MOTION = Op.PROBE
+_SHOWN = 40
+"""Characters of a stranger's name in a message."""
 
 _WAITING, _ACTING = np.zeros(256, np.bool_), np.ones(256, np.bool_)
 _WAITING[list(WAITS)] = True
@@ -63,6 +65,7 @@ def problems(trace: Trace, machine: Machine, setup: Setup) -> Iterator[Problem]:
         yield from _edges(section)
         yield from _waits(section, machine)
         yield from _open_loop(section, by_state)
+    yield from _setpoints(trace)
     yield from _ways(trace)
     yield from _height_map(trace, setup)
 
@@ -108,6 +111,17 @@ def _waits(section: TraceSection, machine: Machine) -> Iterator[Problem]:
     for wait in kinds - WITHOUT_A_ROW - UNDECIDED:
         if ends is None or WAITS.get(ends) is not wait:
             yield Problem(number, last, f"it ends in {wait.value}, and no row of it says so")
+
+
+def _setpoints(trace: Trace) -> Iterator[Problem]:
+    """What a row sets is something that a board can set."""
+    for section in trace.sections:
+        rows = np.flatnonzero(section.rows["op"] == Op.SETPOINT)
+        for text in np.unique(section.rows["text"][rows]).tolist():
+            name = trace.texts[text] if 0 <= text < len(trace.texts) else ""
+            if name not in SETPOINTS:
+                row = int(rows[section.rows["text"][rows] == text][0])
+                yield Problem(section.number, row, f"{name[:_SHOWN]!r} is nothing that can be set")
 
 
 def _named(kind: Op) -> str:

@@ -12,14 +12,13 @@ import io
 import json
 import random
 import struct
-import tempfile
 from collections.abc import Callable, Sequence
 from contextlib import redirect_stderr, redirect_stdout, suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 
 from support.spoiling import spoilt
-from verify.package_files import BODY, SIGNATURE, Members, members_of, packed, rehashed, write
+from verify.forgery import spoilt_package
 
 from gproof.backend.record_parse import is_record, parse_signed
 from gproof.cli.accept import read_baseline
@@ -38,7 +37,6 @@ from gproof.frontend.wincnc.machine import NO_SHOP
 from gproof.ir.finding import Findings
 from gproof.ir.machine import Machine
 from gproof.ir.program import Program
-from gproof.verify.certificate import load_or_create_key
 from gproof.verify.package import CertificateError, canonical, read_package
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -270,72 +268,6 @@ def _inis(word: bytes) -> tuple[bytes, ...]:
     return tuple(text for text in _files("corpus/**/*.ini", "corpus/**/*.INI", "docs/codes/**/*.ini",
                                          "docs/codes/**/*.INI", "tests/hand/**/*.INI", "tests/hand/**/*.ini")
                  if word.lower() in text.lower())  # fmt: skip
-
-
-@functools.cache
-def packages() -> tuple[Members, ...]:
-    """The members of a few right packages."""
-    with tempfile.TemporaryDirectory() as name:
-        folder = Path(name)
-        key = load_or_create_key(folder / "key.pem")
-        made = [write(folder / f"{job}.gpx", name=job, key=key) for job in ("events", "square", "arcs")]
-        return tuple(members_of(path) for path in made)
-
-
-def spoilt_package(rng: random.Random, seeds: Sequence[bytes]) -> bytes:
-    """A member changed, lost, doubled or exchanged, with hashes and seal that fit; sometimes the container itself."""
-    kept = rng.choice(packages())
-    members = dict(kept)
-    for _ in range(rng.choice((1, 1, 2, 4))):
-        name = rng.choice(sorted(members)) if members else BODY
-        kind = rng.randrange(12)
-        if kind == 0:
-            members.pop(name, None)
-        elif kind == 1:
-            members[name] = rng.choice(list(kept.values()))
-        elif kind == 2:
-            members[rng.choice((name + "x", "../x", " ", "trace/1.bin", "stream/9/0.bin", "a" * 300))] = b"x"
-        elif name.endswith(".bin"):
-            members[name] = spoilt_table(rng, members[name])
-        else:
-            others = [one[name] for one in packages() if name in one] or [b"{}"]
-            members[name] = spoilt(rng, [members.get(name, b""), *others])
-            if name.endswith(".json") and rng.random() < 0.8:
-                with suppress(ValueError, RecursionError):
-                    members[name] = canonical(json.loads(members[name]))
-    if rng.random() < 0.3:
-        members.pop(SIGNATURE, None)
-    if rng.random() < 0.85:
-        with suppress(Exception):
-            members = rehashed(members)
-    data = packed(members, how=0)
-    if rng.random() < 0.1:
-        data = spoilt_table(rng, data)
-    return data
-
-
-WORDS = [
-    struct.pack("<d", value)
-    for value in (float("nan"), float("inf"), -float("inf"), 1e308, -1e308, 5e-324, -0.0, 1.0, 1e15, 1e-300)
-] + [
-    struct.pack("<q", value) for value in (0, 1, -1, 2**31, 2**31 - 1, -(2**31), 2**53 + 1, 2**62, 2**63 - 1, -(2**63))
-]
-
-
-def spoilt_table(rng: random.Random, data: bytes) -> bytes:
-    """A table of numbers with another number at an aligned place, or rows more or less, or any bytes changed."""
-    kind = rng.randrange(6)
-    if kind < 3 and len(data) >= 8:
-        at = rng.randrange(len(data) // 8) * 8
-        return data[:at] + rng.choice(WORDS) + data[at + 8 :]
-    if kind == 3:
-        return data * 2 if rng.random() < 0.5 else data[: len(data) // 2]
-    if kind == 4:
-        return data[: rng.randrange(len(data) + 1)]
-    out = bytearray(data or b"x")
-    for _ in range(rng.choice((1, 3, 20))):
-        out[rng.randrange(len(out))] = rng.randrange(256)
-    return bytes(out)
 
 
 @functools.cache

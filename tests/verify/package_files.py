@@ -14,6 +14,8 @@ from verify.reference_stepper import Job, machine, step, stream_of
 
 from gproof.ir.machine import Machine
 from gproof.ir.setup import ZERO, Setup
+from gproof.ir.stream import StepStream
+from gproof.ir.trace import Trace
 from gproof.ir.verdict import DEFAULT_POLICY, PropertyResult, Verdict
 from gproof.verify.certificate import write_package
 from gproof.verify.package import canonical, seal
@@ -31,8 +33,13 @@ def write(path: Path, *, name: str = "events", setup: Setup = ZERO, **changes: A
 
 def write_job(path: Path, job: Job, on: Machine, *, setup: Setup = ZERO, **changes: Any) -> Path:
     """The same of any job of the reference stepper."""
-    trace = job.trace()
-    stream = stream_of(step(job, on), on)
+    return write_parts(path, on, setup, job.trace(), stream_of(step(job, on), on), **changes)
+
+
+def write_parts(
+    path: Path, on: Machine, setup: Setup, trace: Trace, stream: StepStream, **changes: Any
+) -> Path:  # fmt: skip
+    """The same of parts that there are."""
     values: dict[str, Any] = {
         "job": "job.cnc",
         "version": "1.2.3",
