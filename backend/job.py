@@ -14,6 +14,7 @@ from gproof.ir.setup import Setup
 from gproof.ir.stream import StepStream
 from gproof.ir.trace import Trace
 from gproof.verify.certificate import check_package
+from gproof.verify.measured import moved_to
 from gproof.verify.package import Package
 from gproof.verify.signers import Trusted
 
@@ -56,6 +57,12 @@ def job_of(package: Package) -> Job:
         setup=package.setup,
         stream=package.stream,
     )
+
+
+def job_from(package: Package, start: Sequence[int]) -> Job:
+    """The same where the motors began at these steps, which are the measured offsets' doing where there are any."""
+    job, moved = job_of(package), moved_to(package, start)
+    return job if moved is None else replace(job, trace=moved.trace, stream=moved.stream)
 
 
 def checked_job(

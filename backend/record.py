@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from gproof.backend.boards.board import Observed
-from gproof.backend.job import Job, job_of
+from gproof.backend.job import Job, job_from
 from gproof.backend.record_data import ExecutionRecord, Result, SectionRecord
 from gproof.backend.record_parse import parse_record, read_record
 from gproof.backend.retime import Spacing, retime, slow_map
@@ -26,7 +26,7 @@ __all__ = ["ExecutionRecord", "Result", "parse_record", "problems", "read_record
 def verify_record(record: ExecutionRecord, package: Package) -> list[Finding]:
     """GP833 for everything in which a record does not fit its package; none when it does."""
     place = Span(record.job, 0)
-    return [codes.RECORD_MISMATCH.at(place, what=what) for what in problems(record, job_of(package))]
+    return [codes.RECORD_MISMATCH.at(place, what=what) for what in problems(record, job_from(package, record.start))]
 
 
 def problems(record: ExecutionRecord, job: Job) -> Iterator[str]:

@@ -39,23 +39,16 @@ if TYPE_CHECKING:
 class Lowered:
     """The stages of a job; None from the first one that could not be reached.
 
-    left_open: the offsets that are measured later, None for none; the plan and the stream are then those of their
-    reference; not_placed: why there is no such reference, though the job rests on open offsets.
+    left_open: the offsets that are measured later, None for none; followed: what plan and stream then follow, the trace
+    at their reference; not_placed: why there is no such reference, though the job rests on open offsets.
     """
 
     trace: Trace
     plan: Plan | None = None
     stream: StepStream | None = None
     left_open: Open | None = None
+    followed: Trace | None = None
     not_placed: str = ""
-
-    def followed(self) -> Trace:
-        """What the stream follows."""
-        if self.left_open is None:
-            return self.trace
-        from gproof.verify.measured import put
-
-        return put(self.trace, self.left_open.places, self.left_open.reference)
 
 
 def lower(
@@ -80,7 +73,7 @@ def lower(
 
     if conditions is not None:
         _leave_open(session, lowered, conditions)
-    followed = follow(lowered.followed(), session.setup, session.machine, session.findings)
+    followed = follow(lowered.followed or trace, session.setup, session.machine, session.findings)
     if followed is None:
         return lowered
     followed.trace.verify()
@@ -104,12 +97,14 @@ def lower(
 
 def _leave_open(session: Session, lowered: Lowered, conditions: Sequence[Condition]) -> None:
     """Find what the places of the job rest on, and a reference for it."""
-    from gproof.verify.measured import NotPlaced, Open, places_of, reference
+    from gproof.verify.measured import NotPlaced, Open, places_of, put, reference
 
     try:
         places = places_of(lowered.trace, session.machine, session.setup)
         if places:
-            lowered.left_open = Open(places=places, reference=reference(places, conditions, session.setup))
+            values = reference(places, conditions, session.setup)
+            lowered.followed = put(lowered.trace, places, values)
+            lowered.left_open = Open(places=places, reference=values)
     except NotPlaced as error:
         lowered.not_placed = str(error)
 
@@ -165,7 +160,9 @@ def _run(
     from gproof.verify.stream import validate
 
     shown.phase("verifying every step", lowered.stream.steps())
-    report = validate(lowered.stream, lowered.followed(), session.machine, session.setup, beat=shown.done)
+    report = validate(
+        lowered.stream, lowered.followed or lowered.trace, session.machine, session.setup, beat=shown.done
+    )
     for finding in report.findings:
         findings.add(finding)
     if report.verdict is not Verdict.SAFE:

@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from gproof.ir.columns import Columns
+from gproof.ir.columns import Columns, occurring
 from gproof.ir.machine import AXES, AXIS_NAMES, Machine
 from gproof.ir.record import record
 from gproof.ir.setup import Interval, Setup
@@ -111,8 +111,11 @@ Values = Mapping[int, float]
 def places_of(trace: Trace, machine: Machine, setup: Setup) -> dict[int, Place]:
     """By axis, what its places rest on; empty where all are known. NotPlaced where the job can not be put anywhere."""
     found: dict[int, Place] = {}
+    frames = {section.start_frame for section in trace.sections}
+    for section in trace.sections:
+        frames.update(occurring(section.rows["frame"]) if len(section.rows) else ())
     for axis in machine.axes:
-        used = _forms(trace, axis.index)
+        used = {trace.frames[frame][axis.index] for frame in frames}
         if used - {()} and trace.sections:
             found[axis.index] = _place(trace, machine, axis.index, used)
     if not any(place.form for place in found.values()):
@@ -154,14 +157,6 @@ def _place(trace: Trace, machine: Machine, axis: int, used: set[Affine]) -> Plac
     known = [abs(Fraction(rate)) for rate in rates if rate is not None]
     grid = Fraction(math.lcm(*(r.denominator for r in known)), math.gcd(*(r.numerator for r in known)))
     return Place(axis=axis, form=form, start=start, grid=grid, step=1 / max(known))
-
-
-def _forms(trace: Trace, axis: int) -> set[Affine]:
-    """Every form that a place of the axis rests on."""
-    frames = {section.start_frame for section in trace.sections}
-    for section in trace.sections:
-        frames.update(np.unique(section.rows["frame"]).tolist())
-    return {trace.frames[frame][axis] for frame in frames}
 
 
 def _start(trace: Trace, axis: int, begins: Affine, form: Affine) -> float:
@@ -372,13 +367,8 @@ def _sum(form: Affine, setup: Setup) -> Fraction:
 
 def moved(trace: Trace, stream: StepStream, open_: Open, at: Mapping[int, Fraction], machine: Machine) -> Moved:
     """The job at these values; stream: as it was made for the reference, which is on whole steps."""
-    places, made_for = open_.places, open_.reference
-    shifts: dict[int, Fraction] = {}
-    for axis, place in places.items():
-        base = round(Fraction(made_for[axis]) / place.grid) * place.grid
-        if abs(Fraction(made_for[axis]) - base) > place.step * Fraction(_NEAR):
-            raise NotPlaced(f"the stream was made for {describe(place.form, machine)} {made_for[axis]}: no whole steps")
-        shifts[axis] = at[axis] - base
+    places = open_.places
+    shifts = {axis: at[axis] - base for axis, base in _bases(open_, machine).items()}
     steps = [shifts.get(motor.axis, Fraction(0)) * motor.steps_per_unit for motor in stream.motors]
     if any(step.denominator != 1 for step in steps):
         raise NotPlaced("the stream's motors are not those of the machine")
@@ -390,3 +380,33 @@ def moved(trace: Trace, stream: StepStream, open_: Open, at: Mapping[int, Fracti
         trace=put(trace, places, {axis: float(value) for axis, value in at.items()}),
         stream=dataclasses.replace(stream, sections=sections),
     )  # fmt: skip
+
+
+def _bases(open_: Open, machine: Machine) -> dict[int, Fraction]:
+    """The reference, on whole steps."""
+    found: dict[int, Fraction] = {}
+    for axis, place in open_.places.items():
+        made_for = Fraction(open_.reference[axis])
+        found[axis] = round(made_for / place.grid) * place.grid
+        if abs(made_for - found[axis]) > place.step * Fraction(_NEAR):
+            what = f"{describe(place.form, machine)} {open_.reference[axis]}"
+            raise NotPlaced(f"the stream was made for {what}: no whole steps")
+    return found
+
+
+def moved_to(package: Package, start: Sequence[int]) -> Moved | None:
+    """The job of a package where its motors begin at these steps; None where it has no open offsets, or none such."""
+    open_ = open_of(package.body, package.trace, package.machine, package.setup)
+    stream = package.stream
+    if open_ is None or len(start) != len(stream.motors) or not stream.sections:
+        return None
+    begins = zip(stream.motors, start, stream.sections[0].start, strict=True)
+    shifts = {(motor.axis, Fraction(now - then) / motor.steps_per_unit) for motor, now, then in begins}
+    by_axis = dict(shifts)
+    free = {axis for axis, place in open_.places.items() if place.form}
+    if len(by_axis) != len(shifts) or any(shift and axis not in free for axis, shift in shifts):
+        return None
+    at = {axis: base + by_axis.get(axis, 0) for axis, base in _bases(open_, package.machine).items()}
+    if any(value % open_.places[axis].grid for axis, value in at.items()):
+        return None
+    return moved(package.trace, stream, open_, at, package.machine)

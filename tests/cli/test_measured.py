@@ -17,6 +17,7 @@ import pytest
 from support.command import in_this_process
 
 from gproof.backend.boards.virtual import VirtualBoard
+from gproof.backend.record import verify_record
 from gproof.backend.record_data import ExecutionRecord, Result
 from gproof.backend.runtime import RunRefused, run
 from gproof.ir.columns import Columns
@@ -352,3 +353,20 @@ def test_on_the_command_line(tmp_path: Path) -> None:
         assert done.exit == 1
         assert "the certificate holds for G54 X offset from -100 to 240; it is 250 now" in done.out
     assert in_this_process(["run", "signed.gpx", "--board", "virtual"], tmp_path).exit == 1
+
+
+def test_a_record_fits_its_package_where_it_was_run(tmp_path: Path) -> None:
+    on = machine(SLAVE.format("160"))
+    package = made(tmp_path, JOBS["stops"], on)
+    done = executed(package, stands(package, HERE))
+    assert verify_record(done, package) == []
+    assert done.start != package.stream.sections[0].start
+    for motor in range(len(done.motors)):
+        start = tuple(step + (k == motor) for k, step in enumerate(done.start))
+        forged = dataclasses.replace(done, start=start)
+        assert verify_record(forged, package), motor
+    exact = made(tmp_path, JOBS["stops"], on, toml(stands(package, HERE)), "exact")
+    own = executed(exact, None)
+    assert verify_record(own, exact) == []
+    shift = tuple(step + 320 for step in own.start)
+    assert verify_record(dataclasses.replace(own, start=shift), exact)
