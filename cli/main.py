@@ -313,12 +313,14 @@ def run(
     It runs when a trusted key has signed it: your own, one of --trust, one of "gproof keys trust".
     """
     from gproof.cli.run import run_run
+    from gproof.cli.run_journal import alone
 
-    return run_run(
-        package, board=board, record=record, real_time=real_time, hold_at=hold_at, estop_at=estop_at,
-        override=override, ask=ask, replace_record=replace_record, runs=runs, after_interruption=after_interruption,
-        trust=trust, machine=machine, setup=setup, source=source, allow_untrusted=allow_untrusted,
-    )  # fmt: skip
+    with alone(runs, board):
+        return run_run(
+            package, board=board, record=record, real_time=real_time, hold_at=hold_at, estop_at=estop_at,
+            override=override, ask=ask, replace_record=replace_record, runs=runs, after_interruption=after_interruption,
+            trust=trust, machine=machine, setup=setup, source=source, allow_untrusted=allow_untrusted,
+        )  # fmt: skip
 
 
 @cli.group(no_args_is_help=True)

@@ -10,11 +10,13 @@ from __future__ import annotations
 import contextlib
 import sys
 import tempfile
+from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
 
+from gproof.cli.boards import VIRTUAL
 from gproof.cli.files import require_place
 from gproof.cli.key_ring import own_key_path
 from gproof.cli.main import UsageError
@@ -47,6 +49,28 @@ def runs_folder(given: Path | None) -> Path:
             "can write"
         )
     return folder
+
+
+@contextlib.contextmanager
+def alone(runs: Path | None, board: str) -> Iterator[None]:
+    """One run at a time on a board; UsageError while another process has it.
+
+    The virtual board belongs to its process: as many may run as there are processes.
+    """
+    from gproof.backend.journal import held
+
+    if board == VIRTUAL:
+        yield
+        return
+    folder = runs_folder(runs)
+    with contextlib.ExitStack() as stack:
+        try:
+            mine = stack.enter_context(held(folder, board))
+        except OSError as error:
+            raise UsageError(f"board {board}: can not be held in {folder}: {error.strerror or error}") from None
+        if not mine:
+            raise UsageError(f"board {board}: another run is going on; nothing was moved")
+        yield
 
 
 def require_record_place(path: Path, package: Path, replace: bool) -> bool:

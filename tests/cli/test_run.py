@@ -20,6 +20,7 @@ from gproof.backend.journal import DAMAGED, ENDED, SUFFIX, read_journal
 from gproof.backend.record import parse_record, read_record
 from gproof.backend.record_data import ExecutionRecord, Result
 from gproof.cli import run_journal
+from gproof.cli.main import UsageError
 from gproof.cli.run_journal import Keeper
 from gproof.verify.certificate import create_key, load_or_create_key, public_key_text
 
@@ -235,6 +236,19 @@ def test_journals_that_others_can_write_are_not_used(shop: Path) -> None:
     assert list((shop / "open").iterdir()) == []
     assert run(shop, "--runs", "own/deeper").exit == 0
     assert (shop / "own").stat().st_mode & 0o777 == 0o700
+
+
+def test_a_board_runs_one_job_at_a_time_and_virtual_ones_are_many(shop: Path) -> None:
+    folder = shop / "held"
+    with run_journal.alone(folder, "port-1"), run_journal.alone(folder, "port-2"):
+        with pytest.raises(UsageError, match="another run is going on"), run_journal.alone(folder, "port-1"):
+            raise AssertionError
+        with run_journal.alone(folder, "virtual"), run_journal.alone(folder, "virtual"):
+            assert run(shop).exit == 0
+    with run_journal.alone(folder, "port-1"):
+        pass
+    with pytest.raises(UsageError, match="journals can not be kept"), run_journal.alone(shop / "job.gpx", "port-1"):
+        raise AssertionError
 
 
 def test_a_closed_standard_output_loses_neither_record_nor_positions(shop: Path) -> None:
