@@ -32,6 +32,6 @@ def test_a_compensated_job_becomes_certified_steps(name: str, tmp_path: Path) ->
     job.write_text(HEAD + JOBS[name] + "M30\n")
     package = tmp_path / "job.gpx"
     assert main(["check", str(job), "--machine", str(MACHINE), "--setup", "zero"]) == 0
-    words = ["compile", str(job), "--machine", str(MACHINE), "--setup", "zero", "-o", str(package), "--unsigned"]
+    words = ["compile", str(job), "--machine", str(MACHINE), "--setup", "zero", "-o", str(package)]
     assert main(words) == 0
     assert main(["verify", str(package)]) == 0

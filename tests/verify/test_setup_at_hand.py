@@ -11,13 +11,16 @@ from typing import Any
 
 import numpy as np
 import pytest
+from corpus.jobs import job_of
 from verify.jobs import JOBS
 from verify.reference_stepper import machine
 
+from gproof.cli.session import open_session
 from gproof.ir.columns import Columns
 from gproof.ir.machine import Area, Machine, Spindle, Tool
 from gproof.ir.record import record
 from gproof.ir.setup import NOTHING, ZERO, HeightMap, InForce, Interval, Setup, StoredPosition
+from gproof.ir.text import parse_ir, print_ir
 from gproof.ir.trace import Op, State, Trace
 from gproof.ir.workpiece import TRIANGLES, Box, Placed, Workpiece
 from gproof.verify.setup_at_hand import RULES, How, differences, how_compared, same
@@ -394,3 +397,15 @@ def test_the_page_has_each_rule() -> None:
     page = (Path(__file__).parents[2] / "docs" / "certificate.md").read_text()
     table = page.partition("## The setup at hand")[2].partition("What was stated")[0]
     assert set(re.findall(r"`([A-Z]\w+\.\w+)`", table)) == set(RULES)
+
+
+@pytest.mark.parametrize("name", ["eding/clamped-bracket", "eding/pcb-height-map", "eding/engraved-cylinder"])
+def test_a_setup_is_itself_when_it_was_written_and_read(name: str) -> None:
+    program, expected = job_of(name)
+    files = [str(program.parent / expected[key]) for key in ("machine", "setup")]
+    session = open_session(program, machine=Path(files[0]), setup=files[1], dialect="eding")
+    for setup in (session.setup, FULL, ZERO, NOTHING):
+        again = parse_ir(print_ir(setup))
+        assert isinstance(again, Setup)
+        assert differences(again, setup, session.machine, trace()) == []
+        assert differences(setup, again, session.machine, trace()) == []
