@@ -23,6 +23,8 @@ COULD_NOT_RUN = 3
 INTERRUPTED = 130
 """128 and the number of SIGINT, as shells have it."""
 _STDERR = 2
+MOST = 10**15
+"""Of what is counted: whatever is larger says nothing else."""
 _DIALECTS = ["wincnc", "eding", "mcuwin"]
 
 
@@ -58,7 +60,10 @@ class _Commands(click.Group):
 
 
 class _Finite(click.FloatRange):
-    """A range of numbers, NaN and infinity not among them."""
+    """A range of numbers, NaN and infinity not among them; a thousand million at most where none is named."""
+
+    def __init__(self, low: float, high: float = 1e9) -> None:
+        super().__init__(low, high)
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> float:
         """The number; a usage error for what is none."""
@@ -97,12 +102,12 @@ def _job_options(command: Any, *, machines: bool = False) -> Any:
             click.option("--dialect", type=click.Choice(_DIALECTS), help="Language; guessed when not given."),
             click.option(
                 "--max-blocks",
-                type=click.IntRange(1),
+                type=click.IntRange(1, MOST),
                 help="Blocks to execute at most; 5 million and 4 a line by default.",
             ),
             click.option(
                 "--max-branches",
-                type=click.IntRange(0),
+                type=click.IntRange(0, MOST),
                 default=4096,
                 help="Outcomes of unknown conditions to follow at most; 4096 by default.",
             ),
@@ -128,7 +133,9 @@ def _job_options(command: Any, *, machines: bool = False) -> Any:
 @click.option("--report", "reports", multiple=True, metavar="FORM=FILE", help="Write one more report; repeatable.")
 @click.option("-q", "--quiet", is_flag=True, help="Only the verdicts.")
 @click.option("--no-group", "--all", "every", is_flag=True, help="Show repeats of a finding one by one.")
-@click.option("-j", "--jobs", "workers", type=click.IntRange(1), help="Jobs judged at once; by default what pays.")
+@click.option(
+    "-j", "--jobs", "workers", type=click.IntRange(1, 1024), help="Jobs judged at once; by default what pays."
+)
 @ALSO
 @once("--policy", type=FileName(), help="What the shop asks of its jobs (TOML).")
 @click.option(

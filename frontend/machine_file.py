@@ -15,7 +15,7 @@ from typing import Any
 from gproof.frontend.areas_table import areas_from
 from gproof.frontend.controls_table import controls_from
 from gproof.frontend.mcuwin.machine import with_axes
-from gproof.frontend.toml_table import MILLIMETRES, TomlFile, TomlTable, is_there, meant
+from gproof.frontend.toml_table import MILLIMETRES, TomlFile, TomlTable, in_range, is_there, meant
 from gproof.frontend.tool_table import check_shape, shape_keys
 from gproof.ir.dialects.accepts import ACCEPTS, LINE_NUMBERS, TEXT_AFTER_COMMENT, names_of
 from gproof.ir.finding import Findings
@@ -55,7 +55,7 @@ Files = list[tuple[str, str]]
 def load_machine(path: Path, findings: Findings) -> tuple[Machine | None, Files]:
     """The machine in a TOML file or a controller's .ini file; None, with findings GP601–GP604, when it is bad."""
     machine, files = _load(path, findings, DEEPEST_BASE)
-    return None if machine is None else with_axes(machine), files
+    return None if machine is None else in_range(with_axes(machine), path, findings), files
 
 
 def _load(

@@ -14,7 +14,7 @@ from gproof.frontend.areas_table import keep_out_from
 from gproof.frontend.height_map_file import read_height_map
 from gproof.frontend.machine_file import HIGHEST_HEAD, HIGHEST_TOOL, Files
 from gproof.frontend.setup_channels import Columns, axes_of, columns_of, with_channels
-from gproof.frontend.toml_table import MILLIMETRES, TomlFile, TomlTable, small_number
+from gproof.frontend.toml_table import MILLIMETRES, TomlFile, TomlTable, in_range, small_number
 from gproof.ir.dialects import rules_named
 from gproof.ir.dialects.mcuwin import COMMON, PROTECTED
 from gproof.ir.finding import Findings
@@ -85,7 +85,7 @@ def load_setup(path: Path, findings: Findings, machine: Machine = NO_MACHINE) ->
     )
     setup = with_channels(setup, root, unit, columns, machine)
     root.finish()
-    return (None if file.errors else setup), file.files + more
+    return (None if file.errors else in_range(setup, path, findings)), file.files + more
 
 
 def _resident(table: TomlTable | None) -> dict[int, Interval]:

@@ -14,11 +14,14 @@ from collections.abc import Iterable
 from decimal import Decimal
 from fractions import Fraction
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 from gproof.frontend.own_keys import KEYS, Keys, suggestion, unknown_keys
 from gproof.ir import codes
 from gproof.ir.finding import Code, Findings, Severity, Span
+from gproof.ir.number_ranges import number_problem
+
+T = TypeVar("T")
 
 MILLIMETRES = {"mm": Fraction(1), "inch": Fraction(127, 5)}
 """Millimetres in one length unit of a file."""
@@ -423,6 +426,15 @@ def is_file(path: Path) -> bool:
         return path.is_file()
     except (OSError, ValueError):
         return False
+
+
+def in_range(value: T, path: Path, findings: Findings) -> T | None:
+    """A machine or setup of which every number is in its range (``ir/number_ranges.py``); None, with GP603, else."""
+    wrong = number_problem(value)
+    if wrong is None:
+        return value
+    findings.add(codes.BAD_VALUE.at(Span(str(path), 0), key=wrong.where, what=wrong.what))
+    return None
 
 
 def is_there(path: Path) -> bool:

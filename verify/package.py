@@ -25,6 +25,7 @@ import numpy as np
 from gproof.ir import codes
 from gproof.ir.columns import Column, Columns, Schema
 from gproof.ir.machine import Machine
+from gproof.ir.number_ranges import number_problem
 from gproof.ir.record import record
 from gproof.ir.setup import Setup
 from gproof.ir.stream import EVENT, RUN, StepStream
@@ -169,7 +170,10 @@ def _read(path: Path) -> Package:
             wrong = misfit(value, kind, kind.__name__)
             if wrong:
                 raise CertificateError(codes.CERTIFICATE_MALFORMED, str(path), wrong)
+            _check_numbers(path, kind.__name__, value)
         _fill(trace, stream, parts)
+        _check_numbers(path, "Trace.sections", trace.sections)
+        _check_numbers(path, "StepStream.sections", stream.sections)
         left = parts.left()
         if left:
             raise ValueError(f"a table that belongs nowhere: {left}")
@@ -180,6 +184,13 @@ def _read(path: Path) -> Package:
         path=str(path), body=body, body_bytes=body_bytes, signature=signature, machine=machine, setup=setup,
         trace=trace, stream=stream,
     )  # fmt: skip
+
+
+def _check_numbers(path: Path, name: str, value: object) -> None:
+    wrong = number_problem(value)
+    if wrong is not None:
+        what = f"{name}{'' if wrong.where.startswith('[') else '.'}{wrong.where}: {wrong.what}"
+        raise CertificateError(codes.CERTIFICATE_MALFORMED, str(path), what)
 
 
 def _check_format(path: Path, said: object) -> None:
