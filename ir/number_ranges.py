@@ -183,7 +183,7 @@ def _problems(value: Any, range_: Range, where: str, *, forced: bool) -> Iterato
             yield from _problems(getattr(value, name), range_ if forced else own, inner, forced=forced or passed)
 
 
-def _problem(value: float | Fraction, range_: Range) -> str:
+def _problem(value: Any, range_: Range) -> str:
     if isinstance(value, float) and not math.isfinite(value):
         good = range_.unstated if math.isnan(value) else range_.infinite
         return "" if good else f"{value} is no number that can stand here"
