@@ -147,11 +147,14 @@ def count_items(code: str) -> int:
 
 
 _NUMBER = re.compile(r"[-+]?[0-9.]*")
+_PARAMETER = re.compile(r"[-+]?#")
 _NAME = re.compile(r"[-+]?([a-z]+)(?=\[)", re.IGNORECASE | re.ASCII)
 
 
 def _value_end(code: str, at: int) -> int:
-    """Behind the value that begins at ``at``."""
+    """Behind the value that begins at ``at``; of any number of ``#`` before it, without the stack of Python."""
+    while found := _PARAMETER.match(code, at):
+        at = found.end()
     name = _NAME.match(code, at)
     if name and name[1].lower() in FUNCTIONS:
         after = _bracket_end(code, name.end())
@@ -159,8 +162,6 @@ def _value_end(code: str, at: int) -> int:
             after = _bracket_end(code, after + 1)
         return after
     sign = code[at : at + 1] in ("+", "-")
-    if code[at + sign : at + sign + 1] == "#":
-        return _value_end(code, at + sign + 1)
     if code[at + sign : at + sign + 1] == "[":
         return _bracket_end(code, at + sign)
     number = _NUMBER.match(code, at)

@@ -172,7 +172,8 @@ y = [40, 60]
 length = 12.5
 diameter = 6.0
 """
-BASED = b'schema = "gproof-machine/1"\nunits = "mm"\nbase = "%s"\n'
+BASED = b'schema = "gproof-machine/1"\nunits = "mm"\nbase = "cnc.ini"\n'
+PITCHED = b"[JOINT_0]\nname = X\npitchCompensationOn = 1\npitchCompensationFileName = x.cor\n"
 SETUP = b"""schema = "gproof-setup/1"
 start = {x = 1.0, y = 2.0, z = 30.0}
 active_work = 1
@@ -184,11 +185,10 @@ work.1 = {x = 10.0, y = [5.0, 8.0], z = 0.0}
 [height_map]
 file = "map.txt"
 [stock]
-box = {x = [0, 60], y = [0, 50], z = [-10, 0]}
+box = [[0, 0, -10], [60, 50, 0]]
 [[part]]
 dxf = "plate.dxf"
-layer = "OUTLINE"
-z = [-10, 0]
+layers = {OUTLINE = {bottom = -10, top = 0}}
 [[fixtures]]
 stl = "body.stl"
 rotate = 30
@@ -200,7 +200,7 @@ fail_on = "warning"
 strict = true
 [severity]
 GP243 = "off"
-unused-word = "warning"
+"GP304" = "error"
 """
 JOB_FILE = b"""schema = "gproof-job/1"
 job = ["job.cnc", "*.tap"]
@@ -215,7 +215,7 @@ policy = "policy.toml"
 """
 BASELINE = json.dumps({
     "schema": "gproof-baseline/1",
-    "files": {"job.cnc": [{"fingerprint": "0123abcd", "code": "GP243", "message": "a word", "note": "1"}], "b.tap": []},
+    "files": {"job.cnc": [{"fingerprint": "0123abcd", "code": "GP243", "message": "a word"}], "b.tap": []},
 }).encode()  # fmt: skip
 JOB = b"G21 G90 G94\nG0 X1 Y2\nG1 Z-1 F100\ngosub user_1\nG2 X3 Y2 I1 J0\nM30\n"
 TAP = b"G21 G90\nL21\nG0 X1 Y2\nMYMACRO X5\nG1 Z-1 F100\nM98 Phole.tap\nG53 Z\nM30\n"
@@ -359,10 +359,11 @@ READERS: dict[str, Reader] = {
                        (*CHECK, "job.cnc", "--dialect", "eding", "--baseline", "known.json")),
     "height map": Reader("map.txt", 5_000, lambda: (MAP,), _setup, {
         "setup.toml": b'schema = "gproof-setup/1"\n[height_map]\nfile = "map.txt"\n'}),
-    "correction table": Reader("x.cor", 5_000, lambda: (COMPENSATION,), _machine),
+    "correction table": Reader("x.cor", 5_000, lambda: (COMPENSATION,), _machine, {
+        "machine.toml": BASED, "cnc.ini": PITCHED}),
     "drawing": Reader("plate.dxf", 10_000, _drawings, _setup, {
         "job.cnc": JOB, "machine.toml": MACHINE,
-        "setup.toml": b'schema = "gproof-setup/1"\n[stock]\ndxf = "plate.dxf"\nz = [-10, 0]\n'}, WITH_SETUP),
+        "setup.toml": b'schema = "gproof-setup/1"\n[stock]\ndxf = "plate.dxf"\nbottom = -10\ntop = 0\n'}, WITH_SETUP),
     "mesh": Reader("body.stl", 10_000, lambda: (ASCII, BINARY, STEPS), _setup, {
         "job.cnc": JOB, "machine.toml": MACHINE,
         "setup.toml": b'schema = "gproof-setup/1"\n[[fixtures]]\nstl = "body.stl"\n'}, (*WITH_SETUP, "--also", "all")),

@@ -69,6 +69,21 @@ def test_numbers_beyond_all_in_a_macro(word: str, digits: int, tmp_path: Path) -
     assert done.exit == 1, done
 
 
+# -- signs one behind the other
+
+
+@pytest.mark.parametrize(
+    "text", ["{}1 (note)", "G0 X{}1 (note)", "#1={}1 (note)", "G0 X-{}[1] ; note", "G0 X{}", "X{}sin[1]"]
+)
+@pytest.mark.parametrize("signs", ["#" * 1500, "-#" * 1500, "#[" * 1500, "[" * 1500, "-" * 1500, "sin[" * 1500])
+def test_many_signs_in_a_row(text: str, signs: str, tmp_path: Path) -> None:
+    line = text.format(signs)
+    (tmp_path / "macro.cnc").write_text(f"sub user_1\n{line}\nendsub\n")
+    (tmp_path / "job.cnc").write_text("G21 G90\ngosub user_1\nM30\n")
+    assert ran(tmp_path, "check", "job.cnc", "--dialect", "eding").exit == 1
+    assert ran(tmp_path, "fmt", "macro.cnc", "--dialect", "eding").exit in (0, 1, 3)
+
+
 # -- names that no file can have
 
 
