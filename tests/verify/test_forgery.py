@@ -86,7 +86,7 @@ EXPECTED = {
 }
 """Findings that refuse a kind, by part; the trace's stand for rows, runs, events and the stream too."""
 
-CONTAINER = {"GP820", "GP821", "GP822", "GP824", "GP857"}
+CONTAINER = {"GP820", "GP821", "GP822", "GP824", "GP827", "GP857"}
 AWAITED = (OverflowError, ValueError)
 """What numbers beyond all ranges still raise in the stream checker, until every number is held against its range."""
 
