@@ -27,6 +27,7 @@ from gproof.ir.text import print_ir
 from gproof.ir.trace import Trace
 from gproof.ir.verdict import DEFAULT_POLICY, Condition, PropertyResult, Verdict
 from gproof.verify import certificate_words as words
+from gproof.verify.claims import TRACE_CHECKER, other_claims
 from gproof.verify.ed25519_points import weakness
 from gproof.verify.measured import Moved, NotPlaced, NotStated, Open, Place, open_of, slack, values_of, written
 from gproof.verify.measured import moved as move
@@ -55,7 +56,6 @@ __all__ = [
     "write_package",
 ]  # fmt: skip
 
-TRACE_CHECKER = "gproof.passes"
 PLACED = "stream-position"
 """The property that has what is asked of offsets that are measured later."""
 COMPILE_AGAIN = "a package holds for the setup that it was made for: gproof compile makes one for the setup at hand"
@@ -145,12 +145,14 @@ def _property(result: PropertyResult, checker: str, version: str, bound: str) ->
         "verdict": result.verdict.value,
         "bound": bound,
         "assumptions": list(result.assumptions),
-        "conditions": [
-            {"terms": [[s, k] for s, k in c.terms], "low": repr(c.low), "high": repr(c.high)} for c in result.conditions
-        ],
+        "conditions": [_condition(c) for c in result.conditions],
         "checker": checker,
         "version": version,
     }
+
+
+def _condition(of: Condition) -> dict[str, Any]:
+    return {"terms": [[s, k] for s, k in of.terms], "low": repr(of.low), "high": repr(of.high)}
 
 
 def check_package(
@@ -174,6 +176,7 @@ def check_package(
             )
         )
     moved: Moved | None = None
+    open_: Open | None = None
     try:
         _check_verdicts(package, findings, where)
         at_hand = setup or package.setup
@@ -196,6 +199,13 @@ def check_package(
     stream, trace = (package.stream, package.trace) if moved is None else (moved.stream, moved.trace)
     report = validate(stream, trace, package.machine, package.setup, beat=beat)
     findings += report.findings
+    if not any(f.code is codes.CERTIFICATE_MALFORMED for f in findings):
+        try:
+            asked = () if open_ is None else tuple(c for p in open_.places.values() for c in p.conditions())
+            placed = [_condition(c) for c in asked]
+            findings += other_claims(package, report, where, {PLACED: placed})
+        except (LookupError, ValueError, TypeError, AttributeError) as error:
+            findings.append(codes.CERTIFICATE_MALFORMED.at(where, what=f"the body is not of its form ({error})"))
     if report.verdict is not Verdict.SAFE and not report.findings:
         findings.append(codes.CERTIFICATE_VERDICT.at(where, what="the stream checker could not judge every property"))
     return Check(
