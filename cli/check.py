@@ -17,6 +17,7 @@ from gproof.cli.jobs import find_jobs, is_several
 from gproof.cli.lengths import CHOICES
 from gproof.cli.main import UsageError
 from gproof.cli.many import How, judge_all, print_text, with_progress
+from gproof.cli.options import in_one_line
 from gproof.cli.outcome import Outcome, closing_line, counted, exit_code
 from gproof.cli.policy import NO_POLICY, load_policy
 from gproof.cli.progress import progress
@@ -80,7 +81,7 @@ def run_check(
     if any(outcome.problem for outcome in kept):
         raise UsageError(f"baseline {new_baseline}: not written, because not all jobs could be judged")
     count = write_baseline(new_baseline, [outcome.known for outcome in kept])
-    click.echo(f"{new_baseline}: {counted(count, 'finding')} known from now on", err=True)
+    click.echo(f"{in_one_line(str(new_baseline))}: {counted(count, 'finding')} known from now on", err=True)
     return 0
 
 
@@ -97,7 +98,7 @@ def _told(outcomes: Iterator[Outcome], form: str, output: Path | None, every: bo
         if outcome.problem:
             for line in outcome.text:
                 click.echo(line, err=True)
-            click.echo(f"gproof: error: {outcome.problem}", err=True)
+            click.echo(f"gproof: error: {in_one_line(outcome.problem)}", err=True)
     with _into(output):
         click.echo(_document(kept, form, every))
     return kept

@@ -15,6 +15,7 @@ from gproof.cli.files import require_file, require_place
 from gproof.cli.judge import Judgement, judge
 from gproof.cli.key_ring import own_key_path
 from gproof.cli.main import UsageError
+from gproof.cli.options import in_one_line
 from gproof.cli.policy import NO_POLICY, under
 from gproof.cli.progress import Progress, progress
 from gproof.cli.properties import not_judged
@@ -175,15 +176,15 @@ def _run(
     seconds = sum(s.duration for s in lowered.stream.sections) / lowered.stream.tick_frequency
     count = len(lowered.stream.sections)
     sections = f"{count} section{'s' if count > 1 else ''}"
-    click.echo(f"{output}: certified, {report.steps} steps in {sections}, {seconds:.1f} s")
+    click.echo(f"{in_one_line(str(output))}: certified, {report.steps} steps in {sections}, {seconds:.1f} s")
     for name, conditions in conditions_of(judgement).items():
         for condition in conditions:
             text = condition_text(session, condition, unit_of_report(session, judgement))
-            click.echo(f"  if          {text} ({name})")
+            click.echo(in_one_line(f"  if          {text} ({name})"))
     for text in _measured_later(session, lowered, unit_of_report(session, judgement)):
-        click.echo(f"  to measure  {text}")
+        click.echo(in_one_line(f"  to measure  {text}"))
     click.echo(f"  certificate {digest}")
-    click.echo(f"  signed by   {signer}")
+    click.echo(in_one_line(f"  signed by   {signer}"))
     return 0
 
 

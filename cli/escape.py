@@ -11,21 +11,25 @@ import unicodedata
 
 LONGEST = 400
 """Characters of one text that are printed; of more, the beginning, and how many there are."""
-_HIDDEN = frozenset({"Cc", "Cf", "Cs", "Co", "Cn", "Zl", "Zp"})
 
 
 def shown(text: object, longest: int = LONGEST) -> str:
     """One line, in which nothing acts on the terminal; long ones cut, which is said."""
     whole = str(text)
     part = whole if len(whole) <= longest else whole[:longest]
-    out = part if part.isascii() and part.isprintable() else "".join(map(_visible, part))
+    out = part if part.isprintable() else escaped(part)
     return out if part is whole else f"{out}... ({len(whole)} characters)"
+
+
+def escaped(text: str) -> str:
+    """The same, however long it is."""
+    return "".join(map(_visible, text))
 
 
 def _visible(character: str) -> str:
     if character.isprintable() or character == " ":
         return character
-    if unicodedata.category(character) not in _HIDDEN:
+    if unicodedata.category(character) == "Zs":
         return " "  # a blank of another width
     number = ord(character)
     return f"\\x{number:02x}" if number < 0x100 else f"\\u{number:04x}" if number < 0x10000 else f"\\U{number:08x}"

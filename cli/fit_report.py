@@ -67,7 +67,7 @@ def print_fit(told: Told, units: str | None) -> None:
         ("setup", [told.session.setup.name]),
     ):
         for n, line in enumerate(lines):
-            click.echo(f"  {'' if n else label:<9} {line}".rstrip())
+            click.echo(in_one_line(f"  {'' if n else label:<9} {line}".rstrip()))
 
 
 def print_machines(job: Path, machines: Sequence[Path], answers: Sequence[Told], units: str | None) -> None:
@@ -75,11 +75,11 @@ def print_machines(job: Path, machines: Sequence[Path], answers: Sequence[Told],
     as_is = sum(told.fit.verdict is Verdict.SAFE for told in answers)
     moved = sum(_takes_moved(told.fit) for told in answers)
     also = f", {moved} more with the zero moved" if moved else ""
-    click.echo(f"{job}: {as_is} of {len(answers)} machines take it{also}")
+    click.echo(f"{in_one_line(str(job))}: {as_is} of {len(answers)} machines take it{also}")
     rows = []
     for file, told in zip(machines, answers, strict=True):
         unit = unit_of(told.session.machine.unit) if units is None else CHOICES[units]
-        rows.append((str(file), told.fit.verdict.value, _in_short(told, unit)))
+        rows.append((in_one_line(str(file)), told.fit.verdict.value, in_one_line(_in_short(told, unit))))
     wide = [max(len(row[n]) for row in rows) for n in range(2)]
     for (name, verdict, said), told in zip(rows, answers, strict=True):
         shown = click.style(verdict, fg=_SHADES[told.fit.verdict], bold=True) if coloured() else verdict

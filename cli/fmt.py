@@ -18,6 +18,7 @@ from gproof.backend.emit.eding import emit
 from gproof.cli.files import require_file, require_program
 from gproof.cli.fmt_form import Form
 from gproof.cli.main import UsageError
+from gproof.cli.options import in_one_line
 from gproof.cli.report import print_findings
 from gproof.cli.session import READ, dialect_of
 from gproof.frontend.eding.load import load_alone
@@ -151,7 +152,7 @@ def run_fmt(
             form = forms.of(source, named)
             done = _format(form, source, scratch, name)
             if not done:
-                click.echo(f"{name}: not formatted", err=True)
+                click.echo(f"{in_one_line(name)}: not formatted", err=True)
                 worst = 1
                 continue
             changed = not filecmp.cmp(source, scratch, shallow=False)
@@ -166,7 +167,7 @@ def run_fmt(
                 shutil.copymode(source, scratch)
                 os.replace(scratch, os.path.realpath(source))
             state = "unchanged" if not changed else "formatted" if in_place else "would be formatted"
-            click.echo(f"{name}: {state}", err=diff)
+            click.echo(f"{in_one_line(name)}: {state}", err=diff)
     return worst
 
 
@@ -254,13 +255,13 @@ def _format(form: Form, source: Path, scratch: Path, name: str) -> bool:
                 shutil.copyfile(more, scratch)
                 done = other
             elif not filecmp.cmp(more, scratch, shallow=False):
-                click.echo(f"{name}: {done.what} and {other.what} read it in different ways", err=True)
+                click.echo(f"{in_one_line(name)}: {done.what} and {other.what} read it in different ways", err=True)
                 return False
     if done is None:
         print_findings(failed, err=True)
         return False
     if done.said():
-        click.echo(f"{name}: {done.said()}", err=True)
+        click.echo(f"{in_one_line(name)}: {done.said()}", err=True)
     return True
 
 
@@ -328,7 +329,7 @@ def _print_file(path: Path) -> None:
 
 def _print_diff(before: Path, after: Path, name: str) -> None:
     """A unified diff; line n is compared with line n: only an end of DOS has a line of its own that goes."""
-    click.echo(f"--- {name}\n+++ {name} (formatted)")
+    click.echo(f"--- {in_one_line(name)}\n+++ {in_one_line(name)} (formatted)")
     counts = [_count_lines(path) for path in (before, after)]
     with before.open("rb") as old, after.open("rb") as new:
         pairs = enumerate(zip_longest(old, new, fillvalue=b""), 1)

@@ -18,6 +18,7 @@ from typing import TYPE_CHECKING
 import click
 
 from gproof.cli.main import UsageError
+from gproof.cli.options import in_one_line
 from gproof.ir.private_folder import not_private
 from gproof.ir.record import record
 from gproof.verify.signers import Signer, fingerprint
@@ -86,7 +87,7 @@ def _own_key(strict: bool) -> Signer | None:
     except ValueError as error:
         if strict:
             raise UsageError(str(error)) from None
-        click.echo(f"gproof: warning: your own key is not trusted: {error}", err=True)
+        click.echo(in_one_line(f"gproof: warning: your own key is not trusted: {error}"), err=True)
         return None
 
 

@@ -277,9 +277,10 @@ def _package_options(command: Any) -> Any:
 @click.argument("package", type=FileName())
 @_package_options
 @click.option("--package", "run_package", type=FileName(), help="Of an execution record: the package that was run.")
+@click.option("--format", "form", type=click.Choice(["text", "json"]), default="text", help="Report as text or JSON.")
 def verify(
     package: Path, machine: Path | None, setup: str | None, source: Path | None, trust: tuple[Path, ...],
-    run_package: Path | None,
+    run_package: Path | None, form: str,
 ) -> int:  # fmt: skip
     """Validate a certified stream again, from its parts alone; or check an execution record."""
     from gproof.cli.verify import run_verify
@@ -288,10 +289,12 @@ def verify(
     if is_no_package(package):
         if machine is not None or setup is not None or source is not None:
             raise UsageError("--machine, --setup and --source are for packages; a record is compared with --package")
+        if form != "text":
+            raise UsageError("--format is for packages; the report of a record is text")
         return run_verify_record(package, package=run_package, trust=trust)
     if run_package is not None:
         raise UsageError("--package says which package a record is of; this is no record")
-    return run_verify(package, machine=machine, setup=setup, source=source, trust=trust)
+    return run_verify(package, machine=machine, setup=setup, source=source, trust=trust, form=form)
 
 
 @cli.command(short_help="Run a certified stream on a board.")
@@ -443,7 +446,7 @@ def _run(arguments: list[str] | None) -> int:
             click.echo(error.format_message(), err=True)
             return COULD_NOT_RUN
         where = error.ctx.command_path if error.ctx else "gproof"
-        click.echo(f"{where}: error: {_plain(error.format_message())}", err=True)
+        click.echo(f"{where}: error: {in_one_line(_plain(error.format_message()))}", err=True)
         return COULD_NOT_RUN
     except click.ClickException as error:
         error.show()
@@ -456,7 +459,8 @@ def _run(arguments: list[str] | None) -> int:
         return COULD_NOT_RUN
     except OSError as error:
         _discard(sys.stdout)
-        click.echo(f"gproof: error: {error.strerror or error}: {error.filename or ''}".rstrip(": "), err=True)
+        what = f"{error.strerror or error}: {error.filename or ''}".rstrip(": ")
+        click.echo(f"gproof: error: {in_one_line(what)}", err=True)
         return COULD_NOT_RUN
     except MemoryError:
         click.echo("gproof: error: not enough memory", err=True)
@@ -466,7 +470,9 @@ def _run(arguments: list[str] | None) -> int:
         if os.environ.get("GPROOF_TRACEBACK"):
             raise
         what = f"{type(error).__name__}: {error}"
-        click.echo(f"gproof: internal error: {what}; please report it (GPROOF_TRACEBACK=1 shows more)", err=True)
+        click.echo(
+            f"gproof: internal error: {in_one_line(what)}; please report it (GPROOF_TRACEBACK=1 shows more)", err=True
+        )
         return COULD_NOT_RUN
     return result if isinstance(result, int) else 0
 

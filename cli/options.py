@@ -5,24 +5,24 @@ Built on click; a value that does not fit is one line on standard error and exit
 
 from __future__ import annotations
 
-import re
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any, TypeVar
 
 import click
 
+from gproof.cli.escape import escaped
+
 PROPERTIES = ("feeds", "cutting", "sense", "gouges", "collisions")
 """Properties that ``--also`` takes, beside ``all`` of them; ``cli/properties.py`` has their checks."""
 
 
-_CONTROL = re.compile("[\x00-\x1f\x7f-\x9f\u2028\u2029]")
 _Command = TypeVar("_Command", bound=Callable[..., Any])
 
 
 def in_one_line(text: str) -> str:
-    """A text with names of files, which may hold anything, as one line of a report: control characters are ``?``."""
-    return _CONTROL.sub("?", text)
+    """A text of somebody else's, which may hold anything, as one line on which nothing acts: see ``cli/escape.py``."""
+    return text if text.isprintable() else escaped(text)
 
 
 class FileName(click.Path):

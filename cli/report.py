@@ -87,14 +87,16 @@ def format_finding(
     place, severity = location(finding.span), finding.severity.value
     if colour:
         place, severity = click.style(place, bold=True), click.style(severity, fg=shade, bold=True)
-    out = [f"{place}: {severity} {code.label} [{code.name}] {unit.message(finding)}{often}"]
+    out = [f"{place}: {severity} {code.label} [{code.name}] {in_one_line(unit.message(finding))}{often}"]
     if text is not None:
         line, *marks = _excerpt(finding.span, text)
         out += [line, *(click.style(mark, fg=shade) if colour else mark for mark in marks)]
     if finding.hint:
-        out.append(f"      = {click.style('hint', bold=True) if colour else 'hint'}: {unit.sentence(finding.hint)}")
+        word = click.style("hint", bold=True) if colour else "hint"
+        out.append(f"      = {word}: {in_one_line(unit.sentence(finding.hint))}")
     for other in finding.related:
-        out.append(f"      = {location(other.span)}: {unit.sentence(other.message)}")
+        said = in_one_line(unit.sentence(other.message))
+        out.append(f"      = {location(other.span)}: {said}")
     if finding.rests is not None:
         out.append(f"      = {in_one_line(finding.rests.text(finding.span.file))}")
     return out
@@ -135,9 +137,9 @@ def print_findings(
         for line in format_finding(finding, text, colour, one.times, unit):
             click.echo(line, err=err)
         if one.more is not None:
-            click.echo(f"      = {one.more.text()}", err=err)
+            click.echo(f"      = {in_one_line(one.more.text())}", err=err)
         if finding in accepted:
-            click.echo(f"      = accepted: {accepted[finding][1]}", err=err)
+            click.echo(f"      = accepted: {in_one_line(accepted[finding][1])}", err=err)
     for number, count in left_over(findings, told).items():
         if CODES[number].severity is Severity.NOTE and not notes:
             continue

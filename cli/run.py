@@ -16,6 +16,7 @@ from gproof.cli.boards import BOARDS, require_for
 from gproof.cli.files import require_file
 from gproof.cli.key_ring import trusted_with
 from gproof.cli.main import INTERRUPTED
+from gproof.cli.options import in_one_line
 from gproof.cli.report import print_findings
 from gproof.ir.finding import Finding, Findings, Severity
 from gproof.ir.verdict import Verdict
@@ -68,7 +69,7 @@ def run_run(
         with _progress() as progress:
             try:
                 done = run(
-                    package, the_board, operator=Terminal(tell=click.echo) if ask else AutoContinue(),
+                    package, the_board, operator=Terminal(ask=_ask, tell=_tell) if ask else AutoContinue(),
                     on_progress=progress, hold_at=None if hold_at is None else round(hold_at * frequency),
                     estop_at=None if estop_at is None else round(estop_at * frequency),
                     override=Fraction(1) if override is None else Fraction(override).limit_denominator(1000),
@@ -115,12 +116,21 @@ def _say(findings: Findings, lines: list[str]) -> None:
     try:
         print_findings(findings)
         for line in lines:
-            click.echo(line)
+            click.echo(in_one_line(line))
     except OSError:
         with suppress(OSError):
             for line in lines:
-                click.echo(line, err=True)
+                click.echo(in_one_line(line), err=True)
         raise
+
+
+def _tell(line: str) -> None:
+    """A line of what the job asks; its texts are the program's."""
+    click.echo(in_one_line(line))
+
+
+def _ask(prompt: str) -> str:
+    return input(in_one_line(prompt))
 
 
 def _refused(found: list[Finding]) -> int:

@@ -103,7 +103,7 @@ def print_summary(
         if result.name in judgement.strict:
             aside = "SAFE under conditions only, which --strict does not take"
         for n, detail in enumerate([f"if {name:<{width}} is {bounds}" for name, bounds in parts] or [aside]):
-            _row("" if n else result.name, (" " * 9 if n else first) + detail)
+            _row("" if n else result.name, detail, " " * 9 if n else first)
     left = not_judged(result.name for result in judgement.properties)
     if left:
         _row("not judged", ", ".join(left))
@@ -119,8 +119,9 @@ def print_summary(
         _figures(session, judgement, unit)
 
 
-def _row(label: str, text: str) -> None:
-    click.echo(f"  {label:<10}  {text}".rstrip())
+def _row(label: str, text: str, shaded: str = "") -> None:
+    """A line; text: may hold anything; shaded: what stands before it, in a colour of ours."""
+    click.echo(f"  {label:<10}  {shaded}{in_one_line(text)}".rstrip())
 
 
 def _rows(label: str, texts: list[str]) -> None:
@@ -301,7 +302,7 @@ def print_brief(
     parts = [(name, *_condition_parts(session.machine, c, unit)) for name, found in conditions.items() for c in found]
     width = max((len(name) for _, name, _ in parts), default=0)
     for prop, name, ends in parts:
-        click.echo(f"  if {name:<{width}} is {ends} ({prop})")
+        click.echo(in_one_line(f"  if {name:<{width}} is {ends} ({prop})"))
 
 
 _WHY_OTHER = {0: " (accepted)", Verdict.UNKNOWN.exit_code: " (accepted, but for what is UNKNOWN)"}

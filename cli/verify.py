@@ -2,26 +2,30 @@
 
 from __future__ import annotations
 
-import base64
+import json
 from pathlib import Path
 
 import click
 
 from gproof.cli.at_hand import other_source, read_at_hand, require_files
-from gproof.cli.conditions import SAFE_IF
+from gproof.cli.escape import shown
 from gproof.cli.files import require_file
-from gproof.cli.key_ring import name_of, trusted_with
+from gproof.cli.key_ring import trusted_with
 from gproof.cli.progress import progress
-from gproof.cli.report import print_findings
-from gproof.ir.finding import Findings, Severity
+from gproof.cli.report import finding_json, print_findings
+from gproof.ir.finding import Finding, Findings, Severity
 from gproof.ir.verdict import Verdict
+
+SCHEMA = "gproof-verify/1"
+"""Of the JSON report: docs/verify-json.md."""
 
 
 def run_verify(
-    path: Path, *, machine: Path | None, trust: tuple[Path, ...], setup: str | None = None, source: Path | None = None
+    path: Path, *, machine: Path | None, trust: tuple[Path, ...], setup: str | None = None, source: Path | None = None,
+    form: str = "text",
 ) -> int:  # fmt: skip
     """Print what holds; exit 0 only when the package may run."""
-    from gproof.cli.summary import condition_of
+    from gproof.cli.verify_report import Verified, print_verified, verified_json
     from gproof.verify.certificate import CertificateError, check_package, read_package
     from gproof.verify.measured import taken
 
@@ -33,15 +37,11 @@ def run_verify(
         with progress("reading"):
             package = read_package(path)
     except CertificateError as error:
-        findings.add(error.finding)
-        print_findings(findings)
-        refused = Verdict.UNKNOWN if error.finding.severity is Severity.UNKNOWN else Verdict.UNSAFE
-        click.echo(f"{path}: {refused.value}")
-        return refused.exit_code
+        return _unread(path, error.finding, form)
     at_hand = read_at_hand(package, findings, machine=machine, setup=setup, source=source)
-    with progress("verifying every step") as shown:
-        shown.phase("verifying every step", package.stream.steps())
-        check = check_package(package, at_hand.machine, at_hand.setup, trusted, shown.done)
+    with progress("verifying every step") as bar:
+        bar.phase("verifying every step", package.stream.steps())
+        check = check_package(package, at_hand.machine, at_hand.setup, trusted, bar.done)
     found = (*other_source(package, at_hand), *check.findings)
     against = [f for f in found if f.severity in (Severity.ERROR, Severity.UNKNOWN) and f not in check.open]
     verdict = Verdict.UNKNOWN if against else Verdict.SAFE
@@ -50,18 +50,35 @@ def run_verify(
     for finding in found:
         if verdict is Verdict.UNSAFE or finding not in check.open:
             findings.add(finding)
+    compared = tuple(
+        name
+        for name, there in (("machine", at_hand.machine), ("setup", at_hand.setup), ("source", at_hand.source))
+        if there is not None
+    )
+    of = Verified(
+        package=package, check=check, verdict=verdict, findings=tuple(findings.kept), trusted=trusted,
+        compared=compared, taken=tuple(taken(package, at_hand.setup)),
+    )  # fmt: skip
+    if form == "json":
+        click.echo(json.dumps(verified_json(str(path), of), indent=2, allow_nan=False))
+    else:
+        print_findings(findings)
+        print_verified(str(path), of)
+    return verdict.exit_code
+
+
+def _unread(path: Path, finding: Finding, form: str) -> int:
+    """A package of which nothing can be said but why."""
+    verdict = Verdict.UNKNOWN if finding.severity is Severity.UNKNOWN else Verdict.UNSAFE
+    if form == "json":
+        said = {
+            "schema": SCHEMA, "package": str(path), "verdict": verdict.value, "conditional": False,
+            "exit_code": verdict.exit_code, "findings": [finding_json(finding)],
+        }  # fmt: skip
+        click.echo(json.dumps(said, indent=2))
+        return verdict.exit_code
+    findings = Findings()
+    findings.add(finding)
     print_findings(findings)
-    conditional = verdict is Verdict.SAFE and bool(check.conditions)
-    click.echo(f"{path}: {SAFE_IF if conditional else verdict.value}")
-    for name, condition in check.conditions if verdict is not Verdict.UNSAFE else ():
-        click.echo(f"  if          {condition_of(package.machine, condition)} ({name})")
-    for said in taken(package, at_hand.setup):
-        click.echo(f"  taken       {said}")
-    click.echo(f"  certificate {package.sha256}")
-    click.echo(f"  job         {package.body.get('job')}, machine {package.machine.name}")
-    signer = "nobody" if check.signer is None else name_of(base64.b64decode(check.signer), trusted)
-    click.echo(f"  signed by   {signer}")
-    click.echo(f"  steps       {check.stream.steps} checked")
-    for result in check.stream.properties:
-        click.echo(f"  {result.name:<20} {result.verdict.value}")
+    click.echo(f"{shown(path)}: {verdict.value}")
     return verdict.exit_code

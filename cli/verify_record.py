@@ -60,7 +60,7 @@ def run_verify_record(path: Path, *, package: Path | None, trust: tuple[Path, ..
         verdict = Verdict.UNSAFE
     elif findings.has(Severity.UNKNOWN):
         verdict = Verdict.UNKNOWN
-    click.echo(f"{path}: {HOLDS[verdict]}")
+    click.echo(f"{in_one_line(str(path))}: {HOLDS[verdict]}")
     for line in _lines(record, signature, signer, package):
         click.echo(in_one_line(line))
     return verdict.exit_code
@@ -70,7 +70,7 @@ def _malformed(path: Path, what: str) -> int:
     findings = Findings()
     findings.add(codes.RECORD_MALFORMED.at(Span(str(path), 0), what=in_one_line(what)))
     print_findings(findings)
-    click.echo(f"{path}: {HOLDS[Verdict.UNSAFE]}")
+    click.echo(f"{in_one_line(str(path))}: {HOLDS[Verdict.UNSAFE]}")
     return Verdict.UNSAFE.exit_code
 
 
