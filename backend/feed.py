@@ -1,34 +1,71 @@
 """Feeding a section to a board: which runs fit now, what has been sent, what comes next.
 
 Runs go out in the order in which their first steps are due, whatever their motor, and never a step beyond
-the tick asked for: long runs are cut there. So everything not yet sent can still be retimed.
+the tick asked for: long runs are cut there, and where a number is greater than a word of the board holds: no driver
+cuts one. So everything not yet sent can still be retimed.
 """
 
 from __future__ import annotations
 
 import numpy as np
 
-from gproof.backend.boards.board import Board
+from gproof.backend.boards.board import Board, BoardError, Capabilities
 from gproof.backend.runs import Ints, steps_within, table
 from gproof.ir.columns import Columns
+from gproof.ir.record import record
 from gproof.ir.stream import StreamSection
 
 _NEVER = 2**62
 
 
+MOST_SPLIT = 10_000_000
+"""Runs that those of one motor in one section may be split into."""
+
+
+@record(frozen=True, slots=True, kw_only=True)
+class Words:
+    """The greatest numbers that a run may have on its way to a board: count, add (signs aside), interval."""
+
+    count: int = 2**31 - 1
+    add: int = 2**61
+    interval: int = 2**61
+
+    @classmethod
+    def of(cls, board: Capabilities) -> Words:
+        """Those of a board."""
+        return cls(count=board.max_count, add=board.max_add, interval=board.max_interval)
+
+    def problem(self, runs: Columns) -> str | None:
+        """Why runs can not be sent, split as they may be; None when they can."""
+        interval, count, add = (runs[name].astype(np.int64) for name in ("interval", "count", "add"))
+        longest = np.maximum(interval, interval + add * (count - 1))
+        if len(longest) and int(longest.max()) > self.interval:
+            return f"an interval of {int(longest.max())} ticks, and the board's words hold {self.interval}"
+        parts = np.where(np.abs(np.where(count == 1, 0, add)) > self.add, count, count / self.count)
+        if float(parts.sum()) > MOST_SPLIT:
+            return f"runs that the board's words cut into more than {MOST_SPLIT}"
+        return None
+
+
 class _Cursor:
     """One motor's runs and how far they have been sent."""
 
-    def __init__(self, runs: Columns, max_count: int) -> None:
+    def __init__(self, runs: Columns, words: Words) -> None:
         interval, count, add = (runs[name].astype(np.int64) for name in ("interval", "count", "add"))
         direction = runs["direction"].copy()
-        if len(count) and int(count.max()) > max_count:
-            parts = -(-count // max_count)
+        add = np.where(count == 1, 0, add)
+        if (wrong := words.problem(runs)) is not None:
+            raise BoardError(wrong)
+        most = np.where(np.abs(add) > words.add, 1, words.count)
+        if (count > most).any():
+            parts = -(-count // most)
+            most = np.repeat(most, parts)
             place = np.arange(int(parts.sum())) - np.repeat(np.cumsum(parts) - parts, parts)
-            skipped = place * max_count
+            skipped = place * most
             interval, add = np.repeat(interval, parts), np.repeat(add, parts)
-            count = np.minimum(np.repeat(count, parts) - skipped, max_count)
+            count = np.minimum(np.repeat(count, parts) - skipped, most)
             interval = interval + add * skipped
+            add = np.where(np.abs(add) > words.add, 0, add)
             direction = np.repeat(direction, parts)
         self.interval: Ints = interval
         self.count: Ints = count
@@ -92,12 +129,16 @@ class _Cursor:
         )
 
 
-class Feeder:
-    """The runs and events of one section on their way to a board."""
+ANY = Words()
+"""Of a board whose words hold what a certified stream may have."""
 
-    def __init__(self, section: StreamSection, *, max_count: int = 2**31 - 1) -> None:
+
+class Feeder:
+    """The runs and events of one section on their way to a board; BoardError for what its words can not hold."""
+
+    def __init__(self, section: StreamSection, words: Words = ANY) -> None:
         self.section = section
-        self._motors = [_Cursor(runs, max_count) for runs in section.runs]
+        self._motors = [_Cursor(runs, words) for runs in section.runs]
         self._events = list(section.events.rows())
         self._event = 0
 

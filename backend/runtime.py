@@ -26,6 +26,7 @@ from gproof.backend.boards.board import (
     ticks_up,
 )
 from gproof.backend.control import Control
+from gproof.backend.feed import Words
 from gproof.backend.interrupts import interrupts
 from gproof.backend.job import Job, RunRefused, checked_job
 from gproof.backend.journal import Notes
@@ -514,6 +515,12 @@ def _unfit(job: Job, is_: Capabilities) -> Iterator[Finding]:
     for wrong, what in wanted:
         if wrong:
             yield codes.CERTIFICATE_MACHINE.at(Span(job.name, 0), what=f"board {is_.name} {what}")
+    words = Words.of(is_)
+    for part in job.stream.sections:
+        for motor, runs in zip(job.stream.motors, part.runs, strict=True):
+            if (what := words.problem(runs)) is not None:
+                what = f"board {is_.name} can not be sent section {part.number}: {motor.name} has {what}"
+                yield codes.CERTIFICATE_MACHINE.at(where, what=what)
     for section in job.trace.sections:
         for wait in sorted({edge.wait.value for edge in section.edges if edge.wait in SENSED}):
             what = f"board {is_.name} has no {wait} switch that it hears, and section {section.number} waits for one"

@@ -8,7 +8,7 @@ from concurrent.futures import Future, ThreadPoolExecutor
 
 from gproof.backend.boards.board import Board, BoardError, BoardState, Capabilities, Status
 from gproof.backend.control import Control
-from gproof.backend.feed import Feeder
+from gproof.backend.feed import Feeder, Words
 from gproof.backend.operators import HoldRequest, Operator
 from gproof.backend.record_data import Result, Retiming
 from gproof.ir.record import field, record
@@ -88,7 +88,7 @@ class SectionRun:
         self.ended = Ended(Result.FAULT, 0, section)
         self.base = 0
         self.seen: Status | None = None
-        self._feeder = Feeder(section, max_count=is_.max_count)
+        self._feeder = Feeder(section, Words.of(is_))
         self._held: Prepared | None = None
         self._asked: tuple[int, Future[_Ready | None]] | None = None
         self._patience = pace.preparing
@@ -225,7 +225,7 @@ class SectionRun:
         prepared = self.prepare(section, at, rest)
         if prepared is None:
             return None
-        return prepared, Feeder(prepared.section, max_count=self.is_.max_count)
+        return prepared, Feeder(prepared.section, Words.of(self.is_))
 
     def _take(self, ready: _Ready | None) -> None:
         if ready is None and self.control.ending:
@@ -261,7 +261,7 @@ class SectionRun:
             now = self.board.status().tick - self.base
             again = held.again(max(1, now + self.pace.lead - begins)) if held.again else None
             if again is not None:
-                self._replace(again, Feeder(again.section, max_count=self.is_.max_count))
+                self._replace(again, Feeder(again.section, Words.of(self.is_)))
                 self._held = None
                 return True
         self.board.finish_section(now)

@@ -54,7 +54,9 @@ class Capabilities:
     """What a board is.
 
     motors: how many; tick_frequency: Hz; fifo_runs: runs it stores for all motors together;
-    step_pulse, direction_setup: ticks; max_count: steps in one run; real_time: its clock follows ours.
+    step_pulse, direction_setup: ticks; max_count: steps in one run; max_add, max_interval:
+    the greatest growth of its intervals, signs aside, and the longest interval, ticks; real_time: its clock follows
+    ours.
     """
 
     name: str
@@ -64,6 +66,8 @@ class Capabilities:
     step_pulse: int
     direction_setup: int
     max_count: int = 2**31 - 1
+    max_add: int = 2**61
+    max_interval: int = 2**61
     real_time: bool = True
 
 
