@@ -518,8 +518,8 @@ def _unfit(job: Job, is_: Capabilities) -> Iterator[Finding]:
     words = Words.of(is_)
     for part in job.stream.sections:
         for motor, runs in zip(job.stream.motors, part.runs, strict=True):
-            if (what := words.problem(runs)) is not None:
-                what = f"board {is_.name} can not be sent section {part.number}: {motor.name} has {what}"
+            if (wide := words.problem(runs)) is not None:
+                what = f"board {is_.name} can not be sent section {part.number}: {motor.name} has {wide}"
                 yield codes.CERTIFICATE_MACHINE.at(where, what=what)
     for section in job.trace.sections:
         for wait in sorted({edge.wait.value for edge in section.edges if edge.wait in SENSED}):
