@@ -15,6 +15,7 @@ RISEN = "risen"
 STORED = "stored"
 """Kind of the symbols of #5211 to #5216 as an earlier job left them."""
 UNIFORM = "uniform"
+ACTUAL = "actual"
 """Kind of the symbols by which axes lie elsewhere if ``G51 P`` scales them, too."""
 MIRRORED = "mirrored"
 """Kind of the symbols of reflections about one of two zeros (docs/trace.md, Frames)."""
@@ -50,6 +51,7 @@ _SEVERAL = {
     "probe": "probe contacts in {axis}", "home": "places of {axis} after homing", "tool": "lengths of tools",
     RISEN: "heights of {axis} that cycles rise to", "length": "tool lengths that are measured or typed",
     "value": "values of {axis}", UNIFORM: "places of {axis} under G51 P",
+    ACTUAL: "positions of {axis} that G10 L20 takes",
 }  # fmt: skip
 """Kinds of which there may be many in one sum, in words."""
 
@@ -93,6 +95,8 @@ def describe_symbol(symbol: str, machine: Machine | None = None) -> str:
         return f"#{5211 + AXIS_NAMES.index(rest[1])}, which G92.3 brings back"
     if kind == UNIFORM:
         return f"what G51 P makes of {_word(rest[1], machine)} (scaled or not, no. {rest[0]})"
+    if kind == ACTUAL:
+        return f"what G10 L20 takes for the position of {_word(rest[1], machine)} (no. {rest[0]})"
     if kind == "value":
         return f"a value of {_word(rest[1], machine)} that is only bounded (no. {rest[0]})"
     return "a value that nobody stated"

@@ -9,11 +9,12 @@ from __future__ import annotations
 import math
 
 from gproof.ir import codes
+from gproof.ir.dialects.accepts import MACHINE_POSITION, SHOWN_POSITION
 from gproof.ir.finding import Refusal, Span
 from gproof.ir.machine import AXES, AXIS_NAMES
 from gproof.ir.rules import CodeRule
 from gproof.ir.rules import Function as F
-from gproof.ir.symbols import STORED
+from gproof.ir.symbols import ACTUAL, STORED
 from gproof.ir.trace import Op
 from gproof.passes import compensated
 from gproof.passes.line import LARGEST, Line
@@ -189,6 +190,23 @@ class Origins(Motion):
             return self._bounded(axis, Unknown(value.cause, -value.high, -value.low), at)
         return at.moved(-value * self.modal.scale(axis))
 
+    def _from_actual(self, axis: int, wanted: Position) -> Position:
+        """G10 L20's zero, ``wanted`` when nothing but the work's offset is in force.
+
+        "Actual machine position, similar to G92" (3.4.5): what G92 and the tool have shifted is taken out, or not.
+        """
+        s = self.modal
+        aside = [more for more in (s.g92[axis], s.beside_work(axis)) if more != ORIGIN]
+        if not aside or (not self.takes(SHOWN_POSITION) and self.takes(MACHINE_POSITION)):
+            return wanted
+        if SHOWN_POSITION.name in self.machine.controller.accepts:
+            return wanted.minus(s.g92[axis]).minus(s.beside_work(axis))
+        if any(more.form for more in aside):
+            return self.unknown_place(ACTUAL, axis, ANY, ORIGIN)
+        low = sum(min(0.0, -more.value) for more in aside)
+        high = sum(max(0.0, -more.value) for more in aside)
+        return self.unknown_place(ACTUAL, axis, (low, high), wanted)
+
     def _set_coordinates(self, line: Line, rule: CodeRule) -> None:
         """G10 L2: the origin is given; G10 L20: the current point gets the given numbers (3.4.5)."""
         s = self.modal
@@ -211,8 +229,7 @@ class Origins(Motion):
         for axis, value in line.axes().items():
             s.written_work.pop((system, axis), None)
             if key == 20:
-                wanted = self._back(axis, value)
-                s.work_offsets[system, axis] = wanted.minus(s.g92[axis]).minus(s.beside_work(axis))
+                s.work_offsets[system, axis] = self._from_actual(axis, self._back(axis, value))
             elif isinstance(value, Unknown):
                 s.work_offsets[system, axis] = self._bounded(axis, value, Position(0.0))
             else:

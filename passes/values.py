@@ -5,11 +5,11 @@ from __future__ import annotations
 import math
 
 from gproof.ir import codes
-from gproof.ir.dialects.accepts import READINGS_OF_Z
+from gproof.ir.dialects.accepts import READINGS_OF_L20, READINGS_OF_Z
 from gproof.ir.finding import Finding, Span
 from gproof.ir.machine import AXES, AXIS_NAMES
 from gproof.ir.record import record
-from gproof.ir.symbols import STORED, UNHOMED, UNIFORM
+from gproof.ir.symbols import ACTUAL, STORED, UNHOMED, UNIFORM
 from gproof.ir.trace import UNKNOWN, Affine, Frame
 from gproof.passes.ranges import Range
 
@@ -149,6 +149,8 @@ def hint_of(form: Affine) -> str:
     """What a shop can state of the unknowns of a sum, "" where nothing is known that it could."""
     if any(s.startswith(f"{UNIFORM}.") and s.endswith(".z") for s, _ in form):
         return READINGS_OF_Z
+    if any(s.startswith(f"{ACTUAL}.") for s, _ in form):
+        return READINGS_OF_L20
     if any(s.startswith(f"{STORED}.") for s, _ in form):
         return "state it under [parameters] in the setup file: G92.2 of an earlier job leaves it"
     return ""

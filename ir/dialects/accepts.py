@@ -117,6 +117,27 @@ READINGS_OF_Z = (
     f'accepts = ["{SCALED_Z.name}"] or accepts = ["{UNSCALED_Z.name}"] under [controller] of the machine file'
 )
 """Hint of findings that rest on both."""
+SHOWN_POSITION = Accepted(
+    "l20-shown",
+    ("eding",),
+    "after G10 L20 positions read the numbers that it gave: an offset of G92 and a tool length in force are taken out",
+    'Eding 3.4.5 has "actual machine position", and "similar to G92", which takes both out',
+    (304,),
+    "l20-machine",
+)
+MACHINE_POSITION = Accepted(
+    "l20-machine",
+    ("eding",),
+    "G10 L20 counts from the machine position, whatever G92 and tool lengths are in force",
+    'Eding 3.4.5 has "actual machine position", and "similar to G92", which takes both out',
+    (304,),
+    "l20-shown",
+)
+READINGS_OF_L20 = (
+    f'accepts = ["{SHOWN_POSITION.name}"] or accepts = ["{MACHINE_POSITION.name}"] under [controller] of the '
+    "machine file"
+)
+"""Hint of findings that rest on both."""
 TOOL_ZERO = Accepted(
     "tool-zero",
     ("eding",),
@@ -194,6 +215,8 @@ ACCEPTS = {
         WRITTEN_TOOLS,
         SCALED_Z,
         UNSCALED_Z,
+        SHOWN_POSITION,
+        MACHINE_POSITION,
         TOOL_ZERO,
         LONG_DIALOGS,
         TOOL_INFO,

@@ -71,6 +71,8 @@ JOBS = (
     Job("written-tools", "eding", "G21 G90\n#5011 = 3\n#5008 = 3\nG0 X5\nM30\n", "GP113"),
     Job("scaled-z", "eding", "G21 G90\nG51 P0.5 I0 J0\nG0 Z-80\nM30\n", "GP304"),
     Job("unscaled-z", "eding", "G21 G90\nG51 P2 I0 J0\nG0 X5 Y6\nG81 X6 Z-40 R0 F100\nM30\n", "GP276"),
+    Job("l20-shown", "eding", "G21 G90\nG92 X50\nG10 L20 P1 X0\nG0 X20\nM30\n", "GP304"),
+    Job("l20-machine", "eding", "G21 G90\nG92 X50\nG10 L20 P1 X0\nG0 X145\nM30\n", "GP304"),
     Job("tool-zero", "eding", "G21 G90\n#5400 = 0\n#[5500 + #5008] = 0\nG0 X5\nM30\n", "GP113"),
     Job("long-dialogs", "eding", f'G21 G90\ndlgmsg "ask" {LONG}\nG0 X5\nM30\n', "GP113"),
     Job("tool-info", "eding", "G21 G90\nGetToolInfo num 3\nG0 X5\nM30\n", "GP113"),

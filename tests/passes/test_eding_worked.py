@@ -251,7 +251,7 @@ ENDS = {
     "G20\nG43.1 K1\nG0 Z-3": "SAFE . . -50.8 .",
     "G43\nG92 Z0\nG49\nG0 Z-5": "SAFE . . -35 .",
     "G92 Z0\nG43\nG0 Z-5": "SAFE . . -15 .",
-    "G43\nG10 L20 P1 Z0\nG49\nG0 Z-5": "SAFE . . -35 .",
+    "G43\nG10 L20 P1 Z0\nG49\nG0 Z-5": "SAFE . . ? .",
     "#1=0\nwhile [#1<3]\nG92 X0\nG0 X5\n#1=[#1+1]\nendwhile\nG0 X0": "SAFE 20 . . .",
     "sub a\nG10 L2 P1 X[#5221+5]\nendsub\ngosub a\ngosub a\nG0 X1": "SAFE 11 . . .",
     "if [#2000==1]\nG92 X0\nendif\nG0 X150": "SAFE",
@@ -337,7 +337,7 @@ ENDS = {
     "G51 P-1 I0 J0\nG0 X-150 Y150": "!",
     "G51 P2\nG0 X150": "!",
     "G68 R90\nG0 X150 Y190": "!",
-    "G92 X0\nG10 L20 P1 X5\nG0 X0": "SAFE 5 . . .",
+    "G92 X0\nG10 L20 P1 X5\nG0 X0": "SAFE ? . . .",
     "G68 R90 X0 Y0\nG10 L20 P1 X0 Y0\nG0 X1 Y0": "UNKNOWN",
     "#5220=2\nG0 X1": "!",
     "#5241=50\nG55\nG0 X1": "SAFE 51 . . .",
@@ -424,8 +424,8 @@ ENDS = {
     "G90 G28 X150 Y-150": "UNSAFE",
     "G10 L20 P1 X0 Y0 Z0\nG0 Z21": "UNSAFE",
     "G43\nG10 L20 P1 Z0\nG0 Z21": "UNSAFE",
-    "G43\nG10 L20 P1 Z0\nG0 Z-5": "SAFE . . -25 .",
-    "G43\nG10 L20 P1 Z0\nT2 M6\nG0 Z-5": "SAFE . . -10 .",
+    "G43\nG10 L20 P1 Z0\nG0 Z-5": "SAFE . . ? .",
+    "G43\nG10 L20 P1 Z0\nT2 M6\nG0 Z-5": "SAFE . . ? .",
 }
 
 WITH_BLOCK_DELETE = {
