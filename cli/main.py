@@ -278,9 +278,11 @@ def _package_options(command: Any) -> Any:
 @_package_options
 @click.option("--package", "run_package", type=FileName(), help="Of an execution record: the package that was run.")
 @click.option("--format", "form", type=click.Choice(["text", "json"]), default="text", help="Report as text or JSON.")
+@once("--against", type=FileName(), help="Compile this program anew, and say which part of the package differs.")
+@click.option("--dialect", type=click.Choice(_DIALECTS), help="Language of --against; guessed when not given.")
 def verify(
     package: Path, machine: Path | None, setup: str | None, source: Path | None, trust: tuple[Path, ...],
-    run_package: Path | None, form: str,
+    run_package: Path | None, form: str, against: Path | None, dialect: str | None,
 ) -> int:  # fmt: skip
     """Validate a certified stream again, from its parts alone; or check an execution record."""
     from gproof.cli.verify import run_verify
@@ -289,12 +291,16 @@ def verify(
     if is_no_package(package):
         if machine is not None or setup is not None or source is not None:
             raise UsageError("--machine, --setup and --source are for packages; a record is compared with --package")
+        if against is not None:
+            raise UsageError("--against is for packages; a record is compared with --package")
         if form != "text":
             raise UsageError("--format is for packages; the report of a record is text")
         return run_verify_record(package, package=run_package, trust=trust)
     if run_package is not None:
         raise UsageError("--package says which package a record is of; this is no record")
-    return run_verify(package, machine=machine, setup=setup, source=source, trust=trust, form=form)
+    return run_verify(
+        package, machine=machine, setup=setup, source=source, trust=trust, form=form, against=against, dialect=dialect
+    )
 
 
 @cli.command(short_help="Run a certified stream on a board.")

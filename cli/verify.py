@@ -7,10 +7,12 @@ from pathlib import Path
 
 import click
 
+from gproof.cli.against import Against, other_than_anew
 from gproof.cli.at_hand import other_source, read_at_hand, require_files
 from gproof.cli.escape import shown
-from gproof.cli.files import require_file
+from gproof.cli.files import require_file, require_program
 from gproof.cli.key_ring import trusted_with
+from gproof.cli.main import UsageError
 from gproof.cli.progress import progress
 from gproof.cli.report import finding_json, print_findings
 from gproof.ir.finding import Finding, Findings, Severity
@@ -22,7 +24,7 @@ SCHEMA = "gproof-verify/1"
 
 def run_verify(
     path: Path, *, machine: Path | None, trust: tuple[Path, ...], setup: str | None = None, source: Path | None = None,
-    form: str = "text",
+    form: str = "text", against: Path | None = None, dialect: str | None = None,
 ) -> int:  # fmt: skip
     """Print what holds; exit 0 only when the package may run."""
     from gproof.cli.verify_report import Verified, print_verified, verified_json
@@ -31,6 +33,7 @@ def run_verify(
 
     require_file(path, "package")
     require_files(machine, setup, source)
+    anew = _against(against, machine, setup, dialect)
     trusted = trusted_with(trust)
     findings = Findings()
     try:
@@ -43,6 +46,9 @@ def run_verify(
         bar.phase("verifying every step", package.stream.steps())
         check = check_package(package, at_hand.machine, at_hand.setup, trusted, bar.done)
     found = (*other_source(package, at_hand), *check.findings)
+    if anew is not None:
+        with progress("compiling the source anew"):
+            found = (*found, *other_than_anew(package, anew))
     against = [f for f in found if f.severity in (Severity.ERROR, Severity.UNKNOWN) and f not in check.open]
     verdict = Verdict.UNKNOWN if against else Verdict.SAFE
     if any(f.severity is Severity.ERROR for f in against):
@@ -50,11 +56,8 @@ def run_verify(
     for finding in found:
         if verdict is Verdict.UNSAFE or finding not in check.open:
             findings.add(finding)
-    compared = tuple(
-        name
-        for name, there in (("machine", at_hand.machine), ("setup", at_hand.setup), ("source", at_hand.source))
-        if there is not None
-    )
+    at_hands = {"machine": at_hand.machine, "setup": at_hand.setup, "source": at_hand.source}
+    compared = tuple(name for name, there in (at_hands | {"source compiled anew": anew}).items() if there is not None)
     of = Verified(
         package=package, check=check, verdict=verdict, findings=tuple(findings.kept), trusted=trusted,
         compared=compared, taken=tuple(taken(package, at_hand.setup)),
@@ -65,6 +68,18 @@ def run_verify(
         print_findings(findings)
         print_verified(str(path), of)
     return verdict.exit_code
+
+
+def _against(against: Path | None, machine: Path | None, setup: str | None, dialect: str | None) -> Against | None:
+    """UsageError for a source that can not be compiled anew."""
+    if against is None:
+        if dialect is not None:
+            raise UsageError("--dialect is that of the program of --against")
+        return None
+    require_program(against, "source")
+    if machine is None:
+        raise UsageError("--against asks for the machine file that the package was made with (--machine)")
+    return Against(source=against, machine=machine, setup=setup, dialect=dialect)
 
 
 def _unread(path: Path, finding: Finding, form: str) -> int:
