@@ -49,9 +49,9 @@ def run_verify(
     if anew is not None:
         with progress("compiling the source anew"):
             found = (*found, *other_than_anew(package, anew))
-    against = [f for f in found if f.severity in (Severity.ERROR, Severity.UNKNOWN) and f not in check.open]
-    verdict = Verdict.UNKNOWN if against else Verdict.SAFE
-    if any(f.severity is Severity.ERROR for f in against):
+    weighty = [f for f in found if f.severity in (Severity.ERROR, Severity.UNKNOWN) and f not in check.open]
+    verdict = Verdict.UNKNOWN if weighty else Verdict.SAFE
+    if any(f.severity is Severity.ERROR for f in weighty):
         verdict = Verdict.UNSAFE
     for finding in found:
         if verdict is Verdict.UNSAFE or finding not in check.open:
