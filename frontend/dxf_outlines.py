@@ -24,6 +24,8 @@ if TYPE_CHECKING:
 
 LARGEST_FILE = 256_000_000
 MOST_POINTS = 4_000_000
+MOST_COPIES = 30_000
+"""Copies of blocks in all: an array has up to 10^9 of them in one line, and each may hold others."""
 MOST_CHORDS = 100_000
 """Of one curve: a circle of two kilometres within a micrometre."""
 DEEPEST_BLOCK = 16
@@ -95,7 +97,7 @@ def layers(sheet: Sheet, names: Iterable[str] | None, error: float, join: float)
     chains: dict[str, list[Chain]] = {name: [] for name in (wanted or {}).values()}
     total = 0
     try:
-        for layer, chain in _chains(sheet.document.modelspace(), error, "0", 0):
+        for layer, chain in _chains(sheet.document.modelspace(), error, "0", 0, [0]):
             name = layer if wanted is None else wanted.get(layer.lower())
             if name is None:
                 continue
@@ -105,12 +107,17 @@ def layers(sheet: Sheet, names: Iterable[str] | None, error: float, join: float)
             chains.setdefault(name, []).append(chain)
     except DxfError:
         raise
-    except _UNREADABLE as failed:
+    except MemoryError:
+        raise
+    except Exception as failed:
+        # As of a file: what a broken entity makes of its reader is not to be listed.
         raise DxfError(f"an entity can not be read: {' '.join(str(failed).split())[:200]}") from None
     return {name: joined(found, join, name) for name, found in chains.items()}
 
 
-def _chains(entities: Iterable[Any], error: float, block_layer: str, depth: int) -> Iterator[tuple[str, Chain]]:
+def _chains(
+    entities: Iterable[Any], error: float, block_layer: str, depth: int, copies: list[int]
+) -> Iterator[tuple[str, Chain]]:
     for entity in entities:
         kind = entity.dxftype()
         layer = entity.dxf.layer if entity.dxf.layer != "0" or depth == 0 else block_layer
@@ -119,8 +126,11 @@ def _chains(entities: Iterable[Any], error: float, block_layer: str, depth: int)
         if kind == "INSERT":
             if depth >= DEEPEST_BLOCK:
                 raise DxfError("blocks lie in one another too deep")
+            copies[0] += entity.mcount
+            if copies[0] > MOST_COPIES:
+                raise DxfError(f"more than {MOST_COPIES} copies of blocks")
             for copy in entity.multi_insert() if entity.mcount > 1 else (entity,):
-                yield from _chains(copy.virtual_entities(), error, layer, depth + 1)
+                yield from _chains(copy.virtual_entities(), error, layer, depth + 1, copies)
             continue
         make = _MAKERS.get(kind)
         if make is None:

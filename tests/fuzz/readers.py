@@ -319,8 +319,10 @@ READERS: dict[str, Reader] = {
         _mcuwin, {"names.inc": b"const a = 3;\n"}, (*CHECK, "job.src", "--dialect", "mcuwin"),
     ),
     "mcuwin include": Reader(
-        "names.inc", 60_000, lambda: _files("**/*.inc", "docs/codes/*/*.src", "tests/hand/mcuwin/**/*.din"), _mcuwin,
-        {"job.src": SRC}, (*CHECK, "job.src", "--dialect", "mcuwin"),
+        "names.inc", 60_000,
+        lambda: _files("corpus/**/*.inc", "tests/hand/**/*.inc", "docs/codes/**/*.inc", "docs/codes/*/*.src",
+                       "tests/hand/mcuwin/**/*.din"),
+        _mcuwin, {"job.src": SRC}, (*CHECK, "job.src", "--dialect", "mcuwin"),
     ),
     "eding ini": Reader(
         "cnc.ini", 50_000, lambda: _inis(b"[JOINT_"), _machine, {"job.cnc": JOB},
@@ -331,11 +333,13 @@ READERS: dict[str, Reader] = {
         {"job.tap": TAP}, (*CHECK, "job.tap", "--machine", "WINCNC.INI"),
     ),
     "mcuwin ini": Reader(
-        "McuWIN.ini", 30_000, lambda: _files("**/McuWIN.ini"), _machine, {"job.src": SRC},
+        "McuWIN.ini", 30_000, lambda: _files("corpus/**/McuWIN.ini", "docs/codes/**/McuWIN.ini"), _machine,
+        {"job.src": SRC},
         (*CHECK, "job.src", "--machine", "McuWIN.ini"),
     ),
     "mcuwin tools": Reader(
-        "ToolComp.INI", 20_000, lambda: _files("**/ToolComp.INI"), _machine,
+        "ToolComp.INI", 20_000,
+        lambda: _files("corpus/**/ToolComp.INI", "docs/codes/**/ToolComp.INI", "tests/hand/**/ToolComp.INI"), _machine,
         {"job.src": SRC, "machine.toml": b'schema = "gproof-machine/1"\nunits = "mm"\n'
          b'[controller]\ndialect = "mcuwin"\n[din]\ntool_file = "ToolComp.INI"\n'},
         (*CHECK, "job.src", "--machine", "machine.toml"),

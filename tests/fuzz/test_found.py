@@ -9,6 +9,7 @@ from support.command import Done, in_this_process
 from support.guarded import alarm
 
 from gproof.frontend.machine_file import load_machine
+from gproof.frontend.setup_file import load_setup
 from gproof.frontend.wincnc.load import load_program
 from gproof.frontend.wincnc.machine import NO_SHOP
 from gproof.ir.finding import Findings
@@ -117,6 +118,37 @@ def test_patterns_that_match_nothing(pattern: str, tmp_path: Path) -> None:
 def test_long_lines_of_mcuwin(text: str, tmp_path: Path) -> None:
     (tmp_path / "job.src").write_text(f"{text}\nM30\n")
     assert ran(tmp_path, "check", "job.src", "--dialect", "mcuwin", "--max-blocks", "1000").exit in (1, 2)
+
+
+# -- blocks of a drawing: one that is not there, and copies without end
+
+
+SETUP = 'schema = "gproof-setup/1"\n[stock]\ndxf = "plate.dxf"\nbottom = -1\ntop = 0\n'
+HEAD = "0 SECTION 2 HEADER 9 $INSUNITS 70 4 0 ENDSEC 0 SECTION 2 BLOCKS"
+BLOCK = "0 BLOCK 2 {} 10 0 20 0 {} 0 ENDBLK"
+PLACE = "10 0 20 0 44 1 45 1"
+DRAWINGS = {
+    "no such block": (BLOCK.format("A", ""), f"0 INSERT 8 0 2 B {PLACE}", "Required block"),
+    "an array of no such block": (BLOCK.format("A", ""), f"0 INSERT 8 0 2 B {PLACE} 70 2 71 2", "Required block"),
+    "an array of a billion": (BLOCK.format("B", ""), f"0 INSERT 8 0 2 B {PLACE} 70 32767 71 32767", "copies"),
+    "arrays in arrays": (
+        BLOCK.format("A", "") + " " + BLOCK.format("B", f"0 INSERT 8 0 2 A {PLACE} 70 90 71 90"),
+        f"0 INSERT 8 0 2 B {PLACE} 70 90 71 90", "copies",
+    ),
+    "itself": (BLOCK.format("B", f"0 INSERT 8 0 2 B {PLACE} 70 2 71 2"), f"0 INSERT 8 0 2 B {PLACE}", "too deep"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", DRAWINGS)
+def test_blocks_of_drawings(name: str, tmp_path: Path) -> None:
+    blocks, entities, told = DRAWINGS[name]
+    text = f"{HEAD} {blocks} 0 ENDSEC 0 SECTION 2 ENTITIES {entities} 0 ENDSEC 0 EOF"
+    (tmp_path / "plate.dxf").write_text("\n".join(text.split()) + "\n")
+    (tmp_path / "setup.toml").write_text(SETUP)
+    findings = Findings()
+    with alarm(10):
+        assert load_setup(tmp_path / "setup.toml", findings)[0] is None
+    assert any(told in finding.message for finding in findings.kept), findings.kept
 
 
 # -- nesting deeper than the stack

@@ -56,11 +56,15 @@ def _bytes(rng: random.Random, data: bytes, seeds: Sequence[bytes]) -> bytes:
     return bytes(out)
 
 
+def _somewhere(rng: random.Random, pattern: re.Pattern[bytes], data: bytes) -> re.Match[bytes] | None:
+    """A match from a random place on, else the first."""
+    return pattern.search(data, rng.randrange(len(data) + 1)) or pattern.search(data)
+
+
 def _number(rng: random.Random, data: bytes, seeds: Sequence[bytes]) -> bytes:
-    spots = list(_NUMBER.finditer(data))
-    if not spots:
+    spot = _somewhere(rng, _NUMBER, data)
+    if spot is None:
         return data + rng.choice(NUMBERS)
-    spot = rng.choice(spots)
     put = rng.choice(NUMBERS)
     if rng.random() < 0.3:
         put = rng.choice(
@@ -71,11 +75,11 @@ def _number(rng: random.Random, data: bytes, seeds: Sequence[bytes]) -> bytes:
 
 def _word(rng: random.Random, data: bytes, seeds: Sequence[bytes]) -> bytes:
     """A word of another file, or of this one, in place of one, before one, or none."""
-    spots = list(_WORD.finditer(data))
-    others = _WORD.findall(rng.choice(seeds)[:4000]) or [b""]
-    if not spots:
+    spot, second, other = (_somewhere(rng, _WORD, text) for text in (data, data, rng.choice(seeds)))
+    others = [b"", *(found[0] for found in (second, other) if found)]
+    if spot is None:
         return data + rng.choice(others)
-    spot, put = rng.choice(spots), rng.choice([rng.choice(others), rng.choice(spots)[0], b""])
+    put = rng.choice(others)
     end = spot.start() if rng.random() < 0.3 else spot.end()
     return data[: spot.start()] + put + data[end:]
 
@@ -111,10 +115,10 @@ def _cut(rng: random.Random, data: bytes, seeds: Sequence[bytes]) -> bytes:
 
 def _nest(rng: random.Random, data: bytes, seeds: Sequence[bytes]) -> bytes:
     opening, closing = rng.choice(NESTS)
-    spots = list(_WORD.finditer(data))
-    if not spots:
+    spot = _somewhere(rng, _WORD, data)
+    if spot is None:
         return data
-    spot, deep = rng.choice(spots), rng.choice((2, 5, 40, 150, 400, 1500))
+    deep = rng.choice((2, 5, 40, 150, 400, 1500))
     inside = opening * deep + spot[0] + closing * (deep if rng.random() < 0.8 else deep - 1)
     return data[: spot.start()] + inside + data[spot.end() :]
 
@@ -127,9 +131,8 @@ def _many(rng: random.Random, data: bytes, seeds: Sequence[bytes]) -> bytes:
         at = rng.randrange(len(lines))
         lines[at:at] = [lines[at]] * min(rng.choice((10, 100, 500)), 8000 // (len(lines[at]) + 1) + 1)
         return b"".join(lines)
-    spots = list(_WORD.finditer(data))
-    if kind == 1 and spots:
-        spot = rng.choice(spots)
+    spot = _somewhere(rng, _WORD, data)
+    if kind == 1 and spot:
         return data[: spot.start()] + spot[0] * rng.choice((10, 300, 2000)) + data[spot.end() :]
     at = rng.randrange(len(data) + 1)
     return data[:at] + data[at : at + rng.randrange(1, 12)] * rng.choice((10, 100, 800)) + data[at:]
