@@ -813,7 +813,7 @@ def test_a_certificate_names_no_file_that_is_no_utf_8(gproof: Run, folder: Path)
 @pytest.mark.parametrize("name", ["a\nb.cnc", "a\x1b[31mb.cnc", "a\rb.cnc", "a\u2028b.cnc"])
 def test_a_name_writes_no_line_of_its_own(gproof: Run, folder: Path, name: str) -> None:
     """``x.cnc: SAFE`` as part of a name is no verdict, and no name changes the colour of a terminal."""
-    shown = re.sub("[^a-z0-9.\\[]", "?", name)
+    shown = name.replace("\n", r"\x0a").replace("\x1b", r"\x1b").replace("\r", r"\x0d").replace("\u2028", r"\u2028")
     (folder / name).write_text(JOB.replace("X1", "X1 Q5"))
     words = ("--machine", "machine.toml", "--setup", "zero")
     done = gproof("check", f"./{name}", *words)
