@@ -41,6 +41,11 @@ _NO_TOML = {
 }
 _HEADER = re.compile(r"\s*(\[\[?)\s*([^\[\]]+?)\s*\]\]?\s*(?:#.*)?$")
 _KEY = re.compile(r"""\s*((?:[A-Za-z0-9_-]+|"[^"]*"|'[^']*')(?:\s*\.\s*(?:[A-Za-z0-9_-]+|"[^"]*"|'[^']*'))*)\s*=""")
+DEEPEST_KEY = 100
+"""Parts of a dotted key: reading takes the square of their number."""
+_DEEP_KEY = re.compile(
+    r"""(?<![A-Za-z0-9_."'-])(?:(?:[A-Za-z0-9_-]++|"[^"\n]{0,80}"|'[^'\n]{0,80}')[ \t]*+\.[ \t]*+){100}"""
+)
 _AT_LINE = re.compile(r"\(at line (\d+), column (\d+)\)")
 
 
@@ -111,6 +116,11 @@ class TomlFile:
             line = raw.count(b"\n", 0, error.start) + 1
             what = f"byte 0x{raw[error.start]:02X} is not UTF-8"
             self.add_at(codes.FILE_UNREADABLE, Span(self.name, line), what=what)
+            return None
+        deep = _DEEP_KEY.search(text)
+        if deep is not None:
+            what = f"a key of more than {DEEPEST_KEY} parts is none of ours"
+            self.add_at(codes.FILE_UNREADABLE, Span(self.name, text.count("\n", 0, deep.start()) + 1), what=what)
             return None
         try:
             parsed = tomllib.loads(text, parse_float=Decimal)

@@ -368,6 +368,9 @@ class Executor(Flow):
             asked = asked or any(frame.group is not None for frame in self._stack)
             kind = codes.RECURSION.as_unknown() if asked else codes.RECURSION
             raise Refusal(kind.at(span, allowed=allowed, chain=chain))
+        if len(self._depth) >= DEEP:
+            self.blocks += DEEP_CALL
+            self.spend(span)
         self._enter(span)
         caller = Caller(self._call, self._file, rest, numbers=dict(self.modal.parameters) if again else None)
         self._depth = [*self._depth, name]
@@ -505,6 +508,8 @@ class Executor(Flow):
 
 MOST_RETRIES = 8
 """Calls of a subprogram within itself, when an outcome says so and nothing counts them: so many are followed."""
+DEEP, DEEP_CALL = 6, 200
+"""A call within so many others counts as so many blocks more: those that double at each level come to an end soon."""
 _SILENT = frozenset((Label, Declare, Include, Mode))
 """Statements that do nothing when they run."""
 _PASSED_OVER = frozenset((Call, Message, Guard, Device, Unsupported))
