@@ -86,7 +86,7 @@ def test_arrays_of_blocks(shape: dict[str, int], empty: bool, tmp_path: Path) ->
 
 def test_a_panel_is_read(tmp_path: Path) -> None:
     sheet = open_drawing(drawing(tmp_path / "a.dxf", columns=20, rows=10))
-    assert sum(map(len, (layer.outlines for layer in layers(sheet, None, 0.1, 0.01).values()))) == 200
+    assert sum(len(layer.rings) for layer in layers(sheet, None, 0.1, 0.01).values()) == 200
 
 
 CALLS = {
