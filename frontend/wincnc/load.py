@@ -314,7 +314,7 @@ class _Loader:
                 self.macros, unread = read_macros(source, self.findings, self.controls.lexical)
                 self.macro_source = source
                 if unread:
-                    self.program.open_codes = f"line {unread[0]} of {source.name} was not understood, and may define it"
+                    self.program.open_codes = f"line {unread[0]} of CNC.MAC was not understood, and may define it"
                 return
         self.program.open_codes = (
             "the controller's own files say: --machine WINCNC.INI, with CNC.MAC and its files beside it"

@@ -163,6 +163,8 @@ def _line_notes(raw: bytes, signs: str) -> list[Found]:
     found: list[Found] = [] if encoding == "utf-8" else [(0, NoteKind.ENCODING, 0, encoding.encode())]
     if is_comment(line, signs):
         line, at = line.lstrip(), 0
+        if line.isascii():
+            found = []  # the blanks before it were all that needed one
     else:
         equals = line.find("=") + 1
         at = end_of_command(line, len(line) - len(line[equals:].lstrip()) if equals else len(line), signs)

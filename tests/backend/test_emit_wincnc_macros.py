@@ -412,3 +412,8 @@ def test_a_formatted_shop_has_the_same_traces(
         ]
         traces.append((codes, capsys.readouterr().out))
     assert traces[0] == traces[1]
+
+
+def test_blanks_before_a_comment_need_no_encoding(tmp_path: Path) -> None:
+    """A no-break space of Windows-1252 there is a blank; a comment with such letters keeps its encoding."""
+    assert formatted(tmp_path, b"\xa0[left]\n[caf\xe9]\n M7=M11C2\n") == b"[left]\n[caf\xe9]\nM7=M11 C2\n"
