@@ -67,9 +67,9 @@ class _Finite(click.FloatRange):
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> float:
         """The number; a usage error for what is none."""
-        number = float(click.FLOAT.convert(value, param, ctx))
-        if not math.isfinite(number):
-            self.fail(f"{value!r} is not a finite number.", param, ctx)
+        with contextlib.suppress(TypeError, ValueError):
+            if not math.isfinite(float(value)):
+                self.fail(f"{value!r} is not a finite number.", param, ctx)
         return float(super().convert(value, param, ctx))
 
 
