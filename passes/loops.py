@@ -7,6 +7,7 @@ objects.
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Iterable
 from itertools import repeat
 from typing import Any
@@ -189,18 +190,23 @@ class Loops(Straight):
         places = pending.places(self._file, call)
         numbers = _Numbers(lines)
         stops = self._manner.stops(self, columns, count)
-        while at < count:
-            blocks, before = self.blocks, self.rows.count
-            motion = pending.nth(int(line[at])).motion
-            at = self._manner.hot_lines(self, run, columns, count, at, compiled, stops, motion, numbers)
-            self.blocks = blocks  # they are counted already
-            if places is not None and self.rows.count > before:
-                made = slice(before, self.rows.count)
-                self.rows.arrays["file"][made], self.rows.arrays["call"][made] = places[:, numbers.asked]
-            if self.rows.count == self.rows.capacity:
-                self.rows.flush()
-            elif at < count:
-                at = self._cold_line(pending, at, int(line[at]))
+        # Their blocks are counted: what holes of cycles count beside may use the budget up, once all of them are there.
+        alarm, self._alarm = self._alarm, sys.maxsize
+        try:
+            while at < count:
+                blocks, before = self.blocks, self.rows.count
+                motion = pending.nth(int(line[at])).motion
+                at = self._manner.hot_lines(self, run, columns, count, at, compiled, stops, motion, numbers)
+                self.blocks = blocks  # they are counted already
+                if places is not None and self.rows.count > before:
+                    made = slice(before, self.rows.count)
+                    self.rows.arrays["file"][made], self.rows.arrays["call"][made] = places[:, numbers.asked]
+                if self.rows.count == self.rows.capacity:
+                    self.rows.flush()
+                elif at < count:
+                    at = self._cold_line(pending, at, int(line[at]))
+        finally:
+            self._alarm = alarm
         self._file = file
 
     def _cold_line(self, pending: Pending, at: int, number: int) -> int:
