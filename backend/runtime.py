@@ -92,7 +92,7 @@ class Hold:
 
 def run(
     package: Package,
-    board: Board,
+    board: Board | Callable[[], Board],
     *,
     operator: Operator | None = None,
     on_progress: Progress | None = None,
@@ -110,7 +110,8 @@ def run(
 
     RunFailed, with the record, when a callback raises. OSError when the journal can not be begun: nothing has moved.
 
-    operator: who answers waits (default: AutoContinue). on_progress: called with the part of all ticks done.
+    board: one, or how it is made, once the package has been checked. operator: who answers waits (default:
+    AutoContinue). on_progress: called with the part of all ticks done.
     hold_at: feed holds, in ticks of motion since the start (an int rests for one second). override: 0.1 to 1,
     of the planned speed. estop_at: emergency stop at that tick of motion. machine, setup: what is at hand, when
     it is known apart from the package; trusted_keys: whose certificates are accepted; a board that is not the one named
@@ -118,9 +119,12 @@ def run(
     other threads; Ctrl-C is a feed hold, a second one an emergency stop, and so are SIGTERM and SIGHUP. journal:
     what has to be there when this process ends before the run does; a run that can not go on writing it ends at rest.
     """
+    job = checked_job(
+        package, machine=machine, setup=setup, trusted_keys=trusted_keys, allow_untrusted=allow_untrusted
+    )  # fmt: skip
     return walk(
-        checked_job(package, machine=machine, setup=setup, trusted_keys=trusted_keys, allow_untrusted=allow_untrusted),
-        board,
+        job,
+        board() if callable(board) else board,
         operator=operator,
         on_progress=on_progress,
         hold_at=hold_at,

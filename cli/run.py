@@ -58,7 +58,6 @@ def run_run(
     if wrong := other_source(package, at_hand):
         return _refused(wrong)
     frequency = package.stream.tick_frequency
-    the_board = BOARDS[board](at_hand.machine or package.machine, len(package.stream.motors), real_time)
     folder = runs_folder(runs)
     if not settled(folder, board, after_interruption):
         return Verdict.UNKNOWN.exit_code
@@ -69,7 +68,9 @@ def run_run(
         with _progress() as progress:
             try:
                 done = run(
-                    package, the_board, operator=Terminal(ask=_ask, tell=_tell) if ask else AutoContinue(),
+                    package,
+                    lambda: BOARDS[board](at_hand.machine or package.machine, len(package.stream.motors), real_time),
+                    operator=Terminal(ask=_ask, tell=_tell) if ask else AutoContinue(),
                     on_progress=progress, hold_at=None if hold_at is None else round(hold_at * frequency),
                     estop_at=None if estop_at is None else round(estop_at * frequency),
                     override=Fraction(1) if override is None else Fraction(override).limit_denominator(1000),

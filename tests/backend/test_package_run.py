@@ -57,6 +57,10 @@ def refused(*arguments, **more) -> set[int]:
     assert board.status().state.value == "closed"
     assert board.seen == [[], []]
     assert str(refusal.value)
+    made: list[Tap] = []
+    with pytest.raises(RunRefused):
+        run(*arguments[:1], lambda: made.append(Tap(2)) or made[0], *arguments[1:], **more)
+    assert made == [], "the board is made after the check"
     return {f.code.number for f in refusal.value.findings} - {826}
 
 
