@@ -14,6 +14,7 @@ import enum
 import functools
 import json
 import re
+import sys
 import typing
 import warnings
 from collections.abc import Callable, Iterable, Iterator
@@ -184,7 +185,7 @@ def print_ir(value: Any) -> str:
 
 
 DEPTH = 200
-"""Brackets within brackets at most: no value of the IR has as many."""
+"""Brackets within brackets at most, in texts of strangers: no machine, setup, trace or stream has as many."""
 TOKENS = 2_000_000
 """Words and brackets of one text at most, those of tables aside: some seconds of reading."""
 
@@ -196,8 +197,9 @@ _COMMENT = re.compile(r";[^\n]*")
 class _Reader:
     """A recursive reader; ``token`` is the next one, "" at the end of the text."""
 
-    def __init__(self, text: str, tokens: int) -> None:
+    def __init__(self, text: str, tokens: int, deepest: int) -> None:
         self.text = text
+        self.deepest = deepest
         self.end = 0
         self.left = tokens
         self.depth = 0
@@ -223,24 +225,23 @@ class _Reader:
 
     def value(self) -> Any:
         token = self.token
-        if token in _OPENING:
-            if self.depth == DEPTH:
-                raise ValueError(f"text form: nested more than {DEPTH} deep")
-            self.depth += 1
-            self.next()
-            value = self.nested(token)
-            self.depth -= 1
-            return value
-        return _read_atom(self.take())
-
-    def nested(self, opening: str) -> Any:
-        if opening == "(":
+        if token not in _OPENING:
+            return _read_atom(self.take())
+        if self.depth == self.deepest:
+            raise ValueError(f"text form: nested more than {self.deepest} deep")
+        self.depth += 1
+        self.next()
+        value: Any
+        if token == "(":
             name = self.take()
-            return self.columns() if name == "columns" else self.object(name)
-        if opening == "[":
-            return tuple(self.until("]"))
-        flat = self.until("}")
-        return dict(zip(flat[::2], flat[1::2], strict=True))
+            value = self.columns() if name == "columns" else self.object(name)
+        elif token == "[":
+            value = tuple(self.until("]"))
+        else:
+            flat = self.until("}")
+            value = dict(zip(flat[::2], flat[1::2], strict=True))
+        self.depth -= 1
+        return value
 
     def until(self, close: str) -> list[Any]:
         out = []
@@ -383,17 +384,17 @@ def _read_atom(token: str) -> Any:
 def parse_ir(text: str) -> Any:
     """The value that ``print_ir`` printed; ValueError when the text is not of that form.
 
-    Nested no deeper than DEPTH, no longer than TOKENS.
+    No longer than TOKENS, nested no deeper than Python's stack.
     """
-    return next(parse_texts([text]))
+    return next(parse_texts([text], deepest=sys.maxsize))
 
 
-def parse_texts(texts: Iterable[str]) -> Iterator[Any]:
-    """The value of each text, as ``parse_ir``; all together are no longer than TOKENS."""
+def parse_texts(texts: Iterable[str], *, deepest: int = DEPTH) -> Iterator[Any]:
+    """The value of each text, as ``parse_ir``; all together are no longer than TOKENS, none nested deeper."""
     left = TOKENS
     for text in texts:
         try:
-            reader = _Reader(text, left)
+            reader = _Reader(text, left, deepest)
             value = reader.value()
         except (KeyError, TypeError, ArithmeticError, RecursionError, json.JSONDecodeError) as error:
             raise ValueError(f"text form: {error}") from None

@@ -193,14 +193,17 @@ class Origins(Motion):
     def _from_actual(self, axis: int, wanted: Position) -> Position:
         """G10 L20's zero, ``wanted`` when nothing but the work's offset is in force.
 
-        "Actual machine position, similar to G92" (3.4.5): what G92 and the tool have shifted is taken out, or not.
+        "Actual machine position, similar to G92" (3.4.5): what G92 and the tool's length have shifted is taken out, or
+        not. What a head has shifted always is.
         """
         s = self.modal
-        aside = [more for more in (s.g92[axis], s.beside_work(axis)) if more != ORIGIN]
+        g92, length = s.g92[axis], s.tool_offset[axis]
+        wanted = wanted.minus(s.beside_work(axis)).plus(length)
+        aside = [more for more in (g92, length) if more != ORIGIN]
         if not aside or (not self.takes(SHOWN_POSITION) and self.takes(MACHINE_POSITION)):
             return wanted
         if SHOWN_POSITION.name in self.machine.controller.accepts:
-            return wanted.minus(s.g92[axis]).minus(s.beside_work(axis))
+            return wanted.minus(g92).minus(length)
         if any(more.form for more in aside):
             return self.unknown_place(ACTUAL, axis, ANY, ORIGIN)
         low = sum(min(0.0, -more.value) for more in aside)

@@ -109,7 +109,7 @@ def paths(draw: st.DrawFn, *, events: bool = True, most: int = 8) -> Trace:
     path = Path(x=draw(places), y=draw(places), z=draw(places), a=draw(places))
     kinds = ["line", "line", "short", "arc", "arc", "curve", "rotary", "traverse", "back", "mode", "tiny"]
     if events:
-        kinds += ["dwell", "spindle", "coolant", "output"]
+        kinds += ["dwell", "spindle", "coolant", "plunge"]
     for kind in draw(st.lists(st.sampled_from(kinds), min_size=1, max_size=most)):
         x, y, z = path.place[:3]
         if kind == "line":
@@ -144,7 +144,7 @@ def paths(draw: st.DrawFn, *, events: bool = True, most: int = 8) -> Trace:
         elif kind == "coolant":
             path.other(Op.COOLANT, 1.0)
         else:
-            path.other(Op.OUTPUT, 3, 1)
+            path.feed(300, z=z + draw(small))
     trace = path.done()
     note(print_ir(trace))
     return trace
