@@ -172,16 +172,17 @@ def test_programs_of_others(words: tuple[str, ...], shop: Shop) -> None:
 
 
 def test_messages_of_a_job_at_its_stops(shop: Shop, monkeypatch: pytest.MonkeyPatch) -> None:
-    hostile = HOSTILE.replace("\n", "").replace("\r", "").replace("\x00", "")
+    # Control characters are no program; those that turn the order of letters round are.
+    hostile = "put in tool \u202e9 loot\u2066 \u200b"
     (shop.folder / "job.cnc").write_text(f"G21 G90\nG0 X1\n(MSG,{hostile})\nM0\nG0 X2\nM30\n")
     done = shop(*COMPILE, "-o", "made.gpx")
     harmless(done, seen=False)
-    if done.exit == 0:
-        asked: list[str] = []
-        monkeypatch.setattr("builtins.input", lambda prompt: asked.append(prompt) or "")
-        harmless(shop("run", "made.gpx", *BOARD, "--ask"), seen=False)
-        assert asked
-        assert all(prompt.isprintable() for prompt in asked)
+    assert done.exit == 0, done
+    asked: list[str] = []
+    monkeypatch.setattr("builtins.input", lambda prompt: asked.append(prompt) or "")
+    harmless(shop("run", "made.gpx", *BOARD, "--ask"), seen=False)
+    assert asked
+    assert all(prompt.isprintable() for prompt in asked)
 
 
 def test_names_of_files(shop: Shop) -> None:

@@ -61,14 +61,9 @@ def test_both_are_followed(job: str, axis: str, shown: float, counted: float, tm
         assert check(tmp_path, job, machine({axis: place - 0.001}, accepts=entry))[0] == 1
 
 
-def test_g92_and_a_length_together() -> None:
-    """Z stands at 50, the tip at 20: G92 Z0 is an offset of 20; the zero is at 0, 20, 30 or 50 less both, or none."""
-    places = {50.0 - g92 - length for g92 in (0.0, 20.0) for length in (0.0, 30.0)}
-    assert {at + 20.0 + 20.0 + 30.0 for at in places} == {70.0, 90.0, 100.0, 120.0}
-
-
 @pytest.mark.parametrize(("upper", "code"), [(120.001, 0), (119.999, 2), (70.001, 2), (69.999, 1)])
 def test_g92_and_a_length_together_are_all_followed(upper: float, code: int, tmp_path: Path) -> None:
+    """Z is at 50, its tip at 20, so G92 Z0 makes 20; G10 L20 Z0 gives 50, 30, 20 or 0, and Z20 is 70 more."""
     assert check(tmp_path, BOTH, machine({"z": upper}))[0] == code
 
 
