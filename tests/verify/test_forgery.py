@@ -46,7 +46,9 @@ WITHIN: dict[str, str] = {
     r"runs: \d/\d run \d+ (before its neighbour)": "two runs that differ in ticks alone",
     r"events: \d event \d tick one (more|less)": "a tick",
     # docs/certificate.md, "The setup at hand".
-    r"setup: name .*|setup: homed.*": "a name; axes that the machine does not have, or the same in another order",
+    r"setup: name .*|setup: homed\.[45] .*|setup: homed (last twice|turned round)":
+        "a name; axes that the machine does not have, or the same in another order",
+    r"setup: homed lost": "where no setup states it the axes are taken to be homed, which is an assumption",
     r"setup: (work|tool_lengths)\..*\.(high (half more|inf|1e308|tiny)|low (negated|zero|tiny))":
         "the package was judged for more than is at hand",
     r"setup: work first lost|setup: block_delete lost": "what is not stated stands for what is at hand",
