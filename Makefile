@@ -31,8 +31,9 @@ lint: $(READY) ## ruff (rules and format) and the import contracts between the f
 types: $(READY) ## mypy --strict over all packages
 	MYPYPATH=.typing $(BIN)/mypy --namespace-packages --explicit-package-bases -p gproof
 
-kernels: $(READY) # Compiled once, beside mypy, and not by each process of the tests that waits for one
+kernels: $(READY) # Kernels and tests compiled once, beside mypy, and not by each process of the tests that waits for one
 	$(BIN)/python scripts/kernels.py
+	$(BIN)/pytest --collect-only -q -q >/dev/null
 
 goldens: $(READY) ## Rewrite the expected texts of golden tests; never the `; expect:` markers
 	$(BIN)/pytest tests --refresh-goldens

@@ -41,9 +41,8 @@ def test_a_signal_ends_a_question_at_rest(number: signal.Signals) -> None:
             return "on"
 
     control = Control()
-    began = time.monotonic()
     record = runtime.walk(TWO, Tap(2), operator=Asked(), control=control)
-    assert time.monotonic() - began < 5
+    # Who had slept to the end would have gone on.
     assert record.result is Result.STOPPED
     assert record.position == TWO.stream.sections[0].end()
     assert control.signalled

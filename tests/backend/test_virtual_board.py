@@ -1,6 +1,5 @@
 """The virtual board against a reference that gives one pulse at a time."""
 
-import time
 from itertools import pairwise
 
 import numpy as np
@@ -9,6 +8,7 @@ from backend.streams import FREQUENCY, events_of, merged, runs_of, sections, ste
 from hypothesis import given
 from hypothesis import strategies as st
 
+from gproof.backend.boards import virtual
 from gproof.backend.boards import virtual_kernels as vk
 from gproof.backend.boards.board import BoardError, BoardState
 from gproof.backend.boards.virtual import HostDelay, VirtualBoard
@@ -185,16 +185,28 @@ def test_a_section_must_start_where_the_board_is() -> None:
         other.start_section(0, (1,), 0)
 
 
-def test_real_time_follows_the_wall_clock() -> None:
+class Clock:
+    """The clock that the board sees; it stands still but for sleep."""
+
+    now = 1000.0
+
+    def monotonic(self) -> float:
+        return self.now
+
+    def sleep(self, seconds: float) -> None:
+        self.now += seconds
+
+
+def test_real_time_follows_the_clock(monkeypatch: pytest.MonkeyPatch) -> None:
+    clock = Clock()
+    monkeypatch.setattr(virtual, "time", clock)
     board = VirtualBoard(1, tick_frequency=FREQUENCY, real_time=True, speed=2.0)
     board.open()
-    begin = time.monotonic()
     base = board.start_section(0, (0,), 1_000_000)
     board.queue(0, 1000, 200, 0, 1)
     board.finish_section(200_000)
     board.wait(base + 200_000)
-    taken = time.monotonic() - begin
-    assert 0.6 <= taken < 5
+    assert clock.now - 1000.0 == pytest.approx(1_200_000 / FREQUENCY / 2.0)
     assert board.status().position == (200,)
 
 

@@ -76,7 +76,7 @@ def test_there_is_a_bar_on_a_terminal_only(
 
 
 def run_on_a_terminal(words: list[str], folder: Path, seconds: float) -> tuple[int, str]:
-    """Exit code and standard error of a command whose terminal sends Ctrl-C after a time."""
+    """Exit code and standard error of a command whose terminal sends Ctrl-C after a time and once a bar is up."""
     near, far = pty.openpty()
     process = subprocess.Popen(
         [sys.executable, "-c", START, *words], cwd=folder, stdout=subprocess.DEVNULL, stderr=far,
@@ -87,9 +87,9 @@ def run_on_a_terminal(words: list[str], folder: Path, seconds: float) -> tuple[i
     said, until = b"", time.monotonic() + seconds
     asked = False
     while process.poll() is None:
-        if time.monotonic() > until + 60.0:
+        if time.monotonic() > until + 120.0:
             process.kill()
-        if not asked and time.monotonic() > until:
+        if not asked and time.monotonic() > until + (0.0 if b"checking" in said else 60.0):
             asked = True
             process.send_signal(signal.SIGINT)
         time.sleep(0.05)

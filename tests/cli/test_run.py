@@ -301,7 +301,7 @@ def begun(shop: Path, *more: str) -> subprocess.Popen[str]:
     process = subprocess.Popen(
         command, cwd=shop, stdout=subprocess.PIPE, stderr=subprocess.PIPE, stdin=subprocess.DEVNULL, text=True
     )
-    for _ in range(600):
+    for _ in range(2400):
         paths = list(runs(shop).glob(f"*{SUFFIX}"))
         if paths and any(kind == "at" for kind, _ in read_journal(paths[0]).entries):
             return process
@@ -320,7 +320,7 @@ def begun(shop: Path, *more: str) -> subprocess.Popen[str]:
 def test_a_signal_stops_the_board_and_closes(number: signal.Signals, result: Result, shop: Path) -> None:
     process = begun(shop, "--record", "record.json")
     process.send_signal(number)
-    out, err = process.communicate(timeout=60)
+    out, err = process.communicate(timeout=120)
     assert process.returncode == 130, err
     assert f"long.gpx: {result.value}" in out
     record = read_record(shop / "record.json")

@@ -299,10 +299,10 @@ def test_mutated_files_give_an_answer_or_one_mistake(
             (tmp_path / name).write_bytes(raw)
         words = ["check", str(tmp_path / "job.cnc"), "--machine", str(tmp_path / "machine.toml"), "--setup"]
         words += [str(tmp_path / "setup.toml"), "--dialect", "eding", "--also", "gouges", "--also", "collisions"]
-        begin = time.monotonic()
+        begin = time.process_time()
         with np.errstate(all="ignore"):
             code = main(words)
-        took = time.monotonic() - begin
+        took = time.process_time() - begin
         out, err = capsys.readouterr()
         case = f"seed {seed}, number {number} ({which})\n{out[-2000:]}\n{err[-2000:]}"
         assert code in (0, 1, 2, 3), case

@@ -76,15 +76,15 @@ def test_a_grid_of_probes_with_other_tries(tmp_path: Path, changed: dict[str, ob
 
 
 def test_a_loop_that_goes_on_for_as_long_as_nothing_is_touched(tmp_path: Path) -> None:
-    text = "#20 = 0\nwhile [#20 < 300]\nG0 Z-5\nG38.2 Z-30 F200\nif [#5067 == 1]\n#20 = [#20 + 1]\nendif\nendwhile\n"
+    text = "#20 = 0\nwhile [#20 < 120]\nG0 Z-5\nG38.2 Z-30 F200\nif [#5067 == 1]\n#20 = [#20 + 1]\nendif\nendwhile\n"
     assert answer(tmp_path, text).verdict.value == "SAFE"
-    deeper = text.replace("G38.2 Z-30", "G38.2 Z[0 - 30 - #20 / 20]")
+    deeper = text.replace("G38.2 Z-30", "G38.2 Z[0 - 30 - #20 / 8]")
     assert answer(tmp_path, deeper).verdict.value in ("UNSAFE", "UNKNOWN")
 
 
 COUNTED = """#20 = 0
 #21 = 0
-while [#20 < 80]
+while [#20 < 24]
   G0 Z-5
   G0 X[#20]
   G38.2 Z-30 F200
@@ -103,7 +103,7 @@ endif
 def test_counts_of_contacts_do_not_keep_outcomes_apart(tmp_path: Path) -> None:
     assert answer(tmp_path, COUNTED).verdict.value == "SAFE"
     # As many contacts as points: the last move may go past 300.
-    assert answer(tmp_path, f"{COUNTED}G0 X[#21 * 4]\n").verdict.value == "UNKNOWN"
+    assert answer(tmp_path, f"{COUNTED}G0 X[#21 * 13]\n").verdict.value == "UNKNOWN"
 
 
 def test_a_contact_on_the_way_to_a_place_of_which_bounds_are_known_has_bounds(tmp_path: Path) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
+from support.campaigns import share
 from support.command import Done, in_this_process
 
 MACHINE = """schema = "gproof-machine/1"
@@ -49,8 +50,11 @@ def check(folder: Path, job: str) -> Done:
     return in_this_process(["check", "job.cnc", "--machine", "mill.toml", "--setup", "zero"], folder)
 
 
-@pytest.mark.parametrize("way", AGAIN)
-@pytest.mark.parametrize("tries", [1, 9, DEEPEST])
+TRIES = [(way, tries) for way in AGAIN for tries in (1, 9)]
+DEEP = [(way, DEEPEST) for way in AGAIN]
+
+
+@pytest.mark.parametrize(("way", "tries"), [*TRIES, *share(DEEP, len(DEEP))])
 def test_tries_that_are_counted_are_followed_to_their_end(way: str, tries: int, tmp_path: Path) -> None:
     done = check(tmp_path, retry(way, tries, 2.0))
     assert done.exit == 0 and "GP117" not in done.out, done.out
@@ -68,7 +72,7 @@ def test_tries_by_way_of_another_subprogram(way: str, tries: int, tmp_path: Path
     assert done.exit == 0 and "GP117" not in done.out, done.out
 
 
-@pytest.mark.parametrize("way", [way for way in AGAIN if way != "nothing"])
+@pytest.mark.parametrize("way", share([way for way in AGAIN if way != "nothing"], 2))
 def test_more_tries_than_calls_may_be_deep_are_unknown(way: str, tmp_path: Path) -> None:
     done = check(tmp_path, retry(way, DEEPEST + 1, 1.0))
     assert done.exit == 2 and f"unknown GP117 [recursion] calls are nested deeper than {DEEPEST}" in done.out, done.out

@@ -236,7 +236,7 @@ def test_long_jobs_agree_bit_for_bit(seed: int) -> None:
 def test_the_kernel_runs_long_jobs(monkeypatch: pytest.MonkeyPatch) -> None:
     """Every line but the modes goes through the kernel, and more rows than a buffer has."""
     lines = ["G90", "F1000", "G0X0Y0"]
-    for n in range(9000):
+    for n in range(3600):
         lines += [
             f"G1 X{n / 7:.4f} Y{n % 50}",
             f"Y{n % 40}.5 Z-{n % 3}",

@@ -26,7 +26,7 @@ from gproof.passes import step as module
 from gproof.passes.plan import plan, shortest_interval
 from gproof.passes.step import nearest_count, nearest_counts, step
 
-RANDOM = examples(30, 500)
+RANDOM = examples(15, 500)
 SECOND = 16_000_000
 TURN = 128
 

@@ -11,6 +11,8 @@ from types import FrameType
 
 _PAGE = resource.getpagesize()
 
+WAITS = 20
+
 
 class TookTooLongError(BaseException):
     """A case still runs after its time; no reader catches it, which a TimeoutError is no exception for."""
@@ -18,18 +20,24 @@ class TookTooLongError(BaseException):
 
 @contextmanager
 def alarm(seconds: int) -> Iterator[None]:
-    """TookTooLongError in whatever still runs after that time."""
+    """TookTooLongError in whatever still runs after so much time of the processor, which no neighbour lengthens.
+
+    What waits and computes nothing is ended as well, after WAITS times as long by the clock.
+    """
 
     def ring(number: int, frame: FrameType | None) -> None:
         raise TookTooLongError(f"still running after {seconds} s")
 
-    before = signal.signal(signal.SIGALRM, ring)
-    signal.alarm(seconds)
+    before = {number: signal.signal(number, ring) for number in (signal.SIGPROF, signal.SIGALRM)}
+    signal.setitimer(signal.ITIMER_PROF, seconds)
+    signal.setitimer(signal.ITIMER_REAL, WAITS * seconds)
     try:
         yield
     finally:
-        signal.alarm(0)
-        signal.signal(signal.SIGALRM, before)
+        signal.setitimer(signal.ITIMER_PROF, 0)
+        signal.setitimer(signal.ITIMER_REAL, 0)
+        for number, handler in before.items():
+            signal.signal(number, handler)
 
 
 @contextmanager

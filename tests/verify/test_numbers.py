@@ -163,13 +163,13 @@ def judged(package: Package, part: str, value: Any) -> str:
 def test_numbers_that_no_machine_has(part: str, package: Package) -> None:
     seen, failed = set(), []
     for name, value in spoilt(getattr(package, part), ROOTS[part], part):
-        began = time.perf_counter()
+        began = time.process_time()
         try:
             with alarm(5):
                 judged(package, part, value)
         except Exception as error:
             failed.append(f"{name}: {type(error).__name__}: {error}")
-        took = time.perf_counter() - began
+        took = time.process_time() - began
         assert took < 5.0, f"{name}: {took:.1f} s"
         seen.add(name.split(" = ")[0])
     assert not failed
