@@ -15,6 +15,7 @@ import pytest
 from frontend.test_random import random_bytes, random_program
 from frontend.test_tolerance import SAME
 from support import wild
+from support.campaigns import seeds
 from support.goldens import ROOT
 
 from gproof.backend.emit.eding import emit
@@ -362,11 +363,11 @@ def test_a_parsed_dump_prints_the_same_text(tmp_path: Path, capsys: pytest.Captu
 # -- anything
 
 
-@pytest.mark.parametrize("seed", range(6))
+@pytest.mark.parametrize("seed", seeds(6, 60))
 def test_random_programs(tmp_path: Path, seed: int) -> None:
     rng = random.Random(seed)
     jobs = wild.corpus_jobs()
-    for _ in range(60):
+    for _ in range(25):
         formatted(tmp_path, random_program(rng))
         formatted(tmp_path, wild.wild_program(rng))
         formatted(tmp_path, wild.mutated(rng, jobs))

@@ -47,7 +47,7 @@ def dialect_of(job: Path) -> str:
     return next(name for name, suffix in SUFFIX.items() if job.suffix == f".{suffix}")
 
 
-@pytest.mark.parametrize("bad", share(BAD, 5), ids=lambda path: f"{path.parent.name}-{path.suffix[1:]}-{path.stem}")
+@pytest.mark.parametrize("bad", share(BAD, 12), ids=lambda path: f"{path.parent.name}-{path.suffix[1:]}-{path.stem}")
 def test_bad_programs_of_the_codes_keep_their_lines(bad: Path, tmp_path: Path) -> None:
     raw = bad.read_bytes()
     if not raw.isascii():

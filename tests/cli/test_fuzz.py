@@ -33,7 +33,7 @@ from gproof.passes.execute import Executor
 BUDGET = 1500
 SECONDS = 30
 GROUP = 50
-DEFAULT, MORE, SOAK = 300, 1_000, 10_000
+DEFAULT, MORE, SOAK = 150, 1_000, 10_000
 
 MACHINE = """schema = "gproof-machine/1"
 units = "mm"

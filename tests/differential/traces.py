@@ -29,10 +29,9 @@ def hand_rows(path: Path) -> list[compare.Row]:
 
 def peer_run(program: Path) -> rs274_peer.PeerRun:
     """The peer's run of a program; those of `programs/` a batch at a time, each batch once in a process of pytest."""
-    if program not in PROGRAMS:
-        return _run_peers((program,))[0]
-    first, place = divmod(PROGRAMS.index(program), BATCH)
-    batch = tuple(PROGRAMS[first * BATCH : (first + 1) * BATCH])
+    group = DIFFERENCES if program in DIFFERENCES else PROGRAMS
+    first, place = divmod(group.index(program), BATCH)
+    batch = tuple(group[first * BATCH : (first + 1) * BATCH])
     try:
         return _run_peers(batch)[place]
     except rs274_peer.PeerError:  # of which program? one alone says it, and the others go on

@@ -158,7 +158,7 @@ def test_the_command_refuses_what_the_library_refuses(tmp_path: Path, monkeypatc
 
 
 @pytest.mark.filterwarnings("ignore::RuntimeWarning")
-@pytest.mark.parametrize("count", sizes(300, 20_000))
+@pytest.mark.parametrize("count", sizes(150, 20_000))
 def test_random_corruptions_are_answered(count: int, tmp_path: Path) -> None:
     path, refused = tmp_path / "spoilt.gpx", 0
     for number in range(count):

@@ -1,6 +1,7 @@
 """Right streams pass: both speeds of the checker, all kinds of rows, steps moved within their tolerance."""
 
 import dataclasses
+import itertools
 import random
 import time
 from collections.abc import Callable
@@ -8,7 +9,7 @@ from fractions import Fraction
 
 import numpy as np
 import pytest
-from support.campaigns import seeds
+from support.campaigns import seeds, share
 from verify.jobs import JOBS, random_job
 from verify.path_oracle import follows, samples
 from verify.reference_stepper import Job, Stepped, machine, step, stream_of
@@ -64,8 +65,7 @@ def test_both_speeds_agree_bit_for_bit(name: str, monkeypatch: pytest.MonkeyPatc
         assert seen[0][1]
 
 
-@pytest.mark.parametrize("name", JOBS)
-@pytest.mark.parametrize("size", [1, 7, 501])
+@pytest.mark.parametrize(("name", "size"), share(list(itertools.product(JOBS, (1, 7, 501))), 2))
 def test_slices_change_nothing(name: str, size: int, monkeypatch: pytest.MonkeyPatch) -> None:
     """The walk stops and goes on anywhere: the same findings, and the same bytes left behind at its end."""
     job = JOBS[name]()
