@@ -51,17 +51,24 @@ class Kernel(Generic[P, R]):
 
     seconds_per_unit: cost in plain Python of one unit of the caller's ``work``.
     compile_seconds: what numba needs for it without a cache, about.
-    inline: put into every kernel that calls it, before compiling: a call costs more than it does, as each array of its
-    arguments is counted there and back.
+    inline: put into every kernel that calls it, before compiling: a call costs more than it does.
+    borrows: it makes and returns no array, nor does a kernel that it calls, so its arrays stay its caller's and numba
+    need not count who holds them, which it does otherwise at every call and for every name, in the loop too.
     """
 
     _forecast = 0.0
 
     def __init__(
-        self, function: Callable[P, R], seconds_per_unit: float, compile_seconds: float, inline: bool = False
+        self,
+        function: Callable[P, R],
+        seconds_per_unit: float,
+        compile_seconds: float,
+        inline: bool = False,
+        borrows: bool = False,
     ) -> None:
         self.python = function
         self.inline = inline
+        self.borrows = borrows
         self.seconds_per_unit = seconds_per_unit
         self.compile_seconds = compile_seconds
         self._compiled: Callable[P, R] | None = None
@@ -167,7 +174,9 @@ class Kernel(Generic[P, R]):
         copy = types.FunctionType(function.__code__, scope, function.__name__, function.__defaults__)
         copy.__module__ = function.__module__
         copy.__qualname__ = function.__qualname__
-        dispatcher: Any = numba.njit(error_model="numpy", nogil=True, inline="always" if self.inline else "never")(copy)
+        # `_nrt` is numba's own name for the counting; the unicode functions of numba are made without it too.
+        options: dict[str, Any] = {"inline": "always" if self.inline else "never", "_nrt": not self.borrows}
+        dispatcher: Any = numba.njit(error_model="numpy", nogil=True, **options)(copy)
         dispatcher._cache = FileCache(self._folder())
         done[self] = dispatcher
         return dispatcher
@@ -178,11 +187,11 @@ def _behind(value: object) -> Any:
 
 
 def kernel(
-    *, seconds_per_unit: float = 2e-6, compile_seconds: float = 3.0, inline: bool = False
+    *, seconds_per_unit: float = 2e-6, compile_seconds: float = 3.0, inline: bool = False, borrows: bool = False
 ) -> Callable[[Callable[P, R]], Kernel[P, R]]:
     """Mark a function as a kernel; see the module's text for the rules its body keeps."""
 
     def wrap(function: Callable[P, R]) -> Kernel[P, R]:
-        return Kernel(function, seconds_per_unit, compile_seconds, inline)
+        return Kernel(function, seconds_per_unit, compile_seconds, inline, borrows)
 
     return wrap

@@ -219,7 +219,7 @@ class Problems(NamedTuple):
     numbers: Floats
 
 
-@kernel(seconds_per_unit=5e-6)
+@kernel(seconds_per_unit=5e-6, borrows=True)
 def note(kind: int, motor: int, tick: int, row: int, a: float, b: float, walk: Walk, problems: Problems) -> None:
     """Count a problem and keep its place while there is room for its kind."""
     problems.counts[kind] += 1
@@ -234,7 +234,7 @@ def note(kind: int, motor: int, tick: int, row: int, a: float, b: float, walk: W
         walk.ints[NOTED] = k + 1
 
 
-@kernel(seconds_per_unit=2e-6)
+@kernel(seconds_per_unit=2e-6, borrows=True)
 def axis_steps(at: float, m: int, knots: Floats, first_knot: Ints) -> float:
     """Where the axis is, in its steps, when motor ``m`` is at ``at``: linear between knots, shifted beside them."""
     a = first_knot[m]
@@ -256,7 +256,7 @@ def axis_steps(at: float, m: int, knots: Floats, first_knot: Ints) -> float:
     return np.float64(knots[a, 1] + (at - knots[a, 0]) * slope)
 
 
-@kernel(seconds_per_unit=2e-6)
+@kernel(seconds_per_unit=2e-6, borrows=True)
 def surround(m: int, n: Ints, backlash: Backlash, motors: Motors, near: Floats) -> None:
     """near[m]: where the path may be while motor ``m`` is at its step: one step to either side of the axis.
 
@@ -271,7 +271,7 @@ def surround(m: int, n: Ints, backlash: Backlash, motors: Motors, near: Floats) 
     near[m, 1] = axis_steps(np.float64(high) + PATH_TOLERANCE, m, motors.knots, motors.first_knot)
 
 
-@kernel(seconds_per_unit=5e-6)
+@kernel(seconds_per_unit=5e-6, borrows=True)
 def catch_up(t: int, n: Ints, backlash: Backlash, motors: Motors, window: Window, walk: Walk, near: Floats) -> int:
     """End the lag of axes that had until before tick ``t``; the motor whose axis is not near the path then, or -1."""
     for m in range(n.shape[0]):
@@ -284,7 +284,7 @@ def catch_up(t: int, n: Ints, backlash: Backlash, motors: Motors, window: Window
     return -1
 
 
-@kernel(seconds_per_unit=5e-6)
+@kernel(seconds_per_unit=5e-6, borrows=True)
 def drag(m: int, t: int, direction: int, before: int, n: Ints, backlash: Backlash, motors: Motors) -> bool:
     """The axis behind motor ``m``, which made a step at ``t``; before: its last direction. True when the axis moved."""
     slack = motors.slack[m]
@@ -298,7 +298,7 @@ def drag(m: int, t: int, direction: int, before: int, n: Ints, backlash: Backlas
     return bool(moved)
 
 
-@kernel(seconds_per_unit=5e-6, inline=True)
+@kernel(seconds_per_unit=5e-6, inline=True, borrows=True)
 def turned(way: float, m: int, turns: Ints) -> None:
     """The path moves motor ``m`` in the direction of ``way``: count it when that is a reversal."""
     sign = 0
@@ -312,7 +312,7 @@ def turned(way: float, m: int, turns: Ints) -> None:
         turns[0, m] = sign
 
 
-@kernel(seconds_per_unit=1e-5)
+@kernel(seconds_per_unit=1e-5, borrows=True)
 def open_arc(r: int, rows: Rows, motors: Motors, walk: Walk) -> float:
     """Prepare the arc row ``r``: its axes, angles, radii and number of pieces; gives its length."""
     # The right-handed pairs: XY, ZX, YZ.
@@ -375,7 +375,7 @@ def open_arc(r: int, rows: Rows, motors: Motors, walk: Walk) -> float:
     return math.sqrt(along * along + aside * aside)
 
 
-@kernel(seconds_per_unit=1e-5)
+@kernel(seconds_per_unit=1e-5, borrows=True)
 def open_row(rows: Rows, motors: Motors, walk: Walk) -> bool:
     """Prepare the next row that moves; False at the next event row or the section's end."""
     ints = walk.ints
@@ -412,7 +412,7 @@ def open_row(rows: Rows, motors: Motors, walk: Walk) -> bool:
     return False
 
 
-@kernel(seconds_per_unit=1e-5)
+@kernel(seconds_per_unit=1e-5, borrows=True)
 def arc_piece(axis: Ints, spu: Floats, ints: Ints, reals: Floats, place: Floats, turns: Ints) -> None:
     """The end of the arc's next chord, and the arc's reversals along it."""
     first = ints[FIRST]
@@ -448,7 +448,7 @@ def arc_piece(axis: Ints, spu: Floats, ints: Ints, reals: Floats, place: Floats,
             turned((place[GOAL, axis[m]] - place[ORIGIN, axis[m]]) * spu[m], m, turns)
 
 
-@kernel(seconds_per_unit=1e-5)
+@kernel(seconds_per_unit=1e-5, borrows=True)
 def add_piece(axis: Ints, spu: Floats, window: Window, ints: Ints, reals: Floats, place: Floats, turns: Ints) -> None:
     """Append the open row's next piece at the window's tail."""
     for a in range(6):
@@ -484,7 +484,7 @@ def add_piece(axis: Ints, spu: Floats, window: Window, ints: Ints, reals: Floats
     ints[TAIL] = t + 1
 
 
-@kernel(seconds_per_unit=5e-6)
+@kernel(seconds_per_unit=5e-6, borrows=True)
 def make_room(window: Window, walk: Walk) -> bool:
     """Move the window to the arrays' beginning; False when it holds more than WINDOW pieces."""
     head = walk.ints[HEAD]
@@ -504,7 +504,7 @@ def make_room(window: Window, walk: Walk) -> bool:
     return True
 
 
-@kernel(seconds_per_unit=5e-6)
+@kernel(seconds_per_unit=5e-6, borrows=True)
 def from_rest(row: int, barrier: int, motors: Motors, window: Window, walk: Walk) -> None:
     """Begin anew at the path point reached so far: the window holds that one point."""
     ints = walk.ints
@@ -529,7 +529,7 @@ def from_rest(row: int, barrier: int, motors: Motors, window: Window, walk: Walk
             walk.turns[k, m] = 0
 
 
-@kernel(seconds_per_unit=1e-5, inline=True)
+@kernel(seconds_per_unit=1e-5, inline=True, borrows=True)
 def shrink(near: Floats, j: int, flows: bool, line: Floats, reach: Floats, ints: Ints) -> None:
     """From piece ``j`` on, keep what is reachable and near the motors, and follow the path while it is near.
 
@@ -579,7 +579,7 @@ def shrink(near: Floats, j: int, flows: bool, line: Floats, reach: Floats, ints:
     ints[DONE] = 1 if flows else 0
 
 
-@kernel(seconds_per_unit=1e-5)
+@kernel(seconds_per_unit=1e-5, borrows=True)
 def follow(near: Floats, rows: Rows, motors: Motors, window: Window, walk: Walk) -> bool:
     """While the path's end so far is reachable, make more of it; False when more than WINDOW pieces are near."""
     while walk.ints[DONE] == 1:
@@ -592,7 +592,7 @@ def follow(near: Floats, rows: Rows, motors: Motors, window: Window, walk: Walk)
     return True
 
 
-@kernel(seconds_per_unit=5e-6)
+@kernel(seconds_per_unit=5e-6, borrows=True)
 def off_place(n: Ints, motors: Motors, walk: Walk) -> int:
     """The first motor that is not at the step nearest to the path point made last, or -1."""
     for m in range(n.shape[0]):
@@ -604,7 +604,7 @@ def off_place(n: Ints, motors: Motors, walk: Walk) -> int:
     return -1
 
 
-@kernel(seconds_per_unit=2e-5, inline=True)
+@kernel(seconds_per_unit=2e-5, inline=True, borrows=True)
 def sample(
     n: Ints,
     tick: int,
@@ -642,7 +642,7 @@ def sample(
             note(P_FEED, -1, tick, row, seconds / allowed, np.float64(width), walk, problems)
 
 
-@kernel(seconds_per_unit=2e-5)
+@kernel(seconds_per_unit=2e-5, borrows=True)
 def settle(
     n: Ints,
     tick: int,
@@ -662,7 +662,7 @@ def settle(
     return at
 
 
-@kernel(seconds_per_unit=2e-5)
+@kernel(seconds_per_unit=2e-5, borrows=True)
 def rest_problems(
     n: Ints, tick: int, row: int, begin: int, began: float, times: Times, walk: Walk, problems: Problems
 ) -> None:
@@ -680,7 +680,7 @@ def rest_problems(
         note(P_FEED, -1, tick, row, ratio, 0.0, walk, problems)
 
 
-@kernel(seconds_per_unit=2e-5)
+@kernel(seconds_per_unit=2e-5, borrows=True)
 def unmoved(began: float, progress: Floats, window: Window, walk: Walk) -> None:
     """Before the first step after a rest the path point may be anywhere that the resting position allows."""
     farthest = began
@@ -692,7 +692,7 @@ def unmoved(began: float, progress: Floats, window: Window, walk: Walk) -> None:
         progress[k, 1] = max(began, farthest)
 
 
-@kernel(seconds_per_unit=2e-5)
+@kernel(seconds_per_unit=2e-5, borrows=True)
 def begin_section(
     cursor: Cursor,
     runs: Runs,
@@ -725,7 +725,7 @@ def begin_section(
     unmoved(0.0, cursor.progress, window, walk)
 
 
-@kernel(seconds_per_unit=4e-5, compile_seconds=12.0)
+@kernel(seconds_per_unit=4e-5, compile_seconds=12.0, borrows=True)
 def check_section(
     most: int,
     cursor: Cursor,
@@ -867,7 +867,9 @@ def check_section(
                 now[OVER] = 1
                 now[STEPS] = steps
                 return steps
-            lagging = backlash.until.max() >= 0
+            lagging = False
+            for k in range(count):
+                lagging = lagging or backlash.until[k] >= 0
         n[m] += direction
         moved = True
         if motors.slack[m] == 0:
