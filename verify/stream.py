@@ -152,7 +152,12 @@ def _cursor(position: npt.NDArray[np.int64], runs: kernels.Runs) -> kernels.Curs
 
 def _window(motors: int) -> kernels.Window:
     room = 2 * kernels.WINDOW
-    return kernels.Window(line=np.empty((room, motors, 3)), reach=np.empty((room, 5)), row=np.zeros(room, np.int64))
+    return kernels.Window(
+        line=np.empty((room, motors, 3)),
+        top=np.empty((room, motors)),
+        reach=np.empty((room, 5)),
+        row=np.zeros(room, np.int64),
+    )
 
 
 def _section(

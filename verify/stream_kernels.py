@@ -165,9 +165,10 @@ class Times(NamedTuple):
 class Window(NamedTuple):
     """Pieces of path. line: (pieces, motors, 3) BEGIN, EXTENT, INVERSE; reach: (pieces, 5) FROM, TO: the
     reachable interval, BEFORE, SECONDS: at full feed before the piece and in it, SLACK: what rounding and chords add
-    to the tolerance; row: of the trace."""
+    to the tolerance; top: (pieces, motors) of a reachable piece up to where each motor is near; row: of the trace."""
 
     line: Floats
+    top: Floats
     reach: Floats
     row: Ints
 
@@ -278,7 +279,7 @@ def catch_up(t: int, n: Ints, backlash: Backlash, motors: Motors, window: Window
         if 0 <= backlash.until[m] < t:
             backlash.until[m] = -1
             surround(m, n, backlash, motors, near)
-            shrink(near, walk.ints[HEAD], False, window.line, window.reach, walk.ints)
+            shrink(m, near, walk.ints[HEAD], False, window.line, window.top, window.reach, walk.ints)
             if walk.ints[HEAD] == walk.ints[TAIL]:
                 return m
     return -1
@@ -496,6 +497,7 @@ def make_room(window: Window, walk: Walk) -> bool:
         for m in range(window.line.shape[1]):
             for c in range(3):
                 window.line[j, m, c] = window.line[head + j, m, c]
+            window.top[j, m] = window.top[head + j, m]
         for c in range(5):
             window.reach[j, c] = window.reach[head + j, c]
     walk.ints[HEAD] = 0
@@ -505,7 +507,7 @@ def make_room(window: Window, walk: Walk) -> bool:
 
 
 @kernel(seconds_per_unit=5e-6, borrows=True)
-def from_rest(row: int, barrier: int, motors: Motors, window: Window, walk: Walk) -> None:
+def from_rest(row: int, barrier: int, near: Floats, motors: Motors, window: Window, walk: Walk) -> None:
     """Begin anew at the path point reached so far: the window holds that one point."""
     ints = walk.ints
     ints[ROW] = row
@@ -522,7 +524,11 @@ def from_rest(row: int, barrier: int, motors: Motors, window: Window, walk: Walk
     window.reach[0, SECONDS] = 0.0
     window.reach[0, SLACK] = ROUNDING
     for m in range(motors.axis.shape[0]):
-        window.line[0, m, BEGIN] = walk.place[HERE, motors.axis[m]] * motors.spu[m]
+        begin = walk.place[HERE, motors.axis[m]] * motors.spu[m]
+        # As ``shrink`` has it for a motor that does not move.
+        outside = near[m, 0] - ROUNDING - begin > 0.0 or near[m, 1] + ROUNDING - begin < 0.0
+        window.top[0, m] = -1.0 if outside else 1.0
+        window.line[0, m, BEGIN] = begin
         window.line[0, m, EXTENT] = 0.0
         window.line[0, m, INVERSE] = 0.0
         for k in range(6):
@@ -530,51 +536,59 @@ def from_rest(row: int, barrier: int, motors: Motors, window: Window, walk: Walk
 
 
 @kernel(seconds_per_unit=1e-5, inline=True, borrows=True)
-def shrink(near: Floats, j: int, flows: bool, line: Floats, reach: Floats, ints: Ints) -> None:
+def shrink(m: int, near: Floats, j: int, flows: bool, line: Floats, top: Floats, reach: Floats, ints: Ints) -> None:
     """From piece ``j`` on, keep what is reachable and near the motors, and follow the path while it is near.
 
-    near: (motors, 2) from ``surround``; flows: the end of the piece before is reachable. Sets HEAD (the tail when
-    nothing is left), FRONT, DONE.
+    m: the only motor whose ``near`` has changed; near: (motors, 2) from ``surround``; flows: the end of the piece
+    before is reachable. Sets HEAD (the tail when nothing is left), FRONT, DONE.
+
+    In a piece that was reachable FROM is not before any motor's bound, and ``top`` holds all motors' other bounds, so
+    motor ``m`` alone is looked at; where the path flows in, all are. No other piece can become reachable.
     """
     first = ints[HEAD] if flows else -1
     front = ints[FRONT]
-    while j < ints[TAIL]:
-        slack = reach[j, SLACK]
-        low = 0.0
-        high = 1.0
-        for m in range(near.shape[0]):
-            least = near[m, 0] - slack - line[j, m, BEGIN]
-            most = near[m, 1] + slack - line[j, m, BEGIN]
-            inverse = line[j, m, INVERSE]
-            if inverse > 0.0:
-                low = max(low, least * inverse)
-                high = min(high, most * inverse)
-            elif inverse < 0.0:
-                low = max(low, most * inverse)
-                high = min(high, least * inverse)
-            elif least > 0.0 or most < 0.0:
-                high = -1.0
-        start = UNREACHED
-        if low <= high:
+    tail = ints[TAIL]
+    farthest = front
+    while j < tail and (flows or j <= farthest):
+        begin = reach[j, FROM]
+        if flows or begin <= 1.0:
+            slack = reach[j, SLACK]
+            low = 0.0
+            high = 1.0
+            for k in range(0 if flows else m, near.shape[0] if flows else m + 1):
+                least = near[k, 0] - slack - line[j, k, BEGIN]
+                most = near[k, 1] + slack - line[j, k, BEGIN]
+                inverse = line[j, k, INVERSE]
+                bound = 1.0
+                if inverse != 0.0:
+                    least *= inverse
+                    most *= inverse
+                    bound = most if most > least else least
+                    least = least if most > least else most
+                    low = least if least > low else low
+                elif least > 0.0 or most < 0.0:
+                    bound = -1.0
+                top[j, k] = bound
+            for k in range(near.shape[0]):
+                high = top[j, k] if top[j, k] < high else high
+            start = low if low > begin else begin
+            last = reach[j, TO]
             if flows and low <= 0.0:
                 start = 0.0
-            else:
-                start = max(low, reach[j, FROM])
-                if start > min(high, reach[j, TO]):
-                    start = UNREACHED
-        if start <= 1.0:
-            reach[j, FROM] = start
-            reach[j, TO] = high
-            flows = high >= 1.0
-            front = j
-            if first < 0:
-                first = j
-        else:
-            reach[j, FROM] = UNREACHED
-            reach[j, TO] = -1.0
+                last = 1.0
             flows = False
+            if start <= high and start <= last:
+                reach[j, FROM] = start
+                reach[j, TO] = high
+                flows = high >= 1.0
+                front = j
+                if first < 0:
+                    first = j
+            else:
+                reach[j, FROM] = UNREACHED
+                reach[j, TO] = -1.0
         j += 1
-    ints[HEAD] = ints[TAIL] if first < 0 else first
+    ints[HEAD] = tail if first < 0 else first
     ints[FRONT] = front
     ints[DONE] = 1 if flows else 0
 
@@ -588,7 +602,7 @@ def follow(near: Floats, rows: Rows, motors: Motors, window: Window, walk: Walk)
         if walk.ints[PIECES] == 0 and not open_row(rows, motors, walk):
             break
         add_piece(motors.axis, motors.spu, window, walk.ints, walk.reals, walk.place, walk.turns)
-        shrink(near, walk.ints[TAIL] - 1, True, window.line, window.reach, walk.ints)
+        shrink(0, near, walk.ints[TAIL] - 1, True, window.line, window.top, window.reach, walk.ints)
     return True
 
 
@@ -720,7 +734,7 @@ def begin_section(
             cursor.positions[k, m] = cursor.n[m]
     cursor.now[QUIET] = SETTLED
     cursor.now[EDGE] = times.grid
-    from_rest(0, events.row[0] if events.row.shape[0] > 0 else rows.op.shape[0], motors, window, walk)
+    from_rest(0, events.row[0] if events.row.shape[0] > 0 else rows.op.shape[0], cursor.near, motors, window, walk)
     cursor.now[DENSE] = 0 if follow(cursor.near, rows, motors, window, walk) else 1
     unmoved(0.0, cursor.progress, window, walk)
 
@@ -751,6 +765,7 @@ def check_section(
     backlash = Backlash(cursor.at, cursor.until)
     ints = walk.ints
     line = window.line
+    top = window.top
     reach = window.reach
     run = cursor.run
     due = cursor.due
@@ -829,7 +844,8 @@ def check_section(
                 quiet = SETTLED
                 sampled = steps
                 e += 1
-                from_rest(row + 1, events.row[e] if e < events.row.shape[0] else rows.op.shape[0], motors, window, walk)
+                barrier = events.row[e] if e < events.row.shape[0] else rows.op.shape[0]
+                from_rest(row + 1, barrier, near, motors, window, walk)
                 dense = not follow(near, rows, motors, window, walk)
                 unmoved(began, progress, window, walk)
                 continue
@@ -894,7 +910,7 @@ def check_section(
             surround(m, n, backlash, motors, near)
         steps += 1
 
-        shrink(near, ints[HEAD], False, line, reach, ints)
+        shrink(m, near, ints[HEAD], False, line, top, reach, ints)
         if ints[HEAD] == ints[TAIL]:
             note(P_LEFT, m, t, row, np.float64(n[m]), np.float64(direction), walk, problems)
             for k in range(count):
