@@ -413,7 +413,7 @@ def open_row(rows: Rows, motors: Motors, walk: Walk) -> bool:
     return False
 
 
-@kernel(seconds_per_unit=1e-5, borrows=True)
+@kernel(seconds_per_unit=1e-5, inline=True, borrows=True)
 def arc_piece(axis: Ints, spu: Floats, ints: Ints, reals: Floats, place: Floats, turns: Ints) -> None:
     """The end of the arc's next chord, and the arc's reversals along it."""
     first = ints[FIRST]
@@ -449,7 +449,7 @@ def arc_piece(axis: Ints, spu: Floats, ints: Ints, reals: Floats, place: Floats,
             turned((place[GOAL, axis[m]] - place[ORIGIN, axis[m]]) * spu[m], m, turns)
 
 
-@kernel(seconds_per_unit=1e-5, borrows=True)
+@kernel(seconds_per_unit=1e-5, inline=True, borrows=True)
 def add_piece(axis: Ints, spu: Floats, window: Window, ints: Ints, reals: Floats, place: Floats, turns: Ints) -> None:
     """Append the open row's next piece at the window's tail."""
     for a in range(6):
@@ -593,17 +593,25 @@ def shrink(m: int, near: Floats, j: int, flows: bool, line: Floats, top: Floats,
     ints[DONE] = 1 if flows else 0
 
 
-@kernel(seconds_per_unit=1e-5, borrows=True)
-def follow(near: Floats, rows: Rows, motors: Motors, window: Window, walk: Walk) -> bool:
+@kernel(seconds_per_unit=1e-5, inline=True, borrows=True)
+def extend(near: Floats, rows: Rows, motors: Motors, window: Window, walk: Walk) -> bool:
     """While the path's end so far is reachable, make more of it; False when more than WINDOW pieces are near."""
+    room = True
     while walk.ints[DONE] == 1:
         if walk.ints[TAIL] == window.row.shape[0] and not make_room(window, walk):
-            return False
+            room = False
+            break
         if walk.ints[PIECES] == 0 and not open_row(rows, motors, walk):
             break
         add_piece(motors.axis, motors.spu, window, walk.ints, walk.reals, walk.place, walk.turns)
         shrink(0, near, walk.ints[TAIL] - 1, True, window.line, window.top, window.reach, walk.ints)
-    return True
+    return room
+
+
+@kernel(seconds_per_unit=1e-5, borrows=True)
+def follow(near: Floats, rows: Rows, motors: Motors, window: Window, walk: Walk) -> bool:
+    """``extend`` as a call, for where it is rare."""
+    return extend(near, rows, motors, window, walk)
 
 
 @kernel(seconds_per_unit=5e-6, borrows=True)
@@ -919,7 +927,7 @@ def check_section(
             now[STEPS] = steps
             return steps
         if ints[DONE] == 1:
-            dense = not follow(near, rows, motors, window, walk)
+            dense = not extend(near, rows, motors, window, walk)
         if dense:
             note(P_DENSE, m, t, row, 0.0, 0.0, walk, problems)
             now[OVER] = 1

@@ -3,9 +3,12 @@
 import dataclasses
 import itertools
 import random
+import sys
 import time
 from collections.abc import Callable
 from fractions import Fraction
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -14,6 +17,7 @@ from verify.jobs import JOBS, random_job
 from verify.path_oracle import follows, samples
 from verify.reference_stepper import Job, Stepped, machine, step, stream_of
 
+from gproof.ir.kernel import Kernel
 from gproof.ir.machine import Axis, AxisKind, Controller, Machine, Slave
 from gproof.ir.setup import NOTHING, Interval, Setup
 from gproof.ir.stream import StepStream, StreamSection
@@ -435,3 +439,25 @@ def test_a_path_too_dense_to_follow_is_refused_not_believed() -> None:
     report = check(done, job, on)
     assert {f.code.label for f in report.findings} == {"GP801"}
     assert "dense" in report.findings[0].message
+
+
+def test_no_kernel_of_the_checker_counts_who_holds_its_arrays(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    """That took most of its time; compiled code without it leaves the holders as they are."""
+    kernels = [value for value in vars(stream_kernels).values() if isinstance(value, Kernel)]
+    assert len(kernels) > 10
+    assert all(kernel.borrows for kernel in kernels)
+    monkeypatch.setenv("GPROOF_CACHE_DIR", str(tmp_path))  # only of what was compiled just now is the code known
+    compiled: Any = stream_kernels.surround._dispatcher({})
+    near = np.array([[-1.0, 1.0]])
+    backlash = stream_kernels.Backlash(np.array([3]), np.array([-1]))
+    ints, floats = np.zeros((12, 2), np.int64), np.zeros((12, 2))
+    table = dict.fromkeys(stream_kernels.Motors._fields, ints[0])
+    table |= dict.fromkeys(("spu",), floats[0]) | dict.fromkeys(("speed", "acceleration", "knots"), floats)
+    motors = stream_kernels.Motors(**table)  # type: ignore[arg-type]
+    arrays = [near, *backlash, ints, floats, *motors]
+    held = [sys.getrefcount(array) for array in arrays]
+    for _ in range(3):
+        compiled(0, backlash.at, backlash, motors, near)
+        assert near.tolist() == [[2.0, 4.0]]
+        assert [sys.getrefcount(array) for array in arrays] == held
+    assert all("NRT_" not in code for code in compiled.inspect_asm().values())
