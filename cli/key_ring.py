@@ -11,6 +11,7 @@ from __future__ import annotations
 import datetime
 import os
 import re
+import stat
 import tempfile
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -93,16 +94,48 @@ def _own_key(strict: bool) -> Signer | None:
 
 def trusted_with(files: tuple[Path, ...]) -> tuple[Signer, ...]:
     """The keys of the user and of the files of ``--trust``; UsageError for what is no public key."""
+    return (*read_ring(strict=False).signers, *(given_key(path, "trusted key") for path in files))
+
+
+def given_key(path: Path, what: str) -> Signer:
+    """A public key from a file of somebody, with the dates that stand above it as ``keys/NAME.pem`` has them.
+
+    UsageError for what is no such file. Other lines above the key are anybody's: tools write some.
+    """
     from gproof.cli.files import require_file
     from gproof.verify.certificate import load_public_key
 
-    for path in files:
-        require_file(path, "trusted key")
+    require_file(path, what)
     try:
-        given = [Signer(raw=load_public_key(path)) for path in files]
-    except (ValueError, OSError) as error:
-        raise UsageError(str(error)) from None
-    return (*read_ring(strict=False).signers, *given)
+        raw = load_public_key(path)
+        days, _ = _days(path.read_bytes())
+    except ValueError as error:
+        raise UsageError(_of(path, error)) from None
+    except OSError as error:
+        raise UsageError(f"{what} {path}: {error.strerror or error}") from None
+    return Signer(raw=raw, expires=days.get("expires"), revoked=days.get("revoked"))
+
+
+def _of(path: Path, error: ValueError) -> str:
+    """What is wrong with a key, with its file named once."""
+    said = str(error)
+    return said if str(path) in said else f"key {path}: {said}"
+
+
+def _days(data: bytes) -> tuple[dict[str, datetime.date], list[tuple[str, str]]]:
+    """The dates that stand above a key in PEM form, and the other lines there as (word, rest); ValueError."""
+    days: dict[str, datetime.date] = {}
+    others: list[tuple[str, str]] = []
+    text = data.decode("ascii", "replace")
+    for line in text[: text.index(_BEGIN)].splitlines():
+        word, colon, rest = line.partition(":")
+        if not colon or word not in ("expires", "revoked"):
+            others.append((word if colon else "", rest if colon else line))
+        elif word in days:
+            raise ValueError(f"{line!r} is no line of a key: there is one before it")
+        else:
+            days[word] = date_of(rest.strip())
+    return days, others
 
 
 def name_of(raw: bytes, signers: tuple[Signer, ...]) -> str:
@@ -166,28 +199,27 @@ def _entry(path: Path) -> Signer:
     _own(path)
     if path.stat().st_size > _LARGEST:
         raise UsageError(f"key {path}: is no public key in PEM form")
-    text = path.read_bytes().decode("ascii", "replace")
-    days: dict[str, datetime.date] = {}
+    if path.stem.lower() == OWN:
+        raise UsageError(f"key {path}: {OWN} is the name of your own key; give the file another one")
     try:
         raw = load_public_key(path)
-        for line in text[: text.index(_BEGIN)].splitlines():
-            word, colon, rest = line.partition(":")
-            if word == "fingerprint":
-                if rest.strip() != fingerprint(raw):
-                    raise ValueError("its fingerprint is that of another key")
-            elif colon and word in ("expires", "revoked") and word not in days:
-                days[word] = date_of(rest.strip())
-            else:
-                raise ValueError(f"{line!r} is no line of a key")
+        days, others = _days(path.read_bytes())
+        for word, rest in others:
+            if word != "fingerprint":
+                raise ValueError(f"{f'{word}:{rest}' if word else rest!r} is no line of a key")
+            if rest.strip() != fingerprint(raw):
+                raise ValueError("its fingerprint is that of another key")
     except ValueError as error:
-        raise UsageError(f"key {path}: {error}") from None
+        raise UsageError(_of(path, error)) from None
     return Signer(raw=raw, name=path.stem, expires=days.get("expires"), revoked=days.get("revoked"))
 
 
 def _own(path: Path) -> None:
-    """UsageError for a key that somebody else could have written."""
+    """UsageError for what is no file, and for a key that somebody else could have written."""
+    found = path.stat()
+    if not stat.S_ISREG(found.st_mode):
+        raise UsageError(f"key {path}: is not a regular file")
     if os.name != "posix":
         return
-    found = path.stat()
     if found.st_uid not in (0, os.geteuid()) or found.st_mode & 0o022:
         raise UsageError(f"key {path}: others can write it: chmod go-w it, and see that it is what you left there")

@@ -10,7 +10,7 @@ import click
 from gproof.cli import key_ring
 from gproof.cli.escape import shown
 from gproof.cli.files import require_file, require_place
-from gproof.cli.key_ring import OWN, KeyRing, own_key_path, read_ring, require_name, write_entry
+from gproof.cli.key_ring import OWN, KeyRing, given_key, own_key_path, read_ring, require_name, write_entry
 from gproof.cli.main import UsageError
 from gproof.verify.signers import Signer, fingerprint, today
 
@@ -79,15 +79,21 @@ def run_show(name: str) -> int:
 
 def run_trust(path: Path, name: str | None, expires: str | None) -> int:
     """Believe from now on what a key signs."""
-    raw = _public(path)
+    given = given_key(path, "key")
+    raw = given.raw
     name = path.stem if name is None else name
     require_name(name)
     try:
-        last = None if expires is None else key_ring.date_of(expires)
+        asked = None if expires is None else key_ring.date_of(expires)
     except ValueError as error:
         raise UsageError(f"--expires: {error}") from None
-    if last is not None and last < today():
-        raise UsageError(f"--expires: {last} has passed")
+    if asked is not None and asked < today():
+        raise UsageError(f"--expires: {asked} has passed")
+    if given.revoked is not None:
+        raise UsageError(f"key {path}: was revoked on {given.revoked}, as the file says; it is not trusted")
+    if given.expires is not None and given.expires < today():
+        raise UsageError(f"key {path}: expired on {given.expires}, as the file says; it is not trusted")
+    last = min((day for day in (asked, given.expires) if day is not None), default=None)
     ring = read_ring()
     _not_otherwise(ring, raw, name)
     write_entry(Signer(raw=raw, name=name, expires=last))
@@ -141,7 +147,7 @@ def run_revoke(name: str, new_name: str | None) -> int:
 
 def _revoke_own(own: Signer) -> Signer:
     """Keep the public half as revoked, and set the private one aside: nothing is signed with it any more."""
-    kept = Signer(raw=own.raw, name=f"own-{fingerprint(own.raw)[:4]}", revoked=today())
+    kept = Signer(raw=own.raw, name=f"own-{fingerprint(own.raw)}", revoked=today())
     write_entry(kept)
     path = own_key_path()
     path.rename(path.with_name(f"revoked-{fingerprint(own.raw)}.pem"))
@@ -149,6 +155,7 @@ def _revoke_own(own: Signer) -> Signer:
 
 
 def _public(path: Path) -> bytes:
+    """The key alone, whatever its file says of it."""
     from gproof.verify.certificate import load_public_key
 
     require_file(path, "key")

@@ -350,6 +350,8 @@ def load_or_create_key(path: Path) -> Ed25519PrivateKey:
     ValueError for a file that is no such key, or that others may read.
     """
     if path.exists():
+        if not path.is_file():
+            raise ValueError(f"{path} is not a regular file")
         if os.name == "posix" and path.stat().st_mode & 0o077:
             raise ValueError(f"{path} can be read or written by others: chmod 600 it, or make a new key")
         return load_key(path)
@@ -380,7 +382,7 @@ def public_key_text(key: Ed25519PrivateKey | bytes) -> str:
 
 
 def load_public_key(path: Path) -> bytes:
-    """The raw public key of a PEM file; ValueError when it is none."""
+    """The raw public key of a PEM file; ValueError when it is none, or when it holds more than that."""
     from cryptography.exceptions import UnsupportedAlgorithm
     from cryptography.hazmat.primitives.asymmetric.ed25519 import Ed25519PublicKey
     from cryptography.hazmat.primitives.serialization import Encoding, PublicFormat, load_pem_public_key
@@ -388,6 +390,8 @@ def load_public_key(path: Path) -> bytes:
     data = path.read_bytes()
     if b"PRIVATE KEY" in data:
         raise ValueError(f"{path} is a private key, which is given to nobody; gproof keys show prints its public half")
+    if data.count(b"-----BEGIN ") > 1:
+        raise ValueError(f"{path} holds more than one key, and which is meant it does not say")
     try:
         key = load_pem_public_key(data)
     except (ValueError, TypeError, UnsupportedAlgorithm):

@@ -57,14 +57,14 @@ def today() -> datetime.date:
 
 
 def signed_by(raw: bytes, signers: Iterable[bytes | Signer]) -> Signer | None:
-    """What is known of a key: that it is revoked before all else, and the latest last day; None: nothing."""
+    """What is known of a key: that it is revoked before all else, and the earliest last day; None: nothing."""
     known = [one if isinstance(one, Signer) else Signer(raw=one) for one in signers]
     mine = [one for one in known if one.raw == raw]
     for one in mine:
         if one.revoked is not None:
             return one
     last = datetime.date.max
-    return max(mine, key=lambda one: one.expires or last, default=None)
+    return min(mine, key=lambda one: one.expires or last, default=None)
 
 
 def judge_signer(

@@ -180,7 +180,78 @@ def test_ones_own_key_that_others_can_read_is_none(shop: Shop) -> None:
     refused(shop("keys", "list"), "by others")
 
 
-def test_revoked_counts_before_all_else_and_the_latest_last_day() -> None:
+def test_what_stands_above_a_key_counts_wherever_the_file_is_named(shop: Shop) -> None:
+    """A key that was revoked, or has expired, is the same key when its file is handed on."""
+    private, public = shop.key("bench")
+    shop.compile("--key", str(private))
+    plain = public.read_text()
+    board = ("--board", "virtual")
+    for above, exit_, said in (
+        ("", 0, "signed by"),
+        ("made with some tool: 3.1\n\n", 0, "signed by"),
+        (f"expires: {shop.day(0)}\n", 0, "signed by"),
+        (f"expires: {shop.day(-1)}\n", 2, "which expired on"),
+        (f"revoked: {shop.day(0)}\n", 1, "which was revoked on"),
+        (f"expires: {shop.day(9)}\nrevoked: {shop.day(0)}\n", 1, "which was revoked on"),
+    ):
+        (shop.folder / "given.pem").write_text(above + plain)
+        for done in (
+            shop("verify", "made.gpx", "--trust", "given.pem"),
+            shop("run", "made.gpx", *board, "--trust", "given.pem"),
+        ):
+            assert (done.exit, said in done.out or exit_ == 0) == (exit_, True), (above, done)
+        if exit_:
+            refused(shop("keys", "trust", "given.pem"), "as the file says; it is not trusted")
+    for above, said in (("expires: soon\n", "is no date"), ("revoked: 2020-01-01\nrevoked: 2020-01-01\n", "one before")):
+        (shop.folder / "given.pem").write_text(above + plain)
+        refused(shop("verify", "made.gpx", "--trust", "given.pem"), "given.pem", said)
+        refused(shop("keys", "trust", "given.pem"), "given.pem", said)
+    for of_file, asked, counts in ((9, 20, 9), (20, 9, 9), (None, 9, 9), (9, None, 9)):
+        (shop.folder / "given.pem").write_text((f"expires: {shop.day(of_file)}\n" if of_file else "") + plain)
+        words = ("--expires", shop.day(asked)) if asked else ()
+        assert f"trusted until {shop.day(counts)}" in shop("keys", "trust", "given.pem", *words).out
+
+
+def test_a_last_day_that_was_said_is_not_lifted_by_naming_the_key(shop: Shop) -> None:
+    private, public = shop.key("bench")
+    shop.compile("--key", str(private))
+    assert shop("keys", "trust", public.name, "--expires", shop.day(0)).exit == 0
+    entry = shop.keys / "keys" / "bench.pem"
+    entry.write_text(entry.read_text().replace(shop.day(0), shop.day(-1)))
+    for file in (public, entry):
+        assert shop("run", "made.gpx", "--board", "virtual", "--trust", str(file)).exit == 2
+    assert shop("keys", "trust", public.name).exit == 0
+    assert shop("run", "made.gpx", "--board", "virtual").exit == 0, "it is trusted anew"
+
+
+def test_two_keys_in_a_file_are_none(shop: Shop) -> None:
+    (_, one), (_, two) = shop.key("one"), shop.key("two")
+    (shop.folder / "both.pem").write_text(one.read_text() + two.read_text())
+    shop.compile()
+    refused(shop("verify", "made.gpx", "--trust", "both.pem"), "more than one key")
+    refused(shop("keys", "trust", "both.pem"), "more than one key")
+    refused(shop("keys", "revoke", "both.pem"), "more than one key")
+
+
+def test_no_other_key_passes_for_ones_own(shop: Shop) -> None:
+    _, public = shop.key("bench")
+    assert shop("keys", "trust", public.name).exit == 0
+    for name in ("own", "Own"):
+        there = (shop.keys / "keys" / "bench.pem").rename(shop.keys / "keys" / f"{name}.pem")
+        refused(shop("keys", "list"), "the name of your own key")
+        there.rename(shop.keys / "keys" / "bench.pem")
+
+
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="pipes")
+@pytest.mark.parametrize("place", ["keys/bench.pem", "signing-key.pem"])
+def test_a_pipe_among_the_keys_keeps_nobody_waiting(place: str, shop: Shop) -> None:
+    assert shop("keys", "trust", shop.key("bench")[1].name).exit == 0
+    (shop.keys / place).unlink(missing_ok=True)
+    os.mkfifo(shop.keys / place, 0o600)
+    refused(shop("keys", "list"), "not a regular file")
+
+
+def test_revoked_counts_before_all_else_and_the_earliest_last_day() -> None:
     import datetime
 
     day = datetime.date(2027, 1, 31)
@@ -188,7 +259,10 @@ def test_revoked_counts_before_all_else_and_the_latest_last_day() -> None:
     gone = Signer(raw=raw, name="gone", revoked=day)
     for others in ([raw, gone], [gone, raw], [Signer(raw=raw, expires=day), gone]):
         assert signed_by(raw, others) == gone
-    assert signed_by(raw, [Signer(raw=raw, expires=day), raw]) == Signer(raw=raw)
+    for others in ([Signer(raw=raw, expires=day), raw], [raw, Signer(raw=raw, expires=day)]):
+        assert signed_by(raw, others) == Signer(raw=raw, expires=day)
+    later = Signer(raw=raw, expires=day + datetime.timedelta(days=1))
+    assert signed_by(raw, [later, Signer(raw=raw, expires=day), later]) == Signer(raw=raw, expires=day)
     assert signed_by(raw, [b"x" * 32]) is None
 
 
