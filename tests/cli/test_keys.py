@@ -202,7 +202,10 @@ def test_what_stands_above_a_key_counts_wherever_the_file_is_named(shop: Shop) -
             assert (done.exit, said in done.out or exit_ == 0) == (exit_, True), (above, done)
         if exit_:
             refused(shop("keys", "trust", "given.pem"), "as the file says; it is not trusted")
-    for above, said in (("expires: soon\n", "is no date"), ("revoked: 2020-01-01\nrevoked: 2020-01-01\n", "one before")):
+    for above, said in (
+        ("expires: soon\n", "is no date"),
+        ("revoked: 2020-01-01\nrevoked: 2020-01-01\n", "one before"),
+    ):
         (shop.folder / "given.pem").write_text(above + plain)
         refused(shop("verify", "made.gpx", "--trust", "given.pem"), "given.pem", said)
         refused(shop("keys", "trust", "given.pem"), "given.pem", said)
