@@ -1,7 +1,8 @@
 """Signals while a job runs: Ctrl-C is a feed hold, then an emergency stop; SIGTERM and SIGHUP are emergency stops.
 
 No signal ends the process between the beginning of a run and its record: handlers only ask, through ``Control``. Before
-that they interrupt what is going on (KeyboardInterrupt), after it they find nothing left to stop.
+that they interrupt what is going on (KeyboardInterrupt), after it they find nothing left to stop: a process that ends
+with its run stays deaf, so that a late Ctrl-C changes neither its exit code nor what it still prints.
 """
 
 from __future__ import annotations
@@ -31,8 +32,8 @@ class _Heard:
 
 
 @contextmanager
-def interrupts(control: Control) -> Iterator[None]:
-    """Signals ask ``control`` meanwhile; only the main thread can hear them.
+def interrupts(control: Control, *, for_good: bool = False) -> Iterator[None]:
+    """Signals ask ``control`` meanwhile; only the main thread can hear them. for_good: and are ignored after the run.
 
     Inside another of the same control nothing changes. SIGTERM and SIGHUP that the process ignores (``nohup``) stay so.
     """
@@ -49,5 +50,6 @@ def interrupts(control: Control) -> Iterator[None]:
     try:
         yield
     finally:
+        deaf = for_good and control.began
         for number, handler in before.items():
-            signal.signal(number, handler)
+            signal.signal(number, signal.SIG_IGN if deaf else handler)

@@ -9,12 +9,14 @@ run that did not end. ``trail.py`` makes the record from its entries; ``docs/exe
 from __future__ import annotations
 
 import contextlib
+import errno
 import fcntl
 import hashlib
 import json
 import os
 import re
 import secrets
+import stat
 from collections.abc import Iterator, Mapping
 from datetime import UTC, datetime
 from pathlib import Path
@@ -37,6 +39,8 @@ LARGEST = 1 << 28
 
 _FIRST = hashlib.sha256(SCHEMA.encode()).hexdigest()
 _DIGITS = 64
+_BEGINS = re.compile(rb"[0-9a-f]{0,64}|[0-9a-f]{64} (\{[ -~]*)?")
+"""What a line is that was being written."""
 
 
 class Notes(Protocol):
@@ -154,7 +158,8 @@ def _plain(name: str) -> str:
 class Found:
     """A journal as read. entries: those before the first line that does not fit; damaged: the line number of it.
 
-    A last line without its end is no damage: what is told there had not begun when the writer died.
+    A last line without its end is no damage where it begins as one does: what is told there had not begun when the
+    writer died.
     """
 
     path: Path
@@ -212,6 +217,8 @@ def _parsed(path: Path, data: bytes) -> Found:
         except (ValueError, KeyError, TypeError, AttributeError, RecursionError):
             return Found(path=path, entries=tuple(entries), damaged=number)
         entries.append((kind, fields))
+    if not _BEGINS.fullmatch(lines[-1]):
+        return Found(path=path, entries=tuple(entries), damaged=len(lines))
     if entries and entries[0][1].get("schema") != SCHEMA:
         return Found(path=path, entries=(), damaged=1)
     return Found(path=path, entries=tuple(entries))
@@ -277,10 +284,12 @@ def left_open(folder: Path, board: str) -> list[Left]:
 def _left(path: Path) -> Left | None:
     """The journal held, or None when another process holds it or has dealt with it."""
     try:
-        handle = os.open(path, os.O_RDWR | os.O_APPEND)
+        handle = os.open(path, os.O_RDWR | os.O_APPEND | os.O_NONBLOCK)
     except FileNotFoundError:
         return None
     try:
+        if not stat.S_ISREG(os.fstat(handle).st_mode):
+            raise OSError(errno.EINVAL, "is not a regular file", str(path))
         fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
         return Left(read_journal(path), handle)
     except (BlockingIOError, FileNotFoundError):

@@ -163,7 +163,7 @@ class Trail:
         """The result and its reason: those of the entry ``end``, else what the entries before it make certain."""
         if self.ended:
             return self._result, self._reason
-        why = "the run did not end: gproof was killed, or the computer lost its power"
+        why = "the run did not end: gproof was killed, the computer lost its power or found its disk full"
         if self.damaged and not self._over:
             return Result.INTERRUPTED, f"{why}; its journal is damaged: the position is not known"
         if self._open is not None:

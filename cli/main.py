@@ -25,6 +25,8 @@ INTERRUPTED = 130
 _STDERR = 2
 MOST = 10**15
 """Of what is counted: whatever is larger says nothing else."""
+_PROCESS = "process"
+"""The object of click's context where the command line is that of the process."""
 _DIALECTS = ["wincnc", "eding", "mcuwin"]
 
 
@@ -438,6 +440,12 @@ def main(arguments: list[str] | None = None) -> int:
         return COULD_NOT_RUN
 
 
+def ends_with_its_command() -> bool:
+    """True where the process ends with the command that is running: the command line itself, not a program's call."""
+    context = click.get_current_context(silent=True)
+    return context is not None and context.find_root().obj is _PROCESS
+
+
 def _plain(message: str) -> str:
     """click's message in one line, without its names of types."""
     words = " ".join(message.split())
@@ -446,7 +454,8 @@ def _plain(message: str) -> str:
 
 def _run(arguments: list[str] | None) -> int:
     try:
-        result = cli.main(args=arguments, prog_name="gproof", standalone_mode=False)
+        whose = _PROCESS if arguments is None else None
+        result = cli.main(args=arguments, prog_name="gproof", standalone_mode=False, obj=whose)
     except click.UsageError as error:
         if type(error).__name__ == "NoArgsIsHelpError":  # its message is the help
             click.echo(error.format_message(), err=True)

@@ -15,7 +15,7 @@ from gproof.cli.at_hand import other_source, read_at_hand, require_files
 from gproof.cli.boards import BOARDS, require_for
 from gproof.cli.files import require_file
 from gproof.cli.key_ring import trusted_with
-from gproof.cli.main import INTERRUPTED
+from gproof.cli.main import INTERRUPTED, ends_with_its_command
 from gproof.cli.options import in_one_line
 from gproof.cli.report import print_findings
 from gproof.ir.finding import Finding, Findings, Severity
@@ -64,7 +64,7 @@ def run_run(
     control = Control()
     keeper = Keeper(folder, board, path, record, replace)
     began = time.monotonic()
-    with interrupts(control), keeper:
+    with interrupts(control, for_good=ends_with_its_command()), keeper:
         with _progress() as progress:
             try:
                 done = run(
@@ -131,6 +131,8 @@ def _tell(line: str) -> None:
 
 
 def _ask(prompt: str) -> str:
+    if sys.stdin is None:  # Closed by whoever started it: nobody answers.
+        raise EOFError
     return input(in_one_line(prompt))
 
 

@@ -208,14 +208,16 @@ def write_record(
 ) -> tuple[Path | None, list[Finding]]:
     """Write a record to the first place that takes it; None when it could only be printed. What went wrong.
 
-    wanted: nothing there is replaced unless it is a record and ``replace`` says so.
+    wanted: nothing there is replaced unless it is a record and ``replace`` says so. Elsewhere nothing is replaced.
     """
     lost: list[Finding] = []
-    elsewhere = Path(tempfile.gettempdir()) / own.name
-    for place in (*([] if wanted is None else [wanted]), own, elsewhere):
+    for place in (*([] if wanted is None else [wanted]), *_own_places(own)):
         try:
-            if place.exists() and not ((replace or place != wanted) and _is_record(place)):
-                raise FileExistsError(0, "something is there that was not there before the run")
+            if place.exists():
+                if place != wanted and place.read_bytes() == record.to_json(signature):
+                    return place, lost
+                if place != wanted or not (replace and _is_record(place)):
+                    raise FileExistsError(0, "something is there that was not there before the run")
             record.write(place, signature)
         except OSError as error:
             what = f"the record can not be written to {place} ({error.strerror or error})"
@@ -228,6 +230,11 @@ def write_record(
     _tell("gproof: no folder takes the record; this is it:")
     _tell(record.to_json(signature).decode().rstrip())
     return None, lost
+
+
+def _own_places(own: Path) -> tuple[Path, Path]:
+    """Where the record of a run goes that has no other place: into the folder of the runs, or to temporary files."""
+    return own, Path(tempfile.gettempdir()) / own.name
 
 
 # What an earlier run left.
@@ -245,7 +252,13 @@ def settled(folder: Path, board: str, go_on: bool) -> bool:
         lefts = left_open(folder, board)
         return _settled(lefts, board, go_on)
     except OSError as error:
-        raise UsageError(f"journals in {folder}: {error.strerror or error}") from None
+        raise UsageError(f"journals in {folder}: {_named(error)}") from None
+
+
+def _named(error: OSError) -> str:
+    """What went wrong, with the file that it is about."""
+    name = Path(error.filename).name if isinstance(error.filename, str) else ""
+    return f"{name}: {error.strerror or error}" if name else f"{error.strerror or error}"
 
 
 def _settled(lefts: list[Left], board: str, go_on: bool) -> bool:
@@ -258,8 +271,7 @@ def _settled(lefts: list[Left], board: str, go_on: bool) -> bool:
                 left.remove()
                 continue
             key = key or own_key()
-            _tell_of(left, key)
-            if trail.ended:
+            if _tell_of(left, key) or trail.ended:
                 left.close()
             else:
                 unanswered.append(left)
@@ -279,8 +291,11 @@ def _settled(lefts: list[Left], board: str, go_on: bool) -> bool:
             left.let_go()
 
 
-def _tell_of(left: Left, key: Ed25519PrivateKey | None) -> None:
-    """Make the record of a run that left its journal open, unless that was done, and say what is known of it."""
+def _tell_of(left: Left, key: Ed25519PrivateKey | None) -> bool:
+    """Make the record of a run that left its journal open, unless that was done, and say what is known of it.
+
+    True when the run itself had made one before it could not write its journal any more: it says how the run ended.
+    """
     found = left.found
     trail = found.trail()
     if not trail.begun:
@@ -288,20 +303,22 @@ def _tell_of(left: Left, key: Ed25519PrivateKey | None) -> None:
             f"{found.path.name} is damaged from its first line on: what was executed, and the position, are not known"
         )
         _print([codes.RUN_INTERRUPTED.at(Span(str(found.path), 0), what=what)])
-        return
-    record = trail.record()
-    where = found.recorded
+        return False
+    record, where = trail.record(), found.recorded
     lost: list[Finding] = []
-    if not where:
+    made = None if where else _made_by_the_run(found, record, key)
+    if made is not None:
+        record, where = made[0], str(made[1])
+    elif not where:
         own = found.path.with_suffix(RECORD)
         asked = Path(found.field("record")) if found.field("record") else None
         place, lost = write_record(
             record, _signature(record, key, found), None if asked and asked.exists() else asked, own
         )
-        if place is not None:
-            where = str(place)
-            with contextlib.suppress(OSError):
-                left.note("recorded", {"path": where})
+        where = "" if place is None else str(place)
+    if where and not found.recorded:
+        with contextlib.suppress(OSError):
+            left.note("recorded", {"path": where})
     _tell(f"gproof: the run of {found.field('package')} of {found.field('time')} left its journal open")
     _print([*record.findings(), *lost])
     known = "stands at" if record.position is not None else "position unknown, last acknowledged at"
@@ -309,6 +326,36 @@ def _tell_of(left: Left, key: Ed25519PrivateKey | None) -> None:
         _tell(f"  motor {name:<5} {steps} steps acknowledged, {known} step {position}")
     _tell(f"  result      {record.result.value}" + (f", {record.reason}" if record.reason else ""))
     _tell(f"  record      {record.sha256}" + (f", in {where}" if where else ""))
+    return made is not None
+
+
+def _made_by_the_run(
+    found: Found, told: ExecutionRecord, key: Ed25519PrivateKey | None
+) -> tuple[ExecutionRecord, Path] | None:  # fmt: skip
+    """The record that a run wrote itself when its journal took nothing more, and where; None when there is none.
+
+    It is one that the own key has signed, of the run that began when the journal says, and that says how it ended.
+    told: what the journal alone says.
+    """
+    from gproof.backend.record_data import Result
+    from gproof.backend.record_parse import LARGEST, parse_signed
+    from gproof.backend.record_signature import signer_of
+    from gproof.verify.certificate import raw_public
+
+    asked = [Path(found.field("record"))] if found.field("record") else []
+    for place in (*asked, *_own_places(found.path.with_suffix(RECORD))) if key is not None else ():
+        try:
+            if not place.is_file() or place.stat().st_size > LARGEST:
+                continue
+            record, signature = parse_signed(place.read_bytes())
+            if signature is None or signer_of(record, signature) != raw_public(key):
+                continue
+        except (OSError, ValueError):
+            continue
+        of_it = signature["created"] == found.field("time") and record.start == told.start
+        if of_it and record.certificate == told.certificate and record.result is not Result.INTERRUPTED:
+            return record, place
+    return None
 
 
 def _print(found: list[Finding]) -> None:

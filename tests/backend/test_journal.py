@@ -170,8 +170,11 @@ def test_damage_in_the_middle_makes_the_position_unknown(whole: bytes, tmp_path:
         assert parsed(tmp_path, b"".join(other)).trail().record().position is None
     for none in (b"\n", b"\0" * 400 + b"\n", lines[1], b"x" * 65 + b"{}\n"):
         assert not parsed(tmp_path, none).trail().begun
-    # Blocks that a file system had not written yet.
-    assert parsed(tmp_path, whole[:900] + b"\0" * 900).damaged == 0
+    # Blocks that a file system had not written yet: what stood there is not known, so that nothing is at rest.
+    for end in (b"\0" * 900, b"\0", b"x"):
+        found = parsed(tmp_path, lines[0] + lines[1] + end)
+        assert (len(found.entries), found.damaged) == (2, 3)
+        assert found.trail().record().position is None
 
 
 def test_lines_of_another_kind_are_not_believed(tmp_path: Path) -> None:

@@ -217,6 +217,47 @@ def test_a_disk_that_fills_up_during_the_run_ends_it_at_rest(shop: Path, monkeyp
     assert 0 < record.position[0] < 4000
 
 
+@pytest.mark.parametrize("spoilt", [False, True])
+def test_the_record_of_a_run_that_found_the_disk_full_is_not_replaced_by_one_that_says_less(
+    spoilt: bool, shop: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The run could tell how it ended, its journal could not; the disk is full still when the next start looks."""
+    scratch = shop.parent / "scratch"
+    scratch.mkdir()
+    monkeypatch.setattr("tempfile.tempdir", str(scratch))
+    full(monkeypatch, "/shop/", "/config/")
+    write, count = os.write, [0]
+
+    def writing(handle: int, data: bytes) -> int:
+        if b'"kind"' in bytes(data):
+            count[0] += 1
+            if count[0] > 4:
+                raise OSError(errno.ENOSPC, "No space left on device")
+        return write(handle, data)
+
+    monkeypatch.setattr(os, "write", writing)
+    done = run(shop, "--record", "record.json")
+    assert done.exit == 1
+    (kept,) = scratch.iterdir()
+    before = kept.read_bytes()
+    known = read_record(kept).position
+    assert known is not None
+    if spoilt:  # Of another run, and no record of this one any more.
+        kept.write_bytes(before.replace(b'"created":"2', b'"created":"3'))
+        before = kept.read_bytes()
+    monkeypatch.setattr(os, "write", write)
+    again = run(shop)
+    assert kept.read_bytes() == before
+    if spoilt:
+        assert (again.exit, "did not end" in again.err) == (2, True)
+        return
+    assert f"stands at step {known[0]} " in again.err.replace("\n", " ")
+    assert "did not end" not in again.err
+    assert str(kept) in again.err
+    assert again.exit == 0, "nobody has to be asked"
+    assert not list(runs(shop).glob(f"*{SUFFIX}"))
+
+
 def test_a_run_that_can_leave_no_trace_does_not_begin(shop: Path) -> None:
     runs(shop).write_text("a file where the folder should be")
     done = run(shop)
@@ -290,6 +331,41 @@ def test_signals_while_closing_do_no_harm(number: signal.Signals, shop: Path, mo
     assert read_record(shop / "record.json").result is Result.COMPLETED
     assert "motor X" in done.out
     assert not list(runs(shop).glob(f"*{SUFFIX}"))
+
+
+WATCHED = """
+import os, signal, sys
+from gproof.cli.main import main
+sys.argv[1:] = {words!r}
+code = main()
+os.kill(os.getpid(), signal.{name})
+os.kill(os.getpid(), signal.{name})
+print("still there")
+sys.exit(code)
+"""
+
+
+@pytest.mark.parametrize("name", ["SIGINT", "SIGTERM", "SIGHUP"])
+def test_signals_after_the_run_change_neither_exit_code_nor_what_is_said(name: str, shop: Path) -> None:
+    import sys
+
+    text = WATCHED.format(words=RUN, name=name)
+    done = subprocess.run([sys.executable, "-c", text], cwd=shop, capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stderr) == (0, "")
+    assert done.stdout.endswith("still there\n")
+
+
+def test_a_program_that_calls_the_command_hears_its_signals_afterwards(shop: Path) -> None:
+    before = [signal.getsignal(n) for n in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)]
+    assert run(shop).exit == 0
+    assert [signal.getsignal(n) for n in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)] == before
+
+
+def test_a_closed_standard_input_answers_nothing(shop: Path) -> None:
+    command = subprocess.list2cmdline([*COMMAND, *RUN, "--ask"])
+    done = subprocess.run(["bash", "-c", f"{command} <&-"], cwd=shop, capture_output=True, text=True, check=False)
+    assert done.returncode == 1
+    assert "stopped: section 0: ended while waiting (operator)" in done.stdout
 
 
 # Processes that are ended in the middle.
@@ -388,6 +464,26 @@ def test_an_answer_beforehand_and_a_damaged_journal(shop: Path) -> None:
     assert done.exit == 0
     assert only(shop, DAMAGED).read_bytes() == data[:30] + b"?" + data[31:]
     assert run(shop).exit == 0
+
+
+def test_what_is_no_file_among_the_journals_keeps_nobody_waiting(shop: Path) -> None:
+    runs(shop).mkdir(parents=True, mode=0o700)
+    for make in (os.mkfifo, os.mkdir):
+        there = runs(shop) / "x.journal"
+        make(there)
+        done = run(shop)
+        assert (done.exit, done.out) == (3, "")
+        assert "x.journal" in done.err
+        there.rmdir() if there.is_dir() else there.unlink()
+
+
+@pytest.mark.parametrize("data", [bytes(4096), b"\xff" * 10, b"0123 {}", b"f" * 65])
+def test_an_end_that_is_no_line_is_damage(data: bytes, shop: Path) -> None:
+    """Blocks of nothing, as file systems leave them where the power went; nobody knows what stood there."""
+    runs(shop).mkdir(parents=True, mode=0o700)
+    (runs(shop) / "20260101T000000Z-virtual-0.journal").write_bytes(data)
+    done = run(shop)
+    assert (done.exit, "damaged from its first line on" in done.err) == (2, True)
 
 
 def test_a_start_that_was_killed_before_it_began_leaves_nothing(shop: Path) -> None:
