@@ -343,7 +343,9 @@ def _made_by_the_run(
     from gproof.verify.certificate import raw_public
 
     asked = [Path(found.field("record"))] if found.field("record") else []
-    for place in (*asked, *_own_places(found.path.with_suffix(RECORD))) if key is not None else ():
+    if key is None:
+        return None
+    for place in (*asked, *_own_places(found.path.with_suffix(RECORD))):
         try:
             if not place.is_file() or place.stat().st_size > LARGEST:
                 continue
