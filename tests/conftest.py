@@ -15,7 +15,7 @@ from support.campaigns import SOAK
 Golden = Callable[[Path, str], None]
 
 # What a random test of hypothesis asks for itself counts; the others make this many examples in every run.
-settings.register_profile("every run", max_examples=40)
+settings.register_profile("every run", max_examples=25)
 if not SOAK:
     settings.load_profile("every run")
 

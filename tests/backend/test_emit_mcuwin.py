@@ -12,7 +12,7 @@ from typing import Any
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from support.campaigns import SOAK, share
+from support.campaigns import share, sizes
 from support.goldens import ROOT
 from support.mcuwin_lines import HEAD, random_line
 
@@ -510,10 +510,11 @@ TRACED = [shop for shop in SHOPS if "codes" not in shop.parts]
 
 
 @pytest.mark.parametrize("shop", TRACED, ids=lambda path: "/".join(path.parts[-3:]))
+@pytest.mark.parametrize("one_in", sizes(10, 1))
 def test_the_trace_is_the_same(
-    tmp_path: Path, shop: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+    tmp_path: Path, one_in: int, shop: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    jobs = [str(path.relative_to(shop)) for path in files_of(shop) if path.suffix in JOBS][:: 2 if SOAK else 10]
+    jobs = [str(path.relative_to(shop)) for path in files_of(shop) if path.suffix in JOBS][::one_in]
     machine_file = machine_file_of(shop)
     traces = []
     for side in ("as-written", "formatted"):

@@ -248,7 +248,7 @@ def lists(draw: Any, depth: int) -> tuple[Any, ...]:
 bodies = lists(2)
 
 
-@settings(max_examples=40)
+@settings(max_examples=20)
 @given(bodies)
 def test_statements_are_read_again_on_one_line(body: tuple[Any, ...]) -> None:
     names = symbols()
@@ -259,7 +259,7 @@ def test_statements_are_read_again_on_one_line(body: tuple[Any, ...]) -> None:
     assert complaints(names) == []
 
 
-@settings(max_examples=40)
+@settings(max_examples=20)
 @given(bodies, bodies)
 def test_sections_are_read_again(body: tuple[Any, ...], inner: tuple[Any, ...]) -> None:
     """With declarations, and a procedure before the statements."""

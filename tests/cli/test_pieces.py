@@ -92,7 +92,7 @@ def in_pieces(chunk: int, first: int, capacity: int, processors: int) -> Iterato
         yield
 
 
-@examples(60, 3000)
+@examples(30, 3000)
 @given(
     st.sampled_from([".ngc", ".tap", ".din"]), st.sampled_from(["raster", "arcs", "modal", "beside", "path"]),
     st.integers(0, 10**6), st.integers(1, 400), st.integers(1, 9), st.integers(1, 40), st.integers(1, 2), st.booleans(),

@@ -39,7 +39,7 @@ def words_for(name: str) -> list[str]:
     return words
 
 
-@pytest.mark.parametrize(("name", "verdict"), share(JOBS, 4))
+@pytest.mark.parametrize(("name", "verdict"), share(JOBS, 8))
 def test_every_job_of_the_corpus(name: str, verdict: str) -> None:
     """The verdict that its file expects, by the schema, and what goes with it."""
     done = in_this_process([*words_for(name), "--format", "json"], ROOT)

@@ -7,8 +7,9 @@ import re
 from pathlib import Path
 
 import pytest
-from hypothesis import HealthCheck, given, settings
+from hypothesis import HealthCheck, given
 from hypothesis import strategies as st
+from support.campaigns import examples
 
 from gproof.frontend.machine_file import load_machine
 from gproof.ir.din import ACTIONS, Din, RadiusTool, TaskCode
@@ -311,7 +312,7 @@ VALUES = st.recursive(
 )  # fmt: skip
 
 
-@settings(max_examples=150, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@examples(60, 600, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(table=st.dictionaries(st.sampled_from(KEYS), VALUES, max_size=5))
 def test_any_values_give_a_machine_or_findings(table: dict[str, str], tmp_path: Path) -> None:
     text = "".join(f"{key} = {value}\n" for key, value in table.items())

@@ -7,8 +7,9 @@ from decimal import Decimal
 
 import pytest
 from frontend.programs import NOWHERE, without_places
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
+from support.campaigns import examples
 
 from gproof.frontend.eding.parse import parse_line
 from gproof.ir.program import Assign, Binary, Block, Expr, Number, Unary, Variable, Word
@@ -97,7 +98,7 @@ def value(text: str) -> Expr:
     return block("x" + text).words[0].value
 
 
-@settings(max_examples=500, deadline=None)
+@examples(125, 2000)
 @given(EXPRESSIONS)
 def test_a_written_expression_reads_back_as_the_same_tree(expression: Expr) -> None:
     assert without_places(value(f"[{render(expression)}]")) == expression
@@ -107,7 +108,7 @@ def test_a_written_expression_reads_back_as_the_same_tree(expression: Expr) -> N
     )
 
 
-@settings(max_examples=300, deadline=None)
+@examples(75, 1200)
 @given(EXPRESSIONS, st.integers(0, 2**32))
 def test_blanks_and_case_change_nothing(expression: Expr, seed: int) -> None:
     rng = random.Random(seed)  # one choice of hypothesis, not two a character
@@ -119,7 +120,7 @@ def test_blanks_and_case_change_nothing(expression: Expr, seed: int) -> None:
     assert without_places(block(text.upper())).words == without_places(block(text)).words
 
 
-@settings(max_examples=300, deadline=None)
+@examples(75, 1200)
 @given(EXPRESSIONS)
 def test_places_cover_what_they_name(expression: Expr) -> None:
     text = f"[{render(expression)}]"

@@ -9,8 +9,9 @@ from fractions import Fraction
 from pathlib import Path
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
+from support.campaigns import examples
 
 from gproof.frontend.machine_file import load_machine
 from gproof.frontend.toml_table import exact_ratio
@@ -339,7 +340,7 @@ def test_random_files_never_raise(tmp_path: Path) -> None:
             machine.verify()
 
 
-@settings(max_examples=200, deadline=None)
+@examples(60, 800)
 @given(st.binary(max_size=100))
 def test_random_bytes_never_raise(tmp_path_factory: pytest.TempPathFactory, data: bytes) -> None:
     for name in ("machine.toml", "cnc.ini"):

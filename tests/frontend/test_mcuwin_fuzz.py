@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 from frontend.mcuwin_programs import OLD, load, machine
-from hypothesis import example, given, settings
+from hypothesis import example, given
 from hypothesis import strategies as st
 from support.campaigns import examples
 
@@ -60,7 +60,7 @@ PIECES = st.sampled_from(
 )  # fmt: skip
 
 
-@examples(400, 4000)
+@examples(150, 4000)
 @given(st.lists(PIECES, max_size=25), st.sampled_from(MACHINES), st.booleans())
 @example(["$if ", "(", "\n", "$end else if (true) begin", "\n", "$end"], MACHINES[0], True)
 @example(["var ", "step", "{", "\n", "%7", "\n", "}", "%7"], MACHINES[0], True)
@@ -71,7 +71,7 @@ def test_pieces(tmp_path_factory: pytest.TempPathFactory, pieces: list[str], on:
     check(*load(folder, text, on, tables=tables), text)
 
 
-@settings(max_examples=400, deadline=None)
+@examples(100, 1600)
 @given(st.binary(max_size=60), st.sampled_from(MACHINES))
 def test_bytes(tmp_path_factory: pytest.TempPathFactory, data: bytes, on: Machine) -> None:
     program, findings = load(tmp_path_factory.getbasetemp(), data, on)

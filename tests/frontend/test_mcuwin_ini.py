@@ -7,8 +7,9 @@ from fractions import Fraction
 from pathlib import Path
 
 import pytest
-from hypothesis import HealthCheck, given, settings
+from hypothesis import HealthCheck, given
 from hypothesis import strategies as st
+from support.campaigns import examples
 
 from gproof.frontend.machine_file import load_machine
 from gproof.frontend.mcuwin.ini_text import IniText, decimal
@@ -275,7 +276,7 @@ PIECES = st.sampled_from(
 )  # fmt: skip
 
 
-@settings(max_examples=300, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@examples(75, 1200, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(raw=st.one_of(st.binary(max_size=200), st.lists(PIECES, max_size=30).map(lambda p: "".join(p).encode("utf-8"))))
 def test_any_bytes_give_tools_a_machine_or_findings(raw: bytes, tmp_path: Path) -> None:
     for name in ("ToolComp.INI", "McuWIN.ini"):

@@ -9,8 +9,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 from frontend.mcuwin_programs import OLD, load, machine
-from hypothesis import example, given, settings
+from hypothesis import example, given
 from hypothesis import strategies as st
+from support.campaigns import examples
 
 from gproof.frontend.mcuwin.expressions import Expressions
 from gproof.frontend.mcuwin.language import Language
@@ -105,7 +106,7 @@ PIECES = st.sampled_from(
 HOWS = [Scanner(), Scanner(small=False), Scanner(numbered=True)]
 
 
-@settings(max_examples=1500, deadline=None)
+@examples(375, 6000)
 @given(st.lists(PIECES, max_size=7), st.sampled_from(HOWS), st.sampled_from(["\n", "\r\n", ""]))
 @example(["N10", " ", "G01", "X1", "Y+2.25", "F100", "(a)", "(a)", "'"], HOWS[2], "\n")
 @example(["X1", " ", "-", "1"], HOWS[0], "\n")
@@ -123,7 +124,7 @@ COMMON = st.sampled_from(
 )  # fmt: skip
 
 
-@settings(max_examples=500, deadline=None)
+@examples(125, 2000)
 @given(st.lists(COMMON, max_size=7), st.sampled_from(HOWS))
 def test_what_posts_write_is_plain(pieces: list[str], how: Scanner) -> None:
     """Whatever the reader gives plain words of is plain, but for comments that words follow."""

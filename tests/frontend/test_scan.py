@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from support.campaigns import examples
 
@@ -157,7 +157,7 @@ def test_index_and_scan_equal_the_slow_tokenizer(data: bytes) -> None:
     assert_same(data)
 
 
-@settings(max_examples=400, deadline=None)
+@examples(100, 1600)
 @given(LINES)
 def test_the_grammar_reads_a_plain_line_alike(text: str) -> None:
     line = text.encode("ascii", "replace").removesuffix(b"\r")
@@ -175,13 +175,13 @@ def has_more(block: Block) -> bool:
     return bool(block.assigns) or not all(isinstance(word.value, Number) for word in block.words)
 
 
-@settings(max_examples=400, deadline=None)
+@examples(100, 1600)
 @given(st.text("GXNMSg01.-+ \t()/;%,|#\r\né\x7f\x00E", max_size=60))
 def test_any_characters_equal_the_slow_tokenizer(text: str) -> None:
     assert_same(text.encode("latin-1"))
 
 
-@settings(max_examples=500, deadline=None)
+@examples(125, 2000)
 @given(NUMBERS, st.data())
 def test_values_equal_float_of_the_text(number: str, data: st.DataObject) -> None:
     spaced = "".join(character + data.draw(BLANKS) for character in number)

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import example, given, settings
+from hypothesis import example, given
 from hypothesis import strategies as st
 from support.campaigns import examples
 
@@ -114,7 +114,7 @@ LEXICALS = st.one_of(
 )  # fmt: skip
 
 
-@examples(400, 4000)
+@examples(150, 4000)
 @given(LINES, LEXICALS)
 @example("[a] X1", Lexical(comment_signs="["))
 @example("[a] X1", Lexical(comment_signs="]"))
@@ -126,14 +126,14 @@ def test_a_plain_line_has_the_words_that_the_reader_finds(text: str, lexical: Le
     assert_alike(text.encode("latin-1", "replace"), lexical)
 
 
-@settings(max_examples=800, deadline=None)
+@examples(200, 3200)
 @given(st.text("GXYFIgx0123.,-+ \t()[]%;'\"{}~$\r\né\x00", max_size=40), LEXICALS)
 def test_any_characters(text: str, lexical: Lexical) -> None:
     for line in text.split("\n"):
         assert_alike(line.encode("latin-1"), lexical)
 
 
-@settings(max_examples=500, deadline=None)
+@examples(125, 2000)
 @given(LINES)
 def test_what_is_read_as_literal_words_is_most_often_plain(text: str) -> None:
     """Otherwise jobs would be right, and slow: only codes that are written with a point are left to the reader."""
@@ -146,7 +146,7 @@ def test_what_is_read_as_literal_words_is_most_often_plain(text: str) -> None:
     assert spaced or is_plain(line, Scanner())
 
 
-@settings(max_examples=400, deadline=None)
+@examples(100, 1600)
 @given(st.from_regex(r"[-+]?([0-9]{1,20}\.?[0-9]{0,25}|\.[0-9]{1,25})", fullmatch=True), st.booleans())
 def test_values_equal_float_of_the_text(number: str, comma: bool) -> None:
     text = number.replace(".", ",") if comma else number

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 from passes.compensated_jobs import HEAD, MILL, Stretch, contour
-from support.campaigns import SOAK
+from support.campaigns import sizes
 
 from gproof.frontend.eding.load import load_program
 from gproof.ir.finding import Findings
@@ -97,8 +97,9 @@ def told(text: str, setup: Setup, machine: Machine, folder: Path) -> tuple[str, 
 @pytest.mark.parametrize("speed", ["python", "numba"])
 @pytest.mark.parametrize("plane", ["G17", "G18"])
 @pytest.mark.parametrize("setup", [ZERO, FIXTURE, TURNED], ids=["zero", "fixture", "turned"])
+@pytest.mark.parametrize("count", sizes(10, 250))
 def test_the_hot_loop_is_the_python_path(
-    speed: str, plane: str, setup: Setup, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    count: int, speed: str, plane: str, setup: Setup, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     if plane == "G18":
         setup = dataclasses.replace(ZERO if setup is TURNED else setup, tool=1)
@@ -114,7 +115,7 @@ def test_the_hot_loop_is_the_python_path(
     monkeypatch.setenv("GPROOF_KERNELS", speed)
     offset = k.offset_rows.pick(1)
     monkeypatch.setattr(type(k.offset_rows), "pick", _picker(counted))
-    for seed in range(25 if SOAK else 10):
+    for seed in range(count):
         text = random_job(random.Random(seed * 7 + (plane == "G18")), plane)
         with monkeypatch.context() as here:
             here.setattr(compensated, "is_plain", lambda modal: False)
@@ -122,7 +123,7 @@ def test_the_hot_loop_is_the_python_path(
         fast = told(text, setup, machine, tmp_path)
         assert fast[1] == slow[1], text
         assert fast[0] == slow[0], text
-    assert taken > 24
+    assert taken > 2.4 * count
 
 
 def _picker(counted: object) -> object:

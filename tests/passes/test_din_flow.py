@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 from passes.din_programs import labels, moves, run
-from support.campaigns import SOAK
+from support.campaigns import sizes
 
 from gproof.ir.trace import Op, Trace
 
@@ -272,15 +272,14 @@ def compare(seed: int, *, inputs: bool) -> bool:
     return True
 
 
-PROGRAMS = 100 if SOAK else 40
+@pytest.mark.parametrize("count", sizes(40, 1000))
+def test_random_programs_run_as_an_interpreter_runs_them(count: int) -> None:
+    assert sum(compare(seed, inputs=False) for seed in range(count)) > count // 2
 
 
-def test_random_programs_run_as_an_interpreter_runs_them() -> None:
-    assert sum(compare(seed, inputs=False) for seed in range(PROGRAMS)) > PROGRAMS // 2
-
-
-def test_random_programs_with_inputs_make_all_ways_and_no_other() -> None:
-    assert sum(compare(seed, inputs=True) for seed in range(1000, 1000 + PROGRAMS)) > PROGRAMS // 2
+@pytest.mark.parametrize("count", sizes(40, 1000))
+def test_random_programs_with_inputs_make_all_ways_and_no_other(count: int) -> None:
+    assert sum(compare(seed, inputs=True) for seed in range(1000, 1000 + count)) > count // 2
 
 
 # ---- case by case

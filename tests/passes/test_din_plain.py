@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from passes.din_programs import machine
-from support.campaigns import SOAK
+from support.campaigns import sizes
 
 from gproof.frontend.mcuwin.load import load_program
 from gproof.ir.finding import Findings
@@ -153,12 +153,13 @@ AFTER = ("G01 X5 Y5", "G00 X1", "X4 Y0 I2 J0", "G03 X4 Y0 I2 J0", "G91\nG01 X1",
 
 @pytest.mark.parametrize("modes", ["G91", "G90\nG162"])
 @pytest.mark.parametrize("kind", ARCS)
+@pytest.mark.parametrize("count", sizes(2, len(AFTER)))
 def test_arcs_of_every_kind_are_the_same_both_ways(
-    kind: str, modes: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    count: int, kind: str, modes: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Rows, findings of the run and of ``arcs``, state: whether the kernel takes an arc or a line by itself does."""
     path = tmp_path / "job.src"
-    some = AFTER if SOAK else random.Random(kind + modes).sample(AFTER, 2)
+    some = random.Random(kind + modes).sample(AFTER, count)
     for after in (*some, "\n".join(AFTER)):
         path.write_text(f"%1\nG90\nG00 X0 Y0 Z0\n{modes}\nG01 F300 X1 Y1\nX0 Y0\n{ARCS[kind]}\n{after}\nM30\n%\n")
         fast = (outcome(path, 60.0), told_by_arcs(path))

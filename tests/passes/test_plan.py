@@ -7,10 +7,11 @@ import math
 from fractions import Fraction
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from passes.reference_motion import Motion, paths
 from passes.traces import Path, machine
+from support.campaigns import examples
 
 from gproof.ir.finding import Findings, Severity
 from gproof.ir.machine import NO_MACHINE, Board, Machine
@@ -19,7 +20,7 @@ from gproof.ir.trace import Chunk, Op, PathMode, Plane, Trace, chunks
 from gproof.passes import plan_kernels as k
 from gproof.passes.plan import MotionEstimate, plan, shortest_interval, step_rate
 
-RANDOM = settings(deadline=None, max_examples=120)
+RANDOM = examples(40, 400)
 PERIOD = 0.005
 
 

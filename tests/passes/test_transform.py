@@ -16,6 +16,7 @@ import numpy as np
 import pytest
 from hypothesis import HealthCheck, example, given, settings
 from hypothesis import strategies as st
+from support.campaigns import examples
 
 from gproof.frontend.eding.load import load_program
 from gproof.ir.finding import Findings, Severity
@@ -28,7 +29,7 @@ from gproof.passes.limits import Limits
 from gproof.passes.transform import cos_sin
 
 HEAD = "G21 G17 G90 G94 G54 G40 G49 G80\nF500 S1000\n"
-RANDOM = settings(deadline=None, max_examples=60, suppress_health_check=list(HealthCheck))
+RANDOM = examples(30, 400, suppress_health_check=list(HealthCheck))
 LATHE = dataclasses.replace(NO_MACHINE, controller=Controller(diameter_programming=True))
 FIXTURE = dataclasses.replace(
     ZERO, work={(1, "x"): Interval(100.0, 100.0), (1, "y"): Interval(-40.0, -40.0), (1, "z"): Interval(7.0, 7.0)}
