@@ -50,9 +50,9 @@ $(PEERS): pyproject.toml | $(READY)
 	@.venv/peers/bin/python -m pip install --quiet --disable-pip-version-check gcode-collision-check==0.1.0 && touch $@ \
 		|| echo "gcode-collision-check could not be installed: its column stays empty" >&2
 
-replay: $(READY) ## Compare the stages of every corpus job with another revision's: make replay BASE=rev
+replay: $(READY) ## Compare all programs of the project with another revision: make replay BASE=rev
 	@test -n "$(BASE)" || { echo "make replay BASE=rev: which revision to compare with?" >&2; exit 2; }
-	$(BIN)/python scripts/replay.py "$(BASE)"
+	$(BIN)/python scripts/replay "$(BASE)"
 
 lock: $(READY) ## Write requirements.lock anew: the newest versions that pyproject.toml allows
 	$(BIN)/python -m pip install --quiet uv

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 from corpus.jobs import all_jobs, job_of
-from corpus.test_codes import FOLDERS, dialects, settings
+from corpus.pages import FOLDERS, dialects, settings
 from support.campaigns import seeds, share
 from support.goldens import ROOT
 

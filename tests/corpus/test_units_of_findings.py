@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from corpus.test_codes import FOLDERS, dialects, settings
+from corpus.pages import FOLDERS, dialects, settings
 from support.campaigns import share
 
 from gproof.cli.lengths import INCH, MM

@@ -1,0 +1,150 @@
+"""Run two revisions of gproof over all programs of the project, and list where they differ.
+
+``make replay BASE=rev`` compares the working tree with the git revision: every program of ``corpus/``, ``docs/codes``,
+``tests/hand`` and ``tests/differential`` (cases.py), in all that a user can see of it (worker.py): verdicts and
+findings as JSON, text and SARIF, the text of each stage, where the zero may go, the formatted program, the body of its
+package.
+Both revisions read the programs of the tree at hand.
+
+Exit code 0: the same bytes everywhere; 1: something differs; 3: could not compare, which includes that a language has
+no program that gives a package.
+"""
+
+from __future__ import annotations
+
+import argparse
+import difflib
+import os
+import sys
+from collections import Counter
+from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from pathlib import Path
+from queue import SimpleQueue
+from typing import Any
+
+from cases import SUFFIXES, Case, all_cases
+from revisions import NotComparable, Runner, site_of_revision
+from worker import FAILED
+
+
+def question(case: Case, *, whole: bool) -> dict[str, Any]:
+    """What the workers are asked."""
+    fmt = ["--dialect", case.dialect]
+    if case.dialect == "wincnc" and case.machine is not None:
+        fmt += ["--machine", str(case.machine)]
+    program = str(case.program)
+    return {"words": case.words(), "check": list(case.check), "fmt": fmt, "program": program, "whole": whole}
+
+
+NEEDED = ("check", "check, json", "check, sarif", "check, as its page", "dump, program", "dump, trace", "dump, plan")
+NEEDED += ("dump, stream", "dump, jsonl", "fit", "fmt", "compile", "compile, body")
+"""Each language has to have a program that gives each of these, or nothing was compared."""
+
+
+@dataclass(frozen=True)
+class Result:
+    """Of one case: by aspect that differs both texts; ran: aspects in which both did their work."""
+
+    case: Case
+    differing: dict[str, tuple[str, str]]
+    ran: list[str]
+
+
+class Pair:
+    """Both revisions, each in a process."""
+
+    def __init__(self, base: Path) -> None:
+        self._both = Runner(base), Runner(None)
+
+    def compare(self, case: Case) -> Result:
+        """Hashes first; the texts only of what differs."""
+        before, now = self._ask(question(case, whole=False))
+        names = [name for name in before | now if before.get(name) != now.get(name)]
+        differing = {}
+        if names:
+            first, second = self._ask(question(case, whole=True))
+            differing = {name: (first.get(name, ""), second.get(name, "")) for name in names}
+        return Result(
+            case, differing, [name for name in now if FAILED not in (before.get(name, FAILED)[0], now[name][0])]
+        )
+
+    def _ask(self, asked: dict[str, Any]) -> tuple[dict[str, str], dict[str, str]]:
+        for runner in self._both:
+            runner.ask(asked)
+        return self._both[0].answer(), self._both[1].answer()
+
+    def close(self) -> None:
+        for runner in self._both:
+            runner.close()
+
+
+def compared(cases: list[Case], base: Path) -> Iterator[Result]:
+    """Results in the order of the cases; a pair of processes for each two processors."""
+    count = max(1, (os.cpu_count() or 2) // 2)
+    free: SimpleQueue[Pair] = SimpleQueue()
+    pairs = [Pair(base) for _ in range(count)]
+    for pair in pairs:
+        free.put(pair)
+
+    def one(case: Case) -> Result:
+        pair = free.get()
+        try:
+            return pair.compare(case)
+        finally:
+            free.put(pair)
+
+    try:
+        with ThreadPoolExecutor(count) as threads:
+            yield from threads.map(one, cases)
+    finally:
+        for pair in pairs:
+            pair.close()
+
+
+def shown(texts: tuple[str, str], lines: int) -> list[str]:
+    """The first lines in which two texts differ."""
+    differing = difflib.unified_diff(*(text.splitlines() for text in texts), "base", "now", n=0, lineterm="")
+    told = [f"    {line[:200]}" for line in differing][2:]
+    return [*told[:lines], "    ..."] if len(told) > lines else told
+
+
+def main(words: list[str] | None = None) -> int:
+    """Compare all cases; prints each difference, and a summary."""
+    parser = argparse.ArgumentParser(prog="make replay", description="Compare with another revision.")
+    parser.add_argument("base", help="git revision, or a folder of installed packages")
+    parser.add_argument("--only", action="append", default=[], help="cases whose name has this text; repeatable")
+    parser.add_argument("--lines", type=int, default=12, help="lines of each difference [12]")
+    asked = parser.parse_args(words)
+    cases = [case for case in all_cases() if not asked.only or any(part in case.name for part in asked.only)]
+    programs: Counter[str] = Counter()
+    differing: Counter[str] = Counter()
+    ran: Counter[tuple[str, str]] = Counter()
+    try:
+        base = Path(asked.base) if (Path(asked.base) / "gproof").is_dir() else site_of_revision(asked.base)
+        for done, result in enumerate(compared(cases, base.resolve()), 1):
+            programs[result.case.dialect] += 1
+            differing.update(result.differing.keys())
+            ran.update((result.case.dialect, name) for name in result.ran)
+            for name, texts in result.differing.items():
+                print(f"{result.case.name}: {name} differs", *shown(texts, asked.lines), sep="\n", flush=True)
+            if sys.stderr.isatty():
+                print(f"\r{done} of {len(cases)}", end="", file=sys.stderr)
+    except NotComparable as why:
+        print(f"replay: {why}", file=sys.stderr)
+        return 3
+    for dialect in SUFFIXES:
+        print(f"{dialect}: {programs[dialect]} programs, {ran[dialect, 'compile, body']} gave a package on both sides")
+    for name, count in differing.most_common():
+        print(f"{name}: {count} differ")
+    print(f"replay: {sum(programs.values())} programs, {sum(differing.values())} differences")
+    empty = [f"{name} of {dialect}" for dialect in SUFFIXES for name in NEEDED if not ran[dialect, name]]
+    if empty and not asked.only and not differing:
+        print(f"replay: nothing was compared: {', '.join(empty)}", file=sys.stderr)
+        return 3
+    return 1 if differing else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

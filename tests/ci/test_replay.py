@@ -1,0 +1,74 @@
+"""`make replay`: a planted change is caught and named, no language is empty, and nothing is compared with itself."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from collections import Counter
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[2]
+FOLDER = ROOT / "scripts" / "replay"
+sys.path.insert(0, str(FOLDER))
+
+from cases import all_cases  # noqa: E402  (scripts/replay is no package)
+from revisions import site_of  # noqa: E402
+
+LIMITS, POCKET = "docs/codes/GP301/bad (eding)", "corpus/eding/pocket-in-steps/job.cnc"
+PLANTS = [
+    ("passes/limits.py", "ROUNDING = 1e-9", "ROUNDING = 50.0"),
+    ("passes/step.py", "TOLERANCE = 25e-6", "TOLERANCE = 1e-5"),
+    ("backend/emit/eding.py", "INDENT = 2", "INDENT = 3"),
+]
+"""File, what stands there, what is planted."""
+
+SHOW = {
+    LIMITS: {"check", "check, json", "check, sarif", "dump, stream", "fit", "compile"},
+    POCKET: {"dump, stream", "compile", "compile, body", "fmt"},
+}
+"""The aspects in which these programs differ then, and no others."""
+
+
+def replay(*words: str) -> subprocess.CompletedProcess[str]:
+    return subprocess.run(
+        [sys.executable, str(FOLDER), *words], cwd=ROOT, text=True, capture_output=True, check=False, timeout=300
+    )
+
+
+def test_planted_changes_are_caught(tmp_path: Path) -> None:
+    site = site_of(ROOT, tmp_path)
+    for file, there, planted in PLANTS:
+        path = site / "gproof" / file
+        text = path.read_text(encoding="utf-8")
+        assert text.count(there) == 1
+        path.write_text(text.replace(there, planted), encoding="utf-8")
+    done = replay(str(site), "--only", LIMITS, "--only", POCKET)
+    assert done.returncode == 1, done.stderr
+    lines = [line.removesuffix(" differs") for line in done.stdout.splitlines() if line.endswith(" differs")]
+    assert sorted(lines) == sorted(f"{case}: {name}" for case, names in SHOW.items() for name in names), done.stdout
+
+
+def test_the_same_is_the_same(tmp_path: Path) -> None:
+    done = replay(str(site_of(ROOT, tmp_path)), "--only", "GP301/bad")
+    assert (done.returncode, done.stderr) == (0, "")
+
+
+def test_no_language_is_empty() -> None:
+    """All programs of the four folders are cases, by language and folder."""
+    cases = all_cases()
+    by_folder = Counter((case.dialect, case.name.split("/")[0]) for case in cases)
+    for dialect in ("eding", "wincnc", "mcuwin"):
+        assert min(by_folder[dialect, "corpus"], by_folder[dialect, "docs"]) >= 60, by_folder
+    assert min(by_folder[dialect, "tests"] for dialect in ("eding", "wincnc", "mcuwin")) >= 250, by_folder
+    tables = [*(ROOT / "corpus").glob("*/*/jobs/*.toml"), *(ROOT / "corpus").glob("eding/*/expect.toml")]
+    assert len(tables) <= sum(case.name.startswith("corpus/") for case in cases)
+    assert all(case.machine is not None and case.machine.is_file() and case.program.is_file() for case in cases)
+
+
+@pytest.mark.parametrize("words", [(), ("no-such-revision",)], ids=["none", "unknown"])
+def test_what_can_not_be_compared(words: tuple[str, ...]) -> None:
+    done = replay(*words)
+    assert done.returncode in (2, 3)
+    assert "Traceback" not in done.stderr
