@@ -11,7 +11,7 @@ from gproof.cli.grouping import Accepted, left_over, shown
 from gproof.cli.lengths import MM, LengthUnit
 from gproof.cli.options import in_one_line
 from gproof.ir.codes import CODES
-from gproof.ir.finding import Finding, Findings, Rests, Severity, Span
+from gproof.ir.finding import Finding, Findings, Rests, Severity, Span, brief
 
 COLOURS = {
     Severity.ERROR: "red",
@@ -95,7 +95,7 @@ def format_finding(
         word = click.style("hint", bold=True) if colour else "hint"
         out.append(f"      = {word}: {in_one_line(unit.sentence(finding.hint))}")
     for other in finding.related:
-        said = in_one_line(unit.sentence(other.message))
+        said = in_one_line(unit.sentence(brief(other.message)))
         out.append(f"      = {location(other.span)}: {said}")
     if finding.rests is not None:
         out.append(f"      = {in_one_line(finding.rests.text(finding.span.file))}")
@@ -168,7 +168,12 @@ def finding_json(
         out["suppressed"] = {"kind": accepted[0], "reason": accepted[1]}
     if finding.related:
         out["related"] = [
-            {"file": r.span.file, "line": r.span.line, "column": r.span.column, "message": unit.sentence(r.message)}
+            {
+                "file": r.span.file,
+                "line": r.span.line,
+                "column": r.span.column,
+                "message": unit.sentence(brief(r.message)),
+            }
             for r in finding.related
         ]
     if finding.rests is not None:
@@ -179,7 +184,13 @@ def finding_json(
 def _rests_json(rests: Rests, file: str) -> dict[str, object]:
     """The outcomes that a finding rests on."""
     outcomes = [
-        {"file": one.span.file, "line": one.span.line, "what": one.what, "answer": one.answer, "times": one.times}
+        {
+            "file": one.span.file,
+            "line": one.span.line,
+            "what": brief(one.what),
+            "answer": one.answer,
+            "times": one.times,
+        }
         for one in rests.outcomes
     ]
     return {"text": rests.text(file), "outcomes": outcomes, "more": rests.more, "example": rests.example}

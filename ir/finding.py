@@ -67,8 +67,32 @@ _PLACES = ("x", "y", "z")
 def filled(template: str, values: Mapping[str, object]) -> str:
     """The message of a template."""
     if any(isinstance(value, float) and abs(value) < _LEAST for value in values.values()):
-        return _Filler().vformat(template, (), {name: _seen(name, value) for name, value in values.items()})
-    return template.format(**values)
+        return brief(_Filler().vformat(template, (), {name: _seen(name, value) for name, value in values.items()}))
+    return brief(template.format(**values))
+
+
+QUOTED = 100
+"""Characters of a quotation, or of a text without blanks, that a finding repeats of somebody else's file."""
+LONGEST = 600
+"""Characters of a message; of a longer one the middle is left out."""
+_QUOTATION = re.compile(r"(?<!\w)(['\"])((?:(?!\1).)*)\1(?!\w)|\S+", re.DOTALL)
+
+
+def brief(text: str) -> str:
+    """A message without most of what it quotes, where that is long; how long it was is said."""
+    if len(text) <= QUOTED:
+        return text
+    short = _QUOTATION.sub(_quotation, text)
+    if len(short) <= LONGEST:
+        return short
+    return f"{short[: LONGEST - QUOTED]} ... ({len(text)} characters) ... {short[-QUOTED:]}"
+
+
+def _quotation(found: re.Match[str]) -> str:
+    mark, inner = found[1] or "", found[2] if found[1] else found[0]
+    if len(inner) <= QUOTED + 3:  # those that have been cut too
+        return found[0]
+    return f"{mark}{inner[:QUOTED]}...{mark} ({len(inner)} characters)"
 
 
 @record(frozen=True, slots=True)
@@ -87,13 +111,15 @@ class Span:
 
 @record(frozen=True, slots=True)
 class Code:
-    """A kind of finding: number (``GP301`` has 301), name, severity, message template, and the property it decides."""
+    """A kind of finding: number (``GP301`` has 301), name, severity, message template, the property it decides, and
+    what to do where a finding has no hint of its own."""
 
     number: int
     name: str
     severity: Severity
     template: str
     decides: str
+    hint: str = ""
 
     @property
     def label(self) -> str:
@@ -110,7 +136,8 @@ class Code:
 
     def at(self, span: Span, *, hint: str = "", related: Iterable[Related] = (), **values: object) -> Finding:
         """A finding of this kind at ``span``; ``values`` fill the template."""
-        return Finding(self, span, filled(self.template, values), hint, tuple(related), tuple(values.items()))
+        message, told = filled(self.template, values), brief(hint or self.hint)
+        return Finding(self, span, message, told, tuple(related), tuple(values.items()))
 
 
 @record(frozen=True, slots=True)
@@ -142,7 +169,7 @@ class Outcome:
         """In words: ``#1 > 0 at line 12 is true``; file: where no file has to be named."""
         where = f" at line {self.span.line}" if self.span.line else ""
         where += f" of {PurePath(self.span.file).name}" if where and self.span.file != file else ""
-        return f"{self.what}{where} {self.answer}{f' {self.times} times' if self.times > 1 else ''}"
+        return f"{brief(self.what)}{where} {self.answer}{f' {self.times} times' if self.times > 1 else ''}"
 
 
 @record(frozen=True, slots=True)

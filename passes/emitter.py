@@ -99,6 +99,7 @@ class Emitter:
         self._file = 0
         self._call = 0
         self._depth: list[str] = []
+        self._calls: dict[str, int] = {}
         self._ended = False
         self._states: dict[object, int] = {}
         self._texts: dict[str, int] = {}
@@ -174,6 +175,8 @@ class Emitter:
             laps = [*self._laps.values(), *self._counted.values()]
             longest = max(laps, key=lambda lap: lap.count, default=None)
             hint, related = "--max-blocks raises it", tuple[Related, ...]()
+            if len(self._depth) > 1:
+                hint = f"calls within calls: {' > '.join(self._depth)}; {hint}"
             if longest is not None:
                 hint = f"the loop here has come to pass {longest.count}; {hint}"
                 span, related = longest.span, (Related(span, "here the last one of them was executed"),)

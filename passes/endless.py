@@ -34,6 +34,18 @@ SPARSE = 64
 FIRST_LOOK = 16
 """Passes of a loop before it is asked whether it goes on for too long."""
 
+CALL_BLOCKS = (0, 20, 50, 100, 200)
+"""Blocks that a call counts as, by how many others it is within; the last of them where there are more.
+
+What is said once at each level is done a thousand times a thousand times at the third: calls that multiply come to an
+end in seconds. A call within a call costs as much time as some fifty blocks of a loop do.
+"""
+
+
+def call_blocks(depth: int) -> int:
+    """Blocks that a call within so many others counts as, beside that of the line which calls."""
+    return CALL_BLOCKS[min(depth, len(CALL_BLOCKS) - 1)]
+
 
 class Endless(Branches):
     """What is known of loops by having come by."""

@@ -53,6 +53,7 @@ from gproof.passes.branches import LOOPS
 from gproof.passes.commands import run_command
 from gproof.passes.dialogs import run_dialog
 from gproof.passes.emitter import DEFAULT_BRANCHES, DEFAULT_BUDGET, ProgramEnd
+from gproof.passes.endless import call_blocks
 from gproof.passes.expressions import describe_parts
 from gproof.passes.flow import Flow
 from gproof.passes.frames import Caller, Frame, Path
@@ -368,16 +369,19 @@ class Executor(Flow):
             asked = asked or any(frame.group is not None for frame in self._stack)
             kind = codes.RECURSION.as_unknown() if asked else codes.RECURSION
             raise Refusal(kind.at(span, allowed=allowed, chain=chain))
-        if len(self._depth) >= DEEP:
-            self.blocks += DEEP_CALL
+        charge = call_blocks(len(self._depth))
+        if charge:
+            self.blocks += charge - 1
             self.spend(span)
         self._enter(span)
         caller = Caller(self._call, self._file, rest, numbers=dict(self.modal.parameters) if again else None)
         self._depth = [*self._depth, name]
         text = f"{' > '.join(self._depth)} (from line {span.line})"
-        if text not in self.trace.calls:
+        number = self._calls.get(text)
+        if number is None:
+            number = self._calls[text] = len(self.trace.calls)
             self.trace.calls.append(text)
-        self._call = self.trace.calls.index(text)
+        self._call = number
         body = self._with_settings(sub, span)
         self._stack.append(Frame(body, sub, caller=caller, around=body is not sub.body))
 
@@ -508,8 +512,6 @@ class Executor(Flow):
 
 MOST_RETRIES = 8
 """Calls of a subprogram within itself, when an outcome says so and nothing counts them: so many are followed."""
-DEEP, DEEP_CALL = 6, 200
-"""A call within so many others counts as so many blocks more: those that double at each level come to an end soon."""
 _SILENT = frozenset((Label, Declare, Include, Mode))
 """Statements that do nothing when they run."""
 _PASSED_OVER = frozenset((Call, Message, Guard, Device, Unsupported))

@@ -27,7 +27,7 @@ from gproof.ir.program import (
 )
 from gproof.passes.compiled import FALLS_BACK
 from gproof.passes.din_state import din_of
-from gproof.passes.endless import AWAY_PASSES, FIRST_LOOK, SPARSE, Endless
+from gproof.passes.endless import AWAY_PASSES, FIRST_LOOK, SPARSE, Endless, call_blocks
 from gproof.passes.frames import Frame, Hot, Passes
 from gproof.passes.loops import PENDING_LINES
 from gproof.passes.pass_code import Source, compile_passes
@@ -175,7 +175,8 @@ class HotPasses(Endless):
         if node.name in chain[:-1] or len(chain) > (rules.call_depth if own is None else own) or self._ends_contours():
             return None
         text = f"{' > '.join(chain)} (from line {node.span.line})"
-        if text not in self.trace.calls or any(isinstance(one, Declare) for one in sub.body):
+        number = self._calls.get(text)
+        if number is None or any(isinstance(one, Declare) for one in sub.body):
             return None  # it was not executed here yet, or has variables of its own
         body, cost = sub.body, 1
         if body and isinstance(body[-1], Return):
@@ -184,7 +185,7 @@ class HotPasses(Endless):
             return None  # it has no end, which the executor tells
         if rules.source_order and sub.span.file != self.trace.files[self._file]:
             return None  # what is told of its moves is told of the file that runs
-        return body, self.trace.calls.index(text), cost
+        return body, number, cost + call_blocks(len(chain) - 1)
 
     def _is_one_file(self, body: Sequence[Statement]) -> bool:
         """Whether lines of a pass stand in the file that runs."""
