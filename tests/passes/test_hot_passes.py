@@ -155,7 +155,7 @@ SUBS = (
 )  # fmt: skip
 def test_calls_in_loops(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, body: str, is_hot: bool) -> None:
     text = f"{SUBS}{EDING_HEAD}while [#1 < 300]\n{body}endwhile\nG0 X0\nM30\n"
-    _, over = both(tmp_path, text, monkeypatch, pascal=False, budget=8000)
+    _, over = both(tmp_path, text, monkeypatch, pascal=False, budget=30_000)
     assert (over > 100) is is_hot
 
 
