@@ -1,6 +1,7 @@
 """The command ``gproof``: arguments in, exit code out. Everything heavy is imported by the command that needs it.
 
-Exit codes: 0 SAFE (or done), 1 UNSAFE, 2 UNKNOWN, 3 the command itself could not run, 130 interrupted (Ctrl-C).
+Exit codes: 0 SAFE (or done), 1 UNSAFE, 2 UNKNOWN, 3 the command itself could not run, 130 interrupted (Ctrl-C,
+SIGTERM, SIGHUP).
 """
 
 from __future__ import annotations
@@ -9,7 +10,10 @@ import contextlib
 import io
 import math
 import os
+import signal
 import sys
+import threading
+from collections.abc import Iterator
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -433,7 +437,8 @@ def main(arguments: list[str] | None = None) -> int:
     if not _standard_streams():
         return COULD_NOT_RUN
     try:
-        return _run(arguments)
+        with _ended_by_signals():
+            return _run(arguments)
     except OSError:
         # Standard error can not be written: there is nowhere to say so, and a verdict's code would lie.
         _discard(sys.stderr)
@@ -444,6 +449,27 @@ def ends_with_its_command() -> bool:
     """True where the process ends with the command that is running: the command line itself, not a program's call."""
     context = click.get_current_context(silent=True)
     return context is not None and context.find_root().obj is _PROCESS
+
+
+def _interrupt(_number: int, _frame: Any) -> None:
+    raise KeyboardInterrupt
+
+
+@contextlib.contextmanager
+def _ended_by_signals() -> Iterator[None]:
+    """SIGTERM and SIGHUP end a command as Ctrl-C does: what it began to write goes, and so do its processes."""
+    before = {}
+    if threading.current_thread() is threading.main_thread():
+        for name in ("SIGTERM", "SIGHUP"):
+            number = getattr(signal, name, None)
+            # Those that somebody ignores (``nohup``) or has a handler for stay so.
+            if number is not None and signal.getsignal(number) is signal.SIG_DFL:
+                before[number] = signal.signal(number, _interrupt)
+    try:
+        yield
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)
 
 
 def _plain(message: str) -> str:
