@@ -14,6 +14,9 @@ from support.campaigns import SOAK
 
 Golden = Callable[[Path, str], None]
 
+LONG = ("test_packaging.py", "test_action.py", "test_pre_commit.py", "test_walkthrough.py", "test_forgery.py")
+"""Tests of ten seconds and more are begun first: at the end no process is left alone with one."""
+
 # What a random test of hypothesis asks for itself counts; the others make this many examples in every run.
 settings.register_profile("every run", max_examples=25)
 if not SOAK:
@@ -29,6 +32,10 @@ def pytest_collection() -> Iterator[None]:
     finally:
         gc.freeze()
         gc.enable()
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    items.sort(key=lambda item: item.path.name not in LONG)
 
 
 @pytest.fixture(scope="session", autouse=True)
