@@ -25,7 +25,7 @@ from gproof.ir.finding import Finding, Span
 from gproof.ir.record import record
 from gproof.ir.trace import Trace
 from gproof.ir.verdict import DEFAULT_POLICY, Verdict
-from gproof.verify.package import Package, parts_of, read_package
+from gproof.verify.package import EVENT_TABLE, TRACE_TABLE, Package, parts_of, read_package, run_table
 from gproof.verify.stream_report import BOUNDS
 
 _BODY = ("policy", "properties", "not_judged", "assumptions", "steps", "duration_ticks", "reference")
@@ -92,15 +92,15 @@ def _first(said: Package, made: Package) -> str:
         return found
     # Rows before the tables that they point into: a row has a line of the program.
     for one, other in zip(said.trace.sections, made.trace.sections, strict=False):
-        if found := _row(f"trace/{one.number}.bin", "row", one.rows, other.rows):
+        if found := _row(TRACE_TABLE, one.number, "row", one.rows, other.rows):
             return found
     if found := text("trace.ir") or text("stream.ir"):
         return found
     for part, anew in zip(said.stream.sections, made.stream.sections, strict=True):
         for motor, (runs, new) in enumerate(zip(part.runs, anew.runs, strict=True)):
-            if found := _row(f"stream/{part.number}/{motor}.bin", "run", runs, new):
+            if found := _row(run_table(motor), part.number, "run", runs, new):
                 return found
-        if found := _row(f"stream/{part.number}/events.bin", "event", part.events, anew.events):
+        if found := _row(EVENT_TABLE, part.number, "event", part.events, anew.events):
             return found
     return _body(said.body, made.body)
 
@@ -120,8 +120,10 @@ def _line(name: str, said: str, made: str) -> str:
     return f"{name} differs in its ends of lines"
 
 
-def _row(name: str, what: str, said: Columns, made: Columns) -> str:
-    """The first row that is another one, counted from 0, with the column; of a Trace the line of the program too."""
+def _row(name: str, section: int, what: str, said: Columns, made: Columns) -> str:
+    """The first row that is another one, counted from 0 in its section, with the column; of a Trace the line of the
+    program too."""
+    where = f"section {section}, "
     rows = min(len(said), len(made))
     columns = said.schema.columns
     firsts = [(_unlike(said[c.name][:rows], made[c.name][:rows]), n) for n, c in enumerate(columns)]
@@ -129,9 +131,9 @@ def _row(name: str, what: str, said: Columns, made: Columns) -> str:
     if at < rows:
         line = f" (line {int(said['line'][at])})" if "line" in (c.name for c in columns) else ""
         key = columns[column].name
-        return f"{name} differs in {what} {at}{line}: {key} {said[key][at]}; it is {made[key][at]}"
+        return f"{name} differs in {where}{what} {at}{line}: {key} {said[key][at]}; it is {made[key][at]}"
     if len(said) != len(made):
-        return f"{name} has {len(said)} {what}s; it is {len(made)}"
+        return f"{name} has {len(said)} {what}s in section {section}; it is {len(made)}"
     return ""
 
 

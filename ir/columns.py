@@ -68,7 +68,10 @@ class Columns:
 
     def slice(self, start: int, stop: int) -> Columns:
         """Rows start..stop as views."""
-        return Columns(self.schema, {n: a[start:stop] for n, a in self.arrays.items()})
+        part = object.__new__(Columns)
+        # Of a table that fits its schema, rows fit it too: there are many such parts in a job of many sections.
+        part.schema, part.arrays = self.schema, {n: a[start:stop] for n, a in self.arrays.items()}
+        return part
 
     def rows(self) -> Iterator[tuple[Any, ...]]:
         """Each row as plain Python values, in schema order."""

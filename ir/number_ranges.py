@@ -147,9 +147,14 @@ class NumberProblem(NamedTuple):
     what: str
 
 
-def number_problem(value: Any) -> NumberProblem | None:
-    """The first number that is out of range, None when there is none; for values of their declared types."""
-    return next(_problems(value, PLAIN, "", forced=False), None)
+def number_problem(value: Any, *, tables: bool = True) -> NumberProblem | None:
+    """The first number that is out of range, None when there is none; for values of their declared types.
+
+    tables: those of column tables too (False: whoever asks has judged them).
+    """
+    if _fine(value, PLAIN, forced=False, tables=tables):
+        return None
+    return next(_problems(value, PLAIN, "", forced=False, tables=tables), None)
 
 
 @functools.cache
@@ -160,8 +165,27 @@ def _fields(cls: type) -> tuple[tuple[str, Range, bool], ...]:
     )
 
 
-def _problems(value: Any, range_: Range, where: str, *, forced: bool) -> Iterator[NumberProblem]:
-    """forced: the range holds for fields of records too."""
+def _fine(value: Any, range_: Range, *, forced: bool, tables: bool) -> bool:
+    """True only where ``_problems`` finds nothing; several times as fast for what most values are."""
+    kind = type(value)
+    if kind is float or kind is int:
+        near = range_.least != 0.0 and 0 < abs(value) < range_.least
+        return bool(range_.low <= value <= range_.high) and not near
+    if kind is str or value is None:
+        return True
+    if kind is tuple or kind is list:
+        return all(_fine(item, range_, forced=forced, tables=tables) for item in value)
+    if kind is not Columns and dataclasses.is_dataclass(kind):
+        for name, own, passed in _fields(kind):
+            field_range = range_ if forced else own
+            if not _fine(getattr(value, name), field_range, forced=forced or passed, tables=tables):
+                return False
+        return True
+    return next(_problems(value, range_, "", forced=forced, tables=tables), None) is None
+
+
+def _problems(value: Any, range_: Range, where: str, *, forced: bool, tables: bool) -> Iterator[NumberProblem]:
+    """forced: the range holds for fields of records too; tables: those of columns are looked at."""
     if value is None or isinstance(value, str | bytes | bool):
         return
     if isinstance(value, int | float | Fraction):
@@ -170,17 +194,19 @@ def _problems(value: Any, range_: Range, where: str, *, forced: bool) -> Iterato
             yield NumberProblem(where, what)
     elif isinstance(value, tuple | list | frozenset):
         for place, item in enumerate(value):
-            yield from _problems(item, range_, f"{where}[{place}]", forced=forced)
+            yield from _problems(item, range_, f"{where}[{place}]", forced=forced, tables=tables)
     elif isinstance(value, dict):
         for key, item in value.items():
-            yield from _problems(key, range_, f"{where} key", forced=forced)
-            yield from _problems(item, range_, f"{where}[{key!r}]", forced=forced)
+            yield from _problems(key, range_, f"{where} key", forced=forced, tables=tables)
+            yield from _problems(item, range_, f"{where}[{key!r}]", forced=forced, tables=tables)
     elif isinstance(value, Columns):
-        yield from _columns(value, where)
+        if tables:
+            yield from _columns(value, where)
     elif dataclasses.is_dataclass(value) and not isinstance(value, type):
         for name, own, passed in _fields(type(value)):
             inner = f"{where}.{name}" if where else name
-            yield from _problems(getattr(value, name), range_ if forced else own, inner, forced=forced or passed)
+            found = range_ if forced else own
+            yield from _problems(getattr(value, name), found, inner, forced=forced or passed, tables=tables)
 
 
 def _problem(value: Any, range_: Range) -> str:

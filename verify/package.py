@@ -1,9 +1,10 @@
 """The ``.gpx`` file: a zip of the certificate's body, its signature and the parts it speaks of.
 
 Members: ``body.json`` (what is signed), ``signature.json`` (outside every hash), ``machine.ir``, ``setup.ir``,
-``trace.ir``, ``stream.ir`` (text forms, with empty tables), and one ``.bin`` a table: the columns of its schema
-one after the other, little-endian, rows in order. Same inputs, same bytes: members in sorted order, fixed
-times. The zip's comment is the SHA-256 of all bytes before it, so that no damaged file is taken for a whole one.
+``trace.ir``, ``stream.ir`` (text forms, in which the number of its rows stands for each table), and one ``.bin`` a kind
+of table: the rows of all sections, one section after the other, as the columns of its schema, little-endian. Same
+inputs, same bytes: members in sorted order, fixed times. The zip's comment is the SHA-256 of all bytes before it, so that
+no damaged file is taken for a whole one.
 Nothing is believed while reading; docs/certificate.md defines the format.
 """
 
@@ -12,11 +13,12 @@ from __future__ import annotations
 import dataclasses
 import functools
 import hashlib
+import itertools
 import json
 import struct
 import zipfile
 import zlib
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -25,14 +27,14 @@ import numpy as np
 from gproof.ir import codes
 from gproof.ir.columns import Column, Columns, Schema
 from gproof.ir.machine import Machine
-from gproof.ir.number_ranges import number_problem
+from gproof.ir.number_ranges import LONGEST_TABLE, number_problem
 from gproof.ir.record import record
 from gproof.ir.setup import Setup
 from gproof.ir.stream import EVENT, RUN, StepStream
 from gproof.ir.text import parse_texts, print_ir
 from gproof.ir.trace import TRACE_ROW, Trace
 from gproof.verify.conform import misfit
-from gproof.verify.package_zip import CertificateError, Sealed, open_sealed, seal, write_members
+from gproof.verify.package_zip import FILE_LIMIT, CertificateError, Sealed, open_sealed, seal, write_members
 from gproof.verify.signature import fits
 
 __all__ = [
@@ -42,10 +44,11 @@ __all__ = [
 
 BODY, SIGNATURE = "body.json", "signature.json"
 TEXTS = ("machine.ir", "setup.ir", "trace.ir", "stream.ir")
-FORMAT = "gproof-certificate/2"
-MEMBER_LIMIT = 2 << 30
-"""Bytes of one table at most (and of one text, of the body, of the signature): more is refused before it is read."""
+FORMAT = "gproof-certificate/3"
+MEMBER_LIMIT = FILE_LIMIT
+"""Bytes of one kind of table at most; below, of a text, of the body, of the signature: more is refused unread."""
 TEXT_LIMIT = 64 << 20
+TRACE_TABLE, EVENT_TABLE = "trace.bin", "stream/events.bin"
 BODY_LIMIT = 32 << 20
 SIGNATURE_LIMIT = 1 << 16
 
@@ -77,12 +80,12 @@ def canonical(value: Any) -> bytes:
 def parts_of(machine: Machine, setup: Setup, trace: Trace, stream: StepStream) -> dict[str, bytes]:
     """Every hashed member by name."""
     bare_trace = dataclasses.replace(
-        trace, sections=[dataclasses.replace(s, rows=Columns(TRACE_ROW)) for s in trace.sections]
+        trace, sections=[dataclasses.replace(s, rows=_rows_of(s.rows)) for s in trace.sections]
     )
     bare_stream = dataclasses.replace(
         stream,
         sections=[
-            dataclasses.replace(s, runs=tuple(Columns(RUN) for _ in s.runs), events=Columns(EVENT))
+            dataclasses.replace(s, runs=tuple(map(_rows_of, s.runs)), events=_rows_of(s.events))
             for s in stream.sections
         ],
     )
@@ -92,25 +95,40 @@ def parts_of(machine: Machine, setup: Setup, trace: Trace, stream: StepStream) -
         "trace.ir": print_ir(bare_trace).encode(),
         "stream.ir": print_ir(bare_stream).encode(),
     }
-    members.update((name, _encode(table)) for name, table in _tables(trace, stream))
+    members.update((name, _encode(schema, tables)) for name, schema, tables in _tables(trace, stream))
     return members
 
 
-def _tables(trace: Trace, stream: StepStream) -> Iterator[tuple[str, Columns]]:
-    for section in trace.sections:
-        yield f"trace/{section.number}.bin", section.rows
-    for part in stream.sections:
-        for index, runs in enumerate(part.runs):
-            yield f"stream/{part.number}/{index}.bin", runs
-        yield f"stream/{part.number}/events.bin", part.events
+def _rows_of(table: Columns) -> Any:
+    """What stands for a table in a text."""
+    return len(table)
+
+
+def _tables(trace: Trace, stream: StepStream) -> Iterator[tuple[str, Schema, list[Columns]]]:
+    """By member, the tables that it has one after the other."""
+    yield TRACE_TABLE, TRACE_ROW, [section.rows for section in trace.sections]
+    for motor in range(_motors(stream)):
+        yield run_table(motor), RUN, [part.runs[motor] for part in stream.sections if motor < len(part.runs)]
+    yield EVENT_TABLE, EVENT, [part.events for part in stream.sections]
+
+
+def _motors(stream: StepStream) -> int:
+    return max((len(part.runs) for part in stream.sections), default=0)
+
+
+def run_table(motor: int) -> str:
+    """The member that has the runs of a motor."""
+    return f"stream/{motor}.bin"
 
 
 def _little(dtype: str) -> np.dtype[Any]:
     return np.dtype(dtype).newbyteorder("<")
 
 
-def _encode(table: Columns) -> bytes:
-    return b"".join(table[c.name].astype(_little(c.dtype), copy=False).tobytes() for c in table.schema.columns)
+def _encode(schema: Schema, tables: list[Columns]) -> bytes:
+    return b"".join(
+        table[c.name].astype(_little(c.dtype), copy=False).tobytes() for c in schema.columns for table in tables
+    )
 
 
 def _decode(schema: Schema, data: bytes | bytearray) -> Columns:
@@ -166,14 +184,12 @@ def _read(path: Path) -> Package:
                 raise CertificateError(codes.CERTIFICATE_SIGNATURE, str(path), what)
         parts = _Parts(path, sealed, body)
         machine, setup, trace, stream = parse_texts(parts.take(name).decode() for name in TEXTS)
+        _fill(path, trace, stream, parts)
         for value, kind in ((machine, Machine), (setup, Setup), (trace, Trace), (stream, StepStream)):
             wrong = misfit(value, kind, kind.__name__)
             if wrong:
                 raise CertificateError(codes.CERTIFICATE_MALFORMED, str(path), wrong)
-            _check_numbers(path, kind.__name__, value)
-        _fill(trace, stream, parts)
-        _check_numbers(path, "Trace.sections", trace.sections)
-        _check_numbers(path, "StepStream.sections", stream.sections)
+            _check_numbers(path, kind.__name__, value, tables=kind is not Trace and kind is not StepStream)
         left = parts.left()
         if left:
             raise ValueError(f"a table that belongs nowhere: {left}")
@@ -186,8 +202,8 @@ def _read(path: Path) -> Package:
     )  # fmt: skip
 
 
-def _check_numbers(path: Path, name: str, value: object) -> None:
-    wrong = number_problem(value)
+def _check_numbers(path: Path, name: str, value: object, *, tables: bool) -> None:
+    wrong = number_problem(value, tables=tables)
     if wrong is not None:
         what = f"{name}{'' if wrong.where.startswith('[') else '.'}{wrong.where}: {wrong.what}"
         raise CertificateError(codes.CERTIFICATE_MALFORMED, str(path), what)
@@ -244,11 +260,35 @@ def _json(path: Path, name: str, data: bytes) -> dict[str, Any]:
     return value
 
 
-def _fill(trace: Trace, stream: StepStream, parts: _Parts) -> None:
-    """Put the tables where they belong."""
-    for section in trace.sections:
-        section.rows = _decode(TRACE_ROW, parts.take(f"trace/{section.number}.bin"))
+def _fill(path: Path, trace: Trace, stream: StepStream, parts: _Parts) -> None:
+    """Put the tables where numbers of rows stand, their own numbers judged."""
+    if type(trace) is not Trace or type(stream) is not StepStream:
+        raise ValueError("trace.ir or stream.ir is something else")
+    for section, table in zip(
+        trace.sections, _cut(path, TRACE_TABLE, TRACE_ROW, [s.rows for s in trace.sections], parts), strict=True
+    ):
+        section.rows = table
+    asked: list[list[Any]] = [[] for _ in range(_motors(stream))]
     for part in stream.sections:
-        place = f"stream/{part.number}"
-        part.runs = tuple(_decode(RUN, parts.take(f"{place}/{i}.bin")) for i in range(len(part.runs)))
-        part.events = _decode(EVENT, parts.take(f"{place}/events.bin"))
+        for counts, count in zip(asked, part.runs, strict=False):
+            counts.append(count)
+    runs = [iter(_cut(path, run_table(motor), RUN, counts, parts)) for motor, counts in enumerate(asked)]
+    events = _cut(path, EVENT_TABLE, EVENT, [part.events for part in stream.sections], parts)
+    for part, table in zip(stream.sections, events, strict=True):
+        part.runs, part.events = tuple(next(tables) for tables in runs[: len(part.runs)]), table
+
+
+def _cut(path: Path, name: str, schema: Schema, counts: Sequence[Any], parts: _Parts) -> list[Columns]:
+    """The tables of a member: so many rows each."""
+    for place, count in enumerate(counts):
+        if type(count) is not int or not 0 <= count <= LONGEST_TABLE:
+            raise ValueError(f"section {place} has {str(count)[:40]} rows in {name}")
+    whole = _decode(schema, parts.take(name))
+    if len(whole) != sum(counts):
+        raise ValueError(f"{name} has {len(whole)} rows, its sections {sum(counts)}")
+    wrong = number_problem(whole)
+    if wrong is not None:
+        what = f"{name}{wrong.where}: {wrong.what}"
+        raise CertificateError(codes.CERTIFICATE_MALFORMED, str(path), what)
+    ends = list(itertools.accumulate(counts, initial=0))
+    return [whole.slice(begin, end) for begin, end in itertools.pairwise(ends)]

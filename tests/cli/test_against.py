@@ -42,14 +42,20 @@ def test_all_parts_are_the_same_wherever_the_source_lies(shop: Shop) -> None:
 
 
 PROGRAMS = {
-    "another place": (("X4", "X5"), r"trace/0\.bin differs in row \d+ \(line 3\): to "),
-    "another feed": (("F300", "F301"), r"trace/0\.bin differs in row \d+ \(line 3\): feed 300\.0; it is 301\.0"),
+    "another place": (("X4", "X5"), r"trace\.bin differs in section 0, row \d+ \(line 3\): to "),
+    "another feed": (
+        ("F300", "F301"),
+        r"trace\.bin differs in section 0, row \d+ \(line 3\): feed 300\.0; it is 301\.0",
+    ),
     "another speed": (
         ("S1000", "S1001"),
-        r"trace\.ir differs in line \d+: .*|trace/0\.bin differs in row \d+ \(line 4\)",
+        r"trace\.ir differs in line \d+: .*|trace\.bin differs in section 0, row \d+ \(line 4\)",
     ),
-    "a line more": (("G1 X2\n", "G1 X2\nG1 X3\n"), r"trace/0\.bin (differs in row \d+ \(line \d+\)|has \d+ rows)"),
-    "no stop": (("M0\n", ""), r"trace/0\.bin (differs in row \d+ \(line \d+\)|has \d+ rows)"),
+    "a line more": (
+        ("G1 X2\n", "G1 X2\nG1 X3\n"),
+        r"trace\.bin (differs in section 0, row \d+ \(line \d+\)|has \d+ rows in section 0)",
+    ),
+    "no stop": (("M0\n", ""), r"trace\.bin (differs in section 0, row \d+ \(line \d+\)|has \d+ rows in section 0)"),
     "a comment": (("M3 S1000", "(note) M3 S1000"), "sources that the body names have other SHA-256s"),
 }
 
@@ -129,7 +135,7 @@ def test_another_runs_interval_is_named(shop: Shop) -> None:
     )  # fmt: skip
     done = shop("verify", "late.gpx", "--trust", public.name, *AGAINST)
     assert done.exit == 1
-    assert re.search(r"stream/0/0\.bin differs in run 2: interval \d+; it is \d+", done.out), done.out
+    assert re.search(r"stream/0\.bin differs in section 0, run 2: interval \d+; it is \d+", done.out), done.out
 
 
 def test_another_version_is_unknown_and_said(shop: Shop) -> None:

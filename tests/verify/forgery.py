@@ -448,7 +448,7 @@ def containers() -> dict[str, Callable[[Members], bytes]]:
     for name in (BODY, SIGNATURE, "machine.ir", "setup.ir", "trace.ir", "stream.ir"):
         for how, change in RAWS.items():
             found[f"{name} {how}"] = _raw(name, change)
-    for name in ("trace/0.bin", "stream/0/0.bin", "stream/0/events.bin"):
+    for name in ("trace.bin", "stream/0.bin", "stream/events.bin"):
         for how in ("empty", "a byte less", "a byte more", "half"):
             found[f"{name} {how}"] = _raw(name, RAWS[how])
     for name in sorted(members):
@@ -476,8 +476,8 @@ def containers() -> dict[str, Callable[[Members], bytes]]:
     }.items():  # fmt: skip
         found[f"body {name}"] = lambda m, text=text: packed(m | {BODY: text})  # type: ignore[misc]
         found[f"signature {name}"] = lambda m, text=text: packed(m | {SIGNATURE: text})  # type: ignore[misc]
-    for name in ("x.bin", "trace/2.bin", "trace/00.bin", "../up.ir", "/etc/passwd", "BODY.JSON", "a" * 5000,
-                 "stream/0/9.bin"):  # fmt: skip
+    for name in ("x.bin", "trace/0.bin", "stream/00.bin", "../up.ir", "/etc/passwd", "BODY.JSON", "a" * 5000,
+                 "stream/9.bin"):  # fmt: skip
         found[f"a member {name[:20]} more"] = lambda m, name=name: packed(signed(rehashed(m | {name: b"x"})))  # type: ignore[misc]
         found[f"a member {name[:20]} unlisted"] = lambda m, name=name: packed(m | {name: b"x"})  # type: ignore[misc]
     for how, method in {"bzip2": zipfile.ZIP_BZIP2, "lzma": zipfile.ZIP_LZMA}.items():
@@ -516,7 +516,7 @@ def spoilt_package(rng: random.Random, seeds: Sequence[bytes]) -> bytes:
         elif kind == 1:
             members[name] = rng.choice(list(kept.values()))
         elif kind == 2:
-            members[rng.choice((name + "x", "../x", " ", "trace/1.bin", "stream/9/0.bin", "a" * 300))] = b"x"
+            members[rng.choice((name + "x", "../x", " ", "trace/1.bin", "stream/9.bin", "a" * 300))] = b"x"
         elif name.endswith(".bin"):
             members[name] = spoilt_table(rng, members[name])
         else:

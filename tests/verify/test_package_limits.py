@@ -29,9 +29,12 @@ def whole(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return write(tmp_path_factory.mktemp("limits") / "whole.gpx")
 
 
+@pytest.mark.parametrize("name", ["format-1.gpx", "format-2.gpx"])
 @pytest.mark.parametrize("command", [["verify"], ["run", "--board", "virtual"]])
-def test_a_package_of_format_1_is_refused_as_older(command: list[str], capfd: pytest.CaptureFixture[str]) -> None:
-    assert main([command[0], str(PACKAGES / "format-1.gpx"), *command[1:]]) == 2
+def test_a_package_of_an_older_format_is_refused_as_older(
+    command: list[str], name: str, capfd: pytest.CaptureFixture[str]
+) -> None:
+    assert main([command[0], str(PACKAGES / name), *command[1:]]) == 2
     said = "".join(capfd.readouterr())
     assert "GP857" in said and "an older gproof" in said
 
@@ -39,8 +42,8 @@ def test_a_package_of_format_1_is_refused_as_older(command: list[str], capfd: py
 @pytest.mark.parametrize(
     ("said", "code"),
     [
-        ("gproof-certificate/1", "GP857"), ("gproof-certificate/3", "GP857"), ("gproof-certificate/", "GP820"),
-        ("gproof-certificate/2 ", "GP820"), ("gproof-certificate/" + "9" * 5000, "GP820"), ("", "GP820"), (2, "GP820"),
+        ("gproof-certificate/2", "GP857"), ("gproof-certificate/4", "GP857"), ("gproof-certificate/", "GP820"),
+        ("gproof-certificate/3 ", "GP820"), ("gproof-certificate/" + "9" * 5000, "GP820"), ("", "GP820"), (2, "GP820"),
         (None, "GP820"),
     ],
 )  # fmt: skip
@@ -62,17 +65,17 @@ def sized(change: Callable[[dict[str, object]], object]) -> Callable[[Members], 
 @pytest.mark.parametrize(
     "change",
     [
-        sized(lambda sizes: sizes.update({"trace/0.bin": 0})),
-        sized(lambda sizes: sizes.update({"trace/0.bin": sizes["trace/0.bin"] + 1})),  # type: ignore[operator]
-        sized(lambda sizes: sizes.update({"trace/0.bin": sizes["trace/0.bin"] - 1})),  # type: ignore[operator]
-        sized(lambda sizes: sizes.update({"trace/0.bin": -1})),
-        sized(lambda sizes: sizes.update({"trace/0.bin": 10**400})),
-        sized(lambda sizes: sizes.update({"trace/0.bin": 1.5})),
-        sized(lambda sizes: sizes.update({"trace/0.bin": True})),
-        sized(lambda sizes: sizes.update({"trace/0.bin": None})),
-        sized(lambda sizes: sizes.update({"trace/0.bin": (2 << 30) - 1})),
+        sized(lambda sizes: sizes.update({"trace.bin": 0})),
+        sized(lambda sizes: sizes.update({"trace.bin": sizes["trace.bin"] + 1})),  # type: ignore[operator]
+        sized(lambda sizes: sizes.update({"trace.bin": sizes["trace.bin"] - 1})),  # type: ignore[operator]
+        sized(lambda sizes: sizes.update({"trace.bin": -1})),
+        sized(lambda sizes: sizes.update({"trace.bin": 10**400})),
+        sized(lambda sizes: sizes.update({"trace.bin": 1.5})),
+        sized(lambda sizes: sizes.update({"trace.bin": True})),
+        sized(lambda sizes: sizes.update({"trace.bin": None})),
+        sized(lambda sizes: sizes.update({"trace.bin": (2 << 30) - 1})),
         sized(lambda sizes: sizes.update({"other": 1})),
-        sized(lambda sizes: sizes.pop("trace/0.bin")),
+        sized(lambda sizes: sizes.pop("trace.bin")),
         sized(lambda sizes: sizes.clear()),
     ],
 )
@@ -95,7 +98,7 @@ def test_nothing_is_unpacked_before_body_and_signature_are_judged(
     assert refusal(rebuilt(tmp_path / "a.gpx", forged, rehash=False)) == "GP822"
     assert opened == ["body.json", "signature.json"]
     opened.clear()
-    huge = canonical(body | {"sizes": body["sizes"] | {"trace/0.bin": 2 * FREE}})
+    huge = canonical(body | {"sizes": body["sizes"] | {"trace.bin": 2 * FREE}})
     assert refusal(rebuilt(tmp_path / "a.gpx", members_of(whole) | {"body.json": huge}, rehash=False)) == "GP820"
     assert opened == ["body.json"]
 
@@ -106,8 +109,8 @@ def bomb(path: Path, name: str, data: bytes, whole: Path) -> Path:
 
 
 BOMBS: dict[str, Callable[[Path, Path], Path]] = {
-    "a table of zeros": lambda path, whole: bomb(path, "trace/0.bin", bytes(200 << 20), whole),
-    "a table of zeros within the bounds": lambda path, whole: bomb(path, "stream/0/0.bin", bytes(47 << 20), whole),
+    "a table of zeros": lambda path, whole: bomb(path, "trace.bin", bytes(200 << 20), whole),
+    "a table of zeros within the bounds": lambda path, whole: bomb(path, "stream/0.bin", bytes(47 << 20), whole),
     "a text of blanks": lambda path, whole: bomb(path, "machine.ir", b" " * (47 << 20), whole),
     "a text of numbers": lambda path, whole: bomb(path, "setup.ir", b"[" + b"1 " * (23 << 20) + b"]", whole),
     "a text of brackets": lambda path, whole: bomb(path, "setup.ir", b"[" * (40 << 20), whole),
