@@ -63,6 +63,10 @@ Progress = Callable[[float], None]
 LEAD = 0.05
 """Seconds between opening a section and its first tick."""
 
+LEAST_AHEAD = 0.05
+"""Seconds that are sent ahead at least, however short a machine file says that the controller's own buffer is: no host
+feeds a board more often, and a millisecond would be a day's work for a job of hours."""
+
 PREPARING = 0.2
 """Seconds that working out a feed hold beside a running board may take, beside twice what a rehearsal took."""
 
@@ -355,7 +359,7 @@ class _Walk:
             self.retimer.hold(section, section.duration // 2, ticks)
         seconds = PREPARING + 2 * (time.monotonic() - began)
         return Pace(
-            lookahead=max(1, int(self.job.machine.controller.fifo_time * ticks)),
+            lookahead=max(1, int(max(self.job.machine.controller.fifo_time, LEAST_AHEAD) * ticks)),
             lead=int(LEAD * ticks),
             preparing=int(seconds * ticks),
         )

@@ -33,12 +33,14 @@ _BODY = ("policy", "properties", "not_judged", "assumptions", "steps", "duration
 
 @record(frozen=True, slots=True, kw_only=True)
 class Against:
-    """What to compile: a program, with machine, setup and dialect as ``gproof compile`` takes them."""
+    """What to compile: a program, with machine, setup, dialect and how far it is executed as ``gproof compile`` takes
+    them."""
 
     source: Path
     machine: Path
     setup: str | None
     dialect: str | None
+    running: Running
 
 
 def other_than_anew(package: Package, of: Against) -> list[Finding]:
@@ -72,7 +74,7 @@ def _compiled(package: Package, of: Against) -> tuple[Package | Verdict, str]:
         output, told = Path(folder) / "anew.gpx", io.StringIO()
         with contextlib.redirect_stdout(told), contextlib.redirect_stderr(io.StringIO()):
             code = run_compile(
-                of.source, machine=of.machine, setup=of.setup, dialect=of.dialect, running=Running(), output=output,
+                of.source, machine=of.machine, setup=of.setup, dialect=of.dialect, running=of.running, output=output,
                 key=None, unsigned=True, also=also,
             )  # fmt: skip
         if code != 0:

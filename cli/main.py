@@ -286,14 +286,21 @@ def _package_options(command: Any) -> Any:
 @click.option("--format", "form", type=click.Choice(["text", "json"]), default="text", help="Report as text or JSON.")
 @once("--against", type=FileName(), help="Compile this program anew, and say which part of the package differs.")
 @click.option("--dialect", type=click.Choice(_DIALECTS), help="Language of --against; guessed when not given.")
+@click.option("--max-blocks", type=click.IntRange(1, MOST), help="As --against was compiled.")
+@click.option("--max-branches", type=click.IntRange(0, MOST), help="As --against was compiled.")
+@click.option("--call", help="The subprogram of --against that was compiled.")
 def verify(
     package: Path, machine: Path | None, setup: str | None, source: Path | None, trust: tuple[Path, ...],
-    run_package: Path | None, form: str, against: Path | None, dialect: str | None,
+    run_package: Path | None, form: str, against: Path | None, dialect: str | None, max_blocks: int | None,
+    max_branches: int | None, call: str | None,
 ) -> int:  # fmt: skip
     """Validate a certified stream again, from its parts alone; or check an execution record."""
+    from gproof.cli.session import Running
     from gproof.cli.verify import run_verify
     from gproof.cli.verify_record import is_no_package, run_verify_record
 
+    if against is None and (max_blocks, max_branches, call) != (None, None, None):
+        raise UsageError("--max-blocks, --max-branches and --call say how the program of --against was compiled")
     if is_no_package(package):
         if machine is not None or setup is not None or source is not None:
             raise UsageError("--machine, --setup and --source are for packages; a record is compared with --package")
@@ -304,9 +311,11 @@ def verify(
         return run_verify_record(package, package=run_package, trust=trust)
     if run_package is not None:
         raise UsageError("--package says which package a record is of; this is no record")
+    branches = Running().max_branches if max_branches is None else max_branches
     return run_verify(
-        package, machine=machine, setup=setup, source=source, trust=trust, form=form, against=against, dialect=dialect
-    )
+        package, machine=machine, setup=setup, source=source, trust=trust, form=form, against=against, dialect=dialect,
+        running=Running(max_blocks, branches, call=call),
+    )  # fmt: skip
 
 
 @cli.command(short_help="Run a certified stream on a board.")

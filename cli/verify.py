@@ -15,6 +15,7 @@ from gproof.cli.key_ring import trusted_with
 from gproof.cli.main import UsageError
 from gproof.cli.progress import progress
 from gproof.cli.report import finding_json, print_findings
+from gproof.cli.session import Running
 from gproof.ir.finding import Finding, Findings, Severity
 from gproof.ir.verdict import Verdict
 
@@ -24,7 +25,7 @@ SCHEMA = "gproof-verify/1"
 
 def run_verify(
     path: Path, *, machine: Path | None, trust: tuple[Path, ...], setup: str | None = None, source: Path | None = None,
-    form: str = "text", against: Path | None = None, dialect: str | None = None,
+    form: str = "text", against: Path | None = None, dialect: str | None = None, running: Running = Running(),
 ) -> int:  # fmt: skip
     """Print what holds; exit 0 only when the package may run."""
     from gproof.cli.verify_report import Verified, print_verified, verified_json
@@ -33,7 +34,7 @@ def run_verify(
 
     require_file(path, "package")
     require_files(machine, setup, source)
-    anew = _against(against, machine, setup, dialect)
+    anew = _against(against, machine, setup, dialect, running)
     trusted = trusted_with(trust)
     findings = Findings()
     try:
@@ -70,7 +71,9 @@ def run_verify(
     return verdict.exit_code
 
 
-def _against(against: Path | None, machine: Path | None, setup: str | None, dialect: str | None) -> Against | None:
+def _against(
+    against: Path | None, machine: Path | None, setup: str | None, dialect: str | None, running: Running
+) -> Against | None:
     """UsageError for a source that can not be compiled anew."""
     if against is None:
         if dialect is not None:
@@ -79,7 +82,7 @@ def _against(against: Path | None, machine: Path | None, setup: str | None, dial
     require_program(against, "source")
     if machine is None:
         raise UsageError("--against asks for the machine file that the package was made with (--machine)")
-    return Against(source=against, machine=machine, setup=setup, dialect=dialect)
+    return Against(source=against, machine=machine, setup=setup, dialect=dialect, running=running)
 
 
 def _unread(path: Path, finding: Finding, form: str) -> int:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -94,6 +94,30 @@ def concatenate(schema: Schema, parts: list[Columns]) -> Columns:
     if not parts:
         return Columns(schema)
     return Columns(schema, {c.name: np.concatenate([p[c.name] for p in parts]) for c in schema.columns})
+
+
+ENOUGH = 1 << 16
+"""Rows that are worth a look at once."""
+
+
+def batches(rows: Sequence[int]) -> Iterator[tuple[int, int]]:
+    """Tables of so many rows, in groups of neighbours begin..end that have about ``ENOUGH`` rows together.
+
+    A table of many rows is a group of its own, so that what is copied to be looked at together stays small.
+    """
+    begin = total = 0
+    for place, count in enumerate(rows):
+        if place > begin and total + count > ENOUGH:
+            yield begin, place
+            begin, total = place, 0
+        total += count + 1
+    if begin < len(rows):
+        yield begin, len(rows)
+
+
+def joined(schema: Schema, parts: list[Columns]) -> Columns:
+    """All parts below one another; a single one as it is."""
+    return parts[0] if len(parts) == 1 else concatenate(schema, parts)
 
 
 def occurring(indexes: Array) -> list[int]:

@@ -169,9 +169,10 @@ def _fine(value: Any, range_: Range, *, forced: bool, tables: bool) -> bool:
     """True only where ``_problems`` finds nothing; several times as fast for what most values are."""
     kind = type(value)
     if kind is float or kind is int:
-        near = range_.least != 0.0 and 0 < abs(value) < range_.least
-        return bool(range_.low <= value <= range_.high) and not near
-    if kind is str or value is None:
+        if range_.least == 0.0 and range_.low <= value <= range_.high:
+            return True
+        return not _problem(value, range_)
+    if kind is str or value is None or issubclass(kind, str):
         return True
     if kind is tuple or kind is list:
         return all(_fine(item, range_, forced=forced, tables=tables) for item in value)

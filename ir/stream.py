@@ -11,7 +11,7 @@ from fractions import Fraction
 
 import numpy as np
 
-from gproof.ir.columns import Column, Columns, Schema
+from gproof.ir.columns import Column, Columns, Schema, batches, joined
 from gproof.ir.record import field, record
 
 RUN = Schema("runs", Column("interval", "i8"), Column("count", "i8"), Column("add", "i8"), Column("direction", "i1"))
@@ -64,16 +64,38 @@ class StepStream:
         if self.tick_frequency <= 0:
             raise ValueError("tick frequency must be positive")
         for s in self.sections:
-            where = f"stream section {s.number}"
             if len(s.start) != len(self.motors) or len(s.runs) != len(self.motors):
-                raise ValueError(f"{where}: not one run table a motor")
-            for motor, runs in zip(self.motors, s.runs, strict=True):
-                first, count, add = runs["interval"], runs["count"], runs["add"]
-                last = first + add * (count - 1)
-                if (count < 1).any() or (first < 1).any() or (last < 1).any():
-                    raise ValueError(f"{where}: {motor.name} has a run with no steps or no interval")
-                if (np.abs(runs["direction"]) != 1).any():
-                    raise ValueError(f"{where}: {motor.name} has a direction that is not +1 or -1")
-            ticks = s.events["tick"]
-            if len(ticks) and (ticks[0] < 0 or (np.diff(ticks) < 0).any() or ticks[-1] > s.duration):
-                raise ValueError(f"{where}: events out of order")
+                raise ValueError(f"stream section {s.number}: not one run table a motor")
+        for begin, end in batches([sum(map(len, s.runs)) + len(s.events) for s in self.sections]):
+            sections = self.sections[begin:end]
+            if not self._fits(sections):
+                for s in sections:
+                    self._verify(s)
+                raise ValueError(f"stream sections {begin} to {end - 1} do not fit")
+
+    def _fits(self, sections: list[StreamSection]) -> bool:
+        """Whether ``_verify`` finds nothing in any of them."""
+        runs = joined(RUN, [r for s in sections for r in s.runs] or [Columns(RUN)])
+        first, count = runs["interval"], runs["count"]
+        last = first + runs["add"] * (count - 1)
+        if (count < 1).any() or (first < 1).any() or (last < 1).any() or (np.abs(runs["direction"]) != 1).any():
+            return False
+        ticks = np.concatenate([s.events["tick"] for s in sections])
+        of = np.repeat(np.arange(len(sections)), [len(s.events) for s in sections])
+        until = np.array([s.duration for s in sections], dtype=np.int64)
+        back = (np.diff(ticks) < 0) & (of[1:] == of[:-1])
+        return not (back.any() or (ticks < 0).any() or (ticks > until[of]).any())
+
+    def _verify(self, s: StreamSection) -> None:
+        """ValueError unless runs and events of a section can be what they say."""
+        where = f"stream section {s.number}"
+        for motor, runs in zip(self.motors, s.runs, strict=True):
+            first, count, add = runs["interval"], runs["count"], runs["add"]
+            last = first + add * (count - 1)
+            if (count < 1).any() or (first < 1).any() or (last < 1).any():
+                raise ValueError(f"{where}: {motor.name} has a run with no steps or no interval")
+            if (np.abs(runs["direction"]) != 1).any():
+                raise ValueError(f"{where}: {motor.name} has a direction that is not +1 or -1")
+        ticks = s.events["tick"]
+        if len(ticks) and (ticks[0] < 0 or (np.diff(ticks) < 0).any() or ticks[-1] > s.duration):
+            raise ValueError(f"{where}: events out of order")

@@ -245,12 +245,17 @@ class _Reader:
 
     def until(self, close: str) -> list[Any]:
         out = []
+        match, text = _TOKEN.match, self.text
         while self.token != close:
             if self.token in _OPENING:
                 out.append(self.value())
-            else:
-                out.append(_read_atom(self.token))
-                self.next()
+                continue
+            out.append(_read_atom(self.token))
+            found = match(text, self.end)  # As ``next`` does: most words of a text are read here.
+            assert found is not None
+            self.end, self.token, self.left = found.end(), found[1], self.left - 1
+            if self.left < 0:
+                raise ValueError(f"text form: more than {TOKENS} words")
         self.next()
         return out
 

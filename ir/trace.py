@@ -13,7 +13,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from gproof.ir.columns import Column, Columns, Schema
+from gproof.ir.columns import Column, Columns, Schema, batches, joined
 from gproof.ir.machine import AXES
 from gproof.ir.record import field, record
 from gproof.ir.setup import Interval
@@ -330,7 +330,14 @@ class Trace:
                     raise ValueError(f"{where}: edge to section {edge.target}, which does not exist")
                 if not 0 <= edge.file < max(1, len(self.files)):
                     raise ValueError(f"{where}: edge at a line of file {edge.file}, which does not exist")
-            verify_rows(section.rows, self, where)
+        for begin, end in batches([len(section.rows) for section in self.sections]):
+            tables = [section.rows for section in self.sections[begin:end]]
+            try:
+                verify_rows(joined(TRACE_ROW, tables), self)
+            except (ValueError, LookupError):
+                for section in self.sections[begin:end]:
+                    verify_rows(section.rows, self, f"section {section.number}")
+                raise
 
 
 _KNOWN = np.zeros(256, np.bool_)

@@ -11,7 +11,7 @@ import enum
 import functools
 import types
 import typing
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from fractions import Fraction
 from typing import Any
 
@@ -27,11 +27,54 @@ def misfit(value: Any, hint: Any, where: str = "") -> str:
 
     A whole number may stand where a float is declared; a truth value stands for no number.
     """
+    return "" if _checker(hint)(value) else _misfit(value, hint, where)
+
+
+@functools.cache
+def _checker(hint: Any) -> Callable[[Any], bool]:
+    """What says at once whether a value is of a declared type, without the place where it is not."""
+    if isinstance(hint, type):
+        return _plain_checker(hint)
+    origin, arguments = typing.get_origin(hint), typing.get_args(hint)
+    if origin in (types.UnionType, typing.Union):
+        options = [_checker(a) for a in arguments]
+        return lambda value: any(fits(value) for fits in options)
+    if origin is dict:
+        key, item = map(_checker, arguments)
+        return lambda value: isinstance(value, dict) and all(key(k) and item(v) for k, v in value.items())
+    if origin in (list, frozenset) or arguments[-1] is Ellipsis:
+        each = _checker(arguments[0])
+        return lambda value: isinstance(value, origin) and all(map(each, value))
+    parts = [_checker(a) for a in arguments]
+    return lambda value: (
+        isinstance(value, origin)
+        and len(value) == len(parts)
+        and all(fits(item) for fits, item in zip(parts, value, strict=True))
+    )
+
+
+def _plain_checker(hint: type) -> Callable[[Any], bool]:
+    if hint is float or hint is int or not dataclasses.is_dataclass(hint):
+        return lambda value: type(value) is hint or not _plain(value, hint, "")
+    fields: list[tuple[str, Callable[[Any], bool]]] = []
+
+    def fits(value: Any) -> bool:
+        if not fields:  # Not before: a type may have fields of its own type.
+            fields.extend((name, _checker(inner)) for name, inner in _fields(hint))
+        return isinstance(value, hint) and all(check(getattr(value, name)) for name, check in fields)
+
+    return fits
+
+
+def _misfit(value: Any, hint: Any, where: str) -> str:
+    """The first place that is not of its declared type, or an empty text."""
     if isinstance(hint, type):
         return _plain(value, hint, where)
     origin, arguments = typing.get_origin(hint), typing.get_args(hint)
     if origin in (types.UnionType, typing.Union):
-        return "" if any(not misfit(value, a) for a in arguments) else f"{where or 'value'}: {type(value).__name__}"
+        return (
+            "" if any(not _misfit(value, a, "") for a in arguments) else f"{where or 'value'}: {type(value).__name__}"
+        )
     if not isinstance(value, origin):
         return f"{where or 'value'}: {type(value).__name__}"
     return next(filter(None, _members(value, origin, arguments, where)), "")
@@ -40,7 +83,7 @@ def misfit(value: Any, hint: Any, where: str = "") -> str:
 def _members(value: Any, origin: Any, arguments: tuple[Any, ...], where: str) -> Iterator[str]:
     if origin is dict:
         for key, item in value.items():
-            yield misfit(key, arguments[0], f"{where} key") or misfit(item, arguments[1], f"{where}[{key!r}]")
+            yield _misfit(key, arguments[0], f"{where} key") or _misfit(item, arguments[1], f"{where}[{key!r}]")
         return
     hints: Iterable[Any] = arguments
     if origin in (list, frozenset) or arguments[-1] is Ellipsis:
@@ -49,7 +92,7 @@ def _members(value: Any, origin: Any, arguments: tuple[Any, ...], where: str) ->
         yield f"{where or 'value'}: {len(value)} instead of {len(arguments)}"
         return
     for place, (item, hint) in enumerate(zip(value, hints, strict=True)):
-        yield misfit(item, hint, f"{where}[{place}]")
+        yield _misfit(item, hint, f"{where}[{place}]")
 
 
 def _plain(value: Any, hint: type, where: str) -> str:
@@ -62,7 +105,7 @@ def _plain(value: Any, hint: type, where: str) -> str:
         return f"{where or 'value'}: {type(value).__name__} where {hint.__name__} belongs"
     if dataclasses.is_dataclass(hint):
         for name, inner in _fields(hint):
-            found = misfit(getattr(value, name), inner, f"{where}.{name}" if where else name)
+            found = _misfit(getattr(value, name), inner, f"{where}.{name}" if where else name)
             if found:
                 return found
     return ""

@@ -3,7 +3,7 @@
 Members: ``body.json`` (what is signed), ``signature.json`` (outside every hash), ``machine.ir``, ``setup.ir``,
 ``trace.ir``, ``stream.ir`` (text forms, in which the number of its rows stands for each table), and one ``.bin`` a kind
 of table: the rows of all sections, one section after the other, as the columns of its schema, little-endian. Same
-inputs, same bytes: members in sorted order, fixed times. The zip's comment is the SHA-256 of all bytes before it, so that
+inputs, same bytes: members in sorted order, fixed times. The comment is the SHA-256 of all bytes before it, so that
 no damaged file is taken for a whole one.
 Nothing is believed while reading; docs/certificate.md defines the format.
 """

@@ -13,9 +13,10 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
+from gproof.ir.columns import Columns, batches, joined
 from gproof.ir.machine import Machine
 from gproof.ir.setup import Setup
-from gproof.ir.trace import HEIGHT_MAP, KNIFE, SETPOINTS, Op, State, Trace, TraceSection, Wait
+from gproof.ir.trace import HEIGHT_MAP, KNIFE, SETPOINTS, TRACE_ROW, Op, State, Trace, TraceSection, Wait
 
 WAITS = {
     Op.STOP: Wait.OPERATOR,
@@ -61,11 +62,19 @@ def problems(trace: Trace, machine: Machine, setup: Setup) -> Iterator[Problem]:
     moves = [*_OPEN_LOOP, *_knife(machine)]
     by_state = [(np.array([true(state) for state in trace.states], dtype=np.bool_), what) for true, what in moves]
     by_state = [(found, what) for found, what in by_state if found.any()]
-    for section in trace.sections:
-        yield from _edges(section)
-        yield from _waits(section, machine)
-        yield from _open_loop(section, by_state)
-    yield from _setpoints(trace)
+    setting = False
+    for begin, end in batches([len(section.rows) for section in trace.sections]):
+        sections = trace.sections[begin:end]
+        rows = joined(TRACE_ROW, [section.rows for section in sections])
+        open_loop = any(True for _ in _open_loop(-1, rows, by_state))
+        setting = setting or bool((rows["op"] == Op.SETPOINT).any())
+        for section in sections:
+            yield from _edges(section)
+            yield from _waits(section, machine)
+            if open_loop:
+                yield from _open_loop(section.number, section.rows, by_state)
+    if setting:
+        yield from _setpoints(trace)
     yield from _ways(trace)
     yield from _height_map(trace, setup)
 
@@ -173,10 +182,9 @@ def _knife(machine: Machine) -> list[tuple[Callable[[State], bool], str]]:
 
 
 def _open_loop(
-    section: TraceSection, by_state: list[tuple[npt.NDArray[np.bool_], str]]
+    number: int, rows: Columns, by_state: list[tuple[npt.NDArray[np.bool_], str]]
 ) -> Iterator[Problem]:  # fmt: skip
     """What moves motors, or turns the spindle, in ways that the steps do not have."""
-    rows, number = section.rows, section.number
     moving = rows["op"] <= LAST_MOTION
     for found, what in (
         *((moving & states[rows["state"]], what) for states, what in by_state),

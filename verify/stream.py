@@ -7,15 +7,16 @@ not say are in docs/verification.md; the loop is in stream_kernels.py.
 
 from __future__ import annotations
 
-import functools
 import math
 from collections.abc import Callable, Collection
 from fractions import Fraction
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
 from gproof.ir.codes import STREAM_END, STREAM_MALFORMED, STREAM_PULSE, STREAM_STEP_RATE
+from gproof.ir.columns import batches
 from gproof.ir.finding import Span
 from gproof.ir.machine import Machine
 from gproof.ir.setup import Setup
@@ -62,20 +63,39 @@ def validate(
     if machine.controller.max_step_frequency is None:
         collector.assume("stream-step-rate", "the machine file states no greatest step frequency")
     tables = inputs.tables_of(stream, trace)
-    ends = functools.cache(lambda number: inputs.ends(stream.sections[number]))
+    sums = inputs.sums_of(stream)
+    drives = inputs.drives_of(stream, machine)
     window = _window(len(stream.motors))
     lifting = Lifting(trace, setup, stream.motors)
     spindle = inputs.spindle_before(trace)
     left = inputs.left_to_others(trace)
     if left:
         collector.assume("stream-event", f"no board carries out {left}: who runs the stream sees to it")
-    for number in range(len(trace.sections)):
-        if sections is None or number in sections:
-            _section(
-                stream, trace, machine, setup, number, spindle[number], lifting, times, motors, tables, window,
-                collector, beat,
-            )  # fmt: skip
-            _edges(stream, trace, number, times, ends, collector)
+    ramp = machine.controller.spindle_ramp_time
+    rows_and_runs = [len(t.rows) + sum(map(len, s.runs)) for t, s in zip(trace.sections, stream.sections, strict=True)]
+    for begin, end in batches(rows_and_runs):
+        asked = [number for number in range(begin, end) if sections is None or number in sections]
+        batch = _batch(stream, trace, begin, end, tables) if asked else None
+        for number in asked:
+            assert batch is not None
+            k = number - begin
+            rows = (
+                inputs.row_arrays(trace, trace.sections[number], tables, collector)
+                if batch.rows is None
+                else batch.rows[k]
+            )
+            good = inputs.start_problems(stream, trace, drives, number, setup, lifting.rise(number), collector)
+            pairs = None if batch.pairs is None else batch.pairs[k]
+            events = inputs.event_arrays(stream, trace, number, spindle[number], ramp, pairs, collector)
+            if rows is None or events is None or not good:
+                collector.leave_open(f"section {number} could not be followed")
+            else:
+                steps = sum(sums.steps[number])
+                _section(
+                    stream, trace, machine, number, rows, events, batch.runs[k], steps, lifting, times, motors, window,
+                    collector, beat,
+                )  # fmt: skip
+            _edges(stream, trace, number, times, sums, collector)
     return collector.report()
 
 
@@ -160,29 +180,51 @@ def _window(motors: int) -> kernels.Window:
     )
 
 
+class _Batch(NamedTuple):
+    """Neighbouring sections, for the kernel; rows, pairs: None where one of them has to be looked at by itself."""
+
+    rows: list[kernels.Rows] | None
+    pairs: list[inputs.Pairs] | None
+    runs: list[kernels.Runs]
+
+
+def _batch(stream: StepStream, trace: Trace, begin: int, end: int, tables: inputs.Tables) -> _Batch:
+    """What is made of small sections at once costs what one of them costs by itself."""
+    rows = inputs.rows_of(trace.sections[begin:end], tables, [])
+    pairs = None if rows is None else inputs.pairs_of(stream, trace, begin, end)
+    count = len(stream.motors)
+    given = [table for section in stream.sections[begin:end] for table in section.runs]
+    names = ("interval", "count", "add", "direction")
+    empty = np.zeros(0, np.int64)
+    interval, length, add, way = (
+        np.concatenate([empty, *(table[name] for table in given)]).astype(np.int64, copy=False) for name in names
+    )
+    first = np.cumsum([0, *map(len, given)]).astype(np.int64)
+    runs = []
+    for k in range(end - begin):
+        own = first[k * count : (k + 1) * count + 1]
+        a, b = int(own[0]), int(own[-1])
+        runs.append(kernels.Runs(interval[a:b], length[a:b], add[a:b], way[a:b], own - a))
+    return _Batch(rows, pairs, runs)
+
+
 def _section(
     stream: StepStream,
     trace: Trace,
     machine: Machine,
-    setup: Setup,
     number: int,
-    spindle: int | None,
+    rows: kernels.Rows,
+    events: kernels.Events,
+    given: kernels.Runs,
+    steps: int,
     lifting: Lifting,
     times: kernels.Times,
     motors: kernels.Motors,
-    tables: inputs.Tables,
     window: kernels.Window,
     collector: Collector,
     beat: Callable[[int], None] | None = None,
 ) -> None:
-    """Judge one section."""
-    rows = inputs.row_arrays(trace, trace.sections[number], tables, collector)
-    good = inputs.start_problems(stream, trace, machine, number, setup, lifting.rise(number), collector)
-    ramp = machine.controller.spindle_ramp_time
-    events = inputs.event_arrays(stream, trace, number, spindle, ramp, collector)
-    if rows is None or events is None or not good:
-        collector.leave_open(f"section {number} could not be followed")
-        return
+    """Judge one section. given, steps: its runs, and how many steps they make."""
     try:
         path = lifting.section(number, rows)
     except Unfollowed as reason:
@@ -193,11 +235,6 @@ def _section(
     rows, events = path.rows, events._replace(row=path.first[events.row])
     section = stream.sections[number]
     count = len(stream.motors)
-    names = ("interval", "count", "add", "direction")
-    runs = [np.concatenate([r[name] for r in section.runs]).astype(np.int64) for name in names] if count else []
-    if not count:
-        runs = [np.zeros(0, np.int64)] * 4
-    first = np.cumsum([0, *(len(r) for r in section.runs)]).astype(np.int64)
     place = np.zeros((kernels.PLACES, 6))
     place[kernels.HERE] = path.start
     walk = kernels.Walk(
@@ -213,10 +250,9 @@ def _section(
         numbers=np.zeros((room, 2)),
     )
     position = np.array(section.start, np.int64)
-    given = kernels.Runs(runs[0], runs[1], runs[2], runs[3], first)
     times = times._replace(duration=section.duration)
     cursor = _cursor(position, given)
-    work = float(sum(int(r["count"].sum()) for r in section.runs) + len(rows.op))
+    work = float(steps + len(rows.op))
     kernels.begin_section.pick(1.0)(cursor, given, rows, events, motors, times, window, walk)
     before = collector.steps
     while not cursor.now[kernels.OVER]:
@@ -235,29 +271,31 @@ def _edges(
     trace: Trace,
     number: int,
     times: kernels.Times,
-    ends: Callable[[int], inputs.Ends],
+    sums: inputs.Sums,
     collector: Collector,
 ) -> None:
     """What follows a section starts where it ended, and its first steps keep their distance from the last ones."""
     here, rows = stream.sections[number], trace.sections[number].rows
     ended = tuple(float(x) for x in rows["to"][-1]) if len(rows) else trace.sections[number].start
     span = inputs.span_of(trace, number, len(rows) - 1)
-    final, before = here.end(), ends(number)
+    final = tuple(at + more for at, more in zip(here.start, sums.net[number], strict=True))
     for edge in trace.sections[number].edges:
         if edge.target < 0:
             continue
-        there = stream.sections[edge.target]
+        there, next_ = stream.sections[edge.target], edge.target
         if edge.wait in MOVED_BY_OTHERS:
             collector.assume("stream-end", f"{edge.wait.value} leaves the machine where the trace goes on")
         elif final != there.start or tuple(trace.sections[edge.target].start) != tuple(ended):
             what = f"section {number} ends at {final}, section {edge.target} starts at {there.start}"
             collector.add(STREAM_END.at(span, what=what))
-        for motor, last, next_ in zip(stream.motors, before, ends(edge.target), strict=True):
-            if last is None or next_ is None:
+        for m, motor in enumerate(stream.motors):
+            if not sums.steps[number][m] or not sums.steps[next_][m]:
                 continue
-            ticks = here.duration - last[2] + next_[0]
+            ticks = here.duration - sums.last[number][m] + sums.first[next_][m]
+            if ticks >= max(times.setup, times.interval, times.pulse):
+                continue
             what = f"{motor.name}: {ticks} ticks between the steps of sections {number} and {edge.target}"
-            if last[3] != next_[1] and ticks < times.setup:
+            if sums.last_way[number][m] != sums.first_way[next_][m] and ticks < times.setup:
                 collector.add(STREAM_PULSE.at(span, what=f"{what}; {times.setup} needed for the new direction"))
             if ticks < max(times.interval, times.pulse):
                 collector.add(STREAM_STEP_RATE.at(span, what=f"{what}; {max(times.interval, times.pulse)} needed"))

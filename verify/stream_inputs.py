@@ -5,8 +5,9 @@ Every function that refuses says so with findings and returns None (or False); n
 
 from __future__ import annotations
 
+import itertools
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from fractions import Fraction
 from typing import NamedTuple
 
@@ -14,10 +15,11 @@ import numpy as np
 import numpy.typing as npt
 
 from gproof.ir.codes import STREAM_END, STREAM_EVENT, STREAM_MALFORMED
+from gproof.ir.columns import Columns, batches, joined, occurring
 from gproof.ir.finding import Span
 from gproof.ir.machine import AXES, AXIS_NAMES, Drive, Machine
 from gproof.ir.setup import Setup
-from gproof.ir.stream import EVENT, RUN, StepStream, StreamSection
+from gproof.ir.stream import EVENT, RUN, StepStream
 from gproof.ir.trace import HEIGHT_MAP, TRACE_ROW, Op, Plane, Trace, TraceSection, Wait
 from gproof.verify import stream_kernels as kernels
 from gproof.verify.motor_map import bend, knots_of, motor_at
@@ -88,45 +90,99 @@ def number_problems(stream: StepStream) -> Iterator[str]:
     """What keeps a stream's integers from being added up safely."""
     if not 1 <= stream.tick_frequency <= 10**12:
         yield f"tick frequency {stream.tick_frequency}"
-    for place, s in enumerate(stream.sections):
-        where = f"section {s.number}"
-        if s.number != place:
-            yield f"{where} stands at place {place}"
-        if len(s.start) != len(stream.motors) or len(s.runs) != len(stream.motors):
-            yield f"{where}: not one start position and one run table for each motor"
+    for begin, end in batches([sum(map(len, s.runs)) for s in stream.sections]):
+        if not _numbers_fit(stream, begin, end):
+            for place in range(begin, end):
+                yield from _number_problems(stream, place)
+
+
+def _numbers_fit(stream: StepStream, begin: int, end: int) -> bool:
+    """True only where ``_number_problems`` finds nothing in any of these sections."""
+    sections, motors = stream.sections[begin:end], len(stream.motors)
+    for place, s in enumerate(sections, begin):
+        if s.number != place or len(s.start) != motors or len(s.runs) != motors or s.events.schema is not EVENT:
+            return False
+        if not 0 <= s.duration < _LONG or any(abs(n) > _FEW for n in s.start):
+            return False
+    tables = [r for s in sections for r in s.runs if len(r)]
+    if any(r.schema is not RUN for s in sections for r in s.runs):
+        return False
+    if not tables:
+        return True
+    interval, count, add, good = _good_runs(joined(RUN, tables))
+    if not good.all():
+        return False
+    first = np.cumsum([0, *(len(r) for r in tables)])[:-1]
+    ticks = np.add.reduceat(count * interval + add * (count - 1) * count / 2, first)
+    # Sums of doubles come to the same within far less than this factor, in whatever order.
+    return bool((np.add.reduceat(count, first) < _FEW / 2).all() and (ticks < _LONG / 2).all())
+
+
+def _good_runs(runs: Columns) -> tuple[Floats, Floats, Floats, npt.NDArray[np.bool_]]:
+    """Intervals, counts and what is added, as doubles; which runs can be added up."""
+    interval, count, add = (runs[k].astype(np.float64) for k in ("interval", "count", "add"))
+    grown = add * (count - 1)
+    good = (interval >= 1) & (count >= 1) & (np.abs(grown) < _FEW) & (interval + grown >= 1)
+    good &= (interval * count < _LONG) & (np.abs(grown) * count < _LONG)
+    good &= np.abs(runs["direction"]) == 1
+    return interval, count, add, good
+
+
+def _number_problems(stream: StepStream, place: int) -> Iterator[str]:
+    s = stream.sections[place]
+    where = f"section {s.number}"
+    if s.number != place:
+        yield f"{where} stands at place {place}"
+    if len(s.start) != len(stream.motors) or len(s.runs) != len(stream.motors):
+        yield f"{where}: not one start position and one run table for each motor"
+        return
+    if s.events.schema is not EVENT or any(r.schema is not RUN for r in s.runs):
+        yield f"{where}: a table is not one of runs or events"
+        return
+    if any(abs(n) > _FEW for n in s.start) or not 0 <= s.duration < _LONG:
+        yield f"{where}: start {s.start}, duration {s.duration}"
+    for motor, runs in zip(stream.motors, s.runs, strict=True):
+        interval, count, add, good = _good_runs(runs)
+        if not good.all():
+            k = int(np.argmin(good))
+            yield f"{where}: run {k} of {motor.name} is {tuple(int(runs[c.name][k]) for c in RUN.columns)}"
+        elif count.sum() > _FEW or (count * interval + add * (count - 1) * count / 2).sum() > _LONG:
+            yield f"{where}: {motor.name} has more steps or ticks than can be counted"
+
+
+class Sums(NamedTuple):
+    """By section and motor, as nested lists: steps made, and what they come to with their signs; first and last tick of
+    a step, with their directions (0 where there is none)."""
+
+    steps: list[list[int]]
+    net: list[list[int]]
+    first: list[list[int]]
+    first_way: list[list[int]]
+    last: list[list[int]]
+    last_way: list[list[int]]
+
+
+def sums_of(stream: StepStream) -> Sums:
+    """Of a stream whose numbers can be added up."""
+    shape = (len(stream.sections), len(stream.motors))
+    steps, net, first, first_way, last, last_way = (np.zeros(shape, np.int64) for _ in range(6))
+    for begin, end in batches([sum(map(len, s.runs)) for s in stream.sections]):
+        tables = [r for s in stream.sections[begin:end] for r in s.runs]
+        sizes = np.array([len(r) for r in tables], dtype=np.int64).reshape(end - begin, shape[1])
+        if not sizes.any():
             continue
-        if s.events.schema is not EVENT or any(r.schema is not RUN for r in s.runs):
-            yield f"{where}: a table is not one of runs or events"
-            continue
-        if any(abs(n) > _FEW for n in s.start) or not 0 <= s.duration < _LONG:
-            yield f"{where}: start {s.start}, duration {s.duration}"
-        for motor, runs in zip(stream.motors, s.runs, strict=True):
-            interval, count, add = (runs[k].astype(np.float64) for k in ("interval", "count", "add"))
-            grown = add * (count - 1)
-            good = (interval >= 1) & (count >= 1) & (np.abs(grown) < _FEW) & (interval + grown >= 1)
-            good &= (interval * count < _LONG) & (np.abs(grown) * count < _LONG)
-            good &= np.abs(runs["direction"]) == 1
-            if not good.all():
-                k = int(np.argmin(good))
-                yield f"{where}: run {k} of {motor.name} is {tuple(int(runs[c.name][k]) for c in RUN.columns)}"
-            elif count.sum() > _FEW or (count * interval + grown * count / 2).sum() > _LONG:
-                yield f"{where}: {motor.name} has more steps or ticks than can be counted"
-
-
-Ends = list[tuple[int, int, int, int] | None]
-
-
-def ends(section: StreamSection) -> Ends:
-    """(first tick, first direction, last tick, last direction) by motor; None for a motor without steps."""
-    found: list[tuple[int, int, int, int] | None] = []
-    for runs in section.runs:
-        if not len(runs):
-            found.append(None)
-            continue
-        interval, count, add = (runs[k].astype(np.int64) for k in ("interval", "count", "add"))
-        ticks = int((interval * count + add * (count - 1) * count // 2).sum())
-        found.append((int(interval[0]), int(runs["direction"][0]), ticks, int(runs["direction"][-1])))
-    return found
+        runs = joined(RUN, tables)
+        there = sizes > 0
+        at = (np.cumsum(sizes) - sizes.ravel())[there.ravel()]
+        until = at + sizes[there] - 1
+        interval, count, add = runs["interval"], runs["count"], runs["add"]
+        way = runs["direction"].astype(np.int64)
+        steps[begin:end][there] = np.add.reduceat(count, at)
+        net[begin:end][there] = np.add.reduceat(count * way, at)
+        last[begin:end][there] = np.add.reduceat(interval * count + add * (count - 1) * count // 2, at)
+        first[begin:end][there], first_way[begin:end][there] = interval[at], way[at]
+        last_way[begin:end][there] = way[until]
+    return Sums(*(array.tolist() for array in (steps, net, first, first_way, last, last_way)))
 
 
 # --- stream against machine ---------------------------------------------------------------------------------
@@ -203,6 +259,8 @@ def never_homed(trace: Trace, machine: Machine, setup: Setup) -> list[str]:
     if setup.homed is None or not trace.sections:
         return []
     lost = {axis.name for axis in machine.axes if axis.name not in setup.homed}
+    if not lost:
+        return []
     at: dict[int, set[str]] = {0: lost}
     moving: set[str] = set()
     waiting = [0]
@@ -349,30 +407,39 @@ def tables_of(stream: StepStream, trace: Trace) -> Tables:
 
 def row_arrays(trace: Trace, section: TraceSection, tables: Tables, collector: Collector) -> kernels.Rows | None:
     """The section's rows for the kernel, when each of them can be followed."""
-    rows = section.rows
-    refused: list[int] = []
+    problems: list[tuple[int, str]] = []
+    rows = rows_of([section], tables, problems)
+    for row, what in problems:
+        where = f"section {section.number}, row {row}: {what}"
+        collector.add(STREAM_MALFORMED.at(span_of(trace, section.number, row), what=where))
+    return None if rows is None else rows[0]
 
-    def refuse(row: int, what: str) -> None:
-        refused.append(row)
-        collector.add(
-            STREAM_MALFORMED.at(
-                span_of(trace, section.number, row), what=f"section {section.number}, row {row}: {what}"
-            )
-        )
 
+def rows_of(
+    sections: Sequence[TraceSection], tables: Tables, problems: list[tuple[int, str]]
+) -> list[kernels.Rows] | None:
+    """Each section's rows for the kernel; None, with the problems of one section (row, what), when one can not be
+    followed. Of several sections they have no places."""
     known, reach, idle = tables.known, tables.reach, tables.idle
-    if not known[section.start_frame]:
-        refuse(-1, "the section's start depends on something that is not known")
-    if rows.schema is not TRACE_ROW:
-        refuse(-1, "the table is not one of trace rows")
+    if not known[[section.start_frame for section in sections]].all():
+        problems.append((-1, "the section's start depends on something that is not known"))
+    if any(section.rows.schema is not TRACE_ROW for section in sections):
+        problems.append((-1, "the table is not one of trace rows"))
         return None
+    rows = joined(TRACE_ROW, [section.rows for section in sections])
+    sizes = [len(section.rows) for section in sections]
+    first = np.cumsum([0, *sizes])
     n = len(rows)
     to = np.ascontiguousarray(rows["to"], dtype=np.float64)
-    start = np.array(section.start, dtype=np.float64)
-    if not np.isfinite(start).all():
-        refuse(-1, "the start is not finite")
+    starts = np.array([section.start for section in sections], dtype=np.float64).reshape(-1, AXES)
+    if not np.isfinite(starts).all():
+        problems.append((-1, "the start is not finite"))
         return None
-    before = np.vstack([start[np.newaxis, :], to])[:n]
+    before = np.empty((n, AXES))
+    before[1:] = to[: max(0, n - 1)]
+    there = np.flatnonzero(sizes)
+    before[first[there]] = starts[there]
+    of = np.repeat(np.arange(len(sections)), sizes) if len(sections) > 1 else np.zeros(1, np.intp)
     op = rows["op"]
     motion = MOVES[op]
     arcs = op == Op.ARC
@@ -383,30 +450,30 @@ def row_arrays(trace: Trace, section: TraceSection, tables: Tables, collector: C
     for bad, what in (
         (~known[rows["frame"]], "the position depends on something that is not known"),
         (moved & ~motion, "the position jumps in a row that is no motion"),
-        ((to[:, idle] != start[idle]).any(axis=1), "an axis without a motor moves"),
+        ((to[:, idle] != starts[:, idle][of]).any(axis=1), "an axis without a motor moves"),
         (arcs & (planes == 2), "an arc in an axis without a motor"),
         ((extent > FARTHEST).any(axis=1), f"a position of more than {FARTHEST} steps"),
         (arcs & (planes == 0), "an arc in no plane"),
         (needs_feed & ~(np.isfinite(rows["feed"]) & (rows["feed"] > 0)), "motion without a feed"),
     ):
         if bad.any():
-            refuse(int(np.argmax(bad)), what)
-    if (np.abs(start) * reach > FARTHEST).any():
-        refuse(-1, f"a start of more than {FARTHEST} steps")
-    if refused:
+            problems.append((int(np.argmax(bad)), what))
+    if (np.abs(starts) * reach > FARTHEST).any():
+        problems.append((-1, f"a start of more than {FARTHEST} steps"))
+    if problems:
         return None
     for plane, pair in PAIRS.items():
         here = np.flatnonzero(arcs & (rows["plane"] == plane))
         problem = _arc_problems(rows["center"][here][:, pair], before[here][:, pair], to[here][:, pair],
                             rows["turns"][here], float(reach[list(pair)].max()))  # fmt: skip
         if problem is not None:
-            refuse(int(here[problem[0]]), problem[1])
-    if refused:
+            problems.append((int(here[problem[0]]), problem[1]))
+    if problems:
         return None
-    guard = np.zeros(n + 1, np.uint8)
+    guard = np.zeros(n + len(sections), np.uint8)
     if n:
-        guard[:n] = tables.off[rows["state"]]
-    return kernels.Rows(
+        guard[np.arange(n) + of] = tables.off[rows["state"]]
+    whole = kernels.Rows(
         op=np.ascontiguousarray(op, dtype=np.uint8),
         to=to,
         center=np.ascontiguousarray(rows["center"], dtype=np.float64),
@@ -416,6 +483,14 @@ def row_arrays(trace: Trace, section: TraceSection, tables: Tables, collector: C
         guard=guard,
         slack=np.zeros(n),
     )
+    ends = first.tolist()
+    return [
+        kernels.Rows(
+            whole.op[a:b], to[a:b], whole.center[a:b], whole.turns[a:b], whole.plane[a:b], whole.feed[a:b],
+            guard[a + k : b + k + 1], whole.slack[a:b],
+        )
+        for k, (a, b) in enumerate(itertools.pairwise(ends))
+    ]  # fmt: skip
 
 
 def _arc_problems(
@@ -437,15 +512,16 @@ def _arc_problems(
 
 
 def start_problems(
-    stream: StepStream, trace: Trace, machine: Machine, number: int, setup: Setup, raised: float, collector: Collector
-) -> bool:
+    stream: StepStream, trace: Trace, drives: Sequence[Drive], number: int, setup: Setup, raised: float,
+    collector: Collector,
+) -> bool:  # fmt: skip
     """Add findings unless the section starts at the steps nearest to its traced start, and that where it is stated.
 
-    raised: what a height map adds to Z there.
+    drives: of ``drives_of``; raised: what a height map adds to Z there.
     """
     section, place = stream.sections[number], trace.sections[number].start
     good = True
-    for motor, drive, steps in zip(stream.motors, drives_of(stream, machine), section.start, strict=True):
+    for motor, drive, steps in zip(stream.motors, drives, section.start, strict=True):
         at = place[motor.axis] + (raised if motor.axis == Z else 0.0)
         if drive.pitch is None and abs(steps - at * float(motor.steps_per_unit)) < _SURELY and abs(steps) < FARTHEST:
             continue
@@ -470,17 +546,53 @@ def start_problems(
     return good
 
 
+class Pairs(NamedTuple):
+    """Events that stand in the order of their rows, with these, as lists; ticks, rows: for the kernel."""
+
+    op: list[int]
+    arg: list[list[float]]
+    given: list[int]
+    values: list[list[int]]
+    ticks: npt.NDArray[np.int64]
+    rows: npt.NDArray[np.int64]
+
+
+def pairs_of(stream: StepStream, trace: Trace, begin: int, end: int) -> list[Pairs] | None:
+    """Of each section, when all events are those of its rows, in order and within it; else None."""
+    sections = trace.sections[begin:end]
+    rows = joined(TRACE_ROW, [section.rows for section in sections])
+    given = joined(EVENT, [section.events for section in stream.sections[begin:end]])
+    first = np.cumsum([0, *(len(section.rows) for section in sections)])
+    ends = np.cumsum([0, *(len(section.events) for section in stream.sections[begin:end])])
+    switching = np.flatnonzero(SWITCHES[rows["op"]])
+    of = np.searchsorted(first, switching, side="right") - 1
+    wanted = switching - first[of]
+    if not np.array_equal(np.searchsorted(switching, first), ends) or not np.array_equal(wanted, given["row"]):
+        return None
+    ticks = given["tick"].astype(np.int64)
+    duration = np.array([section.duration for section in stream.sections[begin:end]], dtype=np.int64)
+    if ((ticks < 0) | (ticks > duration[of])).any() or ((np.diff(ticks) < 0) & (of[1:] == of[:-1])).any():
+        return None
+    ops, args = rows["op"][switching].tolist(), rows["arg"][switching].tolist()
+    codes, values = given["op"].tolist(), given["arg"].tolist()
+    wanted = wanted.astype(np.int64)
+    return [
+        Pairs(ops[a:b], args[a:b], codes[a:b], values[a:b], ticks[a:b], wanted[a:b])
+        for a, b in itertools.pairwise(ends.tolist())
+    ]
+
+
 def event_arrays(
     stream: StepStream,
     trace: Trace,
     number: int,
     spindle: int | None,
     ramp: float,
+    pairs: Pairs | None,
     collector: Collector,
 ) -> kernels.Events | None:
-    """The section's events, when they are those of its rows. spindle: direction before the section, None: unknown."""
-    rows, given = trace.sections[number].rows, stream.sections[number].events
-    wanted = np.flatnonzero(SWITCHES[rows["op"]])
+    """The section's events, when they are those of its rows. spindle: direction before the section, None: unknown;
+    pairs: what ``pairs_of`` gave."""
     good = True
 
     def refuse(row: int, tick: int, what: str) -> None:
@@ -489,26 +601,34 @@ def event_arrays(
         where = f"section {number}, row {row}, tick {tick}: {what}"
         collector.add(STREAM_EVENT.at(span_of(trace, number, row), what=where))
 
-    if not np.array_equal(wanted, given["row"]):
-        _order_problems(wanted.tolist(), given["row"].tolist(), given["tick"].tolist(), refuse)
-        return None
-    ticks = given["tick"].astype(np.int64)
-    duration = stream.sections[number].duration
-    outside = (ticks < 0) | (ticks > duration)
-    if outside.any():
-        k = int(np.argmax(outside))
-        refuse(int(wanted[k]), int(ticks[k]), f"an event outside its section of {duration} ticks")
-        return None
-    if len(ticks) and (np.diff(ticks) < 0).any():
-        k = int(np.argmax(np.diff(ticks) < 0)) + 1
-        refuse(int(wanted[k]), int(ticks[k]), "an event before the one of an earlier row")
-        return None
-    still = np.zeros(len(wanted), np.int64)
-    for k, row in enumerate(wanted.tolist()):
-        op, arg = Op(int(rows["op"][row])), rows["arg"][row].tolist()
-        what = _event_problem(op, arg, int(given["op"][k]), given["arg"][k].tolist())
+    if pairs is None:
+        given = stream.sections[number].events
+        wanted = np.flatnonzero(SWITCHES[trace.sections[number].rows["op"]])
+        if not np.array_equal(wanted, given["row"]):
+            _order_problems(wanted.tolist(), given["row"].tolist(), given["tick"].tolist(), refuse)
+            return None
+        ticks = given["tick"].astype(np.int64)
+        duration = stream.sections[number].duration
+        outside = (ticks < 0) | (ticks > duration)
+        if outside.any():
+            k = int(np.argmax(outside))
+            refuse(int(wanted[k]), int(ticks[k]), f"an event outside its section of {duration} ticks")
+            return None
+        if len(ticks) and (np.diff(ticks) < 0).any():
+            k = int(np.argmax(np.diff(ticks) < 0)) + 1
+            refuse(int(wanted[k]), int(ticks[k]), "an event before the one of an earlier row")
+            return None
+        found = pairs_of(stream, trace, number, number + 1)
+        assert found is not None
+        pairs = found[0]
+    still = np.zeros(len(pairs.op), np.int64)
+    for k, (code, arg, given_code, values) in enumerate(
+        zip(pairs.op, pairs.arg, pairs.given, pairs.values, strict=True)
+    ):
+        op = Op(code)
+        what = _event_problem(op, arg, given_code, values)
         if what:
-            refuse(row, int(ticks[k]), what)
+            refuse(int(pairs.rows[k]), int(pairs.ticks[k]), what)
             continue
         seconds = Fraction(0)
         if op is Op.DWELL:
@@ -518,10 +638,11 @@ def event_arrays(
             if direction and direction != spindle:
                 seconds = Fraction(ramp)
             spindle = direction
-        still[k] = min(_LONG, ticks_up(seconds, stream.tick_frequency))
+        if seconds:
+            still[k] = min(_LONG, ticks_up(seconds, stream.tick_frequency))
     if not good:
         return None
-    return kernels.Events(tick=np.ascontiguousarray(ticks), row=wanted.astype(np.int64), still=still)
+    return kernels.Events(tick=pairs.ticks, row=pairs.rows, still=still)
 
 
 def _order_problems(wanted: list[int], given: list[int], ticks: list[int], refuse: object) -> None:
@@ -568,7 +689,8 @@ def left_to_others(trace: Trace) -> str:
     found: dict[str, None] = {}
     for section in trace.sections:
         rows = section.rows
-        for text in np.unique(rows["text"][rows["op"] == Op.DEVICE]).tolist():
+        devices = rows["op"] == Op.DEVICE
+        for text in occurring(rows["text"][devices]) if devices.any() else ():
             found[trace.texts[text]] = None
     names = list(found)
     return ", ".join(names[:5]) + (f" and {len(names) - 5} more" if len(names) > 5 else "")

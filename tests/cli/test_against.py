@@ -177,3 +177,29 @@ def test_words_that_do_not_fit(shop: Shop) -> None:
     ):
         refused(shop("verify", "made.gpx", *words), said)
     refused(shop("verify", "r.json", *AGAINST[:2]), "for packages")
+
+
+def test_what_compile_was_told_is_told_again(shop: Shop) -> None:
+    """--call, --max-blocks and --max-branches of compile; without --call another program is compiled."""
+    machine = MACHINE + '[controller]\ndialect = "eding"\nmax_step_frequency = 100000\n'
+    (shop.folder / "machine.toml").write_text(machine)
+    program = "sub user_1\n  G0 X7\n  #1 = 0\n  while [#1 < 3]\n    G0 X[#1]\n    #1 = [#1 + 1]\n  endwhile\nendsub\n"
+    (shop.folder / "job.cnc").write_text(program + "G21 G90\nG0 X1\nM30\n")
+    told = ("--call", "user_1", "--max-blocks", "1000", "--max-branches", "7")
+    shop.compile("--dialect", "eding", *told)
+    against = (*AGAINST, "--dialect", "eding")
+    done = shop("verify", "made.gpx", *against, *told)
+    assert done.exit == 0, done
+    done = shop("verify", "made.gpx", *against)
+    assert (done.exit, "GP851" in done.out) == (1, True), done
+    done = shop("verify", "made.gpx", *against, "--call", "user_1", "--max-blocks", "2")
+    assert done.exit == 2, done
+    assert "does not compile anew, it is UNKNOWN" in done.out
+
+
+@pytest.mark.parametrize("option", [("--call", "user_1"), ("--max-blocks", "9"), ("--max-branches", "9")])
+def test_what_compile_was_told_belongs_to_a_source(option: tuple[str, str], shop: Shop) -> None:
+    shop.compile()
+    done = shop("verify", "made.gpx", *option)
+    assert done.exit == 3
+    assert "--against" in done.err

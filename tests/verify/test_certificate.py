@@ -6,6 +6,7 @@ import io
 import json
 import os
 import random
+import re
 import stat
 import struct
 import zipfile
@@ -423,6 +424,20 @@ def edit(what: str, find: str, put: str) -> Callable[[Members], None]:
     return apply
 
 
+def counted(change: Callable[[list[int]], object]) -> Callable[[Members], None]:
+    """Other numbers of runs in the first section."""
+
+    def apply(members: Members) -> None:
+        text = members["stream.ir"].decode()
+        found = re.search(r"(\(StreamSection 0 \[[^\]]*\] \[)([0-9 ]+)\]", text)
+        assert found is not None, text
+        counts = [int(word) for word in found[2].split()]
+        change(counts)
+        members["stream.ir"] = text.replace(found[0], f"{found[1]}{' '.join(map(str, counts))}]").encode()
+
+    return apply
+
+
 def edited_body(change: Callable[[dict[str, Any]], object]) -> Callable[[Members], None]:
     def apply(members: Members) -> None:
         body = json.loads(members["body.json"])
@@ -525,9 +540,17 @@ MALFORMED: dict[str, tuple[Callable[[Members], object], str]] = {
     "division by zero": (edit("machine.ir", "80/1", "80/0"), "GP820"),
     "too few fields": (edit("machine.ir", "none", ""), "GP820"),
     "sections of numbers": (lambda m: m.update({"trace.ir": b'(Trace ["f"] [""] [] [] [] [1 2 3])'}), "GP820"),
-    "absurd table in the text": (edit("trace.ir", "(columns trace 0", "(columns trace 99999999999"), "GP820"),
-    "unknown schema": (edit("trace.ir", "(columns trace 0", "(columns nothing 0"), "GP820"),
-}
+    **{
+        f"{what} for a table": (edit("trace.ir", "] 0 16 [", f"] 0 {what} ["), "GP820")
+        for what in (
+            "(columns trace 99999999999)", "(columns nothing 0)", "(columns trace 0)", "15", "17", "0", "-16", "none",
+            "16.0", "true", '"16"', "[16]", "99999999999", "9" * 600,
+        )
+    },
+    "another number of runs": (counted(lambda counts: counts.__setitem__(0, counts[0] + 1)), "GP820"),
+    "a table of runs less": (counted(lambda counts: counts.pop()), "GP820"),
+    "a table of runs more": (counted(lambda counts: counts.append(0)), "GP820"),
+}  # fmt: skip
 
 
 @pytest.mark.parametrize("name", MALFORMED)
