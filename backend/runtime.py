@@ -63,9 +63,10 @@ Progress = Callable[[float], None]
 LEAD = 0.05
 """Seconds between opening a section and its first tick."""
 
-LEAST_AHEAD = 0.05
-"""Seconds that are sent ahead at least, however short a machine file says that the controller's own buffer is: no host
-feeds a board more often, and a millisecond would be a day's work for a job of hours."""
+LEAST_AHEAD, LEAST_SIMULATED = 0.05, 0.25
+"""Seconds that are sent ahead at least, to a board in real time and to one in simulated time, however short a machine
+file says that the controller's own buffer is: no host feeds a board more often, and with a millisecond a job of hours
+takes minutes to simulate."""
 
 PREPARING = 0.2
 """Seconds that working out a feed hold beside a running board may take, beside twice what a rehearsal took."""
@@ -358,8 +359,9 @@ class _Walk:
         if is_.real_time:
             self.retimer.hold(section, section.duration // 2, ticks)
         seconds = PREPARING + 2 * (time.monotonic() - began)
+        ahead = max(self.job.machine.controller.fifo_time, LEAST_AHEAD if is_.real_time else LEAST_SIMULATED)
         return Pace(
-            lookahead=max(1, int(max(self.job.machine.controller.fifo_time, LEAST_AHEAD) * ticks)),
+            lookahead=max(1, int(ahead * ticks)),
             lead=int(LEAD * ticks),
             preparing=int(seconds * ticks),
         )

@@ -25,7 +25,7 @@ SCHEMA = "gproof-verify/1"
 
 def run_verify(
     path: Path, *, machine: Path | None, trust: tuple[Path, ...], setup: str | None = None, source: Path | None = None,
-    form: str = "text", against: Path | None = None, dialect: str | None = None, running: Running = Running(),
+    form: str = "text", against: Path | None = None, dialect: str | None = None, running: Running | None = None,
 ) -> int:  # fmt: skip
     """Print what holds; exit 0 only when the package may run."""
     from gproof.cli.verify_report import Verified, print_verified, verified_json
@@ -34,7 +34,7 @@ def run_verify(
 
     require_file(path, "package")
     require_files(machine, setup, source)
-    anew = _against(against, machine, setup, dialect, running)
+    anew = _against(against, machine, setup, dialect, running or Running())
     trusted = trusted_with(trust)
     findings = Findings()
     try:

@@ -158,3 +158,27 @@ def test_a_changed_file_is_not_even_read(make: Make) -> None:
     path.write_bytes(data)
     with pytest.raises(CertificateError):
         read_package(path)
+
+
+@pytest.mark.parametrize("fifo_time", [0.001, 0.25, 60.0])
+def test_a_fifo_time_of_a_stranger_costs_no_minutes(make: Make, fifo_time: float) -> None:
+    """The board is asked some ten times a second of motion, not two thousand times; nothing of the steps changes."""
+    machine = dataclasses.replace(
+        JOB.machine, controller=dataclasses.replace(JOB.machine.controller, fifo_time=fifo_time)
+    )
+    package = make(dataclasses.replace(JOB, machine=machine))
+
+    class Counting(VirtualBoard):
+        waits = 0
+
+        def wait(self, tick: int) -> None:
+            self.waits += 1
+            super().wait(tick)
+
+    board = Counting.for_machine(machine, len(package.stream.motors))
+    assert isinstance(board, Counting)
+    record = run(package, board)
+    assert record.result.value == "completed"
+    assert sum(record.steps) == package.stream.steps()
+    seconds = sum(s.duration for s in package.stream.sections) / package.stream.tick_frequency
+    assert board.waits <= 20 * seconds + 60 * len(package.stream.sections)
