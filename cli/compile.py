@@ -110,6 +110,10 @@ def _leave_open(session: Session, lowered: Lowered, conditions: Sequence[Conditi
         lowered.not_placed = str(error)
 
 
+STATED = "state these offsets, lengths and positions in a setup file (--setup) and compile the job with it"
+"""What to do about a job that can not be put where its offsets are measured later."""
+
+
 def run_compile(
     job: Path, *, machine: Path | None, setup: str | None, dialect: str | None, running: Running, output: Path,
     key: Path | None, unsigned: bool, also: tuple[str, ...] = (),
@@ -156,7 +160,7 @@ def _run(
         verdict = Verdict.UNSAFE if findings.has(Severity.ERROR) else Verdict.UNKNOWN
         shown.stop()
         safe = "SAFE under conditions" if conditions_of(judgement) else "SAFE"
-        why = f": {lowered.not_placed}" if lowered.not_placed else ""
+        why = f": {lowered.not_placed}; {STATED}" if lowered.not_placed else ""
         return _refuse(session, judgement, verdict, f"the job is {safe}, but no step stream can be made of it{why}")
     from gproof.verify.stream import validate
 

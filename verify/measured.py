@@ -147,7 +147,8 @@ def _place(trace: Trace, machine: Machine, axis: int, used: set[Affine]) -> Plac
     for symbol, count in form:
         kind, *rest = symbol.split(".")
         if kind not in MEASURED or rest[-1] != AXIS_NAMES[axis] or count != 1 or symbol in trace.symbols:
-            raise NotPlaced(f"{word} rests on {describe(form, machine)}, which no setup can state")
+            what = describe(((symbol, count),), machine)
+            raise NotPlaced(f"{word} rests on {describe(form, machine)}, and {what} can not be measured later")
         if kind == "work" and not 1 <= int(rest[0]) <= 9:
             raise NotPlaced(f"{word} rests on the active offset, and which one is active is not stated")
     start = _start(trace, axis, begins, form) if begins in used and form != begins else None

@@ -207,4 +207,5 @@ def _height_map(trace: Trace, setup: Setup) -> Iterator[Problem]:
         if follows.any() and (moving & follows[section.rows["state"]]).any():
             return
     if moves:
-        yield Problem(-1, -1, "the setup's height map is on, and no move follows it")
+        what = "the setup's height map is on, and no move follows it"
+        yield Problem(-1, -1, f"{what}; a setup with on = false is one of a job that switches it off before it moves")

@@ -244,12 +244,14 @@ def test_without_a_setup_at_hand_it_is_refused(tmp_path: Path) -> None:
         ("G0 X0 Y0\nG55 G0 X5\nM30\n", "X rests on G54 X offset and on G55 X offset"),
         ("G0 X0 Y0 Z5\nG0 X[#100]\nM30\n", ""),
         ("G0 X0 Y0 Z5\nM6 T1\nG43 H1\nG0 Z2\nM30\n", "length of tool 1"),
+        ("M6 T1\nG43 H1\nG0 X0 Y0 Z5\nG1 X5 F100\nM30\n", "length of tool 1 can not be measured later"),
     ],
 )
 def test_a_job_that_goes_from_one_zero_to_another_has_no_one_stream(job: str, why: str, tmp_path: Path) -> None:
     code, said = compiled(tmp_path, HEAD + job)
     assert code == 2, said
     assert why in said
+    assert not why or "state these offsets, lengths and positions in a setup file" in said, "what to do"
     assert not (tmp_path / "job.gpx").exists()
 
 

@@ -250,7 +250,9 @@ def test_a_state_that_no_move_has_does_not_matter() -> None:
 def test_a_map_that_is_on_is_followed() -> None:
     flat = HeightMap(x=0.0, y=0.0, size=10.0, heights=((0.0, 0.0), (0.0, 0.0)))
     job = Job().rapid(x=1).rapid(x=0)
-    assert "no move follows it" in judged([job], line(1), setup=Setup(height_map=flat))
+    said = judged([job], line(1), setup=Setup(height_map=flat))
+    assert "no move follows it" in said
+    assert "on = false" in said, "what to do where the job itself switches it off"
     assert judged([job], line(1), setup=Setup(height_map=dataclasses.replace(flat, on=False))) == ""
     following = Job(states=[State(following=(HEIGHT_MAP,))]).rapid(x=1).rapid(x=0)
     assert judged([following], line(1), setup=Setup(height_map=flat)) == ""
