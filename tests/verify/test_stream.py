@@ -3,9 +3,11 @@
 import dataclasses
 import hashlib
 import itertools
+import math
 import random
 import sys
 import time
+import zipfile
 from collections.abc import Callable
 from fractions import Fraction
 from pathlib import Path
@@ -15,9 +17,11 @@ import numpy as np
 import pytest
 from support.campaigns import seeds, share
 from verify.jobs import JOBS, random_job
+from verify.package_files import write_parts
 from verify.path_oracle import follows, samples
 from verify.reference_stepper import Job, Stepped, machine, step, stream_of
 
+from gproof.ir.columns import Columns
 from gproof.ir.kernel import Kernel
 from gproof.ir.machine import Axis, AxisKind, Controller, Machine, Slave
 from gproof.ir.setup import NOTHING, Interval, Setup
@@ -26,6 +30,7 @@ from gproof.ir.trace import Edge, Op, State, Trace, Wait
 from gproof.ir.verdict import Verdict
 from gproof.verify import stream as checker
 from gproof.verify import stream_kernels
+from gproof.verify.package import parts_of, read_package, write_members
 from gproof.verify.stream import validate
 from gproof.verify.stream_report import BOUNDS, StreamReport
 
@@ -339,21 +344,82 @@ def test_only_the_sections_asked_for_are_walked() -> None:
     assert 0 < one.steps < whole.steps
 
 
-def test_many_sections_take_no_longer_than_their_steps() -> None:
-    """3,000 of them: what is done for each does not grow with their number (some 0.3 ms each on a desktop machine)."""
+def many_sections(count: int) -> tuple[StepStream, Trace]:
+    """So many short ways there and back, each with a stop at its end."""
     first, last = Job().rapid(x=0.1).rapid(x=0).event(Op.STOP), Job().rapid(x=0.1).rapid(x=0)
-    took = []
+    trace, stream = first.trace(), stream_of(step(first, machine()), machine())
+    rows, done = trace.sections[0], step(first, machine())
+    go = [(Edge(wait=Wait.OPERATOR, outcome="go on", target=k + 1),) for k in range(count)]
+    trace.sections = [dataclasses.replace(rows, number=k, edges=go[k]) for k in range(count)]
+    trace.sections.append(dataclasses.replace(last.trace().sections[0], number=count))
+    stream.sections = [*(done.section(k) for k in range(count)), step(last, machine()).section(count)]
+    return stream, trace
+
+
+def test_3000_sections_take_no_longer_than_their_steps(tmp_path: Path) -> None:
+    """Written, read and validated in some tenths of a second each (processor time; three times that are allowed, and
+    a loaded machine), and in ten times of what a tenth of them takes."""
+    took: list[list[float]] = []
     for count in (300, 3000):
-        trace, stream = first.trace(), stream_of(step(first, machine()), machine())
-        rows, done = trace.sections[0], step(first, machine())
-        go = [(Edge(wait=Wait.OPERATOR, outcome="go on", target=k + 1),) for k in range(count)]
-        trace.sections = [dataclasses.replace(rows, number=k, edges=go[k]) for k in range(count)]
-        trace.sections.append(dataclasses.replace(last.trace().sections[0], number=count))
-        stream.sections = [*(done.section(k) for k in range(count)), step(last, machine()).section(count)]
+        stream, trace = many_sections(count)
+        path = tmp_path / f"{count}.gpx"
+        clock = [time.process_time()]
+        write_members(path, parts_of(machine(), NOTHING, trace, stream))
+        clock.append(time.process_time())
+        write_parts(path, machine(), NOTHING, trace, stream)
         began = time.process_time()
-        assert_safe(validate(stream, trace, machine(), NOTHING))
-        took.append(time.process_time() - began)
-    assert took[1] < 15 * took[0] + 1.0
+        package = read_package(path)
+        read = time.process_time() - began
+        with zipfile.ZipFile(path) as archive:
+            assert len(archive.namelist()) == 5 + 2 + len(stream.motors), "no member for each section"
+        began = time.process_time()
+        assert_safe(validate(package.stream, package.trace, package.machine, package.setup))
+        took.append([clock[1] - clock[0], read, time.process_time() - began])
+        assert package.trace.sections == trace.sections
+        assert package.stream == stream
+    for few, many in zip(*took, strict=True):
+        assert many < min(3.0, 15 * few + 1.0), took
+
+
+@pytest.mark.parametrize("spoilt", [0, 1, 149, 299, 300])
+def test_one_bad_section_of_many_is_named(spoilt: int) -> None:
+    """What is looked at together is refused as it is by itself: each table of a section, in its place."""
+    stream, trace = many_sections(300)
+    rows, part = trace.sections[spoilt].rows, stream.sections[spoilt]
+
+    def other(table: Columns, column: str, row: int, value: float) -> Columns:
+        arrays = {name: array.copy() for name, array in table.arrays.items()}
+        arrays[column][row] = value
+        return Columns(table.schema, arrays)
+
+    def judged(new_rows: Columns = rows, **changed: Any) -> set[str]:
+        sections = list(trace.sections)
+        sections[spoilt] = dataclasses.replace(sections[spoilt], rows=new_rows)
+        parts = list(stream.sections)
+        parts[spoilt] = dataclasses.replace(part, **changed)
+        report = validate(
+            dataclasses.replace(stream, sections=parts),
+            dataclasses.replace(trace, sections=sections),
+            machine(),
+            NOTHING,
+        )
+        assert report.verdict is Verdict.UNSAFE
+        assert any(f"section {spoilt}" in f.message for f in report.findings), report.findings
+        return {f.code.label for f in report.findings}
+
+    first, *rest = part.runs
+    assert judged(other(rows, "to", 1, math.nan)) == {"GP810"}
+    assert judged(other(rows, "op", 0, 200)) == {"GP810"}
+    assert judged(other(rows, "plane", 0, 1)) == {"GP810"}
+    assert judged(other(rows, "op", 0, Op.ORIENT)) == {"GP810"}
+    assert judged(runs=(other(first, "direction", 0, 0), *rest)) == {"GP810"}
+    assert judged(runs=(other(first, "interval", 0, 0), *rest)) == {"GP810"}
+    assert judged(start=(part.start[0] + 3, *part.start[1:])) >= {"GP808"}
+    assert judged(duration=1) - {"GP810"}
+    if len(part.events):
+        assert judged(events=other(part.events, "row", 0, 1)) == {"GP807"}
+        assert judged(events=other(part.events, "tick", 0, part.duration + 1)) == {"GP807"}
+        assert judged(events=other(part.events, "op", 0, Op.DWELL)) == {"GP807"}
 
 
 def test_setup_that_names_another_start_refuses() -> None:
