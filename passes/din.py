@@ -23,7 +23,7 @@ from gproof.passes import din_events, din_modes, din_motion, din_origins, refuse
 from gproof.passes.din_state import din_of
 from gproof.passes.line import LARGEST, Line
 from gproof.passes.single_state import letters_of
-from gproof.passes.values import Unknown, Value
+from gproof.passes.values import Unknown, Value, beyond
 
 if TYPE_CHECKING:
     from gproof.passes.motion import Motion
@@ -105,7 +105,7 @@ def _gather(ex: Motion, columns: dict[str, int], span: Span, words: Words, bare:
     owner: Part | None = None
     for at, (letter, value, where) in enumerate(words):
         if not isinstance(value, Unknown) and abs(value) > LARGEST:
-            raise Refusal(codes.ARITHMETIC.at(where, what=f"{letter}{value:g} is beyond every machine"))
+            raise Refusal(codes.ARITHMETIC.at(where, what=beyond(letter, value)))
         if letter in "GM":
             rule = _code(ex, letter, value, where)
             part = Part(span, columns=columns, rule=rule, rules=[rule], code_spans=[where], bare=bare, at=at)

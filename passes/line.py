@@ -12,7 +12,7 @@ from gproof.ir.finding import Refusal, Span
 from gproof.ir.program import PARAMETER
 from gproof.ir.record import field, record
 from gproof.ir.rules import CodeRule, Function, LanguageRules
-from gproof.passes.values import AXIS_INDEX, Unknown, Value, not_known
+from gproof.passes.values import AXIS_INDEX, Unknown, Value, beyond, not_known
 
 WordSpan = Callable[[str], Span]
 LARGEST = 1e12
@@ -94,7 +94,7 @@ def gather(rules: LanguageRules, span: Span, words: list[tuple[str, Value, Span]
     m_codes = 0
     for letter, value, where in words:
         if not isinstance(value, Unknown) and abs(value) > LARGEST:
-            raise Refusal(codes.ARITHMETIC.at(where, what=f"{letter}{value:g} is beyond every machine"))
+            raise Refusal(codes.ARITHMETIC.at(where, what=beyond(letter, value)))
         if letter in "GM":
             m_codes += letter == "M"
             rule = _code(rules, letter, value, where)

@@ -23,7 +23,7 @@ from gproof.ir.rules import Function as F
 from gproof.passes import refused_lines, single_cycles, single_events, single_motion, single_origins
 from gproof.passes.line import LARGEST, Line
 from gproof.passes.single_state import letters_of
-from gproof.passes.values import Unknown, Value
+from gproof.passes.values import Unknown, Value, beyond
 
 if TYPE_CHECKING:
     from gproof.passes.motion import Motion
@@ -68,7 +68,7 @@ def gather(
     line = Command(span, columns=columns)
     for letter, value, where in words:
         if not isinstance(value, Unknown) and abs(value) > LARGEST:
-            raise Refusal(codes.ARITHMETIC.at(where, what=f"{letter}{value:g} is beyond every machine"))
+            raise Refusal(codes.ARITHMETIC.at(where, what=beyond(letter, value)))
         rule = _code(rules, letter, value, where, line) if letter in "GLM" else None
         if rule is not None:
             _take_code(line, rule, where, has_laser)

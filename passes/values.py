@@ -196,3 +196,11 @@ class FrameTable:
 
 AXIS_RANGE = range(AXES)
 AXIS_INDEX = {name.upper(): i for i, name in enumerate(AXIS_NAMES)}
+
+
+def beyond(letter: str, value: float) -> str:
+    """What to say of a word's number that no machine has; letter: ``@`` for one that stands without a letter."""
+    name = "the parameter" if letter == "@" else letter
+    if not math.isfinite(value):
+        return f"the number of {name} is beyond every machine"
+    return f"{name}{' ' if letter == '@' else ''}{value:g} is beyond every machine"
