@@ -26,8 +26,10 @@ HOLDS = {Verdict.SAFE: "the record holds", Verdict.UNSAFE: "the record does not 
 
 
 def is_no_package(path: Path) -> bool:
-    """True for a file that begins as JSON does: a package is a zip file."""
+    """True for a file that begins as JSON does: a package is a zip file. A pipe is neither, and is not waited for."""
     try:
+        if not path.is_file():
+            return False
         with path.open("rb") as file:
             return file.read(64).lstrip()[:1] == b"{"
     except OSError:

@@ -466,6 +466,17 @@ def test_an_answer_beforehand_and_a_damaged_journal(shop: Path) -> None:
     assert run(shop).exit == 0
 
 
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="pipes")
+@pytest.mark.parametrize(
+    "words", [("verify", "pipe"), ("verify", "pipe", "--package", "job.gpx"), ("run", "pipe", "--board", "virtual")]
+)
+def test_a_pipe_for_a_package_or_record_keeps_nobody_waiting(words: tuple[str, ...], shop: Path) -> None:
+    os.mkfifo(shop / "pipe")
+    done = subprocess.run([*COMMAND, *words], cwd=shop, capture_output=True, text=True, check=False, timeout=100)
+    assert (done.returncode, done.stdout) == (3, "")
+    assert done.stderr.count("\n") == 1
+
+
 def test_what_is_no_file_among_the_journals_keeps_nobody_waiting(shop: Path) -> None:
     runs(shop).mkdir(parents=True, mode=0o700)
     for make in (os.mkfifo, os.mkdir):
