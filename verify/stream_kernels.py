@@ -747,7 +747,7 @@ def begin_section(
     unmoved(0.0, cursor.progress, window, walk)
 
 
-@kernel(seconds_per_unit=4e-5, compile_seconds=12.0, borrows=True)
+@kernel(seconds_per_unit=4e-5, compile_seconds=16.0, borrows=True)
 def check_section(
     most: int,
     cursor: Cursor,
