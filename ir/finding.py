@@ -80,7 +80,7 @@ _QUOTATION = re.compile(r"(?<!\w)(['\"])((?:(?!\1).)*)\1(?!\w)|\S+", re.DOTALL)
 
 def brief(text: str) -> str:
     """A message without most of what it quotes, where that is long; how long it was is said."""
-    if len(text) <= QUOTED:
+    if len(text) <= 2 * QUOTED:
         return text
     short = _QUOTATION.sub(_quotation, text)
     if len(short) <= LONGEST:
