@@ -478,7 +478,8 @@ def _ended_by_signals() -> Iterator[None]:
         yield
     finally:
         for number, handler in before.items():
-            signal.signal(number, handler)
+            if signal.getsignal(number) is _interrupt:  # A run that is over ignores them to the end.
+                signal.signal(number, handler)
 
 
 def _plain(message: str) -> str:
