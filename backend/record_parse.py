@@ -19,6 +19,7 @@ from gproof.backend.record_data import (
     Result,
     Retiming,
     SectionRecord,
+    canonical,
 )
 
 LARGEST = 256 << 20
@@ -36,6 +37,8 @@ def parse_signed(data: bytes) -> tuple[ExecutionRecord, dict[str, str] | None]:
         value = json.loads(data)
         if not isinstance(value, dict) or value.get("schema") not in (SCHEMA, FIRST_SCHEMA):
             raise ValueError(f"not of schema {SCHEMA}")
+        if data.removesuffix(b"\n") != canonical(value):
+            raise ValueError("not in canonical form: keys sorted, none twice, no blanks")
         claimed = value.pop("sha256", None)
         signature = value.pop("signature", None)
         if signature is not None and (

@@ -18,7 +18,7 @@ from support.command import COMMAND, Done, in_this_process
 
 from gproof.backend.journal import DAMAGED, ENDED, SUFFIX, read_journal
 from gproof.backend.record import parse_record, read_record
-from gproof.backend.record_data import ExecutionRecord, Result
+from gproof.backend.record_data import ExecutionRecord, Result, canonical
 from gproof.cli import run_journal
 from gproof.cli.main import UsageError
 from gproof.cli.run_journal import Keeper
@@ -577,8 +577,19 @@ def test_changed_records_do_not_hold(made: Path) -> None:
     told("GP834")
     (made / "record.json").write_text("{")
     told("GP834")
+    # What other programs would read otherwise: a key twice, blanks, another order.
+    whole = canonical(value)
+    for other_spelling in (
+        whole.replace(b'{"accepted":', b'{"accepted":"trusted-key","accepted":', 1),
+        json.dumps(value, sort_keys=True).encode(),
+        json.dumps(dict(reversed(value.items())), separators=(",", ":")).encode(),
+        b"\xef\xbb\xbf" + whole,
+        whole + b"\n\n",
+    ):
+        (made / "record.json").write_bytes(other_spelling)
+        told("GP834" if other_spelling[:1] == b"{" else "")
     # Made anew with a hash that fits: the signature does not.
-    record = parse_record((json.dumps(value)).encode())
+    record = parse_record(canonical(value))
 
     other = dataclasses.replace(
         record, position=(1,), sections=(dataclasses.replace(record.sections[0], position=(1,)),)
