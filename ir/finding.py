@@ -72,7 +72,9 @@ def filled(template: str, values: Mapping[str, object]) -> str:
 
 
 QUOTED = 100
-"""Characters of a quotation, or of a text without blanks, that a finding repeats of somebody else's file."""
+"""Characters of a quotation that a finding repeats of somebody else's file."""
+UNBROKEN = 255
+"""As many of a text without blanks: a path of the user's own stays whole."""
 LONGEST = 600
 """Characters of a message; of a longer one the middle is left out."""
 _QUOTATION = re.compile(r"(?<!\w)(['\"])((?:(?!\1).)*)\1(?!\w)|\S+", re.DOTALL)
@@ -90,9 +92,10 @@ def brief(text: str) -> str:
 
 def _quotation(found: re.Match[str]) -> str:
     mark, inner = found[1] or "", found[2] if found[1] else found[0]
-    if len(inner) <= QUOTED + 3:  # those that have been cut too
+    most = QUOTED if mark else UNBROKEN
+    if len(inner) <= most + 3:  # those that have been cut too
         return found[0]
-    return f"{mark}{inner[:QUOTED]}...{mark} ({len(inner)} characters)"
+    return f"{mark}{inner[:most]}...{mark} ({len(inner)} characters)"
 
 
 @record(frozen=True, slots=True)

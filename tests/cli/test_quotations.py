@@ -10,7 +10,7 @@ from support.command import Done, in_this_process
 
 from gproof.cli.report import format_finding
 from gproof.ir.codes import BAD_NUMBER, SYNTAX
-from gproof.ir.finding import LONGEST, QUOTED, Outcome, Related, Span, brief
+from gproof.ir.finding import LONGEST, QUOTED, UNBROKEN, Outcome, Related, Span, brief
 
 HERE = Span("job.cnc", 1)
 LONG = "Q" * 20_000
@@ -23,11 +23,12 @@ def test_what_is_short_stays(text: str) -> None:
 
 
 @pytest.mark.parametrize("mark", ["'", '"', ""])
-@pytest.mark.parametrize("inner", [LONG, "b" * (2 * QUOTED), "b'" * 3000, 'b"' * 3000])
+@pytest.mark.parametrize("inner", [LONG, "b" * (2 * UNBROKEN), "b'" * 3000, 'b"' * 3000])
 def test_quotations_are_cut_and_the_words_around_them_stay(mark: str, inner: str) -> None:
     inner = inner.replace(mark, "_") if mark else inner
     said = brief(f"key {mark}{inner}{mark} of the machine's own file is none, and nothing else follows from that")
-    assert said.startswith(f"key {mark}{inner[:QUOTED]}...{mark} ({len(inner)} characters) of the machine's own file")
+    most = QUOTED if mark else UNBROKEN
+    assert said.startswith(f"key {mark}{inner[:most]}...{mark} ({len(inner)} characters) of the machine's own file")
     assert said.endswith("nothing else follows from that")
     assert brief(said) == said
 
