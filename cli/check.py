@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import contextlib
 import io
-import json
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 
@@ -12,12 +11,12 @@ import click
 
 from gproof.cli.accept import read_baseline, write_baseline
 from gproof.cli.conclude import Asked, conclude, with_options
+from gproof.cli.escape import in_one_line, json_text
 from gproof.cli.files import require_picture, require_place, write_text
 from gproof.cli.jobs import find_jobs, is_several
 from gproof.cli.lengths import CHOICES
 from gproof.cli.main import UsageError
 from gproof.cli.many import How, judge_all, print_text, with_progress
-from gproof.cli.options import in_one_line
 from gproof.cli.outcome import Outcome, closing_line, counted, exit_code
 from gproof.cli.policy import NO_POLICY, load_policy
 from gproof.cli.progress import progress
@@ -125,7 +124,7 @@ def _write(
     for form, place in reports:
         (only, *_) = outcomes
         if single and form == "json" and only.report is not None:
-            text = json.dumps(only.report, indent=2, ensure_ascii=False)
+            text = json_text(only.report, indent=2)
         else:
             text = _document(outcomes, form, every)
         write_text(place, text + "\n", "report")
@@ -173,7 +172,7 @@ def _document(outcomes: list[Outcome], form: str, every: bool) -> str:
     for outcome in outcomes:
         counts[outcome.verdict.value if outcome.verdict else "not_judged"] += 1
         counts["conditional"] += outcome.report is not None and bool(outcome.report["conditional"])
-    return json.dumps({"schema": SCHEMA_OF_SEVERAL, "counts": counts, "jobs": answers}, indent=2, ensure_ascii=False)
+    return json_text({"schema": SCHEMA_OF_SEVERAL, "counts": counts, "jobs": answers}, indent=2)
 
 
 @contextlib.contextmanager
@@ -215,7 +214,7 @@ def _check_one(
         read = report_for_people(session, judgement, code, units)
         told.append(Outcome(job=str(job), report=report, read=read, code=code))
     if form == "json":
-        click.echo(json.dumps(report, indent=2, ensure_ascii=False))
+        click.echo(json_text(report, indent=2))
     elif quiet:
         print_brief(session, judgement, code, units, quiet=True)
     else:

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import click
 
+from gproof.cli.escape import in_strings
 from gproof.cli.main import UsageError
 from gproof.cli.report import print_findings
 from gproof.cli.session import Running, Session, open_session
@@ -52,7 +53,7 @@ def run_dump(
 
 def _print(value: object) -> None:
     for line in print_lines(value):
-        click.echo(line)
+        click.echo(in_strings(line))
 
 
 def _jsonl(session: Session, running: Running) -> bool:

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import dataclasses
-import json
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
 import click
 
+from gproof.cli.escape import json_text
 from gproof.cli.files import require_picture, require_place
 from gproof.cli.fit_answer import fit_of, travel_of
 from gproof.cli.fit_open import opened
@@ -45,7 +45,7 @@ def run_fit(
 
         draw(told, picture)
     if form == "json":
-        click.echo(json.dumps(report_json(told), indent=2, ensure_ascii=False))
+        click.echo(json_text(report_json(told), indent=2))
     else:
         print_fit(told, units)
     return told.fit.verdict.exit_code
@@ -94,7 +94,7 @@ def _several(job: Path, machines: Sequence[Path], answers: list[Told], form: str
             {"machine_file": str(file), **report_json(told)} for file, told in zip(machines, answers, strict=True)
         ]
         document = {"schema": SEVERAL, "job": str(job), "exit_code": best.exit_code, "machines": reports}
-        click.echo(json.dumps(document, indent=2, ensure_ascii=False))
+        click.echo(json_text(document, indent=2))
     else:
         print_machines(job, machines, answers, units)
     return best.exit_code

@@ -15,11 +15,12 @@ from pathlib import Path
 import click
 
 from gproof.backend.emit.eding import emit
+from gproof.cli.escape import program_line
 from gproof.cli.files import require_file, require_program
 from gproof.cli.fmt_form import Form
 from gproof.cli.main import UsageError
 from gproof.cli.options import in_one_line
-from gproof.cli.report import print_findings
+from gproof.cli.report import line_text, print_findings
 from gproof.cli.session import READ, dialect_of
 from gproof.frontend.eding.load import load_alone
 from gproof.frontend.guess import EXTENSIONS
@@ -323,8 +324,8 @@ def _keep(lines: frozenset[int], source: Path, scratch: Path) -> None:
 def _print_file(path: Path) -> None:
     sys.stdout.flush()
     with path.open("rb") as file:
-        while piece := file.read(1 << 20):
-            click.echo(piece, nl=False)
+        while piece := file.readline() if sys.stdout.isatty() else file.read(1 << 20):
+            _print_bytes(piece)
 
 
 def _print_diff(before: Path, after: Path, name: str) -> None:
@@ -381,4 +382,12 @@ def _print_changed(pairs: list[tuple[bytes, bytes]]) -> None:
 
 def _print_diff_line(sign: bytes, text: bytes) -> None:
     end = b"" if text.endswith(b"\n") else b"\n\\ No newline at end of file\n"
-    click.echo(sign + text + end, nl=False)
+    _print_bytes(sign + text, end)
+
+
+def _print_bytes(text: bytes, end: bytes = b"") -> None:
+    """What a program says: byte for byte into a file or a pipe; on a terminal a line that nothing of it acts on."""
+    shown = program_line(line_text(text)) if sys.stdout.isatty() else text
+    click.echo(shown, nl=False)
+    if end:
+        click.echo(end, nl=False)

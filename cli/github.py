@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from gproof.cli.conditions import conditions_of_report, in_words
+from gproof.cli.escape import in_one_line
 from gproof.cli.grouping import More, shown_json
 from gproof.cli.outcome import LEVELS, Outcome, closing_line
 
@@ -59,8 +60,13 @@ def _command(finding: dict[str, Any], more: More | None) -> str:
 
 
 def _data(text: str) -> str:
+    """A message: its line feeds are kept for the page, whatever else would act on a log is a number."""
+    return in_one_line(_lines(text))
+
+
+def _lines(text: str) -> str:
     return text.replace("%", "%25").replace("\r", "%0D").replace("\n", "%0A")
 
 
 def _property(text: str) -> str:
-    return _data(text).replace(":", "%3A").replace(",", "%2C")
+    return in_one_line(_lines(text)).replace(":", "%3A").replace(",", "%2C")

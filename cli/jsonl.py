@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import itertools
-import json
 import math
 from collections.abc import Iterator, Sequence
 from typing import Any
 
+from gproof.cli.escape import json_text
 from gproof.ir.finding import Finding
 from gproof.ir.machine import AXIS_NAMES, Machine
 from gproof.ir.symbols import describe
@@ -47,9 +47,8 @@ def _section(chunk: Chunk, columns: dict[str, int], job: str) -> str:
     out: dict[str, Any] = {"op": "section", "line": line}
     if line and chunk.trace.files[int(chunk.rows["file"][0])] != job:
         out["file"] = chunk.trace.files[int(chunk.rows["file"][0])]
-    return json.dumps(
-        out | {"section": chunk.section} | _place(chunk.trace, chunk.start, chunk.start_frame, columns, _zeros(state)),
-        ensure_ascii=False,
+    return json_text(
+        out | {"section": chunk.section} | _place(chunk.trace, chunk.start, chunk.start_frame, columns, _zeros(state))
     )
 
 
@@ -59,7 +58,7 @@ def _branch(chunk: Chunk, edge: Edge, job: str) -> str:
     if chunk.trace.files and chunk.trace.files[edge.file] != job:
         out["file"] = chunk.trace.files[edge.file]
     out |= {"section": chunk.section, "wait": edge.wait.name.lower(), "outcome": edge.outcome}
-    return json.dumps({**out, "target": None if edge.target < 0 else edge.target}, ensure_ascii=False)
+    return json_text({**out, "target": None if edge.target < 0 else edge.target})
 
 
 def _zeros(state: State | None) -> dict[int, Position]:
@@ -110,7 +109,7 @@ def chunk_lines(chunk: Chunk, machine: Machine, job: str) -> Iterator[str]:
                 out["programmed"] = dict(zip(_PAIRS[Plane(abs(side))], row["arg"], strict=True))
         else:
             out |= _event(op, row["arg"], trace.texts, row["text"])
-        yield json.dumps(out, ensure_ascii=False)
+        yield json_text(out)
 
 
 def _event(op: Op, arg: list[float], texts: list[str], text: int) -> dict[str, Any]:
@@ -156,7 +155,4 @@ def _event(op: Op, arg: list[float], texts: list[str], text: int) -> dict[str, A
 
 def error_line(finding: Finding) -> str:
     """The last line of a trace that ends in an error."""
-    return json.dumps(
-        {"op": "error", "line": finding.span.line, "code": finding.code.label, "text": finding.message},
-        ensure_ascii=False,
-    )
+    return json_text({"op": "error", "line": finding.span.line, "code": finding.code.label, "text": finding.message})

@@ -8,6 +8,7 @@ from typing import Any
 from xml.etree import ElementTree as ET
 
 from gproof.cli.conditions import conditions_of_report, in_words
+from gproof.cli.escape import xml_text
 from gproof.cli.outcome import Outcome
 
 _NOT_XML = re.compile("[^\t\n\r\u0020-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
@@ -45,7 +46,7 @@ def junit(outcomes: Sequence[Outcome]) -> str:
     for name in COUNTED:
         root.set(name, str(totals[name]))
     ET.indent(root)
-    return '<?xml version="1.0" encoding="UTF-8"?>\n' + ET.tostring(root, encoding="unicode")
+    return '<?xml version="1.0" encoding="UTF-8"?>\n' + xml_text(ET.tostring(root, encoding="unicode"))
 
 
 def _cases(suite: ET.Element, outcome: Outcome, report: dict[str, Any]) -> None:

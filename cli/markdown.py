@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from gproof.cli.conditions import SAFE_IF, conditions_of_report, word_of_report
+from gproof.cli.escape import in_one_line
 from gproof.cli.grouping import shown_json
 from gproof.cli.outcome import LEVELS, Outcome, closing_line, counted
 
@@ -76,11 +77,17 @@ def _details(outcome: Outcome, every: bool) -> list[str]:
 
 
 def _text(text: str) -> str:
-    """Words as words: nothing in them is markup, and a line stays one."""
-    return re.sub(r"([\\`*_{}\[\]<>#|~])", r"\\\1", " ".join(text.split()))
+    """Words as words: nothing in them is markup, an entity, a formula or an address, and a line stays one."""
+    plain = re.sub(r"([\\`*_{}\[\]<>#|~&$])", r"\\\1", _visible(text))
+    return re.sub(r"(?i)(:(?=//)|(?<=www)\.)", r"\\\1", plain)
+
+
+def _visible(text: str) -> str:
+    return in_one_line(" ".join(text.split()))
 
 
 def _code(text: str) -> str:
+    text = _visible(text)
     ticks = "`" * (max((len(run) for run in re.findall(r"`+", text)), default=0) + 1)
     pad = " " if ticks != "`" or text.startswith("`") else ""
-    return f"{ticks}{pad}{' '.join(text.split())}{pad}{ticks}".replace("|", "\\|")
+    return f"{ticks}{pad}{text}{pad}{ticks}".replace("|", "\\|")

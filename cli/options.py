@@ -11,18 +11,15 @@ from typing import Any, TypeVar
 
 import click
 
-from gproof.cli.escape import escaped
+from gproof.cli import escape
 
 PROPERTIES = ("feeds", "cutting", "sense", "gouges", "collisions")
 """Properties that ``--also`` takes, beside ``all`` of them; ``cli/properties.py`` has their checks."""
 
+in_one_line = escape.in_one_line
+"""A text of somebody else's, which may hold anything, as one line on which nothing acts."""
 
 _Command = TypeVar("_Command", bound=Callable[..., Any])
-
-
-def in_one_line(text: str) -> str:
-    """A text of somebody else's, which may hold anything, as one line on which nothing acts: see ``cli/escape.py``."""
-    return text if text.isprintable() else escaped(text)
 
 
 class FileName(click.Path):

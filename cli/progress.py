@@ -12,6 +12,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any
 
+from gproof.cli.escape import in_one_line
 from gproof.ir.finding import Span
 from gproof.ir.trace import Chunk
 
@@ -64,6 +65,8 @@ class Progress:
             self._bar = None
 
     def _update(self, **state: Any) -> None:
+        if "description" in state:
+            state["description"] = in_one_line(state["description"])
         self._state.update(state)
         bar = self._bar
         if bar is not None:
@@ -71,12 +74,15 @@ class Progress:
 
     def _show(self) -> None:
         from rich.console import Console
+        from rich.progress import BarColumn, TaskProgressColumn, TextColumn, TimeRemainingColumn
         from rich.progress import Progress as Bar
 
         with self._lock:
             if self._timer is None:  # it has come to its end meanwhile
                 return
-            bar = Bar(console=Console(stderr=True), transient=True)
+            said = TextColumn("{task.description}", style="progress.description", markup=False)  # a name is no markup
+            columns = said, BarColumn(), TaskProgressColumn(), TimeRemainingColumn()
+            bar = Bar(*columns, console=Console(stderr=True), transient=True)
             self._task = bar.add_task(**self._state)
             bar.start()
             self._bar = bar

@@ -44,13 +44,13 @@ def source_lines(path: str, wanted: set[int]) -> dict[int, str]:
                     if not more or more.endswith(b"\n"):
                         break
                 if number in wanted:
-                    found[number] = _text(raw.removeprefix(b"\xef\xbb\xbf") if number == 1 else raw).rstrip("\r\n")
+                    found[number] = line_text(raw.removeprefix(b"\xef\xbb\xbf") if number == 1 else raw).rstrip("\r\n")
     except OSError:
         return {}
     return found
 
 
-def _text(raw: bytes) -> str:
+def line_text(raw: bytes) -> str:
     """A line as the frontends read it, so that columns fit."""
     try:
         return raw.decode("utf-8")
@@ -107,7 +107,7 @@ def _excerpt(span: Span, text: str) -> list[str]:
     if len(text) > _LONGEST:
         shift = max(0, min(column - _LONGEST // 2, len(text) - _LONGEST))
         text, column, end = text[shift : shift + _LONGEST], column - shift, end - shift
-    plain = "".join(c if c.isprintable() else " " for c in text.expandtabs(1))
+    plain = "".join(c if c.isprintable() else " " for c in text.expandtabs(1)).replace("##[", "# [")
     out = [f"{span.line:5d} | {plain.rstrip()}"]
     if span.column:
         width = max(1, min(end, len(plain) + 1) - column)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import os
 from collections.abc import Sequence
 from importlib import resources
@@ -12,6 +11,7 @@ from typing import Any
 from urllib.parse import quote
 
 from gproof.cli.conditions import conditions_of_report
+from gproof.cli.escape import json_text
 from gproof.cli.outcome import Fingerprints, Outcome, exit_code
 from gproof.ir.codes import CODES
 from gproof.ir.finding import Code
@@ -64,7 +64,7 @@ def sarif(outcomes: Sequence[Outcome]) -> str:
         },
     }
     log = {"$schema": SCHEMA, "version": "2.1.0", "runs": [run]}
-    return json.dumps(log, indent=2, ensure_ascii=False)
+    return json_text(log, indent=2)
 
 
 def _rule(code: Code) -> dict[str, Any]:

@@ -119,7 +119,7 @@ def test_workflow_commands_escape_what_would_end_them() -> None:
         "::notice file=a.cnc,line=3,col=2,endColumn=4,title=GP301 soft-limit::last",
         "::error title=gproof::gone",
         "gproof: a.cnc: UNSAFE",
-        "gproof: ::error::x: not judged",
+        "gproof: \\x3a:error::x: not judged",
         "2 jobs: 1 UNSAFE, 1 not judged",
     ]
 
