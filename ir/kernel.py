@@ -90,9 +90,9 @@ class Kernel(Generic[P, R]):
         return self.python(*args, **kwargs)
 
     def _folder(self) -> Path:
-        """Where its compiled copies lie: another folder for other code, other constants, or other callees."""
+        """Where its compiled copies lie: another folder for other code, constants, callees, or options."""
         if not self._digest:
-            self._digest = code_digest(self.python, _behind)
+            self._digest = code_digest(self, _behind)
         return cache_root() / "kernels" / f"{self.python.__name__}-{self._digest}"
 
     def _marker(self) -> Path:
@@ -182,8 +182,10 @@ class Kernel(Generic[P, R]):
         return dispatcher
 
 
-def _behind(value: object) -> Any:
-    return value.python if isinstance(value, Kernel) else None
+def _behind(value: object) -> tuple[Any, str] | None:
+    if not isinstance(value, Kernel):
+        return None
+    return value.python, f"{'inline' if value.inline else ''} {'borrows' if value.borrows else ''}"
 
 
 def kernel(

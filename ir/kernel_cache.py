@@ -29,20 +29,21 @@ from gproof.ir.private_folder import make_private, not_private, read_own
 _DIGEST_BYTES = 32
 
 
-def code_digest(function: Any, follow: Callable[[Any], Any]) -> str:
-    """A name for what a function compiles to: its code, the values of the globals it reads, and its callees.
+def code_digest(kernel: Any, follow: Callable[[Any], tuple[Any, str] | None]) -> str:
+    """A name for what a kernel compiles to: its code, the values of the globals it reads, its callees, and how.
 
-    follow: the plain function behind a global that is compiled too, None for any other value.
+    follow: of a global that is compiled too the plain function and how it is compiled, None for any other value.
     """
     digest = hashlib.blake2b(sys.version.encode(), digest_size=8)
-    for part in _function(function, follow, set()):
+    for part in _function(kernel, follow, set()):
         digest.update(part.encode("utf-8", "surrogatepass") + b"\0")
     return digest.hexdigest()
 
 
-def _function(function: Any, follow: Callable[[Any], Any], seen: set[types.CodeType]) -> Iterator[str]:
+def _function(kernel: Any, follow: Callable[[Any], tuple[Any, str] | None], seen: set[types.CodeType]) -> Iterator[str]:
+    function, how = follow(kernel) or (kernel, "")
     code = function.__code__
-    yield function.__qualname__
+    yield f"{function.__qualname__} {how}"
     if code in seen:
         return
     seen.add(code)
@@ -52,9 +53,8 @@ def _function(function: Any, follow: Callable[[Any], Any], seen: set[types.CodeT
         if name not in function.__globals__:
             continue
         value = function.__globals__[name]
-        callee = follow(value)
         yield name
-        yield from _value(value) if callee is None else _function(callee, follow, seen)
+        yield from _value(value) if follow(value) is None else _function(value, follow, seen)
 
 
 def _code(code: types.CodeType) -> Iterator[str]:

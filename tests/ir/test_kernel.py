@@ -4,8 +4,11 @@ import os
 import subprocess
 import sys
 from pathlib import Path
+from typing import Any
 
 import pytest
+
+from gproof.ir.kernel import kernel
 
 SOURCE = """
 from gproof.ir.kernel import kernel
@@ -73,3 +76,16 @@ def test_a_forecast_shares_the_import(choose) -> None:  # type: ignore[no-untype
     choose(10.0)
     assert choose(0.2) == ["python"]
     assert choose(0.2, forecast=2.0) == ["numba"]
+
+
+@pytest.mark.parametrize("way", ["inline", "borrows"])
+def test_how_a_kernel_is_compiled_names_its_copy(way: str) -> None:
+    """Also how its callee is: a copy of the other kind would be loaded, with other speed and other counting."""
+
+    scope: dict[str, Any] = {}
+    exec("def callee(x): return x + 1\ndef caller(x): return callee(x)", scope)
+    plain, caller, folders = scope["callee"], scope["caller"], set()
+    for options in ({}, {way: True}):
+        scope["callee"] = kernel(**options)(plain)
+        folders |= {scope["callee"]._folder(), kernel()(caller)._folder()}
+    assert len(folders) == 4
