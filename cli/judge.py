@@ -239,7 +239,7 @@ def _pass(
     open_path = open_path or any(one.opens("areas") for one in noted)
     language = PropertyResult(name="language", verdict=_language(findings))
     summary = Summary(
-        lines=session.program.line_count, blocks=ex.blocks, sections=max(1, sections),
+        lines=session.program.line_count, blocks=ex.blocks - ex.charged, sections=max(1, sections),
         path_length=estimate.path_length_mm, feed_length=estimate.feed_length_mm,
         seconds=None if ex.branches else estimate.seconds, branches=ex.branches,
         at_least=estimate.unknown_rows > 0, box=limits.box(), extents=limits.extents(),

@@ -90,6 +90,7 @@ class Emitter:
         self._motion_rules: dict[int, CodeRule] = {int(rule.function): rule for rule in reversed(g_codes)}
         self.met_deleted = False
         self.blocks = 0
+        self.charged = 0  # of these: what calls within calls count as, which nobody executed
         self.assumed: dict[str, None] = {}
         self._beyond_list: set[tuple[int, Span]] = set()
         self._listed = min((e.first for e in program.rules.parameters if e.kind in _NOT_LISTED), default=math.inf)

@@ -372,6 +372,7 @@ class Executor(Flow):
         charge = call_blocks(len(self._depth))
         if charge:
             self.blocks += charge - 1
+            self.charged += charge
             self.spend(span)
         self._enter(span)
         caller = Caller(self._call, self._file, rest, numbers=dict(self.modal.parameters) if again else None)

@@ -239,13 +239,14 @@ class Pending:
 @record(frozen=True, slots=True)
 class Passes:
     """run: (variables, passes to go on after at most, values, stretches) -> (passes that were followed by another one,
-    blocks in all of them, whether the last one is at its end: else it has not begun).
+    blocks in all of them, how many of these calls only count as, whether the last one is at its end: else it has not
+    begun).
 
     most: blocks of a pass at most; modes: distance modes in which its lines stand (``Block.distances``); reads: numbers
     of the variables. ``run`` raises one of ``FALLS_BACK`` where a variable has no number, before it does anything.
     """
 
-    run: Callable[[dict[int, Any], int, list[float], list[Stretch]], tuple[int, int, bool]]
+    run: Callable[[dict[int, Any], int, list[float], list[Stretch]], tuple[int, int, int, bool]]
     most: int
     modes: frozenset[str]
     reads: tuple[int, ...]

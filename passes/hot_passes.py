@@ -165,7 +165,7 @@ class HotPasses(Endless):
         self._hots[place, self._call] = hot
         return hot
 
-    def _hot_sub(self, node: Call, inside: tuple[str, ...]) -> tuple[Sequence[Statement], int, int] | None:
+    def _hot_sub(self, node: Call, inside: tuple[str, ...]) -> tuple[Sequence[Statement], int, int, int] | None:
         """A call that runs its subprogram once and gives it nothing: see ``pass_code.Source``."""
         sub, rules = self.program.subprograms.get(node.name), self.program.rules
         chain = [*self._depth, *inside, node.name]
@@ -185,7 +185,7 @@ class HotPasses(Endless):
             return None  # it has no end, which the executor tells
         if rules.source_order and sub.span.file != self.trace.files[self._file]:
             return None  # what is told of its moves is told of the file that runs
-        return body, number, cost + call_blocks(len(chain) - 1)
+        return body, number, cost, call_blocks(len(chain) - 1)
 
     def _is_one_file(self, body: Sequence[Statement]) -> bool:
         """Whether lines of a pass stand in the file that runs."""
@@ -203,13 +203,14 @@ class HotPasses(Endless):
             return 0
         pending, parts = self._pending, len(self._pending.parts)
         try:
-            done, blocks, at_end = passes.run(self.modal.parameters, free, pending.value, pending.parts)
+            done, blocks, charged, at_end = passes.run(self.modal.parameters, free, pending.value, pending.parts)
         except FALLS_BACK:
             # Before anything was done: a variable without a number.
             self._settle(passes.reads)
             return 0
         pending.lines += sum(len(part.lines) for part in pending.parts[parts:])
         self.blocks += blocks + done * hot.cost
+        self.charged += charged
         hot.done += done
         if at_end:
             frame.at = hot.at

@@ -43,8 +43,8 @@ class Source:
     known: the compiled form of a block, None where it has none or was never executed; line: a block as a line of
     motion, None where it is none; table: the lines of a table with their values, None where they are not all plain;
     is_whole: whether a variable holds whole numbers of 32 bits; called: (call, names of the calls around it within the
-    pass) -> the statements that run for it, its index in ``Trace.calls``, and how many blocks calling and returning
-    are; None where the executor has to do it.
+    pass) -> the statements that run for it, its index in ``Trace.calls``, how many blocks calling and returning are,
+    and as how many more it counts; None where the executor has to do it.
     """
 
     rules: LanguageRules
@@ -52,7 +52,7 @@ class Source:
     line: Callable[[Block], HotLine | None]
     table: Callable[[BlockTable], Sequence[tuple[HotLine, list[float]]] | None]
     is_whole: Callable[[int], bool]
-    called: Callable[[Call, tuple[str, ...]], tuple[Sequence[Statement], int, int] | None]
+    called: Callable[[Call, tuple[str, ...]], tuple[Sequence[Statement], int, int, int] | None]
 
 
 def compile_passes(
@@ -97,7 +97,7 @@ class _PassCode(Code):
         self._made = 0
         self._values: list[str] = []
         self._stretch: list[HotLine] = []
-        self._blocks = 0
+        self._blocks = self._charged = 0
         self._call = -1
         self._inside: tuple[str, ...] = ()
 
@@ -131,11 +131,12 @@ class _PassCode(Code):
         found = self.source.called(node, self._inside)
         if found is None:
             raise Slow
-        body, index, cost = found
+        body, index, cost, charge = found
         outer = self._call, self._inside
         self._call, self._inside = index, (*self._inside, node.name)
-        self._blocks += cost
-        most = cost + self.body(body, depth)
+        self._blocks += cost + charge
+        self._charged += charge
+        most = cost + charge + self.body(body, depth)
         self._call, self._inside = outer
         return most
 
@@ -159,7 +160,7 @@ class _PassCode(Code):
             except Slow:
                 # A pass that comes here is the executor's.
                 del self.lines[begin:]
-                self._values, self._stretch, self._blocks, count = [], [], 0, 0
+                self._values, self._stretch, self._blocks, self._charged, count = [], [], 0, 0, 0
                 self.emit(depth + 1, "raise Slow")
             most.append(count)
             if len(self.lines) == begin:
@@ -221,16 +222,18 @@ class _PassCode(Code):
         """What the lines so far leave for the executor."""
         if self._blocks:
             self.emit(depth, f"blocks += {self._blocks}")
+        if self._charged:
+            self.emit(depth, f"charged += {self._charged}")
         if self._stretch:
             name = f"s{len(self.scope)}"
             self.scope[name] = Stretch(self._stretch)
             self.emit(depth, f"values += ({', '.join(self._values)},)")
             self.emit(depth, f"stretches.append({name})")
-        self._values, self._stretch, self._blocks = [], [], 0
+        self._values, self._stretch, self._blocks, self._charged = [], [], 0, 0
 
     def function_of(
         self, test: str, step: str, *, until: bool
-    ) -> Callable[[dict[int, Any], int, list[float], list[Stretch]], tuple[int, int, bool]]:
+    ) -> Callable[[dict[int, Any], int, list[float], list[Stretch]], tuple[int, int, int, bool]]:
         loads = [text for number, name in self.reads.items() for text in loading(name, number)]
         names = list(self.written.values())
         old = [f"o{n}" for n in range(len(names))]
@@ -243,11 +246,11 @@ class _PassCode(Code):
         text = "\n".join((
             "def run(p, most, values, stretches):",
             *(f"    {one}" for one in loads),
-            "    done = blocks = 0",
+            "    done = blocks = charged = 0",
             "    at_end = True",
             "    while True:",
             *(f"        {one}" for one in keep),
-            "        had = len(values), len(stretches), blocks",
+            "        had = len(values), len(stretches), blocks, charged",
             "        try:",
             *("    " + one for one in self.lines),
             "            pass",
@@ -255,7 +258,7 @@ class _PassCode(Code):
             *(f"            {one}" for one in back),
             "            del values[had[0]:]",
             "            del stretches[had[1]:]",
-            "            blocks = had[2]",
+            "            blocks, charged = had[2:]",
             "            at_end = False",
             "            break",
             "        if done >= most: break",
@@ -263,9 +266,9 @@ class _PassCode(Code):
             *([f"        {step}"] if step else []),
             "        done += 1",
             *(f"    p[{number}] = {name}" for number, name in self.written.items()),
-            "    return done, blocks, at_end",
+            "    return done, blocks, charged, at_end",
         ))  # fmt: skip
         scope = {**NAMES, **self.scope, "FALLS_BACK": FALLS_BACK}
         exec(text, scope)  # made of numbers and names of this module alone
-        made: Callable[[dict[int, Any], int, list[float], list[Stretch]], tuple[int, int, bool]] = scope["run"]
+        made: Callable[[dict[int, Any], int, list[float], list[Stretch]], tuple[int, int, int, bool]] = scope["run"]
         return made
