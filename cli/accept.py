@@ -22,7 +22,7 @@ from gproof.frontend.own_keys import KEYS, suggestion, unknown_keys
 from gproof.frontend.toml_table import meant
 from gproof.ir import codes
 from gproof.ir.codes import CODES
-from gproof.ir.finding import Finding, Findings, Severity, Span
+from gproof.ir.finding import Finding, Findings, Severity, Span, brief
 from gproof.ir.mapped import pieces
 from gproof.ir.notes import NoteKind
 from gproof.ir.program import Program, SourceFile
@@ -189,7 +189,7 @@ def read_baseline(path: Path) -> Baseline:
     try:
         data = json.loads(path.read_text(encoding="utf-8"))
         if data["schema"] != SCHEMA:
-            raise UsageError(f"baseline {path}: schema {data['schema']!r}; this gproof reads {SCHEMA!r}")
+            raise UsageError(f"baseline {path}: schema {brief(repr(data['schema']))}; this gproof reads {SCHEMA!r}")
         wrong = [
             f"{'.'.join((*place, key))!r} ({suggestion(key, SCHEMA, (*keys.own, *keys.tables), ())})"
             for place, key, keys in unknown_keys(data, KEYS[SCHEMA], {})

@@ -72,16 +72,22 @@ def shown(
     if every:
         return [Shown(finding=f, times=findings.times[f]) for f in ordered]
     kinds: dict[object, list[Finding]] = {}
-    for finding in ordered:
-        kinds.setdefault((group_key(finding), accepted.get(finding)), []).append(finding)
+    keys = [(group_key(finding), accepted.get(finding)) for finding in ordered]
+    for finding, kind in zip(ordered, keys, strict=True):
+        kinds.setdefault(kind, []).append(finding)
     partly = {group_key(finding) for finding in accepted}
+    counts: dict[object, tuple[int, int]] = {}
+    """Of each kind: how often the kept ones came, and all of them."""
     out = []
-    for finding in ordered:
-        key = group_key(finding)
-        members = kinds[key, accepted.get(finding)]
+    for finding, kind in zip(ordered, keys, strict=True):
+        key, is_accepted = kind
+        members = kinds[kind]
         group = findings.groups.get(key)
-        own = sum(findings.times[f] for f in members)
-        total = own if group is None or finding in accepted else _left(findings, group, key, accepted, own, partly)
+        if kind not in counts:
+            own = sum(findings.times[f] for f in members)
+            open_ones = group is not None and is_accepted is None
+            counts[kind] = own, _left(findings, group, key, accepted, own, partly) if group and open_ones else own
+        own, total = counts[kind]
         if len(members) <= ALONE and total <= own:
             out.append(Shown(finding=finding, times=findings.times[finding]))
         elif finding is members[0]:

@@ -13,11 +13,13 @@ from gproof.cli.files import require_file
 from gproof.cli.main import UsageError
 from gproof.cli.properties import ADDED
 from gproof.frontend.guess import EXTENSIONS
-from gproof.frontend.toml_table import TomlFile, TomlTable, is_there
+from gproof.frontend.toml_table import LARGEST_FILE, TomlFile, TomlTable, is_there
 from gproof.ir.finding import Findings
 from gproof.ir.record import record
 
 SCHEMA = "gproof-job/1"
+HEAD = 1000
+"""Bytes of a file that is too large, in which its schema is looked for."""
 _NEVER = {"macro.cnc", "user_macro.cnc"}
 _NO_JOBS = {".mac", ".inc", ".txt", ".iso"}
 """Extensions of programs that folders are not searched for: macros, includes, and what may be anything."""
@@ -124,7 +126,10 @@ def _is_job_file(path: Path) -> bool:
         return False
     try:
         with path.open("rb") as file:
-            return str(tomllib.load(file).get("schema", "")).startswith("gproof-job/")
+            text = file.read(LARGEST_FILE + 1)
+        if len(text) > LARGEST_FILE:  # said where it is read
+            return b"gproof-job/" in text[:HEAD]
+        return str(tomllib.loads(text.decode()).get("schema", "")).startswith("gproof-job/")
     except (OSError, ValueError, RecursionError):
         return False
 

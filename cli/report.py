@@ -104,12 +104,14 @@ def format_finding(
 
 def _excerpt(span: Span, text: str) -> list[str]:
     column, end = span.column, span.end_column
+    if column > len(text) + 1:  # more of the line was not read
+        column = 0
     if len(text) > _LONGEST:
         shift = max(0, min(column - _LONGEST // 2, len(text) - _LONGEST))
         text, column, end = text[shift : shift + _LONGEST], column - shift, end - shift
     plain = "".join(c if c.isprintable() else " " for c in text.expandtabs(1)).replace("##[", "# [")
     out = [f"{span.line:5d} | {plain.rstrip()}"]
-    if span.column:
+    if column:
         width = max(1, min(end, len(plain) + 1) - column)
         out.append(f"      | {' ' * (column - 1)}^{'~' * (width - 1)}")
     return out

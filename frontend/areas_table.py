@@ -46,11 +46,12 @@ def areas_from(
 def keep_out_from(root: TomlTable, unit: Fraction) -> tuple[Area, ...]:
     """The zones of ``[[keep_out]]``, in their order."""
     out: list[Area] = []
+    names: set[str] = set()
     for number, table in enumerate(root.tables("keep_out"), 1):
         name = table.text("name")
         if "name" not in table.values:
             table.missing("name")
-        if name is not None and name in {area.name for area in out}:
+        if name is not None and name in names:
             table.bad("name", f"there is another zone {name!r} in this file")
         work = table.whole("work", 0, COORDINATE_SYSTEMS)
         label = name or f"keep_out {number}"
@@ -60,6 +61,7 @@ def keep_out_from(root: TomlTable, unit: Fraction) -> tuple[Area, ...]:
             area = _box(table, label, unit)
         table.finish()
         if area is not None:
+            names.add(area.name)
             out.append(Area(name=area.name, box=area.box, rings=area.rings, work=work or 0))
     return tuple(out)
 

@@ -39,8 +39,12 @@ _NO_TOML = {
     "gproof-machine/1": "a machine file is gproof's (TOML), or the controller's: WINCNC.INI, McuWIN.ini, cnc.ini",
     "gproof-setup/1": "a setup file is gproof's (TOML)",
 }
-_HEADER = re.compile(r"\s*(\[\[?)\s*([^\[\]]+?)\s*\]\]?\s*(?:#.*)?$")
+_HEADER = re.compile(r"\s*+(\[\[?)\s*+([^\[\]]++)\]\]?\s*+(?:#.*)?$")
 _KEY = re.compile(r"""\s*((?:[A-Za-z0-9_-]+|"[^"]*"|'[^']*')(?:\s*\.\s*(?:[A-Za-z0-9_-]+|"[^"]*"|'[^']*'))*)\s*=""")
+LARGEST_FILE = 4 << 20
+"""Bytes of a file; numbers and tables take Python some microseconds a byte to read."""
+HINTED = 500
+"""Keys that nobody knows for which others are looked for."""
 DEEPEST_KEY = 100
 """Parts of a dotted key: reading takes the square of their number."""
 _DEEP_KEY = re.compile(
@@ -101,7 +105,8 @@ class TomlFile:
         """The finding for a key that is none, once. name: dotted; known: keys of its table; given: those it has."""
         if name not in self._reported:
             self._reported.add(name)
-            self.add(codes.NO_SUCH_KEY, name, key=name, hint=suggestion(key, self.schema, known, given))
+            hint = suggestion(key, self.schema, known, given) if len(self._reported) <= HINTED else ""
+            self.add(codes.NO_SUCH_KEY, name, key=name, hint=hint)
 
     def _parse(self) -> dict[str, Any] | None:
         try:
@@ -110,6 +115,10 @@ class TomlFile:
             self.add(codes.FILE_UNREADABLE, "", what=f"{self.name}: {error.strerror or error}")
             return None
         self.sha256 = hashlib.sha256(raw).hexdigest()
+        if len(raw) > LARGEST_FILE:
+            what = f"{len(raw)} bytes; a file of settings has {LARGEST_FILE} at most"
+            self.add(codes.FILE_UNREADABLE, "", what=what)
+            return None
         try:
             text = raw.removeprefix(b"\xef\xbb\xbf").decode("utf-8")
         except UnicodeDecodeError as error:

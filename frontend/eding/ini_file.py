@@ -17,7 +17,7 @@ from gproof.ir.finding import Code, Findings, Span
 from gproof.ir.record import record
 
 _LINE = re.compile(
-    r"\s*(?:\[(?P<section>[^\]]*)\]|(?P<key>[^=;#\[\]]+?)\s*=\s*(?P<value>\"[^\"]*\"|[^;#]*))\s*(?:[;#].*)?$"
+    r"\s*+(?:\[(?P<section>[^\]]*)\]|(?P<key>[^=;#\[\]]++)=\s*+(?P<value>\"[^\"]*\"|[^;#]*))\s*(?:[;#].*)?$"
 )
 NUMBERED = re.compile(r"(JOINT|SPINDLE|TOOL)_(\d{1,2})$")
 """Sections of which a file has several."""

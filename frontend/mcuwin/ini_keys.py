@@ -22,8 +22,9 @@ class IniKey:
     def fits(self, section: str, key: str) -> bool:
         """True for a folded section and key that this row is about."""
         where, _, name = self.shown.casefold().rpartition("] ")
-        pattern = re.escape(name).replace(re.escape("?"), "[0-9?]")
-        return where in ("", f"[{section}") and re.fullmatch(pattern, key) is not None
+        if len(key) != len(name) or where not in ("", f"[{section}"):
+            return False
+        return all(one == other or (other == "?" and one in "0123456789") for one, other in zip(key, name, strict=True))
 
 
 KEPT = (
@@ -40,6 +41,7 @@ KEPT = (
 
 KEPT_SECTIONS = r"fehlertexte.*|errortexts.*"
 """Texts of error messages (14, 2.5.3.103 and 2.5.3.107)."""
+_KEPT_SECTION = re.compile(KEPT_SECTIONS)
 
 
 @record(frozen=True, slots=True)
@@ -75,7 +77,7 @@ SETTINGS = (
 
 def kept(section: str, key: str) -> bool:
     """True for a folded section and key that the manual names and that has no bearing on a job's moves."""
-    return re.fullmatch(KEPT_SECTIONS, section) is not None or any(row.fits(section, key) for row in KEPT)
+    return _KEPT_SECTION.fullmatch(section) is not None or any(row.fits(section, key) for row in KEPT)
 
 
 def setting_of(key: str) -> IniSetting | None:

@@ -23,7 +23,7 @@ COMMENT_SIGNS = (";", "#", "//", "'")
 
 _END_OF_LINE = re.compile(r"\r\n|\r|\n")
 _SECTION = re.compile(r"\s*\[(?P<name>[^\]]*)\]\s*")
-_SETTING = re.compile(r"\s*(?P<key>[^=]*?)\s*=\s*(?P<value>.*?)\s*", re.DOTALL)
+_SETTING = re.compile(r"(?P<key>[^=]*+)=(?P<value>.*)", re.DOTALL)
 _CONTROL = re.compile(r"[\x00-\x08\x0b-\x1f\x7f]")
 _NUMBER = re.compile(r"[-+]?(?:[0-9]+[.,]?[0-9]*|[.,][0-9]+)", re.ASCII)
 _MOST_DIGITS = 40
@@ -117,7 +117,7 @@ class IniText:
                 section = self._open(header["name"].strip(), number)
                 continue
             found = None if bare[0] == "[" else _SETTING.fullmatch(line)
-            if found is None or not found["key"]:
+            if found is None or not found["key"].strip():
                 begin = len(line) - len(line.lstrip()) + 1
                 what = "neither [section] nor key=value"
                 self.add(codes.FILE_UNREADABLE, number, begin, begin + len(bare), what=what)
@@ -134,10 +134,12 @@ class IniText:
         return folded
 
     def _enter(self, section: str, number: int, found: re.Match[str]) -> None:
-        part = "value" if found["value"] else "key"
+        key, value = found["key"].strip(), found["value"].strip()
+        part = "value" if value else "key"
+        begin = found.end(part) - len(found[part].lstrip())
         name = self.names.get(section, ("", 0))[0]
-        entry = Entry(name, found["key"], found["value"], number, found.start(part) + 1, found.end(part) + 1)
-        before = self.sections.setdefault(section, {}).setdefault(found["key"].casefold(), entry)
+        entry = Entry(name, key, value, number, begin + 1, begin + len(value or key) + 1)
+        before = self.sections.setdefault(section, {}).setdefault(key.casefold(), entry)
         if before is not entry and before.text != entry.text:
             self.bad(entry, f"given again with another value than in line {before.line}")
 

@@ -30,7 +30,7 @@ STEP_FREQUENCY = 30000.0
 PULSE = 5.0
 """Microseconds of a pulse, and of the direction before it, without steppulse=."""
 
-_MARK = re.compile(rb"^\s*axis(?:char|spec)\s*=", re.IGNORECASE | re.MULTILINE)
+_MARK = re.compile(rb"^[^\S\n]*axis(?:char|spec)\s*=", re.IGNORECASE | re.MULTILINE)
 
 
 def is_wincnc_ini(path: Path) -> bool:
