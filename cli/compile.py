@@ -246,11 +246,14 @@ def _write(
             raise UsageError(str(error)) from None
         signer = f"the key in {place}"
     now = datetime.datetime.now(datetime.UTC).isoformat(timespec="seconds")
-    digest = c.write_package(
-        output, job=session.job.name, version=version("gproof"), inputs=session.inputs,
-        properties=judgement.properties, not_judged=not_judged(r.name for r in judgement.properties),
-        assumptions=judgement.assumptions,
-        machine=session.machine, setup=session.setup, trace=lowered.trace, stream=lowered.stream, report=report,
-        key=key, created=now, left_open=lowered.left_open,
-    )  # fmt: skip
+    try:
+        digest = c.write_package(
+            output, job=session.job.name, version=version("gproof"), inputs=session.inputs,
+            properties=judgement.properties, not_judged=not_judged(r.name for r in judgement.properties),
+            assumptions=judgement.assumptions,
+            machine=session.machine, setup=session.setup, trace=lowered.trace, stream=lowered.stream, report=report,
+            key=key, created=now, left_open=lowered.left_open,
+        )  # fmt: skip
+    except c.TooLarge as why:
+        raise UsageError(f"{output}: nothing was written: {why}") from None
     return digest, signer

@@ -194,6 +194,11 @@ _TABLE_END = re.compile(r"[()\[\]{}\"]")
 _COMMENT = re.compile(r";[^\n]*")
 
 
+def words_of(text: str) -> int:
+    """As many words and brackets as ``TOKENS`` bounds, or more: those of tables are counted too."""
+    return sum(1 for _ in _TOKEN.finditer(text))
+
+
 class _Reader:
     """A recursive reader; ``token`` is the next one, "" at the end of the text."""
 

@@ -37,6 +37,8 @@ from gproof.verify.package import (
     SIGNATURE,
     CertificateError,
     Package,
+    TooLarge,
+    beyond_reading,
     canonical,
     parts_of,
     read_package,
@@ -52,8 +54,8 @@ if TYPE_CHECKING:
     from cryptography.hazmat.primitives.asymmetric.ed25519 import Ed25519PrivateKey
 
 __all__ = [
-    "CertificateError", "Check", "Package", "check_package", "load_or_create_key", "public_key_text", "read_package",
-    "write_package",
+    "CertificateError", "Check", "Package", "TooLarge", "check_package", "load_or_create_key", "public_key_text",
+    "read_package", "write_package",
 ]  # fmt: skip
 
 PLACED = "stream-position"
@@ -98,10 +100,13 @@ def write_package(
     """Write a package and return the SHA-256 of its body; the file appears whole or not at all.
 
     inputs: (name, sha256, role); properties: those of the trace; report: of the stream checker;
+    Raises TooLarge when it would be larger than a reader takes.
     created, comment: kept beside the signature, outside the body; a second signature covers them; left_open: the
     offsets that are measured later, of which the runtime asks what the position of the stream then has as conditions.
     """
     members = parts_of(machine, setup, trace, stream)
+    if why := beyond_reading(members, trace, stream):
+        raise TooLarge(why)
     of_stream = report.properties
     if left_open is not None:
         asked = tuple(c for place in left_open.places.values() for c in place.conditions())

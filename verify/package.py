@@ -31,15 +31,15 @@ from gproof.ir.number_ranges import LONGEST_TABLE, number_problem
 from gproof.ir.record import record
 from gproof.ir.setup import Setup
 from gproof.ir.stream import EVENT, RUN, StepStream
-from gproof.ir.text import parse_texts, print_ir
+from gproof.ir.text import TOKENS, parse_texts, print_ir, words_of
 from gproof.ir.trace import TRACE_ROW, Trace
 from gproof.verify.conform import misfit
 from gproof.verify.package_zip import FILE_LIMIT, CertificateError, Sealed, open_sealed, seal, write_members
 from gproof.verify.signature import fits
 
 __all__ = [
-    "BODY", "FORMAT", "SIGNATURE", "CertificateError", "Package", "canonical", "parts_of", "read_package", "seal",
-    "write_members",
+    "BODY", "FORMAT", "SIGNATURE", "CertificateError", "Package", "TooLarge", "beyond_reading", "canonical", "parts_of",
+    "read_package", "seal", "write_members",
 ]  # fmt: skip
 
 BODY, SIGNATURE = "body.json", "signature.json"
@@ -97,6 +97,28 @@ def parts_of(machine: Machine, setup: Setup, trace: Trace, stream: StepStream) -
     }
     members.update((name, _encode(schema, tables)) for name, schema, tables in _tables(trace, stream))
     return members
+
+
+class TooLarge(ValueError):
+    """A package that nobody would read, for its size alone."""
+
+
+def beyond_reading(members: dict[str, bytes], trace: Trace, stream: StepStream) -> str:
+    """Why a package of these parts would be refused unread for its size alone; an empty text when it is not."""
+    for name, data in members.items():
+        limit = MEMBER_LIMIT if name.endswith(".bin") else TEXT_LIMIT
+        if len(data) > limit:
+            return f"{name} has {len(data)} bytes, at most {limit} are read"
+    for name, _, tables in _tables(trace, stream):
+        rows = sum(map(len, tables))
+        if rows > LONGEST_TABLE:
+            return f"{name} has {rows} rows, at most {LONGEST_TABLE} are read"
+    texts = [members[name] for name in TEXTS]
+    if sum(map(len, texts)) > TOKENS:
+        words = sum(words_of(text.decode()) for text in texts)
+        if words > TOKENS:
+            return f"its texts have {words} words, at most {TOKENS} are read: it has too many sections"
+    return ""
 
 
 def _rows_of(table: Columns) -> Any:

@@ -11,6 +11,7 @@ from pathlib import Path
 
 import pytest
 from support.campaigns import share
+from support.goldens import ROOT
 from verify.package_files import members_of, rebuilt, write
 from verify.test_certificate import refusal
 
@@ -176,6 +177,19 @@ def test_texts_are_bounded() -> None:
         next(parse_texts(["[" * (DEPTH + 1) + "]" * (DEPTH + 1)]))
     with pytest.raises(ValueError, match="more than"):
         parse_ir("[" + "1 " * TOKENS + "]")
+
+
+@pytest.mark.parametrize(("limit", "said"), [("TOKENS", "words"), ("TEXT_LIMIT", "bytes"), ("LONGEST_TABLE", "rows")])
+def test_what_nobody_would_read_is_not_written(
+    limit: str, said: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(f"gproof.verify.package.{limit}", 3)
+    job, made = ROOT / "corpus" / "eding" / "drilled-plate", tmp_path / "made.gpx"
+    words = ["compile", str(job / "job.cnc"), "--machine", str(job / "machine.toml"), "--setup", "zero", "--unsigned"]
+    assert main([*words, "-o", str(made)]) == 3
+    told = capsys.readouterr().err.strip().splitlines()[-1]
+    assert "nothing was written" in told and said in told, told
+    assert list(tmp_path.iterdir()) == []
 
 
 @pytest.mark.parametrize(
