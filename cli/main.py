@@ -57,6 +57,13 @@ class _Interrupted(click.ClickException):
 class _Commands(click.Group):
     """The commands; an interrupt of any is an exit code of its own."""
 
+    def make_context(self, *args: Any, **extra: Any) -> click.Context:
+        """Read the arguments."""
+        try:
+            return super().make_context(*args, **extra)
+        except KeyboardInterrupt:
+            raise _Interrupted("gproof: interrupted") from None
+
     def invoke(self, ctx: click.Context) -> Any:
         """Run a command."""
         try:
