@@ -452,7 +452,9 @@ def in_range(value: T, path: Path, findings: Findings) -> T | None:
     wrong = number_problem(value)
     if wrong is None:
         return value
-    findings.add(codes.BAD_VALUE.at(Span(str(path), 0), key=wrong.where, what=wrong.what))
+    stated = re.sub(r"\[[^\]]*\]", "", wrong.where)  # fields are mostly called as their keys are
+    span = findings.where(f"{type(value).__name__.lower()}.{stated}", Span(str(path), 1))
+    findings.add(codes.BAD_VALUE.at(span, key=wrong.where, what=wrong.what))
     return None
 
 
