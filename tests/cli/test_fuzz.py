@@ -11,6 +11,7 @@ import json
 import random
 from collections.abc import Callable
 from contextlib import redirect_stdout
+from itertools import islice
 from pathlib import Path
 
 import pytest
@@ -32,6 +33,8 @@ from gproof.passes.execute import Executor
 
 BUDGET = 1500
 SECONDS = 30
+CHUNKS = 4
+"""Of rows that are printed: thousands of pecks are the same lines again."""
 GROUP = 50
 DEFAULT, MORE, SOAK = 150, 1_000, 10_000
 
@@ -86,8 +89,10 @@ def answers(job: Path, machine: Path | None, setup: str | None, budget: int = BU
     for finding in judgement.findings.kept:
         where = finding.span
         known = CODES[finding.code.number]
-        # A program that ends itself on one outcome of several is told as a note.
-        assert finding.code == known or (finding.code == known.as_note() and known.number in (245, 288))
+        # A program that ends itself on one outcome of several is told as a note; of calls within themselves that an
+        # outcome asks for nobody knows how many there are.
+        others = {245: known.as_note(), 288: known.as_note(), 117: known.as_unknown()}
+        assert finding.code in (known, others.get(known.number))
         assert finding.message
         assert "None" not in finding.message, finding.message
         assert " nan" not in finding.message, finding.message
@@ -109,7 +114,7 @@ def answers(job: Path, machine: Path | None, setup: str | None, budget: int = BU
             session.program, session.setup, session.machine, Findings(), budget=BUDGET, stop_at_error=True,
             max_branches=16,
         )  # fmt: skip
-        for chunk in ex.run():
+        for chunk in islice(ex.run(), CHUNKS):
             for line in chunk_lines(chunk, session.machine, str(job)):
                 json.loads(line, parse_constant=lambda what: pytest.fail(f"{what} in the trace"))
     return judgement
