@@ -22,6 +22,9 @@ Floats = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
 
 _MOST_CELLS = 4_000_000
+_MOST_ENTRIES = 50_000_000
+"""Of facets in the lists of all cells; more only where each facet is in few. Facets that reach across everything would
+fill the memory."""
 _FLAT = 1e-10
 """mm that the corners of a facet may lie beside one plane."""
 
@@ -61,6 +64,8 @@ class Surface:
         count = len(self.corners)
         cell = max(1.2 * math.sqrt(max(wide * deep, 1e-6) / count), max(wide, deep) / 4000.0, 0.05)
         cell = max(cell, math.sqrt(wide * deep / _MOST_CELLS))
+        while self._entries(cell) > max(_MOST_ENTRIES, 40 * count):
+            cell *= 2
         nx, ny = int(wide / cell) + 1, int(deep / cell) + 1
         self.grid: Floats = np.array([self.low[0], self.low[1], cell, self.high[2], float(self.beside.max())])
         self.size: Ints = np.array([nx, ny, int(np.argmax(self.box[:, 4]))], dtype=np.int64)
@@ -73,6 +78,11 @@ class Surface:
         self.items: Ints = np.zeros(total, dtype=np.int64)
         raster.pick(count)(*given, first, self.items, self.top, 1)
         self.first: Ints = np.concatenate([np.zeros(1, dtype=np.int64), first[:-1]])
+
+    def _entries(self, cell: float) -> float:
+        """How many facets all cells together would list at most."""
+        across = (self.box[:, 1] - self.box[:, 0]) / cell + 2
+        return float((across * ((self.box[:, 3] - self.box[:, 2]) / cell + 2)).sum())
 
     def holds(self, body: int, point: tuple[float, float, float]) -> bool | None:
         """Whether a point lies in a body; None when its surface does not say."""
