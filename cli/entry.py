@@ -12,8 +12,8 @@ INTERRUPTED = 130
 """As in ``main``, which is not there yet."""
 
 
-def main() -> int:
-    """Import the command line and run it; the exit code."""
+def main(arguments: list[str] | None = None) -> int:
+    """Import the command line and run it, as ``main.main`` does; the exit code."""
     try:
         import signal
 
@@ -27,7 +27,7 @@ def main() -> int:
 
         for number, handler in before.items():
             signal.signal(number, handler)
-        return run()
+        return run(arguments)
     except KeyboardInterrupt:
         _over()
 
