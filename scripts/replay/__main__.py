@@ -140,7 +140,8 @@ def main(words: list[str] | None = None) -> int:
         print(f"{name}: {count} differ")
     print(f"replay: {sum(programs.values())} programs, {sum(differing.values())} differences")
     empty = [f"{name} of {dialect}" for dialect in SUFFIXES for name in NEEDED if not ran[dialect, name]]
-    if empty and not asked.only and not differing:
+    ran_at_all = {name for _, name in ran}
+    if not differing and (not ran_at_all or (empty and not asked.only)):
         print(f"replay: nothing was compared: {', '.join(empty)}", file=sys.stderr)
         return 3
     return 1 if differing else 0

@@ -44,8 +44,9 @@ def run(main: Main, words: list[str]) -> bytes:
             code: Any = main(words)
         except SystemExit as left:
             code = left.code
-        except Exception:
-            code = f"an exception\n{traceback.format_exc()}"
+        except Exception:  # counts as a command that could not run, or two revisions that both fail would be alike
+            traceback.print_exc()
+            code = 3
         printed = out.getvalue() + b"\n--- standard error\n" + err.getvalue()
     return printed + f"\n--- exit {code}\n".encode()
 

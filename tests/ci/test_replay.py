@@ -15,6 +15,7 @@ sys.path.insert(0, str(FOLDER))
 
 from cases import all_cases  # noqa: E402  (scripts/replay is no package)
 from revisions import site_of  # noqa: E402
+from worker import FAILED, answer, aspects  # noqa: E402
 
 LIMITS, POCKET = "docs/codes/GP301/bad (eding)", "corpus/eding/pocket-in-steps/job.cnc"
 PLANTS = [
@@ -72,3 +73,14 @@ def test_what_can_not_be_compared(words: tuple[str, ...]) -> None:
     done = replay(*words)
     assert done.returncode in (2, 3)
     assert "Traceback" not in done.stderr
+
+
+def test_a_command_that_breaks_has_not_run(tmp_path: Path) -> None:
+    """Or two revisions that both break would be alike."""
+
+    def broken(_: list[str]) -> int:
+        raise TypeError
+
+    case = {"words": [], "check": ["--also", "all"], "fmt": [], "program": "job.cnc"}
+    found = answer(aspects(broken, case, tmp_path), False, tmp_path)
+    assert {name for name, text in found.items() if not text.startswith(FAILED)} == set()
