@@ -427,13 +427,13 @@ def exact_number(value: Any) -> Fraction | None:
     return None
 
 
-_RATIO = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+))\s*(?:/\s*(\d+\.?\d*|\.\d+)\s*)?", re.ASCII)
+_RATIO = re.compile(r"\s*([-+]?(?:\d++(?:\.\d*+)?|\.\d+))\s*(?:/\s*(\d++(?:\.\d*+)?|\.\d+)\s*)?", re.ASCII)
 
 
 def exact_ratio(text: str) -> Fraction | None:
     """``"320.5"`` or ``"1600/5"``, exactly; None for anything else."""
-    found = _RATIO.fullmatch(text)
-    if found is None or len(text) > 80:
+    found = _RATIO.fullmatch(text) if len(text) <= 80 else None
+    if found is None:
         return None
     divisor = Fraction(found[2]) if found[2] else Fraction(1)
     return Fraction(found[1]) / divisor if divisor else None

@@ -33,7 +33,7 @@ from gproof.ir.program import (
     Word,
 )
 
-_LITERAL = re.compile(r"[-+]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)", re.ASCII)
+_LITERAL = re.compile(r"[-+]?(?:[0-9]++(?:\.[0-9]*+)?|\.[0-9]+)", re.ASCII)
 _CODE = re.compile(r"[Mm][ \t]*[0-9]+[ \t]*", re.ASCII)
 _TARGET = re.compile(r"[Ll][ \t]*(?P<digits>[0-9]+)|(?P<name>[A-Za-z_][A-Za-z0-9_]*)", re.ASCII)
 _MODULE = re.compile(r"[a-z_][a-z0-9_]*", re.ASCII)

@@ -24,7 +24,7 @@ Part = Callable[[Sequence[Span], Sequence[Any]], Any]
 Place = tuple[int, int]
 """A character of a line: how many stand before it that are in no run before it, and how many runs end before it."""
 
-_NUMBER = re.compile(r"([-+]?)[ \t]*([0-9]+\.?[0-9]*|\.[0-9]+)")
+_NUMBER = re.compile(r"([-+]?)[ \t]*([0-9]++(?:\.[0-9]*+)?|\.[0-9]+)")
 _LABEL = re.compile(r"[Ll][ \t]*\Z")
 
 

@@ -27,7 +27,7 @@ _SETTING = re.compile(r"\s*(?P<key>[A-Za-z0-9_]+)\s*=\s*(?P<value>.*)", re.ASCII
 _EDING_SECTION = re.compile(r"^[ \t]*\[joint_\d+\]", re.IGNORECASE | re.MULTILINE)
 _CONTROL = re.compile(r"[\x00-\x08\x0b-\x1f\x7f]")
 _LETTER = re.compile(r"\s*(?P<letter>[A-Za-z])\s*", re.ASCII)
-_NUMBER = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+)", re.ASCII)
+_NUMBER = re.compile(r"[-+]?(?:\d++(?:\.\d*+)?|\.\d+)", re.ASCII)
 _MOST_DIGITS = 60
 LONGEST_LINE = 256
 """Characters that the controller reads of a line (Line Too Long)."""

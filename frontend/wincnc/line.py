@@ -23,14 +23,14 @@ LARGEST = 1e300
 """What a number may be: codes are looked up by their tenfold, which has to be one too."""
 TOO_LARGE = "a number that is too large for a double"
 OPERATORS = "*/+-"
-_NUMBER = re.compile(r"[-+]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)")
+_NUMBER = re.compile(r"[-+]?(?:[0-9]++(?:\.[0-9]*+)?|\.[0-9]+)")
 _COMMA_NUMBER = re.compile(r"[-+]?(?:[0-9]+[.,]?[0-9]*|[.,][0-9]+)")
 _NAME = re.compile(r"[A-Za-z][A-Za-z0-9]*")
 _BLANKS = re.compile(r"[ \t]*")
 _LINE_NUMBER = re.compile(r"[ \t]*[Nn][ \t]*([0-9]+)(?![0-9.,])")
 _INSIDE = re.compile(
-    r"[ \t]*(?:(?P<name>[A-Za-z][A-Za-z0-9]*)|(?P<first>[-+]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)))[ \t]*"
-    r"(?:(?P<operator>[-+*/])[ \t]*(?P<second>[-+]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)))?[ \t]*\Z"
+    r"[ \t]*(?:(?P<name>[A-Za-z][A-Za-z0-9]*)|(?P<first>[-+]?(?:[0-9]++(?:\.[0-9]*+)?|\.[0-9]+)))[ \t]*"
+    r"(?:(?P<operator>[-+*/])[ \t]*(?P<second>[-+]?(?:[0-9]++(?:\.[0-9]*+)?|\.[0-9]+)))?[ \t]*\Z"
 )
 
 

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import contextlib
 import dataclasses
+import math
 import re
 from typing import Any, Protocol
 
@@ -136,8 +137,8 @@ class Lines:
             name = re.sub(r"[ \t+]", "", found.group()).upper()
             if name[0] in "GLM":
                 tenths = float(name[1:]) * 10
-                is_known = abs(tenths - round(tenths)) < 1e-6 and (name[0], round(tenths)) in self.rules.codes
-                return "" if is_known else name
+                is_whole = math.isfinite(tenths) and abs(tenths - round(tenths)) < 1e-6
+                return "" if is_whole and (name[0], round(tenths)) in self.rules.codes else name
             if name[0] not in LINE_LETTERS:
                 return name
         word = _BEGINS_WITH_WORD.match(code, begin)

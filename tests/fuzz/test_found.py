@@ -8,8 +8,13 @@ import pytest
 from support.command import Done, in_this_process
 from support.guarded import alarm
 
+from gproof.backend.emit import mcuwin_parts
 from gproof.frontend.machine_file import load_machine
+from gproof.frontend.mcuwin import patterns
 from gproof.frontend.setup_file import load_setup
+from gproof.frontend.toml_table import exact_ratio
+from gproof.frontend.wincnc import ini_file
+from gproof.frontend.wincnc import line as wincnc_line
 from gproof.frontend.wincnc.load import load_program
 from gproof.frontend.wincnc.machine import NO_SHOP
 from gproof.ir.finding import Findings
@@ -163,3 +168,28 @@ def test_deep_baselines(text: str, tmp_path: Path) -> None:
     done = ran(tmp_path, "check", "job.cnc", "--baseline", "known.json")
     assert done.exit == 3
     assert "is no baseline" in done.err
+
+
+# -- digits without end
+
+
+@pytest.mark.parametrize("letter", "GLM")
+def test_a_code_of_many_digits_that_a_missing_macro_file_may_define(letter: str, tmp_path: Path) -> None:
+    """Asked of each line that is none while CNC.MAC is not there: whether a macro of that name may be in it.
+
+    A command of the settings file has no longest line.
+    """
+    (tmp_path / "WINCNC.INI").write_text(f"[WINCNC]\naxischar=XYZ\ncmdabort={letter}{'9' * 400} ]\n")
+    (tmp_path / "job.tap").write_text("G20\n")
+    done = ran(tmp_path, "check", "job.tap", "--machine", "WINCNC.INI")
+    assert done.exit in (1, 2), done
+    assert "internal error" not in done.err
+
+
+@pytest.mark.parametrize("end", ["", "x", ".x", "/5x"])
+def test_words_of_many_digits_take_no_longer_than_they_are_long(end: str) -> None:
+    for word in ("9" * 200_000 + end, "." + "9" * 200_000 + end):
+        with alarm(5):
+            assert exact_ratio(word) is None
+            for pattern in (wincnc_line._NUMBER, ini_file._NUMBER, patterns._NUMBER, mcuwin_parts._LITERAL):
+                assert bool(pattern.fullmatch(word)) == (end == "")
