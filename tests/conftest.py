@@ -35,6 +35,10 @@ def pytest_collection() -> Iterator[None]:
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """A name that another process would give another test (a set, an address in memory) stops the run."""
+    for item in items:
+        if "set({" in item.nodeid or " at 0x" in item.nodeid:
+            raise pytest.UsageError(f"{item.nodeid}: its name differs from run to run: give it `ids`")
     items.sort(key=lambda item: item.path.name not in LONG)
 
 
