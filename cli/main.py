@@ -10,10 +10,7 @@ import contextlib
 import io
 import math
 import os
-import signal
 import sys
-import threading
-from collections.abc import Iterator
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -22,6 +19,7 @@ import click
 
 from gproof.cli.boards import BOARDS
 from gproof.cli.options import ALSO, FileName, in_one_line, once
+from gproof.cli.signals import ended_by_signals
 
 COULD_NOT_RUN = 3
 INTERRUPTED = 130
@@ -453,7 +451,7 @@ def main(arguments: list[str] | None = None) -> int:
     if not _standard_streams():
         return COULD_NOT_RUN
     try:
-        with _ended_by_signals():
+        with ended_by_signals():
             return _run(arguments)
     except OSError:
         # Standard error can not be written: there is nowhere to say so, and a verdict's code would lie.
@@ -465,28 +463,6 @@ def ends_with_its_command() -> bool:
     """True where the process ends with the command that is running: the command line itself, not a program's call."""
     context = click.get_current_context(silent=True)
     return context is not None and context.find_root().obj is _PROCESS
-
-
-def _interrupt(_number: int, _frame: Any) -> None:
-    raise KeyboardInterrupt
-
-
-@contextlib.contextmanager
-def _ended_by_signals() -> Iterator[None]:
-    """SIGTERM and SIGHUP end a command as Ctrl-C does: what it began to write goes, and so do its processes."""
-    before = {}
-    if threading.current_thread() is threading.main_thread():
-        for name in ("SIGTERM", "SIGHUP"):
-            number = getattr(signal, name, None)
-            # Those that somebody ignores (``nohup``) or has a handler for stay so.
-            if number is not None and signal.getsignal(number) is signal.SIG_DFL:
-                before[number] = signal.signal(number, _interrupt)
-    try:
-        yield
-    finally:
-        for number, handler in before.items():
-            if signal.getsignal(number) is _interrupt:  # A run that is over ignores them to the end.
-                signal.signal(number, handler)
 
 
 def _plain(message: str) -> str:

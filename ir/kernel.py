@@ -26,6 +26,7 @@ from typing import Any, Generic, ParamSpec, TypeVar
 
 from gproof.ir.kernel_cache import FileCache, code_digest, write_whole
 from gproof.ir.private_folder import private_or_other
+from gproof.ir.uninterrupted import uninterrupted
 
 P = ParamSpec("P")
 R = TypeVar("R")
@@ -145,7 +146,8 @@ class Kernel(Generic[P, R]):
     def compiled(self) -> Callable[P, R]:
         """The numba version, compiled on its first call or loaded from the cache."""
         if self._compiled is None:
-            self._compiled = self._with_marker(self._dispatcher({}))
+            with uninterrupted():
+                self._compiled = self._with_marker(self._dispatcher({}))
         return self._compiled
 
     def _with_marker(self, dispatcher: Any) -> Callable[P, R]:
@@ -178,6 +180,7 @@ class Kernel(Generic[P, R]):
         options: dict[str, Any] = {"inline": "always" if self.inline else "never", "_nrt": not self.borrows}
         dispatcher: Any = numba.njit(error_model="numpy", nogil=True, **options)(copy)
         dispatcher._cache = FileCache(self._folder())
+        dispatcher._compile_for_args = uninterrupted()(dispatcher._compile_for_args)
         done[self] = dispatcher
         return dispatcher
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import random
 import signal
 import subprocess
 import time
@@ -11,6 +12,7 @@ from pathlib import Path
 
 import pytest
 from cli.packages import MACHINE, Shop, members_of
+from support.campaigns import seeds
 from support.command import COMMAND
 from verify.package_files import rebuilt
 
@@ -35,8 +37,10 @@ sys.exit(main(words))
 """
 
 
-def interrupted(folder: Path, at: tuple[str, str, str], words: tuple[str, ...], number: int) -> None:
-    """The command gets the signal a moment after it began to read; it ends as it should."""
+def interrupted(
+    folder: Path, at: tuple[str, str, str], words: tuple[str, ...], number: int, moment: float = 0.3
+) -> None:
+    """The command gets the signal a moment (in seconds) after it began to read; it ends as it should."""
     before = set(os.listdir(folder)) | {"reading"}
     command = [COMMAND[0], "-c", UNTIL, *at, *words]
     env = os.environ | {"XDG_CONFIG_HOME": str(folder)}
@@ -48,7 +52,7 @@ def interrupted(folder: Path, at: tuple[str, str, str], words: tuple[str, ...], 
             assert process.poll() is None, process.communicate()
             assert time.monotonic() < end
             time.sleep(0.01)
-        time.sleep(0.3)
+        time.sleep(moment)
         assert process.poll() is None, process.communicate()
         used = processor_seconds(process.pid)
         process.send_signal(number)
@@ -111,6 +115,18 @@ def test_while_a_program_is_read(name: str, command: tuple[str, ...], number: in
     (tmp_path / "machine.toml").write_text(MACHINE)
     at = (LOADERS[name], "", "load_program")
     interrupted(tmp_path, at, (*command, name, "--machine", "machine.toml", "--setup", "zero"), number)
+
+
+@pytest.mark.parametrize("seed", seeds(2, 400))
+def test_at_any_moment_of_reading(seed: int, tmp_path: Path) -> None:
+    """Modules are imported meanwhile, and kernels are loaded: none of it may lose the signal."""
+    rng = random.Random(f"moment {seed}")
+    name = rng.choice(list(PROGRAMS))
+    number = rng.choice([signal.SIGINT, signal.SIGTERM])
+    (tmp_path / name).write_text(PROGRAMS[name]())
+    (tmp_path / "machine.toml").write_text(MACHINE)
+    words = ("check", name, "--machine", "machine.toml", "--setup", "zero")
+    interrupted(tmp_path, (LOADERS[name], "", "load_program"), words, number, rng.uniform(0.0, 0.4))
 
 
 def test_while_a_drawing_is_read(tmp_path: Path) -> None:
