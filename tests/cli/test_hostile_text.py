@@ -18,6 +18,7 @@ from xml.etree import ElementTree as ET
 import pytest
 from cli.packages import MACHINE, Shop
 from markdown_it import MarkdownIt
+from support.campaigns import share
 from support.command import Done
 
 from gproof.cli.escape import in_one_line, json_text, program_line, xml_text
@@ -250,7 +251,7 @@ def told(shop: Shop, form: str, job: str, on: tuple[str, ...]) -> Done:
     return done
 
 
-@pytest.mark.parametrize("place", PLACES)
+@pytest.mark.parametrize("place", share(list(PLACES), 2))
 def test_every_format_of_every_place(place: str, shop: Shop) -> None:
     files, on = PLACES[place]
     for name, text in files.items():

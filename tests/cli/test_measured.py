@@ -7,6 +7,7 @@ the beginning and at the end of each section, and as many of them.
 from __future__ import annotations
 
 import dataclasses
+import itertools
 import json
 import random
 from fractions import Fraction
@@ -14,6 +15,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from support.campaigns import share
 from support.command import in_this_process
 
 from gproof.backend.boards.virtual import VirtualBoard
@@ -127,8 +129,7 @@ def places(stream: StepStream) -> list[tuple[tuple[int, ...], tuple[int, ...]]]:
     return [(section.start, section.end()) for section in stream.sections]
 
 
-@pytest.mark.parametrize("name", JOBS)
-@pytest.mark.parametrize("offsets", OFFSETS, ids=["whole", "between", "far"])
+@pytest.mark.parametrize(("offsets", "name"), share(list(itertools.product(OFFSETS, JOBS)), 2))
 def test_it_runs_where_the_exact_job_runs(name: str, offsets: dict[str, float], tmp_path: Path) -> None:
     package = made(tmp_path, JOBS[name])
     assert "reference" in package.body

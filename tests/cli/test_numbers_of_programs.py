@@ -6,6 +6,7 @@ import json
 from pathlib import Path
 
 import pytest
+from support.campaigns import sizes
 from support.command import in_this_process
 
 NUMBERS = {
@@ -53,10 +54,13 @@ PORTAL = str(Path(__file__).resolve().parents[2] / "corpus" / "mcuwin" / "portal
 
 @pytest.mark.parametrize("number", NUMBERS)
 @pytest.mark.parametrize("name", PLACES)
-def test_every_place_of_a_number(name: str, number: str, tmp_path: Path) -> None:
+@pytest.mark.parametrize("one_in", sizes(5, 1))
+def test_every_place_of_a_number(name: str, number: str, one_in: int, tmp_path: Path) -> None:
+    """Each place and each number in every run, each of both only in a soak."""
     frame, places = PLACES[name]
     on = ("--machine", PORTAL) if name == "job.src" else ()
-    for place in places.replace("\n", "").split("|"):
+    first = list(NUMBERS).index(number) % one_in
+    for place in places.replace("\n", "").split("|")[first::one_in]:
         line = place.replace(";", "\n").replace("#", NUMBERS[number]).replace("@", "#")
         text = frame.format(line)
         (tmp_path / name).write_text(text, encoding="utf-8")

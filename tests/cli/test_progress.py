@@ -106,7 +106,7 @@ def run_on_a_terminal(words: list[str], folder: Path, seconds: float) -> tuple[i
 @pytest.mark.parametrize("words", [COMMANDS[0], COMMANDS[3]], ids=" ".join)
 def test_an_endless_job_shows_how_far_it_is_and_ends_by_an_interrupt(words: list[str], folder: Path) -> None:
     words = [word.replace("job.cnc", "endless.cnc") for word in words] + ["--max-blocks", "100000000"]
-    code, said = run_on_a_terminal(words, folder, 4.0)
+    code, said = run_on_a_terminal(words, folder, 2.5)
     assert code == 130, said
     assert "checking" in said
     assert said.rstrip().endswith("gproof: interrupted")

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import pytest
 from shapely import LineString, Point, box, unary_union
+from support.campaigns import seeds
 
 from gproof.cli.main import main
 from gproof.cli.relief import COLOURS
@@ -103,7 +104,7 @@ def test_a_slot_and_a_hole_through(tmp_path: Path) -> None:
     assert "What is left of the stock, at most" in told
 
 
-@pytest.mark.parametrize("seed", range(6))
+@pytest.mark.parametrize("seed", seeds(3, 6))
 def test_random_slots(seed: int, tmp_path: Path) -> None:
     """Slots at the same depth, one over the other."""
     import random

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import itertools
 import struct
 from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+from support.campaigns import share
 from support.command import in_this_process
 from support.guarded import alarm, memory
 
@@ -73,8 +75,7 @@ def answered(folder: Path, *words: str) -> None:
     assert max(map(len, said.splitlines())) < 1_000
 
 
-@pytest.mark.parametrize("shape", INI_SHAPES)
-@pytest.mark.parametrize("name", INIS)
+@pytest.mark.parametrize(("name", "shape"), share(list(itertools.product(INIS, INI_SHAPES)), 3))
 def test_large_ini_files(name: str, shape: str, tmp_path: Path) -> None:
     (tmp_path / name).write_text(INI_SHAPES[shape]())
     machine = name
@@ -85,8 +86,7 @@ def test_large_ini_files(name: str, shape: str, tmp_path: Path) -> None:
     answered(tmp_path, "check", INIS[name], "--machine", machine)
 
 
-@pytest.mark.parametrize("shape", TOML_SHAPES)
-@pytest.mark.parametrize("name", TOML)
+@pytest.mark.parametrize(("name", "shape"), share(list(itertools.product(TOML, TOML_SHAPES)), 3))
 def test_large_toml_files(name: str, shape: str, tmp_path: Path) -> None:
     begin, words = TOML[name]
     (tmp_path / name).write_text(begin + TOML_SHAPES[shape]())

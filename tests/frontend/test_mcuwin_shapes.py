@@ -10,6 +10,7 @@ from typing import Any
 import pytest
 from frontend.mcuwin_programs import OLD, machine
 from frontend.test_mcuwin_fuzz import LINES, PROGRAMS
+from support.campaigns import seeds
 
 from gproof.frontend.mcuwin import shapes, text
 from gproof.frontend.mcuwin.load import load_program
@@ -127,7 +128,7 @@ HEAD = (
 )
 
 
-@pytest.mark.parametrize("seed", range(10))
+@pytest.mark.parametrize("seed", seeds(4, 10))
 def test_lines_of_one_shape(tmp_path: Path, seed: int) -> None:
     """Lines that come again and again with other numbers and comments, right and wrong ones."""
     rng = random.Random(seed)

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from support.campaigns import examples
+from support.campaigns import examples, seeds
 
 from gproof.frontend import lines
 from gproof.frontend.eding import scan
@@ -340,7 +340,7 @@ def test_negative_zero_keeps_its_sign() -> None:
 
 
 @pytest.mark.soak
-@pytest.mark.parametrize("seed", range(20))
+@pytest.mark.parametrize("seed", seeds(8, 20))
 def test_soak(seed: int) -> None:
     rng = random.Random(seed)
     pieces = 'G1 X Y-2.5 n10 N123456 ( ) (c) (MSG , ; % / . - + #1 [2] é 0 00.10 U1 E1 " ='.split()

@@ -13,6 +13,7 @@ import pytest
 from frontend.programs import load, program_of
 from frontend.test_random import random_line, random_program
 from frontend.test_tolerance import SAME
+from support.campaigns import seeds
 
 from gproof.frontend.eding import load as loading
 from gproof.frontend.eding import shapes
@@ -75,7 +76,7 @@ def valid_line(rng: random.Random) -> str:
     return rng.choice(["", " "]).join(items)
 
 
-@pytest.mark.parametrize("seed", range(12))
+@pytest.mark.parametrize("seed", seeds(4, 12))
 def test_a_reader_gives_what_the_grammar_gives(seed: int) -> None:
     rng = random.Random(seed)
     makers = [valid_line, random_line, lambda rng: rng.choice(SAME)[0]]
@@ -91,7 +92,7 @@ def test_a_reader_gives_what_the_grammar_gives(seed: int) -> None:
     assert len(readers[1]._lines) > 2
 
 
-@pytest.mark.parametrize("seed", range(6))
+@pytest.mark.parametrize("seed", seeds(3, 6))
 def test_whole_programs_are_the_same(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, seed: int) -> None:
     """Each program with its lines four times over: deferred, held, and with the grammar alone."""
     rng = random.Random(seed)

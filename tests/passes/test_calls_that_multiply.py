@@ -7,6 +7,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+from support.campaigns import share
 from support.command import in_this_process
 
 from gproof.passes.endless import CALL_BLOCKS, call_blocks
@@ -73,8 +74,10 @@ WAYS: tuple[Callable[[int, int], Files], ...] = (
 )  # fmt: skip
 
 
-@pytest.mark.parametrize(("levels", "width"), [(18, 2), (6, 10), (5, 100), (3, 1000)])
-@pytest.mark.parametrize("way", WAYS)
+@pytest.mark.parametrize(
+    ("way", "levels", "width"),
+    share([(way, *size) for way in WAYS for size in [(18, 2), (6, 10), (5, 100), (3, 1000)]], 3),
+)
 def test_they_end_with_a_finding_that_names_them(
     way: Callable[[int, int], Files], levels: int, width: int, tmp_path: Path
 ) -> None:

@@ -14,6 +14,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from passes.compensated_jobs import HEAD, MILL, Move, Point, Stretch, contour, moves, run
+from support.campaigns import seeds
 
 from gproof.ir.machine import Spindle
 from gproof.ir.setup import NOTHING
@@ -132,7 +133,7 @@ def check_contour(path: list[Move], stretches: list[Stretch], side: int, radius:
 
 @pytest.mark.parametrize("side", [1, -1], ids=["left", "right"])
 @pytest.mark.parametrize("sharp", [False, True], ids=["rounded", "sharp"])
-@pytest.mark.parametrize("seed", range(40))
+@pytest.mark.parametrize("seed", seeds(16, 40))
 def test_the_tool_touches_random_contours_all_along(seed: int, side: int, sharp: bool, tmp_path: Path) -> None:
     stretches = contour(random.Random(seed), side, 3.0, sharp)
     text = program(stretches, side)
@@ -145,7 +146,7 @@ def test_the_tool_touches_random_contours_all_along(seed: int, side: int, sharp:
     assert abs(math.dist(path[0].begin, stretches[0].begin) - 3.0) < 1e-9
 
 
-@pytest.mark.parametrize("seed", range(20))
+@pytest.mark.parametrize("seed", seeds(8, 20))
 def test_incremental_and_absolute_programs_agree(seed: int, tmp_path: Path) -> None:
     """G91 counts from the programmed point, not from the tool."""
     side = 1 if seed % 2 else -1
@@ -157,7 +158,7 @@ def test_incremental_and_absolute_programs_agree(seed: int, tmp_path: Path) -> N
     assert np.allclose([m.end for m in first], [m.end for m in second], atol=1e-7)
 
 
-@pytest.mark.parametrize("seed", range(20))
+@pytest.mark.parametrize("seed", seeds(8, 20))
 def test_the_mirrored_contour_has_the_mirrored_path(seed: int, tmp_path: Path) -> None:
     side = 1 if seed % 2 else -1
     stretches = contour(random.Random(2000 + seed), side, 3.0, sharp=seed % 3 == 0)
@@ -168,7 +169,7 @@ def test_the_mirrored_contour_has_the_mirrored_path(seed: int, tmp_path: Path) -
     assert np.allclose([m.end for m in first], [(-m.end[0], m.end[1]) for m in second], atol=1e-8)
 
 
-@pytest.mark.parametrize("seed", range(20))
+@pytest.mark.parametrize("seed", seeds(8, 20))
 def test_the_way_back_on_the_other_side_is_the_same_way(seed: int, tmp_path: Path) -> None:
     side = 1 if seed % 2 else -1
     stretches = contour(random.Random(3000 + seed), side, 3.0, sharp=False)
@@ -487,7 +488,7 @@ def rough(rng: random.Random) -> list[Stretch]:
     return out
 
 
-@pytest.mark.parametrize("seed", range(200))
+@pytest.mark.parametrize("seed", seeds(80, 200))
 def test_rough_contours_are_refused_or_followed(seed: int, tmp_path: Path) -> None:
     """What is not refused touches its own stretch or the corner before it all along; arcs keep their turns."""
     rng = random.Random(seed)
@@ -540,7 +541,7 @@ def test_motion_apart_from_the_contour_is_never_taken_for_a_part_of_it(line: str
     assert {"GP238", "GP256"} & {code.split(":")[0] for code in told}
 
 
-@pytest.mark.parametrize("seed", range(20))
+@pytest.mark.parametrize("seed", seeds(8, 20))
 def test_a_rotated_contour_has_the_rotated_path(seed: int, tmp_path: Path) -> None:
     """3.4.18: G68 turns what is programmed, the tool's path with it; also in G91 and with words left out."""
     rng = random.Random(4000 + seed)

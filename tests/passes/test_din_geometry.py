@@ -8,6 +8,7 @@ import random
 
 import pytest
 from passes.din_programs import labels, machine, moves, run
+from support.campaigns import seeds
 
 from gproof.ir.din import RadiusTool
 from gproof.ir.trace import Op, Trace
@@ -37,7 +38,7 @@ def word(letter: str, number: float) -> str:
 PLANES = {"G17": ("XY", "IJ", 1), "G18": ("ZX", "KI", 2), "G19": ("YZ", "JK", 3)}
 
 
-@pytest.mark.parametrize("seed", range(40))
+@pytest.mark.parametrize("seed", seeds(16, 40))
 def test_arcs_in_every_plane_lie_on_their_circle(seed: int) -> None:
     rand = random.Random(seed)
     code = rand.choice(sorted(PLANES))
@@ -64,7 +65,7 @@ def test_arcs_in_every_plane_lie_on_their_circle(seed: int) -> None:
     assert (turns, plane) == (1 if ccw else -1, number)
 
 
-@pytest.mark.parametrize("seed", range(60))
+@pytest.mark.parametrize("seed", seeds(24, 60))
 def test_reflected_arcs_are_mirror_images(seed: int) -> None:
     """Every point of the reflected arc is the image of a point of the plain one."""
     rand = random.Random(seed)
@@ -128,7 +129,7 @@ def test_centres_and_planes_that_nobody_stated() -> None:
     assert labels(run(["G18", "G17", "G02 X10 I5 J0 F100"], on=machine(tools=()))[1]) == []
 
 
-@pytest.mark.parametrize("seed", range(30))
+@pytest.mark.parametrize("seed", seeds(12, 30))
 def test_words_of_a_cylinder_are_lengths(seed: int) -> None:
     rand = random.Random(seed)
     radius, unit = rand.uniform(1, 200), rand.choice([("G71", 1.0), ("G70", 25.4)])

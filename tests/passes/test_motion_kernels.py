@@ -14,6 +14,7 @@ from hypothesis import strategies as st
 from passes.reference_motion import paths
 from passes.test_lift import a_map, a_path, followed, lowered, using
 from passes.traces import Path, machine
+from support.campaigns import seeds
 
 from gproof.ir.finding import Findings
 from gproof.ir.kernel import Kernel
@@ -66,7 +67,7 @@ def test_python_and_numba_say_the_same_of_a_long_job() -> None:
     assert in_mode("python", lambda: everything(trace)) == in_mode("numba", lambda: everything(trace))
 
 
-@pytest.mark.parametrize("seed", range(12))
+@pytest.mark.parametrize("seed", seeds(4, 12))
 def test_python_and_numba_follow_a_height_map_alike(seed: int) -> None:
     rng = random.Random(3000 + seed)
     area = a_map(rng, steep=0.02)
