@@ -32,10 +32,10 @@ def timed(work: Callable[[], Any]) -> tuple[Any, dict[str, float]]:
 def stages(job: Path, machine_file: Path) -> dict[str, Any]:
     """Figures by stage; a stage that is missing or refuses the job says so instead."""
     from gproof.frontend.eding.load import load_program
-    from gproof.frontend.machine_file import load_machine
+    from gproof.frontend.files.machine import load_machine
     from gproof.ir.finding import Findings
     from gproof.ir.setup import ZERO
-    from gproof.passes.execute import execute
+    from gproof.passes.interpret.core.executor import execute
 
     out: dict[str, Any] = {}
     findings = Findings()
@@ -46,11 +46,11 @@ def stages(job: Path, machine_file: Path) -> dict[str, Any]:
     rows = sum(len(section.rows) for section in trace.sections)
     out["execute"] = took | {"count": rows, "unit": "rows"}
 
-    plan = _stage("gproof.passes.plan", "plan", out, lambda f: f(trace, machine, findings))
+    plan = _stage("gproof.passes.motion.plan", "plan", out, lambda f: f(trace, machine, findings))
     if plan is None:
         return out
     out["plan"] |= {"count": sum(len(section.rows) for section in plan.sections), "unit": "rows"}
-    stream = _stage("gproof.passes.step", "step", out, lambda f: f(trace, plan, machine, findings))
+    stream = _stage("gproof.passes.motion.step", "step", out, lambda f: f(trace, plan, machine, findings))
     if stream is None:
         return out
     out["step"] |= {"count": stream.steps(), "unit": "steps"}
@@ -58,7 +58,9 @@ def stages(job: Path, machine_file: Path) -> dict[str, Any]:
     if report is not None:
         out["validate"] |= {"count": stream.steps(), "unit": "steps"}
     raised, setup = over_a_height_map(trace)
-    path = _stage("gproof.passes.lift", "follow", out, lambda f: f(raised, setup, machine, findings))
+    path = _stage(
+        "gproof.passes.motion.height_compensation", "follow", out, lambda f: f(raised, setup, machine, findings)
+    )
     if path is not None:
         made = sum(len(section.rows) for section in path.trace.sections)
         out["follow"] |= {"count": rows, "unit": "rows", "lines": made}

@@ -9,21 +9,21 @@ from pathlib import Path
 
 import click
 
-from gproof.cli.accept import read_baseline, write_baseline
-from gproof.cli.conclude import Asked, conclude, with_options
-from gproof.cli.escape import in_one_line, json_text
-from gproof.cli.files import require_picture, require_place, write_text
-from gproof.cli.jobs import find_jobs, is_several
-from gproof.cli.lengths import CHOICES
 from gproof.cli.main import UsageError
 from gproof.cli.many import How, judge_all, print_text, with_progress
-from gproof.cli.outcome import Outcome, closing_line, counted, exit_code
-from gproof.cli.policy import NO_POLICY, load_policy
 from gproof.cli.progress import progress
-from gproof.cli.report import coloured
-from gproof.cli.session import Running, open_session
-from gproof.cli.summary import print_brief, print_summary, report_for_people, report_json
+from gproof.driver.conclude import Asked, conclude, with_options
+from gproof.driver.files import require_picture, require_place, write_text
+from gproof.driver.jobs import find_jobs, is_several
+from gproof.driver.outcome import Outcome, closing_line, counted, exit_code
+from gproof.driver.policy import NO_POLICY, load_policy
+from gproof.driver.session import Running, open_session
+from gproof.driver.suppressions import read_baseline, write_baseline
 from gproof.ir.trace import Chunk
+from gproof.report.escape import in_one_line, json_text
+from gproof.report.summary import print_brief, print_summary, report_for_people, report_json
+from gproof.report.text import coloured
+from gproof.report.units import CHOICES
 
 SCHEMA_OF_SEVERAL = "gproof-check-several/1"
 DOCUMENTS = ("json", "sarif", "junit", "github", "markdown")
@@ -147,19 +147,19 @@ def _written(reports: Sequence[tuple[str, Path]], job: str, every: bool) -> Iter
 
 def _document(outcomes: list[Outcome], form: str, every: bool) -> str:
     if form == "sarif":
-        from gproof.cli.sarif import sarif
+        from gproof.report.sarif import sarif
 
         return sarif(outcomes)
     if form == "junit":
-        from gproof.cli.junit import junit
+        from gproof.report.junit import junit
 
         return junit(outcomes)
     if form == "github":
-        from gproof.cli.github import workflow_commands
+        from gproof.report.github import workflow_commands
 
         return workflow_commands(outcomes, every=every)
     if form == "markdown":
-        from gproof.cli.markdown import markdown
+        from gproof.report.markdown import markdown
 
         return markdown(outcomes, every=every)
     answers = [
@@ -199,7 +199,7 @@ def _check_one(
     with progress("reading") as shown:
         session = open_session(job, machine=machine, setup=setup, dialect=dialect, call=running.call)
         if picture is not None:
-            from gproof.cli.picture import Drawing
+            from gproof.report.picture.sheet import Drawing
 
             drawing = Drawing(session.machine)
         shown.phase("checking", None if session.program is None else session.program.line_count)

@@ -7,16 +7,16 @@ from pathlib import Path
 
 import click
 
-from gproof.cli.escape import in_strings
 from gproof.cli.main import UsageError
-from gproof.cli.report import print_findings
-from gproof.cli.session import Running, Session, open_session
+from gproof.driver.session import Running, Session, open_session
 from gproof.ir.finding import Findings, Severity
 from gproof.ir.notes import Notes, joined
 from gproof.ir.program import Array, BlockTable, If, Program, Replaced, Statement, While
 from gproof.ir.text import print_lines
 from gproof.ir.trace import Trace, chunks
 from gproof.ir.verdict import Verdict
+from gproof.report.escape import in_strings
+from gproof.report.text import print_findings
 
 PIECE_BYTES = 1 << 20
 
@@ -57,10 +57,10 @@ def _print(value: object) -> None:
 
 
 def _jsonl(session: Session, running: Running) -> bool:
-    from gproof.cli.jsonl import error_line, marked_lines
-    from gproof.passes.arc_radius import ArcRadius
-    from gproof.passes.execute import Executor
-    from gproof.passes.knife import follow_knife
+    from gproof.passes.checks.arc_radius import ArcRadius
+    from gproof.passes.interpret.core.executor import Executor
+    from gproof.passes.motion.knife_axis import follow_knife
+    from gproof.report.trace_jsonl import error_line, marked_lines
 
     assert session.program is not None
     early = next((f for f in session.findings.kept if f.severity is Severity.ERROR), None)
@@ -88,7 +88,7 @@ def _jsonl(session: Session, running: Running) -> bool:
 
 
 def _stages(session: Session, running: Running, stage: str) -> bool:
-    from gproof.cli.compile import lower
+    from gproof.driver.pipeline import lower
 
     lowered = lower(session, running, stage)
     taken = _takes_arcs(session, lowered.trace)
@@ -102,7 +102,7 @@ def _stages(session: Session, running: Running, stage: str) -> bool:
 
 def _takes_arcs(session: Session, trace: Trace) -> bool:
     """Report arcs that no controller takes, as JSON Lines do; whether all are taken."""
-    from gproof.passes.arc_radius import ArcRadius
+    from gproof.passes.checks.arc_radius import ArcRadius
 
     own = Findings()
     arcs = ArcRadius(session.machine, session.setup, own)

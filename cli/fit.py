@@ -9,17 +9,17 @@ from typing import Any
 
 import click
 
-from gproof.cli.escape import json_text
-from gproof.cli.files import require_picture, require_place
-from gproof.cli.fit_answer import fit_of, travel_of
-from gproof.cli.fit_open import opened
-from gproof.cli.fit_report import Told, print_fit, print_machines, report_json
-from gproof.cli.fit_zones import ZoneWatch
-from gproof.cli.judge import judge
 from gproof.cli.main import UsageError
 from gproof.cli.progress import Progress, progress
-from gproof.cli.session import Running, Session, open_session
+from gproof.driver.files import require_picture, require_place
+from gproof.driver.fit.answer import fit_of, travel_of
+from gproof.driver.fit.open_offsets import opened
+from gproof.driver.fit.zones import ZoneWatch
+from gproof.driver.judge import judge
+from gproof.driver.session import Running, Session, open_session
 from gproof.ir.verdict import Verdict
+from gproof.report.escape import json_text
+from gproof.report.fit_report import Told, print_fit, print_machines, report_json
 
 SEVERAL = "gproof-fit-several/1"
 
@@ -41,7 +41,7 @@ def run_fit(
         return _several(job, machines, answers, form, units)
     (told,) = answers
     if picture is not None:
-        from gproof.cli.fit_picture import draw
+        from gproof.report.picture.fit import draw
 
         draw(told, picture)
     if form == "json":

@@ -15,22 +15,22 @@ from pathlib import Path
 import click
 
 from gproof.backend.emit.eding import emit
-from gproof.cli.escape import program_line
-from gproof.cli.files import require_file, require_program
 from gproof.cli.fmt_form import Form
 from gproof.cli.main import UsageError
 from gproof.cli.options import in_one_line
-from gproof.cli.report import line_text, print_findings
-from gproof.cli.session import READ, dialect_of
+from gproof.driver.files import require_file, require_program
+from gproof.driver.session import READ, dialect_of
+from gproof.frontend.common.detect import EXTENSIONS
 from gproof.frontend.eding.load import load_alone
-from gproof.frontend.guess import EXTENSIONS
 from gproof.ir import codes
 from gproof.ir.finding import Finding, Findings, Refusal, Severity, Span
 from gproof.ir.kernel import Kernel
 from gproof.ir.machine import NO_MACHINE, Machine
 from gproof.ir.program import Program
 from gproof.ir.same import difference
-from gproof.passes.understood import doubtful_lines
+from gproof.passes.interpret.understood_lines import doubtful_lines
+from gproof.report.escape import program_line
+from gproof.report.text import line_text, print_findings
 
 STANDARD_INPUT = Path("-")
 MACROS = "cnc.mac"
@@ -85,7 +85,7 @@ class Forms:
 
     def _machine(self, path: Path) -> Machine:
         """The machine of a file, read once; UsageError, with findings, for one with mistakes."""
-        from gproof.frontend.machine_file import load_machine
+        from gproof.frontend.files.machine import load_machine
 
         if path not in self.machines:
             require_file(path, "machine file")

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from pathlib import Path
 
-from gproof.frontend.guess import EXTENSIONS
+from gproof.frontend.common.detect import EXTENSIONS
 from gproof.frontend.wincnc.load import load_alone
 from gproof.ir.finding import Findings
 from gproof.ir.machine import Machine

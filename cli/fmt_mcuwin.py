@@ -15,7 +15,7 @@ from pathlib import Path
 from gproof.backend.emit.mcuwin import emit
 from gproof.backend.emit.mcuwin_tree import text_of
 from gproof.cli.fmt_form import Form
-from gproof.frontend.guess import EXTENSIONS
+from gproof.frontend.common.detect import EXTENSIONS
 from gproof.frontend.mcuwin.load import load_alone
 from gproof.frontend.mcuwin.machine import NO_MCUWIN
 from gproof.ir import codes

@@ -17,9 +17,9 @@ from typing import Any
 
 import click
 
-from gproof.cli.boards import BOARDS
 from gproof.cli.options import ALSO, FileName, in_one_line, once
 from gproof.cli.signals import ended_by_signals
+from gproof.driver.boards import BOARDS
 
 COULD_NOT_RUN = 3
 INTERRUPTED = 130
@@ -175,7 +175,7 @@ def check(
     A JOB is a program, a folder of them, a pattern such as "*.cnc", or a job file, which says what to judge with.
     """
     from gproof.cli.check import run_check
-    from gproof.cli.session import Running
+    from gproof.driver.session import Running
 
     return run_check(
         jobs, machine=machine, setup=setup, dialect=dialect, running=Running(max_blocks, max_branches, render, call),
@@ -206,7 +206,7 @@ def fit(
     Exit codes: 0 SAFE with the offsets stated, or, where none are, with some; 1 UNSAFE; 2 UNKNOWN.
     """
     from gproof.cli.fit import run_fit
-    from gproof.cli.session import Running
+    from gproof.driver.session import Running
 
     return run_fit(
         job, machines=machine, setup=setup, dialect=dialect, running=Running(max_blocks, max_branches, render, call),
@@ -235,7 +235,7 @@ def dump(
 ) -> int:
     """Print JOB as one of the compiler's stages."""
     from gproof.cli.dump import run_dump
-    from gproof.cli.session import Running
+    from gproof.driver.session import Running
 
     return run_dump(
         job,
@@ -261,8 +261,8 @@ def compile_(
     also: tuple[str, ...],
 ) -> int:  # fmt: skip
     """Compile JOB to a certified step stream."""
-    from gproof.cli.compile import run_compile
-    from gproof.cli.session import Running
+    from gproof.driver.pipeline import run_compile
+    from gproof.driver.session import Running
 
     return run_compile(
         job, machine=machine, setup=setup, dialect=dialect, running=Running(max_blocks, max_branches, render, call),
@@ -300,9 +300,9 @@ def verify(
     max_branches: int | None, call: str | None,
 ) -> int:  # fmt: skip
     """Validate a certified stream again, from its parts alone; or check an execution record."""
-    from gproof.cli.session import Running
     from gproof.cli.verify import run_verify
     from gproof.cli.verify_record import is_no_package, run_verify_record
+    from gproof.driver.session import Running
 
     if against is None and (max_blocks, max_branches, call) != (None, None, None):
         raise UsageError("--max-blocks, --max-branches and --call say how the program of --against was compiled")
@@ -349,7 +349,7 @@ def run(
     It runs when a trusted key has signed it: your own, one of --trust, one of "gproof keys trust".
     """
     from gproof.cli.run import run_run
-    from gproof.cli.run_journal import alone
+    from gproof.driver.run_journal import alone
 
     with alone(runs, board):
         return run_run(

@@ -11,14 +11,14 @@ from dataclasses import replace
 
 import click
 
-from gproof.cli.conclude import Asked, conclude, with_options
-from gproof.cli.jobs import Job
 from gproof.cli.main import UsageError
 from gproof.cli.options import in_one_line
-from gproof.cli.outcome import Outcome
-from gproof.cli.policy import load_policy
 from gproof.cli.progress import progress
-from gproof.cli.session import Running
+from gproof.driver.conclude import Asked, conclude, with_options
+from gproof.driver.jobs import Job
+from gproof.driver.outcome import Outcome
+from gproof.driver.policy import load_policy
+from gproof.driver.session import Running
 from gproof.ir.record import record
 
 WORTH_A_PROCESS = 3_000_000
@@ -52,8 +52,8 @@ class _Text(io.StringIO):
 
 def judge_one(job: Job, how: How) -> Outcome:
     """Judge a job; one that can not be judged is an outcome too."""
-    from gproof.cli.session import open_session
-    from gproof.cli.summary import print_brief, report_for_people, report_json
+    from gproof.driver.session import open_session
+    from gproof.report.summary import print_brief, report_for_people, report_json
 
     text, errors = _Text(how.tty), _Text(False)
     try:

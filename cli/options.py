@@ -11,10 +11,10 @@ from typing import Any, TypeVar
 
 import click
 
-from gproof.cli import escape
+from gproof.report import escape
 
 PROPERTIES = ("feeds", "cutting", "sense", "gouges", "collisions")
-"""Properties that ``--also`` takes, beside ``all`` of them; ``cli/properties.py`` has their checks."""
+"""Properties that ``--also`` takes, beside ``all`` of them; ``passes/checks/registry.py`` has their checks."""
 
 in_one_line = escape.in_one_line
 """A text of somebody else's, which may hold anything, as one line on which nothing acts."""

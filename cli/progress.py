@@ -12,9 +12,9 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any
 
-from gproof.cli.escape import in_one_line
 from gproof.ir.finding import Span
 from gproof.ir.trace import Chunk
+from gproof.report.escape import in_one_line
 
 AFTER = 1.0
 """Seconds before anything is shown."""

@@ -11,15 +11,15 @@ from pathlib import Path
 
 import click
 
-from gproof.cli.at_hand import other_source, read_at_hand, require_files
-from gproof.cli.boards import BOARDS, require_for
-from gproof.cli.files import require_file
-from gproof.cli.key_ring import trusted_with
 from gproof.cli.main import INTERRUPTED, ends_with_its_command
 from gproof.cli.options import in_one_line
-from gproof.cli.report import print_findings
+from gproof.driver.at_hand import other_source, read_at_hand, require_files
+from gproof.driver.boards import BOARDS, require_for
+from gproof.driver.files import require_file
+from gproof.driver.key_ring import trusted_with
 from gproof.ir.finding import Finding, Findings, Severity
 from gproof.ir.verdict import Verdict
+from gproof.report.text import print_findings
 
 
 def run_run(
@@ -39,7 +39,7 @@ def run_run(
     from gproof.backend.operators import AutoContinue, Terminal
     from gproof.backend.record_data import ALLOWED, Result
     from gproof.backend.runtime import RunFailed, RunRefused, run
-    from gproof.cli.run_journal import Keeper, require_record_place, runs_folder, settled
+    from gproof.driver.run_journal import Keeper, require_record_place, runs_folder, settled
     from gproof.verify.certificate import CertificateError, read_package
     from gproof.verify.measured import taken
 

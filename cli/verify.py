@@ -7,17 +7,17 @@ from pathlib import Path
 
 import click
 
-from gproof.cli.against import Against, other_than_anew
-from gproof.cli.at_hand import other_source, read_at_hand, require_files
-from gproof.cli.escape import shown
-from gproof.cli.files import require_file, require_program
-from gproof.cli.key_ring import trusted_with
 from gproof.cli.main import UsageError
 from gproof.cli.progress import progress
-from gproof.cli.report import finding_json, print_findings
-from gproof.cli.session import Running
+from gproof.driver.against import Against, other_than_anew
+from gproof.driver.at_hand import other_source, read_at_hand, require_files
+from gproof.driver.files import require_file, require_program
+from gproof.driver.key_ring import trusted_with
+from gproof.driver.session import Running
 from gproof.ir.finding import Finding, Findings, Severity
 from gproof.ir.verdict import Verdict
+from gproof.report.escape import shown
+from gproof.report.text import finding_json, print_findings
 
 SCHEMA = "gproof-verify/1"
 """Of the JSON report: docs/verify-json.md."""
@@ -28,7 +28,7 @@ def run_verify(
     form: str = "text", against: Path | None = None, dialect: str | None = None, running: Running | None = None,
 ) -> int:  # fmt: skip
     """Print what holds; exit 0 only when the package may run."""
-    from gproof.cli.verify_report import Verified, print_verified, verified_json
+    from gproof.report.verify_report import Verified, print_verified, verified_json
     from gproof.verify.certificate import CertificateError, check_package, read_package
     from gproof.verify.measured import taken
 

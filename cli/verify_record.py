@@ -7,14 +7,14 @@ from typing import TYPE_CHECKING
 
 import click
 
-from gproof.cli.files import require_file
-from gproof.cli.key_ring import OWN as OWN_NAME
-from gproof.cli.key_ring import trusted_with
 from gproof.cli.options import in_one_line
-from gproof.cli.report import print_findings
+from gproof.driver.files import require_file
+from gproof.driver.key_ring import OWN as OWN_NAME
+from gproof.driver.key_ring import trusted_with
 from gproof.ir import codes
 from gproof.ir.finding import Finding, Findings, Severity, Span
 from gproof.ir.verdict import Verdict
+from gproof.report.text import print_findings
 from gproof.verify.signers import Signer, called, fingerprint, signed_by, today
 
 if TYPE_CHECKING:

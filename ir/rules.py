@@ -269,10 +269,10 @@ class CodeRule:
 class ParameterRange:
     """Numbered variables first..last: meaning, whether a program may write them, section of the manual.
 
-    kind: how the executor finds the live value, a key of the table in ``passes/modal.py``; ``free``, ``persistent``,
-    ``park_1`` and ``park_2`` are what the program or the setup put there, any other what the setup states; ``system``:
-    the controller itself may change it at any time. prefix: programs name it by this and its place in the range, from
-    base on.
+    kind: how the executor finds the live value, a key of the table in ``passes/interpret/core/modal_state.py``;
+    ``free``, ``persistent``, ``park_1`` and ``park_2`` are what the program or the setup put there, any other what the
+    setup states; ``system``: the controller itself may change it at any time. prefix: programs name it by this and its
+    place in the range, from base on.
     """
 
     first: int

@@ -8,11 +8,11 @@ from types import ModuleType
 
 import pytest
 
-from gproof.frontend.machine_file import load_machine
+from gproof.frontend.files.machine import load_machine
 from gproof.frontend.mcuwin.load import load_program
 from gproof.ir.finding import Findings
 from gproof.ir.setup import ZERO
-from gproof.passes.execute import Executor, collect
+from gproof.passes.interpret.core.executor import Executor, collect
 
 ROOT = Path(__file__).parents[1]
 

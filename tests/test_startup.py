@@ -77,7 +77,7 @@ def test_a_job_of_one_dialect_needs_no_passes_of_another(job: str, machine: str,
     beside = Path(job).parent
     stated = setup if setup == "zero" else str(beside / setup)
     loaded = all_modules_after(RUN, "check", job, "--machine", str(beside / machine), "--setup", stated)
-    assert "gproof.passes.execute" in loaded
+    assert "gproof.passes.interpret.core.executor" in loaded
     assert sorted(loaded & {f"gproof.passes.{name}" for name in others}) == []
     dialects = {"gproof.frontend.eding.load", "gproof.frontend.wincnc.load", "gproof.frontend.mcuwin.load"}
     assert len(loaded & dialects) == 1

@@ -9,9 +9,9 @@ import hashlib
 from fractions import Fraction
 from pathlib import Path
 
+from gproof.frontend.common.number_rows import number_rows
+from gproof.frontend.common.source import decode
 from gproof.frontend.eding.ini_file import Ini
-from gproof.frontend.number_rows import number_rows
-from gproof.frontend.source import decode
 from gproof.ir import codes
 from gproof.ir.finding import Findings, Span
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 import re
 from typing import TYPE_CHECKING, Any
 
-from gproof.frontend.comment_hints import comment_hint
+from gproof.frontend.common.comment_hints import comment_hint
 from gproof.frontend.eding.prepare import FUNCTIONS, STRUCTURE, Line, LineError
 from gproof.ir import codes
 from gproof.ir.finding import Code

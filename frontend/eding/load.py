@@ -11,14 +11,14 @@ import re
 from collections.abc import Collection, Iterable, Iterator
 from pathlib import Path
 
+from gproof.frontend.common.lines import LineIndex
+from gproof.frontend.common.source import UTF8_MARK, decode, read_source
 from gproof.frontend.eding.build import STRUCTURAL, Parsed, Structural
+from gproof.frontend.eding.line_cache import Reader
 from gproof.frontend.eding.notes import annotate
 from gproof.frontend.eding.prepare import LineError, structure_of
 from gproof.frontend.eding.scan import index, scan
-from gproof.frontend.eding.shapes import Reader
 from gproof.frontend.eding.structure import JOB, MACROS, OWN_MACROS, Assembler
-from gproof.frontend.lines import LineIndex
-from gproof.frontend.source import UTF8_MARK, decode, read_source
 from gproof.ir import codes
 from gproof.ir.columns import Columns
 from gproof.ir.dialects import accepts as known

@@ -11,10 +11,10 @@ from typing import Any
 
 import numpy as np
 
+from gproof.frontend.common.source import UTF8_MARK, encoding_of
 from gproof.frontend.eding import scan_kernels as k
 from gproof.frontend.eding.prepare import FUNCTIONS, PIECE, LineError, prepare
 from gproof.frontend.eding.scan import index
-from gproof.frontend.source import UTF8_MARK, encoding_of
 from gproof.ir.columns import Columns
 from gproof.ir.dialects.eding import EDING
 from gproof.ir.notes import NOTE, NoteKind, Notes

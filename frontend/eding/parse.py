@@ -10,12 +10,12 @@ import functools
 from pathlib import Path
 from typing import TYPE_CHECKING, cast
 
+from gproof.frontend.common.grammar import parser
+from gproof.frontend.common.source import decode
 from gproof.frontend.eding.build import Builder, Parsed, written
 from gproof.frontend.eding.diagnose import diagnose
 from gproof.frontend.eding.newer import meaning
 from gproof.frontend.eding.prepare import STRUCTURE, Line, LineError, prepare
-from gproof.frontend.grammar import parser
-from gproof.frontend.source import decode
 from gproof.ir.finding import Span
 from gproof.ir.program import Unsupported
 

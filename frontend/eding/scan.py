@@ -13,8 +13,8 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from gproof.frontend.common.lines import Automata, LineIndex, automata, index_lines
 from gproof.frontend.eding import scan_kernels as k
-from gproof.frontend.lines import Automata, LineIndex, automata, index_lines
 from gproof.ir.columns import Columns
 from gproof.ir.program import FLAG_DELETE, FLAG_POINT, WORD
 

@@ -3,8 +3,8 @@
 A plain line has only literal words: an optional block delete slash, an optional line number, words of a
 letter and a number, comments that are no messages and do not nest, a comment behind a semicolon, blanks
 anywhere (Eding manual 3.2). Everything else (expressions, flow control, messages, every mistake) is left
-to the grammar. ``frontend/line_kernels.py`` finds the lines that are not plain; ``scan_words`` reads the words of a
-range that holds plain lines only, so it checks nothing, and ``scan_notes`` what stands in it beside the words:
+to the grammar. ``frontend/common/number_kernels.py`` finds the lines that are not plain; ``scan_words`` reads the words
+of a range that holds plain lines only, so it checks nothing, and ``scan_notes`` what stands in it beside the words:
 comments, line numbers, slashes, marks.
 
 All take ``bytes`` (or a memory map) and Python lists in plain Python, and uint8 / uint16 / float64 arrays

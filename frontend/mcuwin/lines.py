@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import re
 
-from gproof.frontend.comment_hints import comment_hint
+from gproof.frontend.common.comment_hints import comment_hint
 from gproof.frontend.mcuwin.cursor import QUALIFIER, LineCursor
 from gproof.frontend.mcuwin.language import DinLine, Language
 from gproof.frontend.mcuwin.names import LABEL, NAME, label_name

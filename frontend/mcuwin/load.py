@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
+from gproof.frontend.common.source import UTF8_MARK, decode, encoding_of, read_source
 from gproof.frontend.mcuwin.include import DEEPEST, MOST, differ, find
 from gproof.frontend.mcuwin.machine import NO_MCUWIN
 from gproof.frontend.mcuwin.modules import assemble
@@ -18,7 +19,6 @@ from gproof.frontend.mcuwin.scan import Scanner
 from gproof.frontend.mcuwin.size import judge_size
 from gproof.frontend.mcuwin.structure import does_something
 from gproof.frontend.mcuwin.text import HELD_BLOCKS, Text
-from gproof.frontend.source import UTF8_MARK, decode, encoding_of, read_source
 from gproof.ir import codes
 from gproof.ir.columns import Columns
 from gproof.ir.dialects import rules_named

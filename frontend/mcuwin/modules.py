@@ -261,7 +261,7 @@ def _ends(node: Statement) -> bool:
     if isinstance(node, Return):
         return True
     if not isinstance(node, Block) or isinstance(node, DeferredBlock):
-        return False  # blocks that are made when they run never end a module (``shapes.py``)
+        return False  # blocks that are made when they run never end a module (``line_cache.py``)
     return any(
         word.letter == "M" and isinstance(word.value, Number) and word.value.value in ENDS for word in node.words
     )

@@ -11,8 +11,8 @@ from typing import Any
 
 import numpy as np
 
+from gproof.frontend.common.source import UTF8_MARK
 from gproof.frontend.mcuwin import scan_kernels as k
-from gproof.frontend.source import UTF8_MARK
 from gproof.ir.columns import Columns
 from gproof.ir.notes import NOTE, NoteKind, Notes
 from gproof.ir.record import field, record

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from gproof.frontend.lines import Automata, LineIndex, automata, index_lines
+from gproof.frontend.common.lines import Automata, LineIndex, automata, index_lines
 from gproof.frontend.mcuwin import scan_kernels as k
 from gproof.ir.columns import Columns
 from gproof.ir.program import FLAG_POINT, WORD

@@ -13,11 +13,11 @@ from contextlib import contextmanager
 from gproof.frontend.mcuwin.expressions import Expressions
 from gproof.frontend.mcuwin.include import INCLUDE
 from gproof.frontend.mcuwin.language import DinLine, Language
+from gproof.frontend.mcuwin.line_cache import Shapes, continued, size_of_deferred
 from gproof.frontend.mcuwin.lines import CENTERS, VALUE_LETTERS, LineReader
 from gproof.frontend.mcuwin.notes import Found
 from gproof.frontend.mcuwin.pascal import Dollar, Place, Simple, Symbols, parse_section
 from gproof.frontend.mcuwin.pascal_text import mode_sign, pascal_notes
-from gproof.frontend.mcuwin.shapes import Shapes, continued, size_of_deferred
 from gproof.frontend.mcuwin.structure import Structure
 from gproof.ir import codes
 from gproof.ir.dialects.mcuwin_persistence import Persistence

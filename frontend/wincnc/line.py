@@ -10,7 +10,7 @@ from __future__ import annotations
 import re
 from typing import Any
 
-from gproof.frontend.comment_hints import comment_hint
+from gproof.frontend.common.comment_hints import comment_hint
 from gproof.frontend.wincnc.scan import CLOSING, COMMENT_SIGNS
 from gproof.ir import codes
 from gproof.ir.controls import Lexical

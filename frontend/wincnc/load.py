@@ -13,7 +13,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
-from gproof.frontend.source import UTF8_MARK, decode, newline_of, read_source
+from gproof.frontend.common.source import UTF8_MARK, decode, newline_of, read_source
 from gproof.frontend.wincnc.line import LineError, LineReader, NumberedLine
 from gproof.frontend.wincnc.mac_file import MACRO_FILE, Macro
 from gproof.frontend.wincnc.machine import NO_SHOP

@@ -12,7 +12,7 @@ import re
 from collections.abc import Iterator
 from dataclasses import replace
 
-from gproof.frontend.source import UTF8_MARK, decode
+from gproof.frontend.common.source import UTF8_MARK, decode
 from gproof.frontend.wincnc.ini_file import ENDS_OF_QUOTES
 from gproof.ir import codes
 from gproof.ir.controls import Lexical

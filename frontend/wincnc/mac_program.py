@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from gproof.frontend.source import UTF8_MARK, encoding_of, newline_of, read_source
+from gproof.frontend.common.source import UTF8_MARK, encoding_of, newline_of, read_source
 from gproof.frontend.wincnc.line import LineError, LineReader
 from gproof.frontend.wincnc.mac_file import (
     COMMENT_SIGNS,

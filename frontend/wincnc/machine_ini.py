@@ -13,7 +13,7 @@ import re
 from fractions import Fraction
 from pathlib import Path
 
-from gproof.frontend.source import UTF8_MARK, decode
+from gproof.frontend.common.source import UTF8_MARK, decode
 from gproof.frontend.wincnc.ini_axes import read_axes
 from gproof.frontend.wincnc.ini_check import Sheet
 from gproof.frontend.wincnc.ini_controls import absolute_centers, read_controls

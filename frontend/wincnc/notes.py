@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from gproof.frontend.source import UTF8_MARK, encoding_of
+from gproof.frontend.common.source import UTF8_MARK, encoding_of
 from gproof.frontend.wincnc import scan_kernels as k
 from gproof.frontend.wincnc.line import LineError, LineReader, line_number
 from gproof.frontend.wincnc.scan import CLOSING, Scanner, kinds_of

@@ -11,7 +11,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from pathlib import Path
 
-from gproof.frontend.source import decode, read_source
+from gproof.frontend.common.source import decode, read_source
 from gproof.frontend.wincnc.line import LineError
 from gproof.frontend.wincnc.notes import skip_count
 from gproof.frontend.wincnc.statements import ArrayLine, Head, Lines, Parsed

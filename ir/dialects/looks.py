@@ -2,7 +2,7 @@
 
 Public documentation of each: LinuxCNC "G Code" and "O Codes"; Fanuc custom macro B and subprograms (M98 P, G65);
 Siemens 840D; Heidenhain Klartext; RepRap and Marlin; grbl commands that begin with $. The three that gproof reads by
-their manuals, as in ``frontend/guess.py``. Not for finding a language: a line counts only where the job's own
+their manuals, as in ``frontend/common/detect.py``. Not for finding a language: a line counts only where the job's own
 controller refuses it.
 """
 

@@ -12,8 +12,8 @@ from typing import Any
 
 import numpy as np
 import pytest
-from frontend.test_random import random_bytes, random_program
-from frontend.test_tolerance import SAME
+from frontend.eding.test_random import random_bytes, random_program
+from frontend.eding.test_tolerance import SAME
 from support import wild
 from support.campaigns import seeds
 from support.goldens import ROOT

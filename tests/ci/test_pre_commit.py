@@ -13,8 +13,8 @@ from ruamel.yaml import YAML
 from support.distribution import OFFLINE, copy_of_the_source
 from support.goldens import ROOT
 
-from gproof.cli.jobs import _NEVER, _NO_JOBS
-from gproof.frontend.guess import EXTENSIONS
+from gproof.driver.jobs import _NEVER, _NO_JOBS
+from gproof.frontend.common.detect import EXTENSIONS
 from gproof.ir.kernel import cache_root
 
 HOOKS = {hook["id"]: hook for hook in YAML(typ="safe", pure=True).load(ROOT / ".pre-commit-hooks.yaml")}

@@ -687,9 +687,9 @@ def test_streams_that_are_closed_or_full(name: str, folder: Path, gproof: Run) -
 @pytest.mark.parametrize(
     ("words", "where"),
     [
-        (["check", "job.cnc"], "gproof.cli.conclude.judge"),
-        (["dump", "job.cnc", "--stage", "trace"], "gproof.passes.execute.execute"),
-        (["compile", "job.cnc", *WITH_MACHINE, "--unsigned", "-o", "new.gpx"], "gproof.passes.step.step"),
+        (["check", "job.cnc"], "gproof.driver.conclude.judge"),
+        (["dump", "job.cnc", "--stage", "trace"], "gproof.passes.interpret.core.executor.execute"),
+        (["compile", "job.cnc", *WITH_MACHINE, "--unsigned", "-o", "new.gpx"], "gproof.passes.motion.step.step"),
         (["compile", "job.cnc", *WITH_MACHINE, "--unsigned", "-o", "new.gpx"], "os.replace"),
         (["check", "job.cnc", "--picture", "new.svg"], "os.replace"),
         (["verify", "made.gpx"], "gproof.verify.certificate.check_package"),
@@ -717,7 +717,7 @@ def test_an_internal_error_is_no_verdict(folder: Path, capsys: pytest.CaptureFix
         raise ZeroDivisionError("of course")
 
     monkeypatch.delenv("GPROOF_TRACEBACK", raising=False)
-    monkeypatch.setattr("gproof.cli.conclude.judge", broken)
+    monkeypatch.setattr("gproof.driver.conclude.judge", broken)
     assert main(["check", "job.cnc"]) == 3
     captured = capsys.readouterr()
     assert captured.out == ""

@@ -20,16 +20,16 @@ from support.guarded import alarm
 from support.wild import ROOT, corpus_jobs, mutated, random_bytes, wild_program
 
 from gproof.cli.dump import loaded
-from gproof.cli.jsonl import chunk_lines
-from gproof.cli.judge import Judgement, judge
-from gproof.cli.report import print_findings
-from gproof.cli.session import Running, open_session
-from gproof.cli.summary import print_summary, report_json
+from gproof.driver.judge import Judgement, judge
+from gproof.driver.session import Running, open_session
 from gproof.ir.codes import CODES
 from gproof.ir.finding import Findings, Severity
 from gproof.ir.text import print_lines
 from gproof.ir.verdict import Verdict
-from gproof.passes.execute import Executor
+from gproof.passes.interpret.core.executor import Executor
+from gproof.report.summary import print_summary, report_json
+from gproof.report.text import print_findings
+from gproof.report.trace_jsonl import chunk_lines
 
 BUDGET = 1500
 SECONDS = 30

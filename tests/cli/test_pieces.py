@@ -22,10 +22,12 @@ from support.goldens import ROOT
 from support.paths import Offsets, RandomPath
 
 from gproof.cli.main import main
+from gproof.ir import prefetch as beside
 from gproof.ir.columns import Columns
 from gproof.ir.finding import Findings
 from gproof.ir.program import BlockTable, SourceFile
-from gproof.passes import beside, rows, straight
+from gproof.passes.interpret.core import block_tables as straight
+from gproof.passes.interpret.core import row_buffer as rows
 
 MACHINES = {".ngc": "machine.toml", ".tap": "WINCNC.INI", ".din": "mcuwin.toml"}
 EVENTS = {
@@ -69,7 +71,7 @@ def write_job(path: Path, shape: str, seed: int) -> None:
 def answer(path: Path, zero: bool) -> Any:
     words = ["check", str(path), "--machine", str(ROOT / "bench" / MACHINES[path.suffix]), "--format", "json"]
     out = io.StringIO()
-    with contextlib.redirect_stdout(out), mock.patch("gproof.cli.session.Findings", lambda: Findings(limit=10**6)):
+    with contextlib.redirect_stdout(out), mock.patch("gproof.driver.session.Findings", lambda: Findings(limit=10**6)):
         main([*words, *(["--setup", "zero"] if zero else [])])
     report = json.loads(out.getvalue())
     # Findings come from the run and from the checks: who is first depends on the pieces.

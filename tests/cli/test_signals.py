@@ -137,5 +137,5 @@ def test_while_a_drawing_is_read(tmp_path: Path) -> None:
         'schema = "gproof-setup/1"\n[[part]]\ndxf = "part.dxf"\nlayers = { 0 = { bottom = -5, top = 0 } }\n'
     )
     (tmp_path / "job.cnc").write_text("g21 g90\nm30\n")
-    at = ("gproof.frontend.dxf_outlines", "", "open_drawing")
+    at = ("gproof.frontend.common.dxf", "", "open_drawing")
     interrupted(tmp_path, at, ("check", "job.cnc", "--setup", "setup.toml"), signal.SIGINT)

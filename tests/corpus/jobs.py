@@ -11,8 +11,8 @@ from pathlib import Path
 from corpus.expectations import ROOT
 
 from gproof.backend.job import Job
-from gproof.cli.compile import Lowered, lower
-from gproof.cli.session import Running, Session, open_session
+from gproof.driver.pipeline import Lowered, lower
+from gproof.driver.session import Running, Session, open_session
 from gproof.ir.verdict import Verdict
 from gproof.verify.stream import validate
 

@@ -14,10 +14,10 @@ import pytest
 from corpus.pages import FOLDERS, dialects, settings
 from support.campaigns import share
 
-from gproof.cli.lengths import INCH, MM
 from gproof.cli.main import main
 from gproof.ir.codes import CODES
 from gproof.ir.finding import Finding, Findings, pattern
+from gproof.report.units import INCH, MM
 
 NUMBER = re.compile(r"(?<![\w.#$])[XYZ]?-?\d+(?:\.\d+)?(?:e-?\d+)?")
 BOTH = ("in mm or in inches", "millimetres")
@@ -64,7 +64,7 @@ def test_texts_of_the_examples(folder: Path, monkeypatch: pytest.MonkeyPatch, tm
     def keep(findings: Findings, **_: Any) -> None:
         found.append(findings)
 
-    monkeypatch.setattr("gproof.cli.summary.print_findings", keep)
+    monkeypatch.setattr("gproof.report.summary.print_findings", keep)
     for dialect in dialects(folder)[:1]:
         run = settings(folder, dialect, "bad")
         words = ["check", str(folder / run["program"]), "--machine", str(folder / run["machine"]), *run["options"]]

@@ -10,11 +10,11 @@ import pytest
 from corpus.expectations import JUDGED, ROOT, false_alarms, findings, markers, misplaced, readme_tables, report_of
 from support.command import in_own_process, in_this_process
 
-from gproof.frontend.machine_file import load_machine
+from gproof.frontend.files.machine import load_machine
 from gproof.frontend.wincnc.load import load_alone
 from gproof.frontend.wincnc.mac_program import load_macro_file
 from gproof.ir.finding import Findings, Severity
-from gproof.passes.understood import doubtful_lines
+from gproof.passes.interpret.understood_lines import doubtful_lines
 
 SHOPS = ROOT / "corpus" / "wincnc"
 JOBS = sorted(path.with_suffix(".tap") for path in SHOPS.glob("*/jobs/*.toml"))

@@ -14,7 +14,7 @@ from pathlib import Path
 import pytest
 from differential import rs274_peer
 from differential.test_random import BATCH, judge
-from passes.compensated_jobs import Stretch, contour
+from passes.interpret.eding.compensated_jobs import Stretch, contour
 from support.campaigns import seeds
 
 HEAD = "G21 G17 G40 G49 G54 G80 G90 G94 G98\n"

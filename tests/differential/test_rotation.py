@@ -46,7 +46,7 @@ def both(text: str, angle: float, point: complex) -> tuple[str, str]:
 
 def random_body(rng: random.Random) -> str:
     """Lines and arcs on a grid of 0.0001 mm, words left out, absolute and incremental."""
-    from passes.test_transform import random_lines
+    from passes.interpret.core.test_plane_transform import random_lines
 
     lines = random_lines(rng, cycles=False)
     absolute, places = True, [0]

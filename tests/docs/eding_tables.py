@@ -10,15 +10,15 @@ from pathlib import Path
 
 from docs import eding_manual as manual
 from gproof.frontend.eding.load import load_program
-from gproof.frontend.machine_file import load_machine
-from gproof.frontend.setup_file import load_setup
+from gproof.frontend.files.machine import load_machine
+from gproof.frontend.files.setup import load_setup
 from gproof.ir.dialects.eding import EDING, FREE
 from gproof.ir.dialects.eding_operators import LEVELS
 from gproof.ir.finding import Findings, Severity
 from gproof.ir.rules import CHECKED_ONLY, CodeRule, ParameterRange
-from gproof.passes.commands import HANDLERS, _nesting, _note
-from gproof.passes.execute import execute
-from gproof.passes.modal import _SHOWN
+from gproof.passes.interpret.core.executor import execute
+from gproof.passes.interpret.core.modal_state import _SHOWN
+from gproof.passes.interpret.eding.commands import HANDLERS, _nesting, _note
 
 ROOT = Path(__file__).resolve().parents[2]
 PAGE = ROOT / "docs" / "dialects" / "eding-tables.md"

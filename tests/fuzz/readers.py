@@ -21,16 +21,16 @@ from support.spoiling import spoilt
 from verify.forgery import spoilt_package
 
 from gproof.backend.record_parse import is_record, parse_signed
-from gproof.cli.accept import read_baseline
 from gproof.cli.dump import loaded
-from gproof.cli.jobs import find_jobs
 from gproof.cli.main import UsageError
-from gproof.cli.policy import load_policy
+from gproof.driver.jobs import find_jobs
+from gproof.driver.policy import load_policy
+from gproof.driver.suppressions import read_baseline
 from gproof.frontend.eding.load import load_program as load_eding
-from gproof.frontend.machine_file import load_machine
+from gproof.frontend.files.machine import load_machine
+from gproof.frontend.files.setup import load_setup
 from gproof.frontend.mcuwin.load import load_program as load_mcuwin
 from gproof.frontend.mcuwin.machine import NO_MCUWIN
-from gproof.frontend.setup_file import load_setup
 from gproof.frontend.wincnc.load import load_program as load_wincnc
 from gproof.frontend.wincnc.mac_program import load_macro_file
 from gproof.frontend.wincnc.machine import NO_SHOP

@@ -9,10 +9,10 @@ from support.command import Done, in_this_process
 from support.guarded import alarm
 
 from gproof.backend.emit import mcuwin_parts
-from gproof.frontend.machine_file import load_machine
+from gproof.frontend.files.machine import load_machine
+from gproof.frontend.files.setup import load_setup
+from gproof.frontend.files.toml_table import exact_ratio
 from gproof.frontend.mcuwin import patterns
-from gproof.frontend.setup_file import load_setup
-from gproof.frontend.toml_table import exact_ratio
 from gproof.frontend.wincnc import ini_file
 from gproof.frontend.wincnc import line as wincnc_line
 from gproof.frontend.wincnc.load import load_program

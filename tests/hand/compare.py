@@ -8,12 +8,12 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
-from gproof.cli.jsonl import chunk_lines
 from gproof.ir.finding import Finding, Severity
 from gproof.ir.machine import Machine
 from gproof.ir.setup import Interval
 from gproof.ir.trace import TRACE_ROW
-from gproof.passes.execute import Executor
+from gproof.passes.interpret.core.executor import Executor
+from gproof.report.trace_jsonl import chunk_lines
 
 LISTED = frozenset(
     "traverse feed probe arc dwell spindle setpoint output input_wait stop home tool_change message units".split()

@@ -11,14 +11,14 @@ import pytest
 from hand.compare import LISTED, fits, lengthless, open_or_wrong, rows_of
 from support.campaigns import share
 
-from gproof.cli.session import Session, open_session
+from gproof.driver.session import Session, open_session
 from gproof.ir.finding import Finding, Findings
 from gproof.ir.setup import ZERO
 from gproof.ir.text import parse_ir, print_ir
-from gproof.passes.arc_radius import ArcRadius
-from gproof.passes.boundaries import Boundaries
-from gproof.passes.execute import Executor, execute
-from gproof.passes.limits import Limits
+from gproof.passes.checks.arc_radius import ArcRadius
+from gproof.passes.checks.limits.soft_limits import Limits
+from gproof.passes.checks.limits.work_boundaries import Boundaries
+from gproof.passes.interpret.core.executor import Executor, execute
 
 HERE = Path(__file__).parent
 PROGRAMS = sorted(HERE.glob("mcuwin/*/*.jsonl"))

@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-from gproof.frontend import lines
+from gproof.frontend.common import lines
 from gproof.frontend.eding.scan import index
 from gproof.ir import mapped
 

@@ -6,9 +6,9 @@ from pathlib import Path
 
 import pytest
 
-from gproof.cli.compile import lower
 from gproof.cli.dump import loaded
-from gproof.cli.session import Running, open_session
+from gproof.driver.pipeline import lower
+from gproof.driver.session import Running, open_session
 from gproof.ir.text import parse_ir, print_ir
 
 CORPUS = Path(__file__).parents[2] / "corpus" / "eding"

@@ -9,7 +9,7 @@ import dataclasses
 from pathlib import Path
 
 import pytest
-from passes.programs import HEAD
+from passes.interpret.core.programs import HEAD
 from support.judging import judged
 
 from gproof.ir.finding import Severity

@@ -10,8 +10,8 @@ import numpy as np
 import numpy.typing as npt
 from support.judging import UNBOUNDED
 
-from gproof.cli.judge import Judgement, judge
-from gproof.cli.session import Running, open_session
+from gproof.driver.judge import Judgement, judge
+from gproof.driver.session import Running, open_session
 from gproof.ir.trace import Chunk
 from gproof.ir.verdict import Verdict
 

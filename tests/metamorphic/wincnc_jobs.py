@@ -13,8 +13,8 @@ from metamorphic.jobs import Job as EdingJob
 from metamorphic.jobs import Known, Run, Span, table
 from support.judging import UNBOUNDED
 
-from gproof.cli.judge import judge
-from gproof.cli.session import Running, open_session
+from gproof.driver.judge import judge
+from gproof.driver.session import Running, open_session
 from gproof.ir.trace import Chunk
 
 AXES = "xyzw"

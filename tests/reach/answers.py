@@ -9,16 +9,16 @@ import hashlib
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from gproof.cli.compile import lower
-from gproof.cli.judge import judge
-from gproof.cli.properties import ALL
-from gproof.cli.session import Running, Session, open_session
+from gproof.driver.judge import judge
+from gproof.driver.pipeline import lower
+from gproof.driver.session import Running, Session, open_session
 from gproof.ir import codes
 from gproof.ir.finding import Findings, Severity
 from gproof.ir.machine import Machine
 from gproof.ir.program import Program
 from gproof.ir.setup import Setup
 from gproof.ir.text import print_ir
+from gproof.passes.checks.registry import ALL
 
 TARGETS = ("trace", *ALL, "plan", "stream")
 BLOCKS = Running(20_000)
@@ -57,7 +57,7 @@ def again(place: Place, session: Session, machine: Machine, setup: Setup) -> Ses
 
         program = load_mcuwin(place.program, findings, machine, place.machine)
     else:
-        from gproof.cli.session import _macro_file
+        from gproof.driver.session import _macro_file
         from gproof.frontend.eding.load import load_program
         from gproof.frontend.eding.long_file import judge_length
 

@@ -12,8 +12,8 @@ from corpus.expectations import ROOT
 from reach.answers import TARGETS
 
 from gproof.ir import controls, din, machine, setup, trace, workpiece
-from gproof.passes.din_state import DinState
-from gproof.passes.single_state import SingleState
+from gproof.passes.interpret.mcuwin.state import DinState
+from gproof.passes.interpret.wincnc.state import SingleState
 
 PAGE = ROOT / "docs" / "reach.md"
 STATED: tuple[ModuleType, ...] = (machine, setup, controls, din, workpiece)
@@ -83,7 +83,7 @@ def words_of_readers() -> set[str]:
 
 def run_fields() -> set[str]:
     """Fields of what a running program carries."""
-    tree = ast.parse((ROOT / "passes" / "modal.py").read_text(encoding="utf-8"))
+    tree = ast.parse((ROOT / "passes" / "interpret" / "core" / "modal_state.py").read_text(encoding="utf-8"))
     classes = (node for node in ast.walk(tree) if isinstance(node, ast.ClassDef) and node.name == "Modal")
     start = next(node for node in next(classes).body if isinstance(node, ast.FunctionDef) and node.name == "__init__")
     names = {

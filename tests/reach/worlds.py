@@ -15,12 +15,12 @@ from reach.answers import TARGETS, Place, again, answers
 from reach.changes import Path as FieldPath
 from reach.changes import put
 
-from gproof.cli.session import Session, open_session
+from gproof.driver.session import Session, open_session
 from gproof.ir.machine import Machine
 from gproof.ir.setup import Interval, Setup
 from gproof.ir.trace import Chunk
 from gproof.ir.workpiece import Box, Placed, Workpiece
-from gproof.passes.execute import Executor
+from gproof.passes.interpret.core.executor import Executor
 
 Change = tuple[FieldPath, Any]
 STATE = "state"

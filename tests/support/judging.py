@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from gproof.cli.judge import Judgement, judge
-from gproof.cli.session import Running, open_session
+from gproof.driver.judge import Judgement, judge
+from gproof.driver.session import Running, open_session
 from gproof.ir.verdict import PropertyResult
 
 UNBOUNDED = 10**9

@@ -17,7 +17,7 @@ import numpy as np
 import numpy.typing as npt
 from support.paths import Offsets, RandomPath
 
-from gproof.cli.session import Session, open_session
+from gproof.driver.session import Session, open_session
 
 Points = npt.NDArray[np.float64]
 LENGTH = 17.25

@@ -7,8 +7,8 @@ from pathlib import Path
 
 import pytest
 
-from gproof.cli.compile import lower
-from gproof.cli.session import Running, open_session
+from gproof.driver.pipeline import lower
+from gproof.driver.session import Running, open_session
 from gproof.ir.verdict import Verdict
 from gproof.verify.stream import validate
 

@@ -10,9 +10,9 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from passes.reference_motion import expand
-from passes.test_lift import MACHINES, ON, WEDGE, Raised, a_map, a_path, lowered, using
-from passes.traces import Path, machine
+from passes.motion.reference_motion import expand
+from passes.motion.test_height_compensation import MACHINES, ON, WEDGE, Raised, a_map, a_path, lowered, using
+from passes.motion.traces import Path, machine
 from support.campaigns import seeds
 from verify.path_oracle import FINE, follows
 from verify.reference_stepper import Stepped

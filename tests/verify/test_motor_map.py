@@ -12,8 +12,8 @@ from fractions import Fraction
 
 import numpy as np
 import pytest
-from passes.traces import Path
-from passes.traces import machine as plain_machine
+from passes.motion.traces import Path
+from passes.motion.traces import machine as plain_machine
 from support.campaigns import seeds
 
 from gproof.ir.finding import Findings
@@ -22,8 +22,8 @@ from gproof.ir.setup import NOTHING
 from gproof.ir.stream import StepStream
 from gproof.ir.trace import Plane, Trace
 from gproof.ir.verdict import Verdict
-from gproof.passes.plan import plan
-from gproof.passes.step import step
+from gproof.passes.motion.plan import plan
+from gproof.passes.motion.step import step
 from gproof.verify.motor_map import bend, knots_of, motor_at
 from gproof.verify.stream import validate
 
@@ -214,7 +214,7 @@ def test_the_plan_goes_as_fast_as_the_slower_motor() -> None:
 
 
 def test_both_speeds_of_the_stepper_agree_through_a_table(monkeypatch: pytest.MonkeyPatch) -> None:
-    from gproof.passes import step_kernels as k
+    from gproof.passes.motion import step_kernels as k
 
     trace = a_path(random.Random(5))
     on = with_axes(x={"pitch": a_table(random.Random(1))}, y={"pitch": a_table(random.Random(2))})

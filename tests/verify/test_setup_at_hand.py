@@ -15,7 +15,7 @@ from corpus.jobs import job_of
 from verify.jobs import JOBS
 from verify.reference_stepper import machine
 
-from gproof.cli.session import open_session
+from gproof.driver.session import open_session
 from gproof.ir.columns import Columns
 from gproof.ir.machine import Area, Machine, Spindle, Tool
 from gproof.ir.record import record

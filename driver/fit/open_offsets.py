@@ -1,0 +1,96 @@
+"""A job with its work offsets left open: what ``gproof fit`` runs, and what was stated of them.
+
+The open offsets are those that an operator sets to move the zero: the coordinate systems (G54 and on); on controllers
+where no setup has those, or others count as well, the offset that G92 shows (WinCNC local coordinates, McuWIN zero
+offset). Tool lengths, heads and everything else stay as stated.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+from copy import deepcopy
+
+from gproof.driver.session import Session
+from gproof.ir.machine import AXIS_NAMES, Machine
+from gproof.ir.record import record
+from gproof.ir.setup import Interval, Setup
+from gproof.ir.trace import Affine
+
+_OPEN = {"eding": ("work",), "wincnc": ("g92",), "mcuwin": ("work", "g92")}
+"""Kinds of symbols that are asked for, by dialect."""
+
+
+@record(frozen=True, slots=True, kw_only=True)
+class OpenSetup(Setup):
+    """A setup of which some kinds of offsets count as not stated, whatever it says of them.
+
+    kinds: such as ``work``.
+    """
+
+    kinds: tuple[str, ...] = ()
+
+    def interval(self, symbol: str) -> Interval | None:
+        """As the stated setup has it; None for what is asked for."""
+        return None if symbol.split(".", maxsplit=1)[0] in self.kinds else Setup.interval(self, symbol)
+
+
+@record(frozen=True, slots=True)
+class Asked:
+    """What is asked for, and what was stated of it: the setup, and the zero offset table of a McuWIN machine."""
+
+    kinds: tuple[str, ...]
+    setup: Setup
+    machine: Machine
+
+    def is_open(self, symbol: str) -> bool:
+        """Whether the symbol is one of the offsets that are asked for."""
+        return symbol.split(".", maxsplit=1)[0] in self.kinds
+
+    def stated(self, symbol: str) -> Interval | None:
+        """What was stated of any symbol."""
+        din = self.machine.controller.din
+        kind, *rest = symbol.split(".")
+        if kind == "work" and din is not None and din.zero_offsets is not None:
+            number, axis = int(rest[0]), AXIS_NAMES.index(rest[1])
+            row = din.zero_offsets[number - 1] if 0 < number <= len(din.zero_offsets) else ()
+            return Interval(row[axis], row[axis]) if axis < len(row) else None
+        return self.setup.interval(symbol)
+
+    def interval(self, form: Affine) -> Interval | None:
+        """What was stated of a sum; None where some part of it is not."""
+        low = high = 0.0
+        for symbol, count in form:
+            known = self.stated(symbol)
+            if known is None:
+                return None
+            ends = known.low * count, known.high * count
+            low, high = low + min(ends), high + max(ends)
+        return Interval(low, high)
+
+    @property
+    def anything(self) -> bool:
+        """Whether any offset that is asked for was stated."""
+        setup, din = self.setup, self.machine.controller.din
+        return bool(
+            setup.default_offset is not None
+            or ("work" in self.kinds and (setup.work or (din is not None and din.zero_offsets)))
+            or ("g92" in self.kinds and setup.g92)
+        )
+
+
+def opened(session: Session) -> tuple[Session, Asked]:
+    """The same job with its work offsets open and findings of its own, and what was stated of them."""
+    kinds = _OPEN[session.dialect]
+    stated = {f.name: getattr(session.setup, f.name) for f in dataclasses.fields(Setup)}
+    machine = session.machine
+    din = machine.controller.din
+    if din is not None and din.zero_offsets is not None:
+        controller = dataclasses.replace(machine.controller, din=dataclasses.replace(din, zero_offsets=None))
+        machine = dataclasses.replace(machine, controller=controller)
+    other = dataclasses.replace(
+        session,
+        setup=OpenSetup(kinds=kinds, **stated),
+        machine=machine,
+        findings=deepcopy(session.findings),
+    )
+    return other, Asked(kinds, session.setup, session.machine)

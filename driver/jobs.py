@@ -1,0 +1,223 @@
+"""Which jobs a command line means: files, folders, patterns, and job files that say what each job is judged with."""
+
+from __future__ import annotations
+
+import glob
+import re
+import tomllib
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+from pathlib import Path
+
+from gproof.cli.main import UsageError
+from gproof.driver.files import require_file
+from gproof.frontend.common.detect import EXTENSIONS
+from gproof.frontend.files.toml_table import LARGEST_FILE, TomlFile, TomlTable, is_there
+from gproof.ir.finding import Findings
+from gproof.ir.record import record
+from gproof.passes.checks.registry import ADDED
+
+SCHEMA = "gproof-job/1"
+HEAD = 1000
+"""Bytes of a file that is too large, in which its schema is looked for."""
+_NEVER = {"macro.cnc", "user_macro.cnc"}
+_NO_JOBS = {".mac", ".inc", ".txt", ".iso"}
+"""Extensions of programs that folders are not searched for: macros, includes, and what may be anything."""
+
+
+@record(frozen=True, slots=True, kw_only=True)
+class Job:
+    """A job and what it is judged with.
+
+    also: properties asked for beyond the policy's; strict: a SAFE with conditions counts as UNKNOWN; source: the job
+    file that says so, None for the command line.
+    """
+
+    path: Path
+    machine: Path | None = None
+    setup: str | None = None
+    dialect: str | None = None
+    policy: Path | None = None
+    also: tuple[str, ...] = ()
+    strict: bool = False
+    source: Path | None = None
+
+
+def find_jobs(
+    names: Sequence[str], *, machine: Path | None, setup: str | None, dialect: str | None, exclude: Sequence[str] = ()
+) -> list[Job]:
+    """The jobs that are meant, each once, in the order of the names and by path within one.
+
+    What the command line states goes before what a job file says. UsageError for a name that is no file, for a
+    pattern or folder with no job in it, and for a job file with an error.
+    """
+    found: dict[tuple[Path, Path | None], Job] = {}
+    for name in names:
+        for job in _of_name(name):
+            if any(job.path.match(pattern) for pattern in exclude):
+                continue
+            stated = replace(
+                job,
+                machine=job.machine if machine is None else machine,
+                setup=job.setup if setup is None else setup,
+                dialect=job.dialect if dialect is None else dialect,
+            )
+            found.setdefault((job.path.resolve(), job.source), stated)
+    if not found:
+        raise UsageError("no job is left: --exclude leaves all of them out")
+    return list(found.values())
+
+
+def is_several(names: Sequence[str]) -> bool:
+    """Whether names may stand for more, or for something else, than one file with a program."""
+    path = Path(names[0])
+    if not names[0]:
+        return True
+    is_pattern = glob.has_magic(names[0]) and not path.exists()
+    return len(names) != 1 or is_pattern or path.is_dir() or _is_job_file(path)
+
+
+def _of_name(name: str) -> Iterator[Job]:
+    path = Path(name)
+    if not name:
+        raise UsageError("an empty name is no job")
+    if path.is_dir():
+        jobs = sorted(_in_folder(path), key=lambda job: job.path.as_posix())
+        if not jobs:
+            raise UsageError(f"{path}: no jobs in this folder ({', '.join(sorted(_extensions()))})")
+        yield from jobs
+    elif path.exists() or not glob.has_magic(name):
+        if _is_job_file(path):
+            yield from read_job_file(path)
+        else:
+            yield Job(path=path)
+    else:
+        files = sorted(Path(one) for one in glob.glob(name, recursive=True) if Path(one).is_file())
+        if not files:
+            raise UsageError(f"{name}: no file matches")
+        for file in files:
+            yield from read_job_file(file) if _is_job_file(file) else [Job(path=file)]
+
+
+def _extensions() -> set[str]:
+    return {extension for extension in EXTENSIONS if extension not in _NO_JOBS}
+
+
+def _in_folder(folder: Path) -> Iterator[Job]:
+    """Job files of a folder and those below it, and programs of which no job file speaks; nothing that is hidden."""
+    told: list[Job] = []
+    programs: list[Path] = []
+    wanted = _extensions()
+    for path in sorted(folder.rglob("*")):
+        if any(part.startswith(".") for part in path.relative_to(folder).parts) or not path.is_file():
+            continue
+        if _is_job_file(path):
+            told += read_job_file(path)
+        elif path.suffix.lower() in wanted and path.name.lower() not in _NEVER:
+            programs.append(path)
+    known = {job.path.resolve() for job in told}
+    yield from told
+    yield from (Job(path=path) for path in programs if path.resolve() not in known)
+
+
+def _is_job_file(path: Path) -> bool:
+    """Whether a TOML file says that it is a job file."""
+    if path.suffix.lower() != ".toml":
+        return False
+    try:
+        with path.open("rb") as file:
+            text = file.read(LARGEST_FILE + 1)
+        if len(text) > LARGEST_FILE:  # said where it is read
+            return b"gproof-job/" in text[:HEAD]
+        return str(tomllib.loads(text.decode()).get("schema", "")).startswith("gproof-job/")
+    except (OSError, ValueError, RecursionError):
+        return False
+
+
+def read_job_file(path: Path) -> list[Job]:
+    """The jobs of a job file; docs/job-files.md defines the keys. UsageError, behind its findings, for a bad one."""
+    require_file(path, "job file")
+    findings = Findings()
+    file = TomlFile(path, SCHEMA, findings)
+    root = file.root
+    jobs: list[Job] = []
+    if root is not None:
+        defaults = _settings(root, path, Job(path=path, source=path))
+        for name in _names(root):
+            jobs += _named(root, "job", path, name, defaults)
+        for table in root.tables("jobs"):
+            own = _settings(table, path, defaults)
+            for name in _names(table):
+                jobs += _named(table, "job", path, name, own)
+            table.finish()
+        root.finish()
+        if not jobs and not file.errors:
+            root.missing("job")
+    if findings.kept:
+        from gproof.report.text import print_findings
+
+        print_findings(findings, err=True)
+    if file.errors:
+        raise UsageError(f"the job file {path} can not be used")
+    return jobs
+
+
+def _names(table: TomlTable) -> list[str]:
+    value = table.take("job")
+    names = value if isinstance(value, list) else [] if value is None else [value]
+    if not all(isinstance(name, str) for name in names):
+        table.bad("job", "neither a path nor a list of paths")
+        return []
+    return list(names)
+
+
+def _named(table: TomlTable, key: str, source: Path, name: str, settings: Job) -> list[Job]:
+    """The files of a path or pattern, seen from the folder of the job file."""
+    folder = source.parent
+    if "\0" in name:
+        table.bad(key, f"{name!r} is no name of a file")
+        return []
+    if not glob.has_magic(name) or is_there(folder / name):
+        return [replace(settings, path=folder / name)]
+    files = sorted(folder / one for one in _matching(name, folder))
+    if not files:
+        table.bad(key, f"no file matches {name!r}")
+    return [replace(settings, path=file) for file in files if file.is_file()]
+
+
+def _matching(pattern: str, folder: Path) -> list[str]:
+    """What a pattern matches; nothing for what can not be one."""
+    try:
+        return glob.glob(pattern, root_dir=folder, recursive=True)
+    except (OSError, ValueError, re.error, OverflowError, RecursionError):
+        return []
+
+
+def _also(table: TomlTable, base: Job) -> tuple[str, ...]:
+    """``also = ["cutting"]``: names of properties, or "all"."""
+    value = table.take("also")
+    if value is None:
+        return base.also
+    if not isinstance(value, list) or not all(isinstance(name, str) for name in value):
+        table.bad("also", "not a list of names of properties")
+        return base.also
+    for name in value:
+        if name not in (*ADDED, "all"):
+            table.bad("also", f"{name!r} is none of {', '.join(ADDED)}, all")
+    return tuple(value)
+
+
+def _settings(table: TomlTable, source: Path, base: Job) -> Job:
+    machine, setup, policy = table.text("machine"), table.text("setup"), table.text("policy")
+    strict = table.boolean("strict")
+    dialect = table.text("dialect", ("wincnc", "eding", "mcuwin"))
+    folder = source.parent
+    return replace(
+        base,
+        machine=base.machine if machine is None else folder / machine,
+        setup=base.setup if setup is None else setup if setup == "zero" else str(folder / setup),
+        dialect=base.dialect if dialect is None else dialect,
+        policy=base.policy if policy is None else folder / policy,
+        also=_also(table, base),
+        strict=base.strict if strict is None else strict,
+    )

@@ -1,0 +1,212 @@
+"""What every command that reads a job does first: dialect, program, machine and setup, as findings or values."""
+
+from __future__ import annotations
+
+import dataclasses
+from pathlib import Path
+from typing import TypedDict, TypeVar
+
+from gproof.cli.main import UsageError
+from gproof.driver.files import require_file, require_program
+from gproof.ir import codes
+from gproof.ir.dialects.accepts import USER_MACRO_FILE
+from gproof.ir.finding import Findings, Span
+from gproof.ir.machine import NO_MACHINE, Machine, Unmodelled
+from gproof.ir.program import Call, Program
+from gproof.ir.record import field, record
+from gproof.ir.setup import NOTHING, ZERO, Setup
+
+T = TypeVar("T")
+
+READ = ("eding", "wincnc", "mcuwin")
+"""Dialects that this version reads."""
+
+PLAIN_SECONDS_A_BYTE = 1e-6
+"""What ``check`` takes in plain Python for a byte of source, measured by bench/kernels.py."""
+
+
+@record(frozen=True, slots=True)
+class Running:
+    """How far a program is executed: see the options of the command line."""
+
+    max_blocks: int | None = None
+    max_branches: int = 4096
+    render: bool = False
+    call: str | None = None
+
+
+class Options(TypedDict):
+    """Keyword arguments of an Executor."""
+
+    budget: int
+    max_branches: int
+    render: bool
+
+
+BUDGET = 5_000_000
+"""Blocks that loops may add to the lines of a job: at 200,000 a second some 25 seconds, and a hundred times what the
+longest macro of a shop runs (a thousand by a thousand probed points are 4 million). docs/codes/GP233 says so too."""
+
+
+@record(slots=True, kw_only=True)
+class Session:
+    """A job with its surroundings. program is None when nothing of it could be read.
+
+    inputs: (name, sha256, role) of every file read; dialect_reason: how the dialect was found.
+    """
+
+    job: Path
+    dialect: str
+    dialect_reason: str
+    program: Program | None
+    machine: Machine
+    setup: Setup
+    machine_given: bool
+    findings: Findings = field(default_factory=Findings)
+    inputs: list[tuple[str, str, str]] = field(default_factory=list)
+
+    def options(self, running: Running) -> Options:
+        """Keyword arguments of an Executor; by default it executes so many blocks that only endless loops meet it."""
+        lines = self.program.line_count if self.program is not None else 0
+        budget = BUDGET + 4 * lines if running.max_blocks is None else running.max_blocks
+        return {"budget": budget, "max_branches": running.max_branches, "render": running.render}
+
+
+def _macro_file(machine: Machine, file: Path | None, job: Path) -> tuple[Path | None, Machine]:
+    """The macro file that the machine names, beside its own file or the job; GP605 when it is not there.
+
+    Without the usual one a job is judged as it stands, whether the machine's file names it or not.
+    """
+    from gproof.frontend.files.toml_table import is_file
+
+    name = machine.controller.macro_file
+    if name is None or file is None:
+        return None, machine
+    for folder in (file.parent, job.parent):
+        found = folder / name
+        if is_file(found) and found.resolve() != job.resolve():
+            return found, machine
+    if name.lower() == "macro.cnc":
+        return None, machine
+    missing = Unmodelled(f"macroFileName = {name}", "there is no such file")
+    return None, dataclasses.replace(machine, not_modelled=(*machine.not_modelled, missing))
+
+
+def open_session(
+    job: Path, *, machine: Path | None, setup: str | None, dialect: str | None, call: str | None = None
+) -> Session:
+    """Read everything; UsageError (exit 3) for files that can not be read at all."""
+    require_program(job, "job")
+    findings = Findings()
+    inputs: list[tuple[str, str, str]] = []
+    the_machine, the_setup = NO_MACHINE, NOTHING
+    if machine is not None:
+        from gproof.frontend.files.machine import load_machine
+
+        require_file(machine, "machine file")
+        the_machine = _loaded(load_machine(machine, findings), findings, inputs, "machine")
+    dialect, reason = dialect_of(job, dialect, the_machine, machine)
+    if setup == "zero":
+        the_setup = ZERO
+    elif setup is not None:
+        from gproof.frontend.files.setup import load_setup
+
+        require_file(Path(setup), "setup file")
+        the_setup = _loaded(load_setup(Path(setup), findings, the_machine), findings, inputs, "setup")
+    from gproof.ir.kernel import Kernel
+
+    Kernel.forecast(job.stat().st_size * PLAIN_SECONDS_A_BYTE)
+    if dialect == "wincnc":
+        from gproof.frontend.wincnc.load import load_program as load_wincnc
+        from gproof.frontend.wincnc.mac_file import MACRO_FILE
+        from gproof.frontend.wincnc.mac_program import load_macro_file
+        from gproof.frontend.wincnc.machine import NO_SHOP
+
+        if machine is None:
+            the_machine = NO_SHOP
+        read = [Path(name) for name, _, role in inputs if role == "machine"]
+        if job.name.lower() == MACRO_FILE:
+            program = load_macro_file(job, findings, machine=the_machine)
+            if program is not None and not program.body:
+                findings.add(codes.EMPTY_PROGRAM.at(Span(str(job), 1)))
+        else:
+            program = load_wincnc(job, findings, the_machine, machine, read)
+    elif dialect == "mcuwin":
+        from gproof.frontend.mcuwin.load import load_program as load_mcuwin
+        from gproof.frontend.mcuwin.machine import NO_MCUWIN
+
+        if machine is None:
+            the_machine = NO_MCUWIN
+        program = load_mcuwin(job, findings, the_machine, machine)
+    else:
+        from gproof.frontend.eding.load import load_program, own_macros
+        from gproof.frontend.eding.long_file import judge_length
+
+        macro, the_machine = _macro_file(the_machine, machine, job)
+        accepts = the_machine.controller.accepts
+        own = own_macros(job, macro)
+        if own is not None and USER_MACRO_FILE.name not in accepts:
+            why = f"whether this controller loads it is not stated: {USER_MACRO_FILE.hint}"
+            left_out = Unmodelled(own.name, why)
+            the_machine = dataclasses.replace(the_machine, not_modelled=(*the_machine.not_modelled, left_out))
+        program = load_program(job, findings, macro, call=call or "", accepts=accepts)
+        if program is not None:
+            judge_length(program, the_machine.controller.super_long_file, findings)
+    if program is not None and call is not None:
+        _call_only(program, call, job)
+    elif program is not None and not program.body and program.subprograms:
+        inside = (sub.span for sub in program.subprograms.values() if sub.span.file == str(job))
+        first = min(inside, key=lambda span: span.line, default=Span(str(job), 1))
+        findings.add(codes.ONLY_SUBPROGRAMS.at(first, hint=f"--call {min(program.subprograms)} judges one of them"))
+    if program is not None:
+        settings = {name for name, _, role in inputs if role == "machine"}
+        inputs += [(f.name, f.sha256, "source") for f in program.files if f.name not in settings]
+    return Session(
+        job=job, dialect=dialect, dialect_reason=reason, program=program, machine=the_machine, setup=the_setup,
+        machine_given=machine is not None, findings=findings, inputs=inputs,
+    )  # fmt: skip
+
+
+def _call_only(program: Program, name: str, job: Path) -> None:
+    """Make the program one call of a subprogram; UsageError when there is none of that name."""
+    if name.lower() not in program.subprograms:
+        known = ", ".join(sorted(program.subprograms)) or "none"
+        raise UsageError(f"{job}: no subprogram {name!r}; there are: {known}")
+    sub = program.subprograms[name.lower()]
+    program.body = (Call(name=sub.name, span=sub.span),)
+
+
+def dialect_of(
+    job: Path, given: str | None, machine: Machine = NO_MACHINE, machine_file: Path | None = None
+) -> tuple[str, str]:
+    """The language and how it is known: the option, the machine file, else a guess from name and content.
+
+    UsageError for a language that this version does not read.
+    """
+    from gproof.frontend.common.detect import guess_dialect
+
+    if given is not None:
+        dialect, reason = given, "as given"
+    elif machine.controller.dialect is not None:
+        dialect, reason = machine.controller.dialect, f"the machine file {machine_file} says so"
+    else:
+        dialect, guessed = guess_dialect(job)
+        reason = f"guessed: {guessed}"
+    if dialect not in READ:
+        known = ", ".join(READ)
+        raise UsageError(f"{job}: is {dialect} ({reason}), and this version reads {known} only; --dialect overrides")
+    return dialect, reason
+
+
+def _loaded(
+    result: tuple[T | None, list[tuple[str, str]]], findings: Findings, inputs: list[tuple[str, str, str]], role: str
+) -> T:
+    """Unpack (value or None, files); a file with errors stops the command with its findings."""
+    value, files = result
+    inputs += [(name, digest, role) for name, digest in files]
+    if value is None:
+        from gproof.report.text import print_findings
+
+        print_findings(findings, err=True)
+        raise UsageError(f"the {role} file can not be used")
+    return value

@@ -1,0 +1,1 @@
+"""What all languages and files share: source texts, lines, numbers, drawings."""

@@ -1,0 +1,1 @@
+"""Machine files, setup files, workpieces, tables: all that is no program."""

@@ -1,0 +1,193 @@
+"""What a check is: rows of the Trace in, findings and one property's answer out, while the job streams by."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, TypedDict
+
+import numpy as np
+import numpy.typing as npt
+
+from gproof.ir import codes
+from gproof.ir.columns import Columns
+from gproof.ir.finding import Finding, Findings, Related, Span
+from gproof.ir.machine import AXES, Machine
+from gproof.ir.setup import Interval, Setup
+from gproof.ir.symbols import describe
+from gproof.ir.trace import UNKNOWN, Affine, Chunk, Trace
+from gproof.ir.verdict import Condition, PropertyResult
+
+if TYPE_CHECKING:
+    from gproof.passes.checks.stock.height_fields import Remains
+
+KEPT = 64
+"""Offences of a chunk that are told one by one at least, and for which there is room at first."""
+
+
+class Like(TypedDict, total=False):
+    """For how many of its kind a finding stands: keyword arguments of ``Findings.add``."""
+
+    times: int
+    first_line: int
+    last_line: int
+
+
+class Check(ABC):
+    """One property of the Trace. ``feed`` gets every chunk in order, then ``finish`` answers."""
+
+    name: str
+
+    def __init__(self, machine: Machine, setup: Setup, findings: Findings) -> None:
+        self.machine = machine
+        self.setup = setup
+        self.findings = findings
+
+        self._known = np.zeros((0, AXES), dtype=np.uint8)
+
+    @property
+    def kept(self) -> int:
+        """Offences of a chunk that are told one by one, as many as ``findings`` takes; others stand together.
+
+        Where somebody may accept findings each has to be there by itself, or none is known again.
+        """
+        return max(KEPT, self.findings.limit)
+
+    def known(self, trace: Trace) -> npt.NDArray[np.uint8]:
+        """(frames, 6): 1 where an axis rests on nothing unknown. Frames are added while a job streams by."""
+        have = len(self._known)
+        if have < len(trace.frames):
+            new = [[form == () for form in frame] for frame in trace.frames[have:]]
+            self._known = np.concatenate([self._known, np.array(new, dtype=np.uint8).reshape(-1, AXES)])
+        return self._known
+
+    @abstractmethod
+    def feed(self, chunk: Chunk) -> None:
+        """Look at some successive rows."""
+
+    @abstractmethod
+    def finish(self) -> PropertyResult:
+        """The answer, after the last chunk."""
+
+    def remains(self) -> tuple[Remains, ...]:
+        """What is left of stock where the job ended last; nothing from checks that do not look at stock."""
+        return ()
+
+
+def row_span(trace: Trace, rows: Columns, row: int) -> Span:
+    """The source line of a row; of what no line says, the first."""
+    return Span(trace.files[int(rows["file"][row])], max(1, int(rows["line"][row])))
+
+
+def of_one_kind(
+    rows: Columns, found: npt.NDArray[np.int64], kinds: npt.NDArray[np.int64], far: npt.NDArray[np.float64]
+) -> Iterator[tuple[int, Like]]:
+    """Offences put together by file and kind: the first of each, and the one that goes furthest with all others.
+
+    found: rows of the chunk; kinds: (n, ...) what tells one kind from another; far: how far each goes. Yields an
+    index into found and what ``Findings.add`` takes.
+    """
+    if not len(found):
+        return
+    keys = np.column_stack([rows["file"][found].astype(np.int64), kinds])
+    lines = rows["line"][found]
+    names, kind = np.unique(keys, axis=0, return_inverse=True)
+    for n in range(len(names)):
+        own = np.flatnonzero(kind.reshape(-1) == n)
+        most = int(own[np.argmax(far[own])])
+        first_line, last_line = int(lines[own].min()), int(lines[own].max())
+        others = len(own)
+        if most != own[0]:
+            yield int(own[0]), Like(times=1)
+            others -= 1
+        yield most, Like(times=others, first_line=first_line, last_line=last_line)
+
+
+def told_of(
+    rows: Columns, found: npt.NDArray[np.int64], kinds: npt.NDArray[np.int64], far: npt.NDArray[np.float64], kept: int
+) -> Iterator[tuple[int, Like]]:
+    """The first ``kept`` offences one by one, the others as ``of_one_kind`` puts them together."""
+    yield from ((n, Like()) for n in range(min(len(found), kept)))
+    for n, like in of_one_kind(rows, found[kept:], kinds[kept:], far[kept:]):
+        yield n + kept, like
+
+
+def form_interval(form: Affine, setup: Setup, trace: Trace) -> Interval | None:
+    """The range of a sum of unknowns by what setup and trace tell; None when some part is not bounded."""
+    low = high = 0.0
+    for symbol, coefficient in form:
+        if form == UNKNOWN:
+            return None
+        known = trace.symbols.get(symbol) or setup.interval(symbol)
+        if known is None:
+            return None
+        ends = (known.low * coefficient, known.high * coefficient)
+        low, high = low + min(ends), high + max(ends)
+    return Interval(low, high)
+
+
+Asking = tuple[Span | None, str]
+"""A move, None where none is known, and what it asks for."""
+
+
+def excluding(below: Asking, above: Asking, otherwise: Span) -> tuple[Span, str, tuple[Related, ...]]:
+    """Where two moves that exclude each other are reported: (place of the later one, what it asks, the other one).
+
+    A file that is called has no place before or after the job's lines: the second one counts there.
+    """
+    there = [(span, asks) for span, asks in (below, above) if span is not None]
+    if not there:
+        return otherwise, "", ()
+    if len(there) == 1 or there[0][0] == there[1][0]:
+        return there[0][0], " and ".join(f"this line needs {asks}" for _, asks in there), ()
+    (one, asks), (other, others) = there
+    if one.file == other.file and one.line > other.line:
+        (one, asks), (other, others) = (other, others), (one, asks)
+    return other, f"this line needs {others}", (Related(one, f"this line needs {asks}"),)
+
+
+def apart(asked: Condition, machine: Machine, unit: str, otherwise: Span) -> tuple[Span, str, tuple[Related, ...]]:
+    """The same for a condition that nothing satisfies; unit: of its ends."""
+    name = describe(asked.terms, machine)
+    below = asked.places[0], f"{name} at least {asked.low + 0.0:.4f} {unit}"
+    above = asked.places[1], f"{name} at most {asked.high + 0.0:.4f} {unit}"
+    return excluding(below, above, otherwise)
+
+
+def no_safe_offset(
+    span: Span, form: Affine, machine: Machine, *, extent: float, room: float, unit: str, hint: str = "",
+    related: tuple[Related, ...] = (),
+) -> Finding:  # fmt: skip
+    """GP303 of unknowns that nothing bounds; extent: what the job spans on the axis, room: what the axis has."""
+    name = describe(form, machine)
+    free = not split_form(form)[0]
+    what = f"no offset {name} makes the job fit" if free else f"whatever {name} is, the job does not fit"
+    return codes.NO_SAFE_OFFSET.at(
+        span, what=f"{what}: it spans", extent=extent, unit=unit, other="the axis has", room=room, hint=hint,
+        related=related,
+    )  # fmt: skip
+
+
+def none_suits(span: Span, form: Affine, machine: Machine, *, known: Interval, safe: Interval, unit: str) -> Finding:
+    """GP303 of unknowns whose whole range lies on one side of what is safe."""
+    above = known.low > safe.high
+    ends = (known.low, safe.high) if above else (known.high, safe.low)
+    sides = ("at least", "at most") if above else ("at most", "at least")
+    said = f"{round(known.low, 6) + 0.0:g} to {round(known.high, 6) + 0.0:g}"
+    return codes.NO_SAFE_OFFSET.at(
+        span, what=f"{describe(form, machine)} leaves no room for the job: it is {sides[0]}", extent=ends[0] + 0.0,
+        unit=unit, other=f"safe is {sides[1]}", room=ends[1] + 0.0,
+        hint=f"safe for {safe.low:.4f} to {safe.high:.4f} {unit}, and it is {said} {unit}",
+    )  # fmt: skip
+
+
+_STATED = ("start", "work", "g92", "tool", "head")
+
+
+def split_form(form: Affine) -> tuple[Affine, Affine]:
+    """(unknowns that arise in the run, those that a setup can state): only the second can be a condition of a verdict.
+
+    Nobody can promise before the job runs where a probe will touch.
+    """
+    arising = tuple(term for term in form if term[0].split(".")[0] not in _STATED)
+    return arising, tuple(term for term in form if term not in arising)

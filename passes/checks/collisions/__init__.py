@@ -1,0 +1,1 @@
+"""Tools, holders and bodies that must not meet."""

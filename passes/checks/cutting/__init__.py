@@ -1,0 +1,1 @@
+"""Feeds, spindles, what cuts where it should not."""

@@ -1,0 +1,1 @@
+"""Travel limits and work boundaries."""

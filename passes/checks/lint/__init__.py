@@ -1,0 +1,1 @@
+"""What is legal and yet looks wrong."""

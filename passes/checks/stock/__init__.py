@@ -1,0 +1,1 @@
+"""What is left of the stock, and what is cut too deep."""

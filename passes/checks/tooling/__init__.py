@@ -1,0 +1,1 @@
+"""Tools: their shapes, and where their tips are."""

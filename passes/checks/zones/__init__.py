@@ -1,0 +1,1 @@
+"""Zones to keep out of, and tool change areas."""

@@ -1,0 +1,1 @@
+"""Where an axis, a motor or the tool may be: extents, height maps, pitch, backlash."""

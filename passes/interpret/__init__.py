@@ -1,0 +1,1 @@
+"""Programs executed: from Program to Trace."""

@@ -1,0 +1,1 @@
+"""What all controllers share: control flow, expressions, loops, state, rows of the Trace."""

@@ -1,0 +1,382 @@
+"""A line that is refused or not understood loses what it may have changed: one rule for all languages.
+
+Words that were read say by the table of ``ir/modal_groups.py`` which modal groups they may have changed; a text that
+was not understood may have been anything. What rests on such a group is not known from there on: places, feeds,
+speeds. Codes that state a group whole make it known again. The refused line is told itself; behind an unknown one the
+first move that rests on it is GP304, once; behind an error nothing is, as no controller comes there, unless somebody
+accepts the error.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import math
+from collections.abc import Callable, Iterable, Sequence
+from typing import TYPE_CHECKING
+
+from gproof.ir import codes
+from gproof.ir import modal_groups as g
+from gproof.ir.finding import Finding, FollowedRefusal, Refusal, Related, Severity, Span
+from gproof.ir.machine import AXES
+from gproof.ir.rules import CodeRule, LanguageRules
+from gproof.ir.rules import Function as F
+from gproof.ir.symbolic import NOWHERE, Position, Unknown, Value
+from gproof.ir.trace import KNIFE, UNKNOWN, Op, Plane
+from gproof.passes.interpret.core.parsed_line import LARGEST
+from gproof.passes.interpret.core.plane_transform import NO_TRANSFORM
+from gproof.passes.interpret.wincnc.state import REGISTERS_OPEN
+
+if TYPE_CHECKING:
+    from gproof.passes.interpret.core.modal_state import Modal
+    from gproof.passes.interpret.core.parsed_line import Line
+    from gproof.passes.interpret.core.trace_writer import Emitter
+    from gproof.passes.interpret.eding.moves import Motion
+
+_STRAIGHT = frozenset((F.TRAVERSE, F.FEED))
+LOST_MOTION = CodeRule(letter="G", tenths=0, function=F.UNSUPPORTED, group="", source="")
+"""The motion that is in force behind a refused line that may have changed it."""
+_ALL = frozenset(range(AXES))
+Words = Sequence[tuple[str, Value, Span]]
+
+
+def rules_of(rules: LanguageRules, words: Words) -> list[CodeRule] | None:
+    """The codes of a line that was read to its end; None where one of its words is no word of the language."""
+    found: list[CodeRule] = []
+    for letter, value, _ in words:
+        if letter not in "GML" or (letter == "L" and not rules.one_command):
+            continue
+        if isinstance(value, Unknown) or abs(value) > LARGEST:
+            return None
+        known = rules.codes.get((letter, round(value * 10)))
+        if known is None or abs(value * 10 - round(value * 10)) > 1e-3:
+            return None
+        found.append(known)
+    return found
+
+
+def refuse_words(
+    ex: Emitter, words: Words, columns: dict[str, int], refusal: Refusal, finding: Finding,
+    aim: Callable[[], list[Position]] | None = None,
+) -> None:  # fmt: skip
+    """Behind a refused line of these words: lost is what they may have changed.
+
+    columns: of the letters that are axes; finding: what is told of the refusal, an unknown for an error that somebody
+    accepts; aim: gives where the line sends the
+    axes: an arc of which only the way is open ends there.
+    """
+    if isinstance(refusal, FollowedRefusal):
+        _name_line(ex, finding)
+        return
+    # An error is lost as in the run that found it, where somebody accepts it: what follows has the same findings then.
+    if aim is not None and finding.code.decides == "arcs" and refusal.finding.severity is Severity.UNKNOWN:
+        s = ex.modal
+        with contextlib.suppress(Refusal):
+            place = aim()
+            s.jumped = s.jumped or place != s.position
+            s.position = place
+            if s.compensation is None:
+                return
+    found = rules_of(ex.program.rules, words)
+    axes = {columns[letter] for letter, _, _ in words if letter in columns}
+    letters = {letter for letter, _, _ in words}
+    lose_line(ex, found, letters, axes, finding)
+
+
+def lose_line(
+    ex: Emitter, found: Iterable[CodeRule] | None, letters: Iterable[str], axes: Iterable[int], finding: Finding
+) -> None:
+    """The same for codes that are known already; found: None where a word is none of the language."""
+    functions = None if found is None else [rule.function for rule in found]
+    groups = None if functions is None else g.changed_by(functions)
+    if groups is None or functions is None:
+        lose_everything(ex, finding)
+        return
+    named = frozenset(axes)
+    letters = set(letters)
+    if ex.program.rules.one_command and letters & set("PHT") and all(f in g.MOVES for f in functions):
+        named = _ALL  # a stored position
+    groups |= {g.PLACE} if named and not any(map(_takes_axes, functions)) else set()
+    # Words alone are those of the motion or the cycle in force.
+    groups |= {g.PLACE} if not functions and letters - set("FST@N") else set()
+    groups |= {g.FEED} if "F" in letters else set()
+    groups |= {g.SPEED} if "S" in letters else set()
+    groups |= {g.TOOL} if "T" in letters else set()
+    moves = [function for function in functions if g.PLACE in g.CHANGES[function]]
+    whole = any(function not in _STRAIGHT | {F.MACHINE_TRAVERSE} for function in moves) or not named
+    whole = whole or ex.modal.cycle_code != 0 or ex.modal.motion not in (0, *map(int, _STRAIGHT))
+    lose(ex, groups, finding, _ALL if whole else named | ({0, 1} if ex.modal.transform.on else set()))
+
+
+def _takes_axes(function: F) -> bool:
+    """Whether axis words beside a code of this function are its own, and send nothing anywhere."""
+    return function in _OWN_WORDS
+
+
+_OWN_WORDS = frozenset((
+    F.SET_COORDINATES, F.SCALING_ON, F.ROTATION_ON, F.AXIS_OFFSET_SET, F.LOCAL_SET, F.LOCAL_SHIFT,
+    F.LOCAL_SHIFT_MACHINE,
+    F.ZERO_OFFSET_SET, F.POSITION_FACTOR, F.EFFECTIVE_RADIUS, F.INTERPOLATION_AXES, F.LIMIT_LEFT, F.LIMIT_RIGHT,
+    F.LOW_BOUNDARY, F.HIGH_BOUNDARY, F.LOW_BOUNDARY_RESTORE, F.HIGH_BOUNDARY_RESTORE, F.MAP_WORDS, F.MAP_HEADS,
+    F.MAP_PULSES, F.LOCK_AXIS, F.UNLOCK_AXIS, F.TOOL_OFFSET_ON, F.TOOL_OFFSET_OFF, F.MEASURE_TOOL, F.SHIFT_MEASURES,
+    F.STORE_POSITION, F.STORE_LOCAL_POSITION, F.STORE_HOME, F.STORE_TOOL, F.DYNAMICS, F.BACKLASH, F.DWELL,
+    F.FEED_ROTARY, F.LIMITS_ON, F.LIMITS_OFF,
+))  # fmt: skip
+
+
+def lose_everything(ex: Emitter, finding: Finding) -> None:
+    """Behind a text that nobody understands: all that a code of the language can change.
+
+    Variables stay behind an error: what they would decide is a path that no controller takes, and its own errors show.
+    """
+    lost = g.everything(ex.program.rules)
+    lose(ex, lost - {g.VARIABLES} if finding.severity is Severity.ERROR else lost, finding, _ALL)
+
+
+def lose(ex: Emitter, groups: Iterable[str], finding: Finding, axes: frozenset[int] = _ALL) -> None:
+    """These groups are not known from here on; axes: columns whose places are lost with ``place``."""
+    s = ex.modal
+    lost = frozenset(groups)
+    forget(s, lost, axes, finding.span)
+    s.line_lost = True
+    ex._state_changed()
+    if lost & (g.OF_PLACES | {g.PLACE}):
+        _name_line(ex, finding)
+
+
+def _name_line(ex: Emitter, finding: Finding) -> None:
+    """The next move that rests on a lost place is told with this line; not behind an error, nor where the line's own
+    finding says that places are not known."""
+    if finding.severity is not Severity.ERROR and finding.code.decides != "limits":
+        ex.modal.refused_at = ex.modal.refused_at or finding.span
+
+
+def forget(s: Modal, lost: frozenset[str], axes: frozenset[int], span: Span) -> None:
+    """Leave nothing of these groups in the state."""
+    cause = f"line {span.line}, which is refused"
+    if lost & {g.PLACE, g.TOOL} and (s.compensation is not None or s.din.side or "compensation" in s.single.flags):
+        lost |= {g.RADIUS}  # where its contour goes on is lost
+    if g.PLACE in lost or lost & g.OF_PLACES:
+        gone = axes if g.PLACE in lost else frozenset[int]()
+        if lost & g.OF_PLACES == {g.RADIUS}:
+            gone |= {0, 1} if s.plane is Plane.XY else {0, 1, 2}
+        elif lost & g.OF_PLACES:
+            gone = _ALL
+        s.position = [NOWHERE if axis in gone and s.has_axis(axis) else place for axis, place in enumerate(s.position)]
+        s.jumped = True
+    if g.MOTION in lost:
+        s.cycle, s.cycle_code = {}, 0
+    s.single = s.single.but(**_of_one_command(s, lost, cause)) if s.rules.one_command else s.single
+    if s.rules.source_order:
+        _of_source_order(s, lost, cause)
+    if g.FEED in lost:
+        s.feed = math.nan
+    if g.SPEED in lost:
+        s.spindle_speed = Unknown(cause)
+    if g.SPINDLE in lost:
+        s.stated.discard("spindle")
+    if g.TOOL in lost:
+        s.tool = s.selected_tool = s.length_tool = s.offset_tool = None
+    if g.OVERRIDE in lost:
+        s.feed_override, s.speed_override_known = math.nan, False
+    if lost & {g.ROTATION, g.SCALING}:
+        s.transform = NO_TRANSFORM
+    if g.RADIUS in lost:
+        s.compensation = None
+    if g.KNIFE in lost:
+        s.following = tuple(name for name in s.following if name != KNIFE)
+    if g.GUARDS in lost:
+        s.guards_off = ()
+    if g.VARIABLES in lost:
+        s.parameters.update({number: Unknown(cause) for number in s.parameters})
+        s.lost = s.lost or cause
+    s.unknown_modes |= lost & g.TRACKED
+
+
+def _of_one_command(s: Modal, lost: frozenset[str], cause: str) -> dict[str, object]:
+    """What a controller of one command a line keeps besides."""
+    single = s.single
+    found: dict[str, object] = {}
+    if g.FEED in lost:
+        arcs = None if single.arc_feed is None else math.nan
+        found |= {"feeds": (math.nan,) * AXES, "arc_feed": arcs, "feed_doubt": True, "kept_feeds": None}
+    if lost & {g.PLACE, g.UNITS, g.PLANE}:
+        found |= {"center": (math.nan, math.nan), "cycle_at": None}
+    if g.UNITS in lost:
+        found["unit_before"] = None
+    if g.MAPPING in lost:
+        found |= {"sources": tuple(range(AXES)), "flags": single.flags - {"mapped"}}
+    if g.COUPLING in lost:
+        found |= {"slaves": (), "drift": ()}
+    if g.LOCKS in lost:
+        found |= {"locked": frozenset(), "held_back": frozenset()}
+    if g.SCALING in lost:
+        found["scales"] = ()
+    if g.GUARDS in lost:
+        found |= {"soft": True, "bound": True}
+    if g.TOOL in lost:
+        found["tools"] = (Unknown(cause), Unknown(cause))
+    if g.LOCAL in lost:
+        found["local_stored"] = None
+    if g.MACHINE_ZERO in lost:
+        found["zeros"] = tuple((axis.index, NOWHERE) for axis in sorted(s.machine.axes, key=lambda axis: axis.index))
+    if g.DYNAMICS in lost:
+        found["retimed"] = single.retimed | {cause}
+    if g.MEASURES in lost:
+        found |= {
+            "heights": tuple((number, NOWHERE) for number, _ in single.heights),
+            "switch_heights": (Unknown(cause), Unknown(cause)),
+            "homes": tuple(None if place is None else NOWHERE for place in single.homes),
+            "places": tuple((name, tuple((axis, NOWHERE) for axis, _ in at), lift) for name, at, lift in single.places),
+        }  # fmt: skip
+    kept = found.get("flags", single.flags)
+    assert isinstance(kept, frozenset)
+    if g.RADIUS in lost:
+        kept -= {"compensation"}
+    if g.MEASURES in lost:
+        kept |= {REGISTERS_OPEN}
+    if kept != single.flags:
+        found["flags"] = kept
+    return found
+
+
+def _of_source_order(s: Modal, lost: frozenset[str], cause: str) -> None:
+    """What a controller of DIN blocks keeps besides."""
+    found: dict[str, object] = {"contour": False}
+    if g.FEED in lost:
+        found |= {"feed": math.nan, "feed_cause": cause, "asked": ""}
+    if g.REFLECTION in lost:
+        found |= {"reflected": frozenset(), "mirrored": None}
+    if g.FACTORS in lost:
+        found["factors"] = (math.nan, math.nan)
+    if lost & {g.RADIUS, g.TOOL}:
+        found |= {"side": 0, "idle": 0, "corrected": None}
+    if g.TOOL in lost:
+        found["tool"] = None
+    if lost & {g.PLACE, g.PLANE, g.UNITS, g.CENTERS}:
+        found["center"] = (math.nan, math.nan)
+    if g.DISTANCES in lost:
+        found["mode_open"] = False
+    if g.SPLINE in lost:
+        found["spline"] = False
+    if g.CYLINDER in lost:
+        found["radii"] = ()
+    s.din = s.din.but(**found)
+
+
+# ---- lines behind it
+
+
+def is_stated(rule: CodeRule, has_axes: bool) -> bool:
+    """Whether a code says all that it says by itself: what it does rests on no group that words count in."""
+    function = rule.function
+    if function not in g.STATES:
+        return False
+    return not (rule.uses_axes and has_axes) or not g.STATES[function] or function in g.WITH_WORDS
+
+
+def restate(ex: Emitter, rules: Iterable[CodeRule], has_axes: bool) -> None:
+    """Codes of a line that is executed: the groups that they state whole are known again."""
+    s = ex.modal
+    for rule in rules if s.unknown_modes else ():
+        if rule.function in g.MOVES:
+            s.unknown_modes -= {g.MOTION}
+        elif is_stated(rule, has_axes):
+            s.unknown_modes -= set(g.STATES[rule.function])
+    if s.compensation is not None:
+        s.unknown_modes -= {g.RADIUS}
+
+
+def settle(s: Modal) -> None:
+    """Behind lines that say all of it again nothing is lost any more."""
+    known = not s.unknown_modes and s.refused_at is None
+    known = known and all(place.form != UNKNOWN for axis, place in enumerate(s.position) if s.has_axis(axis))
+    if known and not math.isnan(s.single.arc_feed or 0.0):
+        s.line_lost = False
+
+
+def is_lost(ex: Emitter, rule: CodeRule, has_axes: bool, span: Span) -> bool:
+    """Whether what a code would change rests on what is lost: then that is lost too."""
+    s = ex.modal
+    if not s.unknown_modes or rule.function in g.MOVES or is_stated(rule, has_axes):
+        return False
+    changed = g.changed_by((rule.function,))
+    if changed is None or not changed - {g.OUTPUTS, g.COOLANT, g.SPINDLE}:
+        return False
+    forget(s, changed, _ALL, span)
+    ex._state_changed()
+    return True
+
+
+def words_count(s: Modal, *, machine: bool = False) -> bool:
+    """Whether it is known where axis words send a straight move; machine: the words are machine coordinates."""
+    return not s.unknown_modes & (g.OF_MACHINE_PLACES if machine else g.OF_PLACES)
+
+
+def vague(ex: Motion, line: Line, rule: CodeRule, *, machine: bool = False) -> bool:
+    """Make a move whose way rests on what is lost: somewhere. False where the move can be followed.
+
+    rule: of the motion, ``LOST_MOTION`` for one that is not known itself.
+    """
+    s = ex.modal
+    if not s.line_lost:
+        return False
+    function = rule.function
+    straight = function in _STRAIGHT or function is F.MACHINE_TRAVERSE
+    known = rule is not LOST_MOTION and words_count(s, machine=machine)
+    if known and not straight and function not in _TO_STORED:
+        known = not s.unknown_modes & g.OF_ARCS
+        known = known and all(s.position[axis].form != UNKNOWN for axis in range(3))
+    if known:
+        restate(ex, (rule,), has_axes=True)
+        return False
+    line.used.update(line.values)
+    named = set(line.axes())
+    axes = named if straight and named and not s.transform.on else {axis.index for axis in ex.machine.axes}
+    target = [NOWHERE if axis in axes else place for axis, place in enumerate(s.position)]
+    s.compensation = None
+    if function not in _RAPID and (s.rules.one_command or s.rules.source_order):
+        s.feed = math.nan  # which of the feeds counts, those axes say that move
+    ex.move(Op.TRAVERSE if function in _RAPID else Op.FEED, target, line.span)
+    ex._moved = True
+    if rule is LOST_MOTION:
+        return True
+    if function in _MODAL_MOTIONS:
+        # Where the source decides what goes on, nothing of it is kept here.
+        s.motion, s.cycle, s.cycle_code = 0 if s.rules.source_order else int(function), {}, 0
+        s.unknown_modes -= {g.MOTION}
+    else:
+        # A cycle whose words are not all known may be in force.
+        s.motion, s.cycle, s.cycle_code = 0, {}, 0
+        s.unknown_modes |= {g.MOTION}
+    return True
+
+
+_RAPID = frozenset((F.TRAVERSE, F.TRAVERSE_LIFTED, F.MACHINE_TRAVERSE, F.PARK_1, F.PARK_2))
+_MODAL_MOTIONS = frozenset((F.TRAVERSE, F.FEED, F.ARC_CW, F.ARC_CCW))
+_TO_STORED = frozenset((F.RETURN_HOME, F.TRAVERSE_LIFTED, F.PARK_1, F.PARK_2))
+
+
+NAMED = 6
+"""So many modes that a line may have changed stand in a hint."""
+
+
+def tell(ex: Emitter, target: list[Position], span: Span) -> None:
+    """GP304 at the first move that rests on a place that a refused line has lost."""
+    s = ex.modal
+    assert s.refused_at is not None
+    lost = [axis.word for axis in ex.machine.axes if target[axis.index].form == UNKNOWN]
+    if not lost:
+        if words_count(s):
+            s.refused_at = None  # all of it is known again: no move rests on that line any more
+        return
+    where, s.refused_at = s.refused_at, None
+    names = "every axis" if len(lost) == len(ex.machine.axes) else " ".join(lost)
+    modes = [group for group in g.ORDER if group in s.unknown_modes & g.OF_PLACES]
+    shown = ", ".join(modes[:NAMED]) + (f" and {len(modes) - NAMED} more modes" if len(modes) > NAMED else "")
+    again = f"state again {shown}; then " if modes else ""
+    finding = codes.POSITION_UNKNOWN.at(
+        span, axis=names, cause=f"line {where.line}, which is not followed",
+        hint=f"put that line right; or after it: {again}send the axes to a place",
+        related=(Related(where, "this line may have changed it"),),
+    )  # fmt: skip
+    ex._refuse(finding)

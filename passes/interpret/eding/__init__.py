@@ -1,0 +1,1 @@
+"""What Eding CNC decides (RS274NGC)."""

@@ -1,0 +1,1 @@
+"""What McuWIN decides."""

@@ -1,0 +1,462 @@
+"""The hot loop for controllers of one command a line: successive plain lines of G0 to G3 in words, to trace rows.
+
+``run_moves`` executes lines until one holds anything else, or something that needs a message, and hands that line back
+before it has changed anything: the Python path (``moves.py``, whose rules these are and which uses the same
+functions) then does it, errors included, and calls ``run_moves`` again.
+Source: WinCNC Users Guide, G Codes: G0 to G3; Command Reference: Feedrates, Axis Specification.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from gproof.ir.kernel import kernel
+from gproof.ir.program import FLAG_BARE
+from gproof.passes.interpret.core.line_kernels import LARGEST, badly_conditioned, radius_center
+
+# Layout of the integer state; what a run leaves: RESET: a motion mode was set; USED: feeds of moves were taken;
+# NOTED: a line with a motion was executed; LINES: how many lines were. KEPT: I and J of the arc
+# before: 0 there are none, 1 known, 2 not known (after R, another unit, an arc of open words) until a line has both.
+(
+    MOTION, ABSOLUTE, CENTER_ABSOLUTE, CENTER_KNOWN, ARCS_MODAL, HELICAL, LINEAR, KEPT, RESET, USED, NOTED, LINES,
+    DOUBT, SHARE, MODES,
+) = range(15)  # fmt: skip
+# Layout of the float state: mm in a unit; by column mm or degrees in a unit, positions, offsets, feeds; feed of the
+# last move; I and J of the last arc; radius below which an arc is a line; room for feeds of the line that runs; mm that
+# radii may differ; feed of arcs, below 0 before their first F, and what it is then, of lines in X; local zeros
+# (G92). DOUBT: the last F was an arc's, and another one than that of lines. MODES: G90 and G91 only choose how words
+# count.
+UNIT, SCALE, POSITION, OFFSET, FEEDS, FEED, KEPT_I, KEPT_J, SMALLEST, NEXT = 0, 1, 7, 13, 19, 25, 26, 27, 28, 29
+TOLERANCE, ARC_FEED, USUAL, LOCAL = 35, 36, 37, 38
+
+SAME = 1e-6
+"""mm: nearer than any drive can tell."""
+ZERO_RADIUS = 1e-9
+ROUNDING = 1e-9
+"""mm: beside a rotary axis a shorter move of X, Y or Z is none."""
+
+
+@kernel()
+def distance(dx: float, dy: float) -> float:
+    """mm between two places of a plane."""
+    return math.sqrt(dx * dx + dy * dy)
+
+
+@kernel()
+def agreed(feeds: Any, first: int, moving: int, linear: int) -> float:
+    """The feed of a move: that of its linear axes, else of all, where they agree; NaN where they do not.
+
+    feeds: by column from ``first`` on; moving, linear: columns as bits.
+    """
+    chosen = moving & linear
+    if chosen == 0:
+        chosen = moving
+    rate = math.nan
+    found = False
+    for axis in range(6):
+        if chosen & (1 << axis):
+            if found and feeds[first + axis] != rate:
+                return math.nan
+            rate = feeds[first + axis]
+            found = True
+    return rate
+
+
+@kernel(seconds_per_unit=2e-6, compile_seconds=4.0)
+def run_moves(
+    line: Any,
+    letter: Any,
+    value: Any,
+    flags: Any,
+    count: Any,
+    first_word: Any,
+    columns: Any,
+    named: Any,
+    ints: Any,
+    floats: Any,
+    form: Any,
+    offset_form: Any,
+    op: Any,
+    line_out: Any,
+    to: Any,
+    feed: Any,
+    center: Any,
+    turns: Any,
+    plane: Any,
+    row: Any,
+    capacity: Any,
+) -> tuple[int, int]:
+    """Execute lines from word ``first_word`` on; returns (next word, next row).
+
+    line i4, letter u1, value f8, flags u1: WORD columns of ``count`` words; columns: (256,) column of a letter, -1 for
+    none; named: (64,) by the columns that a line names (bits): those that its F gives a feed to (bits); ints, floats:
+    state, changed in place; form, offset_form: (6,) i8, the frame of each axis now and under the active offsets;
+    op .. plane: TRACE_ROW columns, written from ``row`` while below ``capacity``; the others are the caller's.
+    """
+    word = first_word
+    v0 = v1 = v2 = v3 = v4 = v5 = vi = vj = vr = vf = 0.0
+    unit = floats[UNIT]
+    while word < count and row < capacity:
+        absolute = ints[ABSOLUTE] == 1
+        here = line[word]
+        end = word
+        seen = 0
+        motion = ints[MOTION]
+        plain = True
+        all_bare = True
+        while end < count and line[end] == here:
+            code = letter[end]
+            number = value[end]
+            if number > LARGEST or number < -LARGEST:
+                plain = False
+            column = columns[code]
+            bit = 0
+            if column >= 0:
+                bit = 1 << column
+                if column == 0:
+                    v0 = number
+                elif column == 1:
+                    v1 = number
+                elif column == 2:
+                    v2 = number
+                elif column == 3:
+                    v3 = number
+                elif column == 4:
+                    v4 = number
+                else:
+                    v5 = number
+                if flags[end] & FLAG_BARE == 0:
+                    all_bare = False
+            elif code == 71:
+                if number == 1.0:
+                    motion = 2
+                elif number == 0.0:
+                    motion = 1
+                elif number == 2.0:
+                    motion = 3
+                elif number == 3.0:
+                    motion = 4
+                elif abs(number - 90.5) == 0.5 and ints[MODES] == 1:
+                    absolute = number == 90.0
+                    bit = 4096
+                else:
+                    plain = False
+                if bit == 0:
+                    bit = 2048
+            elif code == 70:
+                bit = 1024
+                vf = number
+            elif code == 73:
+                bit = 64
+                vi = number
+            elif code == 74:
+                bit = 128
+                vj = number
+            elif code == 75:
+                # K of 0 says nothing beside I and J.
+                bit = 256
+                plain = plain and number == 0.0
+            elif code == 82:
+                bit = 512
+                vr = number
+            else:
+                plain = False
+            if seen & bit:
+                plain = False
+            seen |= bit
+            end += 1
+        if not plain:
+            return word, row
+        axes = seen & 63
+        command = seen & 2048
+        has_feed = seen & 1024
+        if has_feed and not vf > 0.0:
+            return word, row
+        if seen == 4096:
+            ints[ABSOLUTE] = 1 if absolute else 0
+            ints[LINES] += 1
+            word = end
+            continue
+        if command == 0 and seen & ~4096 == 1024:
+            for axis in range(6):
+                if named[0] & (1 << axis):
+                    floats[FEEDS + axis] = vf * floats[SCALE + axis]
+            if named[0] & 3:
+                ints[DOUBT] = 0
+            ints[ABSOLUTE] = 1 if absolute else 0
+            ints[LINES] += 1
+            word = end
+            continue
+        if command == 0 and has_feed and ((all_bare and letter[word] == 70) or seen & 4096):
+            # A feed for the axes that it names, or a move of them to 0.
+            return word, row
+        if motion < 1 or motion > 4:
+            return word, row
+        if motion <= 2 and seen & 960:
+            return word, row
+        moving = axes if motion <= 2 else axes | 3
+        feeds = FEEDS
+        doubt = ints[DOUBT]
+        shares = ints[SHARE] == 1
+        if has_feed and (motion <= 2 or shares):
+            if named[moving] & 3:
+                doubt = 0
+            feeds = NEXT
+            for axis in range(6):
+                given = named[moving] & (1 << axis)
+                floats[NEXT + axis] = vf * floats[SCALE + axis] if given else floats[FEEDS + axis]
+        if motion <= 2 and axes == 0:
+            if has_feed:
+                for axis in range(6):
+                    floats[FEEDS + axis] = floats[NEXT + axis]
+            ints[DOUBT] = doubt
+            ints[ABSOLUTE] = 1 if absolute else 0
+            ints[MOTION] = motion
+            ints[RESET] = 1
+            ints[NOTED] = 1
+            ints[LINES] += 1
+            word = end
+            continue
+        rate = floats[FEED]
+        arc_feed = floats[ARC_FEED]
+        if motion == 2:
+            rate = agreed(floats, feeds, axes, ints[LINEAR])
+            if rate == 0.0:
+                return word, row
+            if doubt == 1 and axes & 3:
+                rate = math.nan
+        elif motion >= 3 and shares:
+            rate = agreed(floats, feeds, 3, 3)
+            if rate == 0.0:
+                return word, row
+        elif motion >= 3:
+            if has_feed:
+                rate = vf * unit
+                arc_feed = rate
+                doubt = 0 if ints[SHARE] == 0 or (floats[FEEDS] == rate and floats[FEEDS + 1] == rate) else 1
+            else:
+                rate = floats[USUAL] if arc_feed < 0.0 else arc_feed
+                if ints[SHARE] != 0 and not (floats[FEEDS] == rate and floats[FEEDS + 1] == rate):
+                    rate = math.nan
+        if absolute:
+            # An axis that now gets another frame needs a new frame index: Python path.
+            changes = False
+            for axis in range(6):
+                if axes & (1 << axis) and form[axis] != offset_form[axis]:
+                    changes = True
+            if changes:
+                return word, row
+        p0 = floats[POSITION]
+        p1 = floats[POSITION + 1]
+        p2 = floats[POSITION + 2]
+        p3 = floats[POSITION + 3]
+        p4 = floats[POSITION + 4]
+        p5 = floats[POSITION + 5]
+        t0, t1, t2, t3, t4, t5 = p0, p1, p2, p3, p4, p5
+        if axes & 1:
+            t0 = v0 * floats[SCALE] + (floats[OFFSET] if absolute else p0)
+        if axes & 2:
+            t1 = v1 * floats[SCALE + 1] + (floats[OFFSET + 1] if absolute else p1)
+        if axes & 4:
+            t2 = v2 * floats[SCALE + 2] + (floats[OFFSET + 2] if absolute else p2)
+        if axes & 8:
+            t3 = v3 * floats[SCALE + 3] + (floats[OFFSET + 3] if absolute else p3)
+        if axes & 16:
+            t4 = v4 * floats[SCALE + 4] + (floats[OFFSET + 4] if absolute else p4)
+        if axes & 32:
+            t5 = v5 * floats[SCALE + 5] + (floats[OFFSET + 5] if absolute else p5)
+        c0 = c1 = c2 = 0.0
+        turn = 0
+        flat = 0
+        kind = 1 if motion == 1 else 2
+        kept = ints[KEPT]
+        i = floats[KEPT_I]
+        j = floats[KEPT_J]
+        if motion >= 3:
+            if ints[CENTER_KNOWN] == 0 or (ints[HELICAL] == 0 and axes & 60 == 4):
+                return word, row
+            if seen & 512:
+                if seen & 448 or not vr > 0.0:
+                    return word, row
+                c0, c1, bad = radius_center(p0, p1, t0, t1, vr * unit, 1 if motion == 4 else 0)
+                # Nearly half circles get a warning: Python path, as errors do.
+                if bad != 0 or badly_conditioned(p0, p1, p2, t0, t1, t2, 1, vr * unit) == 1:
+                    return word, row
+                kept = 2
+            else:
+                if seen & 192 == 192:
+                    kept = 1
+                    i = vi * unit
+                    j = vj * unit
+                elif seen & 448 or kept != 1:
+                    return word, row
+                if ints[CENTER_ABSOLUTE] == 0:
+                    c0 = p0 + i
+                    c1 = p1 + j
+                elif form[0] != offset_form[0] or form[1] != offset_form[1]:
+                    return word, row
+                else:
+                    c0 = floats[OFFSET] + i
+                    c1 = floats[OFFSET + 1] + j
+            radius = distance(c0 - p0, c1 - p1)
+            if radius < ZERO_RADIUS:
+                return word, row
+            if abs(distance(c0 - t0, c1 - t1) - radius) > floats[TOLERANCE] + SAME:
+                return word, row
+            if abs(p0 - t0) < SAME and abs(p1 - t1) < SAME:
+                if axes & 3:
+                    # A full circle that the words do not quite say: a warning.
+                    return word, row
+                t0, t1 = p0, p1
+            if radius < floats[SMALLEST]:
+                # A note says what the controller makes of it.
+                return word, row
+            kind = 3
+            flat = 1
+            c2 = p2
+            turn = 1 if motion == 4 else -1
+        if t3 != p3 or t4 != p4 or t5 != p5:
+            if abs(t0 - p0) < ROUNDING:
+                t0 = p0
+            if abs(t1 - p1) < ROUNDING:
+                t1 = p1
+            if abs(t2 - p2) < ROUNDING:
+                t2 = p2
+        if motion <= 2 or ints[ARCS_MODAL]:
+            ints[MOTION] = motion
+            ints[RESET] = 1
+        if has_feed and (motion <= 2 or shares):
+            for axis in range(6):
+                floats[FEEDS + axis] = floats[NEXT + axis]
+        ints[DOUBT] = doubt
+        ints[ABSOLUTE] = 1 if absolute else 0
+        floats[ARC_FEED] = arc_feed
+        if motion != 1:
+            floats[FEED] = rate
+            ints[USED] = 1
+        ints[KEPT] = kept
+        floats[KEPT_I] = i
+        floats[KEPT_J] = j
+        ints[NOTED] = 1
+        ints[LINES] += 1
+        floats[POSITION] = t0
+        floats[POSITION + 1] = t1
+        floats[POSITION + 2] = t2
+        floats[POSITION + 3] = t3
+        floats[POSITION + 4] = t4
+        floats[POSITION + 5] = t5
+        op[row] = kind
+        line_out[row] = here
+        to[row, 0] = t0
+        to[row, 1] = t1
+        to[row, 2] = t2
+        to[row, 3] = t3
+        to[row, 4] = t4
+        to[row, 5] = t5
+        feed[row] = rate if motion != 1 else 0.0
+        center[row, 0] = c0
+        center[row, 1] = c1
+        center[row, 2] = c2
+        turns[row] = turn
+        plane[row] = flat
+        row += 1
+        word = end
+    return word, row
+
+
+@kernel(seconds_per_unit=6e-6, compile_seconds=4.5)
+def run_cells(
+    line: Any,
+    letter: Any,
+    value: Any,
+    flags: Any,
+    count: Any,
+    columns: Any,
+    named: Any,
+    ints: Any,
+    floats: Any,
+    kept_ints: Any,
+    kept_floats: Any,
+    form: Any,
+    offset_form: Any,
+    op: Any,
+    line_out: Any,
+    to: Any,
+    feed: Any,
+    center: Any,
+    turns: Any,
+    plane: Any,
+    row: Any,
+    capacity: Any,
+    places: Any,
+    cells: Any,
+    array_line: Any,
+    zeros: Any,
+    work: Any,
+    beside: Any,
+    zero_line: Any,
+    zero_op: Any,
+) -> tuple[int, int]:
+    """Cells of an array, each of them all ``count`` words; returns (cells, next row).
+
+    places: (cells, 2) X and Y at which the next cell begins, in mm: behind each cell a traverse goes there, which has
+    line ``array_line``, unless the axes are there. kept_ints, kept_floats: room for a copy of the state. A cell that
+    ``run_moves`` does not run to its end, and that for which there is no room, is not begun. zero_line: of the G92 that
+    each cell begins with, 0 for none; zeros: (6,) what it calls the place of each axis, mm or degrees, NaN for those
+    that it does not name; work, beside: (6,) offsets of the workspace, and of tool and head; zero_op: of its row. The
+    rest: ``run_moves``.
+    """
+    done = 0
+    while done < cells:
+        for n in range(len(ints)):
+            kept_ints[n] = ints[n]
+        for n in range(len(floats)):
+            kept_floats[n] = floats[n]
+        begin = row
+        if zero_line > 0 and row < capacity:
+            for axis in range(6):
+                if zeros[axis] == zeros[axis]:
+                    local = floats[POSITION + axis] - (work[axis] + beside[axis]) - zeros[axis]
+                    floats[LOCAL + axis] = local
+                    floats[OFFSET + axis] = work[axis] + local + beside[axis]
+            op[row] = zero_op
+            line_out[row] = zero_line
+            for axis in range(6):
+                to[row, axis] = floats[POSITION + axis]
+            feed[row] = 0.0
+            center[row, 0] = 0.0
+            center[row, 1] = 0.0
+            center[row, 2] = 0.0
+            turns[row] = 0
+            plane[row] = 0
+            ints[LINES] += 1
+            begin = row + 1
+        word, last = run_moves(
+            line, letter, value, flags, count, 0, columns, named, ints, floats, form, offset_form, op, line_out, to,
+            feed, center, turns, plane, begin, capacity,
+        )  # fmt: skip
+        if word < count or last >= capacity:
+            for n in range(len(ints)):
+                ints[n] = kept_ints[n]
+            for n in range(len(floats)):
+                floats[n] = kept_floats[n]
+            break
+        x, y = places[done, 0], places[done, 1]
+        if x != floats[POSITION] or y != floats[POSITION + 1]:
+            floats[POSITION] = x
+            floats[POSITION + 1] = y
+            op[last] = 1
+            line_out[last] = array_line
+            for axis in range(6):
+                to[last, axis] = floats[POSITION + axis]
+            feed[last] = 0.0
+            center[last, 0] = 0.0
+            center[last, 1] = 0.0
+            center[last, 2] = 0.0
+            turns[last] = 0
+            plane[last] = 0
+            last += 1
+        row = last
+        done += 1
+    return done, row

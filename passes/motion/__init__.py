@@ -1,0 +1,1 @@
+"""From Trace to steps: plans, streams, height compensation."""

@@ -1,0 +1,1 @@
+"""What gproof says, as text and in the formats of other programs."""

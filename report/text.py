@@ -1,0 +1,198 @@
+"""Findings as text with the source line and a caret, in the shape of compilers; colours on a terminal only."""
+
+from __future__ import annotations
+
+import os
+import sys
+
+import click
+
+from gproof.cli.options import in_one_line
+from gproof.ir.codes import CODES
+from gproof.ir.finding import Finding, Findings, Rests, Severity, Span, brief
+from gproof.report.grouping import Accepted, left_over, shown
+from gproof.report.units import MM, LengthUnit
+
+COLOURS = {
+    Severity.ERROR: "red",
+    Severity.UNKNOWN: "magenta",
+    Severity.WARNING: "yellow",
+    Severity.NOTE: "cyan",
+}
+_LONGEST = 160
+_ORDER = [Severity.ERROR, Severity.UNKNOWN, Severity.WARNING, Severity.NOTE]
+
+
+def coloured(err: bool = False) -> bool:
+    """True when the output is a terminal and NO_COLOR is not set or empty."""
+    stream = sys.stderr if err else sys.stdout
+    return stream.isatty() and not os.environ.get("NO_COLOR")
+
+
+def source_lines(path: str, wanted: set[int]) -> dict[int, str]:
+    """The text of some lines of a file, read once from the top; missing ones are left out."""
+    found: dict[int, str] = {}
+    last = max(wanted, default=0)
+    try:
+        with open(path, "rb") as handle:
+            for number in range(1, last + 1):
+                raw = handle.readline(1 << 16)
+                if not raw:
+                    break
+                while not raw.endswith(b"\n") and len(raw) >= 1 << 16:
+                    more = handle.readline(1 << 20)
+                    if not more or more.endswith(b"\n"):
+                        break
+                if number in wanted:
+                    found[number] = line_text(raw.removeprefix(b"\xef\xbb\xbf") if number == 1 else raw).rstrip("\r\n")
+    except OSError:
+        return {}
+    return found
+
+
+def line_text(raw: bytes) -> str:
+    """A line as the frontends read it, so that columns fit."""
+    try:
+        return raw.decode("utf-8")
+    except UnicodeDecodeError:
+        return raw.decode("cp1252", "replace")
+
+
+def sort_key(finding: Finding) -> tuple[str, int, int, int]:
+    """By place, then by weight."""
+    return finding.span.file, finding.span.line, finding.span.column, _ORDER.index(finding.severity)
+
+
+def location(span: Span) -> str:
+    """``file:line:col`` as far as it is known."""
+    parts = [in_one_line(span.file)]
+    if span.line:
+        parts.append(str(span.line))
+        parts.append(str(span.column or 1))
+    return ":".join(parts)
+
+
+def distinct(findings: Findings) -> list[tuple[Finding, int]]:
+    """The kept findings by place, each once, with how often it came."""
+    return [(finding, findings.times[finding]) for finding in sorted(findings.kept, key=sort_key)]
+
+
+def format_finding(
+    finding: Finding, text: str | None, colour: bool, times: int = 1, unit: LengthUnit = MM
+) -> list[str]:
+    """The lines of one finding."""
+    shade = COLOURS[finding.severity]
+    code = finding.code
+    often = f" ({times} times)" if times > 1 else ""
+    place, severity = location(finding.span), finding.severity.value
+    if colour:
+        place, severity = click.style(place, bold=True), click.style(severity, fg=shade, bold=True)
+    out = [f"{place}: {severity} {code.label} [{code.name}] {in_one_line(unit.message(finding))}{often}"]
+    if text is not None:
+        line, *marks = _excerpt(finding.span, text)
+        out += [line, *(click.style(mark, fg=shade) if colour else mark for mark in marks)]
+    if finding.hint:
+        word = click.style("hint", bold=True) if colour else "hint"
+        out.append(f"      = {word}: {in_one_line(unit.sentence(finding.hint))}")
+    for other in finding.related:
+        said = in_one_line(unit.sentence(brief(other.message)))
+        out.append(f"      = {location(other.span)}: {said}")
+    if finding.rests is not None:
+        out.append(f"      = {in_one_line(finding.rests.text(finding.span.file))}")
+    return out
+
+
+def _excerpt(span: Span, text: str) -> list[str]:
+    column, end = span.column, span.end_column
+    if column > len(text) + 1:  # more of the line was not read
+        column = 0
+    if len(text) > _LONGEST:
+        shift = max(0, min(column - _LONGEST // 2, len(text) - _LONGEST))
+        text, column, end = text[shift : shift + _LONGEST], column - shift, end - shift
+    plain = "".join(c if c.isprintable() else " " for c in text.expandtabs(1)).replace("##[", "# [")
+    out = [f"{span.line:5d} | {plain.rstrip()}"]
+    if column:
+        width = max(1, min(end, len(plain) + 1) - column)
+        out.append(f"      | {' ' * (column - 1)}^{'~' * (width - 1)}")
+    return out
+
+
+def print_findings(
+    findings: Findings, *, err: bool = False, unit: LengthUnit = MM, notes: bool = True,
+    accepted: Accepted | None = None, every: bool = False,
+) -> None:  # fmt: skip
+    """The kept findings by place, the others counted; notes: those too; accepted: marked so; every: repeats too."""
+    accepted = accepted or {}
+    colour = coloured(err)
+    ordered = [finding for finding, _ in distinct(findings)]
+    told = shown(findings, ordered, accepted, unit.message, every=every)
+    by_file: dict[str, set[int]] = {}
+    for span in (one.finding.span for one in told):
+        if span.line:
+            by_file.setdefault(span.file, set()).add(span.line)
+    texts = {name: source_lines(name, lines) for name, lines in by_file.items()}
+    for one in told:
+        finding = one.finding
+        if not notes and (finding.severity is Severity.NOTE or finding in accepted):
+            continue
+        text = texts.get(finding.span.file, {}).get(finding.span.line)
+        for line in format_finding(finding, text, colour, one.times, unit):
+            click.echo(line, err=err)
+        if one.more is not None:
+            click.echo(f"      = {in_one_line(one.more.text())}", err=err)
+        if finding in accepted:
+            click.echo(f"      = accepted: {in_one_line(accepted[finding][1])}", err=err)
+    for number, count in left_over(findings, told).items():
+        if CODES[number].severity is Severity.NOTE and not notes:
+            continue
+        click.echo(f"... and {count} more {CODES[number].label} [{CODES[number].name}]", err=err)
+
+
+def finding_json(
+    finding: Finding, times: int = 1, accepted: tuple[str, str] | None = None, unit: LengthUnit = MM
+) -> dict[str, object]:  # fmt: skip
+    """One finding of ``check --format json``; its texts in ``unit``, for reports that people read."""
+    out: dict[str, object] = {
+        "code": finding.code.label,
+        "name": finding.code.name,
+        "severity": finding.severity.value,
+        "property": finding.code.decides,
+        "file": finding.span.file,
+        "line": finding.span.line,
+        "column": finding.span.column,
+        "end_column": finding.span.end_column,
+        "message": unit.message(finding),
+        "times": times,
+    }
+    if finding.hint:
+        out["hint"] = unit.sentence(finding.hint)
+    if accepted is not None:
+        out["suppressed"] = {"kind": accepted[0], "reason": accepted[1]}
+    if finding.related:
+        out["related"] = [
+            {
+                "file": r.span.file,
+                "line": r.span.line,
+                "column": r.span.column,
+                "message": unit.sentence(brief(r.message)),
+            }
+            for r in finding.related
+        ]
+    if finding.rests is not None:
+        out["rests"] = _rests_json(finding.rests, finding.span.file)
+    return out
+
+
+def _rests_json(rests: Rests, file: str) -> dict[str, object]:
+    """The outcomes that a finding rests on."""
+    outcomes = [
+        {
+            "file": one.span.file,
+            "line": one.span.line,
+            "what": brief(one.what),
+            "answer": one.answer,
+            "times": one.times,
+        }
+        for one in rests.outcomes
+    ]
+    return {"text": rests.text(file), "outcomes": outcomes, "more": rests.more, "example": rests.example}
