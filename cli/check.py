@@ -9,10 +9,12 @@ from pathlib import Path
 
 import click
 
-from gproof.cli.main import UsageError
 from gproof.cli.many import How, judge_all, print_text, with_progress
 from gproof.cli.progress import progress
+from gproof.cli.telling import tell, tell_findings_of
 from gproof.driver.conclude import Asked, conclude, with_options
+from gproof.driver.errors import UsageError
+from gproof.driver.escape import in_one_line
 from gproof.driver.files import require_picture, require_place, write_text
 from gproof.driver.jobs import find_jobs, is_several
 from gproof.driver.outcome import Outcome, closing_line, counted, exit_code
@@ -20,7 +22,7 @@ from gproof.driver.policy import NO_POLICY, load_policy
 from gproof.driver.session import Running, open_session
 from gproof.driver.suppressions import read_baseline, write_baseline
 from gproof.ir.trace import Chunk
-from gproof.report.escape import in_one_line, json_text
+from gproof.report.escape import json_text
 from gproof.report.summary import print_brief, print_summary, report_for_people, report_json
 from gproof.report.text import coloured
 from gproof.report.units import CHOICES
@@ -45,7 +47,7 @@ def run_check(
             require_place(place, what, (*names, machine, setup, policy))
     asked = Asked(
         policy=with_options(
-            NO_POLICY if policy is None else load_policy(policy),
+            NO_POLICY if policy is None else load_policy(policy, tell),
             fail_on=fail_on,
             warnings_are_errors=warnings_are_errors,
             also=also,
@@ -71,7 +73,7 @@ def run_check(
         running=running, asked=asked, form=form, units=units, quiet=quiet, tty=output is None and coloured(),
         every=every,
     )  # fmt: skip
-    jobs = find_jobs(names, machine=machine, setup=setup, dialect=dialect, exclude=exclude)
+    jobs = find_jobs(names, tell, machine=machine, setup=setup, dialect=dialect, exclude=exclude)
     outcomes = with_progress(judge_all(jobs, how, workers), len(jobs))
     kept = _told(outcomes, form, output, every)
     _write(more, kept, every)
@@ -140,8 +142,9 @@ def _written(reports: Sequence[tuple[str, Path]], job: str, every: bool) -> Iter
     try:
         yield told
     except UsageError as error:
+        tell_findings_of(error)
         _write(reports, [Outcome(job=job, problem=error.message)], every)
-        raise
+        raise UsageError(error.message) from None
     _write(reports, told, every, single=True)
 
 

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import click
 
-from gproof.cli.main import UsageError
+from gproof.driver.errors import UsageError
 from gproof.driver.session import Running, Session, open_session
 from gproof.ir.finding import Findings, Severity
 from gproof.ir.notes import Notes, joined

@@ -7,7 +7,7 @@ from importlib import resources
 
 import click
 
-from gproof.cli.main import UsageError
+from gproof.driver.errors import UsageError
 from gproof.ir.codes import CODES, RETIRED
 from gproof.ir.finding import Code
 

@@ -9,8 +9,8 @@ from typing import Any
 
 import click
 
-from gproof.cli.main import UsageError
 from gproof.cli.progress import Progress, progress
+from gproof.driver.errors import UsageError
 from gproof.driver.files import require_picture, require_place
 from gproof.driver.fit.answer import fit_of, travel_of
 from gproof.driver.fit.open_offsets import opened

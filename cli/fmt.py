@@ -16,10 +16,11 @@ import click
 
 from gproof.backend.emit.eding import emit
 from gproof.cli.fmt_form import Form
-from gproof.cli.main import UsageError
-from gproof.cli.options import in_one_line
+from gproof.driver.errors import UsageError
+from gproof.driver.escape import in_one_line
 from gproof.driver.files import require_file, require_program
 from gproof.driver.session import READ, dialect_of
+from gproof.driver.source_text import line_text
 from gproof.frontend.common.detect import EXTENSIONS
 from gproof.frontend.eding.load import load_alone
 from gproof.ir import codes
@@ -30,7 +31,7 @@ from gproof.ir.program import Program
 from gproof.ir.same import difference
 from gproof.passes.interpret.understood_lines import doubtful_lines
 from gproof.report.escape import program_line
-from gproof.report.text import line_text, print_findings
+from gproof.report.text import print_findings
 
 STANDARD_INPUT = Path("-")
 MACROS = "cnc.mac"

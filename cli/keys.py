@@ -7,11 +7,11 @@ from pathlib import Path
 
 import click
 
-from gproof.cli.main import UsageError
 from gproof.driver import key_ring
+from gproof.driver.errors import UsageError
+from gproof.driver.escape import shown
 from gproof.driver.files import require_file, require_place
 from gproof.driver.key_ring import OWN, KeyRing, given_key, own_key_path, read_ring, require_name, write_entry
-from gproof.report.escape import shown
 from gproof.verify.signers import Signer, fingerprint, today
 
 

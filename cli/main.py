@@ -17,11 +17,13 @@ from typing import Any
 
 import click
 
-from gproof.cli.options import ALSO, FileName, in_one_line, once
+from gproof.backend.boards.registry import BOARDS
+from gproof.cli.options import ALSO, FileName, once
 from gproof.cli.signals import ended_by_signals
-from gproof.driver.boards import BOARDS
+from gproof.cli.telling import tell_error
+from gproof.driver.errors import COULD_NOT_RUN, UsageError
+from gproof.driver.escape import in_one_line
 
-COULD_NOT_RUN = 3
 INTERRUPTED = 130
 """128 and the number of SIGINT, as shells have it."""
 _STDERR = 2
@@ -30,16 +32,6 @@ MOST = 10**15
 _PROCESS = "process"
 """The object of click's context where the command line is that of the process."""
 _DIALECTS = ["wincnc", "eding", "mcuwin"]
-
-
-class UsageError(click.ClickException):
-    """One line on standard error, exit 3."""
-
-    exit_code = COULD_NOT_RUN
-
-    def show(self, file: Any = None) -> None:
-        """Print the line."""
-        click.echo(f"gproof: error: {in_one_line(self.message)}", err=True)
 
 
 class _Interrupted(click.ClickException):
@@ -261,12 +253,16 @@ def compile_(
     also: tuple[str, ...],
 ) -> int:  # fmt: skip
     """Compile JOB to a certified step stream."""
-    from gproof.driver.pipeline import run_compile
+    from gproof.cli.compile import run_compile
+    from gproof.driver.pipeline import Request
     from gproof.driver.session import Running
 
     return run_compile(
-        job, machine=machine, setup=setup, dialect=dialect, running=Running(max_blocks, max_branches, render, call),
-        output=output, key=key, unsigned=unsigned, also=also,
+        Request(
+            job=job, machine=machine, setup=setup, dialect=dialect,
+            running=Running(max_blocks, max_branches, render, call), output=output, key=key, unsigned=unsigned,
+            also=also,
+        )
     )  # fmt: skip
 
 
@@ -349,7 +345,7 @@ def run(
     It runs when a trusted key has signed it: your own, one of --trust, one of "gproof keys trust".
     """
     from gproof.cli.run import run_run
-    from gproof.driver.run_journal import alone
+    from gproof.cli.run_journal import alone
 
     with alone(runs, board):
         return run_run(
@@ -481,6 +477,9 @@ def _run(arguments: list[str] | None) -> int:
             return COULD_NOT_RUN
         where = error.ctx.command_path if error.ctx else "gproof"
         click.echo(f"{where}: error: {in_one_line(_plain(error.format_message()))}", err=True)
+        return COULD_NOT_RUN
+    except UsageError as error:
+        tell_error(error)
         return COULD_NOT_RUN
     except click.ClickException as error:
         error.show()

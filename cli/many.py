@@ -11,10 +11,11 @@ from dataclasses import replace
 
 import click
 
-from gproof.cli.main import UsageError
-from gproof.cli.options import in_one_line
 from gproof.cli.progress import progress
+from gproof.cli.telling import tell, tell_findings_of
 from gproof.driver.conclude import Asked, conclude, with_options
+from gproof.driver.errors import UsageError
+from gproof.driver.escape import in_one_line
 from gproof.driver.jobs import Job
 from gproof.driver.outcome import Outcome
 from gproof.driver.policy import load_policy
@@ -63,6 +64,8 @@ def judge_one(job: Job, how: How) -> Outcome:
             if how.form == "text":
                 print_brief(session, judgement, code, how.units, quiet=how.quiet, every=how.every)
     except UsageError as error:
+        with contextlib.redirect_stderr(errors):
+            tell_findings_of(error)
         told = errors.getvalue().strip()
         return Outcome(job=str(job.path), problem=error.message, text=tuple(told.splitlines()))
     return Outcome(
@@ -80,7 +83,7 @@ def _asked(job: Job, asked: Asked) -> Asked:
     if not own and not job.also:
         return asked
     policy = with_options(
-        load_policy(job.policy) if own and job.policy is not None else asked.policy, fail_on=asked.fail_on,
+        load_policy(job.policy, tell) if own and job.policy is not None else asked.policy, fail_on=asked.fail_on,
         warnings_are_errors=asked.policy.warnings_are_errors, also=(*asked.also, *job.also),
     )  # fmt: skip
     return replace(asked, policy=policy)

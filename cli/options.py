@@ -11,13 +11,7 @@ from typing import Any, TypeVar
 
 import click
 
-from gproof.report import escape
-
-PROPERTIES = ("feeds", "cutting", "sense", "gouges", "collisions")
-"""Properties that ``--also`` takes, beside ``all`` of them; ``passes/checks/registry.py`` has their checks."""
-
-in_one_line = escape.in_one_line
-"""A text of somebody else's, which may hold anything, as one line on which nothing acts."""
+from gproof.passes.checks.registry import added
 
 _Command = TypeVar("_Command", bound=Callable[..., Any])
 
@@ -52,7 +46,7 @@ def once(*names: str, **attributes: Any) -> Callable[[_Command], _Command]:
 
 
 def _properties(context: click.Context, parameter: click.Parameter, values: tuple[str, ...]) -> tuple[str, ...]:
-    known = (*PROPERTIES, "all")
+    known = (*added(), "all")
     names = tuple(dict.fromkeys(name.strip() for value in values for name in value.split(",")))
     for name in names:
         if name not in known:
@@ -69,5 +63,5 @@ ALSO = click.option(
     multiple=True,
     callback=_properties,
     metavar="PROPERTY,...",
-    help=f"Judge these too: {', '.join(PROPERTIES)}, or all; repeatable.",
+    help=f"Judge these too: {', '.join(added())}, or all; repeatable.",
 )

@@ -12,15 +12,16 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any
 
+from gproof.driver.escape import in_one_line
+from gproof.driver.progress import Watcher
 from gproof.ir.finding import Span
 from gproof.ir.trace import Chunk
-from gproof.report.escape import in_one_line
 
 AFTER = 1.0
 """Seconds before anything is shown."""
 
 
-class Progress:
+class Progress(Watcher):
     """A bar, or where no end is known a pulse, with what is done. A thread starts it, whatever the command waits for.
 
     wanted: whether there is anybody to show it to.

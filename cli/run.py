@@ -11,10 +11,11 @@ from pathlib import Path
 
 import click
 
+from gproof.backend.boards.registry import BOARDS
 from gproof.cli.main import INTERRUPTED, ends_with_its_command
-from gproof.cli.options import in_one_line
 from gproof.driver.at_hand import other_source, read_at_hand, require_files
-from gproof.driver.boards import BOARDS, require_for
+from gproof.driver.boards import require_for
+from gproof.driver.escape import in_one_line
 from gproof.driver.files import require_file
 from gproof.driver.key_ring import trusted_with
 from gproof.ir.finding import Finding, Findings, Severity
@@ -39,7 +40,7 @@ def run_run(
     from gproof.backend.operators import AutoContinue, Terminal
     from gproof.backend.record_data import ALLOWED, Result
     from gproof.backend.runtime import RunFailed, RunRefused, run
-    from gproof.driver.run_journal import Keeper, require_record_place, runs_folder, settled
+    from gproof.cli.run_journal import Keeper, require_record_place, runs_folder, settled
     from gproof.verify.certificate import CertificateError, read_package
     from gproof.verify.measured import taken
 

@@ -7,20 +7,18 @@ from pathlib import Path
 
 import click
 
-from gproof.cli.main import UsageError
+from gproof.cli.compile import first_line
 from gproof.cli.progress import progress
 from gproof.driver.against import Against, other_than_anew
 from gproof.driver.at_hand import other_source, read_at_hand, require_files
+from gproof.driver.errors import UsageError
+from gproof.driver.escape import shown
 from gproof.driver.files import require_file, require_program
 from gproof.driver.key_ring import trusted_with
 from gproof.driver.session import Running
 from gproof.ir.finding import Finding, Findings, Severity
 from gproof.ir.verdict import Verdict
-from gproof.report.escape import shown
-from gproof.report.text import finding_json, print_findings
-
-SCHEMA = "gproof-verify/1"
-"""Of the JSON report: docs/verify-json.md."""
+from gproof.report.text import print_findings
 
 
 def run_verify(
@@ -49,7 +47,7 @@ def run_verify(
     found = (*other_source(package, at_hand), *check.findings)
     if anew is not None:
         with progress("compiling the source anew"):
-            found = (*found, *other_than_anew(package, anew))
+            found = (*found, *other_than_anew(package, anew, first_line))
     weighty = [f for f in found if f.severity in (Severity.ERROR, Severity.UNKNOWN) and f not in check.open]
     verdict = Verdict.UNKNOWN if weighty else Verdict.SAFE
     if any(f.severity is Severity.ERROR for f in weighty):
@@ -89,11 +87,9 @@ def _unread(path: Path, finding: Finding, form: str) -> int:
     """A package of which nothing can be said but why."""
     verdict = Verdict.UNKNOWN if finding.severity is Severity.UNKNOWN else Verdict.UNSAFE
     if form == "json":
-        said = {
-            "schema": SCHEMA, "package": str(path), "verdict": verdict.value, "conditional": False,
-            "exit_code": verdict.exit_code, "findings": [finding_json(finding)],
-        }  # fmt: skip
-        click.echo(json.dumps(said, indent=2))
+        from gproof.report.verify_report import unread_json
+
+        click.echo(json.dumps(unread_json(str(path), verdict, finding), indent=2))
         return verdict.exit_code
     findings = Findings()
     findings.add(finding)

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from gproof.cli.options import in_one_line
+from gproof.driver.escape import in_one_line
 from gproof.driver.files import require_file
 from gproof.driver.key_ring import OWN as OWN_NAME
 from gproof.driver.key_ring import trusted_with

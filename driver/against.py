@@ -6,17 +6,19 @@ A signature says who made a package; this shows that it is what the source gives
 
 from __future__ import annotations
 
-import contextlib
 import dataclasses
-import io
 import json
 import tempfile
+from collections.abc import Callable
 from itertools import zip_longest
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from gproof.driver.escape import shown
+from gproof.driver.pipeline import Compiled, Request, compile_job
+from gproof.driver.progress import Watcher
 from gproof.driver.session import Running
 from gproof.ir import codes
 from gproof.ir.columns import Columns
@@ -24,7 +26,7 @@ from gproof.ir.finding import Finding, Span
 from gproof.ir.record import record
 from gproof.ir.trace import Trace
 from gproof.ir.verdict import DEFAULT_POLICY, Verdict
-from gproof.report.escape import shown
+from gproof.passes.checks.registry import added
 from gproof.verify.package import EVENT_TABLE, TRACE_TABLE, Package, parts_of, read_package, run_table
 from gproof.verify.stream_report import BOUNDS
 
@@ -43,12 +45,16 @@ class Against:
     running: Running
 
 
-def other_than_anew(package: Package, of: Against) -> list[Finding]:
+Why = Callable[[Compiled], str]
+"""The first line of what ``gproof compile`` says of a job of which it makes no package."""
+
+
+def other_than_anew(package: Package, of: Against, why: Why) -> list[Finding]:
     """GP851 with the first part that differs, GP852 where that has no answer; none: all parts are the same."""
     from importlib.metadata import version
 
     where = Span(package.path, 0)
-    made, said = _compiled(package, of)
+    made, said = _compiled(package, of, why)
     if isinstance(made, Verdict):
         code = codes.CERTIFICATE_NOT_ANEW if made is Verdict.UNKNOWN else codes.CERTIFICATE_AGAINST
         return [code.at(where, what=f"{shown(of.source)} does not compile anew, it is {made.value}: {said}")]
@@ -62,25 +68,20 @@ def other_than_anew(package: Package, of: Against) -> list[Finding]:
     return [codes.CERTIFICATE_NOT_ANEW.at(where, what=what)]
 
 
-def _compiled(package: Package, of: Against) -> tuple[Package | Verdict, str]:
+def _compiled(package: Package, of: Against, why: Why) -> tuple[Package | Verdict, str]:
     """The package that the source gives now; or the verdict that keeps it from one, and the first line of why."""
-    from gproof.cli.options import PROPERTIES
-    from gproof.driver.pipeline import run_compile
-
     listed = package.body.get("properties")
     names = [one.get("name") for one in listed if isinstance(one, dict)] if isinstance(listed, list) else []
-    also = tuple(name for name in PROPERTIES if name in names and name not in DEFAULT_POLICY)
+    also = tuple(name for name in added() if name in names and name not in DEFAULT_POLICY)
     with tempfile.TemporaryDirectory(prefix="gproof-") as folder:
-        output, told = Path(folder) / "anew.gpx", io.StringIO()
-        with contextlib.redirect_stdout(told), contextlib.redirect_stderr(io.StringIO()):
-            code = run_compile(
-                of.source, machine=of.machine, setup=of.setup, dialect=of.dialect, running=of.running, output=output,
-                key=None, unsigned=True, also=also,
-            )  # fmt: skip
-        if code != 0:
-            first = next((line for line in told.getvalue().splitlines() if line.strip()), "")
-            return Verdict.UNSAFE if code == Verdict.UNSAFE.exit_code else Verdict.UNKNOWN, shown(first)
-        return read_package(output), ""
+        request = Request(
+            job=of.source, machine=of.machine, setup=of.setup, dialect=of.dialect, running=of.running,
+            output=Path(folder) / "anew.gpx", unsigned=True, also=also,
+        )  # fmt: skip
+        made = compile_job(request, Watcher())
+        if made.package is None:
+            return Verdict.UNSAFE if made.verdict is Verdict.UNSAFE else Verdict.UNKNOWN, shown(why(made))
+        return read_package(request.output), ""
 
 
 def _first(said: Package, made: Package) -> str:

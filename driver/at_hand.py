@@ -5,15 +5,14 @@ from __future__ import annotations
 import hashlib
 from pathlib import Path, PurePosixPath, PureWindowsPath
 
-from gproof.cli.main import UsageError
+from gproof.driver.errors import UsageError
+from gproof.driver.escape import shown
 from gproof.driver.files import require_file
 from gproof.ir import codes
 from gproof.ir.finding import Finding, Findings, Span
 from gproof.ir.machine import Machine
 from gproof.ir.record import record
 from gproof.ir.setup import ZERO, Setup
-from gproof.report.escape import shown
-from gproof.report.text import print_findings
 from gproof.verify.package import Package
 
 
@@ -60,8 +59,7 @@ def _machine(path: Path | None, findings: Findings) -> Machine | None:
 
     machine, _ = load_machine(path, findings)
     if machine is None:
-        print_findings(findings, err=True)
-        raise UsageError("the machine file can not be used")
+        raise UsageError("the machine file can not be used", findings)
     return machine
 
 
@@ -74,8 +72,7 @@ def _setup(name: str | None, machine: Machine, findings: Findings) -> Setup | No
 
     setup, _ = load_setup(Path(name), findings, machine)
     if setup is None:
-        print_findings(findings, err=True)
-        raise UsageError("the setup file can not be used")
+        raise UsageError("the setup file can not be used", findings)
     return setup
 
 

@@ -13,7 +13,7 @@ from gproof.driver.suppressions import MANY, Baseline, Known, accept_comments, k
 from gproof.ir.finding import Finding, Severity
 from gproof.ir.record import record
 from gproof.ir.verdict import Verdict
-from gproof.passes.checks.registry import ALL
+from gproof.passes.checks.registry import every_property
 
 
 @record(frozen=True, slots=True, kw_only=True)
@@ -115,7 +115,7 @@ def with_options(
     """A policy with what the command line, or a job file, says; also: properties beyond the policy's."""
     return replace(
         policy,
-        properties=tuple(dict.fromkeys((*policy.properties, *(ALL if "all" in also else also)))),
+        properties=tuple(dict.fromkeys((*policy.properties, *(every_property() if "all" in also else also)))),
         fail_on=fail_on or policy.fail_on,
         warnings_are_errors=warnings_are_errors or policy.warnings_are_errors,
     )

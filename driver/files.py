@@ -6,7 +6,7 @@ import contextlib
 import os
 from pathlib import Path
 
-from gproof.cli.main import UsageError
+from gproof.driver.errors import UsageError
 
 SETTINGS = {
     "cnc.ini": "the settings of Eding CNC; --machine takes it",

@@ -9,13 +9,14 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
 
-from gproof.cli.main import UsageError
+from gproof.driver.errors import Tell, UsageError
 from gproof.driver.files import require_file
 from gproof.frontend.common.detect import EXTENSIONS
-from gproof.frontend.files.toml_table import LARGEST_FILE, TomlFile, TomlTable, is_there
+from gproof.frontend.common.paths import is_there
+from gproof.frontend.files.toml_table import LARGEST_FILE, TomlFile, TomlTable
 from gproof.ir.finding import Findings
 from gproof.ir.record import record
-from gproof.passes.checks.registry import ADDED
+from gproof.passes.checks.registry import added
 
 SCHEMA = "gproof-job/1"
 HEAD = 1000
@@ -44,16 +45,18 @@ class Job:
 
 
 def find_jobs(
-    names: Sequence[str], *, machine: Path | None, setup: str | None, dialect: str | None, exclude: Sequence[str] = ()
-) -> list[Job]:
+    names: Sequence[str], tell: Tell, *, machine: Path | None, setup: str | None, dialect: str | None,
+    exclude: Sequence[str] = (),
+) -> list[Job]:  # fmt: skip
     """The jobs that are meant, each once, in the order of the names and by path within one.
 
     What the command line states goes before what a job file says. UsageError for a name that is no file, for a
-    pattern or folder with no job in it, and for a job file with an error.
+    pattern or folder with no job in it, and for a job file with an error. tell: takes the findings of each job file
+    that can be used all the same.
     """
     found: dict[tuple[Path, Path | None], Job] = {}
     for name in names:
-        for job in _of_name(name):
+        for job in _of_name(name, tell):
             if any(job.path.match(pattern) for pattern in exclude):
                 continue
             stated = replace(
@@ -77,18 +80,18 @@ def is_several(names: Sequence[str]) -> bool:
     return len(names) != 1 or is_pattern or path.is_dir() or _is_job_file(path)
 
 
-def _of_name(name: str) -> Iterator[Job]:
+def _of_name(name: str, tell: Tell) -> Iterator[Job]:
     path = Path(name)
     if not name:
         raise UsageError("an empty name is no job")
     if path.is_dir():
-        jobs = sorted(_in_folder(path), key=lambda job: job.path.as_posix())
+        jobs = sorted(_in_folder(path, tell), key=lambda job: job.path.as_posix())
         if not jobs:
             raise UsageError(f"{path}: no jobs in this folder ({', '.join(sorted(_extensions()))})")
         yield from jobs
     elif path.exists() or not glob.has_magic(name):
         if _is_job_file(path):
-            yield from read_job_file(path)
+            yield from read_job_file(path, tell)
         else:
             yield Job(path=path)
     else:
@@ -96,14 +99,14 @@ def _of_name(name: str) -> Iterator[Job]:
         if not files:
             raise UsageError(f"{name}: no file matches")
         for file in files:
-            yield from read_job_file(file) if _is_job_file(file) else [Job(path=file)]
+            yield from read_job_file(file, tell) if _is_job_file(file) else [Job(path=file)]
 
 
 def _extensions() -> set[str]:
     return {extension for extension in EXTENSIONS if extension not in _NO_JOBS}
 
 
-def _in_folder(folder: Path) -> Iterator[Job]:
+def _in_folder(folder: Path, tell: Tell) -> Iterator[Job]:
     """Job files of a folder and those below it, and programs of which no job file speaks; nothing that is hidden."""
     told: list[Job] = []
     programs: list[Path] = []
@@ -112,7 +115,7 @@ def _in_folder(folder: Path) -> Iterator[Job]:
         if any(part.startswith(".") for part in path.relative_to(folder).parts) or not path.is_file():
             continue
         if _is_job_file(path):
-            told += read_job_file(path)
+            told += read_job_file(path, tell)
         elif path.suffix.lower() in wanted and path.name.lower() not in _NEVER:
             programs.append(path)
     known = {job.path.resolve() for job in told}
@@ -134,8 +137,11 @@ def _is_job_file(path: Path) -> bool:
         return False
 
 
-def read_job_file(path: Path) -> list[Job]:
-    """The jobs of a job file; docs/job-files.md defines the keys. UsageError, behind its findings, for a bad one."""
+def read_job_file(path: Path, tell: Tell) -> list[Job]:
+    """The jobs of a job file; docs/job-files.md defines the keys. UsageError, with its findings, for a bad one.
+
+    tell: takes those of one that can be used all the same.
+    """
     require_file(path, "job file")
     findings = Findings()
     file = TomlFile(path, SCHEMA, findings)
@@ -153,12 +159,10 @@ def read_job_file(path: Path) -> list[Job]:
         root.finish()
         if not jobs and not file.errors:
             root.missing("job")
-    if findings.kept:
-        from gproof.report.text import print_findings
-
-        print_findings(findings, err=True)
     if file.errors:
-        raise UsageError(f"the job file {path} can not be used")
+        raise UsageError(f"the job file {path} can not be used", findings)
+    if findings.kept:
+        tell(findings)
     return jobs
 
 
@@ -202,8 +206,8 @@ def _also(table: TomlTable, base: Job) -> tuple[str, ...]:
         table.bad("also", "not a list of names of properties")
         return base.also
     for name in value:
-        if name not in (*ADDED, "all"):
-            table.bad("also", f"{name!r} is none of {', '.join(ADDED)}, all")
+        if name not in (*added(), "all"):
+            table.bad("also", f"{name!r} is none of {', '.join(added())}, all")
     return tuple(value)
 
 

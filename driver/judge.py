@@ -23,13 +23,12 @@ from gproof.ir.symbols import describe
 from gproof.ir.trace import Affine, Chunk, Frame, Op, Wait, verify_rows
 from gproof.ir.verdict import DEFAULT_POLICY, Condition, PropertyResult, Verdict, worst
 from gproof.passes.checks.arc_radius import ArcRadius
-from gproof.passes.checks.base import apart, excluding
+from gproof.passes.checks.base import Remains, apart, excluding
 from gproof.passes.checks.first_moves import FirstMoves
 from gproof.passes.checks.limits.guard_stretches import GuardStretches
 from gproof.passes.checks.limits.soft_limits import Limits
 from gproof.passes.checks.limits.work_boundaries import Boundaries
 from gproof.passes.checks.registry import added_checks, decided
-from gproof.passes.checks.stock.height_fields import Remains
 from gproof.passes.checks.zones.zone_check import Hears
 from gproof.passes.checks.zones.zones import Areas
 from gproof.passes.interpret.core.executor import Executor

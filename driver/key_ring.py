@@ -18,8 +18,8 @@ from typing import TYPE_CHECKING
 
 import click
 
-from gproof.cli.main import UsageError
-from gproof.cli.options import in_one_line
+from gproof.driver.errors import UsageError
+from gproof.driver.escape import in_one_line
 from gproof.ir.private_folder import not_private
 from gproof.ir.record import record
 from gproof.verify.signers import Signer, fingerprint

@@ -7,11 +7,11 @@ import re
 from collections.abc import Iterable, Iterator, Sequence
 from typing import Any
 
-from gproof.cli.main import COULD_NOT_RUN
 from gproof.driver.conditions import SAFE_IF, word_of_report
+from gproof.driver.errors import COULD_NOT_RUN
+from gproof.driver.source_text import source_lines
 from gproof.ir.record import field, record
 from gproof.ir.verdict import Verdict
-from gproof.report.text import source_lines
 
 LEVELS = ("note", "warning", "unknown", "error")
 """Severities of findings, the lightest first."""

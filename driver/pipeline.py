@@ -1,37 +1,30 @@
-"""``gproof compile``: a job to a certified step stream, and the lowering that ``dump`` shows."""
+"""A job down to a certified step stream: judged, lowered, checked, signed and written. ``cli/compile.py`` says how it
+went; ``dump`` shows the stages, ``verify --against`` compares what comes of it."""
 
 from __future__ import annotations
 
 import datetime
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-import click
-
-from gproof.cli.main import UsageError
-from gproof.cli.options import in_one_line
-from gproof.cli.progress import Progress, progress
 from gproof.driver.conclude import with_options
 from gproof.driver.conditions import conditions_of
-from gproof.driver.files import require_file, require_place
+from gproof.driver.errors import UsageError
 from gproof.driver.judge import Judgement, judge
 from gproof.driver.key_ring import own_key_path
 from gproof.driver.policy import NO_POLICY, under
+from gproof.driver.progress import Watcher
 from gproof.driver.session import Running, Session, open_session
-from gproof.ir.finding import Severity
+from gproof.ir.finding import Findings, Severity
 from gproof.ir.plan import Plan
 from gproof.ir.record import record
 from gproof.ir.stream import StepStream
-from gproof.ir.symbols import describe
 from gproof.ir.trace import Trace
 from gproof.ir.verdict import Condition, Verdict
 from gproof.passes.checks.registry import not_judged
-from gproof.report.summary import condition_text, print_summary, unit_of_report
-from gproof.report.text import print_findings
 
 if TYPE_CHECKING:
-    from gproof.report.units import LengthUnit
     from gproof.verify.measured import Open
     from gproof.verify.stream_report import StreamReport
 
@@ -114,101 +107,101 @@ STATED = "state these offsets, lengths and positions in a setup file (--setup) a
 """What to do about a job that can not be put where its offsets are measured later."""
 
 
-def run_compile(
-    job: Path, *, machine: Path | None, setup: str | None, dialect: str | None, running: Running, output: Path,
-    key: Path | None, unsigned: bool, also: tuple[str, ...] = (),
-) -> int:  # fmt: skip
-    """Judge, lower, validate, sign and write; a file appears only for a job that is SAFE all the way."""
-    require_place(output, "output", (job, machine, setup, key))
-    if key is not None and unsigned:
-        raise UsageError("--key and --unsigned exclude each other")
-    if key is not None:
-        require_file(key, "key")
-    with progress("reading") as shown:
-        return _run(
-            job, machine=machine, setup=setup, dialect=dialect, running=running, output=output, key=key,
-            unsigned=unsigned, also=also, shown=shown,
-        )  # fmt: skip
+@record(frozen=True, slots=True, kw_only=True)
+class Request:
+    """What to compile and where to write it: the arguments of ``gproof compile``. also: properties beyond the default
+    policy; key: None for the user's own."""
+
+    job: Path
+    machine: Path | None
+    setup: str | None
+    dialect: str | None
+    running: Running
+    output: Path
+    key: Path | None = None
+    unsigned: bool = False
+    also: tuple[str, ...] = ()
 
 
-def _run(
-    job: Path, *, machine: Path | None, setup: str | None, dialect: str | None, running: Running, output: Path,
-    key: Path | None, unsigned: bool, also: tuple[str, ...], shown: Progress,
-) -> int:  # fmt: skip
-    session = open_session(job, machine=machine, setup=setup, dialect=dialect, call=running.call)
+@record(frozen=True, slots=True, kw_only=True)
+class NewPackage:
+    """What was written: its stages, the steps that were checked, its identity and who signed it."""
+
+    lowered: Lowered
+    stream: StepStream
+    steps: int
+    digest: str
+    signer: str
+
+
+@record(frozen=True, slots=True, kw_only=True)
+class Compiled:
+    """How it went; the findings are those of the session. package: None where nothing was written, ``why`` says why
+    then, and verdict is not SAFE."""
+
+    session: Session
+    judgement: Judgement
+    verdict: Verdict
+    package: NewPackage | None = None
+    why: str = ""
+
+
+def compile_job(request: Request, shown: Watcher) -> Compiled:
+    """Judge, lower, validate, sign and write; a file appears only for a job that is SAFE all the way.
+
+    UsageError (exit 3) for files that can not be read or written at all.
+    """
+    session = open_session(
+        request.job, machine=request.machine, setup=request.setup, dialect=request.dialect, call=request.running.call
+    )
     for name, _, role in session.inputs:
         if name.encode("utf-8", "replace").decode("utf-8") != name:
             raise UsageError(f"{role} {name}: a certificate names its files in UTF-8, which this name is not")
-    policy = with_options(NO_POLICY, fail_on=None, warnings_are_errors=False, also=also)
-    shown.phase("checking", None if session.program is None else session.program.line_count)
-    judged = judge(
-        session, running=running, properties=policy.properties, observe=shown.see if shown.wanted else None,
-        beat=shown.beat if shown.wanted else None,
-    )  # fmt: skip
-    judgement = under(policy, judged, job)
-    for finding in judgement.findings.kept:
-        if finding not in session.findings.times:
-            session.findings.add(finding)
+    judgement = _judged(session, request, shown)
     if judgement.verdict is not Verdict.SAFE:
-        shown.stop()
-        return _refuse(session, judgement, judgement.verdict, "the job is not SAFE")
+        return Compiled(session=session, judgement=judgement, verdict=judgement.verdict, why="the job is not SAFE")
     shown.phase("planning the motion and its steps")
-    asked = [condition for result in judgement.properties for condition in result.conditions]
-    lowered = _quiet_lower(session, running, asked)
-    findings = session.findings
-    if lowered.stream is None or findings.has(Severity.UNKNOWN) or findings.has(Severity.ERROR):
+    conditions = [condition for result in judgement.properties for condition in result.conditions]
+    lowered = _quiet_lower(session, request.running, conditions)
+    findings, stream = session.findings, lowered.stream
+    if stream is None or findings.has(Severity.UNKNOWN) or findings.has(Severity.ERROR):
         verdict = Verdict.UNSAFE if findings.has(Severity.ERROR) else Verdict.UNKNOWN
-        shown.stop()
         safe = "SAFE under conditions" if conditions_of(judgement) else "SAFE"
         why = f": {lowered.not_placed}; {STATED}" if lowered.not_placed else ""
-        return _refuse(session, judgement, verdict, f"the job is {safe}, but no step stream can be made of it{why}")
+        why = f"the job is {safe}, but no step stream can be made of it{why}"
+        return Compiled(session=session, judgement=judgement, verdict=verdict, why=why)
     from gproof.verify.stream import validate
 
-    shown.phase("verifying every step", lowered.stream.steps())
-    report = validate(
-        lowered.stream, lowered.followed or lowered.trace, session.machine, session.setup, beat=shown.done
-    )
+    shown.phase("verifying every step", stream.steps())
+    report = validate(stream, lowered.followed or lowered.trace, session.machine, session.setup, beat=shown.done)
     for finding in report.findings:
         findings.add(finding)
     if report.verdict is not Verdict.SAFE:
-        shown.stop()
-        return _refuse(session, judgement, report.verdict, "the stream checker refuses the stream")
+        why = "the stream checker refuses the stream"
+        return Compiled(session=session, judgement=judgement, verdict=report.verdict, why=why)
     shown.phase("writing")
-    digest, signer = _write(session, judgement, lowered, report, output, key, unsigned)
-    shown.stop()
-    print_findings(findings, unit=unit_of_report(session, judgement))
-    seconds = sum(s.duration for s in lowered.stream.sections) / lowered.stream.tick_frequency
-    count = len(lowered.stream.sections)
-    sections = f"{count} section{'s' if count > 1 else ''}"
-    click.echo(f"{in_one_line(str(output))}: certified, {report.steps} steps in {sections}, {seconds:.1f} s")
-    for name, conditions in conditions_of(judgement).items():
-        for condition in conditions:
-            text = condition_text(session, condition, unit_of_report(session, judgement))
-            click.echo(in_one_line(f"  if          {text} ({name})"))
-    for text in _measured_later(session, lowered, unit_of_report(session, judgement)):
-        click.echo(in_one_line(f"  to measure  {text}"))
-    click.echo(f"  certificate {digest}")
-    click.echo(in_one_line(f"  signed by   {signer}"))
-    return 0
+    digest, signer = _write(session, judgement, lowered, stream, report, request)
+    made = NewPackage(lowered=lowered, stream=stream, steps=report.steps, digest=digest, signer=signer)
+    return Compiled(session=session, judgement=judgement, verdict=Verdict.SAFE, package=made)
 
 
-def _measured_later(session: Session, lowered: Lowered, unit: LengthUnit) -> Iterator[str]:
-    """What the setup at hand has to state when the package runs, and where the axes have to stand."""
-    machine = session.machine
-    for place in lowered.left_open.places.values() if lowered.left_open is not None else ():
-        form = describe(place.form, machine) or "machine zero"
-        if place.start is None:
-            yield form
-            continue
-        own = next(axis.unit for axis in machine.axes if axis.index == place.axis)
-        at = f"{unit.place(place.start, own)} {unit.named(own)} from {form}"
-        yield f"{form}, and {machine.word(place.axis)} stands {at} when the job begins"
+def _judged(session: Session, request: Request, shown: Watcher) -> Judgement:
+    """The judgement of the default policy and what is asked for beside it; its findings are the session's then."""
+    policy = with_options(NO_POLICY, fail_on=None, warnings_are_errors=False, also=request.also)
+    shown.phase("checking", None if session.program is None else session.program.line_count)
+    judged = judge(
+        session, running=request.running, properties=policy.properties, observe=shown.see if shown.wanted else None,
+        beat=shown.beat if shown.wanted else None,
+    )  # fmt: skip
+    judgement = under(policy, judged, request.job)
+    for finding in judgement.findings.kept:
+        if finding not in session.findings.times:
+            session.findings.add(finding)
+    return judgement
 
 
 def _quiet_lower(session: Session, running: Running, conditions: Sequence[Condition]) -> Lowered:
     """Lower with a collector of its own: judging told what executing finds already."""
-    from gproof.ir.finding import Findings
-
     told = session.findings
     session.findings = Findings(limit=told.limit, stated=told.stated)
     lowered = lower(session, running, "stream", conditions)
@@ -220,26 +213,17 @@ def _quiet_lower(session: Session, running: Running, conditions: Sequence[Condit
     return lowered
 
 
-def _refuse(session: Session, judgement: Judgement, verdict: Verdict, why: str) -> int:
-    print_findings(session.findings, unit=unit_of_report(session, judgement))
-    print_summary(session, judgement)
-    click.echo(f"gproof: nothing was written: {why}", err=True)
-    return verdict.exit_code
-
-
 def _write(
-    session: Session, judgement: Judgement, lowered: Lowered, report: StreamReport, output: Path,
-    key_path: Path | None, unsigned: bool,
+    session: Session, judgement: Judgement, lowered: Lowered, stream: StepStream, report: StreamReport, request: Request
 ) -> tuple[str, str]:  # fmt: skip
     """Sign and write the package; returns its identity and who signed it."""
     from importlib.metadata import version
 
     from gproof.verify import certificate as c
 
-    assert lowered.stream is not None
     key, signer = None, "nobody (--unsigned)"
-    if not unsigned:
-        place = key_path or own_key_path()
+    if not request.unsigned:
+        place = request.key or own_key_path()
         try:
             key = c.load_or_create_key(place)
         except ValueError as error:
@@ -248,12 +232,12 @@ def _write(
     now = datetime.datetime.now(datetime.UTC).isoformat(timespec="seconds")
     try:
         digest = c.write_package(
-            output, job=session.job.name, version=version("gproof"), inputs=session.inputs,
+            request.output, job=session.job.name, version=version("gproof"), inputs=session.inputs,
             properties=judgement.properties, not_judged=not_judged(r.name for r in judgement.properties),
             assumptions=judgement.assumptions,
-            machine=session.machine, setup=session.setup, trace=lowered.trace, stream=lowered.stream, report=report,
+            machine=session.machine, setup=session.setup, trace=lowered.trace, stream=stream, report=report,
             key=key, created=now, left_open=lowered.left_open,
         )  # fmt: skip
     except c.TooLarge as why:
-        raise UsageError(f"{output}: nothing was written: {why}") from None
+        raise UsageError(f"{request.output}: nothing was written: {why}") from None
     return digest, signer

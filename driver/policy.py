@@ -6,7 +6,7 @@ import dataclasses
 from collections.abc import Iterable
 from pathlib import Path
 
-from gproof.cli.main import UsageError
+from gproof.driver.errors import Tell, UsageError
 from gproof.driver.files import require_file
 from gproof.driver.judge import Judgement
 from gproof.frontend.files.toml_table import TomlFile, TomlTable
@@ -15,7 +15,7 @@ from gproof.ir.codes import CODES
 from gproof.ir.finding import Finding, Findings, Severity, Span
 from gproof.ir.record import field, record
 from gproof.ir.verdict import DEFAULT_POLICY, PropertyResult, Verdict, worst
-from gproof.passes.checks.registry import ALL, decided
+from gproof.passes.checks.registry import decided, every_property
 
 SCHEMA = "gproof-policy/1"
 FAIL_ON = ("unknown", "warning", "note")
@@ -56,8 +56,11 @@ class Policy:
 NO_POLICY = Policy()
 
 
-def load_policy(path: Path) -> Policy:
-    """The policy of a file; docs/ci.md defines the keys. UsageError, behind its findings, for a bad one."""
+def load_policy(path: Path, tell: Tell) -> Policy:
+    """The policy of a file; docs/ci.md defines the keys. UsageError, with its findings, for a bad one.
+
+    tell: takes those of one that can be used all the same.
+    """
     require_file(path, "policy file")
     findings = Findings()
     file = TomlFile(path, SCHEMA, findings)
@@ -65,12 +68,10 @@ def load_policy(path: Path) -> Policy:
     if file.root is not None:
         policy = _read(file.root, str(path))
         file.root.finish()
-    if findings.kept:
-        from gproof.report.text import print_findings
-
-        print_findings(findings, err=True)
     if file.errors:
-        raise UsageError(f"the policy file {path} can not be used")
+        raise UsageError(f"the policy file {path} can not be used", findings)
+    if findings.kept:
+        tell(findings)
     return policy
 
 
@@ -107,8 +108,8 @@ def _properties(root: TomlTable) -> tuple[str, ...]:
         root.bad("properties", "not a list of names of properties")
         return DEFAULT_POLICY
     for name in value:
-        if name not in ALL:
-            root.bad("properties", f"{name!r} is none of {', '.join(ALL)}")
+        if name not in every_property():
+            root.bad("properties", f"{name!r} is none of {', '.join(every_property())}")
     if "language" not in value:
         root.bad("properties", "language is not among them, on which every other answer stands")
     return tuple(dict.fromkeys(value))
@@ -156,5 +157,5 @@ def fails(policy: Policy, findings: Iterable[Finding]) -> bool:
     What decides a property that the policy leaves out fails nothing.
     """
     least = _rank(policy.fail_on)
-    left_out = set(ALL) - set(policy.properties)
+    left_out = set(every_property()) - set(policy.properties)
     return any(_rank(f.severity.value) >= least for f in findings if f.code.decides not in left_out)

@@ -6,7 +6,7 @@ import dataclasses
 from pathlib import Path
 from typing import TypedDict, TypeVar
 
-from gproof.cli.main import UsageError
+from gproof.driver.errors import UsageError
 from gproof.driver.files import require_file, require_program
 from gproof.ir import codes
 from gproof.ir.dialects.accepts import USER_MACRO_FILE
@@ -77,7 +77,7 @@ def _macro_file(machine: Machine, file: Path | None, job: Path) -> tuple[Path | 
 
     Without the usual one a job is judged as it stands, whether the machine's file names it or not.
     """
-    from gproof.frontend.files.toml_table import is_file
+    from gproof.frontend.common.paths import is_file
 
     name = machine.controller.macro_file
     if name is None or file is None:
@@ -205,8 +205,5 @@ def _loaded(
     value, files = result
     inputs += [(name, digest, role) for name, digest in files]
     if value is None:
-        from gproof.report.text import print_findings
-
-        print_findings(findings, err=True)
-        raise UsageError(f"the {role} file can not be used")
+        raise UsageError(f"the {role} file can not be used", findings)
     return value

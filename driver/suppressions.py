@@ -12,7 +12,7 @@ import re
 from collections.abc import Iterator
 from pathlib import Path
 
-from gproof.cli.main import UsageError
+from gproof.driver.errors import UsageError
 from gproof.driver.files import require_file, write_text
 from gproof.driver.judge import Judgement
 from gproof.driver.outcome import Fingerprints
@@ -20,13 +20,12 @@ from gproof.frontend.files.own_keys import KEYS, suggestion, unknown_keys
 from gproof.frontend.files.toml_table import meant
 from gproof.ir import codes
 from gproof.ir.codes import CODES
-from gproof.ir.finding import Finding, Findings, Severity, Span, brief
+from gproof.ir.finding import Finding, Findings, Severity, Span, brief, distinct
 from gproof.ir.mapped import pieces
 from gproof.ir.notes import NoteKind
 from gproof.ir.program import Program, SourceFile
 from gproof.ir.record import record
 from gproof.passes.checks.registry import not_judged
-from gproof.report.text import distinct
 
 SCHEMA = "gproof-baseline/1"
 IN_SOURCE, EXTERNAL = "inSource", "external"

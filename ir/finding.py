@@ -451,3 +451,16 @@ class Findings:
                 kinds.add(key)
             out._keep(finding, self.times[finding])
         return out
+
+
+_HEAVIEST_FIRST = (Severity.ERROR, Severity.UNKNOWN, Severity.WARNING, Severity.NOTE)
+
+
+def sort_key(finding: Finding) -> tuple[str, int, int, int]:
+    """By place, then by weight."""
+    return finding.span.file, finding.span.line, finding.span.column, _HEAVIEST_FIRST.index(finding.severity)
+
+
+def distinct(findings: Findings) -> list[tuple[Finding, int]]:
+    """The kept findings by place, each once, with how often it came."""
+    return [(finding, findings.times[finding]) for finding in sorted(findings.kept, key=sort_key)]

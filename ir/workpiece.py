@@ -9,6 +9,8 @@ docs/setup-files.md defines the tables.
 
 from __future__ import annotations
 
+import numpy as np
+
 from gproof.ir.columns import Column, Columns, Schema
 from gproof.ir.record import record
 
@@ -93,3 +95,19 @@ class Workpiece:
     tolerance: float = 0.01
     clearance: float = 0.0
     cell: float = 0.5
+
+
+def extent(body: Body) -> tuple[float, float, float, float, float, float]:
+    """Low X Y Z, high X Y Z."""
+    if isinstance(body, Box):
+        return (*body.low, *body.high)
+    if isinstance(body, Cylinder):
+        x, y, r = body.x, body.y, body.radius
+        return x - r, y - r, body.low, x + r, y + r, body.high
+    if isinstance(body, Prism):
+        xs, ys = [p[0] for p in body.outline], [p[1] for p in body.outline]
+        off = body.error
+        return min(xs) - off, min(ys) - off, body.low, max(xs) + off, max(ys) + off, body.high
+    corners = np.concatenate([body.triangles[name] for name in "abc"])
+    low, high = corners.min(axis=0), corners.max(axis=0)
+    return float(low[0]), float(low[1]), float(low[2]), float(high[0]), float(high[1]), float(high[2])

@@ -1,38 +1,15 @@
-"""What others wrote, as a terminal may show it: names of jobs, machines, motors, files, reasons and comments.
+"""What others wrote inside JSON, XML and programs, so that nothing of it acts on a terminal or a CI server.
 
-Built on Unicode's general categories. Whatever would move the cursor, end the line, change colours or turn the order
-of what stands beside it (control characters, ESC, separators of lines, formats such as the overrides of direction,
-surrogates, private ones and those that are not assigned) is printed as its number.
-
-Logs of CI servers are read by programs too: what GitHub's runner takes for a command (``::name`` at the beginning of a
-line, ``##[name]`` anywhere in one: actions/runner, ActionCommand.cs) is broken by the number of one of its characters.
+As ``driver/escape.py`` does for one line; here the forms have escapes of their own, and are read back as they were.
 """
 
 from __future__ import annotations
 
 import re
-import unicodedata
+
+from gproof.driver.escape import escaped
 
 _NOT_PLAIN = re.compile("[^\n -~]")
-
-LONGEST = 400
-"""Characters of one text that are printed; of more, the beginning, and how many there are."""
-
-
-def shown(text: object, longest: int = LONGEST) -> str:
-    """One line, in which nothing acts on the terminal; long ones cut, which is said."""
-    whole = str(text)
-    part = whole if len(whole) <= longest else whole[:longest]
-    out = in_one_line(part)
-    return out if part is whole else f"{out}... ({len(whole)} characters)"
-
-
-def in_one_line(text: str) -> str:
-    """The same, however long it is."""
-    plain = text if text.isprintable() else escaped(text)
-    if plain.lstrip().startswith("::"):
-        plain = plain.replace("::", r"\x3a:", 1)
-    return plain.replace("##[", r"#\x23[")
 
 
 def json_text(value: object, *, indent: int | None = None) -> str:
@@ -68,17 +45,3 @@ def _xml_reference(found: re.Match[str]) -> str:
 def program_line(line: str) -> str:
     """A line of a program with its end, as a terminal may show it: tabs stay."""
     return "\t".join(map(escaped, line.rstrip("\r\n").split("\t"))) + "\n" * line.endswith("\n")
-
-
-def escaped(text: str) -> str:
-    """Each character that can not be seen as its number."""
-    return "".join(map(_visible, text))
-
-
-def _visible(character: str) -> str:
-    if character.isprintable() or character == " ":
-        return character
-    if unicodedata.category(character) == "Zs":
-        return " "  # a blank of another width
-    number = ord(character)
-    return f"\\x{number:02x}" if number < 0x100 else f"\\u{number:04x}" if number < 0x10000 else f"\\U{number:08x}"

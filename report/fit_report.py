@@ -8,19 +8,19 @@ from pathlib import Path
 
 import click
 
-from gproof.cli.options import in_one_line
+from gproof.driver.escape import in_one_line
 from gproof.driver.fit.answer import Fit, Range, Travel, smallest
 from gproof.driver.fit.zones import Beside
 from gproof.driver.judge import Judgement
 from gproof.driver.session import Session
-from gproof.ir.finding import Findings, Severity
+from gproof.ir.finding import Findings, Severity, distinct
 from gproof.ir.record import record
 from gproof.ir.symbols import describe
 from gproof.ir.trace import Affine
 from gproof.ir.verdict import Verdict
 from gproof.passes.checks.zones.offset_boxes import outline
 from gproof.passes.checks.zones.offset_regions import FAR
-from gproof.report.text import coloured, distinct, finding_json, print_findings
+from gproof.report.text import coloured, finding_json, print_findings
 from gproof.report.units import CHOICES, LengthUnit, unit_of
 
 SCHEMA = "gproof-fit/1"

@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from typing import Any
 
 from gproof.driver.conditions import conditions_of_report, in_words
+from gproof.driver.escape import in_one_line
 from gproof.driver.outcome import LEVELS, Outcome, closing_line
-from gproof.report.escape import in_one_line
 from gproof.report.grouping import More, shown_json
 
 _COMMANDS = {"error": "error", "unknown": "error", "warning": "warning", "note": "notice"}

@@ -7,8 +7,8 @@ from collections.abc import Sequence
 from typing import Any
 
 from gproof.driver.conditions import SAFE_IF, conditions_of_report, word_of_report
+from gproof.driver.escape import in_one_line
 from gproof.driver.outcome import LEVELS, Outcome, closing_line, counted
-from gproof.report.escape import in_one_line
 from gproof.report.grouping import shown_json
 
 _LISTED = 50

@@ -6,18 +6,19 @@ import math
 
 import click
 
-from gproof.cli.options import in_one_line
 from gproof.driver.conditions import SAFE_IF, conditions_of, in_words, word_of
+from gproof.driver.escape import in_one_line
 from gproof.driver.judge import Judgement
 from gproof.driver.session import Session
 from gproof.ir.codes import CODES, SYNTAX
+from gproof.ir.finding import distinct
 from gproof.ir.machine import Axis, Machine
 from gproof.ir.symbols import describe
 from gproof.ir.trace import UNKNOWN
 from gproof.ir.verdict import Condition, Verdict
 from gproof.passes.checks.registry import not_judged
 from gproof.report.grouping import groups_json
-from gproof.report.text import coloured, distinct, finding_json, print_findings
+from gproof.report.text import coloured, finding_json, print_findings
 from gproof.report.units import CHOICES, MM, LengthUnit, unit_of
 
 SCHEMA = "gproof-check/1"

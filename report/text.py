@@ -7,9 +7,10 @@ import sys
 
 import click
 
-from gproof.cli.options import in_one_line
+from gproof.driver.escape import in_one_line
+from gproof.driver.source_text import source_lines
 from gproof.ir.codes import CODES
-from gproof.ir.finding import Finding, Findings, Rests, Severity, Span, brief
+from gproof.ir.finding import Finding, Findings, Rests, Severity, Span, brief, distinct
 from gproof.report.grouping import Accepted, left_over, shown
 from gproof.report.units import MM, LengthUnit
 
@@ -20,47 +21,12 @@ COLOURS = {
     Severity.NOTE: "cyan",
 }
 _LONGEST = 160
-_ORDER = [Severity.ERROR, Severity.UNKNOWN, Severity.WARNING, Severity.NOTE]
 
 
 def coloured(err: bool = False) -> bool:
     """True when the output is a terminal and NO_COLOR is not set or empty."""
     stream = sys.stderr if err else sys.stdout
     return stream.isatty() and not os.environ.get("NO_COLOR")
-
-
-def source_lines(path: str, wanted: set[int]) -> dict[int, str]:
-    """The text of some lines of a file, read once from the top; missing ones are left out."""
-    found: dict[int, str] = {}
-    last = max(wanted, default=0)
-    try:
-        with open(path, "rb") as handle:
-            for number in range(1, last + 1):
-                raw = handle.readline(1 << 16)
-                if not raw:
-                    break
-                while not raw.endswith(b"\n") and len(raw) >= 1 << 16:
-                    more = handle.readline(1 << 20)
-                    if not more or more.endswith(b"\n"):
-                        break
-                if number in wanted:
-                    found[number] = line_text(raw.removeprefix(b"\xef\xbb\xbf") if number == 1 else raw).rstrip("\r\n")
-    except OSError:
-        return {}
-    return found
-
-
-def line_text(raw: bytes) -> str:
-    """A line as the frontends read it, so that columns fit."""
-    try:
-        return raw.decode("utf-8")
-    except UnicodeDecodeError:
-        return raw.decode("cp1252", "replace")
-
-
-def sort_key(finding: Finding) -> tuple[str, int, int, int]:
-    """By place, then by weight."""
-    return finding.span.file, finding.span.line, finding.span.column, _ORDER.index(finding.severity)
 
 
 def location(span: Span) -> str:
@@ -70,11 +36,6 @@ def location(span: Span) -> str:
         parts.append(str(span.line))
         parts.append(str(span.column or 1))
     return ":".join(parts)
-
-
-def distinct(findings: Findings) -> list[tuple[Finding, int]]:
-    """The kept findings by place, each once, with how often it came."""
-    return [(finding, findings.times[finding]) for finding in sorted(findings.kept, key=sort_key)]
 
 
 def format_finding(

@@ -12,19 +12,21 @@ from typing import Any
 
 import click
 
-from gproof.cli.verify import SCHEMA
 from gproof.driver.conditions import SAFE_IF
+from gproof.driver.escape import shown
 from gproof.driver.key_ring import name_of
 from gproof.ir.finding import Finding
 from gproof.ir.record import record
 from gproof.ir.verdict import Condition, Verdict
-from gproof.report.escape import shown
 from gproof.report.summary import condition_of
 from gproof.report.text import finding_json
 from gproof.verify.certificate import Check
 from gproof.verify.package import Package
 from gproof.verify.signers import Signer, fingerprint
 from gproof.verify.stream_report import BOUNDS
+
+SCHEMA = "gproof-verify/1"
+"""Of the JSON report: docs/verify-json.md."""
 
 
 @record(frozen=True, slots=True, kw_only=True)
@@ -119,6 +121,14 @@ def verified_json(path: str, of: Verified) -> dict[str, Any]:
         "not_judged": _texts(body.get("not_judged")),
         "assumptions": _texts(body.get("assumptions")),
         "findings": [finding_json(one) for one in of.findings],
+    }  # fmt: skip
+
+
+def unread_json(path: str, verdict: Verdict, finding: Finding) -> dict[str, Any]:
+    """The same of a package of which nothing can be said but why."""
+    return {
+        "schema": SCHEMA, "package": path, "verdict": verdict.value, "conditional": False,
+        "exit_code": verdict.exit_code, "findings": [finding_json(finding)],
     }  # fmt: skip
 
 

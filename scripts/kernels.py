@@ -49,8 +49,8 @@ def commands(folder: Path) -> list[list[str]]:
 def main() -> None:
     """Run them; what they print is thrown away."""
     os.environ["GPROOF_KERNELS"] = "numba"
-    from gproof.cli.main import COULD_NOT_RUN
     from gproof.cli.main import main as gproof
+    from gproof.driver.errors import COULD_NOT_RUN
     from gproof.ir.kernel import cache_root
 
     with tempfile.TemporaryDirectory() as folder:

@@ -6,7 +6,7 @@ import re
 from collections.abc import Iterator
 from fractions import Fraction
 
-from gproof.frontend.files.toml_table import LARGEST, exact_ratio
+from gproof.frontend.common.exact_numbers import LARGEST, exact_ratio
 
 
 def number_rows(text: str, count: int) -> Iterator[tuple[int, tuple[Fraction, ...] | None]]:

@@ -11,7 +11,7 @@ from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
-from gproof.frontend.files.toml_table import LARGEST, exact_ratio
+from gproof.frontend.common.exact_numbers import LARGEST, exact_ratio
 from gproof.ir import codes
 from gproof.ir.finding import Code, Findings, Span
 from gproof.ir.record import record

@@ -15,11 +15,12 @@ from dataclasses import replace
 from fractions import Fraction
 from pathlib import Path
 
+from gproof.frontend.common.exact_numbers import MILLIMETRES, TINIEST
+from gproof.frontend.common.paths import is_file
 from gproof.frontend.common.source import decode
 from gproof.frontend.eding.correction_table import load_table
 from gproof.frontend.eding.ini_file import NUMBERED, Ini
 from gproof.frontend.eding.spindles_ini import read_spindles
-from gproof.frontend.files.toml_table import MILLIMETRES, TINIEST, is_file
 from gproof.ir import codes
 from gproof.ir.finding import Findings, Span
 from gproof.ir.machine import (

@@ -11,7 +11,8 @@ from decimal import Decimal
 from fractions import Fraction
 from typing import Any
 
-from gproof.frontend.files.toml_table import LARGEST, TomlTable, exact_number, show
+from gproof.frontend.common.exact_numbers import LARGEST, exact_number
+from gproof.frontend.files.toml_table import TomlTable, show
 from gproof.ir import codes
 from gproof.ir.machine import Area
 

@@ -12,8 +12,10 @@ from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
+from gproof.frontend.common.exact_numbers import MILLIMETRES
+from gproof.frontend.common.paths import is_there
 from gproof.frontend.files.areas_table import areas_from
-from gproof.frontend.files.toml_table import MILLIMETRES, TomlFile, TomlTable, in_range, is_there, meant
+from gproof.frontend.files.toml_table import TomlFile, TomlTable, in_range, meant
 from gproof.frontend.files.tool_table import check_shape, shape_keys
 from gproof.frontend.files.wincnc_settings import controls_from
 from gproof.frontend.mcuwin.machine import with_axes

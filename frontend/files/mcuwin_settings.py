@@ -12,7 +12,9 @@ from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
-from gproof.frontend.files.toml_table import MILLIMETRES, TomlTable, is_file, show
+from gproof.frontend.common.exact_numbers import MILLIMETRES
+from gproof.frontend.common.paths import is_file
+from gproof.frontend.files.toml_table import TomlTable, show
 from gproof.frontend.mcuwin.machine_ini import without_stated
 from gproof.frontend.mcuwin.tool_comp import DEFAULT_NAME, beside, load_tools
 from gproof.ir import codes

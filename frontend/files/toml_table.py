@@ -16,19 +16,13 @@ from fractions import Fraction
 from pathlib import Path
 from typing import Any, TypeVar
 
+from gproof.frontend.common.exact_numbers import LARGEST, TINIEST, exact_number, exact_ratio
 from gproof.frontend.files.own_keys import KEYS, Keys, suggestion, unknown_keys
 from gproof.ir import codes
 from gproof.ir.finding import Code, Findings, Severity, Span
 from gproof.ir.number_ranges import number_problem
 
 T = TypeVar("T")
-
-MILLIMETRES = {"mm": Fraction(1), "inch": Fraction(127, 5)}
-"""Millimetres in one length unit of a file."""
-
-LARGEST = Fraction(10**12)
-TINIEST = Fraction(1, 10**12)
-"""Numbers outside have no meaning in a machine; they would only overflow later."""
 
 OPTIONS = {"gproof-machine/1": "--machine", "gproof-setup/1": "--setup"}
 """The option that takes the files of a schema."""
@@ -416,37 +410,6 @@ def meant(word: str, known: Iterable[str]) -> str:
     return f"did you mean {near[0]!r}?" if near else ""
 
 
-def exact_number(value: Any) -> Fraction | None:
-    """A TOML number as written, exactly; None for anything else, infinities and absurd exponents."""
-    if isinstance(value, bool):
-        return None
-    if isinstance(value, int):
-        return Fraction(value)
-    if isinstance(value, Decimal) and value.is_finite() and abs(value.adjusted()) <= 400:
-        return Fraction(value)
-    return None
-
-
-_RATIO = re.compile(r"\s*([-+]?(?:\d++(?:\.\d*+)?|\.\d+))\s*(?:/\s*(\d++(?:\.\d*+)?|\.\d+)\s*)?", re.ASCII)
-
-
-def exact_ratio(text: str) -> Fraction | None:
-    """``"320.5"`` or ``"1600/5"``, exactly; None for anything else."""
-    found = _RATIO.fullmatch(text) if len(text) <= 80 else None
-    if found is None:
-        return None
-    divisor = Fraction(found[2]) if found[2] else Fraction(1)
-    return Fraction(found[1]) / divisor if divisor else None
-
-
-def is_file(path: Path) -> bool:
-    """True for a regular file; False for what can not even be a name."""
-    try:
-        return path.is_file()
-    except (OSError, ValueError):
-        return False
-
-
 def in_range(value: T, path: Path, findings: Findings) -> T | None:
     """A machine or setup of which every number is in its range (``ir/number_ranges.py``); None, with GP603, else."""
     wrong = number_problem(value)
@@ -456,14 +419,6 @@ def in_range(value: T, path: Path, findings: Findings) -> T | None:
     span = findings.where(f"{type(value).__name__.lower()}.{stated}", Span(str(path), 1))
     findings.add(codes.BAD_VALUE.at(span, key=wrong.where, what=wrong.what))
     return None
-
-
-def is_there(path: Path) -> bool:
-    """True for a file or folder of any kind; False for what can not even be a name."""
-    try:
-        return path.exists()
-    except (OSError, ValueError):
-        return False
 
 
 def small_number(name: str, low: int, high: int) -> int | None:

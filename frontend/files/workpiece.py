@@ -17,7 +17,9 @@ from typing import Any
 
 import numpy as np
 
-from gproof.frontend.files.toml_table import MILLIMETRES, TomlTable, is_file, show
+from gproof.frontend.common.exact_numbers import MILLIMETRES
+from gproof.frontend.common.paths import is_file
+from gproof.frontend.files.toml_table import TomlTable, show
 from gproof.ir import codes
 from gproof.ir.columns import Columns
 from gproof.ir.finding import Span

@@ -12,8 +12,8 @@ from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
+from gproof.frontend.common.exact_numbers import LARGEST
 from gproof.frontend.common.source import UTF8_MARK, decode
-from gproof.frontend.files.toml_table import LARGEST
 from gproof.ir import codes
 from gproof.ir.finding import Code, Findings, Severity, Span
 from gproof.ir.record import record

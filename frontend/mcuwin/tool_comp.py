@@ -11,7 +11,7 @@ import re
 from fractions import Fraction
 from pathlib import Path
 
-from gproof.frontend.files.toml_table import is_file
+from gproof.frontend.common.paths import is_file
 from gproof.frontend.mcuwin.ini_text import Entry, IniText
 from gproof.ir.din import RadiusTool
 from gproof.ir.finding import Findings

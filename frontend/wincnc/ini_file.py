@@ -13,7 +13,7 @@ from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
-from gproof.frontend.files.toml_table import LARGEST
+from gproof.frontend.common.exact_numbers import LARGEST
 from gproof.frontend.wincnc.replaced import is_replaced
 from gproof.ir import codes
 from gproof.ir.finding import Code, Findings, Severity, Span

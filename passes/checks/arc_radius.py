@@ -14,8 +14,9 @@ import numpy.typing as npt
 from gproof.ir import codes
 from gproof.ir.finding import Finding, Severity
 from gproof.ir.trace import Chunk
+from gproof.ir.trace_rows import row_span
 from gproof.ir.verdict import PropertyResult, Verdict
-from gproof.passes.checks.base import KEPT, Check, row_span, told_of
+from gproof.passes.checks.base import KEPT, Check, told_of
 from gproof.passes.geometry.extent_kernels import MISMATCH, odd_arcs
 
 Floats = npt.NDArray[np.float64]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Iterator
-from typing import TYPE_CHECKING, TypedDict
+from typing import TypedDict
 
 import numpy as np
 import numpy.typing as npt
@@ -13,13 +13,12 @@ from gproof.ir import codes
 from gproof.ir.columns import Columns
 from gproof.ir.finding import Finding, Findings, Related, Span
 from gproof.ir.machine import AXES, Machine
+from gproof.ir.record import record
 from gproof.ir.setup import Interval, Setup
 from gproof.ir.symbols import describe
-from gproof.ir.trace import UNKNOWN, Affine, Chunk, Trace
+from gproof.ir.trace import Affine, Chunk, Trace
+from gproof.ir.trace_rows import split_form
 from gproof.ir.verdict import Condition, PropertyResult
-
-if TYPE_CHECKING:
-    from gproof.passes.checks.stock.height_fields import Remains
 
 KEPT = 64
 """Offences of a chunk that are told one by one at least, and for which there is room at first."""
@@ -31,6 +30,20 @@ class Like(TypedDict, total=False):
     times: int
     first_line: int
     last_line: int
+
+
+@record(frozen=True, slots=True, eq=False)
+class Remains:
+    """What is left of a body, by larger cells: (ny, nx) heights that nothing of it stands above, -inf for nothing.
+
+    body: its place among those of the setup; grid: (x0, y0, hx, hy, floor, top), mm; before: what stood there
+    before the job.
+    """
+
+    body: int
+    grid: npt.NDArray[np.float64]
+    upper: npt.NDArray[np.float64]
+    before: npt.NDArray[np.float64]
 
 
 class Check(ABC):
@@ -74,11 +87,6 @@ class Check(ABC):
         return ()
 
 
-def row_span(trace: Trace, rows: Columns, row: int) -> Span:
-    """The source line of a row; of what no line says, the first."""
-    return Span(trace.files[int(rows["file"][row])], max(1, int(rows["line"][row])))
-
-
 def of_one_kind(
     rows: Columns, found: npt.NDArray[np.int64], kinds: npt.NDArray[np.int64], far: npt.NDArray[np.float64]
 ) -> Iterator[tuple[int, Like]]:
@@ -110,20 +118,6 @@ def told_of(
     yield from ((n, Like()) for n in range(min(len(found), kept)))
     for n, like in of_one_kind(rows, found[kept:], kinds[kept:], far[kept:]):
         yield n + kept, like
-
-
-def form_interval(form: Affine, setup: Setup, trace: Trace) -> Interval | None:
-    """The range of a sum of unknowns by what setup and trace tell; None when some part is not bounded."""
-    low = high = 0.0
-    for symbol, coefficient in form:
-        if form == UNKNOWN:
-            return None
-        known = trace.symbols.get(symbol) or setup.interval(symbol)
-        if known is None:
-            return None
-        ends = (known.low * coefficient, known.high * coefficient)
-        low, high = low + min(ends), high + max(ends)
-    return Interval(low, high)
 
 
 Asking = tuple[Span | None, str]
@@ -179,15 +173,3 @@ def none_suits(span: Span, form: Affine, machine: Machine, *, known: Interval, s
         unit=unit, other=f"safe is {sides[1]}", room=ends[1] + 0.0,
         hint=f"safe for {safe.low:.4f} to {safe.high:.4f} {unit}, and it is {said} {unit}",
     )  # fmt: skip
-
-
-_STATED = ("start", "work", "g92", "tool", "head")
-
-
-def split_form(form: Affine) -> tuple[Affine, Affine]:
-    """(unknowns that arise in the run, those that a setup can state): only the second can be a condition of a verdict.
-
-    Nobody can promise before the job runs where a probe will touch.
-    """
-    arising = tuple(term for term in form if term[0].split(".")[0] not in _STATED)
-    return arising, tuple(term for term in form if term not in arising)

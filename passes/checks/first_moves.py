@@ -10,7 +10,7 @@ import numpy as np
 from gproof.ir.columns import occurring
 from gproof.ir.finding import Span
 from gproof.ir.trace import Affine, Chunk, Op, Trace
-from gproof.passes.checks.base import row_span
+from gproof.ir.trace_rows import row_span
 
 
 class FirstMoves:

@@ -1,32 +1,81 @@
-"""Properties that are judged where somebody asks: ``--also``, ``properties`` of a policy, ``also`` of a job file.
+"""The registry of checks: which of them judge what is judged where somebody asks.
 
-Each is what some checks of ``passes`` decide together, imported when they are wanted.
+That is ``--also``, ``properties`` of a policy, ``also`` of a job file. A property has one line in ``CHECKS``, in the
+order in which answers name them. A maker imports its check when it is called: a start of the command pays for none.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from importlib import import_module
+from collections.abc import Callable, Iterable
+from typing import TYPE_CHECKING
 
-from gproof.ir.finding import Findings
-from gproof.ir.machine import Machine
-from gproof.ir.program import Program
-from gproof.ir.setup import Setup
 from gproof.ir.verdict import DEFAULT_POLICY
-from gproof.passes.checks.base import Check
 
-CHECKS: dict[str, tuple[str, ...]] = {
-    "feeds": ("checks.cutting.feeds:feeds",),
-    "cutting": ("checks.cutting.cutting:cutting",),
-    "sense": ("checks.lint.lint:sense",),
-    "gouges": ("checks.collisions.collisions:gouge_check",),
-    "collisions": ("checks.collisions.collisions:collision_check", "checks.stock.stock:stock_left"),
+if TYPE_CHECKING:
+    from gproof.ir.finding import Findings
+    from gproof.ir.machine import Machine
+    from gproof.ir.program import Program
+    from gproof.ir.setup import Setup
+    from gproof.passes.checks.base import Check
+
+Maker = Callable[["Program", "Machine", "Setup", "Findings"], "Check"]
+"""Makes a new check of a job."""
+
+
+def _feeds(program: Program, machine: Machine, setup: Setup, findings: Findings) -> Check:
+    from gproof.passes.checks.cutting.feeds import Feeds
+
+    return Feeds(program, machine, setup, findings)
+
+
+def _cutting(program: Program, machine: Machine, setup: Setup, findings: Findings) -> Check:
+    from gproof.passes.checks.cutting.cutting import Cutting
+
+    return Cutting(program, machine, setup, findings)
+
+
+def _sense(program: Program, machine: Machine, setup: Setup, findings: Findings) -> Check:
+    from gproof.passes.checks.lint.lint import Sense
+
+    return Sense(program, machine, setup, findings)
+
+
+def _cutter_and_part(program: Program, machine: Machine, setup: Setup, findings: Findings) -> Check:
+    from gproof.passes.checks.collisions.collisions import Distance
+
+    return Distance("gouges", program, machine, setup, findings)
+
+
+def _tool_and_bodies(program: Program, machine: Machine, setup: Setup, findings: Findings) -> Check:
+    from gproof.passes.checks.collisions.collisions import Distance
+
+    return Distance("collisions", program, machine, setup, findings)
+
+
+def _stock_left(program: Program, machine: Machine, setup: Setup, findings: Findings) -> Check:
+    from gproof.passes.checks.stock.stock import StockLeft
+
+    return StockLeft(program, machine, setup, findings)
+
+
+CHECKS: dict[str, tuple[Maker, ...]] = {
+    "feeds": (_feeds,),
+    "cutting": (_cutting,),
+    "sense": (_sense,),
+    "gouges": (_cutter_and_part,),
+    "collisions": (_tool_and_bodies, _stock_left),
 }
-"""By property the functions ``module:name`` in ``gproof.passes`` that make its checks: of program, machine, setup and
-findings. With none, no check of this version decides it."""
-ADDED = tuple(CHECKS)
-ALL = (*DEFAULT_POLICY, *ADDED)
-"""Every property a policy may ask for."""
+"""By property what makes its checks. With none, no check of this version decides it."""
+
+
+def added() -> tuple[str, ...]:
+    """The properties of the registry."""
+    return tuple(CHECKS)
+
+
+def every_property() -> tuple[str, ...]:
+    """Every property a policy may ask for."""
+    return (*DEFAULT_POLICY, *CHECKS)
 
 
 def decided(name: str) -> bool:
@@ -37,7 +86,7 @@ def decided(name: str) -> bool:
 def not_judged(judged: Iterable[str]) -> tuple[str, ...]:
     """What is left open where the properties ``judged`` are answered."""
     known = set(judged)
-    return tuple(name for name in ADDED if name not in known)
+    return tuple(name for name in CHECKS if name not in known)
 
 
 def added_checks(
@@ -45,9 +94,4 @@ def added_checks(
 ) -> list[Check]:
     """A new check of each kind that the properties ``wanted`` need beyond those of the default policy."""
     names = set(wanted)
-    made = []
-    for name in ADDED:
-        for place in CHECKS[name] if name in names else ():
-            module, function = place.split(":")
-            made.append(getattr(import_module(f"gproof.passes.{module}"), function)(program, machine, setup, findings))
-    return made
+    return [make(program, machine, setup, findings) for name in CHECKS if name in names for make in CHECKS[name]]

@@ -23,7 +23,7 @@ from gproof.ir.record import record
 from gproof.ir.setup import HeightMap, Setup
 from gproof.ir.stream import StepStream
 from gproof.ir.trace import HEIGHT_MAP, TRACE_ROW, Op, Plane, State, Trace, TraceSection
-from gproof.passes.checks.base import row_span
+from gproof.ir.trace_rows import row_span
 from gproof.passes.motion import height_compensation_kernels as k
 from gproof.passes.motion.cylinder import on_surface, with_machines_motors
 from gproof.passes.motion.plan_kernels import arc_shapes

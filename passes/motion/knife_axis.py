@@ -21,7 +21,7 @@ from gproof.ir.columns import Columns
 from gproof.ir.finding import Findings
 from gproof.ir.machine import Knife, Machine
 from gproof.ir.trace import KNIFE, TRACE_ROW, Chunk, Op, Plane
-from gproof.passes.checks.base import row_span
+from gproof.ir.trace_rows import row_span
 
 SAME = 1e-6
 """Degrees: a turn that is none."""

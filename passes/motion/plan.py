@@ -23,7 +23,7 @@ from gproof.ir.plan import PLAN_ROW, Plan, PlanSection
 from gproof.ir.rules import LanguageRules
 from gproof.ir.symbolic import BESIDE
 from gproof.ir.trace import UNKNOWN, Chunk, Frame, Op, PathMode, State, Trace
-from gproof.passes.checks.base import row_span
+from gproof.ir.trace_rows import row_span
 from gproof.passes.geometry.backlash import left_for_axis
 from gproof.passes.geometry.pitch import steepest
 from gproof.passes.motion import plan_kernels as k

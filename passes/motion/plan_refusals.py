@@ -17,7 +17,7 @@ from gproof.ir.machine import AXIS_NAMES, Machine
 from gproof.ir.rules import LanguageRules
 from gproof.ir.symbols import describe
 from gproof.ir.trace import OTHER_UNIT, Affine, Chunk, Edge, Op, Trace, TraceSection, Wait
-from gproof.passes.checks.base import row_span
+from gproof.ir.trace_rows import row_span
 from gproof.passes.motion import plan_kernels as k
 from gproof.passes.motion import refusal_hints as hints
 

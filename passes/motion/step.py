@@ -24,7 +24,7 @@ from gproof.ir.plan import Plan, PlanSection
 from gproof.ir.stream import EVENT, Motor, StepStream, StreamSection
 from gproof.ir.symbols import describe
 from gproof.ir.trace import HEIGHT_MAP, KNIFE, Op, Plane, Trace, TraceSection
-from gproof.passes.checks.base import row_span
+from gproof.ir.trace_rows import row_span
 from gproof.passes.geometry.backlash import backlash_steps
 from gproof.passes.geometry.pitch import exact_motor_position, motor_positions
 from gproof.passes.motion import step_kernels as k

@@ -12,7 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from gproof.ir.record import record
-from gproof.passes.checks.stock.height_fields import Remains
+from gproof.passes.checks.base import Remains
 
 LEVELS = 7
 """Steps of depth, beside what is as it was and what is through."""

@@ -19,9 +19,9 @@ from support.command import COMMAND, Done, in_this_process
 from gproof.backend.journal import DAMAGED, ENDED, SUFFIX, read_journal
 from gproof.backend.record import parse_record, read_record
 from gproof.backend.record_data import ExecutionRecord, Result, canonical
-from gproof.cli.main import UsageError
-from gproof.driver import run_journal
-from gproof.driver.run_journal import Keeper
+from gproof.cli import run_journal
+from gproof.cli.run_journal import Keeper
+from gproof.driver.errors import UsageError
 from gproof.verify.certificate import create_key, load_or_create_key, public_key_text
 
 MACHINE = """schema = "gproof-machine/1"

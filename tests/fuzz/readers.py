@@ -22,7 +22,8 @@ from verify.forgery import spoilt_package
 
 from gproof.backend.record_parse import is_record, parse_signed
 from gproof.cli.dump import loaded
-from gproof.cli.main import UsageError
+from gproof.cli.telling import tell, tell_findings_of
+from gproof.driver.errors import UsageError
 from gproof.driver.jobs import find_jobs
 from gproof.driver.policy import load_policy
 from gproof.driver.suppressions import read_baseline
@@ -131,14 +132,21 @@ def _quietly(read: Callable[[Path], object]) -> Callable[[Path], None]:
 
     def quiet(path: Path) -> None:
         out = io.StringIO()
-        with suppress(UsageError), redirect_stderr(out), redirect_stdout(out):
-            read(path)
+        with redirect_stderr(out), redirect_stdout(out):
+            try:
+                read(path)
+            except UsageError as error:
+                tell_findings_of(error)
 
     return quiet
 
 
+def _policy(path: Path) -> object:
+    return load_policy(path, tell)
+
+
 def _job_file(path: Path) -> object:
-    return find_jobs([str(path)], machine=None, setup=None, dialect=None)
+    return find_jobs([str(path)], tell, machine=None, setup=None, dialect=None)
 
 
 def _package(path: Path) -> None:
@@ -354,7 +362,7 @@ READERS: dict[str, Reader] = {
         {"job.cnc": JOB, "machine.toml": MACHINE, "map.txt": MAP, "plate.dxf": _drawing(), "body.stl": ASCII},
         (*WITH_SETUP, "--also", "all"),
     ),
-    "policy": Reader("policy.toml", 15_000, lambda: (POLICY,), _quietly(load_policy), {"job.cnc": JOB},
+    "policy": Reader("policy.toml", 15_000, lambda: (POLICY,), _quietly(_policy), {"job.cnc": JOB},
                      (*CHECK, "job.cnc", "--dialect", "eding", "--policy", "policy.toml")),
     "job file": Reader("list.toml", 15_000, lambda: (JOB_FILE,), _quietly(_job_file),
                        {"job.cnc": JOB, "job.tap": TAP, "machine.toml": MACHINE, "policy.toml": POLICY},

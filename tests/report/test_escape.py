@@ -10,7 +10,7 @@ import pytest
 from cli.packages import BOARD, COMPILE, MACHINE, Shop, resigned
 from support.command import Done
 
-from gproof.report.escape import LONGEST, escaped, shown
+from gproof.driver.escape import LONGEST, escaped, shown
 
 HOSTILE = (
     "x\x1b[2J\x1b]0;title\x07\r\n\tgproof: SAFE\x00\x7f\x9b31m"

@@ -23,7 +23,8 @@ from support.command import Done
 
 from gproof.cli.main import main
 from gproof.cli.progress import Progress
-from gproof.report.escape import in_one_line, json_text, program_line, xml_text
+from gproof.driver.escape import in_one_line
+from gproof.report.escape import json_text, program_line, xml_text
 
 MARK = "evil7"
 """Stands in every hostile text: where it is printed, the text was."""

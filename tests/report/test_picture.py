@@ -18,7 +18,7 @@ from gproof.cli.main import main
 from gproof.ir.columns import Columns
 from gproof.ir.machine import NO_MACHINE, Tool
 from gproof.ir.trace import TRACE_ROW, Chunk, Op, Plane, State, Trace
-from gproof.passes.checks.registry import ALL
+from gproof.passes.checks.registry import every_property
 from gproof.report.picture import path_points
 from gproof.report.picture.path_points import PathPoints
 from gproof.report.picture.words import wide, wrapped
@@ -201,8 +201,8 @@ def test_as_many_properties_as_there_are_stay_inside_the_picture(tmp_path: Path)
     job = program(tmp_path, HEAD + "G0 Z0\nG1 X10 F100\nM30\n")
     root = draw([job, "--machine", MACHINE, "--setup", "zero", "--also", "all"], tmp_path / "job.svg")
     found = [(t.text or "", float(t.get("x", 0)), float(t.get("y", 0))) for t in root.iter(f"{SVG}text")]
-    places = [place for place in found if place[0] in ALL]
-    assert {name for name, *_ in places} >= set(ALL)
+    places = [place for place in found if place[0] in every_property()]
+    assert {name for name, *_ in places} >= set(every_property())
     assert all(x + 8 * len(name) + 60 < 1000 for name, x, _ in places)
     assert len({y for *_, y in places}) > 1
 

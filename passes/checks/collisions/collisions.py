@@ -19,15 +19,16 @@ from gproof.ir.machine import Machine
 from gproof.ir.program import Program
 from gproof.ir.setup import Setup
 from gproof.ir.trace import Chunk, Op, State
+from gproof.ir.trace_rows import row_span
 from gproof.ir.verdict import PropertyResult, Verdict
 from gproof.ir.workpiece import Mesh, Placed, Workpiece
-from gproof.passes.checks.base import Check, row_span
+from gproof.passes.checks.base import Check
 from gproof.passes.checks.collisions.distance_kernels import chords
 from gproof.passes.checks.collisions.facets import surface_of
-from gproof.passes.checks.collisions.scene import ANYTHING, CHORD, Scene, Stretch
+from gproof.passes.checks.collisions.scene import CHORD, Scene, Stretch
 from gproof.passes.checks.tooling.tip_position import Placing, Reason, Tips
 from gproof.passes.checks.tooling.tip_ranges import NOWHERE_KNOWN, homing, hull, may_meet
-from gproof.passes.checks.tooling.tool_shape import CUTTER, HOLDER, PARTS, SHANK, UNSTATED, Shape, shape_of
+from gproof.passes.checks.tooling.tool_shape import ANYTHING, CUTTER, HOLDER, PARTS, SHANK, UNSTATED, Shape, shape_of
 from gproof.passes.geometry.arc_tolerance import chord_error, small_arcs
 from gproof.passes.geometry.off_path import BACKLASH, NO_TOLERANCE, blends_by_nothing, off_path
 
@@ -41,16 +42,6 @@ HOMING = "what nobody states of a tool, above its stated lengths, keeps clear wh
 FIRST_WAY = "the way from where the axes stand when the job begins touches nothing"
 _LARGER = "tolerance of [workpiece] in the setup file says how much the part stands"
 PROBES = "probing moves end where they touch, and do no harm there"
-
-
-def gouge_check(program: Program, machine: Machine, setup: Setup, findings: Findings) -> Check:
-    """The cutter and the part."""
-    return Distance("gouges", program, machine, setup, findings)
-
-
-def collision_check(program: Program, machine: Machine, setup: Setup, findings: Findings) -> Check:
-    """Shank and holder and the part, all of the tool and fixtures."""
-    return Distance("collisions", program, machine, setup, findings)
 
 
 _PART = "[[part]] in the setup file, as boxes, polygons, a DXF drawing or a mesh"

@@ -15,7 +15,7 @@ from gproof.ir.record import record
 from gproof.passes.checks.collisions.distance_kernels import separation, sweep
 from gproof.passes.checks.collisions.facets import Surface
 from gproof.passes.checks.tooling.tip_ranges import Span, may_meet
-from gproof.passes.checks.tooling.tool_shape import CUTTER, UNSTATED, WIDE, Piece, Shape, grown
+from gproof.passes.checks.tooling.tool_shape import ANYTHING, CUTTER, UNSTATED, Piece, Shape, grown
 
 Floats = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
@@ -24,8 +24,6 @@ GAP = 1e-6
 """mm between "nearer than allowed, proved" and "not, proved"."""
 CHORD = 2e-4
 """mm that an arc may lie beside its chords; twice that at most."""
-ANYTHING = Piece(part=UNSTATED, rims=((WIDE, 0.0), (WIDE, WIDE)))
-"""All of space above the tip: of a tool whose shape nobody stated."""
 _LEVELS = 600
 _RATIO = 1.03
 _FIRST = 1e-5

@@ -20,10 +20,13 @@ from gproof.ir.program import Program
 from gproof.ir.rules import Function as F
 from gproof.ir.setup import ZERO, Setup
 from gproof.ir.trace import Affine, Chunk, Op, Wait
+from gproof.ir.trace_rows import row_span
 from gproof.ir.verdict import PropertyResult
 from gproof.passes.checks.aggregate import Causes, answer
-from gproof.passes.checks.base import Check, row_span
-from gproof.passes.checks.cutting.cutting_rows import (
+from gproof.passes.checks.base import Check
+from gproof.passes.checks.cutting.other_heads import OtherHeads
+from gproof.passes.checks.cutting.spin_up import BY_CODE, Flow, Started, reached, runs_of, waited
+from gproof.passes.checks.tooling.cutting_rows import (
     SOMEWHERE,
     Bools,
     CutRows,
@@ -32,8 +35,6 @@ from gproof.passes.checks.cutting.cutting_rows import (
     StateColumn,
     tool_column,
 )
-from gproof.passes.checks.cutting.other_heads import OtherHeads
-from gproof.passes.checks.cutting.spin_up import BY_CODE, Flow, Started, reached, runs_of, waited
 
 SLACK = 1e-9
 NO_CODE, ABORTED = 1.0, 2.0
@@ -44,11 +45,6 @@ _OTHER_TOOLS = frozenset(("pwm", "height_control", "height_setpoint", "extruder_
 _NONE = (
     "spindle = false in the machine file where programs start none (knife, torch, laser, a spindle switched by hand)"
 )
-
-
-def cutting(program: Program, machine: Machine, setup: Setup, findings: Findings) -> Check:
-    """The check of this property, new."""
-    return Cutting(program, machine, setup, findings)
 
 
 class Cutting(Check):

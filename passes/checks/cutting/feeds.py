@@ -20,10 +20,11 @@ from gproof.ir.machine import Machine
 from gproof.ir.program import Program
 from gproof.ir.setup import Setup
 from gproof.ir.trace import OTHER_UNIT, Chunk, Op, Plane, State
+from gproof.ir.trace_rows import row_span
 from gproof.ir.verdict import PropertyResult
 from gproof.passes.checks.aggregate import Causes, answer
-from gproof.passes.checks.base import Check, row_span
-from gproof.passes.checks.cutting.cutting_rows import (
+from gproof.passes.checks.base import Check
+from gproof.passes.checks.tooling.cutting_rows import (
     SOMEWHERE,
     Bools,
     CutRows,
@@ -40,11 +41,6 @@ SLACK = 1e-9
 """Of a feed: what rounding may add to it."""
 KNOB = "feeds are those of the program: the override stands at 100 percent when the job begins, and nobody turns it up"
 _TOLD = (codes.FEED_UNKNOWN, codes.SPINDLE_UNKNOWN, codes.OVERRIDE_FACTOR)
-
-
-def feeds(program: Program, machine: Machine, setup: Setup, findings: Findings) -> Check:
-    """The check of this property, new."""
-    return Feeds(program, machine, setup, findings)
 
 
 _OPEN = frozenset({"L5", OTHER_UNIT})

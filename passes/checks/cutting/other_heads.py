@@ -11,8 +11,8 @@ import numpy as np
 from gproof.ir.machine import Machine
 from gproof.ir.program import Program
 from gproof.ir.trace import Chunk
-from gproof.passes.checks.cutting.cutting_rows import SOMEWHERE, Bools, Floats, StateColumn
 from gproof.passes.checks.cutting.spin_up import Runs
+from gproof.passes.checks.tooling.cutting_rows import SOMEWHERE, Bools, Floats, StateColumn
 from gproof.passes.interpret.wincnc.state import vertical_axes
 
 _HEADS = "ZWUV"

@@ -13,7 +13,7 @@ from gproof.ir.machine import Machine
 from gproof.ir.program import Program
 from gproof.ir.record import record
 from gproof.ir.trace import Chunk, Op
-from gproof.passes.checks.cutting.cutting_rows import Bools, Floats
+from gproof.passes.checks.tooling.cutting_rows import Bools, Floats
 
 
 @record(frozen=True, slots=True)

@@ -15,7 +15,7 @@ from gproof.ir import codes
 from gproof.ir.finding import Findings, Span
 from gproof.ir.machine import AXES, Machine
 from gproof.ir.trace import UNMEASURED, Chunk
-from gproof.passes.checks.base import row_span
+from gproof.ir.trace_rows import row_span
 
 NAMES = {"machine_area": "soft limits", "boundaries": "boundaries", "tool_change_area": "tool change area"}
 """Guards as messages name them."""

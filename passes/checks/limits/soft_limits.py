@@ -23,19 +23,9 @@ from gproof.ir.setup import Interval, Setup
 from gproof.ir.symbolic import hint_of
 from gproof.ir.symbols import RISEN, UNHOMED, describe
 from gproof.ir.trace import HEIGHT_MAP, KNIFE, UNKNOWN, Affine, Chunk, Op, Plane, Trace
+from gproof.ir.trace_rows import form_interval, row_span, split_form
 from gproof.ir.verdict import Condition, PropertyResult, Verdict
-from gproof.passes.checks.base import (
-    KEPT,
-    Check,
-    Like,
-    apart,
-    form_interval,
-    no_safe_offset,
-    none_suits,
-    row_span,
-    split_form,
-    told_of,
-)  # fmt: skip
+from gproof.passes.checks.base import KEPT, Check, Like, apart, no_safe_offset, none_suits, told_of
 from gproof.passes.checks.first_moves import FirstMoves
 from gproof.passes.geometry.extent_kernels import row_boxes
 from gproof.passes.geometry.height_map import heights_of

@@ -23,19 +23,9 @@ from gproof.ir.setup import Setup
 from gproof.ir.symbolic import add_forms
 from gproof.ir.symbols import describe
 from gproof.ir.trace import UNKNOWN, UNMEASURED, Affine, Boundary, Chunk, State, Trace
+from gproof.ir.trace_rows import form_interval, row_span, split_form
 from gproof.ir.verdict import Condition, PropertyResult, Verdict
-from gproof.passes.checks.base import (
-    KEPT,
-    Check,
-    Like,
-    apart,
-    excluding,
-    form_interval,
-    no_safe_offset,
-    row_span,
-    split_form,
-    told_of,
-)  # fmt: skip
+from gproof.passes.checks.base import KEPT, Check, Like, apart, excluding, no_safe_offset, told_of
 from gproof.passes.checks.first_moves import FirstMoves
 from gproof.passes.geometry.extent_kernels import row_boxes
 from gproof.passes.interpret.wincnc.state import vertical_axes

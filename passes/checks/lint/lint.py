@@ -20,20 +20,16 @@ from gproof.ir.program import Program, SourceFile
 from gproof.ir.rules import Function as F
 from gproof.ir.setup import Setup
 from gproof.ir.trace import Chunk, Op
+from gproof.ir.trace_rows import row_span
 from gproof.ir.verdict import PropertyResult
 from gproof.passes.checks.aggregate import answer
-from gproof.passes.checks.base import Check, row_span
-from gproof.passes.checks.cutting.cutting_rows import CutRows, Floats, StateColumn
+from gproof.passes.checks.base import Check
 from gproof.passes.checks.lint.program_structure import Written
 from gproof.passes.checks.lint.unit_evidence import UnitEvidence
+from gproof.passes.checks.tooling.cutting_rows import CutRows, Floats, StateColumn
 
 _UNITS = frozenset((F.UNITS_INCH, F.UNITS_MM, F.UNITS_CM))
 _LEAST_LINES = 2
-
-
-def sense(program: Program, machine: Machine, setup: Setup, findings: Findings) -> Check:
-    """The check of this property, new."""
-    return Sense(program, machine, setup, findings)
 
 
 class Sense(Check):

@@ -19,8 +19,8 @@ from gproof.ir import codes
 from gproof.ir.finding import Finding, Span
 from gproof.ir.machine import Axis, AxisKind, Machine
 from gproof.ir.trace import Affine, Chunk, Op
-from gproof.passes.checks.base import row_span
-from gproof.passes.checks.cutting.cutting_rows import SOMEWHERE, Bools, Floats
+from gproof.ir.trace_rows import row_span
+from gproof.passes.checks.tooling.cutting_rows import SOMEWHERE, Bools, Floats
 
 INCH = 25.4
 LEAST_MOVES, LEAST_SHARE = 10, 0.2

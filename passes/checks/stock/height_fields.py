@@ -17,7 +17,8 @@ import numpy.typing as npt
 
 from gproof.ir.columns import Columns
 from gproof.ir.record import record
-from gproof.ir.workpiece import Body, Box, Cylinder, Mesh, Prism
+from gproof.ir.workpiece import Body, Cylinder, Mesh, Prism, extent
+from gproof.passes.checks.base import Remains
 from gproof.passes.checks.stock.rasterize_kernels import outline_cells, triangle_cells
 
 Floats = npt.NDArray[np.float64]
@@ -44,19 +45,6 @@ class Field:
     def copy(self) -> Field:
         """Another one that changes by itself."""
         return Field(self.grid, self.upper.copy(), self.lower.copy())
-
-
-@record(frozen=True, slots=True, eq=False)
-class Remains:
-    """What is left of a body, by larger cells: (ny, nx) heights that nothing of it stands above, -inf for nothing.
-
-    body: its place among those of the setup; grid: see Field; before: what stood there before the job.
-    """
-
-    body: int
-    grid: Floats
-    upper: Floats
-    before: Floats
 
 
 def remains_of(body: int, before: Field, after: Field) -> Remains:
@@ -95,22 +83,6 @@ def field_of(body: Body, cell: float, most: int = MOST_CELLS) -> Field:
     elif isinstance(body, Mesh):
         _meshed(body, grid, upper, lower)
     return Field(grid, upper, lower)
-
-
-def extent(body: Body) -> tuple[float, float, float, float, float, float]:
-    """Low X Y Z, high X Y Z."""
-    if isinstance(body, Box):
-        return (*body.low, *body.high)
-    if isinstance(body, Cylinder):
-        x, y, r = body.x, body.y, body.radius
-        return x - r, y - r, body.low, x + r, y + r, body.high
-    if isinstance(body, Prism):
-        xs, ys = [p[0] for p in body.outline], [p[1] for p in body.outline]
-        off = body.error
-        return min(xs) - off, min(ys) - off, body.low, max(xs) + off, max(ys) + off, body.high
-    corners = np.concatenate([body.triangles[name] for name in "abc"])
-    low, high = corners.min(axis=0), corners.max(axis=0)
-    return float(low[0]), float(low[1]), float(low[2]), float(high[0]), float(high[1]), float(high[2])
 
 
 def _round(body: Cylinder, grid: Floats, upper: Floats, lower: Floats) -> None:

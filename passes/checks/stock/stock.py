@@ -23,11 +23,11 @@ from gproof.ir.machine import Machine
 from gproof.ir.program import Program
 from gproof.ir.setup import Setup
 from gproof.ir.trace import Chunk, Op
+from gproof.ir.trace_rows import row_span
 from gproof.ir.verdict import PropertyResult, Verdict
 from gproof.ir.workpiece import Mesh, Placed
-from gproof.passes.checks.base import Check, row_span
-from gproof.passes.checks.collisions.scene import ANYTHING
-from gproof.passes.checks.stock.height_fields import MOST_CELLS, Field, Remains, field_of, remains_of
+from gproof.passes.checks.base import Check, Remains
+from gproof.passes.checks.stock.height_fields import MOST_CELLS, Field, field_of, remains_of
 from gproof.passes.checks.stock.removal_kernels import (
     DEPTH,
     END,
@@ -50,7 +50,7 @@ from gproof.passes.checks.stock.removal_kernels import (
 from gproof.passes.checks.stock.tool_profiles import COLUMNS, NOT_KNOWN, PART_COLUMNS, Row, assumed, problem_of, rows_of
 from gproof.passes.checks.tooling.tip_position import Placing, Reason, Tips
 from gproof.passes.checks.tooling.tip_ranges import hull, may_meet
-from gproof.passes.checks.tooling.tool_shape import Shape, shape_of
+from gproof.passes.checks.tooling.tool_shape import ANYTHING, Shape, shape_of
 from gproof.passes.geometry.arc_tolerance import chord_error, small_arcs
 from gproof.passes.geometry.off_path import off_path
 
@@ -382,8 +382,3 @@ def _work(tips: Tips, radius: Floats, field: Field) -> float:
     way = np.hypot(tips.end[cuts, 0] - tips.start[cuts, 0], tips.end[cuts, 1] - tips.start[cuts, 1])
     wide = radius[cuts]
     return len(low) + float(((2.0 * way + 3.0 * wide) * wide).sum() / (field.grid[2] * field.grid[3]))
-
-
-def stock_left(program: Program, machine: Machine, setup: Setup, findings: Findings) -> Check:
-    """For ``passes/checks/registry.py``."""
-    return StockLeft(program, machine, setup, findings)

@@ -27,8 +27,8 @@ from gproof.ir.setup import Setup
 from gproof.ir.symbolic import Position, add_forms
 from gproof.ir.symbols import describe
 from gproof.ir.trace import HEIGHT_MAP, UNKNOWN, Affine, Chunk, Op, State, TipOffset, Trace
+from gproof.ir.trace_rows import form_interval
 from gproof.ir.workpiece import ACTIVE, MACHINE
-from gproof.passes.checks.base import form_interval
 from gproof.passes.checks.tooling.spindle_tool import SpindleTools
 from gproof.passes.checks.tooling.tip_ranges import EVERYWHERE, NOWHERE_KNOWN, Span
 from gproof.passes.interpret.core.modal_state import Modal

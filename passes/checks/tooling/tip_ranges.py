@@ -11,8 +11,7 @@ import math
 from collections.abc import Iterable, Iterator, Sequence
 
 from gproof.ir.machine import AXIS_NAMES, Machine
-from gproof.ir.workpiece import Body
-from gproof.passes.checks.stock.height_fields import extent
+from gproof.ir.workpiece import Body, extent
 from gproof.passes.checks.tooling.tool_shape import Piece
 
 Pair = tuple[float, float]

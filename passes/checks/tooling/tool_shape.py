@@ -43,6 +43,10 @@ class Piece:
         return self.rims[0][1] - self.rounding
 
 
+ANYTHING = Piece(part=UNSTATED, rims=((WIDE, 0.0), (WIDE, WIDE)))
+"""All of space above the tip: of a tool whose shape nobody stated."""
+
+
 @record(frozen=True, slots=True, kw_only=True)
 class Shape:
     """A tool's pieces, the tip at the origin; problem: why there are none; assumed: what was taken in their place."""

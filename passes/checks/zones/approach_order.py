@@ -18,8 +18,8 @@ from gproof.ir.machine import Machine
 from gproof.ir.setup import Setup
 from gproof.ir.symbols import describe
 from gproof.ir.trace import UNKNOWN, Affine, Chunk, Op, Trace
+from gproof.ir.trace_rows import form_interval, row_span, split_form
 from gproof.ir.verdict import Condition
-from gproof.passes.checks.base import form_interval, row_span, split_form
 from gproof.passes.checks.zones.face_conditions import Ranges
 from gproof.passes.checks.zones.zone_check import row_box
 

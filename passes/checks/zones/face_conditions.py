@@ -16,8 +16,8 @@ from gproof.ir.setup import Setup
 from gproof.ir.symbolic import Position, add_forms
 from gproof.ir.symbols import describe
 from gproof.ir.trace import UNKNOWN, Affine, Trace
+from gproof.ir.trace_rows import form_interval, split_form
 from gproof.ir.verdict import Condition
-from gproof.passes.checks.base import form_interval, split_form
 from gproof.passes.checks.zones.shapes import Box, Point, Zone
 
 EVERYWHERE = (-math.inf, math.inf)

@@ -24,8 +24,8 @@ from gproof.ir.machine import AXIS_NAMES, Area, Machine
 from gproof.ir.setup import ZERO, Setup
 from gproof.ir.symbolic import Position, add_forms
 from gproof.ir.trace import HEIGHT_MAP, UNKNOWN, Affine, Chunk, Op, Plane, State, Trace
+from gproof.ir.trace_rows import form_interval, row_span
 from gproof.ir.verdict import Condition
-from gproof.passes.checks.base import form_interval, row_span
 from gproof.passes.checks.tooling.spindle_tool import entries
 from gproof.passes.checks.tooling.tip_position import rotary_axes, turned
 from gproof.passes.checks.tooling.tip_ranges import homing

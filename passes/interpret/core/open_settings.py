@@ -14,7 +14,7 @@ from gproof.ir.machine import Machine, Unmodelled
 from gproof.ir.rules import CodeRule
 from gproof.ir.rules import Function as F
 from gproof.ir.trace import Chunk, Op
-from gproof.passes.checks.base import row_span
+from gproof.ir.trace_rows import row_span
 
 FUNCTIONS: dict[F, str] = {
     F.ARC_CW: "arcs", F.ARC_CCW: "arcs",

@@ -14,7 +14,7 @@ from gproof.ir.rules import CodeRule, Function
 from gproof.ir.symbolic import Position, Unknown, not_known
 from gproof.ir.symbols import RISEN
 from gproof.ir.trace import Op, Plane
-from gproof.passes.checks.base import form_interval
+from gproof.ir.trace_rows import form_interval
 from gproof.passes.geometry.motor_limits import reach_of
 from gproof.passes.interpret.core.open_numbers import number_or_open
 from gproof.passes.interpret.core.parsed_line import Line

@@ -32,8 +32,8 @@ from gproof.passes.interpret.mcuwin.radius_correction import (
     tell_for_nothing,
 )
 from gproof.passes.interpret.mcuwin.state import SAME, din_of, factor, has_tools, own_unit
+from gproof.passes.interpret.mcuwin.value_hints import of_value
 from gproof.passes.interpret.wincnc.line_kernels import ZERO_RADIUS, distance
-from gproof.passes.motion.refusal_hints import of_value
 
 if TYPE_CHECKING:
     from gproof.passes.interpret.eding.moves import Motion

@@ -11,7 +11,9 @@ from pathlib import Path
 
 import pytest
 
-from gproof.cli.main import UsageError, main
+from gproof.cli.main import main
+from gproof.cli.telling import tell
+from gproof.driver.errors import Tell, UsageError
 from gproof.driver.jobs import read_job_file
 from gproof.driver.policy import load_policy
 from gproof.frontend.files.machine import load_machine
@@ -77,12 +79,12 @@ def hints(schema: str, folder: Path, text: str) -> dict[str, tuple[str, int]]:
         setup, _ = load_setup(file, findings)
         assert setup is None or not findings.counts.get(611)
     else:
-        load: Callable[[Path], object] = load_policy if schema == "gproof-policy/1" else read_job_file
+        load: Callable[[Path, Tell], object] = load_policy if schema == "gproof-policy/1" else read_job_file
         told = TomlFile(file, schema, findings)
-        told.finish()  # the loaders print; what they print is looked at below
+        told.finish()
         if findings.counts.get(611):
             with pytest.raises(UsageError):
-                load(file)
+                load(file, tell)
     return {
         dict(f.values)["key"].rpartition(".")[2]: (f.hint, f.span.line)  # type: ignore[attr-defined]
         for f in findings.kept
@@ -161,7 +163,7 @@ def test_both_spellings_of_a_key_are_an_error(schema: str, tmp_path: Path) -> No
 
 def test_names_keep_their_dashes(tmp_path: Path) -> None:
     (tmp_path / "policy.toml").write_text(HEADS["gproof-policy/1"] + '[severity]\noperator-stop = "warning"\n')
-    assert load_policy(tmp_path / "policy.toml").severity
+    assert load_policy(tmp_path / "policy.toml", tell).severity
     (tmp_path / "machine.toml").write_text(
         HEADS["gproof-machine/1"] + "[areas.left-clamp]\nx = [0, 1]\n[areas.left_clamp]\nx = [2, 3]\n"
     )
@@ -186,7 +188,7 @@ def asked_for(schema: str, path: Path, monkeypatch: pytest.MonkeyPatch) -> dict[
         load_setup(path, Findings())
     else:
         with contextlib.suppress(UsageError):
-            (load_policy if schema == "gproof-policy/1" else read_job_file)(path)
+            (load_policy if schema == "gproof-policy/1" else read_job_file)(path, tell)
     (file,) = [one for one in files if one.schema == schema]
     return {tuple(part.partition("[")[0] for part in path): taken for path, taken in file.taken.items()}
 
@@ -267,7 +269,7 @@ def test_policies_and_job_files_take_the_options(key: str, tmp_path: Path, capsy
     (tmp_path / "policy.toml").write_text(
         HEADS["gproof-policy/1"] + (f"{key} = true\n" if key == "strict" else f'{key} = "note"\n')
     )
-    policy = load_policy(tmp_path / "policy.toml")
+    policy = load_policy(tmp_path / "policy.toml", tell)
     assert (policy.strict, policy.fail_on) == ((True, "unknown") if key == "strict" else (False, "note"))
     assert main([*words, "--policy", str(tmp_path / "policy.toml")]) == (2 if key == "strict" else 0)
     capsys.readouterr()

@@ -13,8 +13,8 @@ from passes.motion.traces import machine as bench
 from gproof.driver.pipeline import lower
 from gproof.driver.session import Running, open_session
 from gproof.ir.finding import Finding, Findings
+from gproof.passes.interpret.mcuwin.value_hints import of_value
 from gproof.passes.motion.plan import plan
-from gproof.passes.motion.refusal_hints import of_value
 from gproof.passes.motion.step import step
 
 MOTION = ("GP503", "GP504", "GP511", "GP520", "GP521")

@@ -15,7 +15,7 @@ from gproof.ir.symbols import describe
 from gproof.ir.trace import Affine
 from gproof.ir.workpiece import Box, Placed, Workpiece
 from gproof.passes.checks.cutting.feeds import KNOB
-from gproof.passes.checks.registry import ALL
+from gproof.passes.checks.registry import every_property
 from gproof.passes.checks.tooling.tip_position import OWN_LENGTH
 from gproof.passes.geometry.off_path import NO_TOLERANCE
 
@@ -38,7 +38,7 @@ def assumed(world: World, text: str, folder: Path) -> set[str]:
     session.setup = world.setup
     for path, value in world.changes:
         session.machine = put(session.machine, path[1:], value)
-    made = judge(session, running=Running(1000), properties=ALL)
+    made = judge(session, running=Running(1000), properties=every_property())
     return {*made.assumptions, *(one for result in made.properties for one in result.assumptions)}
 
 

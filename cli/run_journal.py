@@ -16,9 +16,9 @@ from typing import TYPE_CHECKING
 
 import click
 
-from gproof.cli.main import UsageError
-from gproof.cli.options import in_one_line
-from gproof.driver.boards import VIRTUAL
+from gproof.backend.boards.registry import VIRTUAL
+from gproof.driver.errors import UsageError
+from gproof.driver.escape import in_one_line
 from gproof.driver.files import require_place
 from gproof.driver.key_ring import own_key_path
 from gproof.ir import codes
