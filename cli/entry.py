@@ -9,7 +9,7 @@ import os
 from typing import NoReturn
 
 INTERRUPTED = 130
-"""As in ``main``, which is not there yet."""
+"""As in ``signals.py``, which is not there yet."""
 
 
 def main(arguments: list[str] | None = None) -> int:

@@ -19,18 +19,14 @@ import click
 
 from gproof.backend.boards.registry import BOARDS
 from gproof.cli.options import ALSO, FileName, once
-from gproof.cli.signals import ended_by_signals
+from gproof.cli.signals import INTERRUPTED, PROCESS, ended_by_signals
 from gproof.cli.telling import tell_error
 from gproof.driver.errors import COULD_NOT_RUN, UsageError
 from gproof.driver.escape import in_one_line
 
-INTERRUPTED = 130
-"""128 and the number of SIGINT, as shells have it."""
 _STDERR = 2
 MOST = 10**15
 """Of what is counted: whatever is larger says nothing else."""
-_PROCESS = "process"
-"""The object of click's context where the command line is that of the process."""
 _DIALECTS = ["wincnc", "eding", "mcuwin"]
 
 
@@ -455,12 +451,6 @@ def main(arguments: list[str] | None = None) -> int:
         return COULD_NOT_RUN
 
 
-def ends_with_its_command() -> bool:
-    """True where the process ends with the command that is running: the command line itself, not a program's call."""
-    context = click.get_current_context(silent=True)
-    return context is not None and context.find_root().obj is _PROCESS
-
-
 def _plain(message: str) -> str:
     """click's message in one line, without its names of types."""
     words = " ".join(message.split())
@@ -469,7 +459,7 @@ def _plain(message: str) -> str:
 
 def _run(arguments: list[str] | None) -> int:
     try:
-        whose = _PROCESS if arguments is None else None
+        whose = PROCESS if arguments is None else None
         result = cli.main(args=arguments, prog_name="gproof", standalone_mode=False, obj=whose)
     except click.UsageError as error:
         if type(error).__name__ == "NoArgsIsHelpError":  # its message is the help

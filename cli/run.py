@@ -8,11 +8,12 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from fractions import Fraction
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 
 from gproof.backend.boards.registry import BOARDS
-from gproof.cli.main import INTERRUPTED, ends_with_its_command
+from gproof.cli.signals import INTERRUPTED, ends_with_its_command
 from gproof.driver.at_hand import other_source, read_at_hand, require_files
 from gproof.driver.boards import require_for
 from gproof.driver.escape import in_one_line
@@ -21,6 +22,11 @@ from gproof.driver.key_ring import trusted_with
 from gproof.ir.finding import Finding, Findings, Severity
 from gproof.ir.verdict import Verdict
 from gproof.report.text import print_findings
+
+if TYPE_CHECKING:
+    from gproof.backend.record_data import ExecutionRecord
+    from gproof.ir.setup import Setup
+    from gproof.verify.package import Package
 
 
 def run_run(
@@ -38,11 +44,10 @@ def run_run(
     from gproof.backend.control import Control
     from gproof.backend.interrupts import interrupts
     from gproof.backend.operators import AutoContinue, Terminal
-    from gproof.backend.record_data import ALLOWED, Result
+    from gproof.backend.record_data import Result
     from gproof.backend.runtime import RunFailed, RunRefused, run
     from gproof.cli.run_journal import Keeper, require_record_place, runs_folder, settled
     from gproof.verify.certificate import CertificateError, read_package
-    from gproof.verify.measured import taken
 
     require_file(path, "package")
     require_files(machine, setup, source)
@@ -89,28 +94,38 @@ def run_run(
         findings = Findings()
         for finding in (*done.findings(), *lost):
             findings.add(finding)
-        lines = [f"{path}: {done.result.value}" + (f": {done.reason}" if done.reason else "")]
-        lines.append(f"  board       {done.board.name}, {frequency / 1e6:g} MHz, FIFO of {done.board.fifo_runs} runs")
-        lines.append(f"  sections    {len(done.sections)} of {len(package.stream.sections)}")
-        ends = "ends at" if done.position is not None else "position unknown, last acknowledged at"
-        for name, motor, steps, position in zip(
-            done.motors, package.stream.motors, done.steps, done.last_position, strict=True
-        ):
-            place = float(Fraction(position) / motor.steps_per_unit)
-            lines.append(f"  motor {name:<5} {steps} steps, {ends} step {position} ({place:.4f})")
-        ticks = sum(section.ticks for section in done.sections)
-        lines.append(
-            f"  time        {ticks / frequency:.1f} s of motion" + ("" if real_time else f", run in {took:.1f} s")
-        )
-        lines += [f"  taken       {said}" for said in taken(package, at_hand.setup)]
-        if done.accepted == ALLOWED:
-            lines.append("  trusted     no: nobody trusted has signed it, and --allow-untrusted let it run")
+        lines = list(_lines(path, package, done, at_hand.setup, None if real_time else took))
         told = where is not None and (record is not None or bool(lost))
         lines.append(f"  record      {done.sha256}" + (f", in {where}" if told else ""))
         _say(findings, lines)
     if done.result is Result.COMPLETED:
         return 0
     return INTERRUPTED if control.signalled else Verdict.UNSAFE.exit_code
+
+
+def _lines(
+    path: Path, package: Package, done: ExecutionRecord, setup: Setup | None, took: float | None
+) -> Iterator[str]:
+    """What the board acknowledged, where it left the motors, what measured offsets were taken for; took: seconds, of a
+    run that need not keep time."""
+    from gproof.backend.record_data import ALLOWED
+    from gproof.verify.measured import taken
+
+    frequency = package.stream.tick_frequency
+    yield f"{path}: {done.result.value}" + (f": {done.reason}" if done.reason else "")
+    yield f"  board       {done.board.name}, {frequency / 1e6:g} MHz, FIFO of {done.board.fifo_runs} runs"
+    yield f"  sections    {len(done.sections)} of {len(package.stream.sections)}"
+    ends = "ends at" if done.position is not None else "position unknown, last acknowledged at"
+    for name, motor, steps, position in zip(
+        done.motors, package.stream.motors, done.steps, done.last_position, strict=True
+    ):
+        place = float(Fraction(position) / motor.steps_per_unit)
+        yield f"  motor {name:<5} {steps} steps, {ends} step {position} ({place:.4f})"
+    ticks = sum(section.ticks for section in done.sections)
+    yield f"  time        {ticks / frequency:.1f} s of motion" + ("" if took is None else f", run in {took:.1f} s")
+    yield from (f"  taken       {said}" for said in taken(package, setup))
+    if done.accepted == ALLOWED:
+        yield "  trusted     no: nobody trusted has signed it, and --allow-untrusted let it run"
 
 
 def _say(findings: Findings, lines: list[str]) -> None:

@@ -9,11 +9,23 @@ import threading
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
+import click
+
 if TYPE_CHECKING:
     from sys import UnraisableHookArgs
 
+INTERRUPTED = 130
+"""128 and the number of SIGINT, as shells have it."""
+PROCESS = "process"
+"""The object of click's context where the command line is that of the process."""
 _SOON = 0.001
 """Seconds."""
+
+
+def ends_with_its_command() -> bool:
+    """True where the process ends with the command that is running: the command line itself, not a program's call."""
+    context = click.get_current_context(silent=True)
+    return context is not None and context.find_root().obj is PROCESS
 
 
 @contextlib.contextmanager

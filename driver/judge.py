@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import dataclasses
-import functools
 import itertools
 import math
 from collections.abc import Callable, Iterable, Sequence
@@ -164,6 +163,76 @@ def in_spite_of(
     return list(found.values())
 
 
+@record(slots=True, kw_only=True)
+class _Course:
+    """Where a job begins and ends, what it waits for and which unit it names first, as its chunks go by."""
+
+    machine: Machine
+    sections: int = 0
+    waits: set[Wait] = field(default_factory=set)
+    begin: dict[str, float] = field(default_factory=dict)
+    ends: list[dict[str, float]] = field(default_factory=list)
+    unit: float | None = None
+
+    def feed(self, chunk: Chunk) -> None:
+        """Some successive rows."""
+        frames = chunk.trace.frames
+        self.begin = self.begin or _places(self.machine, chunk.start, frames[chunk.start_frame])
+        if chunk.last and any(edge.target < 0 for edge in chunk.edges):
+            last = len(chunk.rows) - 1
+            at = chunk.start if last < 0 else tuple(chunk.rows["to"][last].tolist())
+            frame = chunk.start_frame if last < 0 else int(chunk.rows["frame"][last])
+            self.ends.append(_places(self.machine, at, frames[frame]))
+        if self.unit is None and (named := np.flatnonzero(chunk.rows["op"] == Op.UNITS)).size:
+            self.unit = float(chunk.rows["arg"][int(named[0]), 0])
+        self.waits.update(edge.wait for edge in chunk.edges)
+        self.sections += chunk.last
+
+    @property
+    def end(self) -> dict[str, float]:
+        """Where the job ends; empty where it has several ends or none."""
+        return self.ends[0] if len(self.ends) == 1 else {}
+
+
+class _Checks:
+    """The checks of one pass: those of the default policy, and what ``properties`` asks for beside them."""
+
+    def __init__(
+        self, session: Session, ex: Executor, findings: Findings, properties: Sequence[str], hears: Hears | None
+    ) -> None:  # fmt: skip
+        assert session.program is not None
+        machine, setup = session.machine, session.setup
+        self.session, self.findings = session, findings
+        self.limits = Limits(machine, setup, findings)
+        stated = machine.controller.straight_traverse
+        straight = session.program.rules.straight_traverse if stated is None else stated
+        self.areas = Areas(
+            machine, setup, findings, straight=straight,
+            zero=ex.modal.zero_at_start, hears=hears,
+        )  # fmt: skip
+        self.arcs = ArcRadius(machine, setup, findings)
+        self.edges = Boundaries(machine, setup, findings)
+        self.added = added_checks(properties, session.program, machine, setup, findings)
+
+    def feed(self, chunk: Chunk) -> None:
+        """Some successive rows."""
+        for check in (self.limits, self.areas, self.arcs, self.edges, *self.added):
+            check.feed(chunk)
+
+    def finish(self, firsts: FirstMoves) -> list[PropertyResult]:
+        """The answer of each property, those of several checks put together."""
+        session, findings = self.session, self.findings
+        fits = _together(session, findings, self.limits.finish(), self.edges.finish(), firsts)
+        self.areas.given(fits.conditions)
+        results = [fits, self.areas.finish(), self.arcs.finish()]
+        for name, answers in itertools.groupby((check.finish() for check in self.added), key=lambda one: one.name):
+            answer, *more = answers
+            for other in more:
+                answer = _both(session, findings, answer, other, firsts, f"the checks of {name}")
+            results.append(answer)
+        return results
+
+
 def _pass(
     session: Session, findings: Findings, block_delete: bool, running: Running, properties: Sequence[str],
     observe: Observer | None, beat: Beat | None, hears: Hears | None,
@@ -176,81 +245,52 @@ def _pass(
         **session.options(running),
     )  # fmt: skip
     ex.on_beat = beat
-    limits = Limits(machine, setup, findings)
-    stated = machine.controller.straight_traverse
-    straight = session.program.rules.straight_traverse if stated is None else stated
-    area = Areas(
-        machine, setup, findings, straight=straight,
-        zero=ex.modal.zero_at_start, hears=hears,
-    )  # fmt: skip
-    checks = [limits, area, ArcRadius(machine, setup, findings)]
-    edges = Boundaries(machine, setup, findings)
-    added = added_checks(properties, session.program, machine, setup, findings)
+    checks = _Checks(session, ex, findings, properties, hears)
     stretches = GuardStretches(machine, findings)
     estimate = MotionEstimate(machine)
     timed = InOrder(estimate.feed)
-    outcomes, firsts = Outcomes(), FirstMoves()
-    sections, waits = 0, set[Wait]()
-    begin: dict[str, float] = {}
-    ends: list[dict[str, float]] = []
-    unit: float | None = None
+    outcomes, firsts, course = Outcomes(), FirstMoves(), _Course(machine=machine)
     session.program.verify()
     for chunk in follow_knife(ex.run(), machine, findings):
         verify_rows(chunk.rows, chunk.trace, f"section {chunk.section}")
-        begin = begin or _places(machine, chunk.start, chunk.trace.frames[chunk.start_frame])
-        if chunk.last and any(edge.target < 0 for edge in chunk.edges):
-            last = len(chunk.rows) - 1
-            at = chunk.start if last < 0 else tuple(chunk.rows["to"][last].tolist())
-            frame = chunk.start_frame if last < 0 else int(chunk.rows["frame"][last])
-            ends.append(_places(machine, at, chunk.trace.frames[frame]))
-        if unit is None and (named := np.flatnonzero(chunk.rows["op"] == Op.UNITS)).size:
-            unit = float(chunk.rows["arg"][int(named[0]), 0])
-        waits.update(edge.wait for edge in chunk.edges)
+        course.feed(chunk)
         outcomes.feed(chunk, forked=bool(ex.asked))
         firsts.feed(chunk)
         with findings.within(chunk.section):
-            for check in (*checks, edges, *added):
-                check.feed(chunk)
+            checks.feed(chunk)
             ex.settings.feed(chunk)
             stretches.feed(chunk)
         timed(chunk, len(chunk.rows))
-        sections += chunk.last
         if observe is not None:
             observe(chunk)
     findings.section = AT_END
     timed.wait()
     estimate.finish()
     stretches.finish()
-    fits = _together(session, findings, limits.finish(), edges.finish(), firsts)
-    area.given(fits.conditions)
-    results = [fits, *(check.finish() for check in checks[1:])]
-    for name, answers in itertools.groupby((check.finish() for check in added), key=lambda answer: answer.name):
-        first, *more = answers
-        results.append(
-            functools.reduce(lambda a, b: _both(session, findings, a, b, firsts, f"the checks of {name}"), more, first)
-        )
+    results = checks.finish(firsts)
     findings.section = None
     outcomes.name(findings, ex.asked, session.program)
     noted = [one for one in machine.not_modelled if not one.axis and not one.touches]
-    noted += [*ex.settings.noted, *limits.noted]
+    noted += [*ex.settings.noted, *checks.limits.noted]
     open_path = ex.refused or any(code.number in findings.counts for code in _LEAVES_THE_PATH_OPEN)
     results = [_not_proved(r) if open_path or any(one.opens(r.name) for one in noted) else r for r in results]
     open_path = open_path or any(one.opens("areas") for one in noted)
     language = PropertyResult(name="language", verdict=_language(findings))
     summary = Summary(
-        lines=session.program.line_count, blocks=ex.blocks - ex.charged, sections=max(1, sections),
+        lines=session.program.line_count, blocks=ex.blocks - ex.charged, sections=max(1, course.sections),
         path_length=estimate.path_length_mm, feed_length=estimate.feed_length_mm,
         seconds=None if ex.branches else estimate.seconds, branches=ex.branches,
-        at_least=estimate.unknown_rows > 0, box=limits.box(), extents=limits.extents(),
-        begin=begin, end=ends[0] if len(ends) == 1 else {}, unit=unit,
-        open_path=bool(open_path),
-        remains=tuple(left for check in added for left in check.remains()) if observe and len(ends) == 1 else (),
+        at_least=estimate.unknown_rows > 0, box=checks.limits.box(), extents=checks.limits.extents(),
+        begin=course.begin, end=course.end, unit=course.unit, open_path=bool(open_path),
+        remains=tuple(left for check in checks.added for left in check.remains())
+        if observe and len(course.ends) == 1
+        else (),
     )  # fmt: skip
     assumed = [
         *_taken_as_zero(session, ex.modal.zero_lengths),
         *session.program.assumed,
         *ex.assumed,
-        *_standing(session, waits),
+        *_standing(session, course.waits),
     ]
     return [language, *results], summary, assumed, ex.met_deleted, firsts
 

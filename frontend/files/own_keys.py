@@ -144,10 +144,8 @@ def unknown_keys(
 ) -> Iterator[tuple[tuple[str, ...], str, Keys]]:
     """Keys that neither the table nor a reader knows: the path of their table as written, the key, the keys there.
 
-    taken: what readers asked for, by the path of a table (``toml_table.nth`` names those of lists).
+    taken: what readers asked for, by the path of a table (``nth`` names those of lists).
     """
-    from gproof.frontend.files.toml_table import nth
-
     for key, value in values.items():
         name = keys.spelt(key)
         if not keys.knows(name) and name not in taken.get(path, ()):
@@ -223,3 +221,8 @@ def _places(schema: str, key: str) -> list[str]:
         return []
     found = [path for path, keys in _walk(KEYS[schema]) if key in keys.own or key in keys.tables]
     return [f"[{'.'.join(path)}]" if path else "the top of the file" for path in found]
+
+
+def nth(name: str, number: int) -> str:
+    """How messages name a table of a list, ``[[name]]``."""
+    return name if number < 2 else f"{name}[{number}]"

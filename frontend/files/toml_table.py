@@ -17,7 +17,7 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 from gproof.frontend.common.exact_numbers import LARGEST, TINIEST, exact_number, exact_ratio
-from gproof.frontend.files.own_keys import KEYS, Keys, suggestion, unknown_keys
+from gproof.frontend.files.own_keys import KEYS, Keys, nth, suggestion, unknown_keys
 from gproof.ir import codes
 from gproof.ir.finding import Code, Findings, Severity, Span
 from gproof.ir.number_ranges import number_problem
@@ -183,11 +183,6 @@ def _numbered(table: str, counts: dict[str, int], *, is_list: bool) -> str:
             counts[name] = counts.get(name, 0) + 1
         name = nth(name, counts.get(name, 1))
     return name
-
-
-def nth(name: str, number: int) -> str:
-    """How messages name a table of a list, ``[[name]]``."""
-    return name if number < 2 else f"{name}[{number}]"
 
 
 def _plain(dotted: str) -> str:
