@@ -31,8 +31,8 @@ def timed(work: Callable[[], Any]) -> tuple[Any, dict[str, float]]:
 
 def stages(job: Path, machine_file: Path) -> dict[str, Any]:
     """Figures by stage; a stage that is missing or refuses the job says so instead."""
+    from gproof.driver.dialects import load_machine
     from gproof.frontend.eding.load import load_program
-    from gproof.frontend.files.machine import load_machine
     from gproof.ir.finding import Findings
     from gproof.ir.setup import ZERO
     from gproof.passes.interpret.core.executor import execute

@@ -16,12 +16,12 @@ import click
 
 from gproof.backend.emit.eding import emit
 from gproof.cli.fmt_form import Form
+from gproof.driver.dialects import extensions
 from gproof.driver.errors import UsageError
 from gproof.driver.escape import in_one_line
 from gproof.driver.files import require_file, require_program
-from gproof.driver.session import READ, dialect_of
+from gproof.driver.session import dialect_of
 from gproof.driver.source_text import line_text
-from gproof.frontend.common.detect import EXTENSIONS
 from gproof.frontend.eding.load import load_alone
 from gproof.ir import codes
 from gproof.ir.finding import Finding, Findings, Refusal, Severity, Span
@@ -86,7 +86,7 @@ class Forms:
 
     def _machine(self, path: Path) -> Machine:
         """The machine of a file, read once; UsageError, with findings, for one with mistakes."""
-        from gproof.frontend.files.machine import load_machine
+        from gproof.driver.dialects import load_machine
 
         if path not in self.machines:
             require_file(path, "machine file")
@@ -184,7 +184,7 @@ def _with_folders(files: tuple[Path, ...]) -> Iterator[Path]:
             continue
         programs = [
             file for file in sorted(path.iterdir(), key=lambda file: (file.name.lower() != MACROS, file))
-            if EXTENSIONS.get(file.suffix.lower()) in READ and file.suffix.lower() != ".txt" and file.is_file()
+            if file.suffix.lower() in extensions() and file.suffix.lower() != ".txt" and file.is_file()
         ]  # fmt: skip
         if not programs:
             raise UsageError(f"folder {path}: there is no program in it; folders inside it are not searched")

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from pathlib import Path
 
-from gproof.frontend.common.detect import EXTENSIONS
+from gproof.driver.dialects import extensions
 from gproof.frontend.wincnc.load import load_alone
 from gproof.ir.finding import Findings
 from gproof.ir.machine import Machine
@@ -39,7 +39,7 @@ def _programs(folder: Path | None) -> Iterator[Path]:
 
 
 def _is_program(path: Path) -> bool:
-    return EXTENSIONS.get(path.suffix.lower()) == "wincnc" and path.name.lower() != NAME and path.is_file()
+    return extensions().get(path.suffix.lower()) == "wincnc" and path.name.lower() != NAME and path.is_file()
 
 
 def _difference(path: Path, before: Path, after: Path, machine: Machine) -> str | None:

@@ -15,7 +15,7 @@ from pathlib import Path
 from gproof.backend.emit.mcuwin import emit
 from gproof.backend.emit.mcuwin_tree import text_of
 from gproof.cli.fmt_form import Form
-from gproof.frontend.common.detect import EXTENSIONS
+from gproof.driver.dialects import extensions
 from gproof.frontend.mcuwin.load import load_alone
 from gproof.frontend.mcuwin.machine import NO_MCUWIN
 from gproof.ir import codes
@@ -110,7 +110,7 @@ def jobs_around(path: Path) -> list[Path]:
 def _programs(folder: Path) -> list[Path]:
     try:
         files = sorted(folder.iterdir())
-        return [file for file in files if EXTENSIONS.get(file.suffix.lower()) == "mcuwin" and file.is_file()]
+        return [file for file in files if extensions().get(file.suffix.lower()) == "mcuwin" and file.is_file()]
     except OSError:
         return []
 

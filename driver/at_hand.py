@@ -55,7 +55,7 @@ def read_at_hand(
 def _machine(path: Path | None, findings: Findings) -> Machine | None:
     if path is None:
         return None
-    from gproof.frontend.files.machine import load_machine
+    from gproof.driver.dialects import load_machine
 
     machine, _ = load_machine(path, findings)
     if machine is None:

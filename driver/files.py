@@ -6,15 +6,8 @@ import contextlib
 import os
 from pathlib import Path
 
+from gproof.driver.dialects import settings_files
 from gproof.driver.errors import UsageError
-
-SETTINGS = {
-    "cnc.ini": "the settings of Eding CNC; --machine takes it",
-    "wincnc.ini": "the settings of WinCNC; --machine takes it",
-    "mcuwin.ini": "the settings of McuWIN; --machine takes it",
-    "toolcomp.ini": "the tool table of McuWIN; tool_file of a machine file names it",
-}
-"""What files of controllers are that stand beside programs, by name in lower case."""
 
 OTHER_PICTURES = (".png", ".jpg", ".jpeg", ".gif", ".pdf", ".webp", ".bmp")
 
@@ -50,8 +43,9 @@ def require_file(path: Path, what: str) -> None:
 def require_program(path: Path, what: str) -> None:
     """UsageError for what is no readable file, or by its name is one of settings: it would fail line by line."""
     require_file(path, what)
-    if path.name.lower() in SETTINGS:
-        raise UsageError(f"{what} {path}: is no program but {SETTINGS[path.name.lower()]}")
+    is_settings = settings_files().get(path.name.lower())
+    if is_settings is not None:
+        raise UsageError(f"{what} {path}: is no program but {is_settings}")
     if path.suffix.lower() == ".toml":
         raise UsageError(f"{what} {path}: is no program; --machine and --setup take files of this kind")
 

@@ -9,9 +9,9 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
 
+from gproof.driver.dialects import DIALECTS, frontends
 from gproof.driver.errors import Tell, UsageError
 from gproof.driver.files import require_file
-from gproof.frontend.common.detect import EXTENSIONS
 from gproof.frontend.common.paths import is_there
 from gproof.frontend.files.toml_table import LARGEST_FILE, TomlFile, TomlTable
 from gproof.ir.finding import Findings
@@ -21,9 +21,6 @@ from gproof.passes.checks.registry import added
 SCHEMA = "gproof-job/1"
 HEAD = 1000
 """Bytes of a file that is too large, in which its schema is looked for."""
-_NEVER = {"macro.cnc", "user_macro.cnc"}
-_NO_JOBS = {".mac", ".inc", ".txt", ".iso"}
-"""Extensions of programs that folders are not searched for: macros, includes, and what may be anything."""
 
 
 @record(frozen=True, slots=True, kw_only=True)
@@ -103,20 +100,26 @@ def _of_name(name: str, tell: Tell) -> Iterator[Job]:
 
 
 def _extensions() -> set[str]:
-    return {extension for extension in EXTENSIONS if extension not in _NO_JOBS}
+    """Of programs, but for macros, includes, and what may be anything: a folder is not searched for these."""
+    return {extension for one in frontends() for extension in one.extensions if extension not in one.no_jobs}
+
+
+def _never() -> set[str]:
+    """Names of files that are no jobs, in lower case."""
+    return {name for one in frontends() for name in one.never}
 
 
 def _in_folder(folder: Path, tell: Tell) -> Iterator[Job]:
     """Job files of a folder and those below it, and programs of which no job file speaks; nothing that is hidden."""
     told: list[Job] = []
     programs: list[Path] = []
-    wanted = _extensions()
+    wanted, never = _extensions(), _never()
     for path in sorted(folder.rglob("*")):
         if any(part.startswith(".") for part in path.relative_to(folder).parts) or not path.is_file():
             continue
         if _is_job_file(path):
             told += read_job_file(path, tell)
-        elif path.suffix.lower() in wanted and path.name.lower() not in _NEVER:
+        elif path.suffix.lower() in wanted and path.name.lower() not in never:
             programs.append(path)
     known = {job.path.resolve() for job in told}
     yield from told
@@ -214,7 +217,7 @@ def _also(table: TomlTable, base: Job) -> tuple[str, ...]:
 def _settings(table: TomlTable, source: Path, base: Job) -> Job:
     machine, setup, policy = table.text("machine"), table.text("setup"), table.text("policy")
     strict = table.boolean("strict")
-    dialect = table.text("dialect", ("wincnc", "eding", "mcuwin"))
+    dialect = table.text("dialect", tuple(DIALECTS))
     folder = source.parent
     return replace(
         base,

@@ -2,24 +2,21 @@
 
 from __future__ import annotations
 
-import dataclasses
 from pathlib import Path
 from typing import TypedDict, TypeVar
 
+from gproof.driver.dialects import DIALECTS, guess_dialect, load_machine
 from gproof.driver.errors import UsageError
 from gproof.driver.files import require_file, require_program
+from gproof.frontend.common.frontend import Reading
 from gproof.ir import codes
-from gproof.ir.dialects.accepts import USER_MACRO_FILE
 from gproof.ir.finding import Findings, Span
-from gproof.ir.machine import NO_MACHINE, Machine, Unmodelled
+from gproof.ir.machine import NO_MACHINE, Machine
 from gproof.ir.program import Call, Program
 from gproof.ir.record import field, record
 from gproof.ir.setup import NOTHING, ZERO, Setup
 
 T = TypeVar("T")
-
-READ = ("eding", "wincnc", "mcuwin")
-"""Dialects that this version reads."""
 
 PLAIN_SECONDS_A_BYTE = 1e-6
 """What ``check`` takes in plain Python for a byte of source, measured by bench/kernels.py."""
@@ -72,26 +69,6 @@ class Session:
         return {"budget": budget, "max_branches": running.max_branches, "render": running.render}
 
 
-def _macro_file(machine: Machine, file: Path | None, job: Path) -> tuple[Path | None, Machine]:
-    """The macro file that the machine names, beside its own file or the job; GP605 when it is not there.
-
-    Without the usual one a job is judged as it stands, whether the machine's file names it or not.
-    """
-    from gproof.frontend.common.paths import is_file
-
-    name = machine.controller.macro_file
-    if name is None or file is None:
-        return None, machine
-    for folder in (file.parent, job.parent):
-        found = folder / name
-        if is_file(found) and found.resolve() != job.resolve():
-            return found, machine
-    if name.lower() == "macro.cnc":
-        return None, machine
-    missing = Unmodelled(f"macroFileName = {name}", "there is no such file")
-    return None, dataclasses.replace(machine, not_modelled=(*machine.not_modelled, missing))
-
-
 def open_session(
     job: Path, *, machine: Path | None, setup: str | None, dialect: str | None, call: str | None = None
 ) -> Session:
@@ -101,8 +78,6 @@ def open_session(
     inputs: list[tuple[str, str, str]] = []
     the_machine, the_setup = NO_MACHINE, NOTHING
     if machine is not None:
-        from gproof.frontend.files.machine import load_machine
-
         require_file(machine, "machine file")
         the_machine = _loaded(load_machine(machine, findings), findings, inputs, "machine")
     dialect, reason = dialect_of(job, dialect, the_machine, machine)
@@ -116,42 +91,12 @@ def open_session(
     from gproof.ir.kernel import Kernel
 
     Kernel.forecast(job.stat().st_size * PLAIN_SECONDS_A_BYTE)
-    if dialect == "wincnc":
-        from gproof.frontend.wincnc.load import load_program as load_wincnc
-        from gproof.frontend.wincnc.mac_file import MACRO_FILE
-        from gproof.frontend.wincnc.mac_program import load_macro_file
-        from gproof.frontend.wincnc.machine import NO_SHOP
-
-        if machine is None:
-            the_machine = NO_SHOP
-        read = [Path(name) for name, _, role in inputs if role == "machine"]
-        if job.name.lower() == MACRO_FILE:
-            program = load_macro_file(job, findings, machine=the_machine)
-            if program is not None and not program.body:
-                findings.add(codes.EMPTY_PROGRAM.at(Span(str(job), 1)))
-        else:
-            program = load_wincnc(job, findings, the_machine, machine, read)
-    elif dialect == "mcuwin":
-        from gproof.frontend.mcuwin.load import load_program as load_mcuwin
-        from gproof.frontend.mcuwin.machine import NO_MCUWIN
-
-        if machine is None:
-            the_machine = NO_MCUWIN
-        program = load_mcuwin(job, findings, the_machine, machine)
-    else:
-        from gproof.frontend.eding.load import load_program, own_macros
-        from gproof.frontend.eding.long_file import judge_length
-
-        macro, the_machine = _macro_file(the_machine, machine, job)
-        accepts = the_machine.controller.accepts
-        own = own_macros(job, macro)
-        if own is not None and USER_MACRO_FILE.name not in accepts:
-            why = f"whether this controller loads it is not stated: {USER_MACRO_FILE.hint}"
-            left_out = Unmodelled(own.name, why)
-            the_machine = dataclasses.replace(the_machine, not_modelled=(*the_machine.not_modelled, left_out))
-        program = load_program(job, findings, macro, call=call or "", accepts=accepts)
-        if program is not None:
-            judge_length(program, the_machine.controller.super_long_file, findings)
+    files = [Path(name) for name, _, role in inputs if role == "machine"]
+    program, the_machine = DIALECTS[dialect].frontend.load_program(
+        Reading(
+            job=job, findings=findings, machine=the_machine, machine_file=machine, read=files, call=call or "",
+        )
+    )  # fmt: skip
     if program is not None and call is not None:
         _call_only(program, call, job)
     elif program is not None and not program.body and program.subprograms:
@@ -183,8 +128,6 @@ def dialect_of(
 
     UsageError for a language that this version does not read.
     """
-    from gproof.frontend.common.detect import guess_dialect
-
     if given is not None:
         dialect, reason = given, "as given"
     elif machine.controller.dialect is not None:
@@ -192,8 +135,8 @@ def dialect_of(
     else:
         dialect, guessed = guess_dialect(job)
         reason = f"guessed: {guessed}"
-    if dialect not in READ:
-        known = ", ".join(READ)
+    if dialect not in DIALECTS:
+        known = ", ".join(DIALECTS)
         raise UsageError(f"{job}: is {dialect} ({reason}), and this version reads {known} only; --dialect overrides")
     return dialect, reason
 

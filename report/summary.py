@@ -70,7 +70,7 @@ def unit_of_report(session: Session, judgement: Judgement) -> LengthUnit:
 
 def _looks_otherwise(session: Session) -> None:
     """A line for a job with syntax errors whose text or folder speaks for another controller than it was read for."""
-    from gproof.frontend.common.detect import guess_dialect
+    from gproof.driver.dialects import guess_dialect
 
     dialect, reason = guess_dialect(session.job)
     if dialect != session.dialect and " in " in reason:

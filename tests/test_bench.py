@@ -8,7 +8,7 @@ from types import ModuleType
 
 import pytest
 
-from gproof.frontend.files.machine import load_machine
+from gproof.driver.dialects import load_machine
 from gproof.frontend.mcuwin.load import load_program
 from gproof.ir.finding import Findings
 from gproof.ir.setup import ZERO

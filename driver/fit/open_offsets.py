@@ -10,14 +10,12 @@ from __future__ import annotations
 import dataclasses
 from copy import deepcopy
 
+from gproof.driver.dialects import DIALECTS
 from gproof.driver.session import Session
 from gproof.ir.machine import AXIS_NAMES, Machine
 from gproof.ir.record import record
 from gproof.ir.setup import Interval, Setup
 from gproof.ir.trace import Affine
-
-_OPEN = {"eding": ("work",), "wincnc": ("g92",), "mcuwin": ("work", "g92")}
-"""Kinds of symbols that are asked for, by dialect."""
 
 
 @record(frozen=True, slots=True, kw_only=True)
@@ -80,7 +78,7 @@ class Asked:
 
 def opened(session: Session) -> tuple[Session, Asked]:
     """The same job with its work offsets open and findings of its own, and what was stated of them."""
-    kinds = _OPEN[session.dialect]
+    kinds = DIALECTS[session.dialect].frontend.open_offsets
     stated = {f.name: getattr(session.setup, f.name) for f in dataclasses.fields(Setup)}
     machine = session.machine
     din = machine.controller.din

@@ -1,1 +1,48 @@
 """The Eding CNC dialect: programs and controller files."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from gproof.frontend.common.frontend import Files, Frontend, Marker, Read, Reading
+
+if TYPE_CHECKING:
+    from gproof.ir.finding import Findings
+    from gproof.ir.machine import Machine
+
+
+def _load_program(job: Reading) -> Read:
+    from gproof.frontend.eding.job import load_job
+
+    return load_job(job)
+
+
+def _load_machine(
+    path: Path, findings: Findings, alone: bool, anew: frozenset[tuple[str, ...]]
+) -> tuple[Machine | None, Files]:
+    from gproof.frontend.eding.machine_ini import load_ini
+
+    return load_ini(path, findings)
+
+
+FRONTEND = Frontend(
+    name="eding",
+    extensions=(".cnc", ".ngc", ".nc", ".gcode", ".gc", ".g", ".ncd", ".iso", ".txt", ".eia"),
+    no_jobs=(".iso", ".txt"),
+    never=("macro.cnc", "user_macro.cnc"),
+    settings=(("cnc.ini", "the settings of Eding CNC; --machine takes it"),),
+    markers=(
+        Marker(rank=10, reason="nesting line", pattern=rb"(?mi)^[ \t]*%[ \t]*[mdo][ \t]*[xy][ \t]*="),
+        Marker(rank=30, reason="flow control", pattern=rb"(?mi)^[ \t]*(?:end[ \t]*(?:if|while|sub)|gosub|sub)\b"),
+        Marker(rank=31, reason="numbered parameter", pattern=rb"#\d|#\["),
+        Marker(rank=32, reason="message statement", pattern=rb"(?mi)^[ \t]*(?:msg|errmsg|dlgmsg|tcaguard)\b"),
+        Marker(
+            rank=33,
+            reason="command of this controller",
+            pattern=rb"(?mi)^[ \t]*(?:(?:warn|log)msg|logfile|mcaguard|tanknife|zhc\w*|home(?:tandem)?[ \t]+[a-z])\b",
+        ),
+    ),
+    load_program=_load_program,
+    load_machine=_load_machine,
+)

@@ -10,6 +10,7 @@ import re
 from typing import TYPE_CHECKING, Any
 
 from gproof.frontend.common.comment_hints import comment_hint
+from gproof.frontend.eding.comment_style import COMMENTS
 from gproof.frontend.eding.prepare import FUNCTIONS, STRUCTURE, Line, LineError
 from gproof.ir import codes
 from gproof.ir.finding import Code
@@ -72,7 +73,7 @@ def diagnose(line: Line, error: UnexpectedInput) -> LineError:
             return found
     if at >= size:
         return stop.error(codes.SYNTAX, at, at + 1, what=_incomplete(stop))
-    hint = comment_hint("eding", line.code, at)
+    hint = comment_hint(COMMENTS, line.code, at)
     return stop.error(codes.SYNTAX, at, at + 1, what=_unexpected(stop), **({"hint": hint} if hint else {}))
 
 

@@ -6,19 +6,22 @@ docs/machine-files.md lists every key. ``load_machine`` also reads a controller'
 
 from __future__ import annotations
 
+import itertools
 import math
+from collections.abc import Sequence
 from dataclasses import replace
 from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
 from gproof.frontend.common.exact_numbers import MILLIMETRES
+from gproof.frontend.common.frontend import Files, Frontend
 from gproof.frontend.common.paths import is_there
 from gproof.frontend.files.areas_table import areas_from
+from gproof.frontend.files.own_keys import key_paths
 from gproof.frontend.files.toml_table import TomlFile, TomlTable, in_range, meant
 from gproof.frontend.files.tool_table import check_shape, shape_keys
 from gproof.frontend.files.wincnc_settings import controls_from
-from gproof.frontend.mcuwin.machine import with_axes
 from gproof.ir.dialects.accepts import ACCEPTS, LINE_NUMBERS, TEXT_AFTER_COMMENT, names_of
 from gproof.ir.finding import Findings
 from gproof.ir.machine import (
@@ -37,7 +40,6 @@ from gproof.ir.machine import (
 )
 
 SCHEMA = "gproof-machine/1"
-DIALECTS = ("eding", "wincnc", "mcuwin")
 HIGHEST_TOOL = 99
 DEEPEST_BASE = 8
 MOST_SLAVES = 5
@@ -50,38 +52,40 @@ LIMITS_HOLD = ("motor", "programmed")
 LENGTH_UNITS = {"mm": 1.0, "cm": 10.0, "m": 1000.0, "um": 0.001, "inch": 25.4}
 ANGLE_UNITS = {"deg": 1.0, "rev": 360.0, "rad": math.degrees(1.0)}
 
-Files = list[tuple[str, str]]
-"""(name, sha256) of the files that were read, in order."""
+Frontends = Sequence[Frontend]
+"""Of the dialects that there are; the first that has an .ini file of its own decides how it is read."""
 
 
-def load_machine(path: Path, findings: Findings) -> tuple[Machine | None, Files]:
+def load_machine(path: Path, findings: Findings, frontends: Frontends) -> tuple[Machine | None, Files]:
     """The machine in a TOML file or a controller's .ini file; None, with findings GP601–GP604, when it is bad."""
-    machine, files = _load(path, findings, DEEPEST_BASE)
-    return None if machine is None else in_range(with_axes(machine), path, findings), files
+    machine, files = _load(path, findings, frontends, DEEPEST_BASE)
+    if machine is None:
+        return None, files
+    for frontend in frontends:
+        machine = frontend.completed(machine)
+    return in_range(machine, path, findings), files
 
 
 def _load(
-    path: Path, findings: Findings, depth: int, anew: frozenset[tuple[str, ...]] = frozenset()
-) -> tuple[Machine | None, Files]:  # fmt: skip
+    path: Path, findings: Findings, frontends: Frontends, depth: int, anew: frozenset[tuple[str, ...]] = frozenset()
+) -> tuple[Machine | None, Files]:
     """anew: keys of the files that refine this one, with their tables."""
     if path.suffix.lower() == ".ini":
-        from gproof.frontend.mcuwin.machine_ini import FILE_NAME, is_mcuwin_ini, load_mcuwin_ini
-        from gproof.frontend.wincnc.machine_ini import is_wincnc_ini, load_wincnc_ini
+        return _whose(path, frontends).load_machine(path, findings, depth == DEEPEST_BASE, anew)
+    return _load_toml(path, findings, frontends, depth, anew)
 
-        named = path.name.lower() == FILE_NAME
-        if not named and is_wincnc_ini(path):
-            return load_wincnc_ini(path, findings, anew)
-        if named or is_mcuwin_ini(path):
-            return load_mcuwin_ini(path, findings, alone=depth == DEEPEST_BASE)
-        from gproof.frontend.eding.machine_ini import load_ini
 
-        return load_ini(path, findings)
-    return _load_toml(path, findings, depth, anew)
+def _whose(path: Path, frontends: Frontends) -> Frontend:
+    """The frontend of a controller's own file: by its name, else by its text, else the one that takes all others."""
+    named = [one for one in frontends if path.name.lower() in one.machine_files]
+    by_text = (one for one in frontends if one.knows_machine is not None and one.knows_machine(path))
+    others = (one for one in frontends if one.knows_machine is None)
+    return next(itertools.chain(named, by_text, others))
 
 
 def _load_toml(
-    path: Path, findings: Findings, depth: int, anew: frozenset[tuple[str, ...]]
-) -> tuple[Machine | None, Files]:  # fmt: skip
+    path: Path, findings: Findings, frontends: Frontends, depth: int, anew: frozenset[tuple[str, ...]]
+) -> tuple[Machine | None, Files]:
     file = TomlFile(path, SCHEMA, findings)
     root = file.root
     if root is None:
@@ -103,9 +107,7 @@ def _load_toml(
             root.bad("base", f"{base!r} is not a regular file")
             file.finish()
             return None, files
-        from gproof.frontend.wincnc.replaced import paths
-
-        machine, more = _load(target, findings, depth - 1, anew | frozenset(paths(root.values)))
+        machine, more = _load(target, findings, frontends, depth - 1, anew | frozenset(key_paths(root.values)))
         files = files + more
     if machine is None:
         file.finish()
@@ -116,7 +118,7 @@ def _load_toml(
         axes=_axes(root, machine, unit),
         tools=_tools(root, machine, unit),
         spindles=_spindles(root, machine, unit),
-        controller=_controller(root, machine.controller, unit),
+        controller=_controller(root, machine.controller, unit, tuple(one.name for one in frontends)),
         board=_board(root, machine.board),
         knife=_knife(root, machine.knife, unit),
         **_given(kinematics=root.text("kinematics"), z_down_tool_length=root.number("z_down_tool_length", unit=unit)),
@@ -368,7 +370,7 @@ def _spindles(root: TomlTable, machine: Machine, unit: Fraction) -> tuple[Spindl
     return tuple(spindles[number] for number in sorted(spindles))
 
 
-def _controller(root: TomlTable, before: Controller, unit: Fraction) -> Controller:
+def _controller(root: TomlTable, before: Controller, unit: Fraction, dialects: tuple[str, ...]) -> Controller:
     before = replace(before, controls=controls_from(root, before.controls, unit))
     table = root.table("controller")
     if table is None:
@@ -379,7 +381,7 @@ def _controller(root: TomlTable, before: Controller, unit: Fraction) -> Controll
     controller = replace(
         before,
         **_given(
-            dialect=table.text("dialect", DIALECTS),
+            dialect=table.text("dialect", dialects),
             laf_angle=angle,
             interpolation_time=table.positive("interpolation_time"),
             fifo_time=table.positive("fifo_time"),

@@ -226,3 +226,13 @@ def _places(schema: str, key: str) -> list[str]:
 def nth(name: str, number: int) -> str:
     """How messages name a table of a list, ``[[name]]``."""
     return name if number < 2 else f"{name}[{number}]"
+
+
+def key_paths(values: Mapping[str, object], path: tuple[str, ...] = ()) -> Iterator[tuple[str, ...]]:
+    """Every key of a TOML file, with the tables that it stands in; ``-`` counts as ``_``."""
+    for key, value in values.items():
+        here = (*path, key.replace("-", "_"))
+        if isinstance(value, Mapping):
+            yield from key_paths(value, here)
+        else:
+            yield here

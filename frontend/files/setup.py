@@ -11,9 +11,10 @@ from fractions import Fraction
 from pathlib import Path
 
 from gproof.frontend.common.exact_numbers import MILLIMETRES
+from gproof.frontend.common.frontend import Files
 from gproof.frontend.files.areas_table import keep_out_from
 from gproof.frontend.files.height_map import read_height_map
-from gproof.frontend.files.machine import HIGHEST_HEAD, HIGHEST_TOOL, Files
+from gproof.frontend.files.machine import HIGHEST_HEAD, HIGHEST_TOOL
 from gproof.frontend.files.setup_channels import Columns, axes_of, columns_of, with_channels
 from gproof.frontend.files.toml_table import TomlFile, TomlTable, in_range, small_number
 from gproof.ir.dialects import rules_named

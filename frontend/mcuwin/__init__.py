@@ -1,1 +1,66 @@
 """McuWIN (APCI-8001, APCI-8008): programs of DIN 66025 blocks with rw_SymPas inside, and their machine files."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from gproof.frontend.common.frontend import Alike, Files, Frontend, Marker, Read, Reading
+
+if TYPE_CHECKING:
+    from gproof.ir.finding import Findings
+    from gproof.ir.machine import Machine
+
+
+def _load_program(job: Reading) -> Read:
+    from gproof.frontend.mcuwin.job import load_job
+
+    return load_job(job)
+
+
+def _load_machine(
+    path: Path, findings: Findings, alone: bool, anew: frozenset[tuple[str, ...]]
+) -> tuple[Machine | None, Files]:
+    from gproof.frontend.mcuwin.machine_ini import load_mcuwin_ini
+
+    return load_mcuwin_ini(path, findings, alone=alone)
+
+
+def _knows_machine(path: Path) -> bool:
+    from gproof.frontend.mcuwin.machine_ini import is_mcuwin_ini
+
+    return is_mcuwin_ini(path)
+
+
+def _completed(machine: Machine) -> Machine:
+    from gproof.frontend.mcuwin.machine import with_axes
+
+    return with_axes(machine)
+
+
+FRONTEND = Frontend(
+    name="mcuwin",
+    extensions=(".pim", ".din", ".src", ".inc"),
+    no_jobs=(".inc",),
+    shop_files=("mcuwin.ini", "toolcomp.ini"),
+    settings=(
+        ("mcuwin.ini", "the settings of McuWIN; --machine takes it"),
+        ("toolcomp.ini", "the tool table of McuWIN; tool_file of a machine file names it"),
+    ),
+    markers=(
+        Marker(rank=20, reason="program number behind %", pattern=rb"(?m)^[ \t]*%[ \t]*\w+[ \t]*(?:['(]|\r?$)"),
+        Marker(rank=21, reason="named variable or procedure", pattern=rb"(?mi)^[ \t]*(?:var|procedure|proc)\b"),
+        Marker(rank=22, reason="$ statement", pattern=rb"(?mi)^[ \t]*(?:N\d+[ \t]*)?\$[A-Za-z]"),
+        Marker(rank=23, reason="DIN section", pattern=rb"(?i)\{[ \t]*\$DINSTART[ \t]*\}"),
+        Marker(rank=24, reason="calculation parameter", pattern=rb"(?i)\bC[DI]\d{1,3}[ \t]*:="),
+        Marker(rank=25, reason="jump or call of a label", pattern=rb"(?mi)^[^'(;\[\n]*\bM9[68][ \t]*L[ \t]*\d"),
+    ),
+    # A label may look like an L code.
+    alike=(Alike(reason="L code", by_extension=True),),
+    open_offsets=("work", "g92"),
+    load_program=_load_program,
+    load_machine=_load_machine,
+    machine_files=("mcuwin.ini",),
+    knows_machine=_knows_machine,
+    completed=_completed,
+)

@@ -8,10 +8,14 @@ from __future__ import annotations
 
 import re
 
+from gproof.frontend.common.comment_hints import CommentStyle
 from gproof.ir import codes
 from gproof.ir.finding import Refusal, Span
 
 QUOTE = "'"
+COMMENTS = CommentStyle(
+    ("(", QUOTE), "a comment stands in parentheses, or begins with ' and goes to the end of the line"
+)  # fmt: skip
 _REST = re.compile(r"[ \t]*(?:'.*)?\Z", re.DOTALL)
 
 

@@ -9,6 +9,7 @@ from __future__ import annotations
 import re
 
 from gproof.frontend.common.comment_hints import comment_hint
+from gproof.frontend.mcuwin.comments import COMMENTS
 from gproof.frontend.mcuwin.cursor import QUALIFIER, LineCursor
 from gproof.frontend.mcuwin.language import DinLine, Language
 from gproof.frontend.mcuwin.names import LABEL, NAME, label_name
@@ -75,7 +76,7 @@ class _Line(LineCursor):
         elif first == "{":
             found = MODE.match(self.text, self.at)
             if found is None:
-                hint = comment_hint("mcuwin", self.text, self.at)
+                hint = comment_hint(COMMENTS, self.text, self.at)
                 what = "braces belong to lines of rw_SymPas"
                 raise self._error(codes.SYNTAX, self.at, len(self.text), what=what, hint=hint)
             self.found.says, self.found.starts = True, found.span()
@@ -125,7 +126,7 @@ class _Line(LineCursor):
             what = f"{char!r} begins neither a word nor a comment"
             if self.text.startswith("//", self.at):
                 what = "two slashes begin a comment in lines of rw_SymPas only"
-            hint = comment_hint("mcuwin", self.text, self.at)
+            hint = comment_hint(COMMENTS, self.text, self.at)
             raise self._error(codes.SYNTAX, self.at, end, what=what, hint=hint)
 
     def _flush(self, behind: Statement | None = None) -> None:

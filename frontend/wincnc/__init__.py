@@ -1,1 +1,53 @@
 """The WinCNC dialect: programs, subprogram files, CNC.MAC and WINCNC.INI."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from gproof.frontend.common.frontend import Alike, Files, Frontend, Marker, Read, Reading
+
+if TYPE_CHECKING:
+    from gproof.ir.finding import Findings
+    from gproof.ir.machine import Machine
+
+
+def _load_program(job: Reading) -> Read:
+    from gproof.frontend.wincnc.job import load_job
+
+    return load_job(job)
+
+
+def _load_machine(
+    path: Path, findings: Findings, alone: bool, anew: frozenset[tuple[str, ...]]
+) -> tuple[Machine | None, Files]:
+    from gproof.frontend.wincnc.machine_ini import load_wincnc_ini
+
+    return load_wincnc_ini(path, findings, anew)
+
+
+def _knows_machine(path: Path) -> bool:
+    from gproof.frontend.wincnc.machine_ini import is_wincnc_ini
+
+    return is_wincnc_ini(path)
+
+
+FRONTEND = Frontend(
+    name="wincnc",
+    extensions=(".tap", ".mac", ".wnc"),
+    no_jobs=(".mac",),
+    shop_files=("wincnc.ini", "cnc.mac"),
+    settings=(("wincnc.ini", "the settings of WinCNC; --machine takes it"),),
+    markers=(
+        Marker(rank=40, reason="L code", pattern=rb"(?mi)^[ \t]*L\d+\b"),
+        Marker(rank=41, reason="bracketed comment or macro call", pattern=rb"(?m)^[ \t]*\["),
+        Marker(rank=42, reason="M98 with a file name", pattern=rb"(?i)\bM98[ \t]+[A-Za-z_]+\."),
+    ),
+    # A comment may look like the name of a module.
+    alike=(Alike(reason="program number behind %"),),
+    open_offsets=("g92",),
+    load_program=_load_program,
+    load_machine=_load_machine,
+    machine_files=("wincnc.ini",),
+    knows_machine=_knows_machine,
+)

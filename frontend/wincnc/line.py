@@ -11,6 +11,7 @@ import re
 from typing import Any
 
 from gproof.frontend.common.comment_hints import comment_hint
+from gproof.frontend.wincnc.comment_style import COMMENTS
 from gproof.frontend.wincnc.scan import CLOSING, COMMENT_SIGNS
 from gproof.ir import codes
 from gproof.ir.controls import Lexical
@@ -126,7 +127,7 @@ class LineReader:
             letter = code[at].upper()
             if not ("A" <= letter <= "Z" and code[at].isascii()):
                 what = "this is no command, word or file name of WinCNC"
-                hint = comment_hint("wincnc", code, at)
+                hint = comment_hint(COMMENTS, code, at)
                 raise LineError(codes.SYNTAX, at, len(code.rstrip()), what=what, hint=hint)
             at = _skip(code, at + 1)
             if code[at : at + 1] in ('"', "“", "”") and code[at : at + 1]:

@@ -6,7 +6,7 @@ is not judged. ``*`` stands for the column of the axis, which the setting belong
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 
 ANY = "*"
 Path = tuple[str, ...]
@@ -31,20 +31,11 @@ _OTHERS = {
 }  # fmt: skip
 
 
-def paths(values: Mapping[str, object], path: Path = ()) -> Iterator[Path]:
-    """Every key of a TOML file, with the tables that it stands in; ``-`` counts as ``_``."""
-    for key, value in values.items():
-        here = (*path, key.replace("-", "_"))
-        if isinstance(value, Mapping):
-            yield from paths(value, here)
-        else:
-            yield here
-
-
 def is_replaced(stated: frozenset[Path], key: str, letter: str, column: str, columns: Mapping[str, str]) -> bool:
     """Whether a setting's letter ("" for its only value) is stated anew.
 
-    stated: see ``paths``; column: of the axis that the setting belongs to, "" for none; columns: by letter.
+    stated: see ``files/own_keys.py: key_paths``; column: of the axis that the setting belongs to, "" for none;
+    columns: by letter.
     """
     if not stated:
         return False

@@ -19,7 +19,7 @@ from support.mcuwin_lines import HEAD, random_line
 from gproof.backend.emit.mcuwin import emit
 from gproof.backend.emit.pascal_words import Spelling, joined_words, words_of
 from gproof.cli.main import main
-from gproof.frontend.files.machine import load_machine
+from gproof.driver.dialects import load_machine
 from gproof.frontend.mcuwin.load import load_alone, load_program
 from gproof.frontend.mcuwin.machine import NO_MCUWIN
 from gproof.ir.din import NO_DIN

@@ -14,7 +14,7 @@ from support.goldens import ROOT
 
 from gproof.backend.emit.wincnc import emit
 from gproof.cli.main import main
-from gproof.frontend.files.machine import load_machine
+from gproof.driver.dialects import load_machine
 from gproof.frontend.wincnc.load import load_alone
 from gproof.frontend.wincnc.machine import NO_SHOP
 from gproof.ir.controls import Lexical

@@ -19,8 +19,8 @@ from support.goldens import ROOT
 from gproof.backend.emit.wincnc import emit
 from gproof.cli.dump import loaded
 from gproof.cli.main import main
+from gproof.driver.dialects import load_machine
 from gproof.frontend.common.source import read_source
-from gproof.frontend.files.machine import load_machine
 from gproof.frontend.wincnc.load import load_alone
 from gproof.frontend.wincnc.mac_file import read_macros
 from gproof.frontend.wincnc.mac_program import load_macro_file

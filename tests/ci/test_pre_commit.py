@@ -13,8 +13,7 @@ from ruamel.yaml import YAML
 from support.distribution import OFFLINE, copy_of_the_source
 from support.goldens import ROOT
 
-from gproof.driver.jobs import _NEVER, _NO_JOBS
-from gproof.frontend.common.detect import EXTENSIONS
+from gproof.driver.dialects import extensions, frontends
 from gproof.ir.kernel import cache_root
 
 HOOKS = {hook["id"]: hook for hook in YAML(typ="safe", pure=True).load(ROOT / ".pre-commit-hooks.yaml")}
@@ -37,12 +36,14 @@ def takes(hook: str, name: str) -> bool:
 
 
 def test_files_are_those_that_the_commands_look_for() -> None:
-    for extension in [*EXTENSIONS, ".toml", ".md", ".ini", ".cncx"]:
+    no_jobs = {extension for one in frontends() for extension in one.no_jobs}
+    never = {name for one in frontends() for name in one.never}
+    for extension in [*extensions(), ".toml", ".md", ".ini", ".cncx"]:
         for form in (str.lower, str.upper):
             name = form(f"jobs/part{extension}")
-            assert takes("gproof-check", name) == (extension in EXTENSIONS and extension not in _NO_JOBS), name
-            assert takes("gproof-fmt", name) == (extension in EXTENSIONS and extension not in {".txt", ".iso"}), name
-    assert not any(takes("gproof-check", f"{folder}{name}") for name in _NEVER for folder in ("", "shop/"))
+            assert takes("gproof-check", name) == (extension in extensions() and extension not in no_jobs), name
+            assert takes("gproof-fmt", name) == (extension in extensions() and extension not in {".txt", ".iso"}), name
+    assert not any(takes("gproof-check", f"{folder}{name}") for name in never for folder in ("", "shop/"))
     assert takes("gproof-check", "my-macro.cnc")
     assert takes("gproof-fmt", "shop/macro.cnc")
     # By content some jobs are no text: one that ends in Ctrl-Z would be left out without a word.

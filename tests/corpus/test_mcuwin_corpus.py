@@ -86,7 +86,7 @@ def test_every_machine_is_whole() -> None:
 
 
 def test_the_machine_files_are_read_without_errors() -> None:
-    from gproof.frontend.files.machine import load_machine
+    from gproof.driver.dialects import load_machine
     from gproof.ir.finding import Findings
 
     for shop in SHOPS.iterdir():

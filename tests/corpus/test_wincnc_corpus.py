@@ -10,7 +10,7 @@ import pytest
 from corpus.expectations import JUDGED, ROOT, false_alarms, findings, markers, misplaced, readme_tables, report_of
 from support.command import in_own_process, in_this_process
 
-from gproof.frontend.files.machine import load_machine
+from gproof.driver.dialects import load_machine
 from gproof.frontend.wincnc.load import load_alone
 from gproof.frontend.wincnc.mac_program import load_macro_file
 from gproof.ir.finding import Findings, Severity

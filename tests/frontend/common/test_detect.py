@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from gproof.frontend.common.detect import guess_dialect
+from gproof.driver.dialects import guess_dialect
 
 CORPUS = sorted((Path(__file__).resolve().parents[3] / "corpus" / "eding").glob("*/job.cnc"))
 

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from gproof.frontend.files.machine import load_machine
+from gproof.driver.dialects import load_machine
 from gproof.ir.finding import Findings
 from gproof.ir.machine import AxisKind, Knife, Machine, PitchTable, Slave
 from gproof.ir.text import parse_ir, print_ir

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from gproof.frontend.files.machine import load_machine
+from gproof.driver.dialects import load_machine
 from gproof.ir.finding import Findings
 from gproof.ir.machine import Machine, Spindle
 from gproof.ir.text import parse_ir, print_ir

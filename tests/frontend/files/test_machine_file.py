@@ -13,8 +13,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from support.campaigns import examples
 
+from gproof.driver.dialects import load_machine
 from gproof.frontend.common.exact_numbers import exact_ratio
-from gproof.frontend.files.machine import load_machine
 from gproof.ir.finding import Findings
 from gproof.ir.machine import AxisKind, Board, Controller, Knife, Machine, PitchTable, Slave
 from gproof.ir.text import parse_ir, print_ir

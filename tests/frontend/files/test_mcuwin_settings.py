@@ -11,7 +11,7 @@ from hypothesis import HealthCheck, given
 from hypothesis import strategies as st
 from support.campaigns import examples
 
-from gproof.frontend.files.machine import load_machine
+from gproof.driver.dialects import load_machine
 from gproof.ir.din import ACTIONS, Din, RadiusTool, TaskCode
 from gproof.ir.finding import Findings
 from gproof.ir.machine import Machine

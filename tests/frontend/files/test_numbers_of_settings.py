@@ -17,7 +17,7 @@ from frontend.files.test_own_keys import HEADS, header, tables
 from support.campaigns import seeds
 from support.command import in_this_process
 
-from gproof.frontend.files.machine import load_machine
+from gproof.driver.dialects import load_machine
 from gproof.frontend.files.own_keys import KEYS
 from gproof.frontend.files.setup import load_setup
 from gproof.frontend.wincnc.ini_keys import KEYS as WINCNC

@@ -13,10 +13,10 @@ import pytest
 
 from gproof.cli.main import main
 from gproof.cli.telling import tell
+from gproof.driver.dialects import load_machine
 from gproof.driver.errors import Tell, UsageError
 from gproof.driver.jobs import read_job_file
 from gproof.driver.policy import load_policy
-from gproof.frontend.files.machine import load_machine
 from gproof.frontend.files.own_keys import KEYS, Keys, suggestion
 from gproof.frontend.files.setup import load_setup
 from gproof.frontend.files.toml_table import TomlFile

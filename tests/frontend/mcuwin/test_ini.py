@@ -11,7 +11,7 @@ from hypothesis import HealthCheck, given
 from hypothesis import strategies as st
 from support.campaigns import examples
 
-from gproof.frontend.files.machine import load_machine
+from gproof.driver.dialects import load_machine
 from gproof.frontend.mcuwin.ini_text import IniText, decimal
 from gproof.frontend.mcuwin.machine import NO_MCUWIN
 from gproof.frontend.mcuwin.tool_comp import load_tools

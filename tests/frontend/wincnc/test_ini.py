@@ -10,7 +10,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from gproof.frontend.files.machine import load_machine
+from gproof.driver.dialects import load_machine
 from gproof.frontend.wincnc.ini_check import columns_of
 from gproof.frontend.wincnc.ini_file import without_comments
 from gproof.frontend.wincnc.ini_keys import KEYS

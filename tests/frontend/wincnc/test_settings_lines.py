@@ -11,7 +11,7 @@ import pytest
 from support.goldens import ROOT
 
 from gproof.cli.main import main
-from gproof.frontend.files.machine import load_machine
+from gproof.driver.dialects import load_machine
 from gproof.frontend.wincnc.load import load_program
 from gproof.ir.finding import Findings
 from gproof.ir.machine import Machine

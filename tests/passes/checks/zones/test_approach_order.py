@@ -66,7 +66,7 @@ def test_what_a_range_leaves_open(tmp_path: Path) -> None:
 
 
 def test_without_a_height_the_table_is_a_mistake(tmp_path: Path) -> None:
-    from gproof.frontend.files.machine import load_machine
+    from gproof.driver.dialects import load_machine
     from gproof.ir.finding import Findings
 
     path = tmp_path / "machine.toml"

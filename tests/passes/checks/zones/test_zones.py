@@ -256,7 +256,7 @@ def test_homing_may_go_anywhere_along_its_axes(tmp_path: Path) -> None:
     ],
 )  # fmt: skip
 def test_mistakes_in_zones_have_their_finding(tmp_path: Path, text: str, label: str) -> None:
-    from gproof.frontend.files.machine import load_machine
+    from gproof.driver.dialects import load_machine
     from gproof.ir.finding import Findings
 
     path = tmp_path / "machine.toml"

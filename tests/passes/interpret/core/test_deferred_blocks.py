@@ -8,9 +8,9 @@ from pathlib import Path
 
 import pytest
 
+from gproof.driver.dialects import load_machine
 from gproof.frontend.eding import load as loading
 from gproof.frontend.eding.line_cache import Reader
-from gproof.frontend.files.machine import load_machine
 from gproof.ir.finding import Finding, Findings
 from gproof.ir.program import DeferredBlock
 from gproof.ir.setup import ZERO

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 from passes.interpret.core.programs import HEAD, run_whole
 
-from gproof.frontend.files.machine import load_machine
+from gproof.driver.dialects import load_machine
 from gproof.ir.finding import Findings
 from gproof.ir.machine import Machine, Spindle
 from gproof.passes.motion.plan import plan

@@ -1,0 +1,89 @@
+"""What a dialect's folder gives: its ``__init__.py`` exports a ``Frontend``, and ``driver/dialects.py`` lists it.
+
+Everything heavy stands behind functions that import it when they are called, so that all frontends can be listed while
+one reads a job.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from gproof.ir.record import record
+
+if TYPE_CHECKING:
+    from gproof.ir.finding import Findings
+    from gproof.ir.machine import Machine
+    from gproof.ir.program import Program
+
+Files = list[tuple[str, str]]
+"""(name, sha256) of the files that were read, in order."""
+
+
+@record(frozen=True, slots=True, kw_only=True)
+class Marker:
+    """A text that only programs of one controller have. rank: markers of all dialects are looked for by it, the lowest
+    first; reason: as reports say it; pattern: of bytes."""
+
+    rank: int
+    reason: str
+    pattern: bytes
+
+
+@record(frozen=True, slots=True, kw_only=True)
+class Alike:
+    """A text of this dialect that another one's marker would take for its own. reason: of that marker, which says
+    nothing then where the folder is one of this dialect; by_extension: nor where the file's extension says so."""
+
+    reason: str
+    by_extension: bool = False
+
+
+@record(frozen=True, slots=True, kw_only=True)
+class Reading:
+    """What a job is read with. machine: of the machine file, or of none; read: the files that it came from; call: the
+    subprogram that is judged, "" for the job itself."""
+
+    job: Path
+    findings: Findings
+    machine: Machine
+    machine_file: Path | None
+    read: Sequence[Path] = ()
+    call: str = ""
+
+
+Read = tuple["Program | None", "Machine"]
+"""The program, None where the job's file is refused, and the machine that it is judged on."""
+
+
+@record(frozen=True, slots=True, kw_only=True)
+class Frontend:
+    """name: as ``--dialect`` has it.
+
+    extensions: of programs, which decide when their text says nothing; no_jobs: those among them that a folder is not
+    searched for; never: names of files that are no jobs either.
+    shop_files: names of files that only a folder of this controller has; settings: what files of settings are called,
+    with what they are, in words.
+    markers, alike: how a program is told from those of other dialects.
+    open_offsets: kinds of symbols that an operator sets to move the zero (``ir/trace.py``, Frames).
+    load_program: reads a job with all that it calls.
+    load_machine: reads the controller's own machine file: (path, findings, whether no other file refines it, the keys
+    that such a file states anew). machine_files: names of it; knows_machine: whether a file of another name is one,
+    None: whatever nobody else knows. completed: what a machine of this dialect has that no file names.
+    """
+
+    name: str
+    extensions: tuple[str, ...]
+    no_jobs: tuple[str, ...] = ()
+    never: tuple[str, ...] = ()
+    shop_files: tuple[str, ...] = ()
+    settings: tuple[tuple[str, str], ...] = ()
+    markers: tuple[Marker, ...] = ()
+    alike: tuple[Alike, ...] = ()
+    open_offsets: tuple[str, ...] = ("work",)
+    load_program: Callable[[Reading], Read]
+    load_machine: Callable[[Path, Findings, bool, frozenset[tuple[str, ...]]], tuple[Machine | None, Files]]
+    machine_files: tuple[str, ...] = ()
+    knows_machine: Callable[[Path], bool] | None = None
+    completed: Callable[[Machine], Machine] = lambda machine: machine

@@ -1,0 +1,9 @@
+"""Comments of Eding CNC programs (manual 3.2.4)."""
+
+from __future__ import annotations
+
+from gproof.frontend.common.comment_hints import CommentStyle
+
+COMMENTS = CommentStyle(
+    ("(", ";"), "a comment stands in parentheses, or begins with ; and goes to the end of the line"
+)  # fmt: skip
