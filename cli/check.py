@@ -23,13 +23,10 @@ from gproof.driver.session import Running, open_session
 from gproof.driver.suppressions import read_baseline, write_baseline
 from gproof.ir.trace import Chunk
 from gproof.report.escape import json_text
+from gproof.report.formats import DOCUMENTS
 from gproof.report.summary import print_brief, print_summary, report_for_people, report_json
 from gproof.report.text import coloured
 from gproof.report.units import CHOICES
-
-SCHEMA_OF_SEVERAL = "gproof-check-several/1"
-DOCUMENTS = ("json", "sarif", "junit", "github", "markdown")
-"""Forms that ``--report`` writes."""
 
 
 def run_check(
@@ -101,7 +98,7 @@ def _told(outcomes: Iterator[Outcome], form: str, output: Path | None, every: bo
                 click.echo(line, err=True)
             click.echo(f"gproof: error: {in_one_line(outcome.problem)}", err=True)
     with _into(output):
-        click.echo(_document(kept, form, every))
+        click.echo(DOCUMENTS[form](kept, every))
     return kept
 
 
@@ -128,7 +125,7 @@ def _write(
         if single and form == "json" and only.report is not None:
             text = json_text(only.report, indent=2)
         else:
-            text = _document(outcomes, form, every)
+            text = DOCUMENTS[form](outcomes, every)
         write_text(place, text + "\n", "report")
 
 
@@ -146,36 +143,6 @@ def _written(reports: Sequence[tuple[str, Path]], job: str, every: bool) -> Iter
         _write(reports, [Outcome(job=job, problem=error.message)], every)
         raise UsageError(error.message) from None
     _write(reports, told, every, single=True)
-
-
-def _document(outcomes: list[Outcome], form: str, every: bool) -> str:
-    if form == "sarif":
-        from gproof.report.sarif import sarif
-
-        return sarif(outcomes)
-    if form == "junit":
-        from gproof.report.junit import junit
-
-        return junit(outcomes)
-    if form == "github":
-        from gproof.report.github import workflow_commands
-
-        return workflow_commands(outcomes, every=every)
-    if form == "markdown":
-        from gproof.report.markdown import markdown
-
-        return markdown(outcomes, every=every)
-    answers = [
-        outcome.report
-        if outcome.report is not None
-        else {"job": outcome.job, "problem": outcome.problem, **({"details": outcome.text} if outcome.text else {})}
-        for outcome in outcomes
-    ]
-    counts = dict.fromkeys(("SAFE", "UNSAFE", "UNKNOWN", "not_judged", "conditional"), 0)
-    for outcome in outcomes:
-        counts[outcome.verdict.value if outcome.verdict else "not_judged"] += 1
-        counts["conditional"] += outcome.report is not None and bool(outcome.report["conditional"])
-    return json_text({"schema": SCHEMA_OF_SEVERAL, "counts": counts, "jobs": answers}, indent=2)
 
 
 @contextlib.contextmanager

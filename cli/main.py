@@ -24,6 +24,7 @@ from gproof.cli.telling import tell_error
 from gproof.driver.dialects import DIALECTS
 from gproof.driver.errors import COULD_NOT_RUN, UsageError
 from gproof.driver.escape import in_one_line
+from gproof.report.formats import DOCUMENTS
 
 _STDERR = 2
 MOST = 10**15
@@ -124,7 +125,7 @@ def _job_options(command: Any, *, machines: bool = False) -> Any:
 @click.option(
     "--format",
     "form",
-    type=click.Choice(["text", "json", "sarif", "junit", "github", "markdown"]),
+    type=click.Choice(["text", *DOCUMENTS]),
     default="text",
     help="Report as text, or for other programs.",
 )
