@@ -8,9 +8,9 @@ import pytest
 from cli.packages import BOARD, JOB, MACHINE, Shop, resigned
 from support.command import Done
 
+from gproof.backend.boards import registry as boards
 from gproof.backend.boards.virtual import VirtualBoard
 from gproof.cli import main
-from gproof.driver import boards
 from gproof.verify.certificate import create_key
 
 ONE_LINE = re.compile(r"gproof(?: \w+)*: error: [^\n]+\n\Z")
