@@ -7,41 +7,55 @@ import os
 import shutil
 import sys
 import tempfile
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from itertools import zip_longest
 from pathlib import Path
 
 import click
 
-from gproof.backend.emit.eding import emit
-from gproof.cli.fmt_form import Form
-from gproof.driver.dialects import extensions
+from gproof.backend.emit.printer import Printer
+from gproof.driver.dialects import DIALECTS, extensions, frontends
 from gproof.driver.errors import UsageError
 from gproof.driver.escape import in_one_line
 from gproof.driver.files import require_file, require_program
 from gproof.driver.session import dialect_of
 from gproof.driver.source_text import line_text
-from gproof.frontend.eding.load import load_alone
+from gproof.frontend.common.alone import Alone
 from gproof.ir import codes
 from gproof.ir.finding import Finding, Findings, Refusal, Severity, Span
 from gproof.ir.kernel import Kernel
 from gproof.ir.machine import NO_MACHINE, Machine
 from gproof.ir.program import Program
+from gproof.ir.record import record
 from gproof.ir.same import difference
 from gproof.passes.interpret.understood_lines import doubtful_lines
 from gproof.report.escape import program_line
 from gproof.report.text import print_findings
 
 STANDARD_INPUT = Path("-")
-MACROS = "cnc.mac"
-"""WinCNC's macro file, which holds definitions."""
 SECONDS_A_BYTE = 2e-6
 """What reading, printing and reading again takes in plain Python for a byte of source."""
 CONTEXT = 3
 """Lines around a change that ``--diff`` shows."""
 LONGEST_RUN = 1000
 """Changed lines that ``--diff`` shows before their new forms."""
+
+
+@record(frozen=True, slots=True)
+class Form:
+    """How a file is read and printed."""
+
+    alone: Alone
+    printer: Printer
+
+    def emit(self, program: Program) -> Iterable[bytes]:
+        """Its text."""
+        return self.printer.emit(program, self.alone.machine, self.alone.as_is())
+
+    def instead(self) -> Iterator[Form]:
+        """Other ways to read a file that has mistakes in this one."""
+        return (Form(other, self.printer) for other in self.alone.instead())
 
 
 class Forms:
@@ -58,31 +72,31 @@ class Forms:
     def of(self, source: Path, path: Path) -> Form:
         """For the file ``source``, which stands for ``path``; UsageError for a language not read."""
         folder = None if path == STANDARD_INPUT else path.parent
-        beside = self._beside(folder)
-        machine_file = self.machine_file or beside.get("wincnc.ini")
-        machine = NO_MACHINE if machine_file is None or self.dialect == "eding" else self._machine(machine_file)
-        dialect = self.dialect
-        if path.name.lower() == MACROS:
-            dialect = dialect or machine.controller.dialect or "wincnc"
-            if dialect != "wincnc":
-                raise UsageError(f"file {path}: holds macros of WinCNC, not of {dialect}")
-            return _macro_file(machine, folder)
-        if dialect is None and machine.controller.dialect is None and "cnc.mac" in beside:
-            dialect = "wincnc"
+        beside = {} if folder is None else {one.name.lower(): one for one in folder.iterdir()}
+        machine_file = self.machine_file or self._of_folder(beside)
+        machine = NO_MACHINE if machine_file is None or not self._asks_machine() else self._machine(machine_file)
+        dialect, known = self.dialect, machine.controller.dialect
+        for one in frontends():
+            if not one.definitions:
+                continue
+            if path.name.lower() == one.definitions:
+                dialect = dialect or known or one.name
+                if dialect != one.name:
+                    raise UsageError(f"file {path}: holds macros of {one.title}, not of {dialect}")
+            elif dialect is None and known is None and one.definitions in beside:
+                dialect = one.name
         dialect, _ = dialect_of(source, dialect, machine, machine_file)
-        if dialect == "eding":
-            return Form(load_alone, emit)
-        if dialect == "mcuwin":
-            from gproof.cli.fmt_mcuwin import mcuwin_form
+        found = DIALECTS[dialect]
+        return Form(found.frontend.alone(machine, machine_file, folder, path), found.printer)
 
-            return mcuwin_form(machine, machine_file, folder, path)
-        return _wincnc(machine, [file.parent for file in (machine_file,) if file is not None], folder)
+    def _asks_machine(self) -> bool:
+        """Whether settings of a machine say how lines of the language are read that is given, or may be."""
+        return self.dialect is None or DIALECTS[self.dialect].frontend.lines_of_machine
 
-    def _beside(self, folder: Path | None) -> dict[str, Path]:
-        """The files of a folder that say how WinCNC reads lines, by name in lower case."""
-        if folder is None:
-            return {}
-        return {path.name.lower(): path for path in folder.iterdir() if path.name.lower() in ("wincnc.ini", "cnc.mac")}
+    def _of_folder(self, beside: dict[str, Path]) -> Path | None:
+        """The machine file that a folder has for its programs."""
+        names = (one.folder_machine for one in frontends() if one.folder_machine)
+        return next((beside[name] for name in names if name in beside), None)
 
     def _machine(self, path: Path) -> Machine:
         """The machine of a file, read once; UsageError, with findings, for one with mistakes."""
@@ -97,36 +111,6 @@ class Forms:
                 raise UsageError(f"the machine file {path} can not be used")
             self.machines[path] = machine
         return self.machines[path]
-
-
-def _wincnc(machine: Machine, folders: list[Path], own: Path | None) -> Form:
-    from gproof.backend.emit.wincnc import emit as emit_wincnc
-    from gproof.frontend.wincnc.load import load_alone as load_wincnc
-    from gproof.frontend.wincnc.machine import NO_SHOP
-
-    lexical = machine.controller.controls.lexical
-    where = [*folders, *([own] if own is not None else [])]
-    return Form(
-        lambda path, findings, name: load_wincnc(path, findings, name, machine=machine, folders=where),
-        lambda program: emit_wincnc(program, lexical),
-        machine=machine if machine is not NO_MACHINE else NO_SHOP,
-    )
-
-
-def _macro_file(machine: Machine, folder: Path | None) -> Form:
-    from gproof.backend.emit.wincnc import emit as emit_wincnc
-    from gproof.cli.fmt_macros import other_programs
-    from gproof.frontend.wincnc.mac_program import load_macro_file
-    from gproof.frontend.wincnc.machine import NO_SHOP
-
-    lexical = machine.controller.controls.lexical
-    return Form(
-        lambda path, findings, name: load_macro_file(path, findings, name, machine=machine),
-        lambda program: emit_wincnc(program, lexical),
-        lambda before, after: other_programs(folder, before, after, machine),
-        lambda program: emit_wincnc(program, lexical, same_length=True),
-        machine=machine if machine is not NO_MACHINE else NO_SHOP,
-    )
 
 
 def run_fmt(
@@ -178,12 +162,13 @@ def _with_folders(files: tuple[Path, ...]) -> Iterator[Path]:
 
     A macro file comes first: what a line of a program stands for, and how long it is then, is counted with its form.
     """
+    first = {one.definitions for one in frontends()}
     for path in files:
         if path == STANDARD_INPUT or not path.is_dir():
             yield path
             continue
         programs = [
-            file for file in sorted(path.iterdir(), key=lambda file: (file.name.lower() != MACROS, file))
+            file for file in sorted(path.iterdir(), key=lambda file: (file.name.lower() not in first, file))
             if file.suffix.lower() in extensions() and file.suffix.lower() != ".txt" and file.is_file()
         ]  # fmt: skip
         if not programs:
@@ -257,26 +242,28 @@ def _format(form: Form, source: Path, scratch: Path, name: str) -> bool:
                 shutil.copyfile(more, scratch)
                 done = other
             elif not filecmp.cmp(more, scratch, shallow=False):
-                click.echo(f"{in_one_line(name)}: {done.what} and {other.what} read it in different ways", err=True)
+                both = f"{done.alone.what} and {other.alone.what}"
+                click.echo(f"{in_one_line(name)}: {both} read it in different ways", err=True)
                 return False
     if done is None:
         print_findings(failed, err=True)
         return False
-    if done.said():
-        click.echo(f"{in_one_line(name)}: {done.said()}", err=True)
+    if said := done.alone.said():
+        click.echo(f"{in_one_line(name)}: {said}", err=True)
     return True
 
 
 def _tried(form: Form, source: Path, scratch: Path, name: str) -> Findings | None:
     """Print ``source`` into ``scratch``; what was found when that can not be done."""
     findings = Findings()
-    program = form.load(source, findings, name)
+    program = form.alone.load(source, findings, name)
     if program is None or findings.has(Severity.ERROR):
         return findings
     try:
-        finding = _printed(form, form.emit, program, source, scratch, name)
-        if finding is not None and finding.code is codes.NOT_PRINTABLE and form.emit_less is not None:
-            finding = _printed(form, form.emit_less, program, source, scratch, name)
+        finding = _printed(form, form.emit(program), program, source, scratch, name)
+        less = form.printer.emit_less
+        if finding is not None and finding.code is codes.NOT_PRINTABLE and less is not None:
+            finding = _printed(form, less(program, form.alone.machine), program, source, scratch, name)
     except Refusal as refusal:
         finding = refusal.finding
     if finding is None:
@@ -286,24 +273,24 @@ def _tried(form: Form, source: Path, scratch: Path, name: str) -> Findings | Non
 
 
 def _printed(
-    form: Form, emit: Callable[[Program], Iterable[bytes]], program: Program, source: Path, scratch: Path, name: str
+    form: Form, text: Iterable[bytes], program: Program, source: Path, scratch: Path, name: str
 ) -> Finding | None:
     """Print a program into ``scratch``, read it again and compare; a finding when something is not the same."""
     with scratch.open("wb") as file:
-        for piece in emit(program):
+        for piece in text:
             file.write(piece)
-    _keep(doubtful_lines(program, form.machine), source, scratch)
+    _keep(doubtful_lines(program, form.alone.machine), source, scratch)
     if filecmp.cmp(source, scratch, shallow=False):
         return None
     findings = Findings()
-    again = form.load(scratch, findings, name)
+    again = form.alone.load(scratch, findings, name)
     if again is None or findings.has(Severity.ERROR):
         what = next((f"{f.message} (line {f.span.line})" for f in findings.kept), "it can not be read")
     else:
-        what = difference(program, again) or form.judge(program, again)
+        what = difference(program, again) or form.printer.judge(program, again, form.alone.machine)
     if what:
         return codes.FORMAT_DIFFERS.at(Span(name, 1), what=what)
-    others = form.others(source, scratch)
+    others = form.alone.others(source, scratch)
     return codes.NOT_PRINTABLE.at(Span(name, 1), what=others) if others else None
 
 

@@ -8,10 +8,12 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from gproof.backend.emit import eding as emit_eding
+from gproof.backend.emit import mcuwin as emit_mcuwin
+from gproof.backend.emit import wincnc as emit_wincnc
+from gproof.backend.emit.printer import Printer
+from gproof.frontend import eding, mcuwin, wincnc
 from gproof.frontend.common.frontend import Files, Frontend
-from gproof.frontend.eding import FRONTEND as EDING
-from gproof.frontend.mcuwin import FRONTEND as MCUWIN
-from gproof.frontend.wincnc import FRONTEND as WINCNC
 from gproof.ir.record import record
 
 if TYPE_CHECKING:
@@ -21,15 +23,16 @@ if TYPE_CHECKING:
 
 @record(frozen=True, slots=True, kw_only=True)
 class Dialect:
-    """What gproof knows of a controller's language. frontend: reads its programs and its files."""
+    """What gproof knows of a controller's language. frontend: reads its programs and files; printer: prints them."""
 
     frontend: Frontend
+    printer: Printer
 
 
 DIALECTS: dict[str, Dialect] = {
-    "eding": Dialect(frontend=EDING),
-    "wincnc": Dialect(frontend=WINCNC),
-    "mcuwin": Dialect(frontend=MCUWIN),
+    "eding": Dialect(frontend=eding.FRONTEND, printer=emit_eding.PRINTER),
+    "wincnc": Dialect(frontend=wincnc.FRONTEND, printer=emit_wincnc.PRINTER),
+    "mcuwin": Dialect(frontend=mcuwin.FRONTEND, printer=emit_mcuwin.PRINTER),
 }
 
 

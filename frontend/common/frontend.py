@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 from gproof.ir.record import record
 
 if TYPE_CHECKING:
+    from gproof.frontend.common.alone import Alone
     from gproof.ir.finding import Findings
     from gproof.ir.machine import Machine
     from gproof.ir.program import Program
@@ -53,13 +54,16 @@ class Reading:
     call: str = ""
 
 
+FileOf = Callable[["Machine", Path | None, Path | None, Path], "Alone"]
+"""How a file by itself is read: (machine, its file, the folder that the file stands in or None, the file)."""
+
 Read = tuple["Program | None", "Machine"]
 """The program, None where the job's file is refused, and the machine that it is judged on."""
 
 
 @record(frozen=True, slots=True, kw_only=True)
 class Frontend:
-    """name: as ``--dialect`` has it.
+    """name: as ``--dialect`` has it; title: as people have it.
 
     extensions: of programs, which decide when their text says nothing; no_jobs: those among them that a folder is not
     searched for; never: names of files that are no jobs either.
@@ -67,13 +71,16 @@ class Frontend:
     with what they are, in words.
     markers, alike: how a program is told from those of other dialects.
     open_offsets: kinds of symbols that an operator sets to move the zero (``ir/trace.py``, Frames).
-    load_program: reads a job with all that it calls.
+    load_program: reads a job with all that it calls. alone: how one file is read to be printed again; definitions: name
+    of a file of the folder that holds what lines stand for; lines_of_machine: whether settings of a machine say how
+    lines are read; folder_machine: name of its file, which is looked for beside a program then.
     load_machine: reads the controller's own machine file: (path, findings, whether no other file refines it, the keys
     that such a file states anew). machine_files: names of it; knows_machine: whether a file of another name is one,
     None: whatever nobody else knows. completed: what a machine of this dialect has that no file names.
     """
 
     name: str
+    title: str
     extensions: tuple[str, ...]
     no_jobs: tuple[str, ...] = ()
     never: tuple[str, ...] = ()
@@ -83,6 +90,10 @@ class Frontend:
     alike: tuple[Alike, ...] = ()
     open_offsets: tuple[str, ...] = ("work",)
     load_program: Callable[[Reading], Read]
+    alone: FileOf
+    definitions: str = ""
+    lines_of_machine: bool = True
+    folder_machine: str = ""
     load_machine: Callable[[Path, Findings, bool, frozenset[tuple[str, ...]]], tuple[Machine | None, Files]]
     machine_files: tuple[str, ...] = ()
     knows_machine: Callable[[Path], bool] | None = None

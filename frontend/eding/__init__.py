@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 from gproof.frontend.common.frontend import Files, Frontend, Marker, Read, Reading
 
 if TYPE_CHECKING:
+    from gproof.frontend.common.alone import Alone
     from gproof.ir.finding import Findings
     from gproof.ir.machine import Machine
 
@@ -16,6 +17,13 @@ def _load_program(job: Reading) -> Read:
     from gproof.frontend.eding.job import load_job
 
     return load_job(job)
+
+
+def _alone(machine: Machine, machine_file: Path | None, folder: Path | None, path: Path) -> Alone:
+    from gproof.frontend.common.alone import Alone
+    from gproof.frontend.eding.load import load_alone
+
+    return Alone(load_alone)
 
 
 def _load_machine(
@@ -28,6 +36,7 @@ def _load_machine(
 
 FRONTEND = Frontend(
     name="eding",
+    title="Eding CNC",
     extensions=(".cnc", ".ngc", ".nc", ".gcode", ".gc", ".g", ".ncd", ".iso", ".txt", ".eia"),
     no_jobs=(".iso", ".txt"),
     never=("macro.cnc", "user_macro.cnc"),
@@ -44,5 +53,7 @@ FRONTEND = Frontend(
         ),
     ),
     load_program=_load_program,
+    alone=_alone,
+    lines_of_machine=False,
     load_machine=_load_machine,
 )

@@ -6,8 +6,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from gproof.frontend.common.frontend import Alike, Files, Frontend, Marker, Read, Reading
+from gproof.frontend.mcuwin.names import EXTENSIONS, INCLUDE_FILES
 
 if TYPE_CHECKING:
+    from gproof.frontend.common.alone import Alone
     from gproof.ir.finding import Findings
     from gproof.ir.machine import Machine
 
@@ -16,6 +18,12 @@ def _load_program(job: Reading) -> Read:
     from gproof.frontend.mcuwin.job import load_job
 
     return load_job(job)
+
+
+def _alone(machine: Machine, machine_file: Path | None, folder: Path | None, path: Path) -> Alone:
+    from gproof.frontend.mcuwin.alone import alone
+
+    return alone(machine, machine_file, folder, path)
 
 
 def _load_machine(
@@ -40,8 +48,9 @@ def _completed(machine: Machine) -> Machine:
 
 FRONTEND = Frontend(
     name="mcuwin",
-    extensions=(".pim", ".din", ".src", ".inc"),
-    no_jobs=(".inc",),
+    title="McuWIN",
+    extensions=EXTENSIONS,
+    no_jobs=INCLUDE_FILES,
     shop_files=("mcuwin.ini", "toolcomp.ini"),
     settings=(
         ("mcuwin.ini", "the settings of McuWIN; --machine takes it"),
@@ -59,6 +68,7 @@ FRONTEND = Frontend(
     alike=(Alike(reason="L code", by_extension=True),),
     open_offsets=("work", "g92"),
     load_program=_load_program,
+    alone=_alone,
     load_machine=_load_machine,
     machine_files=("mcuwin.ini",),
     knows_machine=_knows_machine,

@@ -11,3 +11,9 @@ NAME = re.compile(r"[A-Za-z0-9_]+", re.ASCII)
 def label_name(text: str) -> str:
     """In lower case; of digits without leading zeros, so that ``L0114`` is ``L114``."""
     return str(int(text)) if text.isascii() and text.isdigit() and len(text) < 1000 else text.lower()
+
+
+EXTENSIONS = (".pim", ".din", ".src", ".inc")
+"""Of programs, and of files that they include."""
+INCLUDE_FILES = (".inc",)
+"""Extensions of files that are no jobs."""

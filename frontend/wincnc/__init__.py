@@ -6,8 +6,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from gproof.frontend.common.frontend import Alike, Files, Frontend, Marker, Read, Reading
+from gproof.frontend.wincnc.file_names import EXTENSIONS, MACRO_FILE, SETTINGS
 
 if TYPE_CHECKING:
+    from gproof.frontend.common.alone import Alone
     from gproof.ir.finding import Findings
     from gproof.ir.machine import Machine
 
@@ -16,6 +18,12 @@ def _load_program(job: Reading) -> Read:
     from gproof.frontend.wincnc.job import load_job
 
     return load_job(job)
+
+
+def _alone(machine: Machine, machine_file: Path | None, folder: Path | None, path: Path) -> Alone:
+    from gproof.frontend.wincnc.alone import alone
+
+    return alone(machine, machine_file, folder, path)
 
 
 def _load_machine(
@@ -34,10 +42,11 @@ def _knows_machine(path: Path) -> bool:
 
 FRONTEND = Frontend(
     name="wincnc",
-    extensions=(".tap", ".mac", ".wnc"),
+    title="WinCNC",
+    extensions=EXTENSIONS,
     no_jobs=(".mac",),
-    shop_files=("wincnc.ini", "cnc.mac"),
-    settings=(("wincnc.ini", "the settings of WinCNC; --machine takes it"),),
+    shop_files=(SETTINGS, MACRO_FILE),
+    settings=((SETTINGS, "the settings of WinCNC; --machine takes it"),),
     markers=(
         Marker(rank=40, reason="L code", pattern=rb"(?mi)^[ \t]*L\d+\b"),
         Marker(rank=41, reason="bracketed comment or macro call", pattern=rb"(?m)^[ \t]*\["),
@@ -47,7 +56,10 @@ FRONTEND = Frontend(
     alike=(Alike(reason="program number behind %"),),
     open_offsets=("g92",),
     load_program=_load_program,
+    alone=_alone,
+    definitions=MACRO_FILE,
+    folder_machine=SETTINGS,
     load_machine=_load_machine,
-    machine_files=("wincnc.ini",),
+    machine_files=(SETTINGS,),
     knows_machine=_knows_machine,
 )

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from gproof.frontend.common.frontend import Read, Reading
+from gproof.frontend.wincnc.file_names import MACRO_FILE
 from gproof.frontend.wincnc.load import load_program
-from gproof.frontend.wincnc.mac_file import MACRO_FILE
 from gproof.frontend.wincnc.mac_program import load_macro_file
 from gproof.frontend.wincnc.machine import NO_SHOP
 from gproof.ir import codes

@@ -14,8 +14,9 @@ from pathlib import Path
 from typing import Any
 
 from gproof.frontend.common.source import UTF8_MARK, decode, newline_of, read_source
+from gproof.frontend.wincnc.file_names import MACRO_FILE
 from gproof.frontend.wincnc.line import LineError, LineReader, NumberedLine
-from gproof.frontend.wincnc.mac_file import MACRO_FILE, Macro
+from gproof.frontend.wincnc.mac_file import Macro
 from gproof.frontend.wincnc.machine import NO_SHOP
 from gproof.frontend.wincnc.notes import Annotator, skip_count
 from gproof.frontend.wincnc.scan import Scanner, scanner

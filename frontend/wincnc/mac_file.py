@@ -21,9 +21,6 @@ from gproof.ir.finding import Findings, Related, Span
 from gproof.ir.program import SourceFile
 from gproof.ir.record import record
 
-MACRO_FILE = "cnc.mac"
-"""Its name, in lower case."""
-
 COMMENT_SIGNS = "[(%"
 """Signs that begin a comment wherever they stand, besides those of comchars=."""
 

@@ -18,7 +18,7 @@ from support import wild
 from support.campaigns import seeds
 from support.goldens import ROOT
 
-from gproof.backend.emit.eding import emit
+from gproof.backend.emit.eding.program import emit
 from gproof.backend.emit.numbers import number_text
 from gproof.cli.main import main
 from gproof.frontend.eding.load import load_alone
@@ -476,7 +476,7 @@ def test_programs_that_differ_are_told_apart(tmp_path: Path, one: bytes, other: 
 
 
 def test_every_command_has_a_text() -> None:
-    from gproof.backend.emit.eding_statements import _DEVICES
+    from gproof.backend.emit.eding.statements import _DEVICES
 
     # The manual gives height maps no syntax for these; wait is another controller's.
     unread = {"height_map_load", "height_map_on", "height_map_off", "wait"}

@@ -16,8 +16,8 @@ from support.campaigns import share, sizes
 from support.goldens import ROOT
 from support.mcuwin_lines import HEAD, random_line
 
-from gproof.backend.emit.mcuwin import emit
-from gproof.backend.emit.pascal_words import Spelling, joined_words, words_of
+from gproof.backend.emit.mcuwin.pascal_words import Spelling, joined_words, words_of
+from gproof.backend.emit.mcuwin.program import emit
 from gproof.cli.main import main
 from gproof.driver.dialects import load_machine
 from gproof.frontend.mcuwin.load import load_alone, load_program

@@ -15,7 +15,7 @@ from support.campaigns import share
 from support.goldens import ROOT
 from support.mcuwin_lines import HEAD, random_line
 
-from gproof.backend.emit.mcuwin_tree import text_of
+from gproof.backend.emit.mcuwin.tree import text_of
 from gproof.driver.dialects import load_machine
 from gproof.frontend.mcuwin.load import load_program
 from gproof.frontend.mcuwin.machine import NO_MCUWIN

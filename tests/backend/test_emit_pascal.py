@@ -10,8 +10,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from gproof.backend.emit.pascal import Printer, first_number, layout
-from gproof.backend.emit.pascal_expressions import ExpressionPrinter, Style
+from gproof.backend.emit.mcuwin.pascal import Printer, first_number, layout
+from gproof.backend.emit.mcuwin.pascal_expressions import ExpressionPrinter, Style
 from gproof.frontend.mcuwin.pascal import Place, Simple, Symbols, parse_dollar, parse_expression, parse_section
 from gproof.ir import program as p
 from gproof.ir.finding import Findings, Severity, Span

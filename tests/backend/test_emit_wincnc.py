@@ -12,7 +12,7 @@ import pytest
 from support.campaigns import share, sizes
 from support.goldens import ROOT
 
-from gproof.backend.emit.wincnc import emit
+from gproof.backend.emit.wincnc.program import emit
 from gproof.cli.main import main
 from gproof.driver.dialects import load_machine
 from gproof.frontend.wincnc.load import load_alone

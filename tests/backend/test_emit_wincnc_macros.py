@@ -16,7 +16,7 @@ from hypothesis import strategies as st
 from support.campaigns import examples, share
 from support.goldens import ROOT
 
-from gproof.backend.emit.wincnc import emit
+from gproof.backend.emit.wincnc.program import emit
 from gproof.cli.dump import loaded
 from gproof.cli.main import main
 from gproof.driver.dialects import load_machine

@@ -15,7 +15,6 @@ import pytest
 from support import wild
 from support.campaigns import seeds
 
-from gproof.cli import fmt
 from gproof.cli.main import main
 
 UGLY = "g0x1\n#1=[1+2]\nif[#1==3]then\ng1x2.50       ; cut\nendif\nm30\n"
@@ -86,7 +85,7 @@ def test_diff_is_a_patch(folder: Path, gproof) -> None:
 @pytest.mark.parametrize("seed", seeds(3, 6))
 def test_a_patched_file_is_the_formatted_one(folder: Path, gproof, seed: int, monkeypatch: pytest.MonkeyPatch) -> None:
     rng = random.Random(seed)
-    monkeypatch.setattr(fmt, "LONGEST_RUN", 3)
+    monkeypatch.setattr("gproof.cli.fmt.LONGEST_RUN", 3)
     lines = [rng.choice(["G0 X1", "g0x1", "G1 X2 Y3", ""] if rng.random() < 0.3 else ["G0 X1"]) for _ in range(200)]
     (folder / "long.cnc").write_text("\n".join(lines) + rng.choice(["", "\n"]))
     _, patch, _ = gproof("--diff", "long.cnc")
@@ -191,7 +190,7 @@ def test_a_text_that_differs_is_never_written(
 ) -> None:
     """A printer with a defect: the comparison finds it, and the file stays."""
     text = broken + NICE.encode().split(b"\n", 1)[1] if broken else b""
-    monkeypatch.setattr(fmt, "emit", lambda program: [text])
+    monkeypatch.setattr("gproof.backend.emit.eding.program.emit", lambda program: [text])
     code, out, err = gproof("ugly.cnc")
     assert (code, out) == (1, "")
     assert "error GP701 [format-differs]" in err
@@ -229,7 +228,7 @@ def test_a_disk_that_is_full(folder: Path, gproof, monkeypatch: pytest.MonkeyPat
     def full(*_: object) -> None:
         raise OSError(28, "No space left on device")
 
-    monkeypatch.setattr(fmt, "emit", full)
+    monkeypatch.setattr("gproof.backend.emit.eding.program.emit", full)
     assert gproof("ugly.cnc")[0] == 3
 
 
@@ -335,7 +334,7 @@ def test_a_macro_file_that_makes_other_programs_is_refused(shop: Path, gproof, m
     before = "m7 = m11c2\n"
     (shop / "Cnc.mac").write_text(before)
     (shop / "job.tap").write_text("m7 x1\n")
-    monkeypatch.setattr("gproof.cli.fmt_macros.difference", lambda *_, **__: "1 and 2 (line 1)")
+    monkeypatch.setattr("gproof.frontend.wincnc.alone.difference", lambda *_, **__: "1 and 2 (line 1)")
     code, _, err = gproof("shop")
     assert code == 1
     assert "GP702" in err
@@ -368,7 +367,7 @@ def test_macro_files_and_options_at_odds(shop: Path, gproof, words: list[str]) -
 def test_a_wincnc_text_that_differs_is_never_written(shop: Path, gproof, monkeypatch: pytest.MonkeyPatch) -> None:
     before = (shop / "job.tap").read_text()
     for text in (b"G0 X1.5\nPARK\nm3 X1\n", b"G0 X1.5 ; a\npark\nm3 X2\n", b"G0 X1.5 ; b\npark\nm3 X1\n"):
-        monkeypatch.setattr("gproof.backend.emit.wincnc.emit", lambda program, lexical, text=text: [text])
+        monkeypatch.setattr("gproof.backend.emit.wincnc.program.emit", lambda program, lexical, text=text: [text])
         code, out, err = gproof("shop/job.tap")
         assert (code, out) == (1, "")
         assert "GP701" in err

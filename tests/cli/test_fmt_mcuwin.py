@@ -128,7 +128,7 @@ def test_a_text_that_differs_is_never_written(folder: Path, gproof, monkeypatch:
         ("I subs", "I sub"),
     ):
         text = NICE.replace(one, two).encode()
-        monkeypatch.setattr("gproof.cli.fmt_mcuwin.emit", lambda program, din, text=text: [text])
+        monkeypatch.setattr("gproof.backend.emit.mcuwin.program.emit", lambda program, din, as_is, text=text: [text])
         code, out, err = gproof("job.din")
         assert (code, out) == (1, "")
         assert "GP701" in err

@@ -8,7 +8,7 @@ import pytest
 from support.command import Done, in_this_process
 from support.guarded import alarm
 
-from gproof.backend.emit import mcuwin_parts
+from gproof.backend.emit.mcuwin import parts as mcuwin_parts
 from gproof.driver.dialects import load_machine
 from gproof.frontend.common.exact_numbers import exact_ratio
 from gproof.frontend.files.setup import load_setup

@@ -25,7 +25,7 @@ from metamorphic.programs import (
     unrolled,
 )
 
-from gproof.backend.emit.eding import emit
+from gproof.backend.emit.eding.program import emit
 from gproof.frontend.eding.load import load_alone
 from gproof.ir.finding import Findings
 from gproof.ir.verdict import worst

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 from passes.interpret.core.programs import HEAD, codes_of
 
-from gproof.backend.emit.eding import emit
+from gproof.backend.emit.eding.program import emit
 from gproof.frontend.eding.load import load_program
 from gproof.ir.finding import Findings
 from gproof.ir.machine import NO_MACHINE

@@ -8,8 +8,8 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from gproof.backend.emit.eding_expressions import Unprintable
 from gproof.backend.emit.numbers import number_text
+from gproof.backend.emit.printer import Unprintable
 from gproof.ir.dialects.mcuwin_pascal import (
     ANGULAR,
     COMMON_INTEGER,

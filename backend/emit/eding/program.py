@@ -12,9 +12,10 @@ import re
 from collections.abc import Iterator
 from itertools import groupby
 
-from gproof.backend.emit.eding_expressions import Unprintable, inside, setting, word
-from gproof.backend.emit.eding_statements import statement_text
+from gproof.backend.emit.eding.expressions import inside, setting, word
+from gproof.backend.emit.eding.statements import statement_text
 from gproof.backend.emit.line_printer import JOB, UTF8_MARK, LinePrinter, Note, padded
+from gproof.backend.emit.printer import Unprintable
 from gproof.ir.finding import Span
 from gproof.ir.notes import NoteKind
 from gproof.ir.program import (

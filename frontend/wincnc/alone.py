@@ -1,4 +1,4 @@
-"""Whether the programs that use a CNC.MAC stay the same programs when it is formatted.
+"""WinCNC files by themselves, to be printed again; and whether the programs that use a CNC.MAC stay the same.
 
 What a definition stands for is joined with what follows its name in a job, so a definition that reads the same can
 still make a line of a job longer than the controller takes. ``gproof fmt`` asks before it writes.
@@ -9,14 +9,30 @@ from __future__ import annotations
 from collections.abc import Iterator
 from pathlib import Path
 
-from gproof.driver.dialects import extensions
+from gproof.frontend.common.alone import Alone
+from gproof.frontend.wincnc.file_names import EXTENSIONS, MACRO_FILE
 from gproof.frontend.wincnc.load import load_alone
+from gproof.frontend.wincnc.mac_program import load_macro_file
+from gproof.frontend.wincnc.machine import NO_SHOP
 from gproof.ir.finding import Findings
-from gproof.ir.machine import Machine
+from gproof.ir.machine import NO_MACHINE, Machine
 from gproof.ir.program import Program
 from gproof.ir.same import difference
 
-NAME = "cnc.mac"
+
+def alone(machine: Machine, machine_file: Path | None, folder: Path | None, path: Path) -> Alone:
+    """How the file ``path`` is read, which stands in ``folder`` (None: nowhere): a program, or definitions."""
+    known = NO_SHOP if machine is NO_MACHINE else machine
+    if path.name.lower() == MACRO_FILE:
+        return Alone(
+            lambda path, findings, name: load_macro_file(path, findings, name, machine=machine),
+            machine=known,
+            others=lambda before, after: other_programs(folder, before, after, machine),
+        )
+    where = [one for one in (None if machine_file is None else machine_file.parent, folder) if one is not None]
+    return Alone(
+        lambda path, findings, name: load_alone(path, findings, name, machine=machine, folders=where), machine=known
+    )
 
 
 def other_programs(folder: Path | None, before: Path, after: Path, machine: Machine) -> str:
@@ -39,7 +55,7 @@ def _programs(folder: Path | None) -> Iterator[Path]:
 
 
 def _is_program(path: Path) -> bool:
-    return extensions().get(path.suffix.lower()) == "wincnc" and path.name.lower() != NAME and path.is_file()
+    return path.suffix.lower() in EXTENSIONS and path.name.lower() != MACRO_FILE and path.is_file()
 
 
 def _difference(path: Path, before: Path, after: Path, machine: Machine) -> str | None:

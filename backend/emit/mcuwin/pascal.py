@@ -10,8 +10,8 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Sequence
 from typing import NamedTuple
 
-from gproof.backend.emit.eding_expressions import Unprintable
-from gproof.backend.emit.pascal_expressions import ExpressionPrinter, Style, variable_text
+from gproof.backend.emit.mcuwin.pascal_expressions import ExpressionPrinter, Style, variable_text
+from gproof.backend.emit.printer import Unprintable
 from gproof.ir.program import (
     Assign,
     Block,

@@ -8,15 +8,12 @@ Source: Eding manual 3.2.2 (values), 3.2.2.3 (operators only inside brackets), 3
 from __future__ import annotations
 
 from gproof.backend.emit.numbers import number_text
+from gproof.backend.emit.printer import Unprintable
 from gproof.ir.dialects.eding_operators import LEVEL, SIGN, is_doubtful
 from gproof.ir.program import Assign, Binary, Expr, Number, Text, Unary, Variable, Word
 
 _SIGNS = {"neg": "-", "pos": "+"}
 _CURLY = "“”„"
-
-
-class Unprintable(Exception):
-    """The dialect has no text for this; the argument says for what."""
 
 
 def inside(node: Expr, *, keep: bool = False) -> str:

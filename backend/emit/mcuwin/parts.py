@@ -12,10 +12,10 @@ from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from itertools import pairwise
 
-from gproof.backend.emit.eding_expressions import Unprintable
+from gproof.backend.emit.mcuwin.pascal import Printer
+from gproof.backend.emit.mcuwin.pascal_words import Spelling, joined_words, words_of
 from gproof.backend.emit.numbers import number_text
-from gproof.backend.emit.pascal import Printer
-from gproof.backend.emit.pascal_words import Spelling, joined_words, words_of
+from gproof.backend.emit.printer import Unprintable
 from gproof.ir.program import (
     PARAMETER,
     Block,

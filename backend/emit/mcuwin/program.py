@@ -11,10 +11,9 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator, Sequence
 
-from gproof.backend.emit.eding_expressions import Unprintable
 from gproof.backend.emit.line_printer import JOB, PIECE_LINES, UTF8_MARK, LinePrinter, Note, padded
-from gproof.backend.emit.mcuwin_parts import WrittenParts
-from gproof.backend.emit.pascal_words import (
+from gproof.backend.emit.mcuwin.parts import WrittenParts
+from gproof.backend.emit.mcuwin.pascal_words import (
     PascalWord,
     SectionLayout,
     Spelling,
@@ -24,6 +23,7 @@ from gproof.backend.emit.pascal_words import (
     leaves_open,
     words_of,
 )
+from gproof.backend.emit.printer import Unprintable
 from gproof.ir.columns import Columns
 from gproof.ir.din import Din
 from gproof.ir.finding import Span

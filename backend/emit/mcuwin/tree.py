@@ -10,13 +10,13 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
-from gproof.backend.emit.eding_expressions import Unprintable
 from gproof.backend.emit.line_printer import PIECE_BYTES
-from gproof.backend.emit.mcuwin_parts import AXIS_ASSIGNMENT, TreeParts
+from gproof.backend.emit.mcuwin.parts import AXIS_ASSIGNMENT, TreeParts
+from gproof.backend.emit.mcuwin.pascal import Piece, Printer, first_number, layout
+from gproof.backend.emit.mcuwin.pascal_expressions import Style
 from gproof.backend.emit.numbers import number_text
-from gproof.backend.emit.pascal import Piece, Printer, first_number, layout
-from gproof.backend.emit.pascal_expressions import Style
 from gproof.backend.emit.plain_lines import plain_lines
+from gproof.backend.emit.printer import Unprintable
 from gproof.ir import codes
 from gproof.ir.columns import Columns
 from gproof.ir.dialects.mcuwin_persistence import MOTIONS, OPEN, Persistence

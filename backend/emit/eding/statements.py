@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from gproof.backend.emit.eding_expressions import Unprintable, inside, part, quoted, value, variable
+from gproof.backend.emit.eding.expressions import inside, part, quoted, value, variable
+from gproof.backend.emit.printer import Unprintable
 from gproof.ir.program import Call, Device, Expr, Guard, Message, Number, Statement, Text, Unsupported, Variable
 
 _MESSAGES = {"msg": "msg", "warning": "warnmsg", "error": "errmsg", "log": "logmsg"}

@@ -1,0 +1,27 @@
+"""Programs as text of WinCNC."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import TYPE_CHECKING
+
+from gproof.backend.emit.printer import Printer
+
+if TYPE_CHECKING:
+    from gproof.ir.machine import Machine
+    from gproof.ir.program import Program
+
+
+def _emit(program: Program, machine: Machine, as_is: frozenset[int]) -> Iterable[bytes]:
+    from gproof.backend.emit.wincnc.program import emit
+
+    return emit(program, machine.controller.controls.lexical)
+
+
+def _emit_same_length(program: Program, machine: Machine) -> Iterable[bytes]:
+    from gproof.backend.emit.wincnc.program import emit
+
+    return emit(program, machine.controller.controls.lexical, same_length=True)
+
+
+PRINTER = Printer(emit=_emit, emit_less=_emit_same_length)
