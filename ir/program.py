@@ -408,6 +408,10 @@ class Call:
     count: Expr | None = None
 
 
+DIALOG_ANSWER = 5398
+"""The number of the variable that says how a dialog (``Message``) was closed."""
+
+
 @record(frozen=True, slots=True, kw_only=True)
 class Message:
     """Text for the operator. kind: ``msg``, ``warning``, ``error`` (stops the program), ``log``, ``dialog``, ``write``

@@ -13,7 +13,7 @@ from gproof.ir.program import Program
 from gproof.ir.trace import Chunk
 from gproof.passes.checks.cutting.spin_up import Runs
 from gproof.passes.checks.tooling.cutting_rows import SOMEWHERE, Bools, Floats, StateColumn
-from gproof.passes.interpret.wincnc.state import vertical_axes
+from gproof.passes.geometry.machine_axes import vertical_axes
 
 _HEADS = "ZWUV"
 """By the number of the workspace that selects it, from 1."""

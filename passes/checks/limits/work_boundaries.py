@@ -28,7 +28,7 @@ from gproof.ir.verdict import Condition, PropertyResult, Verdict
 from gproof.passes.checks.base import KEPT, Check, Like, apart, excluding, no_safe_offset, told_of
 from gproof.passes.checks.first_moves import FirstMoves
 from gproof.passes.geometry.extent_kernels import row_boxes
-from gproof.passes.interpret.wincnc.state import vertical_axes
+from gproof.passes.geometry.machine_axes import vertical_axes
 
 GUARD = "boundaries"
 """Name of the guard in ``State.guards_off``."""

@@ -13,6 +13,7 @@ from collections.abc import Iterable, Iterator
 
 from gproof.ir.finding import Span
 from gproof.ir.program import (
+    DIALOG_ANSWER,
     Array,
     Binary,
     Block,
@@ -44,7 +45,6 @@ from gproof.ir.program import (
 from gproof.ir.record import field, record
 from gproof.ir.rules import Function as F
 from gproof.ir.setup import Setup
-from gproof.passes.interpret.eding.dialogs import ANSWER
 
 Known = frozenset[int] | None
 """Variables that are set on every way here; None: no way leads here, or nothing is known to be unset."""
@@ -122,7 +122,7 @@ def asked(node: Message) -> list[int] | None:
     if node.kind != "dialog":
         return []
     numbers = [part for part in node.parts[1:] if not isinstance(part, Number)]
-    found = [ANSWER, *(round(part.value) for part in node.parts[1:] if isinstance(part, Number))]
+    found = [DIALOG_ANSWER, *(round(part.value) for part in node.parts[1:] if isinstance(part, Number))]
     return found if all(type(part).__name__ == "Text" for part in numbers) else None
 
 

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 from gproof.ir import codes
 from gproof.ir.dialects.accepts import SHOWN_TOOLS
 from gproof.ir.finding import Refusal
+from gproof.ir.program import DIALOG_ANSWER as ANSWER
 from gproof.ir.program import Message, Text
 from gproof.ir.symbolic import Unknown, Value, between, bounds, hull
 from gproof.ir.trace import Wait
@@ -24,7 +25,6 @@ from gproof.passes.interpret.core.trace_writer import ProgramEnd
 if TYPE_CHECKING:
     from gproof.passes.interpret.core.path_exploration import Branches
 
-ANSWER = 5398
 OK, CANCEL = 1.0, -1.0
 _CAUSE = "the answer of a dialog"
 

@@ -21,6 +21,7 @@ from gproof.ir.rules import Function as F
 from gproof.ir.symbolic import NOWHERE, Position, Unknown, Value
 from gproof.ir.symbols import describe
 from gproof.ir.trace import Op, Plane, Wait
+from gproof.passes.geometry.machine_axes import vertical_axes
 from gproof.passes.interpret.core import line_kernels as k
 from gproof.passes.interpret.core import refused_lines
 from gproof.passes.interpret.core.arc_condition import radius_arc_warning
@@ -35,7 +36,6 @@ from gproof.passes.interpret.wincnc.state import (
     own_way,
     tell_held_back,
     turning,
-    vertical_axes,
     went_along,
     with_pair,
 )

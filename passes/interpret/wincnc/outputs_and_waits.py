@@ -18,6 +18,7 @@ from gproof.ir.rules import Function as F
 from gproof.ir.setup import Interval
 from gproof.ir.symbolic import NOWHERE, Position, Unknown, Value, between, bounds
 from gproof.ir.trace import KNIFE, Op, ToolDiameter, Wait
+from gproof.passes.geometry.machine_axes import vertical_axes
 from gproof.passes.interpret.core.expressions import Evaluator
 from gproof.passes.interpret.core.open_numbers import number_or_open
 from gproof.passes.interpret.core.trace_writer import ProgramEnd
@@ -39,7 +40,6 @@ from gproof.passes.interpret.wincnc.state import (
     guards_now,
     machine_zero,
     value_of,
-    vertical_axes,
     with_pair,
 )
 

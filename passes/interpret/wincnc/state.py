@@ -17,6 +17,7 @@ from gproof.ir.machine import AXES, AXIS_NAMES, AxisKind, Machine
 from gproof.ir.record import record
 from gproof.ir.symbolic import NOWHERE, Position, Unknown, Value
 from gproof.ir.trace import UNMEASURED, Boundary, ToolDiameter
+from gproof.passes.geometry.machine_axes import vertical_axes
 
 if TYPE_CHECKING:
     from gproof.passes.interpret.core.modal_state import Modal
@@ -151,15 +152,6 @@ def linear_axes(machine: Machine) -> tuple[bool, ...]:
 
 SAME_PLACE = 1e-9
 """mm or degrees: less is no move."""
-
-
-def vertical_axes(machine: Machine) -> tuple[int, ...]:
-    """Columns of the axes that carry heads up and down."""
-    return tuple(
-        axis.index
-        for axis in machine.axes
-        if (axis.vertical if axis.vertical is not None else axis.word in "ZWUV" and axis.kind is AxisKind.LINEAR)
-    )
 
 
 def followed(single: SingleState, position: list[Position], target: list[Position]) -> list[Position]:

@@ -18,6 +18,7 @@ from gproof.ir.rules import CodeRule
 from gproof.ir.rules import Function as F
 from gproof.ir.symbolic import NOWHERE, Position, Unknown, Value
 from gproof.ir.trace import Op, Wait
+from gproof.passes.geometry.machine_axes import vertical_axes
 from gproof.passes.interpret.core.modal_state import INCH, ZERO
 from gproof.passes.interpret.core.plane_transform import NO_TRANSFORM, Transform
 from gproof.passes.interpret.wincnc.moves import (
@@ -36,7 +37,6 @@ from gproof.passes.interpret.wincnc.state import (
     machine_zero,
     turned_shift,
     turning,
-    vertical_axes,
 )
 
 if TYPE_CHECKING:
