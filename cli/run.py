@@ -14,6 +14,7 @@ import click
 
 from gproof.backend.boards.registry import BOARDS
 from gproof.cli.signals import INTERRUPTED, ends_with_its_command
+from gproof.cli.telling import warn
 from gproof.driver.at_hand import other_source, read_at_hand, require_files
 from gproof.driver.boards import require_for
 from gproof.driver.escape import in_one_line
@@ -52,7 +53,7 @@ def run_run(
     require_file(path, "package")
     require_files(machine, setup, source)
     replace = record is not None and require_record_place(record, path, replace_record)
-    trusted = trusted_with(trust)
+    trusted = trusted_with(trust, warn)
     require_for(board, machine=machine, setup=setup, trusted=bool(trusted), allow_untrusted=allow_untrusted)
     try:
         package = read_package(path)

@@ -22,6 +22,11 @@ def tell_findings_of(error: UsageError) -> None:
         tell(error.findings)
 
 
+def warn(line: str) -> None:
+    """A line of warning."""
+    click.echo(in_one_line(line), err=True)
+
+
 def tell_error(error: UsageError) -> None:
     """What led to it, then its line."""
     tell_findings_of(error)

@@ -9,6 +9,7 @@ import click
 
 from gproof.cli.compile import first_line
 from gproof.cli.progress import progress
+from gproof.cli.telling import warn
 from gproof.driver.against import Against, other_than_anew
 from gproof.driver.at_hand import other_source, read_at_hand, require_files
 from gproof.driver.errors import UsageError
@@ -33,7 +34,7 @@ def run_verify(
     require_file(path, "package")
     require_files(machine, setup, source)
     anew = _against(against, machine, setup, dialect, running or Running())
-    trusted = trusted_with(trust)
+    trusted = trusted_with(trust, warn)
     findings = Findings()
     try:
         with progress("reading"):

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from gproof.cli.telling import warn
 from gproof.driver.escape import in_one_line
 from gproof.driver.files import require_file
 from gproof.driver.key_ring import OWN as OWN_NAME
@@ -43,7 +44,7 @@ def run_verify_record(path: Path, *, package: Path | None, trust: tuple[Path, ..
     require_file(path, "record")
     if package is not None:
         require_file(package, "package")
-    trusted = trusted_with(trust)
+    trusted = trusted_with(trust, warn)
     if path.stat().st_size > LARGEST:
         return _malformed(path, f"{path.stat().st_size} bytes are more than a record has")
     try:

@@ -13,13 +13,13 @@ import os
 import re
 import stat
 import tempfile
+from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
 
 from gproof.driver.errors import UsageError
-from gproof.driver.escape import in_one_line
 from gproof.ir.private_folder import not_private
 from gproof.ir.record import record
 from gproof.verify.signers import Signer, fingerprint
@@ -58,10 +58,14 @@ def ring_folder() -> Path:
     return own_key_path().parent / "keys"
 
 
-def read_ring(*, strict: bool = True) -> KeyRing:
+Warn = Callable[[str], None]
+"""What takes a line of warning."""
+
+
+def read_ring(warn: Warn | None = None) -> KeyRing:
     """All keys of the user; UsageError for one that can not be read, or that others may write.
 
-    strict: also for the own private key; else it is not trusted then, and a line on standard error says why.
+    warn: takes why the own private key is such a one, which is not trusted then; None: that is an error too.
     """
     folder = ring_folder()
     others: list[Signer] = []
@@ -71,13 +75,13 @@ def read_ring(*, strict: bool = True) -> KeyRing:
                 raise UsageError(f"folder of keys {place}: others can decide whom you trust: {why}")
         if folder.exists():
             others = [_entry(path) for path in sorted(folder.glob("*.pem"))]
-        own = _own_key(strict)
+        own = _own_key(warn)
     except OSError as error:
         raise UsageError(f"{error.filename}: {error.strerror}") from None
     return KeyRing(own=own, others=tuple(others))
 
 
-def _own_key(strict: bool) -> Signer | None:
+def _own_key(warn: Warn | None) -> Signer | None:
     from gproof.verify.certificate import load_or_create_key, raw_public
 
     path = own_key_path()
@@ -86,15 +90,18 @@ def _own_key(strict: bool) -> Signer | None:
     try:
         return Signer(raw=raw_public(load_or_create_key(path)), name=OWN)
     except ValueError as error:
-        if strict:
+        if warn is None:
             raise UsageError(str(error)) from None
-        click.echo(in_one_line(f"gproof: warning: your own key is not trusted: {error}"), err=True)
+        warn(f"gproof: warning: your own key is not trusted: {error}")
         return None
 
 
-def trusted_with(files: tuple[Path, ...]) -> tuple[Signer, ...]:
-    """The keys of the user and of the files of ``--trust``; UsageError for what is no public key."""
-    return (*read_ring(strict=False).signers, *(given_key(path, "trusted key") for path in files))
+def trusted_with(files: tuple[Path, ...], warn: Warn) -> tuple[Signer, ...]:
+    """The keys of the user and of the files of ``--trust``; UsageError for what is no public key.
+
+    warn: takes why the own key is not among them.
+    """
+    return (*read_ring(warn).signers, *(given_key(path, "trusted key") for path in files))
 
 
 def given_key(path: Path, what: str) -> Signer:
