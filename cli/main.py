@@ -17,14 +17,11 @@ from typing import Any
 
 import click
 
-from gproof.backend.boards.registry import BOARDS
-from gproof.cli.options import ALSO, FileName, once
+from gproof.cli.options import ALSO, FileName, OneOf, boards, dialects, documents, once
 from gproof.cli.signals import INTERRUPTED, PROCESS, ended_by_signals
 from gproof.cli.telling import tell_error
-from gproof.driver.dialects import DIALECTS
 from gproof.driver.errors import COULD_NOT_RUN, UsageError
 from gproof.driver.escape import in_one_line
-from gproof.report.formats import DOCUMENTS
 
 _STDERR = 2
 MOST = 10**15
@@ -99,7 +96,7 @@ def _job_options(command: Any, *, machines: bool = False) -> Any:
         (
             several if machines else once("--machine", type=FileName(), help=said),
             once("--setup", help="Setup file, or 'zero': homed, at machine 0, no offsets, tool 0."),
-            click.option("--dialect", type=click.Choice(list(DIALECTS)), help="Language; guessed when not given."),
+            click.option("--dialect", type=OneOf(dialects), help="Language; guessed when not given."),
             click.option(
                 "--max-blocks",
                 type=click.IntRange(1, MOST),
@@ -125,7 +122,7 @@ def _job_options(command: Any, *, machines: bool = False) -> Any:
 @click.option(
     "--format",
     "form",
-    type=click.Choice(["text", *DOCUMENTS]),
+    type=OneOf(documents),
     default="text",
     help="Report as text, or for other programs.",
 )
@@ -283,7 +280,7 @@ def _package_options(command: Any) -> Any:
 @click.option("--package", "run_package", type=FileName(), help="Of an execution record: the package that was run.")
 @click.option("--format", "form", type=click.Choice(["text", "json"]), default="text", help="Report as text or JSON.")
 @once("--against", type=FileName(), help="Compile this program anew, and say which part of the package differs.")
-@click.option("--dialect", type=click.Choice(list(DIALECTS)), help="Language of --against; guessed when not given.")
+@click.option("--dialect", type=OneOf(dialects), help="Language of --against; guessed when not given.")
 @click.option("--max-blocks", type=click.IntRange(1, MOST), help="As --against was compiled.")
 @click.option("--max-branches", type=click.IntRange(0, MOST), help="As --against was compiled.")
 @click.option("--call", help="The subprogram of --against that was compiled.")
@@ -318,7 +315,7 @@ def verify(
 
 @cli.command(short_help="Run a certified stream on a board.")
 @click.argument("package", type=FileName())
-@click.option("--board", type=click.Choice(list(BOARDS)), required=True, help="Where to run it.")
+@click.option("--board", type=OneOf(boards), required=True, help="Where to run it.")
 @_package_options
 @click.option("--allow-untrusted", is_flag=True, help="Whoever has signed it, or nobody; virtual board only.")
 @click.option("--record", type=FileName(), help="Write the execution record (JSON) here.")
@@ -409,7 +406,7 @@ def revoke(name: str, new_name: str | None) -> int:
 @click.option("--check", "only_check", is_flag=True, help="Write nothing; exit 1 when a file would change.")
 @click.option("--diff", is_flag=True, help="Write nothing; show what would change.")
 @click.option("--stdout", "to_stdout", is_flag=True, help="Print the formatted text; the file stays as it is.")
-@click.option("--dialect", type=click.Choice(list(DIALECTS)), help="Language; guessed when not given.")
+@click.option("--dialect", type=OneOf(dialects), help="Language; guessed when not given.")
 @click.option("--machine", type=FileName(), help="Whose settings say how lines are read (WINCNC.INI).")
 @click.option("--stdin-name", type=FileName(), help="The file that standard input stands for.")
 def fmt(

@@ -5,13 +5,20 @@ Built on click; a value that does not fit is one line on standard error and exit
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
 
 from gproof.passes.checks.registry import added
+
+if TYPE_CHECKING:
+    from click.shell_completion import CompletionItem
+
+    _NameType = click.ParamType[str]
+else:
+    _NameType = click.ParamType  # which older versions of click do not have as a generic
 
 _Command = TypeVar("_Command", bound=Callable[..., Any])
 
@@ -27,6 +34,55 @@ class FileName(click.Path):
         if value == "":
             self.fail("an empty name is no file.", param, ctx)
         return super().convert(value, param, ctx)
+
+
+class OneOf(_NameType):
+    """One of the names of a registry, which is asked when somebody asks for it: listing commands imports none."""
+
+    name = "choice"
+
+    def __init__(self, names: Callable[[], Iterable[str]]) -> None:
+        self._names = names
+
+    def _choice(self) -> click.Choice[str]:
+        return click.Choice(list(self._names()))
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        """The name; a usage error for what is none of them."""
+        return self._choice().convert(value, param, ctx)
+
+    def get_metavar(self, *where: Any, **more: Any) -> str | None:
+        """``[eding|wincnc|mcuwin]``."""
+        return self._choice().get_metavar(*where, **more)
+
+    def get_missing_message(self, *where: Any, **more: Any) -> str:
+        """Which names there are."""
+        return self._choice().get_missing_message(*where, **more)
+
+    def shell_complete(self, ctx: click.Context, param: click.Parameter, incomplete: str) -> list[CompletionItem]:
+        """The names that begin so."""
+        return self._choice().shell_complete(ctx, param, incomplete)
+
+
+def dialects() -> Iterable[str]:
+    """What ``--dialect`` takes."""
+    from gproof.driver.dialects import DIALECTS
+
+    return DIALECTS
+
+
+def boards() -> Iterable[str]:
+    """What ``--board`` takes."""
+    from gproof.backend.boards.registry import BOARDS
+
+    return BOARDS
+
+
+def documents() -> Iterable[str]:
+    """What ``--format`` of ``check`` takes."""
+    from gproof.report.formats import DOCUMENTS
+
+    return ("text", *DOCUMENTS)
 
 
 def _one(context: click.Context, parameter: click.Parameter, values: tuple[Any, ...]) -> Any:

@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import click
 
 from gproof.driver.errors import UsageError
 from gproof.driver.escape import in_one_line
-from gproof.ir.finding import Findings
+
+if TYPE_CHECKING:
+    from gproof.ir.finding import Findings
 
 
 def tell(findings: Findings) -> None:

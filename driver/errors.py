@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import TYPE_CHECKING
 
-from gproof.ir.finding import Findings
+if TYPE_CHECKING:
+    from gproof.ir.finding import Findings
 
 COULD_NOT_RUN = 3
 """The exit code of a command that could not run; 0, 1 and 2 are those of verdicts."""
 
-Tell = Callable[[Findings], None]
+Tell = Callable[["Findings"], None]
 """What takes the findings of a file that can be used all the same: the driver itself prints nothing."""
 
 

@@ -9,8 +9,6 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable
 from typing import TYPE_CHECKING
 
-from gproof.ir.verdict import DEFAULT_POLICY
-
 if TYPE_CHECKING:
     from gproof.ir.finding import Findings
     from gproof.ir.machine import Machine
@@ -75,11 +73,15 @@ def added() -> tuple[str, ...]:
 
 def every_property() -> tuple[str, ...]:
     """Every property a policy may ask for."""
+    from gproof.ir.verdict import DEFAULT_POLICY
+
     return (*DEFAULT_POLICY, *CHECKS)
 
 
 def decided(name: str) -> bool:
     """Whether this version has a check for a property."""
+    from gproof.ir.verdict import DEFAULT_POLICY
+
     return name in DEFAULT_POLICY or bool(CHECKS[name])
 
 

@@ -27,7 +27,7 @@ sys.exit(main())
 
 @pytest.mark.parametrize(
     ("module", "number"),
-    [("gproof.cli.main", signal.SIGINT), ("click", signal.SIGTERM), ("gproof.backend.boards.registry", signal.SIGINT),
+    [("gproof.cli.main", signal.SIGINT), ("click", signal.SIGTERM), ("gproof.passes.checks.registry", signal.SIGINT),
      ("gproof.cli.options", signal.SIGHUP), ("importlib.metadata", signal.SIGINT)],
 )  # fmt: skip
 def test_while_gproof_is_imported(module: str, number: int, tmp_path: Path) -> None:

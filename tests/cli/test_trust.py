@@ -10,7 +10,6 @@ from support.command import Done
 
 from gproof.backend.boards import registry as boards
 from gproof.backend.boards.virtual import VirtualBoard
-from gproof.cli import main
 from gproof.verify.certificate import create_key
 
 ONE_LINE = re.compile(r"gproof(?: \w+)*: error: [^\n]+\n\Z")
@@ -172,8 +171,6 @@ def mill(monkeypatch: pytest.MonkeyPatch) -> None:
         return board
 
     monkeypatch.setitem(boards.BOARDS, "mill", made)
-    option = next(one for one in main.run.params if one.name == "board")
-    monkeypatch.setattr(option.type, "choices", (*option.type.choices, "mill"))  # type: ignore[attr-defined]
 
 
 HAND = {"--machine": "machine.toml", "--setup": "zero"}
