@@ -68,7 +68,7 @@ def _setup(name: str | None, machine: Machine, findings: Findings) -> Setup | No
         return None
     if name == "zero":
         return ZERO
-    from gproof.frontend.files.setup import load_setup
+    from gproof.driver.dialects import load_setup
 
     setup, _ = load_setup(Path(name), findings, machine)
     if setup is None:

@@ -19,6 +19,7 @@ from gproof.ir.record import record
 if TYPE_CHECKING:
     from gproof.ir.finding import Findings
     from gproof.ir.machine import Machine
+    from gproof.ir.setup import Setup
 
 
 @record(frozen=True, slots=True, kw_only=True)
@@ -63,3 +64,14 @@ def load_machine(path: Path, findings: Findings) -> tuple[Machine | None, Files]
     from gproof.frontend.files.machine import load_machine as load
 
     return load(path, findings, frontends())
+
+
+def load_setup(path: Path, findings: Findings, machine: Machine | None = None) -> tuple[Setup | None, Files]:
+    """The setup in a file, lengths in mm; None, with findings GP601-GP604, when it is bad.
+
+    machine: whose axes the file's letters name; None: one of which nothing is known.
+    """
+    from gproof.frontend.files.setup import load_setup as load
+    from gproof.ir.machine import NO_MACHINE
+
+    return load(path, findings, frontends(), NO_MACHINE if machine is None else machine)

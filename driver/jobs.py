@@ -13,7 +13,7 @@ from gproof.driver.dialects import DIALECTS, frontends
 from gproof.driver.errors import Tell, UsageError
 from gproof.driver.files import require_file
 from gproof.frontend.common.paths import is_there
-from gproof.frontend.files.toml_table import LARGEST_FILE, TomlFile, TomlTable
+from gproof.frontend.common.toml_table import LARGEST_FILE, TomlFile, TomlTable
 from gproof.ir.finding import Findings
 from gproof.ir.record import record
 from gproof.passes.checks.registry import added

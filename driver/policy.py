@@ -9,7 +9,7 @@ from pathlib import Path
 from gproof.driver.errors import Tell, UsageError
 from gproof.driver.files import require_file
 from gproof.driver.judge import Judgement
-from gproof.frontend.files.toml_table import TomlFile, TomlTable
+from gproof.frontend.common.toml_table import TomlFile, TomlTable
 from gproof.ir import codes
 from gproof.ir.codes import CODES
 from gproof.ir.finding import Finding, Findings, Severity, Span

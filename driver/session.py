@@ -84,7 +84,7 @@ def open_session(
     if setup == "zero":
         the_setup = ZERO
     elif setup is not None:
-        from gproof.frontend.files.setup import load_setup
+        from gproof.driver.dialects import load_setup
 
         require_file(Path(setup), "setup file")
         the_setup = _loaded(load_setup(Path(setup), findings, the_machine), findings, inputs, "setup")

@@ -16,8 +16,8 @@ from gproof.driver.errors import UsageError
 from gproof.driver.files import require_file, write_text
 from gproof.driver.judge import Judgement
 from gproof.driver.outcome import Fingerprints
-from gproof.frontend.files.own_keys import KEYS, suggestion, unknown_keys
-from gproof.frontend.files.toml_table import meant
+from gproof.frontend.common.own_keys import KEYS, suggestion, unknown_keys
+from gproof.frontend.common.toml_table import meant
 from gproof.ir import codes
 from gproof.ir.codes import CODES
 from gproof.ir.finding import Finding, Findings, Severity, Span, brief, distinct

@@ -28,7 +28,6 @@ FILES = sorted(path.relative_to(ROOT).as_posix() for folder in FOLDERS for path 
 STILL = """
 frontend/files/machine.py
 frontend/files/mcuwin_settings.py
-frontend/files/setup.py
 passes/interpret/core/block_tables.py
 passes/interpret/core/call_stack.py
 passes/interpret/core/control_flow.py

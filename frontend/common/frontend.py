@@ -8,12 +8,13 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from gproof.ir.record import record
 
 if TYPE_CHECKING:
     from gproof.frontend.common.alone import Alone
+    from gproof.frontend.common.toml_table import TomlTable
     from gproof.ir.finding import Findings
     from gproof.ir.machine import Machine
     from gproof.ir.program import Program
@@ -77,6 +78,7 @@ class Frontend:
     load_machine: reads the controller's own machine file: (path, findings, whether no other file refines it, the keys
     that such a file states anew). machine_files: names of it; knows_machine: whether a file of another name is one,
     None: whatever nobody else knows. completed: what a machine of this dialect has that no file names.
+    setup_fields: fields of a Setup that tables of setup files state which only this dialect has.
     """
 
     name: str
@@ -98,3 +100,4 @@ class Frontend:
     machine_files: tuple[str, ...] = ()
     knows_machine: Callable[[Path], bool] | None = None
     completed: Callable[[Machine], Machine] = lambda machine: machine
+    setup_fields: Callable[[TomlTable], dict[str, Any]] = lambda root: {}

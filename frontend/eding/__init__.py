@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from gproof.frontend.common.frontend import Files, Frontend, Marker, Read, Reading
 
 if TYPE_CHECKING:
     from gproof.frontend.common.alone import Alone
+    from gproof.frontend.common.toml_table import TomlTable
     from gproof.ir.finding import Findings
     from gproof.ir.machine import Machine
 
@@ -34,6 +35,12 @@ def _load_machine(
     return load_ini(path, findings)
 
 
+def _setup_fields(root: TomlTable) -> dict[str, Any]:
+    from gproof.frontend.eding.setup_parameters import setup_fields
+
+    return setup_fields(root)
+
+
 FRONTEND = Frontend(
     name="eding",
     title="Eding CNC",
@@ -56,4 +63,5 @@ FRONTEND = Frontend(
     alone=_alone,
     lines_of_machine=False,
     load_machine=_load_machine,
+    setup_fields=_setup_fields,
 )

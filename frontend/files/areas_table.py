@@ -12,7 +12,7 @@ from fractions import Fraction
 from typing import Any
 
 from gproof.frontend.common.exact_numbers import LARGEST, exact_number
-from gproof.frontend.files.toml_table import TomlTable, show
+from gproof.frontend.common.toml_table import TomlTable, show
 from gproof.ir import codes
 from gproof.ir.machine import Area
 

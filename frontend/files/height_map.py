@@ -12,7 +12,7 @@ from fractions import Fraction
 
 from gproof.frontend.common.number_rows import number_rows
 from gproof.frontend.common.paths import is_file
-from gproof.frontend.files.toml_table import TomlTable, show
+from gproof.frontend.common.toml_table import TomlTable, show
 from gproof.ir import codes
 from gproof.ir.finding import Span
 from gproof.ir.setup import HeightMap

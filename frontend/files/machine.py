@@ -16,10 +16,10 @@ from typing import Any
 
 from gproof.frontend.common.exact_numbers import MILLIMETRES
 from gproof.frontend.common.frontend import Files, Frontend
+from gproof.frontend.common.own_keys import key_paths
 from gproof.frontend.common.paths import is_there
+from gproof.frontend.common.toml_table import TomlFile, TomlTable, in_range, meant
 from gproof.frontend.files.areas_table import areas_from
-from gproof.frontend.files.own_keys import key_paths
-from gproof.frontend.files.toml_table import TomlFile, TomlTable, in_range, meant
 from gproof.frontend.files.tool_table import check_shape, shape_keys
 from gproof.frontend.files.wincnc_settings import controls_from
 from gproof.ir.dialects.accepts import ACCEPTS, LINE_NUMBERS, TEXT_AFTER_COMMENT, names_of

@@ -14,7 +14,7 @@ from typing import Any
 
 from gproof.frontend.common.exact_numbers import MILLIMETRES
 from gproof.frontend.common.paths import is_file
-from gproof.frontend.files.toml_table import TomlTable, show
+from gproof.frontend.common.toml_table import TomlTable, show
 from gproof.frontend.mcuwin.machine_ini import without_stated
 from gproof.frontend.mcuwin.tool_comp import DEFAULT_NAME, beside, load_tools
 from gproof.ir import codes

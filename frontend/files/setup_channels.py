@@ -11,7 +11,7 @@ from collections.abc import Mapping
 from dataclasses import replace
 from fractions import Fraction
 
-from gproof.frontend.files.toml_table import TomlTable, show, small_number
+from gproof.frontend.common.toml_table import TomlTable, show, small_number
 from gproof.ir.machine import AXIS_NAMES, AxisKind, Machine
 from gproof.ir.setup import Interval, Setup, StoredPosition
 

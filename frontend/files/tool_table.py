@@ -9,7 +9,7 @@ from __future__ import annotations
 from fractions import Fraction
 from typing import Any
 
-from gproof.frontend.files.toml_table import TomlTable
+from gproof.frontend.common.toml_table import TomlTable
 from gproof.ir.machine import SHAPES, Tool
 
 _KEYS = {

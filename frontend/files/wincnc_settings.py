@@ -10,7 +10,7 @@ from fractions import Fraction
 from typing import Any
 
 from gproof.frontend.common.exact_numbers import exact_number
-from gproof.frontend.files.toml_table import TomlTable, show
+from gproof.frontend.common.toml_table import TomlTable, show
 from gproof.ir.controls import DEVICES, HIGHEST_CHANNEL, Controls
 from gproof.ir.machine import AXIS_NAMES
 

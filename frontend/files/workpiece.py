@@ -19,7 +19,7 @@ import numpy as np
 
 from gproof.frontend.common.exact_numbers import MILLIMETRES
 from gproof.frontend.common.paths import is_file
-from gproof.frontend.files.toml_table import TomlTable, show
+from gproof.frontend.common.toml_table import TomlTable, show
 from gproof.ir import codes
 from gproof.ir.columns import Columns
 from gproof.ir.finding import Span

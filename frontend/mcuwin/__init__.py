@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from gproof.frontend.common.frontend import Alike, Files, Frontend, Marker, Read, Reading
 from gproof.frontend.mcuwin.names import EXTENSIONS, INCLUDE_FILES
 
 if TYPE_CHECKING:
     from gproof.frontend.common.alone import Alone
+    from gproof.frontend.common.toml_table import TomlTable
     from gproof.ir.finding import Findings
     from gproof.ir.machine import Machine
 
@@ -46,6 +47,12 @@ def _completed(machine: Machine) -> Machine:
     return with_axes(machine)
 
 
+def _setup_fields(root: TomlTable) -> dict[str, Any]:
+    from gproof.frontend.mcuwin.resident import setup_fields
+
+    return setup_fields(root)
+
+
 FRONTEND = Frontend(
     name="mcuwin",
     title="McuWIN",
@@ -70,6 +77,7 @@ FRONTEND = Frontend(
     load_program=_load_program,
     alone=_alone,
     load_machine=_load_machine,
+    setup_fields=_setup_fields,
     machine_files=("mcuwin.ini",),
     knows_machine=_knows_machine,
     completed=_completed,

@@ -21,7 +21,7 @@ LIMITS, POCKET = "docs/codes/GP301/bad (eding)", "corpus/eding/pocket-in-steps/j
 PLANTS = [
     ("passes/checks/limits/soft_limits.py", "ROUNDING = 1e-9", "ROUNDING = 50.0"),
     ("passes/motion/step.py", "TOLERANCE = 25e-6", "TOLERANCE = 1e-5"),
-    ("backend/emit/eding.py", "INDENT = 2", "INDENT = 3"),
+    ("backend/emit/eding/program.py", "INDENT = 2", "INDENT = 3"),
 ]
 """File, what stands there, what is planted."""
 

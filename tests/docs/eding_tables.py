@@ -9,9 +9,8 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 
 from docs import eding_manual as manual
-from gproof.driver.dialects import load_machine
+from gproof.driver.dialects import load_machine, load_setup
 from gproof.frontend.eding.load import load_program
-from gproof.frontend.files.setup import load_setup
 from gproof.ir.dialects.eding import EDING, FREE
 from gproof.ir.dialects.eding_operators import LEVELS
 from gproof.ir.finding import Findings, Severity

@@ -23,13 +23,12 @@ from verify.forgery import spoilt_package
 from gproof.backend.record_parse import is_record, parse_signed
 from gproof.cli.dump import loaded
 from gproof.cli.telling import tell, tell_findings_of
-from gproof.driver.dialects import load_machine
+from gproof.driver.dialects import load_machine, load_setup
 from gproof.driver.errors import UsageError
 from gproof.driver.jobs import find_jobs
 from gproof.driver.policy import load_policy
 from gproof.driver.suppressions import read_baseline
 from gproof.frontend.eding.load import load_program as load_eding
-from gproof.frontend.files.setup import load_setup
 from gproof.frontend.mcuwin.load import load_program as load_mcuwin
 from gproof.frontend.mcuwin.machine import NO_MCUWIN
 from gproof.frontend.wincnc.load import load_program as load_wincnc

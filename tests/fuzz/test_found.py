@@ -9,9 +9,8 @@ from support.command import Done, in_this_process
 from support.guarded import alarm
 
 from gproof.backend.emit.mcuwin import parts as mcuwin_parts
-from gproof.driver.dialects import load_machine
+from gproof.driver.dialects import load_machine, load_setup
 from gproof.frontend.common.exact_numbers import exact_ratio
-from gproof.frontend.files.setup import load_setup
 from gproof.frontend.mcuwin import patterns
 from gproof.frontend.wincnc import ini_file
 from gproof.frontend.wincnc import line as wincnc_line

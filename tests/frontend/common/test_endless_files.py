@@ -9,9 +9,8 @@ import pytest
 from support.command import in_this_process
 from support.guarded import alarm
 
-from gproof.driver.dialects import load_machine
+from gproof.driver.dialects import load_machine, load_setup
 from gproof.frontend.common.dxf import DxfError, layers, open_drawing
-from gproof.frontend.files.setup import load_setup
 from gproof.ir.finding import Findings
 
 HEAD = {"machine": 'schema = "gproof-machine/1"\nunits = "mm"\n', "setup": 'schema = "gproof-setup/1"\n'}

@@ -9,9 +9,8 @@ from typing import Any
 import ezdxf
 import pytest
 
-from gproof.driver.dialects import load_machine
+from gproof.driver.dialects import load_machine, load_setup
 from gproof.frontend.eding.prepare import FUNCTIONS
-from gproof.frontend.files.setup import load_setup
 from gproof.ir.finding import Findings
 from gproof.ir.rules import UNARY
 

@@ -12,7 +12,7 @@ from support.campaigns import share
 from support.command import in_this_process
 from support.guarded import alarm, memory
 
-from gproof.frontend.files.toml_table import LARGEST_FILE
+from gproof.frontend.common.toml_table import LARGEST_FILE
 from gproof.frontend.mcuwin.ini_keys import KEPT, kept
 
 GIGABYTE = 1 << 30

@@ -13,13 +13,12 @@ from pathlib import Path
 
 import pytest
 from corpus.expectations import ROOT
-from frontend.files.test_own_keys import HEADS, header, tables
+from frontend.common.test_own_keys import HEADS, header, tables
 from support.campaigns import seeds
 from support.command import in_this_process
 
-from gproof.driver.dialects import load_machine
-from gproof.frontend.files.own_keys import KEYS
-from gproof.frontend.files.setup import load_setup
+from gproof.driver.dialects import load_machine, load_setup
+from gproof.frontend.common.own_keys import KEYS
 from gproof.frontend.wincnc.ini_keys import KEYS as WINCNC
 from gproof.ir.finding import Findings
 from gproof.ir.machine import Machine

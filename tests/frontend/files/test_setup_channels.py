@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from gproof.frontend.files.setup import load_setup
+from gproof.driver.dialects import load_setup
 from gproof.frontend.files.setup_channels import columns_of
 from gproof.ir.finding import Findings
 from gproof.ir.machine import NO_MACHINE, Axis, AxisKind, Machine

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from gproof.frontend.files.setup import load_setup
+from gproof.driver.dialects import load_setup
 from gproof.ir.finding import Findings
 from gproof.ir.setup import CylinderMap, HeightMap, InForce, Interval, Setup
 from gproof.ir.text import parse_ir, print_ir

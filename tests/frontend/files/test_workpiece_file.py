@@ -15,7 +15,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from support.campaigns import examples
 
-from gproof.frontend.files.setup import load_setup
+from gproof.driver.dialects import load_setup
 from gproof.ir.finding import Findings
 from gproof.ir.setup import Setup
 from gproof.ir.workpiece import ACTIVE, MACHINE, Box, Cylinder, Mesh, Placed, Prism, Workpiece

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 from support.campaigns import seeds
 
-from gproof.frontend.files.setup import load_setup
+from gproof.driver.dialects import load_setup
 from gproof.ir.finding import Findings, Severity
 from gproof.ir.workpiece import Mesh, Prism
 

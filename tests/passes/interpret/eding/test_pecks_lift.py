@@ -11,8 +11,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from gproof.driver.dialects import load_machine
-from gproof.frontend.files.setup import load_setup
+from gproof.driver.dialects import load_machine, load_setup
 from gproof.frontend.wincnc.load import load_program
 from gproof.ir.controls import DrillSettings
 from gproof.ir.finding import Findings

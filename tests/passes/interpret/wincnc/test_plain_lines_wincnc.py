@@ -6,8 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from gproof.driver.dialects import load_machine
-from gproof.frontend.files.setup import load_setup
+from gproof.driver.dialects import load_machine, load_setup
 from gproof.frontend.wincnc.load import load_program
 from gproof.ir.finding import Findings
 from gproof.passes.interpret.core.executor import execute

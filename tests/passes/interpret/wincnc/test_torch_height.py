@@ -9,8 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from gproof.driver.dialects import load_machine
-from gproof.frontend.files.setup import load_setup
+from gproof.driver.dialects import load_machine, load_setup
 from gproof.frontend.wincnc.load import load_program
 from gproof.ir.finding import Findings
 from gproof.ir.setup import ZERO

@@ -17,7 +17,7 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 from gproof.frontend.common.exact_numbers import LARGEST, TINIEST, exact_number, exact_ratio
-from gproof.frontend.files.own_keys import KEYS, Keys, nth, suggestion, unknown_keys
+from gproof.frontend.common.own_keys import KEYS, Keys, nth, suggestion, unknown_keys
 from gproof.ir import codes
 from gproof.ir.finding import Code, Findings, Severity, Span
 from gproof.ir.number_ranges import number_problem

@@ -13,13 +13,12 @@ import pytest
 
 from gproof.cli.main import main
 from gproof.cli.telling import tell
-from gproof.driver.dialects import load_machine
+from gproof.driver.dialects import load_machine, load_setup
 from gproof.driver.errors import Tell, UsageError
 from gproof.driver.jobs import read_job_file
 from gproof.driver.policy import load_policy
-from gproof.frontend.files.own_keys import KEYS, Keys, suggestion
-from gproof.frontend.files.setup import load_setup
-from gproof.frontend.files.toml_table import TomlFile
+from gproof.frontend.common.own_keys import KEYS, Keys, suggestion
+from gproof.frontend.common.toml_table import TomlFile
 from gproof.ir.finding import Findings
 
 Path_ = tuple[str, ...]
@@ -240,7 +239,7 @@ def test_the_table_lists_what_the_readers_ask_for(tmp_path: Path, monkeypatch: p
                 continue
             named = tuple(NAMES[before] if n == "*" else n for before, n in zip(("", *path), path, strict=False))
             asked, known = taken.get(named, set()), keys.own | keys.tables.keys()
-            assert asked <= known, ("KEYS in frontend/files/own_keys.py lacks", schema, path, asked - known)
+            assert asked <= known, ("KEYS in frontend/common/own_keys.py lacks", schema, path, asked - known)
             # Which letters axes have is the machine's.
             assert known - asked <= {"u", "v", "w"}, (schema, path, known - asked)
 
