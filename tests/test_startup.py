@@ -67,9 +67,14 @@ def test_a_small_job_is_checked_without_heavy_libraries() -> None:
 @pytest.mark.parametrize(
     ("job", "machine", "setup", "others"),
     [
-        (f"{PLATE}/job.cnc", "machine.toml", "zero", {"din", "din_motion", "single", "single_motion", "single_knife"}),
-        (GASKET, "../machine.toml", "../setup.toml", {"din", "din_motion", "din_events"}),
-        (DOTS, "../machine.toml", "../setup.toml", {"single", "single_origins", "single_knife"}),
+        (
+            f"{PLATE}/job.cnc",
+            "machine.toml",
+            "zero",
+            {"mcuwin.line", "mcuwin.moves", "wincnc.line", "wincnc.moves", "wincnc.tangential_knife"},
+        ),
+        (GASKET, "../machine.toml", "../setup.toml", {"mcuwin.line", "mcuwin.moves", "mcuwin.outputs_and_waits"}),
+        (DOTS, "../machine.toml", "../setup.toml", {"wincnc.line", "wincnc.work_offsets", "wincnc.tangential_knife"}),
     ],
     ids=["eding", "wincnc", "mcuwin"],
 )
@@ -78,6 +83,6 @@ def test_a_job_of_one_dialect_needs_no_passes_of_another(job: str, machine: str,
     stated = setup if setup == "zero" else str(beside / setup)
     loaded = all_modules_after(RUN, "check", job, "--machine", str(beside / machine), "--setup", stated)
     assert "gproof.passes.interpret.core.executor" in loaded
-    assert sorted(loaded & {f"gproof.passes.{name}" for name in others}) == []
+    assert sorted(loaded & {f"gproof.passes.interpret.{name}" for name in others}) == []
     dialects = {"gproof.frontend.eding.load", "gproof.frontend.wincnc.load", "gproof.frontend.mcuwin.load"}
     assert len(loaded & dialects) == 1

@@ -57,7 +57,7 @@ def again(place: Place, session: Session, machine: Machine, setup: Setup) -> Ses
 
         program = load_mcuwin(place.program, findings, machine, place.machine)
     else:
-        from gproof.driver.session import _macro_file
+        from gproof.frontend.eding.job import _macro_file
         from gproof.frontend.eding.load import load_program
         from gproof.frontend.eding.long_file import judge_length
 
