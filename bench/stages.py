@@ -32,10 +32,10 @@ def timed(work: Callable[[], Any]) -> tuple[Any, dict[str, float]]:
 def stages(job: Path, machine_file: Path) -> dict[str, Any]:
     """Figures by stage; a stage that is missing or refuses the job says so instead."""
     from gproof.driver.dialects import load_machine
+    from gproof.driver.running import execute
     from gproof.frontend.eding.load import load_program
     from gproof.ir.finding import Findings
     from gproof.ir.setup import ZERO
-    from gproof.passes.interpret.core.executor import execute
 
     out: dict[str, Any] = {}
     findings = Findings()

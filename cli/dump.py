@@ -57,8 +57,8 @@ def _print(value: object) -> None:
 
 
 def _jsonl(session: Session, running: Running) -> bool:
+    from gproof.driver.running import begin
     from gproof.passes.checks.arc_radius import ArcRadius
-    from gproof.passes.interpret.core.executor import Executor
     from gproof.passes.motion.knife_axis import follow_knife
     from gproof.report.trace_jsonl import error_line, marked_lines
 
@@ -68,12 +68,12 @@ def _jsonl(session: Session, running: Running) -> bool:
         # A program that does not parse is not started.
         click.echo(error_line(early))
         return False
-    ex = Executor(
+    run = begin(
         session.program, session.setup, session.machine, session.findings, stop_at_error=True,
         block_delete=bool(session.setup.block_delete), **session.options(running),
     )  # fmt: skip
     arcs = ArcRadius(session.machine, session.setup, session.findings)
-    for chunk in follow_knife(ex.run(), session.machine, session.findings):
+    for chunk in follow_knife(run.chunks(), session.machine, session.findings):
         refused = arcs.first_mismatch(chunk)
         row = None if refused is None else refused[0]
         for line in marked_lines(chunk, session.machine, str(session.job), before=row):
@@ -82,9 +82,9 @@ def _jsonl(session: Session, running: Running) -> bool:
             session.findings.add(refused[1])
             click.echo(error_line(refused[1]))
             return False
-    if ex.failed is not None:
-        click.echo(error_line(ex.failed))
-    return ex.failed is None
+    if run.failed is not None:
+        click.echo(error_line(run.failed))
+    return run.failed is None
 
 
 def _stages(session: Session, running: Running, stage: str) -> bool:

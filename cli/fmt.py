@@ -15,7 +15,7 @@ from pathlib import Path
 import click
 
 from gproof.backend.emit.printer import Printer
-from gproof.driver.dialects import DIALECTS, extensions, frontends
+from gproof.driver.dialects import DIALECTS, extensions, frontends, semantics_of
 from gproof.driver.errors import UsageError
 from gproof.driver.escape import in_one_line
 from gproof.driver.files import require_file, require_program
@@ -279,7 +279,7 @@ def _printed(
     with scratch.open("wb") as file:
         for piece in text:
             file.write(piece)
-    _keep(doubtful_lines(program, form.alone.machine), source, scratch)
+    _keep(doubtful_lines(program, form.alone.machine, semantics_of(program)), source, scratch)
     if filecmp.cmp(source, scratch, shallow=False):
         return None
     findings = Findings()

@@ -5,8 +5,9 @@ What a line names is light: a dialect's folder imports what it needs when someth
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from gproof.backend.emit import eding as emit_eding
 from gproof.backend.emit import mcuwin as emit_mcuwin
@@ -15,25 +16,34 @@ from gproof.backend.emit.printer import Printer
 from gproof.frontend import eding, mcuwin, wincnc
 from gproof.frontend.common.frontend import Files, Frontend
 from gproof.ir.record import record
+from gproof.passes.interpret import eding as run_eding
+from gproof.passes.interpret import mcuwin as run_mcuwin
+from gproof.passes.interpret import wincnc as run_wincnc
 
 if TYPE_CHECKING:
     from gproof.ir.finding import Findings
     from gproof.ir.machine import Machine
+    from gproof.ir.program import Program
     from gproof.ir.setup import Setup
+    from gproof.passes.interpret.core.semantics import Dialect
 
 
 @record(frozen=True, slots=True, kw_only=True)
-class Dialect:
-    """What gproof knows of a controller's language. frontend: reads its programs and files; printer: prints them."""
+class Language:
+    """What gproof knows of a controller's language.
+
+    frontend: reads its programs and files; printer: prints them; semantics: what decides how one program is executed.
+    """
 
     frontend: Frontend
     printer: Printer
+    semantics: Callable[[Program], Dialect[Any]]
 
 
-DIALECTS: dict[str, Dialect] = {
-    "eding": Dialect(frontend=eding.FRONTEND, printer=emit_eding.PRINTER),
-    "wincnc": Dialect(frontend=wincnc.FRONTEND, printer=emit_wincnc.PRINTER),
-    "mcuwin": Dialect(frontend=mcuwin.FRONTEND, printer=emit_mcuwin.PRINTER),
+DIALECTS: dict[str, Language] = {
+    "eding": Language(frontend=eding.FRONTEND, printer=emit_eding.PRINTER, semantics=run_eding.semantics),
+    "wincnc": Language(frontend=wincnc.FRONTEND, printer=emit_wincnc.PRINTER, semantics=run_wincnc.semantics),
+    "mcuwin": Language(frontend=mcuwin.FRONTEND, printer=emit_mcuwin.PRINTER, semantics=run_mcuwin.semantics),
 }
 
 
@@ -75,3 +85,8 @@ def load_setup(path: Path, findings: Findings, machine: Machine | None = None) -
     from gproof.ir.machine import NO_MACHINE
 
     return load(path, findings, frontends(), NO_MACHINE if machine is None else machine)
+
+
+def semantics_of(program: Program) -> Dialect[Any]:
+    """What decides how a program is executed: one object a run."""
+    return DIALECTS[program.rules.name].semantics(program)

@@ -10,6 +10,7 @@ from collections.abc import Callable, Iterable, Sequence
 import numpy as np
 
 from gproof.driver.condition_feasibility import contradiction
+from gproof.driver.running import begin as begin_run
 from gproof.driver.session import Running, Session
 from gproof.ir import codes
 from gproof.ir.dialects.accepts import MANUALS
@@ -30,9 +31,9 @@ from gproof.passes.checks.limits.work_boundaries import Boundaries
 from gproof.passes.checks.registry import added_checks, decided
 from gproof.passes.checks.zones.zone_check import Hears
 from gproof.passes.checks.zones.zones import Areas
-from gproof.passes.interpret.core.executor import Executor
 from gproof.passes.interpret.core.open_settings import note
 from gproof.passes.interpret.core.outcomes import Outcomes
+from gproof.passes.interpret.core.run import Run
 from gproof.passes.motion.knife_axis import follow_knife
 from gproof.passes.motion.plan import MotionEstimate
 
@@ -198,7 +199,7 @@ class _Checks:
     """The checks of one pass: those of the default policy, and what ``properties`` asks for beside them."""
 
     def __init__(
-        self, session: Session, ex: Executor, findings: Findings, properties: Sequence[str], hears: Hears | None
+        self, session: Session, run: Run, findings: Findings, properties: Sequence[str], hears: Hears | None
     ) -> None:  # fmt: skip
         assert session.program is not None
         machine, setup = session.machine, session.setup
@@ -208,7 +209,7 @@ class _Checks:
         straight = session.program.rules.straight_traverse if stated is None else stated
         self.areas = Areas(
             machine, setup, findings, straight=straight,
-            zero=ex.modal.zero_at_start, hears=hears,
+            zero=run.modal.zero_at_start, hears=hears,
         )  # fmt: skip
         self.arcs = ArcRadius(machine, setup, findings)
         self.edges = Boundaries(machine, setup, findings)
@@ -240,25 +241,25 @@ def _pass(
 ) -> tuple[list[PropertyResult], Summary, list[str], bool, FirstMoves]:  # fmt: skip
     assert session.program is not None
     machine, setup = session.machine, session.setup
-    ex = Executor(
+    run = begin_run(
         session.program, setup, machine, findings, block_delete=block_delete, accepted=accepted,
         **session.options(running),
     )  # fmt: skip
-    ex.on_beat = beat
-    checks = _Checks(session, ex, findings, properties, hears)
+    run.on_beat = beat
+    checks = _Checks(session, run, findings, properties, hears)
     stretches = GuardStretches(machine, findings)
     estimate = MotionEstimate(machine)
     timed = InOrder(estimate.feed)
     outcomes, firsts, course = Outcomes(), FirstMoves(), _Course(machine=machine)
     session.program.verify()
-    for chunk in follow_knife(ex.run(), machine, findings):
+    for chunk in follow_knife(run.chunks(), machine, findings):
         verify_rows(chunk.rows, chunk.trace, f"section {chunk.section}")
         course.feed(chunk)
-        outcomes.feed(chunk, forked=bool(ex.asked))
+        outcomes.feed(chunk, forked=bool(run.asked))
         firsts.feed(chunk)
         with findings.within(chunk.section):
             checks.feed(chunk)
-            ex.settings.feed(chunk)
+            run.settings.feed(chunk)
             stretches.feed(chunk)
         timed(chunk, len(chunk.rows))
         if observe is not None:
@@ -269,17 +270,17 @@ def _pass(
     stretches.finish()
     results = checks.finish(firsts)
     findings.section = None
-    outcomes.name(findings, ex.asked, session.program)
+    outcomes.name(findings, run.asked, session.program)
     noted = [one for one in machine.not_modelled if not one.axis and not one.touches]
-    noted += [*ex.settings.noted, *checks.limits.noted]
-    open_path = ex.refused or any(code.number in findings.counts for code in _LEAVES_THE_PATH_OPEN)
+    noted += [*run.settings.noted, *checks.limits.noted]
+    open_path = run.refused or any(code.number in findings.counts for code in _LEAVES_THE_PATH_OPEN)
     results = [_not_proved(r) if open_path or any(one.opens(r.name) for one in noted) else r for r in results]
     open_path = open_path or any(one.opens("areas") for one in noted)
     language = PropertyResult(name="language", verdict=_language(findings))
     summary = Summary(
-        lines=session.program.line_count, blocks=ex.blocks - ex.charged, sections=max(1, course.sections),
+        lines=session.program.line_count, blocks=run.blocks - run.charged, sections=max(1, course.sections),
         path_length=estimate.path_length_mm, feed_length=estimate.feed_length_mm,
-        seconds=None if ex.branches else estimate.seconds, branches=ex.branches,
+        seconds=None if run.branches else estimate.seconds, branches=run.branches,
         at_least=estimate.unknown_rows > 0, box=checks.limits.box(), extents=checks.limits.extents(),
         begin=course.begin, end=course.end, unit=course.unit, open_path=bool(open_path),
         remains=tuple(left for check in checks.added for left in check.remains())
@@ -287,12 +288,12 @@ def _pass(
         else (),
     )  # fmt: skip
     assumed = [
-        *_taken_as_zero(session, ex.modal.zero_lengths),
+        *_taken_as_zero(session, run.modal.zero_lengths),
         *session.program.assumed,
-        *ex.assumed,
+        *run.assumed,
         *_standing(session, course.waits),
     ]
-    return [language, *results], summary, assumed, ex.met_deleted, firsts
+    return [language, *results], summary, assumed, run.met_deleted, firsts
 
 
 def _taken_as_zero(session: Session, lengths: Iterable[int]) -> list[str]:

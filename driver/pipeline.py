@@ -52,7 +52,7 @@ def lower(
 
     conditions: what open offsets are asked for: the stream is then made for a reference in the middle of it.
     """
-    from gproof.passes.interpret.core.executor import execute
+    from gproof.driver.running import execute
 
     assert session.program is not None
     trace = execute(

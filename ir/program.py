@@ -162,7 +162,7 @@ class Block:
 
     deleted: it began with a slash. own: its codes are the controller's own, whatever a subprogram replaces.
     texts: what its words have of text, by letter: names, file names. continued: the code that a line without one goes
-    on with, in languages where the order of the source decides that (``LanguageRules.source_order``): ``G1``, "" for
+    on with, in languages where the order of the source decides that: ``G1``, "" for
     none, "?" where the manual leaves it open. distances: ``G90`` or ``G91``, where the source decides that too.
     """
 

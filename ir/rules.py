@@ -291,13 +291,11 @@ class LanguageRules:
 
     argument_base: number of the variable that holds the A word of a code which a subprogram replaces, B to Z follow;
     argument_missing: what the variable of a letter holds that the line does not have.
-    one_command: a line has one command and companions of it, not any number of words; variables: the named ones and
-    what they are. source_order: what a line without a code goes on with follows the order of the source, and stands in
-    its block (``Block.continued``); a line may have several codes, each with the words behind it. arcs_keep_feed: the F
-    of arcs may be kept apart from that of lines (``Controls.arcs_share_feed``). straight_traverse: a traverse of
-    several axes is a straight line, None: the manual does not say; measured_tools: what is stored of a tool is no
-    length, but the machine position at which its tip is at the work's zero. later: codes that the manual lacks and
-    other versions of the controller have.
+    code_letters: letters of codes; variables: the named ones and what they are. workspaces_select_heads: a workspace
+    beside the first has a head and a spindle of its own; arcs_keep_feed: the F of arcs may be kept apart from that of
+    lines (``Controls.arcs_share_feed``). straight_traverse: a traverse of several axes is a straight line, None: the
+    manual does not say; measured_tools: what is stored of a tool is no length, but the machine position at which its
+    tip is at the work's zero. later: codes that the manual lacks and other versions of the controller have.
     """
 
     name: str
@@ -314,8 +312,8 @@ class LanguageRules:
     call_depth: int
     argument_base: int = 1
     argument_missing: float = -1e10
-    one_command: bool = False
-    source_order: bool = False
+    code_letters: frozenset[str] = frozenset("GM")
+    workspaces_select_heads: bool = False
     arcs_keep_feed: bool = False
     straight_traverse: bool | None = None
     measured_tools: bool = False

@@ -9,10 +9,10 @@ from types import ModuleType
 import pytest
 
 from gproof.driver.dialects import load_machine
+from gproof.driver.running import begin, collect
 from gproof.frontend.mcuwin.load import load_program
 from gproof.ir.finding import Findings
 from gproof.ir.setup import ZERO
-from gproof.passes.interpret.core.executor import Executor, collect
 
 ROOT = Path(__file__).parents[1]
 
@@ -42,7 +42,7 @@ def test_programs_of_mcuwin_have_no_mistakes(tmp_path: Path, shape: str) -> None
     assert machine is not None
     program = load_program(tmp_path / "job.din", findings, machine)
     assert program is not None
-    trace = collect(Executor(program, ZERO, machine, findings))
+    trace = collect(begin(program, ZERO, machine, findings))
     assert findings.kept == []
     assert sum(len(section.rows) for section in trace.sections) > 100
 

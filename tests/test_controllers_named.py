@@ -28,20 +28,6 @@ FILES = sorted(path.relative_to(ROOT).as_posix() for folder in FOLDERS for path 
 STILL = """
 frontend/files/machine.py
 frontend/files/mcuwin_settings.py
-passes/interpret/core/block_tables.py
-passes/interpret/core/call_stack.py
-passes/interpret/core/control_flow.py
-passes/interpret/core/dead_variables.py
-passes/interpret/core/executor.py
-passes/interpret/core/hot_blocks.py
-passes/interpret/core/hot_passes.py
-passes/interpret/core/loop_widening.py
-passes/interpret/core/lost_lines.py
-passes/interpret/core/modal_state.py
-passes/interpret/core/refused_lines.py
-passes/interpret/core/semantics.py
-passes/interpret/core/trace_writer.py
-passes/interpret/understood_lines.py
 """
 """Files outside that still name one. The list only gets shorter."""
 

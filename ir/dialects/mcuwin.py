@@ -174,6 +174,5 @@ MCUWIN = LanguageRules(
     integer_tolerance=1e-9,
     peck_clearance_mm=0.0,
     call_depth=1_000,  # none is stated: the executor's own limit of nested blocks comes first
-    source_order=True,
     straight_traverse=False,  # 3.1: each axis has its own velocity and acceleration
 )

@@ -8,7 +8,6 @@ as they are.
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
-from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -18,34 +17,30 @@ from gproof.ir.columns import Columns
 from gproof.ir.finding import Refusal, Span
 from gproof.ir.machine import Machine
 from gproof.ir.program import Block, BlockTable, DeferredBlock, Number, Program, Replaced, Statement, Word
-from gproof.ir.rules import Function as F
 from gproof.ir.symbolic import Unknown, Value
-from gproof.passes.interpret.core.parsed_line import LARGEST, gather
-from gproof.passes.interpret.mcuwin import line as din
-from gproof.passes.interpret.wincnc import line as single
-from gproof.passes.interpret.wincnc.state import letters_of
+from gproof.passes.interpret.core.parsed_line import LARGEST
+from gproof.passes.interpret.core.semantics import Dialect
 
 PIECE_BYTES = 1 << 18
 OPEN = Unknown("its expression")
 _CODES = "GLM"
-_AXES = "XYZWUVABC"
 _HELD = ("then", "otherwise", "body")
 """What a statement may hold of others."""
 _MIX = np.uint64(0x9E3779B97F4A7C15)
 _LETTER = np.uint64(0x100000001B3)
 
 
-def doubtful_lines(program: Program, machine: Machine) -> frozenset[int]:
+def doubtful_lines(program: Program, machine: Machine, dialect: Dialect[Any]) -> frozenset[int]:
     """Numbers of the lines of the program's own file that are not understood; machine: whose axes they move."""
-    return frozenset(_Lines(program, machine).numbers())
+    return frozenset(_Lines(program, machine, dialect).numbers())
 
 
 class _Lines:
-    def __init__(self, program: Program, machine: Machine) -> None:
+    def __init__(self, program: Program, machine: Machine, dialect: Dialect[Any]) -> None:
         self.program = program
         self.machine = machine
         self.name = program.files[0].name if program.files else ""
-        self.columns = letters_of(machine)
+        self.dialect = dialect
         self.known: dict[int, bool] = {}
 
     def numbers(self) -> Iterator[int]:
@@ -77,17 +72,8 @@ class _Lines:
         return self._problem(words, _bare(block.words), block.span)
 
     def _problem(self, words: Sequence[tuple[str, Value, Span]], bare: frozenset[str], span: Span) -> bool:
-        rules = self.program.rules
         try:
-            if rules.one_command:
-                behind = single._measure_behind(words)
-                for part in (words[:behind], words[behind:]) if behind else (words,):
-                    self._single(part, span)
-            elif rules.source_order:
-                ex: Any = SimpleNamespace(machine=self.machine, program=self.program)
-                din._gather(ex, self.columns, span, words, bare)
-            else:
-                gather(rules, span, list(words))
+            self.dialect.judge_line(self.machine, span, words, bare)
         except Refusal as refusal:
             if refusal.finding.code is not codes.UNKNOWN_CONDITION:
                 return True
@@ -95,21 +81,6 @@ class _Lines:
             rest = [word for word in words if word[2] != refusal.finding.span]
             return len(rest) < len(words) and self._problem(rest, bare, span)
         return False
-
-    def _single(self, words: Sequence[tuple[str, Value, Span]], span: Span) -> None:
-        """Refusal as when the line runs; for axes beside a stored place too, where a sign may say more than it does."""
-        line = single.gather(self.program.rules, self.columns, span, words, has_laser=False)
-        command = line.command
-        stored = line.values.keys() & set("PHT")
-        if (
-            command is not None
-            and command.function in (F.OUTPUT_ON, F.OUTPUT_OFF)
-            and not line.values.keys() & set("CD")
-        ):
-            raise Refusal(codes.WORD_MISSING.at(span, code=command.text, needed="C"))
-        moves = command is None or command.function in (F.TRAVERSE, F.FEED, F.MACHINE_TRAVERSE)
-        if stored and moves and line.values.keys() & set(_AXES):
-            raise Refusal(codes.UNSUPPORTED_CODE.at(span, code="axes beside a stored place"))
 
     # -- plain lines: those with the same letters and codes are judged once
 

@@ -21,12 +21,12 @@ from support.wild import ROOT, corpus_jobs, mutated, random_bytes, wild_program
 
 from gproof.cli.dump import loaded
 from gproof.driver.judge import Judgement, judge
+from gproof.driver.running import begin
 from gproof.driver.session import Running, open_session
 from gproof.ir.codes import CODES
 from gproof.ir.finding import Findings, Severity
 from gproof.ir.text import print_lines
 from gproof.ir.verdict import Verdict
-from gproof.passes.interpret.core.executor import Executor
 from gproof.report.summary import print_summary, report_json
 from gproof.report.text import print_findings
 from gproof.report.trace_jsonl import chunk_lines
@@ -110,11 +110,11 @@ def answers(job: Path, machine: Path | None, setup: str | None, budget: int = BU
     if session.program is not None:
         for _ in print_lines(loaded(session.program)):
             pass
-        ex = Executor(
+        ex = begin(
             session.program, session.setup, session.machine, Findings(), budget=BUDGET, stop_at_error=True,
             max_branches=16,
         )  # fmt: skip
-        for chunk in islice(ex.run(), CHUNKS):
+        for chunk in islice(ex.chunks(), CHUNKS):
             for line in chunk_lines(chunk, session.machine, str(job)):
                 json.loads(line, parse_constant=lambda what: pytest.fail(f"{what} in the trace"))
     return judgement

@@ -10,13 +10,13 @@ from pathlib import Path
 
 from docs import eding_manual as manual
 from gproof.driver.dialects import load_machine, load_setup
+from gproof.driver.running import execute
 from gproof.frontend.eding.load import load_program
 from gproof.ir.dialects.eding import EDING, FREE
 from gproof.ir.dialects.eding_operators import LEVELS
 from gproof.ir.finding import Findings, Severity
 from gproof.ir.rules import CHECKED_ONLY, CodeRule, ParameterRange
-from gproof.passes.interpret.core.executor import execute
-from gproof.passes.interpret.core.modal_state import _SHOWN
+from gproof.passes.interpret.core.shown_variables import SHOWN
 from gproof.passes.interpret.eding.commands import HANDLERS, _nesting, _note
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -155,7 +155,7 @@ def parameter_status(entry: ParameterRange) -> str:
     if entry.kind in ("tool_zero", "later"):
         return f"{UNKNOWN}: GP113"
     is_kept = entry.kind in ("free", "persistent", "park_1", "park_2")
-    return SUPPORTED if is_kept or entry.kind in _SHOWN else f"{UNKNOWN} unless the setup states it to be 0"
+    return SUPPORTED if is_kept or entry.kind in SHOWN else f"{UNKNOWN} unless the setup states it to be 0"
 
 
 def _parameters() -> Iterator[str]:

@@ -12,7 +12,7 @@ from gproof.ir.finding import Finding, Severity
 from gproof.ir.machine import Machine
 from gproof.ir.setup import Interval
 from gproof.ir.trace import TRACE_ROW
-from gproof.passes.interpret.core.executor import Executor
+from gproof.passes.interpret.core.run import Run
 from gproof.report.trace_jsonl import chunk_lines
 
 LISTED = frozenset(
@@ -22,11 +22,11 @@ TOLERANCE = 1e-4
 FRAME = [column.name for column in TRACE_ROW.columns].index("frame")
 
 
-def rows_of(executor: Executor, machine: Machine, checks: Iterable[Any], program: Path) -> list[dict[str, Any]]:
+def rows_of(executor: Run, machine: Machine, checks: Iterable[Any], program: Path) -> list[dict[str, Any]]:
     """Rows as in docs/trace-jsonl.md, each with where its axes may be; checks: are fed with the trace."""
     rows: list[dict[str, Any]] = []
     symbols = executor.trace.symbols
-    for chunk in executor.run():
+    for chunk in executor.chunks():
         for check in checks:
             check.feed(chunk)
         for text, row in zip(chunk_lines(chunk, machine, str(program)), chunk.rows.rows(), strict=True):

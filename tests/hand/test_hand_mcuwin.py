@@ -11,6 +11,7 @@ import pytest
 from hand.compare import LISTED, fits, lengthless, open_or_wrong, rows_of
 from support.campaigns import share
 
+from gproof.driver.running import begin, execute
 from gproof.driver.session import Session, open_session
 from gproof.ir.finding import Finding, Findings
 from gproof.ir.setup import ZERO
@@ -18,7 +19,6 @@ from gproof.ir.text import parse_ir, print_ir
 from gproof.passes.checks.arc_radius import ArcRadius
 from gproof.passes.checks.limits.soft_limits import Limits
 from gproof.passes.checks.limits.work_boundaries import Boundaries
-from gproof.passes.interpret.core.executor import Executor, execute
 
 HERE = Path(__file__).parent
 PROGRAMS = sorted(HERE.glob("mcuwin/*/*.jsonl"))
@@ -39,7 +39,7 @@ def run(program: Path, stated: dict[str, Any]) -> tuple[list[dict[str, Any]], li
     inputs = {int(n): float(on) for n, on in stated.get("inputs", {}).items()}
     setup = dataclasses.replace(ZERO, inputs=inputs, default_parameter=None, optional_stop=None)
     findings: Findings = session.findings
-    executor = Executor(session.program, setup, session.machine, findings)
+    executor = begin(session.program, setup, session.machine, findings)
     given = session.machine, setup, findings
     checks = [Limits(*given), Boundaries(*given), ArcRadius(*given)]
     rows = rows_of(executor, session.machine, checks, program)

@@ -12,6 +12,7 @@ import pytest
 from hand.compare import LISTED, fits, lengthless, open_or_wrong, rows_of
 from support.campaigns import share
 
+from gproof.driver.running import begin, execute
 from gproof.driver.session import Session, open_session
 from gproof.ir import codes
 from gproof.ir.finding import Finding, Findings, Severity
@@ -20,7 +21,6 @@ from gproof.ir.setup import ZERO, Interval, Setup
 from gproof.ir.text import parse_ir, print_ir
 from gproof.passes.checks.limits.soft_limits import Limits
 from gproof.passes.checks.limits.work_boundaries import Boundaries
-from gproof.passes.interpret.core.executor import Executor, execute
 
 HERE = Path(__file__).parent
 PROGRAMS = sorted(path for path in HERE.glob("wincnc/*/*.jsonl"))
@@ -55,7 +55,7 @@ def run(program: Path, stated: dict[str, Any]) -> tuple[list[dict[str, Any]], li
     assert session.program is not None
     setup, machine = setup_of(stated, session.machine)
     findings: Findings = session.findings
-    executor = Executor(session.program, setup, machine, findings)
+    executor = begin(session.program, setup, machine, findings)
     checks = [Limits(machine, setup, findings), Boundaries(machine, setup, findings)]
     return rows_of(executor, machine, checks, program), open_or_wrong(findings.kept)
 

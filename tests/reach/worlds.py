@@ -20,7 +20,7 @@ from gproof.ir.machine import Machine
 from gproof.ir.setup import Interval, Setup
 from gproof.ir.trace import Chunk
 from gproof.ir.workpiece import Box, Placed, Workpiece
-from gproof.passes.interpret.core.executor import Executor
+from gproof.passes.interpret.core.run import Run
 
 Change = tuple[FieldPath, Any]
 STATE = "state"
@@ -80,9 +80,9 @@ def answered(world: World, program: str, folder: Path, changes: tuple[Change, ..
 @contextlib.contextmanager
 def changed_states(changes: list[Change]) -> Iterator[None]:
     """While it lasts, every state of every trace has other values: what reads the field answers otherwise."""
-    run = Executor.run
+    run = Run.chunks
 
-    def changed(executor: Executor) -> Iterator[Chunk]:
+    def changed(executor: Run) -> Iterator[Chunk]:
         for chunk in run(executor):
             states = chunk.trace.states
             for number, state in enumerate(states):
@@ -93,7 +93,7 @@ def changed_states(changes: list[Change]) -> Iterator[None]:
 
     with pytest.MonkeyPatch.context() as patch:
         if changes:
-            patch.setattr(Executor, "run", changed)
+            patch.setattr(Run, "chunks", changed)
         yield
 
 

@@ -257,8 +257,8 @@ def test_wrapped_lines_fit_and_lose_nothing(seed: int) -> None:
 @pytest.mark.parametrize(("lines", "width"), [("", 6.0), ("#5501 = 16\n", 16.0), ("#5501 = 0\n", 0.0)])
 def test_a_picture_draws_tools_as_wide_as_the_checks_take_them(lines: str, width: float, tmp_path: Path) -> None:
     """What the job writes over the tool table counts here too (Eding CNC manual 3.4.12)."""
+    from gproof.driver.running import begin
     from gproof.driver.session import open_session
-    from gproof.passes.interpret.core.executor import Executor
     from gproof.report.picture.path_points import PathPoints
 
     job = tmp_path / "job.cnc"
@@ -267,6 +267,6 @@ def test_a_picture_draws_tools_as_wide_as_the_checks_take_them(lines: str, width
     session = open_session(job, machine=None, setup="zero", dialect="eding")
     assert session.program is not None
     path = PathPoints(machine)
-    for chunk in Executor(session.program, session.setup, machine, session.findings).run():
+    for chunk in begin(session.program, session.setup, machine, session.findings).chunks():
         path.add(chunk)
     assert float(path.points().diameter[-1]) == width

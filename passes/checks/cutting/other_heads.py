@@ -30,7 +30,7 @@ class OtherHeads:
         for number, letter in enumerate(_HEADS):
             spindle = machine.spindle(number)
             same = spindle is not None and spindle.output in runs.channels
-            if number and runs.channels and program.rules.one_command and letter in upright and not same:
+            if number and runs.channels and program.rules.workspaces_select_heads and letter in upright and not same:
                 self._axes[number + 1] = upright[letter]
                 hints.append(f"[spindles.{number}]: head {letter}")
         self.hint = f"output = ... in the machine file, where the same one runs their spindle ({', '.join(hints)})"

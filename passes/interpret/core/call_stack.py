@@ -17,7 +17,6 @@ from gproof.ir.record import field, record
 from gproof.ir.symbolic import NOWHERE, Position, Unknown, Value, bounds, is_whole
 from gproof.ir.trace import Edge
 from gproof.passes.interpret.core.modal_state import Modal
-from gproof.passes.interpret.eding.remapped_codes import Words
 
 
 @record(slots=True, eq=False)
@@ -96,7 +95,7 @@ class Caller:
 
     call: int
     file: int
-    rest: tuple[Span, list[Words]] | None
+    rest: tuple[Span, list[tuple[str, Value, Span]]] | None
     before: Kept | None = None
     back: tuple[tuple[int, int], ...] = ()
     numbers: dict[int, Value] | None = field(default=None, compare=False, repr=False)

@@ -1,487 +1,547 @@
-"""Jumps, labels, returns, counted loops and calls of languages that have them.
+"""Execution: Program + Setup -> Trace, streamed in chunks.
 
-A jump goes to a label in its own list of statements or in one around it, within its subprogram (``ir.program.Jump``).
+One run is a chain of classes, each of which knows one thing: ``emitter`` (state and rows), ``motion`` (moves),
+``origins`` (where numbers count from), ``blocks`` (a line in the order of the manual), ``straight`` (tables of plain
+lines), ``loops`` (lines that come again), ``branches`` (conditions that nobody can decide), and here statements, calls
+and messages. Errors are findings: the line that has one does nothing more, and execution goes on behind it so that one
+run shows all of them; ``stop_at_error`` ends there instead, as the controller would.
 """
 
 from __future__ import annotations
 
-import copy
-import math
+import contextlib
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, Any
 
 from gproof.ir import codes
-from gproof.ir.dialects.mcuwin import COMMON, DECLARED
-from gproof.ir.din import VERSIONS
-from gproof.ir.finding import Refusal, Span
+from gproof.ir.dialects.accepts import ACCEPTS
+from gproof.ir.finding import Finding, Findings, FollowedRefusal, Refusal, Span
+from gproof.ir.machine import Machine
 from gproof.ir.program import (
-    PARAMETER,
+    Array,
     Block,
     BlockTable,
     Call,
     Declare,
     DeferredBlock,
+    Definition,
+    Device,
     For,
+    Guard,
     If,
+    Include,
     Jump,
     Label,
     Message,
+    Mistake,
     Mode,
-    Number,
+    Program,
     Repeat,
+    Replaced,
     Return,
     Statement,
     Subprogram,
-    Variable,
+    Unsupported,
     While,
 )
-from gproof.ir.symbolic import Unknown, Value, behind_loop, bounds, hull
-from gproof.ir.trace import Edge, Wait
-from gproof.passes.interpret.core.call_stack import ANY, Frame, Group, Path
+from gproof.ir.setup import Setup
+from gproof.ir.symbolic import Unknown
+from gproof.ir.trace import Chunk, Edge, Op, Wait
+from gproof.passes.interpret.core import refused_lines
+from gproof.passes.interpret.core.block_tables import BlockTables
+from gproof.passes.interpret.core.call_stack import Caller, Frame, Path
+from gproof.passes.interpret.core.expressions import describe_parts
+from gproof.passes.interpret.core.hot_blocks import HotBlocks
 from gproof.passes.interpret.core.hot_passes import HotPasses
-from gproof.passes.interpret.core.loop_acceleration import LEFT
-from gproof.passes.interpret.core.modal_state import Modal
+from gproof.passes.interpret.core.loop_widening import LoopWidening, call_blocks
 from gproof.passes.interpret.core.outcomes import Asked
-from gproof.passes.interpret.core.path_exploration import LOOPS
-from gproof.passes.interpret.core.trace_writer import ProgramEnd
-from gproof.passes.interpret.mcuwin.state import din_of
+from gproof.passes.interpret.core.path_exploration import LOOPS, PathExploration
+from gproof.passes.interpret.core.run import ProgramEnd
+from gproof.passes.interpret.core.statement_order import StatementOrder
 
-_OFTEN = "how often the loop runs"
-FEW_FIRST = 16
-"""So many first values of a loop are followed one by one."""
-MAX_NESTED = 200
-"""Blocks within blocks, those of calls counted in; a program that nests deeper is not followed."""
+if TYPE_CHECKING:
+    from gproof.passes.interpret.core.run import Run
+    from gproof.passes.interpret.core.semantics import Dialect, Word
 
 
-class Flow(HotPasses):
-    """What changes the order of statements."""
+class ControlFlow:
+    """What is still to do in a run, and its parts, each of which knows one thing.
 
-    def _enter(self, span: Span) -> None:
-        """One block or call deeper; Refusal GP113 when that goes on for too long."""
-        if self._nesting >= MAX_NESTED:
-            raise Refusal(codes.UNSUPPORTED_CODE.at(span, code=f"a nesting of more than {MAX_NESTED} blocks"))
-        self._nesting += 1
+    tables: lines of tables; order: jumps, loops and calls; hot_blocks: lines that come again; paths: outcomes of what
+    nobody can decide; widening: loops that go on for longer than anybody follows; hot_passes: many passes at once.
+    stack: what runs, innermost last; called: names of the subprograms that run; nesting: blocks within blocks; loops:
+    of these, loops; came_back: a jump has led back. call_texts: numbers of ``Trace.calls`` by text; seen: edges of
+    questions by the state in which they were asked; joins: sections by the state in which outcomes meet; waiting:
+    outcomes that nobody has followed yet; is_parked: the one that runs waits for others.
+    """
 
-    # ---- jumps
+    def __init__(self, run: Run) -> None:
+        self.run = run
+        self.stack: list[Frame] = [Frame(run.program.body)]
+        self.called: list[str] = []
+        self.nesting = 0
+        self.loops = 0
+        self.came_back = False
+        self.call_texts: dict[str, int] = {}
+        self.seen: dict[object, tuple[Edge, ...]] = {}
+        self.joins: dict[object, int] = {}
+        self.waiting: list[Path] = []
+        self.is_parked = False
+        # What ran to its end last.
+        self._last: tuple[Statement, ...] | None = None
+        self._around: dict[str, tuple[Statement, ...]] = {}
+        self._told_around = False
+        self.tables = BlockTables(self)
+        self.hot_blocks = HotBlocks(self)
+        self.paths = PathExploration(self)
+        self.widening = LoopWidening(self)
+        self.hot_passes = HotPasses(self)
+        self.order = StatementOrder(self)
 
-    def _jump(self, node: Jump) -> None:
-        """Go on behind a label."""
-        self.spend(node.span)
-        found = self._label(node.name)
-        if found is None:
-            raise Refusal(codes.UNSUPPORTED_CODE.at(node.span, code=self._no_label(node.name)))
-        self._not_spooled(node.span, f"M96 L{node.name}")
-        depth, at = found
-        self._came_back = self._came_back or at < self._stack[depth].at
-        self._leave_frames(depth, at)
-        self._lap((id(node), "jump"), node.span)
-        self._hot_jump(self._stack[depth], node, at)
+    def chunks(self) -> Iterator[Chunk]:
+        """Execute; yields chunks of successive rows, the last one of each section with its edges."""
+        self.run.findings.section = self.run.rows.section
+        while True:
+            self.is_parked = False
+            yield from self._path()
+            yield from self._ready()
+            if not self.is_parked:
+                self.paths.arrived(self.stack, 1)
+                yield from self._ready()
+            if not self.waiting:
+                return
+            self.paths.resume(self.waiting.pop())
 
-    def _label(self, name: str) -> tuple[int, int] | None:
-        """Which frame has the label, and the place behind it."""
-        for depth in reversed(range(len(self._stack))):
-            frame = self._stack[depth]
-            at = self._labels(frame.body).get(name)
-            if at is not None:
-                return depth, at
-            if frame.caller is not None:
-                return None
-        return None
+    def _path(self) -> Iterator[Chunk]:
+        """Run what is on the stack to its end."""
+        try:
+            while self.stack:
+                self._step()
+                if self.run.rows.ready:
+                    yield from self._ready()
+            self.hot_blocks.run_pending()
+        except ProgramEnd:
+            self._warn_after_end()
+        except Refusal as refusal:
+            with contextlib.suppress(ProgramEnd):
+                self.hot_blocks.run_pending()
+                self.run.refuse(self.run.as_accepted(refusal.finding))
+                self.run.tell_rest(refusal.finding)
+                self.run.end_section(Wait.UNKNOWN, refusal.finding.message, -1, refusal.finding.span)
+        if not self.run.is_section_over:
+            if self.run.failed is None:
+                span = Span(self.run.trace.files[self.run.file], max(1, self.run.program.line_count))
+                self.run.event(Op.END, span, arg=(2.0 if self._last is self.run.program.abort else 1.0, 0.0))
+            self.run.close_section((Edge(wait=Wait.END, outcome="end", target=-1),))
 
-    def _labels(self, body: tuple[Statement, ...]) -> dict[str, int]:
-        key = id(body)
-        if key not in self._places:
-            self._places[key] = {node.name: n + 1 for n, node in enumerate(body) if isinstance(node, Label)}
-        return self._places[key]
-
-    def _no_label(self, name: str) -> str:
-        """Why a jump to a label is not followed."""
-        bodies = [self.program.body, *(sub.body for sub in self.program.subprograms.values())]
-        if any(_has_label(body, name) for body in bodies):
-            return f"a jump to label {name}, which stands in a block or a subprogram that is not running,"
-        return f"a jump to label {name}, which is nowhere,"
-
-    def _leave_frames(self, depth: int, at: int) -> None:
-        """End the blocks inside frame ``depth``, which goes on at ``at``."""
-        gone = self._stack[depth + 1 :]
-        self._nesting -= sum(frame.node is not None and not isinstance(frame.node, BlockTable) for frame in gone)
-        self._loops -= sum(isinstance(frame.node, LOOPS) for frame in gone)
-        self._stack = self._stack[: depth + 1]
-        self._stack[-1].at = at
-        self._out_of(gone)
-
-    def _out_of(self, gone: list[Frame]) -> None:
-        """Blocks are left for good: where other outcomes wait behind them, these are one fewer.
-
-        What goes on here is then an outcome like any other, in a section that others in the same state may join.
-        """
-        if all(frame.group is None for frame in gone):
+    def _warn_after_end(self) -> None:
+        """Warn once of code behind an end that every run reaches."""
+        if not self.stack or self.order.labels(self.run.program.body):
+            # Behind an end there may be what labels lead to.
             return
-        self._run_pending()
-        key = self._state_key("left")
-        target = self._joins.get(key)
-        joins = target is not None
-        if target is None:
-            target = self._joins[key] = self.rows.new_section()
-        self._close((Edge(wait=Wait.BRANCH, outcome="", target=target),))
-        if not joins:
-            place = self._file, self._call, list(self._depth), self._moved, self._nesting
-            self._waiting.append(Path(self._stack, self.modal, target, place))
-        self._is_parked = True
-        around = self._stack
-        self._arrived(gone, 1)
-        if joins:
-            # It goes on as the other one, within the blocks that are around.
-            self._arrived(around, 1)
-        raise ProgramEnd
-
-    def _not_spooled(self, span: Span, code: str) -> None:
-        """GP513: before 2.5.3.41 jumps, calls, returns and labels ended a contour (14)."""
-        if not self.program.rules.source_order or din_of(self.machine).version != VERSIONS[1]:
+        frame = self.stack[-1]
+        in_table = isinstance(frame.node, BlockTable)
+        if self.run.ended_by is None or len(self.stack) > 1 + in_table or self.run.branches:
             return
-        if self.modal.din.contour:
-            self._run_pending()
-            self.findings.add(codes.CONTOUR_BREAK.at(span, code=code))
-            self.modal.din = self.modal.din.but(contour=False)
+        (code, line), self.run.ended_by = self.run.ended_by, None
+        if line <= 0 or self.stack[0].body is not self.run.program.body:
+            return
+        if not in_table and frame.at and not self._is_of_job(frame.body[frame.at - 1]):
+            return
+        if in_table and (after := frame.next_line()):
+            self._text_after_end(code, after)
+            return
+        for node in self.run.program.body:
+            if _first_line(node) > line and self._is_of_job(node):
+                self._text_after_end(code, _first_line(node))
+                return
 
-    # ---- loops
+    def _is_of_job(self, node: Statement) -> bool:
+        """Whether a statement stands in the job itself, not in a file of settings that runs something around it."""
+        if isinstance(node, BlockTable):
+            return node.file == 0
+        file = node.place[0] if isinstance(node, DeferredBlock) else node.span.file
+        return not self.run.program.files or file == self.run.program.files[0].name
 
-    def _loops_on(self, frame: Frame, node: While | Repeat | For) -> bool:
-        """Behind a pass: whether another one follows, or both outcomes do."""
-        self.spend(node.span)
-        if isinstance(node, For):
-            goes_on = self._next_pass(frame, node)
+    def _text_after_end(self, code: str, line: int) -> None:
+        self.run.findings.add(codes.TEXT_AFTER_END.at(Span(self.run.trace.files[self.run.file], line), code=code))
+
+    def _ready(self) -> Iterator[Chunk]:
+        ready, self.run.rows.ready = self.run.rows.ready, []
+        yield from ready
+
+    def _step(self) -> None:
+        """The next statement of the innermost frame, or its end."""
+        frame = self.stack[-1]
+        if isinstance(frame.node, BlockTable):
+            self.tables.run_table(frame)
+            return
+        if frame.at >= len(frame.body):
+            self._leave(frame)
+            return
+        node = frame.body[frame.at]
+        frame.at += 1
+        kind = type(node)
+        if kind in _PASSED_OVER and node.deleted:  # type: ignore[union-attr]
+            # A block looks after its slash itself.
+            self.run.met_deleted = self.run.met_deleted or not _is_harmless(node)
+            if self.run.block_delete:
+                return
+        if kind is BlockTable:
+            assert isinstance(node, BlockTable)
+            self.hot_blocks.run_pending()
+            self.run.file = node.file
+            if node.distances:
+                self.run.modal.absolute = node.distances == "G90"
+            self.stack.append(Frame((), node, next_byte=node.begin, line=node.first_line, continued=node.continued))
+        elif kind is If:
+            assert isinstance(node, If)
+            self._if(node)
+        elif kind in _SILENT:
+            pass
+        elif kind is Jump:
+            assert isinstance(node, Jump)
+            self.order.jump(node)
+        elif kind is Return:
+            assert isinstance(node, Return)
+            self.order.go_back(node)
+        elif kind is For:
+            assert isinstance(node, For)
+            self.order.begin_for(node)
+        elif kind is Repeat:
+            assert isinstance(node, Repeat)
+            self.order.enter(node.span)
+            self.loops += 1
+            self.stack.append(Frame(node.body, node))
+        elif kind is While:
+            assert isinstance(node, While)
+            self.order.enter(node.span)
+            self.loops += 1
+            self.stack.append(Frame(node.body, node, len(node.body)))
+        elif kind is Call:
+            assert isinstance(node, Call)
+            self.run.spend(node.span)
+            self.run.dialect.call(self.run, node)
+        elif kind is Replaced:
+            assert isinstance(node, Replaced)
+            if node.body:
+                self.order.enter(node.span)
+                self.stack.append(Frame(node.body, node))
+        elif kind is Array:
+            assert isinstance(node, Array)
+            self.hot_blocks.run_pending()
+            self.run.spend(node.span)
+            self.run.dialect.array(self.run, node)
         else:
-            asked = "repeat" if isinstance(node, Repeat) else "while"
-            goes_on = self._holds(node.condition, (asked, id(node)))
-            goes_on = not goes_on if isinstance(node, Repeat) and goes_on is not None else goes_on
-        if goes_on is None:
-            leaving = None
-            if isinstance(node, For):
-                cause = frame.last.cause if isinstance(frame.last, Unknown) else _OFTEN
-                self._undecided(("for", id(node)), node.span, cause)
-                leaving = self.modal.copy()
-                self._after_for(frame, node, leaving)
-            self._pass_by((id(node), "loop"), node.span)
-            self._split(node, frame, leaving)
-            goes_on = True
-        elif goes_on and not isinstance(node, For):
-            frame.at = 0
-            self._lap((id(node), "loop"), node.span)
-            if self._passes[id(node), "loop"] > 1:
-                # A pass has told what there is to tell.
-                self._leap(node)
-                self._hot_loop(frame, node)
-        if isinstance(node, For):
-            if goes_on:
-                self._pass(frame, node)
-                self._hot_for(frame, node)
-            else:
-                self._after_for(frame, node, self.modal)
-        return goes_on
+            assert not isinstance(node, BlockTable)
+            is_block = isinstance(node, Block)
+            again = is_block and (self.loops or self.called or self.came_back)
+            if not again or not self.hot_blocks.fast_block(node):  # type: ignore[arg-type]
+                node = node.made() if isinstance(node, DeferredBlock) else node
+                self.hot_blocks.run_pending()
+                self.run.spend(node.span)
+                self._guarded(node)
 
-    def _again(self, frame: Frame) -> bool:
-        """Behind a cycle of a call that has several: whether another one follows, or nobody counts them any more."""
+    def _leave(self, frame: Frame) -> None:
+        """A frame is done: again, for a loop whose condition holds; else back to the one around it."""
         node = frame.node
-        assert isinstance(node, Subprogram)
-        if frame.again > 0 and self._is_alike((id(node), "call"), node.span, -1, frame.again, sure=True):
-            frame.again = ANY
-        if frame.again == ANY:
-            self._run_pending()
-            self._undecided(("call", id(node)), node.span, _OFTEN)
-            self._split(node, frame)
-            return True
-        if frame.again:
-            frame.again -= 1
-            frame.at = 0
-            self._hot_call(frame, node)
-            return True
-        if frame.more:
-            self._run_pending()
-            self._undecided(("call", id(node)), node.span, frame.last.cause if isinstance(frame.last, Unknown) else "")
-            self._split(node, frame)
-            frame.more -= 1
-            return True
+        if isinstance(node, LOOPS):
+            if self.order.loops_on(frame, node):
+                return
+        elif self.run.dialect.is_unended(self.run, frame):
+            self.order.module_end(frame)
+        if (frame.again or frame.more) and self.order.again(frame):
+            return
+        if frame.cells is not None and self.run.dialect.next_cell(self.run, frame):
+            return
+        self._last = self.stack.pop().body
+        self.loops -= isinstance(node, LOOPS)
+        if node is not None:
+            self.nesting -= 1
+        if isinstance(frame.caller, Caller):
+            self.hot_blocks.run_pending()
+            self.run.call, self.run.file = frame.caller.call, frame.caller.file
+            self.called = self.called[:-1]
+            self.run.dialect.back_from_file(self.run, frame.caller.before)
+            self.order.give_back(frame.caller.back)
+            if frame.caller.rest is not None:
+                self.run.dialect.rest_of_line(self.run, *frame.caller.rest)
+        if frame.group is not None:
+            self.paths.await_others(frame.group)
+
+    def _if(self, node: If) -> None:
+        self.run.spend(node.span)
+        if node.head is not None:
+            self._ask(node.head)
+        self.order.enter(node.span)
+        holds = self.paths.holds(node.condition, ("if", id(node)))
+        if holds is None:
+            self.paths.split(node, None)
+        else:
+            self.stack.append(Frame(node.then if holds else node.otherwise, node))
+
+    def _ask(self, head: Statement) -> None:
+        """The line that asks, where it does something itself: a question on the screen."""
+        self.hot_blocks.run_pending()
+        if isinstance(head, Replaced):
+            for node in head.body:
+                self._ask(node)
+        elif isinstance(head, Message):
+            self._guarded(head)
+
+    def _with_settings(self, sub: Subprogram, span: Span) -> tuple[Statement, ...]:
+        """What runs for a subprogram: a file may have around it what the machine runs around the job."""
+        program = self.run.program
+        if not sub.is_file or program.around_files is False or self._in_settings():
+            return sub.body
+        if program.around_files is None:
+            if not self._told_around:
+                self._told_around = True
+                what = f"a call of {sub.name}, around which the commands before and behind a job may run too,"
+                self.run.findings.add(codes.UNSUPPORTED_CODE.at(span, code=what))
+            return sub.body
+        if sub.name not in self._around:
+            self._around[sub.name] = (*program.head, *sub.body, *program.tail)
+        return self._around[sub.name]
+
+    def _in_settings(self) -> bool:
+        """Whether what runs was begun by a command that runs around files: no such command runs around that."""
+        head, tail = len(self.run.program.head), len(self.run.program.tail)
+        for n, frame in enumerate(self.stack):
+            if n == 0 and frame.body is not self.run.program.body:
+                return True
+            if (n == 0 or frame.around) and not head < frame.at <= len(frame.body) - tail:
+                return True
         return False
 
-    def _begin_for(self, node: For) -> None:
-        """Both bounds once; then the first pass, or none."""
-        self._run_pending()
-        self.spend(node.span)
-        first, last = self.evaluator.value(node.first), self.evaluator.value(node.last)
-        if isinstance(first, Unknown) and not first.whole:
-            raise Refusal(codes.UNKNOWN_CONDITION.at(node.span, cause=first.cause))
-        for value in (first, last):
-            if not isinstance(value, Unknown) and (math.isinf(value) or value != round(value)):
-                raise Refusal(codes.NOT_AN_INTEGER.at(node.span, word="a bound of a for loop", value=value))
-        self._enter(node.span)
-        self._counted.pop((id(node), "for"), None)
-        if not isinstance(first, Unknown):
-            self._stack.append(self._for_frame(node, first, last))
-        elif first.high - first.low < FEW_FIRST and self.branches + first.high - first.low < self.max_branches:
-            self._fork_for(node, first, last)
-        else:
-            # Any of its values in any pass: more than there can be.
-            frame = self._for_frame(node, first.high if node.down else first.low, last)
-            frame.counter += -1.0 if node.down else 1.0
-            frame.is_open = True
-            self._stack.append(frame)
-        self._loops += 1
-
-    def _for_frame(self, node: For, first: float, last: Value) -> Frame:
-        return Frame(node.body, node, len(node.body), counter=first + (1.0 if node.down else -1.0), last=last)
-
-    def _fork_for(self, node: For, first: Unknown, last: Value) -> None:
-        """Follow each first value that a loop may have, in a section of its own."""
-        key = self._state_key(("first", id(node)))
-        if key in self._seen:
-            self._close(self._seen[key])
-            raise ProgramEnd
-        values = [first.low + n for n in range(round(first.high - first.low) + 1)]
-        self.branches += len(values)
-        targets = [self.rows.new_section() for _ in values]
-        edges = tuple(
-            self._edge(Wait.BRANCH, f"{value:g}", target, node.span)
-            for value, target in zip(values, targets, strict=True)
-        )
-        self._seen[key] = edges
-        self._close(edges)
-        group = Group(len(values))
-        for frame in self._stack:
-            if frame.group is not None:
-                frame.group.open += len(values) - 1
-        place = self._file, self._call, list(self._depth), self._moved, self._nesting
-        before, stack = self.modal, self._stack
-        for value, target in zip(values, targets, strict=True):
-            what = "the first value of the for loop"
-            self.asked[target] = Asked(span=node.span, what=what, answer=f"is {value:g}")
-            self.modal = before.copy()
-            if isinstance(node.first, Variable) and self._may_narrow(number := self._number(node.first)):
-                self.modal.parameters[number] = value
-            own = self.evaluator.value(node.last)
-            frame = self._for_frame(node, value, own if isinstance(own, Unknown) or own == round(own) else last)
-            frame.group = group
-            self._waiting.append(Path([*(copy.copy(one) for one in stack), frame], self.modal, target, place))
-        # One of them goes on now.
-        path = self._waiting.pop()
-        self.modal, self._stack = path.modal, path.stack
-        self._state_changed()
-        self._begin(path.section)
-
-    def _next_pass(self, frame: Frame, node: For) -> bool | None:
-        """To the next value, True; over, False; None: nobody knows."""
-        step = -1.0 if node.down else 1.0
-        number = self._number(node.variable)
-        first = frame.cell == 0
-        if not first:
-            self._run_pending()
-            if not self._is_counted(frame, node, number):
-                name = node.variable.name or self.program.rules.name_of(number)
-                what = f"a for loop whose variable {name} its body changes"
-                raise Refusal(codes.UNSUPPORTED_CODE.at(node.span, code=what))
-        if frame.is_open:
-            return None
-        least, most = self._ends(frame, node)
-        there = (frame.counter + step) * step
-        if there > most:
-            return False
-        goes_on = True if there <= least else None
-        if not first and least == most:
-            frame.counter += step * self._leap(node, most - there - LEFT)
-            there = (frame.counter + step) * step
-        if not first and self._is_alike((id(node), "for"), node.span, number, most - there, sure=least == most):
-            frame.is_open = True
-            return None
-        return goes_on
-
-    def _counted_value(self, frame: Frame, node: For) -> Value:
-        """What the variable holds during a pass."""
-        if not frame.is_open:
-            return frame.counter
-        most = self._ends(frame, node)[1]
-        low, high = (-most, frame.counter) if node.down else (frame.counter, most)
-        return Unknown(_OFTEN, low, high)
-
-    def _is_counted(self, frame: Frame, node: For, number: int) -> bool:
-        """Whether the variable of a loop holds behind a pass what it held in it, or what a guard has told of that."""
-        counted, held = self._counted_value(frame, node), self.modal.parameters.get(number)
-        if held == counted or held is None or not frame.is_open:
-            return held == counted
-        (low, high), (least, most) = bounds(held), bounds(counted)
-        return low >= least and high <= most and not self._is_set(number)
-
-    def _is_set(self, number: int) -> bool:
-        """Whether a statement of the program may set a variable, other than a counted loop."""
-        if self._set_by_program is None:
-            program = self.program
-            bodies = [program.body, program.abort, *(sub.body for sub in program.subprograms.values())]
-            self._set_by_program = frozenset().union(*map(_targets, bodies))
-        return number in self._set_by_program or ANY in self._set_by_program
-
-    def _pass(self, frame: Frame, node: For) -> None:
-        """One more pass."""
-        if not frame.is_open:
-            frame.counter += -1.0 if node.down else 1.0
-        frame.cell = 1
-        self.modal.parameters[self._number(node.variable)] = self._counted_value(frame, node)
-        frame.at = 0
-
-    def _after_for(self, frame: Frame, node: For, modal: Modal) -> None:
-        """What the variable holds behind the loop: its last value, or one more, as Pascal leaves it open (8.3)."""
-        number = self._number(node.variable)
-        name = node.variable.name or self.program.rules.name_of(number)
-        cause = behind_loop(name)
-        step = -1.0 if node.down else 1.0
-        if frame.cell == 0:
-            # No pass: as it was, or the first value.
-            before: Value = modal.parameters.get(number, Unknown(cause))
-            # (``counter`` is still one before the first value, where that is known.)
-            first = Unknown(cause, -math.inf, math.inf) if frame.is_open else frame.counter + step
-            modal.parameters[number] = Unknown(cause, *hull(before, first))
-            return
-        low, high = bounds(self._counted_value(frame, node))
-        modal.parameters[number] = Unknown(cause, min(low, low + step), max(high, high + step))
-
-    # ---- subprograms
-
-    def _count(self, node: Call) -> tuple[int, Value]:
-        """How often a call runs its subprogram at least, and how often (4.16).
-
-        Refusal for what is no positive whole number, or may be none.
-        """
-        if node.count is None:
-            return 1, 1.0
-        value = self.evaluator.value(node.count)
-        if isinstance(value, Unknown):
-            if value.whole and value.low >= 1.0 and value.high <= self.max_branches:
-                return round(value.low), value
-            raise Refusal(codes.UNKNOWN_CONDITION.at(node.span, cause=value.cause))
-        if math.isinf(value) or value != round(value):
-            raise Refusal(codes.NOT_AN_INTEGER.at(node.span, word="O", value=value))
-        if value < 0:
-            raise Refusal(codes.ILLEGAL_VALUE.at(node.span, word="O", what=f"{value:g} cycles of a subprogram"))
-        if value == 0:
-            raise Refusal(codes.UNSUPPORTED_CODE.at(node.span, code="O0 (no cycle of the subprogram, or one)"))
-        return round(value), value
-
-    def _bind(self, node: Call) -> tuple[tuple[int, int], ...]:
-        """Arguments into the variables of a procedure's parameters, and its own variables without a value.
-
-        Gives what the procedure hands back: (parameter, variable of the caller), by their numbers.
-        """
-        sub = self.program.subprograms.get(node.name)
-        if sub is None or sub.is_module:
-            return ()
-        if sub.parameters and node.name in self._depth:
-            raise Refusal(codes.UNSUPPORTED_CODE.at(node.span, code=f"procedure {node.name}, which calls itself,"))
-        parameters = self.modal.parameters
-        given: list[tuple[int, Value | None, Span]] = []
-        back = []
-        for (_, type_, number), word in zip(sub.parameters, node.arguments, strict=True):
-            if type_.startswith("var "):
-                if not isinstance(word.value, Variable):
-                    raise Refusal(codes.BAD_EXPRESSION.at(word.span, what="a variable is needed here"))
-                target = self._number(word.value)
-                back.append((number, target))
-                # One that holds nothing yet is what the procedure may be there to set.
-                empty = target >= DECLARED and target not in parameters
-                given.append((number, None if empty else self.evaluator.value(word.value), word.span))
-            else:
-                given.append((number, self.evaluator.value(word.value), word.span))
-        for number, value, span in given:
-            if value is None:
-                parameters.pop(number, None)
-            else:
-                self.modal.write(float(number), value, span)
-        for one in sub.body:
-            if isinstance(one, Declare) and one.kind == "var":
-                for number in range(one.number, one.number + len(one.names)):
-                    parameters.pop(number, None)
-        return tuple(back)
-
-    def _give_back(self, back: tuple[tuple[int, int], ...]) -> None:
-        """What a procedure made of its ``var`` parameters, into the variables that it was called with."""
-        for number, target in back:
-            value = self.modal.parameters.get(number)
-            if value is not None:
-                self.modal.parameters[target] = value
-
-    def _return(self, node: Return) -> None:
-        """Back to the caller, or on with the next cycle."""
-        self._run_pending()
-        self.spend(node.span)
-        self._not_spooled(node.span, node.code or "M17")
-        place = next((n for n in reversed(range(len(self._stack))) if self._stack[n].caller is not None), -1)
+    def leave_file(self, span: Span) -> None:
+        """End the file that runs: back to its caller, or the end of the job."""
+        place = next((n for n in reversed(range(len(self.stack))) if self.stack[n].caller is not None), -1)
         if place < 0:
-            hint = "a file of subprograms is no job: check the one that includes it ($I)"
-            what = f"{node.code or 'M17'} outside of a subprogram"
-            raise Refusal(codes.UNSUPPORTED_CODE.at(node.span, code=what, hint=hint))
-        frame = self._stack[place]
-        self._leave_frames(place, len(frame.body) + 1)
+            if any(frame.cells is not None for frame in self.stack):
+                what = "M99 in an array of the job (whether the other places are still cut is not said)"
+                raise FollowedRefusal(codes.UNSUPPORTED_CODE.at(span, code=what))
+            if self._is_more():
+                what = "M99 in the job itself with lines behind it (whether it ends more than a subprogram is not said)"
+                raise FollowedRefusal(codes.UNSUPPORTED_CODE.at(span, code=what))
+            self.run.ended_by = "M99", span.line
+            if self.run.program.tail and not self._is_behind():
+                self._warn_after_end()
+                self.end_with(self.run.program.tail)
+                return
+            self.run.event(Op.END, span)
+            self.run.end_section(Wait.END, "end", -1, span)
+            raise ProgramEnd
+        gone = self.stack[place + 1 :]
+        self.nesting -= sum(frame.node is not None and not isinstance(frame.node, BlockTable) for frame in gone)
+        self.loops -= sum(isinstance(frame.node, LOOPS) for frame in gone)
+        self.stack = self.stack[: place + 1]
+        frame = self.stack[-1]
+        end = len(frame.body) - (len(self.run.program.tail) if frame.around else 0)
+        frame.at = end if frame.at <= end else len(frame.body)
+        self.paths.arrived(gone, 1)
 
-    def _falls_off(self, frame: Frame) -> bool:
-        """Whether the text of a module is over without an end (GP515): what stands behind it is another module."""
-        if not self.program.rules.source_order or frame.at > len(frame.body):
+    def _is_more(self) -> bool:
+        """Whether lines of the job are left to run."""
+        if self._is_behind():
             return False
-        node = frame.node
-        if node is None:
-            old = din_of(self.machine).version == VERSIONS[1]
-            # Before 2.5.3.90 a program needed no M30, where nothing else stands behind it (14 (2.5.3.30)).
-            ends = old and not any(sub.is_module for sub in self.program.subprograms.values())
-            return frame.body is self.program.body and not ends
-        return isinstance(node, Subprogram) and (node.is_module or node.name[:1].isdigit())
+        for n, frame in enumerate(self.stack):
+            if isinstance(frame.node, BlockTable):
+                more = frame.next_line() > 0 or frame.next_byte < frame.node.end
+            else:
+                more = frame.at < len(frame.body) - (len(self.run.program.tail) if n == 0 else 0)
+            if more:
+                return True
+        return False
 
-    def _module_end(self, frame: Frame) -> None:
-        self._run_pending()
-        node = frame.node
-        name = f"subprogram {node.name}" if isinstance(node, Subprogram) else "the program"
-        last = frame.body[-1] if frame.body else None
-        line = 0
-        if isinstance(last, BlockTable):
-            line = last.last_line
-        elif last is not None:
-            line = (getattr(last, "end_span", None) or last.span).line
-        span = Span(self.trace.files[self._file], line or max(1, self.program.line_count))
-        hint = "M17 at its end" if isinstance(node, Subprogram) else "M30 or M02 at its end"
-        finding = codes.MODULE_END.at(span, name=name, hint=hint)
-        self.refused = True
-        self._fail(finding, told=(node.name if isinstance(node, Subprogram) else "") in self.program.unended)
-        self._end_section(Wait.UNKNOWN, finding.message, -1, span)
-        raise ProgramEnd
+    def _is_behind(self) -> bool:
+        """Whether what runs is behind the job, or behind its abort."""
+        first = self.stack[0]
+        at_tail = first.body is self.run.program.body and first.at > len(first.body) - len(self.run.program.tail)
+        return at_tail or (first.body is not self.run.program.body and first.caller is None)
 
+    def aborted(self) -> bool:
+        """The job aborts itself: go on with what the controller runs then; False where there is no such thing."""
+        if not self.run.program.abort or self.stack[0].body is self.run.program.abort:
+            return False
+        self.end_with(self.run.program.abort)
+        return True
 
-def _targets(body: tuple[Statement, ...]) -> set[int]:
-    """Numbers of the variables that statements may set, ``ANY`` where that is not told by the text."""
-    found: set[int] = set()
-    for node in body:
-        if isinstance(node, DeferredBlock):
-            node = node.made()
-        if isinstance(node, Block):
-            given = [assign.target.number for assign in node.assigns]
-            given += [word.value for word in node.words if word.letter == PARAMETER]
-        elif isinstance(node, Call):
-            # A procedure may give something back.
-            given = [word.value.number for word in node.arguments if isinstance(word.value, Variable)]
-        elif isinstance(node, If):
-            found |= _targets(node.then) | _targets(node.otherwise)
-            continue
-        elif isinstance(node, While | Repeat | For):
-            found |= _targets(node.body)
-            continue
-        else:
-            sets_none = isinstance(node, BlockTable | Label | Jump | Return | Declare | Mode)
-            if not sets_none and not (isinstance(node, Message) and node.kind != "dialog"):
-                found.add(ANY)
-            continue
-        for number in given:
-            found.update((round(number.value), COMMON + round(number.value)) if isinstance(number, Number) else (ANY,))
-    return found
+    def end_with(self, body: tuple[Statement, ...]) -> None:
+        """Leave all that runs; what is left to do is this, and then the job is over."""
+        gone, self.stack = self.stack, [Frame(body)]
+        self.nesting, self.loops, self.called = 0, 0, []
+        self.run.call, self.run.file = 0, 0
+        self.paths.arrived(gone, 1)
 
+    def call_subprogram(self, name: str, span: Span, rest: tuple[Span, list[Word]] | None = None) -> None:
+        """Run a subprogram next; ``rest``: what is left of the line that called it."""
+        self.hot_blocks.run_pending()
+        sub = self.run.program.subprograms.get(name)
+        if sub is None:
+            told = any(f.code is codes.UNKNOWN_SUBPROGRAM and f.span == span for f in self.run.findings.kept)
+            if not told:
+                self.run.fail(codes.UNKNOWN_SUBPROGRAM.at(span, name=name))
+            return
+        allowed = self.run.dialect.nesting(self.run.machine)
+        again = self.called.count(name)
+        asked = 0 < again <= sum(frame.group is not None for frame in self.stack)
+        if asked and not self._counts(sub):
+            # One more answer of the operator each time: the answer is UNKNOWN long before any controller's limit.
+            allowed = min(allowed, self.called.index(name) + MOST_RETRIES)
+        if len(self.called) >= allowed:
+            chain = " > ".join([*self.called[-3:], name])
+            # No manual says how deep calls may be; one that only an unknown outcome repeats need not come to that.
+            asked = asked or any(frame.group is not None for frame in self.stack)
+            kind = codes.RECURSION.as_unknown() if asked else codes.RECURSION
+            raise Refusal(kind.at(span, allowed=allowed, chain=chain))
+        charge = call_blocks(len(self.called))
+        if charge:
+            self.run.blocks += charge - 1
+            self.run.charged += charge
+            self.run.spend(span)
+        self.order.enter(span)
+        caller = Caller(self.run.call, self.run.file, rest, numbers=dict(self.run.modal.parameters) if again else None)
+        self.called = [*self.called, name]
+        text = f"{' > '.join(self.called)} (from line {span.line})"
+        number = self.call_texts.get(text)
+        if number is None:
+            number = self.call_texts[text] = len(self.run.trace.calls)
+            self.run.trace.calls.append(text)
+        self.run.call = number
+        body = self._with_settings(sub, span)
+        self.stack.append(Frame(body, sub, caller=caller, around=body is not sub.body))
 
-def _has_label(body: tuple[Statement, ...], name: str) -> bool:
-    for node in body:
-        if isinstance(node, Label) and node.name == name:
+    def _counts(self, sub: Subprogram) -> bool:
+        """Whether a variable is another number than at the call before: one that counts may end the calls."""
+        callers = (frame.caller for frame in reversed(self.stack) if frame.node is sub and frame.caller is not None)
+        before = next(callers, None)
+        if before is None or before.numbers is None:
             return True
-        if isinstance(node, If) and (_has_label(node.then, name) or _has_label(node.otherwise, name)):
-            return True
-        if isinstance(node, While | Repeat | For) and _has_label(node.body, name):
-            return True
-    return False
+        now = self.run.modal.parameters
+        return any(
+            not isinstance(value, Unknown)
+            and not isinstance(now.get(number, value), Unknown)
+            and now.get(number, value) != value
+            for number, value in before.numbers.items()
+        )
+
+    def _guarded(self, node: Statement) -> None:
+        """One statement; a Refusal inside it becomes a finding and the next statement follows."""
+        try:
+            if isinstance(node, Block):
+                self._block(node)
+            elif isinstance(node, Message):
+                self._message(node)
+            elif isinstance(node, Guard):
+                guards = set(self.run.modal.guards_off) - {node.name} | (set() if node.on else {node.name})
+                self.run.modal.guards_off = tuple(sorted(guards))
+                self.run.state_changed()
+                self.run.event(Op.GUARD, node.span, arg=(float(node.on), 0.0), text=self.run.text_number(node.name))
+            elif isinstance(node, Device):
+                self.run.dialect.device(self.run, node)
+            elif isinstance(node, Mistake):
+                finding = self.run.as_accepted(Finding(codes.CODES[node.code], node.span, node.message, node.hint))
+                refused_lines.lose_everything(self.run, finding)
+                raise Refusal(finding)
+            elif isinstance(node, Unsupported):
+                entry = ACCEPTS.get(node.accepted)
+                if entry is not None and self.run.takes(entry):
+                    for one in node.means:
+                        self._guarded(one)
+                    return
+                hint = entry.hint if entry else ""
+                finding = codes.UNSUPPORTED_CODE.at(node.span, code=node.what, hint=hint)
+                self.run.dialect.unsupported(self.run, node)
+                refused_lines.lose_everything(self.run, finding)
+                raise Refusal(finding)
+            elif isinstance(node, Definition):
+                what = f"the definition of {node.name} in a file that is run as a job"
+                raise Refusal(codes.UNSUPPORTED_CODE.at(node.span, code=what))
+            else:
+                # Nothing that a program may hold is passed over because nobody has thought of it here.
+                raise Refusal(codes.UNSUPPORTED_CODE.at(node.span, code=type(node).__name__.lower()))  # type: ignore[union-attr]
+        except Refusal as refusal:
+            finding = self.run.as_accepted(refusal.finding)
+            self.run.refuse(finding, told=isinstance(node, Unsupported | Mistake) and node.told)
+
+    def _message(self, node: Message) -> None:
+        text = describe_parts(node.parts, self.run.evaluator)
+        self.run.event(Op.MESSAGE, node.span, text=self.run.text_number(text))
+        if node.kind in ("ok", "run_next", "skip_next"):
+            self.run.findings.add(codes.OPERATOR_STOP.at(node.span, code="a question"))
+            self.run.end_section(Wait.OPERATOR, "answered", None, node.span)
+        if node.kind in ("abort", "continue"):
+            self.run.findings.add(codes.OPERATOR_STOP.at(node.span, code="a question"))
+            going, ending = ("no", "yes") if node.kind == "abort" else ("yes", "no")
+            stated = self.run.setup.answers.get(node.question)
+            if stated is not None:
+                ends = (stated != 0) == (ending == "yes")
+                outcome = ending if ends else going
+                behind = bool(self.run.program.abort)
+                self.run.end_section(Wait.OPERATOR, outcome, -1 if ends and not behind else None, node.span)
+                if ends and not self.aborted():
+                    raise ProgramEnd
+                return
+            target = self.run.rows.new_section()
+            end = self.run.rows.new_section() if self.run.program.abort else -1
+            for section, answer in ((target, going), (end, ending)):
+                self.run.asked[section] = Asked(
+                    span=node.span, what=f"the question '{text}'", answer=f"is answered {answer}"
+                )
+            self.run.close_section((
+                self.run.edge(Wait.OPERATOR, going, target, node.span),
+                self.run.edge(Wait.OPERATOR, ending, end, node.span),
+            ))  # fmt: skip
+            if end >= 0:
+                self.waiting.append(
+                    Path([Frame(self.run.program.abort)], self.run.modal.copy(), end, (0, 0, [], False, 0))
+                )
+            self.run.begin_section(target)
+        if node.kind == "dialog":
+            self.run.dialect.dialog(self.run, node)
+        if node.kind == "warning":
+            # The manual's tool setter waits behind each of its warnings until RUN is pressed (2.13).
+            self.run.end_section(Wait.OPERATOR, "warning read", None, node.span)
+        if node.kind == "error":
+            self.run.findings.add(self.run.ends_here(codes.ERROR_MESSAGE).at(node.span, text=text))
+            self.run.end_section(Wait.OPERATOR, "error message", -1, node.span)
+            raise ProgramEnd
+
+    def _block(self, node: Block) -> None:
+        if node.deleted:
+            self.run.met_deleted = True
+            if self.run.block_delete:
+                return
+        words = [(w.letter, self.run.evaluator.value(w.value), w.span) for w in node.words]
+        self.run.dialect.block(self.run, node, words)
+
+
+MOST_RETRIES = 8
+"""Calls of a subprogram within itself, when an outcome says so and nothing counts them: so many are followed."""
+_SILENT = frozenset((Label, Declare, Include, Mode))
+"""Statements that do nothing when they run."""
+_PASSED_OVER = frozenset((Call, Message, Guard, Device, Unsupported))
+
+
+def _is_harmless(node: Statement) -> bool:
+    """Whether it makes no difference to the machine if a block delete switch passes over the statement."""
+    if isinstance(node, Device):
+        return node.name == "log_file"
+    return isinstance(node, Message) and node.kind in ("msg", "log")
+
+
+def _first_line(node: Statement) -> int:
+    if isinstance(node, BlockTable):
+        return node.first_line
+    # A block that is made on demand knows its line without being made.
+    return node.place[1] if isinstance(node, DeferredBlock) else node.span.line
+
+
+def begin(
+    program: Program, setup: Setup, machine: Machine, findings: Findings, dialect: Dialect[Any], **options: Any
+) -> Run:  # fmt: skip
+    """A run that has not done anything yet; options: keyword arguments of ``Run``."""
+    run = dialect.run_type(program, setup, machine, findings, dialect, **options)
+    run.flow = ControlFlow(run)
+    return run

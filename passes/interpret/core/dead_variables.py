@@ -7,11 +7,10 @@ outcomes that differ in a count go on as one.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import fields
 from typing import cast
 
-from gproof.ir.dialects.mcuwin import COMMON, OFFSETS_AT
 from gproof.ir.program import (
     PARAMETER,
     STATEMENTS,
@@ -40,8 +39,6 @@ from gproof.ir.program import (
 )
 from gproof.ir.record import record
 from gproof.ir.rules import LanguageRules
-from gproof.passes.interpret.core.expressions import MOST_WHOLE
-from gproof.passes.interpret.mcuwin.state import fits, whole_numbers
 
 MOST_STATEMENTS = 20_000
 """Programs with more are not looked through."""
@@ -69,11 +66,16 @@ class _NotKnown(Exception):
     """Which variables a program reads can not be told from its text."""
 
 
-def idle_variables(program: Program) -> Idle:
-    """Those of a program; none where numbers of variables are computed, or where commands take variables by name."""
-    if program.rules.one_command:
-        return Idle()
-    reads = _Reads(program.rules, whole_numbers(program) if program.rules.source_order else frozenset())
+def idle_variables(
+    program: Program, is_whole: Callable[[int], bool], by_number: Callable[[int], tuple[int, ...]],
+    always_read: Iterable[int],
+) -> Idle:  # fmt: skip
+    """Those of a program; none where numbers of variables are computed.
+
+    is_whole: whether the variable of a number holds whole numbers of 32 bits; by_number: variables that a code
+    may take by a number; always_read: what codes read themselves.
+    """
+    reads = _Reads(program.rules, is_whole, by_number, always_read)
     try:
         bodies: list[Iterable[Statement]] = [program.body, program.abort]
         bodies += [sub.body for sub in program.subprograms.values()]
@@ -95,12 +97,15 @@ class _Reads:
     steps: of variables of 32 bits that are set from others, what is added at most.
     """
 
-    def __init__(self, rules: LanguageRules, whole: frozenset[int]) -> None:
+    def __init__(
+        self, rules: LanguageRules, is_whole: Callable[[int], bool], by_number: Callable[[int], tuple[int, ...]],
+        always_read: Iterable[int],
+    ) -> None:  # fmt: skip
         self.rules = rules
-        self.whole = whole
+        self.is_whole = is_whole
+        self.by_number_of = by_number
         self.steps: dict[int, float] = {}
-        # G154 reads its own.
-        self.seen = set(range(OFFSETS_AT, OFFSETS_AT + 10)) if rules.source_order else set[int]()
+        self.seen = set(always_read)
         self.shown: set[int] = set()
         self.into: dict[int, set[int]] = {}
         self.count = 0
@@ -152,13 +157,13 @@ class _Reads:
             if word.letter == PARAMETER:
                 if not isinstance(word.value, Number):
                     raise _NotKnown
-                self.seen.update((round(word.value.value), COMMON + round(word.value.value)))
+                self.seen.update(self.by_number_of(round(word.value.value)))
 
     def assign(self, node: Assign) -> None:
         target = self.number(node.target)
         reads = self.into.setdefault(target, set())
         step = _only_counts(node.value)
-        is_whole = self.rules.source_order and not fits(target, MOST_WHOLE + 1.0, self.whole)
+        is_whole = self.is_whole(target)
         sources = set(self.numbers(node.value))
         if step is not None and (step <= (MOST_STEP if is_whole else MOST_REAL_STEP) or not sources):
             reads.update(sources)

@@ -9,8 +9,7 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Iterable
-from itertools import repeat
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from gproof.ir.finding import Span
 from gproof.ir.program import FLAG_BARE, FLAG_DELETE, Block, BlockTable, DeferredBlock, Expr, Number
@@ -19,13 +18,17 @@ from gproof.passes.interpret.core import line_kernels as k
 from gproof.passes.interpret.core.block_compiler import (
     FALLS_BACK,
     HOT_LETTERS,
+    Condition,
     FastBlock,
     compile_block,
     compile_condition,
 )
-from gproof.passes.interpret.core.block_tables import CHUNK_BYTES, Straight
+from gproof.passes.interpret.core.block_tables import CHUNK_BYTES
 from gproof.passes.interpret.core.call_stack import NO_PLACE, HotLine, Pending, Stretch
-from gproof.passes.interpret.mcuwin.state import fits
+from gproof.passes.interpret.core.flow_part import FlowPart
+
+if TYPE_CHECKING:
+    from gproof.passes.interpret.core.control_flow import ControlFlow
 
 _ONCE = FastBlock(lambda _: (), (), (), (), False, None)  # type: ignore[arg-type]
 """A block that was executed once."""
@@ -48,44 +51,50 @@ class _Numbers:
         return self._lines[numbers]
 
 
-class Loops(Straight):
-    """The fast way; each method says when the evaluator must do it instead."""
+class HotBlocks(FlowPart):
+    """The fast way; each method says when the evaluator must do it instead. pending: lines of motion that wait."""
 
-    def _fast_condition(self, condition: Expr) -> float | None:
+    def __init__(self, flow: ControlFlow) -> None:
+        super().__init__(flow)
+        self._fast: dict[int, FastBlock | None] = {}
+        self._tests: dict[int, Condition | None] = {}
+        self._stretches: dict[int, Stretch] = {}
+        self.pending = Pending()
+
+    def fast_condition(self, condition: Expr) -> float | None:
         """The value of a condition that was evaluated before; None when the evaluator must do it."""
         key = id(condition)
-        if not self._loops and not self._depth and not self._came_back:
+        if not self.flow.loops and not self.flow.called and not self.flow.came_back:
             return None
         if key not in self._tests:
             # As for blocks.
-            self._tests[key] = compile_condition(condition, self.program.rules)
+            self._tests[key] = compile_condition(condition, self.run.program.rules)
             return None
         test = self._tests[key]
         if test is None:
             return None
         try:
-            return test[0](self.modal.parameters)
+            return test[0](self.run.modal.parameters)
         except FALLS_BACK:
-            self._settle(test[1])
+            self.settle(test[1])
             return None
 
-    def _fast_block(self, node: Block) -> bool:
+    def fast_block(self, node: Block) -> bool:
         """Evaluate a block that was executed before, and keep its motion for later; False: not possible this time."""
-        if self.program.rules.one_command:
-            # Texts, comments and bare letters count there besides.
+        if not self.run.dialect.hot_blocks:
             return False
         key = id(node)
         if key not in self._fast:
             # The first time is the evaluator's: it tells what is to be told once.
             self._fast[key] = _ONCE
             return False
-        fast = self._known_block(node)
+        fast = self.known_block(node)
         if fast is None:
             return False
         stretch = self._stretches.get(key)
         if stretch is None:
             if fast.letters:
-                line = self._hot_line(fast.node)
+                line = self.hot_line(fast.node)
                 if line is None:
                     self._fast[key] = None
                     return False
@@ -93,20 +102,21 @@ class Loops(Straight):
             else:
                 stretch = NO_LINES
             self._stretches[key] = stretch
-        if stretch.lines and not self._in_mode(fast.node.distances):
+        if stretch.lines and not self.in_mode(fast.node.distances):
             return False
-        parameters = self.modal.parameters
+        parameters = self.run.modal.parameters
         try:
             values = fast.run(parameters)
         except FALLS_BACK:
-            self._settle(fast.reads)
+            self.settle(fast.reads)
             return False
         words = len(fast.letters)
-        if self.program.rules.source_order and not all(map(fits, fast.targets, values[words:], repeat(self._whole))):
+        fits = self.run.dialect.fits
+        if fits is not None and not all(map(fits, fast.targets, values[words:])):
             return False
-        self.spend(fast.node.span)
+        self.run.spend(fast.node.span)
         if words:
-            p = self._pending
+            p = self.pending
             p.parts.append(stretch)
             if stretch.lines[0].added:
                 p.value.append(float(stretch.lines[0].motion[1:]))
@@ -114,42 +124,42 @@ class Loops(Straight):
             p.lines += 1
         for target, value in zip(fast.targets, values[words:], strict=True):
             parameters[target] = value
-        if self._pending.lines >= PENDING_LINES:
-            self._run_pending()
+        if self.pending.lines >= PENDING_LINES:
+            self.run_pending()
         return True
 
-    def _known_block(self, node: Block) -> FastBlock | None:
+    def known_block(self, node: Block) -> FastBlock | None:
         """The compiled form of a block that was executed; None where the evaluator must do it every time."""
         key = id(node)
         fast = self._fast.get(key)
         if fast is _ONCE:
-            fast = None if node.deleted else compile_block(node, self.program.rules)
+            fast = None if node.deleted else compile_block(node, self.run.program.rules)
             if fast is not None and fast.letters and not fast.is_motion:
                 fast = None
             self._fast[key] = fast
         return fast
 
-    def _in_mode(self, distances: str) -> bool:
+    def in_mode(self, distances: str) -> bool:
         """Whether the source decides nothing else of a line than what holds."""
-        return not distances or (distances == "G90") == self.modal.absolute
+        return not distances or (distances == "G90") == self.run.modal.absolute
 
-    def _hot_line(self, node: Block) -> HotLine | None:
+    def hot_line(self, node: Block) -> HotLine | None:
         """A block as a line for the kernel; None where it is not for it."""
         node = node.made() if isinstance(node, DeferredBlock) else node
         letters = tuple(w.letter for w in node.words)
         if node.deleted or node.texts or any(w.bare for w in node.words):
             return None
-        motion, added = self._manner.motion_of(letters, [w.value for w in node.words], node.continued)
+        motion, added = self.run.dialect.motion_of(letters, [w.value for w in node.words], node.continued)
         if motion is None:
             return None
         letters = ("G", *letters) if added else letters
-        return HotLine(node.span.line, self._file_of(node.span), letters, node, None, motion, added)
+        return HotLine(node.span.line, self.run.file_of(node.span), letters, node, None, motion, added)
 
-    def _hot_table(self, table: BlockTable) -> list[tuple[HotLine, list[float]]] | None:
+    def hot_table(self, table: BlockTable) -> list[tuple[HotLine, list[float]]] | None:
         """Lines of a small table for the kernel, with their values; None where one is not for it."""
         if table.last_line - table.first_line >= MOST_BLOCKS:
             return None
-        words, after, _ = self._ahead.load(table, table.begin, table.first_line, CHUNK_BYTES)
+        words, after, _ = self.run.ahead.load(table, table.begin, table.first_line, CHUNK_BYTES)
         if after < table.end or (words["flags"] & (FLAG_BARE | FLAG_DELETE)).any():
             return None
         found: list[tuple[HotLine, list[float]]] = []
@@ -162,7 +172,7 @@ class Loops(Straight):
             own, given = tuple(letters[at:end]), values[at:end]
             if not HOT_LETTERS.issuperset(own):
                 return None
-            motion, added = self._manner.motion_of(own, [Number(v, NO_PLACE) for v in given], continued)
+            motion, added = self.run.dialect.motion_of(own, [Number(v, NO_PLACE) for v in given], continued)
             if motion is None:
                 return None
             continued = motion or continued
@@ -173,53 +183,53 @@ class Loops(Straight):
             at = end
         return found
 
-    def _settle(self, numbers: Iterable[int]) -> None:
+    def settle(self, numbers: Iterable[int]) -> None:
         """Variables that the setup states and nobody has set: from now on as if they were set."""
         for number in numbers:
-            if number not in self.modal.parameters and not self.modal.lost:
-                stated = self.setup.parameter(number)
+            if number not in self.run.modal.parameters and not self.run.modal.lost:
+                stated = self.run.setup.parameter(number)
                 if stated is not None:
-                    self.modal.parameters[number] = stated
+                    self.run.modal.parameters[number] = stated
 
-    def _run_pending(self) -> None:
+    def run_pending(self) -> None:
         """Execute the lines that wait, in the kernel as far as it takes them."""
-        pending = self._pending
+        pending = self.pending
         if not pending.lines:
             return
-        self._pending = Pending()
+        self.pending = Pending()
         line, letter, value, lines = pending.columns()
         run, count, at = k.run_lines.pick(pending.lines), len(line), 0
         compiled = run is not k.run_lines.python
         columns: Any = (line, letter, value) if compiled else (line.tolist(), letter.tolist(), pending.value)
-        file, call = self._file, self._call
-        self._file = next((part.lines[0].file for part in pending.parts if part.places is None), file)
-        places = pending.places(self._file, call)
+        file, call = self.run.file, self.run.call
+        self.run.file = next((part.lines[0].file for part in pending.parts if part.places is None), file)
+        places = pending.places(self.run.file, call)
         numbers = _Numbers(lines)
-        stops = self._manner.stops(self, columns, count)
+        stops = self.run.dialect.stops(self.run, columns, count)
         # Their blocks are counted: what holes of cycles count beside may use the budget up, once all of them are there.
-        alarm, self._alarm = self._alarm, sys.maxsize
+        alarm, self.run.alarm = self.run.alarm, sys.maxsize
         try:
             while at < count:
-                blocks, before = self.blocks, self.rows.count
+                blocks, before = self.run.blocks, self.run.rows.count
                 motion = pending.nth(int(line[at])).motion
-                at = self._manner.hot_lines(self, run, columns, count, at, compiled, stops, motion, numbers)
-                self.blocks = blocks  # they are counted already
-                if places is not None and self.rows.count > before:
-                    made = slice(before, self.rows.count)
-                    self.rows.arrays["file"][made], self.rows.arrays["call"][made] = places[:, numbers.asked]
-                if self.rows.count == self.rows.capacity:
-                    self.rows.flush()
+                at = self.run.dialect.hot_lines(self.run, run, columns, count, at, compiled, stops, motion, numbers)
+                self.run.blocks = blocks  # they are counted already
+                if places is not None and self.run.rows.count > before:
+                    made = slice(before, self.run.rows.count)
+                    self.run.rows.arrays["file"][made], self.run.rows.arrays["call"][made] = places[:, numbers.asked]
+                if self.run.rows.count == self.run.rows.capacity:
+                    self.run.rows.flush()
                 elif at < count:
                     at = self._cold_line(pending, at, int(line[at]))
         finally:
-            self._alarm = alarm
-        self._file = file
+            self.run.alarm = alarm
+        self.run.file = file
 
     def _cold_line(self, pending: Pending, at: int, number: int) -> int:
         """One of the lines that wait in Python; returns where the words of the next one begin."""
         line = pending.nth(number)
-        call = self._call
-        self._call = line.call if line.call >= 0 else call
+        call = self.run.call
+        self.run.call = line.call if line.call >= 0 else call
         end = at + line.words
         values = pending.value[at + line.added : end]
         if line.node is not None:
@@ -227,10 +237,10 @@ class Loops(Straight):
             words: list[tuple[str, Value, Span]] = [
                 (word.letter, value, word.span) for word, value in zip(node.words, values, strict=True)
             ]
-            self._manner.again(self, node.span, words, line.motion, node.distances)
+            self.run.dialect.again(self.run, node.span, words, line.motion, node.distances)
         else:
             assert line.table is not None
-            span, given, _ = self._words_of(*line.table)
-            self._manner.again(self, span, given, line.motion, line.table[0].distances)
-        self._call = call
+            span, given, _ = self.flow.tables.words_of(*line.table)
+            self.run.dialect.again(self.run, span, given, line.motion, line.table[0].distances)
+        self.run.call = call
         return end

@@ -15,17 +15,17 @@ from gproof.passes.interpret.core.parsed_line import named
 
 if TYPE_CHECKING:
     from gproof.passes.interpret.core.parsed_line import Line
-    from gproof.passes.interpret.core.trace_writer import Emitter
+    from gproof.passes.interpret.core.run import Run
 
 
-def number_or_open(ex: Emitter, line: Line, letter: str, code: str, *, positive: bool = False) -> float | None:
+def number_or_open(run: Run, line: Line, letter: str, code: str, *, positive: bool = False) -> float | None:
     """The value of a word, None when the word is absent, NaN when it is not known; marks it used. See ``or_open``."""
     line.used.add(letter)
     value = line.values.get(letter)
-    return None if value is None else or_open(ex, value, f"{named(letter)} of {code}", positive=positive)
+    return None if value is None else or_open(run, value, f"{named(letter)} of {code}", positive=positive)
 
 
-def or_open(ex: Emitter, value: Value, name: str, *, positive: bool = False) -> float:
+def or_open(run: Run, value: Value, name: str, *, positive: bool = False) -> float:
     """A number, NaN when it is not known. Below 0, ``positive``: 0 and below, the controller refuses it.
 
     Where each that it can be is refused the greatest of them comes back, for the caller to refuse.
@@ -36,7 +36,7 @@ def or_open(ex: Emitter, value: Value, name: str, *, positive: bool = False) -> 
         return value.high
     if value.low < 0.0 or (positive and value.low <= 0.0):
         ends = "above 0" if positive else "not negative"
-        ex.assumed[f"{name}, which depends on {value.cause}, is {ends}"] = None
+        run.assumed[f"{name}, which depends on {value.cause}, is {ends}"] = None
     return math.nan
 
 
@@ -45,7 +45,7 @@ def low_of(line: Line, letter: str) -> float:
     return bounds(line.values.get(letter, 0.0))[0]
 
 
-def width_or_open(ex: Emitter, line: Line, letter: str, code: str) -> float | None:
+def width_or_open(run: Run, line: Line, letter: str, code: str) -> float | None:
     """The same of how far the tool may be beside its path: the most that it can be, infinite where nobody knows that.
 
     0 stands for no width at all, of which each check says what it takes it for: a range with it has no end here.
@@ -54,5 +54,5 @@ def width_or_open(ex: Emitter, line: Line, letter: str, code: str) -> float | No
     if isinstance(value, Unknown) and value.low > 0.0:
         line.used.add(letter)
         return value.high
-    number = number_or_open(ex, line, letter, code)
+    number = number_or_open(run, line, letter, code)
     return math.inf if number is not None and math.isnan(number) else number

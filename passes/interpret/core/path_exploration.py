@@ -10,6 +10,7 @@ from __future__ import annotations
 import copy
 from collections.abc import Iterator
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 from gproof.ir import codes
 from gproof.ir.finding import Refusal, Span
@@ -17,12 +18,16 @@ from gproof.ir.program import Binary, Expr, For, If, Number, Repeat, Subprogram,
 from gproof.ir.symbolic import Position, Unknown, Value
 from gproof.ir.trace import Edge, Wait
 from gproof.passes.interpret.core.call_stack import EXACT, NO_PLACE, Followed, Frame, Group, Path, Pending, merged
-from gproof.passes.interpret.core.dead_variables import Idle, idle_variables
-from gproof.passes.interpret.core.hot_blocks import Loops
-from gproof.passes.interpret.core.modal_state import NO_NUMBERS, Modal
+from gproof.passes.interpret.core.dead_variables import Idle
+from gproof.passes.interpret.core.flow_part import FlowPart
+from gproof.passes.interpret.core.modal_state import Modal
 from gproof.passes.interpret.core.narrowing import Narrowing
 from gproof.passes.interpret.core.outcomes import Asked, of_condition
-from gproof.passes.interpret.core.trace_writer import ProgramEnd
+from gproof.passes.interpret.core.run import ProgramEnd
+from gproof.passes.interpret.core.state_key import NO_NUMBERS
+
+if TYPE_CHECKING:
+    from gproof.passes.interpret.core.control_flow import ControlFlow
 
 LOOPS = (While, Repeat, For)
 FEW = 16
@@ -35,98 +40,108 @@ NEAR = 2.0**24
 """Counters of 32 bits that are farther from 0 keep states apart: they may leave their 32 bits, which is an error."""
 
 
-class Branches(Loops):
+class PathExploration(FlowPart):
     """Splitting and joining of runs."""
 
-    @cached_property
-    def _idle(self) -> Idle:
-        return idle_variables(self.program)
+    def __init__(self, flow: ControlFlow) -> None:
+        super().__init__(flow)
+        self._key: object = None
+        self._followed: dict[object, Followed] = {}
+        self._cover: Followed | None = None
+        self._asks: dict[int, frozenset[int]] = {}
 
-    def _holds(self, condition: Expr, place: tuple[str, int]) -> bool | None:
+    @cached_property
+    def idle(self) -> Idle:
+        """Variables that have no part in what the program does."""
+        return self.run.dialect.idle_variables()
+
+    def holds(self, condition: Expr, place: tuple[str, int]) -> bool | None:
         """Whether a condition is true; None when the outcomes are to be explored. ProgramEnd where that is done."""
-        known = self._fast_condition(condition)
+        known = self.flow.hot_blocks.fast_condition(condition)
         if known is not None:
             return known != 0
-        self._run_pending()
-        value = self.evaluator.value(condition)
+        self.flow.hot_blocks.run_pending()
+        value = self.run.evaluator.value(condition)
         if not isinstance(value, Unknown):
             return value != 0
         if value.low > 0 or value.high < 0:
             return True
-        self._undecided(place, condition.span, value.cause)
+        self.undecided(place, condition.span, value.cause)
         return None
 
-    def _undecided(self, place: tuple[str, int], span: Span, cause: str) -> None:
+    def undecided(self, place: tuple[str, int], span: Span, cause: str) -> None:
         """Nobody can decide a question: ProgramEnd where its outcomes are explored, Refusal where they may not be."""
         self._cover = None
-        key = self._state_key(place)
-        if key in self._seen:
+        key = self.state_key(place)
+        if key in self.flow.seen:
             # The same question in the same state: its outcomes are followed already.
-            self._close(self._seen[key])
+            self.run.close_section(self.flow.seen[key])
             raise ProgramEnd
-        if self.branches > EXACT and self._is_followed(place):
+        if self.run.branches > EXACT and self._is_followed(place):
             raise ProgramEnd
-        if self.branches + 2 > self.max_branches:
-            hint = "--max-branches follows more outcomes" if self.max_branches else ""
+        if self.run.branches + 2 > self.run.max_branches:
+            hint = "--max-branches follows more outcomes" if self.run.max_branches else ""
             raise Refusal(codes.UNKNOWN_CONDITION.at(span, cause=cause, hint=hint))
         # What variables may be is more by now where outcomes are joined.
-        self._key = self._state_key(place) if self.branches > EXACT else key
+        self._key = self.state_key(place) if self.run.branches > EXACT else key
 
     def _is_followed(self, place: object) -> bool:
         """Whether a question was followed where variables may be all that they may be here, and more.
 
         If not, it is asked for what they may be here and, after some visits, for what they may have been then too.
         """
-        without = self._without(self._idle.unread)
+        without = self.without(self.idle.unread)
         held: dict[int, Unknown] = {}
         sure: list[tuple[int, Value]] = []
-        for number, value in self.modal.parameters.items():
+        for number, value in self.run.modal.parameters.items():
             if number in without:
                 continue
             if isinstance(value, Unknown):
                 held[number] = value
             else:
                 sure.append((number, value))
-        stack = tuple((id(f.body), f.at, id(f.node), f.position(), repr(f.caller)) for f in self._stack)
-        rest = self.modal.key(parameters=False)
-        key = place, stack, tuple(self._depth), rest, frozenset(sure), frozenset(held)
+        stack = tuple((id(f.body), f.at, id(f.node), f.position(), repr(f.caller)) for f in self.flow.stack)
+        rest = self.run.modal.key(parameters=False)
+        key = place, stack, tuple(self.flow.called), rest, frozenset(sure), frozenset(held)
         followed = self._followed.setdefault(key, Followed())
         if followed.covers(held):
-            self._close(followed.edges)
+            self.run.close_section(followed.edges)
             return True
         # There are many left, or bounds that grow with every pass would need all of them.
-        far = MANY * self.branches > self.max_branches
+        far = MANY * self.run.branches > self.run.max_branches
         followed.held, followed.edges = followed.widened(held, far=far), ()
-        self.modal.parameters.update(followed.held)
+        self.run.modal.parameters.update(followed.held)
         self._cover = followed
         return False
 
-    def _state_key(self, place: object, without: frozenset[int] | None = None) -> object:
+    def state_key(self, place: object, without: frozenset[int] | None = None) -> object:
         """Equal where all that follows is the same; without: variables that have no part in it."""
         if without is None:
-            without = self._without(self._idle.unread) if self.branches >= FEW else NO_NUMBERS
+            without = self.without(self.idle.unread) if self.run.branches >= FEW else NO_NUMBERS
         # What is left of a calling line belongs to it: its words are values of that moment.
-        stack = tuple((id(f.body), f.at, id(f.node), f.position(), repr(f.caller)) for f in self._stack)
-        return place, stack, tuple(self._depth), self.modal.key(without=without)
+        stack = tuple((id(f.body), f.at, id(f.node), f.position(), repr(f.caller)) for f in self.flow.stack)
+        return place, stack, tuple(self.flow.called), self.run.modal.key(without=without)
 
-    def _without(self, idle: frozenset[int]) -> frozenset[int]:
+    def without(self, idle: frozenset[int]) -> frozenset[int]:
         """Those of idle variables that may differ between states now; that they stay what they are is assumed."""
-        counters = idle & self._idle.counters
+        counters = idle & self.idle.counters
         if not counters:
             return idle
-        far = {number for number in counters if self._is_far(number)}
+        far = {number for number in counters if self.is_far(number)}
         for number in sorted(counters - far):
-            self.assumed[f"{self._name(number)}, which only counts, stays within its 32 bits (11)"] = None
+            self.run.assumed[f"{self.name(number)}, which only counts, stays within its 32 bits (11)"] = None
         return idle - far
 
-    def _is_far(self, number: int) -> bool:
-        value = self.modal.parameters.get(number)
+    def is_far(self, number: int) -> bool:
+        """Whether a counter is so far from 0 that it may leave its 32 bits."""
+        value = self.run.modal.parameters.get(number)
         return isinstance(value, float) and abs(value) > NEAR
 
-    def _name(self, number: int) -> str:
-        return self.evaluator.names.get(number) or self.program.rules.name_of(number)
+    def name(self, number: int) -> str:
+        """What the program calls a variable."""
+        return self.run.evaluator.names.get(number) or self.run.program.rules.name_of(number)
 
-    def _split(
+    def split(
         self, node: If | While | Repeat | For | Subprogram, loop: Frame | None, leaving: Modal | None = None
     ) -> None:
         """Follow the outcome that goes into a block now and the other later, each in a section of its own.
@@ -134,53 +149,53 @@ class Branches(Loops):
         node: a subprogram where it is open whether it runs once more. leaving: the state of the other outcome, where it
         is not the one that is.
         """
-        self.branches += 2
-        yes, no = self.rows.new_section(), self.rows.new_section()
+        self.run.branches += 2
+        yes, no = self.run.rows.new_section(), self.run.rows.new_section()
         names = (("true", yes), ("false", no))
         if isinstance(node, Repeat):
             names = (("false", yes), ("true", no))
-        edges = tuple(self._edge(Wait.BRANCH, outcome, target, node.span) for outcome, target in names)
+        edges = tuple(self.run.edge(Wait.BRANCH, outcome, target, node.span) for outcome, target in names)
         if isinstance(node, If | While | Repeat):
             answers = [of_condition(node.condition, node.span, truth=outcome == "true") for outcome, _ in names]
         else:
             what = "the for loop" if isinstance(node, For) else f"subprogram {node.name}"
             goes = ("goes on", "ends") if isinstance(node, For) else ("runs again", "does not run again")
             answers = [Asked(span=node.span, what=what, answer=answer) for answer in goes]
-        self.asked.update((edge.target, answer) for edge, answer in zip(edges, answers, strict=True))
-        self._seen[self._key] = edges
+        self.run.asked.update((edge.target, answer) for edge, answer in zip(edges, answers, strict=True))
+        self.flow.seen[self._key] = edges
         if self._cover is not None:
             self._cover.edges, self._cover = edges, None
-        self._close(edges)
+        self.run.close_section(edges)
         if loop is not None and loop.group is None:
             loop.group = Group(1)
-        for frame in self._stack:
+        for frame in self.flow.stack:
             if frame.group is not None:
                 frame.group.open += 1
-        other = [copy.copy(frame) for frame in self._stack]
+        other = [copy.copy(frame) for frame in self.flow.stack]
         if loop is None:
             assert isinstance(node, If)
             group = Group(2)
-            leaving = self.modal.copy()
+            leaving = self.run.modal.copy()
             group.narrowed = self._narrow(node.condition, leaving)
-            self._stack.append(Frame(node.then, node, group=group))
+            self.flow.stack.append(Frame(node.then, node, group=group))
             other.append(Frame(node.otherwise, node, group=group))
-            nesting = self._nesting
+            nesting = self.flow.nesting
         else:
             loop.at = 0
             if isinstance(node, While | Repeat):
-                leaving = leaving or self.modal.copy()
-                into, out = (leaving, self.modal) if isinstance(node, Repeat) else (self.modal, leaving)
+                leaving = leaving or self.run.modal.copy()
+                into, out = (leaving, self.run.modal) if isinstance(node, Repeat) else (self.run.modal, leaving)
                 self._narrow(node.condition, out, into)
             if isinstance(node, Subprogram):
                 # It still has to go back to its caller.
                 other[-1].again, other[-1].more, other[-1].at = 0, 0, len(loop.body) + 1
-                nesting = self._nesting
+                nesting = self.flow.nesting
             else:
                 other[-1] = Frame((), group=loop.group)
-                nesting = self._nesting - 1
-        place = self._file, self._call, list(self._depth), self._moved, nesting
-        self._waiting.append(Path(other, leaving or self.modal.copy(), no, place))
-        self._begin(yes)
+                nesting = self.flow.nesting - 1
+        place = self.run.file, self.run.call, list(self.flow.called), self.run.moved, nesting
+        self.flow.waiting.append(Path(other, leaving or self.run.modal.copy(), no, place))
+        self.run.begin_section(yes)
 
     def _narrow(
         self, condition: Expr, otherwise: Modal, holds: Modal | None = None
@@ -189,10 +204,10 @@ class Branches(Loops):
 
         holds: the state of the run where it is not given. Returns what ``Group.narrowed`` has.
         """
-        holds = holds or self.modal
-        says = Narrowing(self._quietly, self._may_narrow)
+        holds = holds or self.run.modal
+        says = Narrowing(self._quietly, self.may_narrow)
         found = [says.narrowed(condition, truth) for truth in (True, False)]
-        before = dict(self.modal.parameters)
+        before = dict(self.run.modal.parameters)
         for state, bounds in zip((holds, otherwise), found, strict=True):
             state.parameters.update(bounds)
         numbers = found[0].keys() | found[1].keys()
@@ -202,50 +217,50 @@ class Branches(Loops):
 
     def _quietly(self, number: float, span: Span) -> Value:
         """What a variable holds, without a word about it."""
-        return self._of_its_type(round(number), self.modal.read(number, span))
+        return self.run.dialect.of_its_type(round(number), self.run.modal.read(number, span))
 
-    def _may_narrow(self, number: int) -> bool:
+    def may_narrow(self, number: int) -> bool:
         """Whether what is known of a variable may be less than what it holds: nobody but the program changes it."""
-        _, entry = self.modal.range_of(float(number), NO_PLACE)
-        return entry.kind in ("free", "persistent") or (entry.kind != "system" and number in self.modal.parameters)
+        _, entry = self.run.modal.range_of(float(number), NO_PLACE)
+        return entry.kind in ("free", "persistent") or (entry.kind != "system" and number in self.run.modal.parameters)
 
-    def _await_others(self, group: Group) -> None:
+    def await_others(self, group: Group) -> None:
         """Behind a block whose outcomes are explored: wait for the others, unless somebody was here in this state."""
-        self._run_pending()
+        self.flow.hot_blocks.run_pending()
         wide = self._without_answer(group)
         wide_key = None if wide is None else self._key_of_state(wide)
         same = group.wide.get(wide_key)
         if wide is not None and same is not None:
             # It differs from another one in what the answer has told of variables, and in nothing else: let that go.
             same.modal = wide
-            self._close((Edge(wait=Wait.BRANCH, outcome="", target=same.section),))
-            self._stack = [*self._stack, Frame((), group=group)]
+            self.run.close_section((Edge(wait=Wait.BRANCH, outcome="", target=same.section),))
+            self.flow.stack = [*self.flow.stack, Frame((), group=group)]
             raise ProgramEnd
-        key = self._state_key("join")
-        target = self._joins.get(key)
+        key = self.state_key("join")
+        target = self.flow.joins.get(key)
         if target is None:
-            target = self._joins[key] = self.rows.new_section()
-            place = self._file, self._call, list(self._depth), self._moved, self._nesting
-            path = Path(self._stack, self.modal, target, place)
+            target = self.flow.joins[key] = self.run.rows.new_section()
+            place = self.run.file, self.run.call, list(self.flow.called), self.run.moved, self.flow.nesting
+            path = Path(self.flow.stack, self.run.modal, target, place)
             group.parked.append(path)
             if wide_key is not None:
                 group.wide[wide_key] = path
-            self._is_parked = True
-        self._close((Edge(wait=Wait.BRANCH, outcome="", target=target),))
-        if self._is_parked:
+            self.flow.is_parked = True
+        self.run.close_section((Edge(wait=Wait.BRANCH, outcome="", target=target),))
+        if self.flow.is_parked:
             group.open -= 1
             if not group.open:
                 self._release(group)
         else:
             # One outcome less: it goes on as the other one.
-            self._stack = [*self._stack, Frame((), group=group)]
+            self.flow.stack = [*self.flow.stack, Frame((), group=group)]
         raise ProgramEnd
 
     def _without_answer(self, group: Group) -> Modal | None:
         """The state with variables that only the answer has narrowed as they were before; None where there are none."""
         if not group.narrowed:
             return None
-        modal = self.modal.copy()
+        modal = self.run.modal.copy()
         for number, (before, answers) in group.narrowed.items():
             if modal.parameters.get(number) in answers:
                 if before is None:
@@ -255,12 +270,12 @@ class Branches(Loops):
         return modal
 
     def _key_of_state(self, modal: Modal) -> object:
-        own, self.modal = self.modal, modal
-        key = self._state_key("join")
-        self.modal = own
+        own, self.run.modal = self.run.modal, modal
+        key = self.state_key("join")
+        self.run.modal = own
         return key
 
-    def _arrived(self, stack: list[Frame], count: int) -> None:
+    def arrived(self, stack: list[Frame], count: int) -> None:
         """So many outcomes fewer are on their way within the blocks of a stack."""
         for frame in reversed(stack):
             group = frame.group
@@ -273,21 +288,21 @@ class Branches(Loops):
         """All outcomes of a question have arrived or ended: those that arrived go on."""
         parked, group.parked = group.parked, []
         group.wide = {}
-        exact = self.branches <= EXACT
+        exact = self.run.branches <= EXACT
         asked = () if exact or not parked else self._asked_around(parked)
         for path, same in merged(parked, self._anywhere, exact=exact, asked=asked):
             if path.section < 0:
-                path.section = self.rows.new_section()
+                path.section = self.run.rows.new_section()
                 for one in same:
                     # From where each arrived, without a move, to where all go on.
-                    self._resume(one)
-                    self._close((Edge(wait=Wait.BRANCH, outcome="", target=path.section),))
-                self._arrived(path.stack, len(same) - 1)
-            self._waiting.append(path)
+                    self.resume(one)
+                    self.run.close_section((Edge(wait=Wait.BRANCH, outcome="", target=path.section),))
+                self.arrived(path.stack, len(same) - 1)
+            self.flow.waiting.append(path)
 
     def _anywhere(self, axis: int, low: float, high: float, origin: Position) -> Position:
         """A place between two numbers beside another one."""
-        return self.unknown_place("value", axis, (low, high), origin)
+        return self.run.unknown_place("value", axis, (low, high), origin)
 
     def _asked_around(self, parked: list[Path]) -> set[int]:
         """Variables that the conditions of the loops around some outcomes ask for."""
@@ -300,16 +315,16 @@ class Branches(Loops):
                 found |= self._asks[key]
         return found
 
-    def _resume(self, path: Path) -> None:
+    def resume(self, path: Path) -> None:
         """Take up an outcome that waits."""
-        self.modal, self._stack = path.modal, path.stack
-        self._pending = Pending()
-        self._loops = sum(isinstance(frame.node, LOOPS) for frame in self._stack)
-        self._file, self._call, self._depth, self._moved, self._nesting = path.place
-        self._end = None
-        self._laps = {}
-        self._state_changed()
-        self._begin(path.section)
+        self.run.modal, self.flow.stack = path.modal, path.stack
+        self.flow.hot_blocks.pending = Pending()
+        self.flow.loops = sum(isinstance(frame.node, LOOPS) for frame in self.flow.stack)
+        self.run.file, self.run.call, self.flow.called, self.run.moved, self.flow.nesting = path.place
+        self.run.ended_by = None
+        self.flow.widening.laps = {}
+        self.run.state_changed()
+        self.run.begin_section(path.section)
 
 
 def _variables(expr: Expr) -> Iterator[int]:

@@ -9,10 +9,17 @@ therefore follows the offsets that were in force when it was given: ``origin``.
 from __future__ import annotations
 
 import math
+from typing import TYPE_CHECKING
 
+from gproof.ir.dialects.accepts import SCALED_Z, UNSCALED_Z
 from gproof.ir.record import field, record
 from gproof.ir.symbolic import NOWHERE, Position, Unknown, Value
 from gproof.passes.interpret.core import line_kernels as k
+
+if TYPE_CHECKING:
+    from gproof.ir.machine import Machine
+    from gproof.passes.interpret.core.modal_state import Modal
+    from gproof.passes.interpret.core.run import Run
 
 Pair = tuple[float, float]
 _QUARTERS = {0.0: (1.0, 0.0), 90.0: (0.0, 1.0), 180.0: (-1.0, 0.0), 270.0: (0.0, -1.0)}
@@ -144,3 +151,38 @@ class Transform:
 
 
 NO_TRANSFORM = Transform()
+
+
+def at_start(modal: Modal) -> Transform:
+    """What the setup states to be in force when the job begins."""
+    stated = modal.setup.transform
+    if stated is None:
+        return NO_TRANSFORM
+    modal.stated |= {"rotation"} if stated.angle is not None else set()
+    modal.stated |= {"scaling"} if stated.factor_x is not None else set()
+    angle = math.fmod(stated.angle or 0.0, 360.0)
+    factors = (stated.factor_x or 1.0, stated.factor_y or 1.0)
+    if angle == 0.0 and factors == (1.0, 1.0):
+        return NO_TRANSFORM
+    origin, doubt = (modal.offset(0), modal.offset(1)), ""
+    uniform = factors[0] if factors[0] == factors[1] else 1.0
+    if modal.machine.controller.diameter_programming:
+        origin, doubt = (NOWHERE, NOWHERE), "what the setup's rotation or scaling makes of diameters"
+    return Transform(
+        rotated=angle != 0.0, scaled=factors != (1.0, 1.0), angle=angle, factors=factors,
+        center=(stated.x, stated.y), origin=origin, doubt=doubt, uniform=uniform,
+        # Equal factors may be those of X and Y, which leave Z as it is on every controller.
+        tall=is_tall(modal.machine) and None,
+    )  # fmt: skip
+
+
+def is_tall(machine: Machine) -> bool | None:
+    """Whether ``G51 P`` scales Z, as the shop states it; None: nobody did."""
+    accepts = machine.controller.accepts
+    return True if SCALED_Z.name in accepts else False if UNSCALED_Z.name in accepts else None
+
+
+def noted(run: Run) -> bool:
+    """Whether Z is as it is written, and nothing has to be said of that any more."""
+    now = run.modal.transform
+    return now.uniform == 1.0 or (now.tall is False and UNSCALED_Z.assumption in run.assumed)

@@ -24,13 +24,11 @@ from gproof.ir.symbolic import NOWHERE, Position, Unknown, Value
 from gproof.ir.trace import KNIFE, UNKNOWN, Op, Plane
 from gproof.passes.interpret.core.parsed_line import LARGEST
 from gproof.passes.interpret.core.plane_transform import NO_TRANSFORM
-from gproof.passes.interpret.wincnc.state import REGISTERS_OPEN
 
 if TYPE_CHECKING:
     from gproof.passes.interpret.core.modal_state import Modal
     from gproof.passes.interpret.core.parsed_line import Line
-    from gproof.passes.interpret.core.trace_writer import Emitter
-    from gproof.passes.interpret.eding.moves import Motion
+    from gproof.passes.interpret.core.run import Run
 
 _STRAIGHT = frozenset((F.TRAVERSE, F.FEED))
 LOST_MOTION = CodeRule(letter="G", tenths=0, function=F.UNSUPPORTED, group="", source="")
@@ -42,8 +40,9 @@ Words = Sequence[tuple[str, Value, Span]]
 def rules_of(rules: LanguageRules, words: Words) -> list[CodeRule] | None:
     """The codes of a line that was read to its end; None where one of its words is no word of the language."""
     found: list[CodeRule] = []
+    code_letters = rules.code_letters
     for letter, value, _ in words:
-        if letter not in "GML" or (letter == "L" and not rules.one_command):
+        if letter not in code_letters:
             continue
         if isinstance(value, Unknown) or abs(value) > LARGEST:
             return None
@@ -55,7 +54,7 @@ def rules_of(rules: LanguageRules, words: Words) -> list[CodeRule] | None:
 
 
 def refuse_words(
-    ex: Emitter, words: Words, columns: dict[str, int], refusal: Refusal, finding: Finding,
+    run: Run, words: Words, columns: dict[str, int], refusal: Refusal, finding: Finding,
     aim: Callable[[], list[Position]] | None = None,
 ) -> None:  # fmt: skip
     """Behind a refused line of these words: lost is what they may have changed.
@@ -65,35 +64,35 @@ def refuse_words(
     axes: an arc of which only the way is open ends there.
     """
     if isinstance(refusal, FollowedRefusal):
-        _name_line(ex, finding)
+        _name_line(run, finding)
         return
     # An error is lost as in the run that found it, where somebody accepts it: what follows has the same findings then.
     if aim is not None and finding.code.decides == "arcs" and refusal.finding.severity is Severity.UNKNOWN:
-        s = ex.modal
+        s = run.modal
         with contextlib.suppress(Refusal):
             place = aim()
             s.jumped = s.jumped or place != s.position
             s.position = place
             if s.compensation is None:
                 return
-    found = rules_of(ex.program.rules, words)
+    found = rules_of(run.program.rules, words)
     axes = {columns[letter] for letter, _, _ in words if letter in columns}
     letters = {letter for letter, _, _ in words}
-    lose_line(ex, found, letters, axes, finding)
+    lose_line(run, found, letters, axes, finding)
 
 
 def lose_line(
-    ex: Emitter, found: Iterable[CodeRule] | None, letters: Iterable[str], axes: Iterable[int], finding: Finding
+    run: Run, found: Iterable[CodeRule] | None, letters: Iterable[str], axes: Iterable[int], finding: Finding
 ) -> None:
     """The same for codes that are known already; found: None where a word is none of the language."""
     functions = None if found is None else [rule.function for rule in found]
     groups = None if functions is None else g.changed_by(functions)
     if groups is None or functions is None:
-        lose_everything(ex, finding)
+        lose_everything(run, finding)
         return
     named = frozenset(axes)
     letters = set(letters)
-    if ex.program.rules.one_command and letters & set("PHT") and all(f in g.MOVES for f in functions):
+    if letters & run.dialect.stored_places and all(f in g.MOVES for f in functions):
         named = _ALL  # a stored position
     groups |= {g.PLACE} if named and not any(map(_takes_axes, functions)) else set()
     # Words alone are those of the motion or the cycle in force.
@@ -103,8 +102,8 @@ def lose_line(
     groups |= {g.TOOL} if "T" in letters else set()
     moves = [function for function in functions if g.PLACE in g.CHANGES[function]]
     whole = any(function not in _STRAIGHT | {F.MACHINE_TRAVERSE} for function in moves) or not named
-    whole = whole or ex.modal.cycle_code != 0 or ex.modal.motion not in (0, *map(int, _STRAIGHT))
-    lose(ex, groups, finding, _ALL if whole else named | ({0, 1} if ex.modal.transform.on else set()))
+    whole = whole or run.modal.cycle_code != 0 or run.modal.motion not in (0, *map(int, _STRAIGHT))
+    lose(run, groups, finding, _ALL if whole else named | ({0, 1} if run.modal.transform.on else set()))
 
 
 def _takes_axes(function: F) -> bool:
@@ -123,37 +122,37 @@ _OWN_WORDS = frozenset((
 ))  # fmt: skip
 
 
-def lose_everything(ex: Emitter, finding: Finding) -> None:
+def lose_everything(run: Run, finding: Finding) -> None:
     """Behind a text that nobody understands: all that a code of the language can change.
 
     Variables stay behind an error: what they would decide is a path that no controller takes, and its own errors show.
     """
-    lost = g.everything(ex.program.rules)
-    lose(ex, lost - {g.VARIABLES} if finding.severity is Severity.ERROR else lost, finding, _ALL)
+    lost = g.everything(run.program.rules)
+    lose(run, lost - {g.VARIABLES} if finding.severity is Severity.ERROR else lost, finding, _ALL)
 
 
-def lose(ex: Emitter, groups: Iterable[str], finding: Finding, axes: frozenset[int] = _ALL) -> None:
+def lose(run: Run, groups: Iterable[str], finding: Finding, axes: frozenset[int] = _ALL) -> None:
     """These groups are not known from here on; axes: columns whose places are lost with ``place``."""
-    s = ex.modal
+    s = run.modal
     lost = frozenset(groups)
     forget(s, lost, axes, finding.span)
     s.line_lost = True
-    ex._state_changed()
+    run.state_changed()
     if lost & (g.OF_PLACES | {g.PLACE}):
-        _name_line(ex, finding)
+        _name_line(run, finding)
 
 
-def _name_line(ex: Emitter, finding: Finding) -> None:
+def _name_line(run: Run, finding: Finding) -> None:
     """The next move that rests on a lost place is told with this line; not behind an error, nor where the line's own
     finding says that places are not known."""
     if finding.severity is not Severity.ERROR and finding.code.decides != "limits":
-        ex.modal.refused_at = ex.modal.refused_at or finding.span
+        run.modal.refused_at = run.modal.refused_at or finding.span
 
 
 def forget(s: Modal, lost: frozenset[str], axes: frozenset[int], span: Span) -> None:
     """Leave nothing of these groups in the state."""
     cause = f"line {span.line}, which is refused"
-    if lost & {g.PLACE, g.TOOL} and (s.compensation is not None or s.din.side or "compensation" in s.single.flags):
+    if lost & {g.PLACE, g.TOOL} and s.has_offset_path:
         lost |= {g.RADIUS}  # where its contour goes on is lost
     if g.PLACE in lost or lost & g.OF_PLACES:
         gone = axes if g.PLACE in lost else frozenset[int]()
@@ -165,9 +164,7 @@ def forget(s: Modal, lost: frozenset[str], axes: frozenset[int], span: Span) -> 
         s.jumped = True
     if g.MOTION in lost:
         s.cycle, s.cycle_code = {}, 0
-    s.single = s.single.but(**_of_one_command(s, lost, cause)) if s.rules.one_command else s.single
-    if s.rules.source_order:
-        _of_source_order(s, lost, cause)
+    s.forget(lost, cause)
     if g.FEED in lost:
         s.feed = math.nan
     if g.SPEED in lost:
@@ -192,77 +189,6 @@ def forget(s: Modal, lost: frozenset[str], axes: frozenset[int], span: Span) -> 
     s.unknown_modes |= lost & g.TRACKED
 
 
-def _of_one_command(s: Modal, lost: frozenset[str], cause: str) -> dict[str, object]:
-    """What a controller of one command a line keeps besides."""
-    single = s.single
-    found: dict[str, object] = {}
-    if g.FEED in lost:
-        arcs = None if single.arc_feed is None else math.nan
-        found |= {"feeds": (math.nan,) * AXES, "arc_feed": arcs, "feed_doubt": True, "kept_feeds": None}
-    if lost & {g.PLACE, g.UNITS, g.PLANE}:
-        found |= {"center": (math.nan, math.nan), "cycle_at": None}
-    if g.UNITS in lost:
-        found["unit_before"] = None
-    if g.MAPPING in lost:
-        found |= {"sources": tuple(range(AXES)), "flags": single.flags - {"mapped"}}
-    if g.COUPLING in lost:
-        found |= {"slaves": (), "drift": ()}
-    if g.LOCKS in lost:
-        found |= {"locked": frozenset(), "held_back": frozenset()}
-    if g.SCALING in lost:
-        found["scales"] = ()
-    if g.GUARDS in lost:
-        found |= {"soft": True, "bound": True}
-    if g.TOOL in lost:
-        found["tools"] = (Unknown(cause), Unknown(cause))
-    if g.LOCAL in lost:
-        found["local_stored"] = None
-    if g.MACHINE_ZERO in lost:
-        found["zeros"] = tuple((axis.index, NOWHERE) for axis in sorted(s.machine.axes, key=lambda axis: axis.index))
-    if g.DYNAMICS in lost:
-        found["retimed"] = single.retimed | {cause}
-    if g.MEASURES in lost:
-        found |= {
-            "heights": tuple((number, NOWHERE) for number, _ in single.heights),
-            "switch_heights": (Unknown(cause), Unknown(cause)),
-            "homes": tuple(None if place is None else NOWHERE for place in single.homes),
-            "places": tuple((name, tuple((axis, NOWHERE) for axis, _ in at), lift) for name, at, lift in single.places),
-        }  # fmt: skip
-    kept = found.get("flags", single.flags)
-    assert isinstance(kept, frozenset)
-    if g.RADIUS in lost:
-        kept -= {"compensation"}
-    if g.MEASURES in lost:
-        kept |= {REGISTERS_OPEN}
-    if kept != single.flags:
-        found["flags"] = kept
-    return found
-
-
-def _of_source_order(s: Modal, lost: frozenset[str], cause: str) -> None:
-    """What a controller of DIN blocks keeps besides."""
-    found: dict[str, object] = {"contour": False}
-    if g.FEED in lost:
-        found |= {"feed": math.nan, "feed_cause": cause, "asked": ""}
-    if g.REFLECTION in lost:
-        found |= {"reflected": frozenset(), "mirrored": None}
-    if g.FACTORS in lost:
-        found["factors"] = (math.nan, math.nan)
-    if lost & {g.RADIUS, g.TOOL}:
-        found |= {"side": 0, "idle": 0, "corrected": None}
-    if g.TOOL in lost:
-        found["tool"] = None
-    if lost & {g.PLACE, g.PLANE, g.UNITS, g.CENTERS}:
-        found["center"] = (math.nan, math.nan)
-    if g.DISTANCES in lost:
-        found["mode_open"] = False
-    if g.SPLINE in lost:
-        found["spline"] = False
-    if g.CYLINDER in lost:
-        found["radii"] = ()
-    s.din = s.din.but(**found)
-
-
 # ---- lines behind it
 
 
@@ -274,9 +200,9 @@ def is_stated(rule: CodeRule, has_axes: bool) -> bool:
     return not (rule.uses_axes and has_axes) or not g.STATES[function] or function in g.WITH_WORDS
 
 
-def restate(ex: Emitter, rules: Iterable[CodeRule], has_axes: bool) -> None:
+def restate(run: Run, rules: Iterable[CodeRule], has_axes: bool) -> None:
     """Codes of a line that is executed: the groups that they state whole are known again."""
-    s = ex.modal
+    s = run.modal
     for rule in rules if s.unknown_modes else ():
         if rule.function in g.MOVES:
             s.unknown_modes -= {g.MOTION}
@@ -290,20 +216,20 @@ def settle(s: Modal) -> None:
     """Behind lines that say all of it again nothing is lost any more."""
     known = not s.unknown_modes and s.refused_at is None
     known = known and all(place.form != UNKNOWN for axis, place in enumerate(s.position) if s.has_axis(axis))
-    if known and not math.isnan(s.single.arc_feed or 0.0):
+    if known and s.feeds_known:
         s.line_lost = False
 
 
-def is_lost(ex: Emitter, rule: CodeRule, has_axes: bool, span: Span) -> bool:
+def is_lost(run: Run, rule: CodeRule, has_axes: bool, span: Span) -> bool:
     """Whether what a code would change rests on what is lost: then that is lost too."""
-    s = ex.modal
+    s = run.modal
     if not s.unknown_modes or rule.function in g.MOVES or is_stated(rule, has_axes):
         return False
     changed = g.changed_by((rule.function,))
     if changed is None or not changed - {g.OUTPUTS, g.COOLANT, g.SPINDLE}:
         return False
     forget(s, changed, _ALL, span)
-    ex._state_changed()
+    run.state_changed()
     return True
 
 
@@ -312,12 +238,12 @@ def words_count(s: Modal, *, machine: bool = False) -> bool:
     return not s.unknown_modes & (g.OF_MACHINE_PLACES if machine else g.OF_PLACES)
 
 
-def vague(ex: Motion, line: Line, rule: CodeRule, *, machine: bool = False) -> bool:
+def vague(run: Run, line: Line, rule: CodeRule, *, machine: bool = False) -> bool:
     """Make a move whose way rests on what is lost: somewhere. False where the move can be followed.
 
     rule: of the motion, ``LOST_MOTION`` for one that is not known itself.
     """
-    s = ex.modal
+    s = run.modal
     if not s.line_lost:
         return False
     function = rule.function
@@ -327,22 +253,22 @@ def vague(ex: Motion, line: Line, rule: CodeRule, *, machine: bool = False) -> b
         known = not s.unknown_modes & g.OF_ARCS
         known = known and all(s.position[axis].form != UNKNOWN for axis in range(3))
     if known:
-        restate(ex, (rule,), has_axes=True)
+        restate(run, (rule,), has_axes=True)
         return False
     line.used.update(line.values)
     named = set(line.axes())
-    axes = named if straight and named and not s.transform.on else {axis.index for axis in ex.machine.axes}
+    axes = named if straight and named and not s.transform.on else {axis.index for axis in run.machine.axes}
     target = [NOWHERE if axis in axes else place for axis, place in enumerate(s.position)]
     s.compensation = None
-    if function not in _RAPID and (s.rules.one_command or s.rules.source_order):
+    if function not in _RAPID and run.dialect.has_own_feeds:
         s.feed = math.nan  # which of the feeds counts, those axes say that move
-    ex.move(Op.TRAVERSE if function in _RAPID else Op.FEED, target, line.span)
-    ex._moved = True
+    run.move(Op.TRAVERSE if function in _RAPID else Op.FEED, target, line.span)
+    run.moved = True
     if rule is LOST_MOTION:
         return True
     if function in _MODAL_MOTIONS:
         # Where the source decides what goes on, nothing of it is kept here.
-        s.motion, s.cycle, s.cycle_code = 0 if s.rules.source_order else int(function), {}, 0
+        s.motion, s.cycle, s.cycle_code = int(function) if run.dialect.keeps_motion else 0, {}, 0
         s.unknown_modes -= {g.MOTION}
     else:
         # A cycle whose words are not all known may be in force.
@@ -360,17 +286,17 @@ NAMED = 6
 """So many modes that a line may have changed stand in a hint."""
 
 
-def tell(ex: Emitter, target: list[Position], span: Span) -> None:
+def tell(run: Run, target: list[Position], span: Span) -> None:
     """GP304 at the first move that rests on a place that a refused line has lost."""
-    s = ex.modal
+    s = run.modal
     assert s.refused_at is not None
-    lost = [axis.word for axis in ex.machine.axes if target[axis.index].form == UNKNOWN]
+    lost = [axis.word for axis in run.machine.axes if target[axis.index].form == UNKNOWN]
     if not lost:
         if words_count(s):
             s.refused_at = None  # all of it is known again: no move rests on that line any more
         return
     where, s.refused_at = s.refused_at, None
-    names = "every axis" if len(lost) == len(ex.machine.axes) else " ".join(lost)
+    names = "every axis" if len(lost) == len(run.machine.axes) else " ".join(lost)
     modes = [group for group in g.ORDER if group in s.unknown_modes & g.OF_PLACES]
     shown = ", ".join(modes[:NAMED]) + (f" and {len(modes) - NAMED} more modes" if len(modes) > NAMED else "")
     again = f"state again {shown}; then " if modes else ""
@@ -379,4 +305,4 @@ def tell(ex: Emitter, target: list[Position], span: Span) -> None:
         hint=f"put that line right; or after it: {again}send the axes to a place",
         related=(Related(where, "this line may have changed it"),),
     )  # fmt: skip
-    ex._refuse(finding)
+    run.refuse(finding)

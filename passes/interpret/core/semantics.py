@@ -1,35 +1,39 @@
-"""What a line is to a kind of controller: one object per run, chosen by the rules of the language.
+"""What a language decides of a run: one ``Dialect`` object per run, made by the registry of languages.
 
-``Manner`` is that of RS274NGC: many commands a line, executed in the order of a table. The others stand in modules of
-their own, which are imported only for programs that need them.
+The class here is that of a plain RS274NGC: many commands a line, no state of its own. A language has a class of its own
+in its room (``passes/interpret/<language>/semantics.py``), which says where it differs.
 """
 
 from __future__ import annotations
 
 import contextlib
-from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable, Iterable, Sequence
+from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
 import numpy as np
 
 from gproof.ir import codes
 from gproof.ir.finding import Refusal, Span
 from gproof.ir.kernel import Kernel
-from gproof.ir.program import Block, Call, Expr, Input, Named, Number, Unsupported
-from gproof.ir.rules import LanguageRules
-from gproof.ir.symbolic import Unknown, Value
+from gproof.ir.machine import AXIS_NAMES, Machine
+from gproof.ir.program import Array, Block, Call, Device, Expr, Input, Message, Named, Number, Program, Unsupported
+from gproof.ir.setup import Setup
+from gproof.ir.symbolic import Position, Unknown, Value
+from gproof.ir.trace import Op
 from gproof.passes.interpret.core import line_kernels as k
-from gproof.passes.interpret.core.assigned_numbers import write_setting
+from gproof.passes.interpret.core import moves
+from gproof.passes.interpret.core.dead_variables import Idle, idle_variables
 from gproof.passes.interpret.core.line_filter_kernels import cold_lines
+from gproof.passes.interpret.core.modal_state import Modal
+from gproof.passes.interpret.core.parsed_line import gather
+from gproof.passes.interpret.core.run import Run
 
 if TYPE_CHECKING:
-    from gproof.passes.interpret.core.block_tables import Straight
-    from gproof.passes.interpret.core.call_stack import Frame, PlainCell
-    from gproof.passes.interpret.core.executor import Executor
-    from gproof.passes.interpret.core.trace_writer import Emitter
+    from gproof.passes.interpret.core.call_stack import Frame, Kept, PlainCell
 
-_HOT = [int(chr(letter) in "XYZABCIJKRFG") for letter in range(256)]
-"""Letters that ``run_lines`` takes."""
+R_contra = TypeVar("R_contra", bound=Run, contravariant=True)
+Word = tuple[str, Value, Span]
+"""Letter, value and place of a word."""
 
 
 def cold_words(columns: tuple[Any, ...], count: int, hot: list[int], *, pairs: bool = False) -> tuple[Any, Any]:
@@ -47,55 +51,93 @@ def cold_words(columns: tuple[Any, ...], count: int, hot: list[int], *, pairs: b
     return lines[:found].tolist(), firsts[:found].tolist()
 
 
-def settings_of(ex: Executor, node: Block) -> list[tuple[Value, Value, Span]]:
+def settings_of(run: Run, node: Block) -> list[tuple[Value, Value, Span]]:
     """What the assignments of a line give: variable, value, place.
 
     Where one is refused, none takes place: what was to be written is not known then, and not what it was before.
     """
     try:
-        return [ex._setting(one) for one in node.assigns]
+        return [run.setting(one) for one in node.assigns]
     except Refusal:
         for one in node.assigns:
             if isinstance(one.target.number, Number):
                 number = round(one.target.number.value)
                 lost = Unknown(f"{one.target.name or f'#{number}'} (its line is refused)")
                 with contextlib.suppress(Refusal):
-                    ex.modal.write(number, lost, one.target.span)
+                    run.modal.write(number, lost, one.target.span)
         raise
 
 
-class Manner:
-    """Lines of many commands."""
+class Dialect(Generic[R_contra]):
+    """Lines of many commands, in no order but that of the text.
+
+    kernel: runs the lines of a table. hot_blocks: lines that come again may be compiled and run together. fits: (number
+    of a variable, value) -> whether the variable can hold it, None where each can hold all; keeps_motion: a line
+    without a code goes on with the code before it in time, not in the text. has_own_feeds: feeds are kept beside the
+    one of all; stored_places: letters that send axes to places which are stored; modules: subprograms end with a code
+    of their own, and what is told of them is told of the file that runs.
+    """
 
     kernel: Kernel[Any, Any] = k.run_lines
-    """What runs the lines of a table."""
+    hot_blocks: bool = True
+    fits: Callable[[int, object], bool] | None = None
+    keeps_motion: bool = True
+    has_own_feeds: bool = False
+    stored_places: frozenset[str] = frozenset()
+    modules: bool = False
+    run_type: type[Run] = Run
 
-    def block(self, ex: Executor, node: Block, words: list[tuple[str, Value, Span]]) -> None:
+    def __init__(self, program: Program) -> None:
+        self.program = program
+
+    # ---- the start
+
+    def first_state(self, program: Program, setup: Setup, machine: Machine) -> Modal:
+        """The state in which a job begins."""
+        return Modal(program.rules, setup, machine)
+
+    def begin(self, run: R_contra) -> None:
+        """Before anything runs: findings of what setup and machine state that the language does not have."""
+
+    def nesting(self, machine: Machine) -> int:
+        """How deep calls may be within calls."""
+        return self.program.rules.call_depth
+
+    def letters(self, machine: Machine) -> dict[str, int]:
+        """Column of each letter that moves an axis."""
+        return {name.upper(): axis for axis, name in enumerate(AXIS_NAMES)}
+
+    # ---- lines
+
+    def block(self, run: R_contra, node: Block, words: list[Word]) -> None:
         """Execute a line; words: of the node, evaluated."""
-        settings = settings_of(ex, node)
-        # Settings take effect once every value of the line is found, before anything moves (3.2.3).
-        for number, value, span in settings:
-            write_setting(ex, number, value, span)
-        if words:
-            ex._line(node.span, words)
+        raise NotImplementedError
 
-    def line(self, ex: Straight, span: Span, words: list[tuple[str, Value, Span]], bare: frozenset[str]) -> None:
+    def judge_line(self, machine: Machine, span: Span, words: Sequence[Word], bare: frozenset[str]) -> None:
+        """Refusal for a line that means nothing by itself, whatever runs before it; machine: whose axes it moves."""
+        gather(self.program.rules, span, list(words))
+
+    def line(self, run: R_contra, span: Span, words: list[Word], bare: frozenset[str]) -> None:
         """Execute a line of a table; bare: letters without a number."""
-        ex._line(span, words)
+        raise NotImplementedError
 
-    def cold(self, ex: Straight, frame: Frame, columns: tuple[Any, ...], count: int) -> set[int]:
+    def rest_of_line(self, run: R_contra, span: Span, words: list[Word]) -> None:
+        """Execute what is left of a line whose call is over."""
+        raise NotImplementedError
+
+    def cold(self, run: R_contra, frame: Frame, columns: tuple[Any, ...], count: int) -> set[int]:
         """Lines of a piece of a table with a word that the kernel certainly leaves to Python: not worth a call.
 
         columns: line, letter, value and flags of its ``count`` words.
         """
-        return set(cold_words(columns, count, _HOT)[0])
+        return set()
 
-    def hot(self, ex: Straight, run: Any, columns: tuple[Any, ...], count: int, at: int, compiled: bool) -> int:
+    def hot(self, run: R_contra, kernel: Any, columns: tuple[Any, ...], count: int, at: int, compiled: bool) -> int:
         """Run lines in the kernel from word ``at``; returns the first word it left over.
 
         columns: line, letter, value and flags of the words.
         """
-        return ex._hot(run, columns, count, at, compiled)
+        return at
 
     def motion_of(self, letters: Sequence[str], values: Sequence[Expr], continued: str) -> tuple[str | None, bool]:
         """The code with which a line of a loop is to move, and whether it must be added to its words.
@@ -104,61 +146,119 @@ class Manner:
         """
         return "", False
 
-    def stops(self, ex: Straight, columns: tuple[Any, ...], count: int) -> list[int]:
+    def stops(self, run: R_contra, columns: tuple[Any, ...], count: int) -> list[int]:
         """First words of lines of a loop that the kernel must not run."""
         return []
 
     def hot_lines(
-        self, ex: Straight, run: Any, columns: tuple[Any, ...], count: int, at: int, compiled: bool, stops: list[int],
-        motion: str, numbers: Any,
+        self, run: R_contra, kernel: Any, columns: tuple[Any, ...], count: int, at: int, compiled: bool,
+        stops: list[int], motion: str, numbers: Any,
     ) -> int:  # fmt: skip
         """As ``hot``, for lines of a loop, the first of which moves with ``motion``.
 
         numbers: where the lines stand in the source, by the numbers that they have in ``columns``.
         """
-        before = ex.rows.count
-        at = ex._hot(run, columns, count, at, compiled, distances=True)
-        made = ex.rows.arrays["line"][before : ex.rows.count]
-        made[:] = numbers[made]
         return at
 
-    def again(
-        self, ex: Straight, span: Span, words: list[tuple[str, Value, Span]], motion: str, distances: str
-    ) -> None:  # fmt: skip
+    def again(self, run: R_contra, span: Span, words: list[Word], motion: str, distances: str) -> None:
         """Execute a line of a loop that the kernel left over."""
-        ex._line(span, words)
+        self.line(run, span, words, frozenset())
 
-    def cells(self, ex: Straight, cell: PlainCell, places: Any, line: int) -> int:
+    def cells(self, run: R_contra, cell: PlainCell, places: Any, line: int) -> int:
         """Run cells of an array, each of them ``cell``; returns how many. places, line: see ``run_cells``."""
         return 0
 
-    def call(self, ex: Executor, node: Call) -> None:
-        """Run a subprogram with the words of its call."""
-        ex._called(node.name, node.span)
+    def move(
+        self, run: R_contra, op: Op, target: list[Position], span: Span, *, center: list[float] | None,
+        turns: int, plane: int, length: float | None, programmed: tuple[float, float] | None,
+    ) -> None:  # fmt: skip
+        """A move of the job: see ``moves.go``."""
+        moves.go(run, op, target, span, center=center, turns=turns, plane=plane, length=length, programmed=programmed)
 
-    def named(self, ex: Emitter, node: Named) -> Value:
+    # ---- lines behind a refused one (lost_lines.py)
+
+    def motion_of_frame(self, run: R_contra, frame: Frame) -> int:
+        """The motion with which the next line of a table goes on, as a function's number; 0 for none."""
+        return run.modal.motion
+
+    def takes_lost_feed(self, run: R_contra, open_feeds: bool) -> bool:
+        """Whether an F is taken by a line whose way is lost; open_feeds: what F counts in is lost too."""
+        return False
+
+    def take_lost_feed(self, run: R_contra, feed: float, last: float) -> None:
+        """Lines whose ways are lost have had F. feed: what the kernel made of the last one; last: its number."""
+
+    # ---- statements
+
+    def call(self, run: R_contra, node: Call) -> None:
+        """Run a subprogram with the words of its call."""
+        run.flow.call_subprogram(node.name, node.span)
+
+    def named(self, run: R_contra, node: Named) -> Value:
         """What the controller holds under a name; Refusal GP113 where it knows no names."""
         raise Refusal(codes.UNSUPPORTED_CODE.at(node.span, code=node.name))
 
-    def input(self, ex: Emitter, node: Input) -> Value:
+    def input(self, run: R_contra, node: Input) -> Value:
         """An input of the controller; Refusal GP113 where a program reads none."""
         if node.kind == "outside":
             return Unknown("what another device gives")
         raise Refusal(codes.UNSUPPORTED_CODE.at(node.span, code=node.kind))
 
-    def unsupported(self, ex: Executor, node: Unsupported) -> None:
+    def unsupported(self, run: R_contra, node: Unsupported) -> None:
         """What a statement that is not modelled leaves unknown, before it is refused: all places and variables."""
-        ex.modal.lose_all(node.what.rstrip(","))
+        run.modal.lose_all(node.what.rstrip(","))
 
+    def device(self, run: R_contra, node: Device) -> None:
+        """A command to the controller that is no line of words; Refusal GP113 for one that is not modelled."""
+        raise Refusal(codes.UNSUPPORTED_CODE.at(node.span, code=node.name))
 
-def manner_of(rules: LanguageRules) -> Manner:
-    """How lines of a language are executed."""
-    if rules.one_command:
-        from gproof.passes.interpret.wincnc.semantics import SingleManner
+    def dialog(self, run: R_contra, node: Message) -> None:
+        """A question to the operator whose answer goes into variables; Refusal GP113 where there is none."""
+        raise Refusal(codes.UNSUPPORTED_CODE.at(node.span, code=node.kind))
 
-        return SingleManner()
-    if rules.source_order:
-        from gproof.passes.interpret.mcuwin.semantics import DinManner
+    def array(self, run: R_contra, node: Array) -> None:
+        """Enter statements that run once for each place of an array; Refusal GP113 where there are none."""
+        raise Refusal(codes.UNSUPPORTED_CODE.at(node.span, code="an array"))
 
-        return DinManner()
-    return Manner()
+    def next_cell(self, run: R_contra, frame: Frame) -> bool:
+        """Behind a cell of an array: to the next one, True; behind the last one False."""
+        return False
+
+    def back_from_file(self, run: R_contra, kept: Kept | None) -> None:
+        """A subprogram that is a file is over: what of the state is its caller's again."""
+
+    # ---- the order of statements
+
+    def at_jump(self, run: R_contra, span: Span, code: str) -> None:
+        """A jump, call, return or label, before it is followed."""
+
+    def looks_at_jumps(self, run: R_contra) -> bool:
+        """Whether ``at_jump`` may have something to say in this run."""
+        return False
+
+    def is_unended(self, run: R_contra, frame: Frame) -> bool:
+        """Whether statements are over without the code that has to end them (GP515)."""
+        return False
+
+    # ---- variables
+
+    def is_whole(self, number: int) -> bool:
+        """Whether a variable holds whole numbers of 32 bits."""
+        return False
+
+    def of_its_type(self, number: int, value: Value) -> Value:
+        """What is known of a variable by its type besides."""
+        return value
+
+    def idle_variables(self) -> Idle:
+        """Variables of the program that have no part in what it does."""
+        return idle_variables(self.program, self.is_whole, self.by_number, self.always_read)
+
+    def by_number(self, number: int) -> tuple[int, ...]:
+        """Variables that a code may take by this number."""
+        return (number,)
+
+    @property
+    def always_read(self) -> Iterable[int]:
+        """Numbers of the variables that codes read themselves."""
+        return ()

@@ -17,75 +17,69 @@ from gproof.ir.program import Device, Text
 from gproof.ir.symbolic import Position, Unknown
 from gproof.ir.trace import Op, Wait
 from gproof.passes.interpret.core.expressions import describe_parts
+from gproof.passes.interpret.core.moves import CLAMPED
 from gproof.passes.interpret.eding.device_commands import DEVICES
-from gproof.passes.interpret.eding.outputs_and_waits import CLAMPED
 
 if TYPE_CHECKING:
-    from gproof.passes.interpret.core.trace_writer import Emitter
+    from gproof.passes.interpret.core.run import Run
 
-Handler = Callable[["Emitter", Device], None]
+Handler = Callable[["Run", Device], None]
 
 
-def run_command(ex: Emitter, node: Device) -> None:
+def run_command(run: Run, node: Device) -> None:
     """Execute one; Refusal GP113 for a command that is not modelled."""
     handler = HANDLERS.get(node.name)
     if handler is None:
         raise Refusal(codes.UNSUPPORTED_CODE.at(node.span, code=node.name))
-    handler(ex, node)
+    handler(run, node)
 
 
-def _home(ex: Emitter, node: Device) -> None:
+def _home(run: Run, node: Device) -> None:
     """The axis runs to its sensor and a little back (2.10.2): afterwards it stands near its home position."""
     names = [part.value for part in node.arguments if isinstance(part, Text)]
-    ex.event(Op.HOME, node.span, text=ex._text(" ".join(names)))
+    run.event(Op.HOME, node.span, text=run.text_number(" ".join(names)))
     for name in names:
         axis = AXIS_NAMES.index(name)
-        if not ex.modal.has_axis(axis):
+        if not run.modal.has_axis(axis):
             raise Refusal(codes.AXIS_NOT_THERE.at(node.span, axis=name.upper()))
-        if axis == CLAMPED and ex.modal.clamped:
-            ex._fail(codes.AXIS_CLAMPED.at(node.span, axis=name.upper(), hint="M27 before"))
-        ex.modal.position[axis] = ex.unknown_place("home", axis, (-math.inf, math.inf), Position(0.0))
-    ex.modal.unhomed -= {AXIS_NAMES.index(name) for name in names}
-    ex.assumed["homing moves do not leave the machine"] = None
-    ex.findings.add(codes.HOMING.at(node.span, axes=" ".join(name.upper() for name in names)))
-    ex._end_section(Wait.HOME, "homed", None, node.span)
+        if axis == CLAMPED and run.modal.clamped:
+            run.fail(codes.AXIS_CLAMPED.at(node.span, axis=name.upper(), hint="M27 before"))
+        run.modal.position[axis] = run.unknown_place("home", axis, (-math.inf, math.inf), Position(0.0))
+    run.modal.unhomed -= {AXIS_NAMES.index(name) for name in names}
+    run.assumed["homing moves do not leave the machine"] = None
+    run.findings.add(codes.HOMING.at(node.span, axes=" ".join(name.upper() for name in names)))
+    run.end_section(Wait.HOME, "homed", None, node.span)
 
 
-def _align(ex: Emitter, node: Device) -> None:
+def _align(run: Run, node: Device) -> None:
     """The second motor goes to the place of the first: the axis stays where it is (2.10.3)."""
     names = [part.value for part in node.arguments if isinstance(part, Text)]
-    ex.event(Op.HOME, node.span, text=ex._text(" ".join(names)))
-    ex._end_section(Wait.HOME, "aligned", None, node.span)
+    run.event(Op.HOME, node.span, text=run.text_number(" ".join(names)))
+    run.end_section(Wait.HOME, "aligned", None, node.span)
 
 
-def _laf_angle(ex: Emitter, node: Device) -> None:
-    value = ex.evaluator.value(node.arguments[0])
+def _laf_angle(run: Run, node: Device) -> None:
+    value = run.evaluator.value(node.arguments[0])
     if isinstance(value, Unknown):
         raise Refusal(codes.UNKNOWN_CONDITION.at(node.span, cause=value.cause))
     if not 0 <= value <= 180:
         what = f"a look-ahead angle of {value:g} degrees; 0 to 180 make sense"
         raise Refusal(codes.ARITHMETIC.at(node.span, what=what))
-    ex.modal.laf_angle = value
-    ex._state_changed()
-    ex.event(Op.PATH_MODE, node.span, arg=(float(ex.modal.path_mode), ex.modal.path_tolerance))
+    run.modal.laf_angle = value
+    run.state_changed()
+    run.event(Op.PATH_MODE, node.span, arg=(float(run.modal.path_mode), run.modal.path_tolerance))
 
 
-def _note(ex: Emitter, node: Device) -> None:
+def _note(run: Run, node: Device) -> None:
     """Files and switches that move nothing."""
-    what = f"{node.name} {describe_parts(node.arguments, ex.evaluator)}"
-    ex.event(Op.MESSAGE, node.span, text=ex._text(what.strip()))
+    what = f"{node.name} {describe_parts(node.arguments, run.evaluator)}"
+    run.event(Op.MESSAGE, node.span, text=run.text_number(what.strip()))
 
 
-def _nesting(ex: Emitter, node: Device) -> None:
+def _nesting(run: Run, node: Device) -> None:
     """A preset of the nesting dialog (2.2.4.4): the job repeats only when the operator applies it."""
-    _note(ex, node)
-    ex.findings.add(codes.NESTING_PRESET.at(node.span))
-
-
-def _wait(ex: Emitter, node: Device) -> None:
-    from gproof.passes.interpret.mcuwin.outputs_and_waits import wait
-
-    wait(ex, ex.evaluator.value(node.arguments[0]), node.span)
+    _note(run, node)
+    run.findings.add(codes.NESTING_PRESET.at(node.span))
 
 
 HANDLERS: dict[str, Handler] = {
@@ -98,7 +92,6 @@ HANDLERS: dict[str, Handler] = {
     "store_position": _note,
     "log_file": _note,
     "nesting": _nesting,
-    "wait": _wait,
     **DEVICES,
 }
 """What each command of ``rules.DEVICES`` does."""

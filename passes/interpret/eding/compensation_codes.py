@@ -21,11 +21,12 @@ from gproof.ir.trace import UNKNOWN, Op, Plane
 from gproof.passes.interpret.core import cutter_compensation as geometry
 from gproof.passes.interpret.core.cutter_compensation import Compensation, Fault, Path, Piece, Point, Trouble
 from gproof.passes.interpret.core.cutter_compensation_kernels import distance
+from gproof.passes.interpret.core.moves import APART
 from gproof.passes.interpret.core.parsed_line import Line
 
 if TYPE_CHECKING:
     from gproof.passes.interpret.core.modal_state import Modal
-    from gproof.passes.interpret.eding.moves import Motion
+    from gproof.passes.interpret.core.run import Run
 
 NOSE = {1: (1, -1), 2: (-1, -1), 3: (-1, 1), 4: (1, 1), 5: (1, 0), 6: (0, -1), 7: (-1, 0), 8: (0, 1), 9: (0, 0)}
 """By orientation of a turning tool: from the centre of its nose to the controlled point, (Z, X), in radii.
@@ -34,7 +35,6 @@ The manual (3.1.2.1) states 2 and 9 in words and the others in a picture; these 
 """
 
 
-APART = "a motion that is no part of the contour"
 """Why nobody knows where the contour goes on."""
 
 VIEW_HINT = 'state xz_seen_from = "+y" or "-y" under [controller] in the machine file'
@@ -43,16 +43,16 @@ VIEW_HINT = 'state xz_seen_from = "+y" or "-y" under [controller] in the machine
 # -- on and off
 
 
-def switch(ex: Motion, line: Line) -> None:
+def switch(run: Run, line: Line) -> None:
     """Step 13 of table 3-7. Refusal GP229, GP249, GP250, GP253, GP254 or GP108 where G41 or G42 may not be."""
     rule = line.find(F.COMPENSATION_OFF, F.COMPENSATION_LEFT, F.COMPENSATION_RIGHT)
     if rule is None:
         return
-    s = ex.modal
+    s = run.modal
     if rule.function is F.COMPENSATION_OFF:
         if s.compensation is not None:
             s.compensation = None
-            ex._state_changed()
+            run.state_changed()
         return
     line.used.add("D")
     where = line.where_code(rule)
@@ -61,8 +61,8 @@ def switch(ex: Motion, line: Line) -> None:
         raise Refusal(codes.COMPENSATION_ALREADY_ON.at(where, code=rule.text, hint=hint))
     if s.plane is Plane.YZ:
         raise Refusal(codes.COMPENSATION_PLANE.at(where, code=rule.text, plane="YZ", hint="select G17 before"))
-    tool = None if rule.value else _table_entry(ex, line)
-    diameter = _given_diameter(ex, line, rule) if rule.value else _tool_diameter(ex, line, tool)
+    tool = None if rule.value else _table_entry(run, line)
+    diameter = _given_diameter(run, line, rule) if rule.value else _tool_diameter(run, line, tool)
     side = 1 if rule.function is F.COMPENSATION_LEFT else -1
     radius = None
     if diameter is not None:
@@ -70,29 +70,29 @@ def switch(ex: Motion, line: Line) -> None:
         side, radius = (-side if diameter < 0 else side), abs(diameter) / 2.0
     shift = (0.0, 0.0)
     if s.plane is Plane.XZ and radius != 0.0:
-        view, nose = _view(ex, where), _nose(ex, where, tool, diameter)
+        view, nose = _view(run, where), _nose(run, where, tool, diameter)
         if view is None or nose is None or radius is None:
             radius = None
         else:
             side, shift = side * view, (nose[0] * radius, nose[1] * radius)
     s.compensation = Compensation(side=side, radius=radius, plane=s.plane, shift=shift)
-    ex._state_changed()
+    run.state_changed()
 
 
-def _table_entry(ex: Motion, line: Line) -> int | None:
+def _table_entry(run: Run, line: Line) -> int | None:
     """The D number, or without one the tool in the spindle; None: not known, and told."""
     value = line.values.get("D")
-    s = ex.modal
+    s = run.modal
     if value is None:
         if s.tool is None:
             hint = "name it with T and M6 or in the setup, or give D"
-            ex._fail(codes.COMPENSATION_RADIUS_UNKNOWN.at(line.span, cause="the tool in the spindle", hint=hint))
+            run.fail(codes.COMPENSATION_RADIUS_UNKNOWN.at(line.span, cause="the tool in the spindle", hint=hint))
         return s.tool
     where = line.where("D")
     if isinstance(value, Unknown):
-        ex._fail(codes.COMPENSATION_RADIUS_UNKNOWN.at(where, cause=value.cause))
+        run.fail(codes.COMPENSATION_RADIUS_UNKNOWN.at(where, cause=value.cause))
         return None
-    rules = ex.program.rules
+    rules = run.program.rules
     number = line.whole("D", rules.integer_tolerance)
     assert number is not None
     if number < 0:
@@ -102,43 +102,43 @@ def _table_entry(ex: Motion, line: Line) -> int | None:
     return number
 
 
-def _tool_diameter(ex: Motion, line: Line, tool: int | None) -> float | None:
+def _tool_diameter(run: Run, line: Line, tool: int | None) -> float | None:
     if tool is None:
         return None
     if tool == 0 and "D" not in line.values:
-        ex.findings.add(codes.COMPENSATION_WITHOUT_TOOL.at(line.span, hint="tool 0 is no tool; D names another"))
-    value = ex.modal.tool_diameter(tool)
+        run.findings.add(codes.COMPENSATION_WITHOUT_TOOL.at(line.span, hint="tool 0 is no tool; D names another"))
+    value = run.modal.tool_diameter(tool)
     if isinstance(value, Unknown):
         hint = "give it in the tool table of the machine file"
-        ex._fail(codes.COMPENSATION_RADIUS_UNKNOWN.at(line.where("D"), cause=value.cause, hint=hint))
+        run.fail(codes.COMPENSATION_RADIUS_UNKNOWN.at(line.where("D"), cause=value.cause, hint=hint))
         return None
     return value
 
 
-def _given_diameter(ex: Motion, line: Line, rule: CodeRule) -> float | None:
+def _given_diameter(run: Run, line: Line, rule: CodeRule) -> float | None:
     """G41.1 and G42.1: D is a diameter."""
     value = line.values.get("D")
     if value is None:
         raise Refusal(codes.MISSING_VALUE.at(line.where_code(rule), letter=f"{rule.text}: D, the diameter,"))
     if isinstance(value, Unknown):
-        ex._fail(codes.COMPENSATION_RADIUS_UNKNOWN.at(line.where("D"), cause=value.cause))
+        run.fail(codes.COMPENSATION_RADIUS_UNKNOWN.at(line.where("D"), cause=value.cause))
         return None
-    return value * ex.modal.unit
+    return value * run.modal.unit
 
 
-def _view(ex: Motion, where: Span) -> int | None:
+def _view(run: Run, where: Span) -> int | None:
     """1 where left in the XZ plane is left as seen from positive Y, -1 from negative Y; None: not known, and told."""
-    view = ex.machine.controller.xz_seen_from
+    view = run.machine.controller.xz_seen_from
     if view is None:
         cause = "the side from which arcs and sides in the XZ plane are seen"
-        ex._fail(codes.COMPENSATION_LATHE_UNKNOWN.at(where, cause=cause, hint=VIEW_HINT))
+        run.fail(codes.COMPENSATION_LATHE_UNKNOWN.at(where, cause=cause, hint=VIEW_HINT))
         return None
     return -1 if view == "-y" else 1
 
 
-def _nose(ex: Motion, where: Span, tool: int | None, diameter: float | None) -> tuple[int, int] | None:
+def _nose(run: Run, where: Span, tool: int | None, diameter: float | None) -> tuple[int, int] | None:
     """The orientation's offset in radii; None: not known, and told."""
-    s = ex.modal
+    s = run.modal
     held = s.tool if s.tool is not None else tool
     used = held if tool is None else tool
     cause = "the tool in the spindle"
@@ -151,7 +151,7 @@ def _nose(ex: Motion, where: Span, tool: int | None, diameter: float | None) -> 
         if nose is not None:
             cause = "two tools of different orientation" if mine != its else "a negative diameter with an orientation"
     hint = "give it (1 to 9) in the tool table of the machine file"
-    ex._fail(codes.COMPENSATION_LATHE_UNKNOWN.at(where, cause=cause, hint=hint))
+    run.fail(codes.COMPENSATION_LATHE_UNKNOWN.at(where, cause=cause, hint=hint))
     return None
 
 
@@ -214,13 +214,13 @@ def is_plain(modal: Modal) -> bool:
     return all(p.form == q.form for p, q in zip(there, comp.programmed, strict=True))
 
 
-def straight(ex: Motion, line: Line, op: Op, target: list[Position]) -> None:
+def straight(run: Run, line: Line, op: Op, target: list[Position]) -> None:
     """A straight move to the programmed target, compensated. A corner before it is rounded at its height."""
-    comp = ex.modal.compensation
+    comp = run.modal.compensation
     assert comp is not None
-    known = _known(ex, line, comp, target)
+    known = _known(run, line, comp, target)
     if known is None:
-        _anywhere(ex, line, op, comp, target)
+        _anywhere(run, line, op, comp, target)
         return
     tool, start, end, placed = known
     radius = comp.radius or 0.0
@@ -230,18 +230,18 @@ def straight(ex: Motion, line: Line, op: Op, target: list[Position]) -> None:
         path = geometry.line(tool, start, end, comp.side, radius, placed)
     else:
         path = [Piece(end)], None
-    _follow(ex, line, op, comp, target, tool, path, 0.0)
+    _follow(run, line, op, comp, target, tool, path, 0.0)
 
 
-def entry_center(ex: Motion, line: Line, target: list[Position], radius: float, sense: int) -> list[float] | None:
+def entry_center(run: Run, line: Line, target: list[Position], radius: float, sense: int) -> list[float] | None:
     """The centre of a first move given by its radius, (first, second) axis of the plane; None: an ordinary arc.
 
     Refusal with the fault when there is no such arc.
     """
-    comp = ex.modal.compensation
+    comp = run.modal.compensation
     if comp is None or comp.programmed is not None or not comp.radius:
         return None
-    known = _known(ex, line, comp, target)
+    known = _known(run, line, comp, target)
     if known is None:
         return None
     tool, _, end, _ = known
@@ -252,19 +252,19 @@ def entry_center(ex: Motion, line: Line, target: list[Position], radius: float, 
     return [center[1], center[0]] if comp.plane is Plane.XZ else [center[0], center[1]]
 
 
-def circular(ex: Motion, line: Line, target: list[Position], center: list[float], sense: int) -> None:
+def circular(run: Run, line: Line, target: list[Position], center: list[float], sense: int) -> None:
     """An arc to the programmed target, compensated. center: machine X, Y, Z; sense: +1 counter-clockwise."""
-    comp = ex.modal.compensation
+    comp = run.modal.compensation
     assert comp is not None
-    known = _known(ex, line, comp, target)
+    known = _known(run, line, comp, target)
     if known is None:
-        _anywhere(ex, line, Op.FEED, comp, target)
+        _anywhere(run, line, Op.FEED, comp, target)
         return
     tool, start, end, placed = known
     u, v = comp.axes
     about = center[u], center[v]
     radius = comp.radius or 0.0
-    tolerance = ex.modal.arc_tolerance()
+    tolerance = run.modal.arc_tolerance()
     off = abs(distance(*start, *about) - distance(*end, *about))
     entry = comp.programmed is None and radius > 0.0
     if not entry and off > tolerance:
@@ -281,22 +281,20 @@ def circular(ex: Motion, line: Line, target: list[Position], center: list[float]
         path = geometry.arc(tool, start, end, about, sense, comp.side, radius, placed, tolerance)
     else:
         path = [Piece(end, about, sense)], None
-    _follow(ex, line, Op.FEED, comp, target, tool, path, center[3 - u - v])
+    _follow(run, line, Op.FEED, comp, target, tool, path, center[3 - u - v])
 
 
-def _known(
-    ex: Motion, line: Line, comp: Compensation, target: list[Position]
-) -> tuple[Point, Point, Point, bool] | None:
+def _known(run: Run, line: Line, comp: Compensation, target: list[Position]) -> tuple[Point, Point, Point, bool] | None:
     """Tool, programmed start and end as numbers in the pair, whether the tool touches the start.
 
     Positions may rest on unknown offsets, as long as they are the same ones. None: not known, and told.
     """
     if comp.radius is None:
         return None
-    s = ex.modal
+    s = run.modal
     a, b = comp.axes
     if comp.left is not None and comp.left != (s.position[a], s.position[b]):
-        ex._fail(codes.COMPENSATION_UNKNOWN.at(line.span, cause=APART, hint="G40 before"))
+        run.fail(codes.COMPENSATION_UNKNOWN.at(line.span, cause=APART, hint="G40 before"))
         return None
     start = comp.programmed or (s.position[a], s.position[b])
     for axis, at in zip(comp.axes, start, strict=True):
@@ -304,7 +302,7 @@ def _known(
         if difference.form:
             if difference.form != UNKNOWN:
                 cause = f"{AXIS_NAMES[axis].upper()}: {describe(difference.form)}"
-                ex._fail(codes.COMPENSATION_UNKNOWN.at(line.span, cause=cause))
+                run.fail(codes.COMPENSATION_UNKNOWN.at(line.span, cause=cause))
             return None
     there = s.position[a], s.position[b]
     placed = comp.placed and all(p.form == q.form for p, q in zip(there, start, strict=True))
@@ -314,29 +312,29 @@ def _known(
     return tool, (start[0].value, start[1].value), (target[a].value, target[b].value), placed
 
 
-def _anywhere(ex: Motion, line: Line, op: Op, comp: Compensation, target: list[Position]) -> None:
+def _anywhere(run: Run, line: Line, op: Op, comp: Compensation, target: list[Position]) -> None:
     """A move whose end in the plane nobody knows."""
     a, b = comp.axes
     goal = target[a], target[b]
     to = list(target)
-    if goal != (ex.modal.programmed(a), ex.modal.programmed(b)) or comp.programmed is None:
+    if goal != (run.modal.programmed(a), run.modal.programmed(b)) or comp.programmed is None:
         to[a], to[b] = Position(goal[0].value, UNKNOWN), Position(goal[1].value, UNKNOWN)
     else:
-        to[a], to[b] = ex.modal.position[a], ex.modal.position[b]
-    ex.modal.compensation = comp.at(*goal, placed=False)
-    ex.move(op, to, line.span, programmed=(goal[0].value, goal[1].value))
-    _leave(ex.modal)
+        to[a], to[b] = run.modal.position[a], run.modal.position[b]
+    run.modal.compensation = comp.at(*goal, placed=False)
+    run.move(op, to, line.span, programmed=(goal[0].value, goal[1].value))
+    _leave(run.modal)
 
 
 def _follow(
-    ex: Motion, line: Line, op: Op, comp: Compensation, target: list[Position], tool: Point, path: Path, level: float
+    run: Run, line: Line, op: Op, comp: Compensation, target: list[Position], tool: Point, path: Path, level: float
 ) -> None:
     """The pieces as rows; level: coordinate of arcs' centres across the plane."""
-    s = ex.modal
+    s = run.modal
     pieces, fault = path
     if fault is not None:
         assert comp.radius is not None
-        ex._fail(_finding(line.span, fault, comp.radius))
+        run.fail(_finding(line.span, fault, comp.radius))
     a, b = comp.axes
     goal = target[a], target[b]
     corner = s.programmed(a).value, s.programmed(b).value
@@ -359,7 +357,7 @@ def _follow(
             center = [0.0, 0.0, 0.0]
             center[a], center[b] = piece.center[0] + comp.shift[0], piece.center[1] + comp.shift[1]
             center[across] = level if last and op is not Op.TRAVERSE else s.position[across].value
-        ex.move(
+        run.move(
             op if center is None else Op.ARC, to, line.span, center=center, turns=piece.turns,
             plane=comp.plane if center is not None else 0, length=math.nan if op is Op.TRAVERSE else length,
             programmed=(goal[0].value, goal[1].value) if last else corner,

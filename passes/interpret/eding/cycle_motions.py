@@ -18,7 +18,7 @@ from gproof.passes.interpret.core.parsed_line import Line
 from gproof.passes.interpret.eding.spindle_synchronised import reverse, synchronised_move
 
 if TYPE_CHECKING:
-    from gproof.passes.interpret.eding.moves import Motion
+    from gproof.passes.interpret.core.run import Run
 
 
 @record(frozen=True, slots=True, kw_only=True)
@@ -44,152 +44,152 @@ class Hole:
     pitch: float
 
 
-def along(ex: Motion, line: Line, drill: int, to: Position, op: Op) -> None:
+def along(run: Run, line: Line, drill: int, to: Position, op: Op) -> None:
     """One move of the drilling axis alone; none when it is there already."""
-    if ex.modal.position[drill] == to:
+    if run.modal.position[drill] == to:
         return
-    target = list(ex.modal.position)
+    target = list(run.modal.position)
     target[drill] = to
-    ex.move(op, target, line.span)
+    run.move(op, target, line.span)
 
 
-def _drill(ex: Motion, line: Line, hole: Hole) -> None:
+def _drill(run: Run, line: Line, hole: Hole) -> None:
     """G81, and G82 with its dwell: feed to the depth, traverse out."""
-    along(ex, line, hole.drill, hole.depth, Op.FEED)
+    along(run, line, hole.drill, hole.depth, Op.FEED)
     if hole.rule.function is F.DRILL_DWELL:
-        _dwell(ex, line, hole)
-    along(ex, line, hole.drill, hole.clear, Op.TRAVERSE)
+        _dwell(run, line, hole)
+    along(run, line, hole.drill, hole.clear, Op.TRAVERSE)
 
 
-def _bore(ex: Motion, line: Line, hole: Hole) -> None:
+def _bore(run: Run, line: Line, hole: Hole) -> None:
     """G85, and G89 with its dwell: feed in and out."""
-    along(ex, line, hole.drill, hole.depth, Op.FEED)
+    along(run, line, hole.drill, hole.depth, Op.FEED)
     if hole.rule.function is F.BORE_DWELL:
-        _dwell(ex, line, hole)
-    along(ex, line, hole.drill, hole.clear, Op.FEED)
+        _dwell(run, line, hole)
+    along(run, line, hole.drill, hole.clear, Op.FEED)
 
 
-def _peck(ex: Motion, line: Line, hole: Hole) -> None:
+def _peck(run: Run, line: Line, hole: Hole) -> None:
     """G83 and G73: feed a peck, out, back down to just above the bottom, until the depth.
 
     Out is the clear position (G83), or the length of a peck but not beyond R (G73).
     """
     r, depth, drill = hole.r, hole.depth, hole.drill
     if math.isnan(hole.peck):
-        _open_pecks(ex, line, hole)
+        _open_pecks(run, line, hole)
         return
-    back_off = min(ex.modal.rules.peck_clearance_mm, hole.peck)
+    back_off = min(run.modal.rules.peck_clearance_mm, hole.peck)
     for k in itertools.count(1):
         bottom = Position(max(r.value - k * hole.peck, depth.value), depth.form)
-        along(ex, line, drill, bottom, Op.FEED)
+        along(run, line, drill, bottom, Op.FEED)
         if bottom.value <= depth.value:
             break
         out = hole.clear
         if hole.rule.function is F.DRILL_CHIP_BREAK:
             out = Position(min(bottom.value + hole.peck, r.value), bottom.form)
-        along(ex, line, drill, out, Op.TRAVERSE)
-        along(ex, line, drill, Position(min(bottom.value + back_off, r.value), bottom.form), Op.TRAVERSE)
-    along(ex, line, drill, hole.clear, Op.TRAVERSE)
+        along(run, line, drill, out, Op.TRAVERSE)
+        along(run, line, drill, Position(min(bottom.value + back_off, r.value), bottom.form), Op.TRAVERSE)
+    along(run, line, drill, hole.clear, Op.TRAVERSE)
 
 
-def _open_pecks(ex: Motion, line: Line, hole: Hole) -> None:
+def _open_pecks(run: Run, line: Line, hole: Hole) -> None:
     """The same where nobody knows how long a peck is: somewhere in the hole it turns round, or nowhere."""
     r, depth, drill = hole.r, hole.depth, hole.drill
     ends = depth.value - r.value, 0.0
     out = hole.clear
-    along(ex, line, drill, ex.unknown_place("value", drill, ends, r), Op.FEED)
+    along(run, line, drill, run.unknown_place("value", drill, ends, r), Op.FEED)
     if hole.rule.function is F.DRILL_CHIP_BREAK:
-        out = ex.unknown_place("value", drill, ends, r)
-    along(ex, line, drill, out, Op.TRAVERSE)
-    along(ex, line, drill, ex.unknown_place("value", drill, ends, r), Op.TRAVERSE)
-    along(ex, line, drill, depth, Op.FEED)
-    along(ex, line, drill, hole.clear, Op.TRAVERSE)
+        out = run.unknown_place("value", drill, ends, r)
+    along(run, line, drill, out, Op.TRAVERSE)
+    along(run, line, drill, run.unknown_place("value", drill, ends, r), Op.TRAVERSE)
+    along(run, line, drill, depth, Op.FEED)
+    along(run, line, drill, hole.clear, Op.TRAVERSE)
 
 
-def _bore_stop(ex: Motion, line: Line, hole: Hole) -> None:
+def _bore_stop(run: Run, line: Line, hole: Hole) -> None:
     """G86: dwell, stop the spindle, traverse out, restart it."""
-    turns = ex.modal.spindle_direction
-    along(ex, line, hole.drill, hole.depth, Op.FEED)
-    _dwell(ex, line, hole)
-    _turn(ex, line, 0)
-    along(ex, line, hole.drill, hole.clear, Op.TRAVERSE)
-    _turn(ex, line, turns)
+    turns = run.modal.spindle_direction
+    along(run, line, hole.drill, hole.depth, Op.FEED)
+    _dwell(run, line, hole)
+    _turn(run, line, 0)
+    along(run, line, hole.drill, hole.clear, Op.TRAVERSE)
+    _turn(run, line, turns)
 
 
-def _bore_manual(ex: Motion, line: Line, hole: Hole) -> None:
+def _bore_manual(run: Run, line: Line, hole: Hole) -> None:
     """G88: dwell, stop the spindle, wait for the operator, who retracts; restart it.
 
     How far the operator retracts nobody knows: the drilling axis is nowhere until a line names its place.
     """
-    turns = ex.modal.spindle_direction
-    along(ex, line, hole.drill, hole.depth, Op.FEED)
-    _dwell(ex, line, hole)
-    _turn(ex, line, 0)
-    ex.event(Op.STOP, line.span)
-    ex.findings.add(codes.OPERATOR_STOP.at(line.span, code=hole.rule.text))
-    ex.modal.position[hole.drill] = NOWHERE
+    turns = run.modal.spindle_direction
+    along(run, line, hole.drill, hole.depth, Op.FEED)
+    _dwell(run, line, hole)
+    _turn(run, line, 0)
+    run.event(Op.STOP, line.span)
+    run.findings.add(codes.OPERATOR_STOP.at(line.span, code=hole.rule.text))
+    run.modal.position[hole.drill] = NOWHERE
     axis = AXIS_NAMES[hole.drill].upper()
-    ex.assumed[f"{hole.rule.text}: the operator moves {axis} only, within its limits"] = None
-    ex._end_section(Wait.OPERATOR, "retracted by hand", None, line.span)
-    _turn(ex, line, turns)
+    run.assumed[f"{hole.rule.text}: the operator moves {axis} only, within its limits"] = None
+    run.end_section(Wait.OPERATOR, "retracted by hand", None, line.span)
+    _turn(run, line, turns)
 
 
-def _back_bore(ex: Motion, line: Line, hole: Hole) -> None:
+def _back_bore(run: Run, line: Line, hole: Hole) -> None:
     """G87, its steps 2 to 13: through the hole with the spindle at rest, up to the counter bore, out again."""
-    turns = ex.modal.spindle_direction
-    at = list(ex.modal.position)
+    turns = run.modal.spindle_direction
+    at = list(run.modal.position)
     beside = list(at)
     for axis, distance in zip((hole.first, hole.second), hole.entry, strict=True):
         beside[axis] = at[axis].moved(distance)
-    spindle = ex.modal.machine.spindle(ex.modal.head)
+    spindle = run.modal.machine.spindle(run.modal.head)
     if spindle is None or not spindle.oriented_stop:
-        hint = f"where it can, say so in the machine file: oriented_stop under [spindles.{max(0, ex.modal.head)}]"
-        ex.findings.add(codes.ORIENTED_STOP.at(line.span, code=hole.rule.text, hint=hint))
-    _across(ex, line, hole, beside)
-    _orient(ex, line)
-    along(ex, line, hole.drill, hole.depth, Op.TRAVERSE)
-    _across(ex, line, hole, at)
-    _turn(ex, line, turns)
-    along(ex, line, hole.drill, hole.top, Op.FEED)
-    along(ex, line, hole.drill, hole.depth, Op.FEED)
-    _orient(ex, line)
-    _across(ex, line, hole, beside)
-    along(ex, line, hole.drill, hole.clear, Op.TRAVERSE)
-    _across(ex, line, hole, at)
-    _turn(ex, line, turns)
+        hint = f"where it can, say so in the machine file: oriented_stop under [spindles.{max(0, run.modal.head)}]"
+        run.findings.add(codes.ORIENTED_STOP.at(line.span, code=hole.rule.text, hint=hint))
+    _across(run, line, hole, beside)
+    _orient(run, line)
+    along(run, line, hole.drill, hole.depth, Op.TRAVERSE)
+    _across(run, line, hole, at)
+    _turn(run, line, turns)
+    along(run, line, hole.drill, hole.top, Op.FEED)
+    along(run, line, hole.drill, hole.depth, Op.FEED)
+    _orient(run, line)
+    _across(run, line, hole, beside)
+    along(run, line, hole.drill, hole.clear, Op.TRAVERSE)
+    _across(run, line, hole, at)
+    _turn(run, line, turns)
 
 
-def _tap(ex: Motion, line: Line, hole: Hole) -> None:
+def _tap(run: Run, line: Line, hole: Hole) -> None:
     """G84 and G74: in and out with the turns of the spindle, which is reversed at the bottom and again outside."""
     for to in (hole.depth, hole.clear):
-        target = list(ex.modal.position)
+        target = list(run.modal.position)
         target[hole.drill] = to
-        synchronised_move(ex, line, hole.rule, target, hole.pitch)
-        reverse(ex, line)
+        synchronised_move(run, line, hole.rule, target, hole.pitch)
+        reverse(run, line)
 
 
-def _dwell(ex: Motion, line: Line, hole: Hole) -> None:
-    ex.event(Op.DWELL, line.span, arg=(hole.dwell, 0.0))
+def _dwell(run: Run, line: Line, hole: Hole) -> None:
+    run.event(Op.DWELL, line.span, arg=(hole.dwell, 0.0))
 
 
-def _turn(ex: Motion, line: Line, direction: int) -> None:
-    ex.modal.spindle_direction = direction
-    ex.spindle_row(line)
+def _turn(run: Run, line: Line, direction: int) -> None:
+    run.modal.spindle_direction = direction
+    run.spindle_row(line)
 
 
-def _orient(ex: Motion, line: Line) -> None:
-    _turn(ex, line, 0)
-    ex.event(Op.ORIENT, line.span)
+def _orient(run: Run, line: Line) -> None:
+    _turn(run, line, 0)
+    run.event(Op.ORIENT, line.span)
 
 
-def _across(ex: Motion, line: Line, hole: Hole, to: list[Position]) -> None:
+def _across(run: Run, line: Line, hole: Hole, to: list[Position]) -> None:
     """Traverse in the plane of the cycle, the drilling axis where it is."""
-    target = list(ex.modal.position)
+    target = list(run.modal.position)
     target[hole.first], target[hole.second] = to[hole.first], to[hole.second]
-    ex.move(Op.TRAVERSE, target, line.span)
+    run.move(Op.TRAVERSE, target, line.span)
 
 
-HOLES: dict[F, Callable[[Motion, Line, Hole], None]] = {
+HOLES: dict[F, Callable[[Run, Line, Hole], None]] = {
     F.DRILL: _drill,
     F.DRILL_DWELL: _drill,
     F.DRILL_PECK: _peck,
@@ -203,3 +203,6 @@ HOLES: dict[F, Callable[[Motion, Line, Hole], None]] = {
     F.BORE_DWELL: _bore,
 }
 """Cycles by their function: (run, line, hole)."""
+
+CYCLES = tuple(HOLES)
+"""Functions of canned cycles."""

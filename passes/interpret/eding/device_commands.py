@@ -16,9 +16,9 @@ from gproof.ir.symbolic import Unknown
 from gproof.ir.trace import HEIGHT_MAP, KNIFE
 
 if TYPE_CHECKING:
-    from gproof.passes.interpret.core.trace_writer import Emitter
+    from gproof.passes.interpret.core.run import Run
 
-Handler = Callable[["Emitter", Device], None]
+Handler = Callable[["Run", Device], None]
 
 
 def _text(node: Device, place: int = 0) -> str:
@@ -27,45 +27,45 @@ def _text(node: Device, place: int = 0) -> str:
     return part.value.strip().lower() if isinstance(part, Text) else ""
 
 
-def _follow(emitter: Emitter, name: str, *, on: bool) -> None:
+def _follow(emitter: Run, name: str, *, on: bool) -> None:
     """Switch something that the controller adds to the path."""
     others = {n for n in emitter.modal.following if n != name and not n.startswith(f"{name}:")}
     emitter.modal.following = tuple(sorted(others | ({name} if on else set())))
-    emitter._state_changed()
+    emitter.state_changed()
 
 
 # -- height map (Eding manual 2.2.5.5)
 
 
-def height_map_on(emitter: Emitter, node: Device) -> None:
+def height_map_on(emitter: Run, node: Device) -> None:
     """Compensation on: with the setup's map, else nobody knows what is added to Z."""
     if not emitter.modal.height_map_known:
         raise Refusal(codes.HEIGHT_MAP_UNKNOWN.at(node.span, what="switched on, and the setup gives no height map"))
     _follow(emitter, HEIGHT_MAP, on=True)
 
 
-def height_map_off(emitter: Emitter, node: Device) -> None:
+def height_map_off(emitter: Run, node: Device) -> None:
     """Compensation off."""
     _follow(emitter, HEIGHT_MAP, on=False)
 
 
-def height_map_init(emitter: Emitter, node: Device) -> None:
+def height_map_init(emitter: Run, node: Device) -> None:
     """A new map begins: what will be measured is not known."""
     emitter.modal.height_map_known = False
     if HEIGHT_MAP in emitter.modal.following:
         raise Refusal(codes.HEIGHT_MAP_UNKNOWN.at(node.span, what="it is on while the map is measured anew"))
 
 
-def height_map_add(emitter: Emitter, node: Device) -> None:
+def height_map_add(emitter: Run, node: Device) -> None:
     """A measured point changes the map in the same way."""
     height_map_init(emitter, node)
 
 
-def height_map_save(emitter: Emitter, node: Device) -> None:
+def height_map_save(emitter: Run, node: Device) -> None:
     """Writes a file; nothing else changes."""
 
 
-def height_map_load(emitter: Emitter, node: Device) -> None:
+def height_map_load(emitter: Run, node: Device) -> None:
     """The map of a file: the setup's, when that came from a file of this name."""
     stated = emitter.modal.setup.height_map
     name = _text(node)
@@ -78,7 +78,7 @@ def height_map_load(emitter: Emitter, node: Device) -> None:
 # -- tangential knife (Eding manual 2.1.9)
 
 
-def knife_on(emitter: Emitter, node: Device) -> None:
+def knife_on(emitter: Run, node: Device) -> None:
     """The knife follows the path from here on; a bent one moves X and Y too, which is not modelled."""
     if node.arguments:
         value = emitter.evaluator.value(node.arguments[0])
@@ -94,12 +94,12 @@ def knife_on(emitter: Emitter, node: Device) -> None:
     _follow(emitter, KNIFE, on=True)
 
 
-def knife_off(emitter: Emitter, node: Device) -> None:
+def knife_off(emitter: Run, node: Device) -> None:
     """The knife stays where it is."""
     _follow(emitter, KNIFE, on=False)
 
 
-def knife_axis(emitter: Emitter, node: Device) -> None:
+def knife_axis(emitter: Run, node: Device) -> None:
     """Another output for the knife: followed only when it is the one that the machine file names."""
     knife = emitter.machine.knife
     name = _text(node)
@@ -108,7 +108,7 @@ def knife_axis(emitter: Emitter, node: Device) -> None:
         raise Refusal(codes.KNIFE_UNKNOWN.at(node.span, what=what))
 
 
-def knife_calibrate(emitter: Emitter, node: Device) -> None:
+def knife_calibrate(emitter: Run, node: Device) -> None:
     """Heights of a bent knife; a straight one does not use them."""
 
 

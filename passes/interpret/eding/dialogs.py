@@ -17,13 +17,13 @@ from gproof.ir.program import DIALOG_ANSWER as ANSWER
 from gproof.ir.program import Message, Text
 from gproof.ir.symbolic import Unknown, Value, between, bounds, hull
 from gproof.ir.trace import Wait
-from gproof.passes.interpret.core.assigned_numbers import NEW_TOOL, TOOL, write_setting, write_tool
 from gproof.passes.interpret.core.call_stack import Path
 from gproof.passes.interpret.core.outcomes import Asked
-from gproof.passes.interpret.core.trace_writer import ProgramEnd
+from gproof.passes.interpret.core.run import ProgramEnd
+from gproof.passes.interpret.eding.written_variables import NEW_TOOL, TOOL, write_setting, write_tool
 
 if TYPE_CHECKING:
-    from gproof.passes.interpret.core.path_exploration import Branches
+    from gproof.passes.interpret.core.run import Run
 
 OK, CANCEL = 1.0, -1.0
 _CAUSE = "the answer of a dialog"
@@ -31,9 +31,9 @@ _CAUSE = "the answer of a dialog"
 Settings = list[tuple[float, Value]]
 
 
-def run_dialog(ex: Branches, node: Message) -> None:
+def run_dialog(run: Run, node: Message) -> None:
     """Execute one; parts of the node: its title, then names and numbers of variables."""
-    s = ex.modal
+    s = run.modal
     if s.rendering:
         s.parameters[ANSWER] = OK
         return
@@ -44,7 +44,7 @@ def run_dialog(ex: Branches, node: Message) -> None:
     for part in node.parts[1:]:
         if isinstance(part, Text):
             continue
-        number = ex.evaluator.value(part)
+        number = run.evaluator.value(part)
         if isinstance(number, Unknown):
             raise Refusal(codes.UNKNOWN_CONDITION.at(node.span, cause=number.cause))
         if round(number) in (TOOL, NEW_TOOL):
@@ -56,48 +56,48 @@ def run_dialog(ex: Branches, node: Message) -> None:
             (number, between(f"what #{number:g} holds behind a dialog", hull(s.read(number, node.span), answer)))
         )
     for shown in tools:
-        if not ex.takes(SHOWN_TOOLS):
-            write_tool(ex, shown, Unknown("the operator's answer"), node.span, SHOWN_TOOLS)
+        if not run.takes(SHOWN_TOOLS):
+            write_tool(run, shown, Unknown("the operator's answer"), node.span, SHOWN_TOOLS)
     alike = all(bounds(old) == bounds(new) for (_, old), (_, new) in zip(kept, typed, strict=True))
     if not alike and pressed[0] <= 0 < pressed[1]:
-        key = ex._state_key(("dialog", id(node)))
-        if key in ex._seen:
-            ex._close(ex._seen[key])
+        key = run.flow.paths.state_key(("dialog", id(node)))
+        if key in run.flow.seen:
+            run.close_section(run.flow.seen[key])
             raise ProgramEnd
-        if ex.branches + 2 <= ex.max_branches:
-            _fork(ex, node, key, [(ANSWER, OK), *typed], [(ANSWER, CANCEL), *kept])
+        if run.branches + 2 <= run.max_branches:
+            _fork(run, node, key, [(ANSWER, OK), *typed], [(ANSWER, CANCEL), *kept])
             return
-    _set(ex, node, [(ANSWER, between(_CAUSE, pressed)), *(typed if alike or pressed[0] > 0 else kept)])
-    ex._end_section(Wait.OPERATOR, "dialog answered", None, node.span)
+    _set(run, node, [(ANSWER, between(_CAUSE, pressed)), *(typed if alike or pressed[0] > 0 else kept)])
+    run.end_section(Wait.OPERATOR, "dialog answered", None, node.span)
 
 
-def _set(ex: Branches, node: Message, values: Iterable[tuple[float, Value]]) -> None:
+def _set(run: Run, node: Message, values: Iterable[tuple[float, Value]]) -> None:
     for number, value in values:
-        write_setting(ex, number, value, node.span)
+        write_setting(run, number, value, node.span)
 
 
-def _fork(ex: Branches, node: Message, key: object, ok: Settings, cancelled: Settings) -> None:
+def _fork(run: Run, node: Message, key: object, ok: Settings, cancelled: Settings) -> None:
     """Follow "OK" now and "Cancel" later, each in a section of its own."""
-    ex.branches += 2
-    first, second = ex.rows.new_section(), ex.rows.new_section()
+    run.branches += 2
+    first, second = run.rows.new_section(), run.rows.new_section()
     edges = tuple(
-        ex._edge(Wait.OPERATOR, outcome, target, node.span) for outcome, target in (("OK", first), ("Cancel", second))
+        run.edge(Wait.OPERATOR, outcome, target, node.span) for outcome, target in (("OK", first), ("Cancel", second))
     )
     title = f" '{node.parts[0].value}'" if node.parts and isinstance(node.parts[0], Text) else ""
-    ex.asked.update(
+    run.asked.update(
         (edge.target, Asked(span=node.span, what=f"the dialog{title}", answer=f"ends with {edge.outcome}"))
         for edge in edges
     )
-    ex._seen[key] = edges
-    ex._close(edges)
-    for frame in ex._stack:
+    run.flow.seen[key] = edges
+    run.close_section(edges)
+    for frame in run.flow.stack:
         if frame.group is not None:
             frame.group.open += 1
-    before = ex.modal.copy()
-    _set(ex, node, cancelled)
-    place = ex._file, ex._call, list(ex._depth), ex._moved, ex._nesting
-    ex._waiting.append(Path([copy.copy(frame) for frame in ex._stack], ex.modal, second, place))
-    ex.modal = before
-    _set(ex, node, ok)
-    ex._state_changed()
-    ex._begin(first)
+    before = run.modal.copy()
+    _set(run, node, cancelled)
+    place = run.file, run.call, list(run.flow.called), run.moved, run.flow.nesting
+    run.flow.waiting.append(Path([copy.copy(frame) for frame in run.flow.stack], run.modal, second, place))
+    run.modal = before
+    _set(run, node, ok)
+    run.state_changed()
+    run.begin_section(first)

@@ -1,7 +1,7 @@
 """Spindles and other heads, M90 to M97, and their offsets. Eding CNC manual 2.1.19, 2.1.20, 3.5.2, 3.5.6, table 3-6.
 
 While a head is selected its offset is added to every programmed position, so that its tip, not that of the first
-spindle, goes there. The functions take the state of a run (``Modal``) or the run itself (``Emitter``).
+spindle, goes there. The functions take the state of a run (``Modal``) or the run itself (``Run``).
 """
 
 from __future__ import annotations
@@ -12,46 +12,23 @@ from gproof.ir import codes
 from gproof.ir.machine import AXIS_NAMES
 from gproof.ir.rules import CodeRule
 from gproof.ir.rules import Function as F
-from gproof.ir.symbolic import NOWHERE, Position
+from gproof.ir.symbolic import NOWHERE
 from gproof.ir.trace import Op
+from gproof.passes.interpret.core.heads import head_offset
 from gproof.passes.interpret.core.parsed_line import Line
 from gproof.passes.interpret.eding.ambiguous_words import owned
 
 if TYPE_CHECKING:
-    from gproof.passes.interpret.core.modal_state import Modal
-    from gproof.passes.interpret.core.trace_writer import Emitter
-
-_NONE = Position(0.0)
+    from gproof.passes.interpret.core.run import Run
 
 
-def head_offset(s: Modal, head: int, axis: int) -> Position:
-    """What is added to positions of an axis while that head is selected, mm; a symbol where nobody stated it."""
-    if head == 0 or axis >= 3:
-        return _NONE
-    changed = s.head_offsets.get((head, axis))
-    if changed is not None:
-        return changed
-    measured = s.setup.heads.get((head, AXIS_NAMES[axis]))
-    if measured is not None and measured.exact:
-        return Position(measured.low)
-    if measured is not None:
-        return Position(0.0, ((f"head.{head}.{AXIS_NAMES[axis]}", 1),))
-    there = s.machine.spindle(head)
-    stated = None if there is None else there.offset[axis]
-    if stated is not None and there is not None and (stated == 0.0 or not there.unsigned):
-        return Position(stated)
-    if stated is None and s.setup.default_offset is not None:
-        return Position(s.setup.default_offset)
-    return Position(0.0, ((f"head.{head}.{AXIS_NAMES[axis]}", 1),))
-
-
-def select(ex: Emitter, line: Line) -> None:
+def select(run: Run, line: Line) -> None:
     """M90 to M97: from here another head's tip is the controlled point. After step 7 of table 3-7, which lists none."""
     rule = line.find(F.HEAD)
     if rule is None:
         return
     owned(line, rule, "PQ")
-    s = ex.modal
+    s = run.modal
     move, calibrate = line.number("P"), line.number("Q")
     before = [head_offset(s, s.head, axis) for axis in range(3)]
     if calibrate not in (None, 0.0):
@@ -59,40 +36,40 @@ def select(ex: Emitter, line: Line) -> None:
         for axis in range(3):
             s.head_offsets[rule.value, axis] = NOWHERE
         what = f"Q{calibrate:g} measures the head's offset, which is not known from here"
-        ex._fail(codes.HEAD_MOVE.at(line.where("Q"), code=rule.text, what=what))
+        run.fail(codes.HEAD_MOVE.at(line.where("Q"), code=rule.text, what=what))
     if s.head != rule.value and s.spindle_direction:
-        ex.findings.add(codes.HEAD_WHILE_TURNING.at(line.where_code(rule), code=rule.text))
+        run.findings.add(codes.HEAD_WHILE_TURNING.at(line.where_code(rule), code=rule.text))
         s.spun = s.spindle_direction, -1
         s.spindle_direction = 0
         s.stated.discard("spindle")
     changed = s.head != rule.value
     if changed and s.compensation is not None:
         what = f"{rule.text} while cutter radius compensation is on"
-        ex._fail(codes.UNSUPPORTED_CODE.at(line.where_code(rule), code=what))
+        run.fail(codes.UNSUPPORTED_CODE.at(line.where_code(rule), code=what))
     if "head" not in s.stated and 5390 not in s.setup.parameters:
-        ex.assumed["the job starts with the first spindle (M90)"] = None
+        run.assumed["the job starts with the first spindle (M90)"] = None
     s.stated.add("head")
     s.head = rule.value
     after = [head_offset(s, s.head, axis) for axis in range(3)]
     if changed:
-        _note_unsigned(ex, line, rule)
-    ex._state_changed()
-    ex.event(Op.HEAD, line.span, arg=(float(rule.value), 0.0))
+        _note_unsigned(run, line, rule)
+    run.state_changed()
+    run.event(Op.HEAD, line.span, arg=(float(rule.value), 0.0))
     if move not in (None, 0.0) and after != before:
         what = f"P{move:g} moves the head to where the other one was, on a path that the manual does not give"
-        ex._fail(codes.HEAD_MOVE.at(line.where("P"), code=rule.text, what=what))
+        run.fail(codes.HEAD_MOVE.at(line.where("P"), code=rule.text, what=what))
         for axis in range(3):
             s.position[axis] = NOWHERE
 
 
-def _note_unsigned(ex: Emitter, line: Line, rule: CodeRule) -> None:
+def _note_unsigned(run: Run, line: Line, rule: CodeRule) -> None:
     n = rule.value
-    there = ex.machine.spindle(n)
+    there = run.machine.spindle(n)
     if there is None or not there.unsigned:
         return
     for axis, value in enumerate(there.offset):
-        if value and (n, AXIS_NAMES[axis]) not in ex.setup.heads:
-            ex.findings.add(
+        if value and (n, AXIS_NAMES[axis]) not in run.setup.heads:
+            run.findings.add(
                 codes.HEAD_OFFSET_OPEN.at(
                     line.where_code(rule), axis=AXIS_NAMES[axis].upper(), code=rule.text, value=value,
                     hint=f"state what is added to positions: [spindles.{n}] of the machine or [heads.{n}] of the setup",

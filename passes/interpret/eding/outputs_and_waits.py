@@ -10,18 +10,17 @@ import math
 from typing import TYPE_CHECKING
 
 from gproof.ir import codes
-from gproof.ir.finding import Refusal, Span
-from gproof.ir.machine import AXIS_NAMES
+from gproof.ir.finding import Refusal
 from gproof.ir.rules import CodeRule
 from gproof.ir.rules import Function as F
-from gproof.ir.symbolic import NOBODY, NOWHERE, Position
+from gproof.ir.symbolic import NOWHERE
 from gproof.ir.trace import Op, Wait
 from gproof.passes.interpret.core.parsed_line import Line
 
 if TYPE_CHECKING:
-    from gproof.passes.interpret.eding.moves import Motion
+    from gproof.passes.interpret.core.run import Run
 
-CLAMPED = RESIZED = 3
+RESIZED = 3
 """The axis that M26 clamps and M100 resizes: A."""
 HEATERS = ("extruder_temperature", "bed_temperature", "extruder_maximum")
 """What a TEMPERATURE code sets, by its value."""
@@ -31,12 +30,12 @@ _SPINDLES = (F.SPINDLE_CW, F.SPINDLE_CCW, F.SPINDLE_OFF)
 _PROMILLE = 1000.0
 
 
-def run_outputs(ex: Motion, line: Line) -> None:
+def run_outputs(run: Run, line: Line) -> None:
     """Execute the codes of this family on a line, in its order; Refusal with GP275, GP283 or GP113."""
     for rule in line.rules:
         act = _ACTS.get(rule.function)
         if act is not None:
-            act(ex, line, rule)
+            act(run, line, rule)
 
 
 def takes_speed(line: Line) -> bool:
@@ -50,27 +49,9 @@ def takes_speed(line: Line) -> bool:
     return True
 
 
-def look_at(ex: Motion, target: list[Position], span: Span) -> None:
-    """Before a move: GP279, GP281; what nobody knows of its end becomes NOWHERE in ``target``."""
-    s = ex.modal
-    if s.clamped:
-        way = target[CLAMPED].minus(s.position[CLAMPED])
-        name = AXIS_NAMES[CLAMPED].upper()
-        if way.form:
-            cause = "whether the clamped axis moves"
-            raise Refusal(codes.UNKNOWN_VALUE.at(span, word=name, cause=cause, why=NOBODY))
-        if abs(way.value) > 1e-9:
-            raise Refusal(codes.AXIS_CLAMPED.at(span, axis=name, hint="M27 before"))
-    if s.drives_were_off and target != s.position:
-        s.drives_were_off = False
-        ex._fail(codes.DRIVES_WERE_OFF.at(span))
-    for axis in s.not_programmed:
-        target[axis] = Position(target[axis].value, NOWHERE.form)
-
-
-def _output(ex: Motion, line: Line, rule: CodeRule) -> None:
+def _output(run: Run, line: Line, rule: CodeRule) -> None:
     """M54 P, M55 P: an output; M54 E Q: the pulse width of one, in thousandths (3.5.9)."""
-    tolerance = ex.program.rules.integer_tolerance
+    tolerance = run.program.rules.integer_tolerance
     on = rule.function is F.OUTPUT_ON
     channel, pwm = line.whole("P", tolerance), line.whole("E", tolerance)
     if pwm is not None and not on:
@@ -83,60 +64,60 @@ def _output(ex: Motion, line: Line, rule: CodeRule) -> None:
     if pwm is None:
         if channel is None:
             raise Refusal(codes.WORD_MISSING.at(line.where_code(rule), code=rule.text, needed="its output in P"))
-        ex.event(Op.OUTPUT, line.span, arg=(float(channel), float(on)))
+        run.event(Op.OUTPUT, line.span, arg=(float(channel), float(on)))
         return
     width = line.number("Q")
     if width is None:
         raise Refusal(codes.WORD_MISSING.at(line.where_code(rule), code=f"{rule.text} E", needed="its value in Q"))
     if not 0.0 <= width <= _PROMILLE:
         raise Refusal(codes.OUTPUT_VALUE.at(line.where("Q"), code=rule.text, what=f"Q is 0 to 1000, not {width:g}"))
-    _set(ex, line, "pwm", float(pwm), width / _PROMILLE)
+    _set(run, line, "pwm", float(pwm), width / _PROMILLE)
 
 
-def _height_control(ex: Motion, line: Line, rule: CodeRule) -> None:
+def _height_control(run: Run, line: Line, rule: CodeRule) -> None:
     """M20 and M21: one switches on, one off, and 3.5.11 and table 3-6 contradict each other."""
-    ex.modal.not_programmed = tuple(sorted({*ex.modal.not_programmed, 2}))
-    ex.modal.position[2] = NOWHERE
-    _set(ex, line, "height_control", 0.0, math.nan)
-    ex._fail(codes.HEIGHT_CONTROL.at(line.where_code(rule), code=rule.text))
+    run.modal.not_programmed = tuple(sorted({*run.modal.not_programmed, 2}))
+    run.modal.position[2] = NOWHERE
+    _set(run, line, "height_control", 0.0, math.nan)
+    run.fail(codes.HEIGHT_CONTROL.at(line.where_code(rule), code=rule.text))
 
 
-def _height_setpoint(ex: Motion, line: Line, rule: CodeRule) -> None:
+def _height_setpoint(run: Run, line: Line, rule: CodeRule) -> None:
     value = line.number("Q")
     if value is None:
         raise Refusal(codes.WORD_MISSING.at(line.where_code(rule), code=rule.text, needed="its set point in Q"))
-    _set(ex, line, "height_setpoint", 0.0, value)
+    _set(run, line, "height_setpoint", 0.0, value)
 
 
-def _clamp(ex: Motion, line: Line, rule: CodeRule) -> None:
+def _clamp(run: Run, line: Line, rule: CodeRule) -> None:
     """M26, M27 (3.5.10); P: the output that works the brake."""
-    channel = line.whole("P", ex.program.rules.integer_tolerance)
-    ex.modal.clamped = rule.function is F.CLAMP_ON
+    channel = line.whole("P", run.program.rules.integer_tolerance)
+    run.modal.clamped = rule.function is F.CLAMP_ON
     if channel is not None:
-        ex.event(Op.OUTPUT, line.span, arg=(float(channel), float(ex.modal.clamped)))
+        run.event(Op.OUTPUT, line.span, arg=(float(channel), float(run.modal.clamped)))
 
 
-def _drives(ex: Motion, line: Line, rule: CodeRule) -> None:
+def _drives(run: Run, line: Line, rule: CodeRule) -> None:
     """M80, M81 (3.5.8). Without power an axis can be moved, or sink: where it is afterwards nobody knows."""
     on = rule.function is F.DRIVES_ON
     if not on:
-        ex.modal.drives_were_off = True
-    _set(ex, line, "drives", 0.0, float(on))
+        run.modal.drives_were_off = True
+    _set(run, line, "drives", 0.0, float(on))
 
 
-def _resolution(ex: Motion, line: Line, rule: CodeRule) -> None:
+def _resolution(run: Run, line: Line, rule: CodeRule) -> None:
     """M100 P (3.5.12)."""
     factor = line.number("P")
     if factor is None:
         raise Refusal(codes.WORD_MISSING.at(line.where_code(rule), code=rule.text, needed="its factor in P"))
-    if factor == 1.0 and RESIZED not in ex.modal.not_programmed:
+    if factor == 1.0 and RESIZED not in run.modal.not_programmed:
         return
-    ex.modal.not_programmed = tuple(sorted({*ex.modal.not_programmed, RESIZED}))
-    ex.modal.position[RESIZED] = NOWHERE
-    ex._fail(codes.AXIS_RESIZED.at(line.where_code(rule), code=rule.text, factor=factor))
+    run.modal.not_programmed = tuple(sorted({*run.modal.not_programmed, RESIZED}))
+    run.modal.position[RESIZED] = NOWHERE
+    run.fail(codes.AXIS_RESIZED.at(line.where_code(rule), code=rule.text, factor=factor))
 
 
-def _temperature(ex: Motion, line: Line, rule: CodeRule) -> None:
+def _temperature(run: Run, line: Line, rule: CodeRule) -> None:
     """M104, M140, M143: S in degrees Celsius; M109, M190 wait for it (3.5.12)."""
     waits = rule.function is F.TEMPERATURE_WAIT
     name = HEATERS[rule.value]
@@ -146,23 +127,23 @@ def _temperature(ex: Motion, line: Line, rule: CodeRule) -> None:
     if value is not None:
         if value < 0.0:
             raise Refusal(codes.OUTPUT_VALUE.at(line.where("S"), code=rule.text, what=f"S {value:g} is negative"))
-        _set(ex, line, name, 0.0, value)
+        _set(run, line, name, 0.0, value)
     if waits:
-        ex._note_stop(line, rule.text)
-        ex._end_section(Wait.INPUT, f"{name.replace('_', ' ')} reached", None, line.span)
+        run.note_stop(line, rule.text)
+        run.end_section(Wait.INPUT, f"{name.replace('_', ' ')} reached", None, line.span)
 
 
-def _fan(ex: Motion, line: Line, rule: CodeRule) -> None:
+def _fan(run: Run, line: Line, rule: CodeRule) -> None:
     """M106, M107. S is 0 to 255 by table 3-6 and 0 to 100 by 3.5.12: between the ends its share is not known."""
     value = line.number("S") if rule.function is F.FAN_ON else 0.0
     if value is not None and not 0.0 <= value <= 255.0:
         raise Refusal(codes.OUTPUT_VALUE.at(line.where("S"), code=rule.text, what=f"S is 0 to 255, not {value:g}"))
     known = {None: 1.0, 0.0: 0.0, 255.0: 1.0}
-    _set(ex, line, "fan", 0.0, known.get(value, math.nan))
+    _set(run, line, "fan", 0.0, known.get(value, math.nan))
 
 
-def _set(ex: Motion, line: Line, name: str, channel: float, value: float) -> None:
-    ex.event(Op.SETPOINT, line.span, arg=(channel, value), text=ex._text(name))
+def _set(run: Run, line: Line, name: str, channel: float, value: float) -> None:
+    run.event(Op.SETPOINT, line.span, arg=(channel, value), text=run.text_number(name))
 
 
 _ACTS = {

@@ -20,33 +20,33 @@ from gproof.passes.interpret.core.parsed_line import Line
 from gproof.passes.interpret.eding.ambiguous_words import owned
 
 if TYPE_CHECKING:
-    from gproof.passes.interpret.core.trace_writer import Emitter
+    from gproof.passes.interpret.core.run import Run
 
 
-def overrides(ex: Emitter, line: Line) -> None:
+def overrides(run: Run, line: Line) -> None:
     """Step 9 of table 3-7."""
-    s = ex.modal
+    s = run.modal
     for rule in line.rules:
         if rule.function in (F.OVERRIDES_ON, F.OVERRIDES_OFF):
             s.overrides = rule.function is F.OVERRIDES_ON
         elif rule.function in (F.FEED_OVERRIDE, F.SPEED_OVERRIDE):
-            _set(ex, line, rule)
+            _set(run, line, rule)
         elif rule.function is F.FEED_OVERRIDE_INPUT:
             s.feed_input = _switch(line, rule)
             if s.feed_input:
-                ex.findings.add(
+                run.findings.add(
                     codes.OVERRIDE_FACTOR.at(line.where_code(rule), code=rule.text, what="feeds follow an input")
                 )
         elif rule.function is F.FEED_HOLD_INPUT:
             _switch(line, rule)  # the feed may be held, which moves nothing
         else:
             continue
-        ex._state_changed()
-        ex.event(Op.OVERRIDE, line.span, arg=(float(s.overrides), 0.0))
+        run.state_changed()
+        run.event(Op.OVERRIDE, line.span, arg=(float(s.overrides), 0.0))
 
 
-def _set(ex: Emitter, line: Line, rule: CodeRule) -> None:
-    s = ex.modal
+def _set(run: Run, line: Line, rule: CodeRule) -> None:
+    s = run.modal
     owned(line, rule, "P")
     value = line.values.get("P")
     line.used.add("P")
@@ -61,13 +61,13 @@ def _set(ex: Emitter, line: Line, rule: CodeRule) -> None:
         if isinstance(value, Unknown)
         else f"whether P1 or P100 leaves it as it is, and so what P{value:g} does, is not documented"
     )
-    ex.findings.add(codes.OVERRIDE_FACTOR.at(line.where("P"), code=rule.text, what=what))
+    run.findings.add(codes.OVERRIDE_FACTOR.at(line.where("P"), code=rule.text, what=what))
     if rule.function is F.FEED_OVERRIDE:
         s.feed_override = math.nan
     else:
         s.speed_override_known = False
         if s.spindle_direction:
-            ex.spindle_row(line)
+            run.spindle_row(line)
 
 
 def _switch(line: Line, rule: CodeRule) -> bool:

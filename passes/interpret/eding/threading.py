@@ -20,12 +20,13 @@ from gproof.ir.symbolic import NOBODY, Position
 from gproof.ir.trace import Op, Plane
 from gproof.passes.interpret.core.parsed_line import Line
 from gproof.passes.interpret.eding.ambiguous_words import owned
+from gproof.passes.interpret.eding.axis_targets import place_of
 from gproof.passes.interpret.eding.canned_cycles import MAX_MOVES
 from gproof.passes.interpret.eding.spindle import need_turning, note_speed_unknown
 from gproof.passes.interpret.eding.spindle_synchronised import synchronised_move
 
 if TYPE_CHECKING:
-    from gproof.passes.interpret.eding.moves import Motion
+    from gproof.passes.interpret.core.run import Run
 
 _X, _Z = 0, 2
 _MOVES_OF_A_PASS = 6
@@ -56,9 +57,9 @@ class _Thread:
         return math.copysign(1.0, self.end.value - self.start.value)
 
 
-def run_threading(ex: Motion, line: Line, rule: CodeRule) -> None:
+def run_threading(run: Run, line: Line, rule: CodeRule) -> None:
     """Execute one line of G76; Refusal with GP113, GP225, GP244, GP275 to GP262, GP266 or GP510."""
-    s = ex.modal
+    s = run.modal
     if s.plane != Plane.XZ:
         raise Refusal(codes.THREAD_PLANE.at(line.where_code(rule), code=rule.text))
     for axis in line.axes():
@@ -74,17 +75,17 @@ def run_threading(ex: Motion, line: Line, rule: CodeRule) -> None:
     owned(line, rule, "PIJRKQHEL")
     words = {letter: line.number(letter) for letter in "PZIJRKQHEL"}
     first, degression, springs = _check_words(line, rule, words)
-    need_turning(ex, line, rule)
-    thread = _thread(ex, line, rule, words)
+    need_turning(run, line, rule)
+    thread = _thread(run, line, rule, words)
     depths = list(itertools.islice(_depths(first * s.scale(_X), thread.full, degression), MAX_MOVES))
     if (len(depths) + springs) * _MOVES_OF_A_PASS > MAX_MOVES:
         raise Refusal(codes.UNSUPPORTED_CODE.at(line.span, code=f"a thread of more than {MAX_MOVES} moves"))
-    note_speed_unknown(ex, line, rule.text)
+    note_speed_unknown(run, line, rule.text)
     s.motion, s.cycle, s.cycle_code = rule.function, {}, 0
     for depth in depths + [thread.full] * springs:
-        ex.spend(line.span)
-        _pass(ex, line, thread, depth)
-    ex._moved = True
+        run.spend(line.span)
+        _pass(run, line, thread, depth)
+    run.moved = True
 
 
 def _check_words(line: Line, rule: CodeRule, words: dict[str, float | None]) -> tuple[float, float, int]:
@@ -115,10 +116,10 @@ def _check_words(line: Line, rule: CodeRule, words: dict[str, float | None]) -> 
     return first, degression, round(words["H"] or 0.0)
 
 
-def _thread(ex: Motion, line: Line, rule: CodeRule, words: dict[str, float | None]) -> _Thread:
-    s = ex.modal
+def _thread(run: Run, line: Line, rule: CodeRule, words: dict[str, float | None]) -> _Thread:
+    s = run.modal
     x, start = s.position[_X], s.position[_Z]
-    end = ex.target(_Z, words["Z"] or 0.0)
+    end = place_of(run, _Z, words["Z"] or 0.0)
     if end.minus(start).form:
         raise Refusal(
             codes.UNKNOWN_VALUE.at(
@@ -126,7 +127,7 @@ def _thread(ex: Motion, line: Line, rule: CodeRule, words: dict[str, float | Non
             )
         )
     length = abs(end.value - start.value)
-    peak = _peak(ex, line, rule, x, words["I"] or 0.0)
+    peak = _peak(run, line, rule, x, words["I"] or 0.0)
     full = (words["K"] or 0.0) * s.scale(_X)
     slide = math.tan(math.radians(words["Q"] or 0.0))
     tapers = round(words["L"] or 0.0)
@@ -150,20 +151,20 @@ def _thread(ex: Motion, line: Line, rule: CodeRule, words: dict[str, float | Non
     )  # fmt: skip
 
 
-def _peak(ex: Motion, line: Line, rule: CodeRule, x: Position, value: float) -> float:
+def _peak(run: Run, line: Line, rule: CodeRule, x: Position, value: float) -> float:
     """mm from the drive line to the thread's peak, signed.
 
     3.4.19 calls I the outside diameter, always positive, and makes an example of it, and then an offset from the drive
     line, negative for an external thread. The machine file may say which it is (``thread_peak``).
     """
-    s = ex.modal
+    s = run.modal
     at = s.offset(_X).moved(value * s.scale(_X))
     across = at.minus(x)
     offset = value * s.scale(_X)
-    reading = ex.machine.controller.thread_peak
+    reading = run.machine.controller.thread_peak
     if reading is None:
         place = s.program_position(_X)
-        ex._fail(
+        run.fail(
             codes.THREAD_PEAK_OPEN.at(
                 line.where("I"), value=value, position=value, offset=(place.value + offset) / s.scale(_X),
                 hint='state thread_peak = "position" or "offset" under [controller] in the machine file',
@@ -201,7 +202,7 @@ def _depths(first: float, full: float, degression: float) -> itertools.chain[flo
     return itertools.chain(itertools.takewhile(lambda depth: depth < near, growing), (full,))
 
 
-def _pass(ex: Motion, line: Line, thread: _Thread, depth: float) -> None:
+def _pass(run: Run, line: Line, thread: _Thread, depth: float) -> None:
     """Back along the drive line, in, along the thread, out."""
     t = thread
     shift = depth * t.slide * t.along  # deeper passes lie farther along: one flank cuts
@@ -212,27 +213,27 @@ def _pass(ex: Motion, line: Line, thread: _Thread, depth: float) -> None:
     begin, end = t.start.moved(shift), t.end.moved(-left)
     taper = t.taper * t.along
     slope = math.hypot(t.taper, t.full) / t.taper if t.taper else 1.0
-    _go(ex, line, outside, begin)
+    _go(run, line, outside, begin)
     if t.tapers & _ENTRY:
-        _cut(ex, line, t, crest, begin, t.pitch * slope)
-        _cut(ex, line, t, bottom, begin.moved(taper), t.pitch * slope)
+        _cut(run, line, t, crest, begin, t.pitch * slope)
+        _cut(run, line, t, bottom, begin.moved(taper), t.pitch * slope)
     else:
-        _go(ex, line, bottom, begin)
+        _go(run, line, bottom, begin)
     if t.tapers & _EXIT:
-        _cut(ex, line, t, bottom, end.moved(-taper), t.pitch)
-        _cut(ex, line, t, crest, end, t.pitch * slope)
+        _cut(run, line, t, bottom, end.moved(-taper), t.pitch)
+        _cut(run, line, t, crest, end, t.pitch * slope)
     else:
-        _cut(ex, line, t, bottom, end, t.pitch)
-    _go(ex, line, outside, end)
+        _cut(run, line, t, bottom, end, t.pitch)
+    _go(run, line, outside, end)
 
 
-def _go(ex: Motion, line: Line, x: Position, z: Position) -> None:
-    target = list(ex.modal.position)
+def _go(run: Run, line: Line, x: Position, z: Position) -> None:
+    target = list(run.modal.position)
     target[_X], target[_Z] = x, z
-    ex.move(Op.TRAVERSE, target, line.span)
+    run.move(Op.TRAVERSE, target, line.span)
 
 
-def _cut(ex: Motion, line: Line, thread: _Thread, x: Position, z: Position, pitch: float) -> None:
-    target = list(ex.modal.position)
+def _cut(run: Run, line: Line, thread: _Thread, x: Position, z: Position, pitch: float) -> None:
+    target = list(run.modal.position)
     target[_X], target[_Z] = x, z
-    synchronised_move(ex, line, thread.rule, target, pitch)
+    synchronised_move(run, line, thread.rule, target, pitch)

@@ -139,14 +139,14 @@ def _crossings(one: Element, other: Element, side: int, tool: float) -> list[Poi
             return []
         half = math.sqrt(radius * radius - off * off)
         return [(px - half * dx, py - half * dy), (px + half * dx, py + half * dy)]
-    ex, ey = straight.center
-    between = distance(ex - cx, ey - cy)
+    run, ey = straight.center
+    between = distance(run - cx, ey - cy)
     second = straight.beside(side, tool)
     if between < _SLACK or between > radius + second or between < abs(radius - second):
         return []
     along = (between * between + radius * radius - second * second) / (2.0 * between)
     half = math.sqrt(max(radius * radius - along * along, 0.0))
-    ux, uy = (ex - cx) / between, (ey - cy) / between
+    ux, uy = (run - cx) / between, (ey - cy) / between
     mx, my = cx + along * ux, cy + along * uy
     return [(mx - half * uy, my + half * ux), (mx + half * uy, my - half * ux)]
 

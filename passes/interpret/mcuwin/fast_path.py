@@ -18,14 +18,13 @@ from gproof.ir.modal_groups import OF_FEEDS
 from gproof.ir.symbolic import NOWHERE
 from gproof.ir.trace import Op, Plane
 from gproof.passes.interpret.core import line_filter_kernels as k
+from gproof.passes.interpret.core.axis_words import letters_of
 from gproof.passes.interpret.mcuwin.outputs_and_waits import F_LOST
 from gproof.passes.interpret.mcuwin.radius_correction import is_beside, is_for_nothing
-from gproof.passes.interpret.mcuwin.state import SAME, DinState, own_unit
-from gproof.passes.interpret.wincnc.state import letters_of
+from gproof.passes.interpret.mcuwin.state import SAME, McuWinState, own_unit
 
 if TYPE_CHECKING:
-    from gproof.passes.interpret.core.modal_state import Modal
-    from gproof.passes.interpret.core.trace_writer import Emitter
+    from gproof.passes.interpret.mcuwin.state import McuWinModal, McuWinRun
 
 assert (Op.TRAVERSE, Op.ARC) == (k.TRAVERSE, k.ARC)
 
@@ -34,17 +33,17 @@ _I, _J = (ord(letter) for letter in "IJ")
 MOTIONS = {"G0": 1, "G1": 2, "G2": 3, "G3": 4}
 
 
-def hot_letters(din: DinState) -> list[int]:
+def hot_letters(din: McuWinState) -> list[int]:
     """(256,) 1 for letters that mean to the kernel what they mean here."""
     if din.time_unit == 60.0:
         return _HOT
     return [0 if chr(letter) == "F" else taken for letter, taken in enumerate(_HOT)]
 
 
-def is_plain(ex: Emitter) -> bool:
+def is_plain(run: McuWinRun) -> bool:
     """Whether moves mean what ``run_lines`` makes of them."""
-    s, machine = ex.modal, ex.machine
-    din = s.din
+    s, machine = run.modal, run.machine
+    din = s.own
     letters = letters_of(machine)
     own = {axis.index for axis in machine.axes if axis.index < 3}
     return (
@@ -68,41 +67,42 @@ def is_plain(ex: Emitter) -> bool:
     )
 
 
-def _feed_is_plain(s: Modal) -> bool:
+def _feed_is_plain(s: McuWinModal) -> bool:
     """Whether a feed is known, or told already that it is not: neither does a row tell anything."""
-    din = s.din
+    din = s.own
     if s.unknown_modes & OF_FEEDS and din.feed_cause != F_LOST and hot_letters(din)[ord("F")]:
         return False  # an F would have another cause
     return din.feed > 0.0 or (math.isnan(din.feed) and f"feed {din.feed_cause}" in din.told)
 
 
-def begin(ex: Emitter, continued: str) -> bool:
+def begin(run: McuWinRun, continued: str) -> bool:
     """Take over what a line goes on with; whether the kernel may run lines from here."""
-    s = ex.modal
+    s = run.modal
     motion = MOTIONS.get(continued)
-    if motion is None or not is_plain(ex):
+    if motion is None or not is_plain(run):
         return False
     s.motion = motion
-    s.feed, s.feed_unit = s.din.feed, s.unit
+    s.feed, s.feed_unit = s.own.feed, s.unit
     return True
 
 
-def arcs_are_plain(ex: Emitter) -> bool:
+def arcs_are_plain(run: McuWinRun) -> bool:
     """Whether centres count from the start of an arc, in X and Y."""
-    s = ex.modal
-    return s.arcs_known and s.plane is Plane.XY and (not s.absolute or s.din.centers_absolute is False)
+    s = run.modal
+    return s.arcs_known and s.plane is Plane.XY and (not s.absolute or s.own.centers_absolute is False)
 
 
 def taken(
-    ex: Emitter, start: list[float], before: int, words: tuple[Any, Any, Any], at: int, stop: int, numbers: Any = None
+    run: McuWinRun, start: list[float], before: int, words: tuple[Any, Any, Any], at: int, stop: int,
+    numbers: Any = None,
 ) -> str:  # fmt: skip
     """What the rows from ``before`` on leave, which the words from ``at`` to ``stop`` made; what goes on behind them.
 
     start: where the axes stood; numbers: lines of the source by those that the rows have, None where these are it.
     """
-    s, rows = ex.modal, ex.rows
+    s, rows = run.modal, run.rows
     continued = f"G{s.motion - 1}"
-    din, lost = s.din, math.isnan(s.feed)
+    din, lost = s.own, math.isnan(s.feed)
     if lost:
         s.feed = din.feed
     elif s.feed != din.feed:
@@ -113,31 +113,31 @@ def taken(
             new = out["line"][before : rows.count]
             new[:] = numbers[new]
         still, off, radii = np.empty(made, np.int64), np.empty(made, np.int64), np.empty((made, 2))
-        allowed = ex.modal.arc_tolerance()
+        allowed = run.modal.arc_tolerance()
         stills, offs, arcs = k.judge_moves.pick(made)(
             out["op"], out["to"], out["center"], before, rows.count, np.array(start), SAME, 5e-324, allowed + SAME,
             still, off, radii,
         )  # fmt: skip
         for n in still[:stills].tolist():
             code = "G0" if out["op"][before + n] == Op.TRAVERSE else "G1"
-            span = Span(ex.trace.files[ex._file], int(out["line"][before + n]))
-            ex.findings.add(codes.NO_WAY.at(span, code=code))
+            span = Span(run.trace.files[run.file], int(out["line"][before + n]))
+            run.findings.add(codes.NO_WAY.at(span, code=code))
         din = din.but(contour=bool(out["op"][rows.count - 1] != Op.TRAVERSE))
         for n, (first, last) in zip(off[:offs].tolist(), radii[:offs].tolist(), strict=True):
-            _off_its_circle(ex, int(out["line"][before + n]), first, last, allowed)
+            _off_its_circle(run, int(out["line"][before + n]), first, last, allowed)
         if arcs:
             din = din.but(center=(_last(words, _I, at, stop) * s.unit, _last(words, _J, at, stop) * s.unit))
-        ex._moves += rows.count - before
-    s.din = din
+        run.moves += rows.count - before
+    s.own = din
     return continued
 
 
-def _off_its_circle(ex: Emitter, line: int, first: float, last: float, allowed: float) -> None:
+def _off_its_circle(run: McuWinRun, line: int, first: float, last: float, allowed: float) -> None:
     """An arc whose end does not lie on the circle of its start (status 2000): ``arcs`` tells it of its row."""
     finding = codes.ARC_RADIUS_MISMATCH.at(
-        Span(ex.trace.files[ex._file], line), start=first, end=last, off=abs(last - first), allowed=allowed, unit="mm"
+        Span(run.trace.files[run.file], line), start=first, end=last, off=abs(last - first), allowed=allowed, unit="mm"
     )
-    ex._fail(finding, told=True)
+    run.fail(finding, told=True)
 
 
 def _last(words: tuple[Any, Any, Any], wanted: int, at: int, stop: int) -> float:

@@ -22,7 +22,7 @@ from gproof.ir.symbols import MIRRORED, describe
 from gproof.ir.trace import Op, Plane
 from gproof.passes.interpret.core import refused_lines
 from gproof.passes.interpret.core.modal_state import ZERO
-from gproof.passes.interpret.eding.canned_cycles import AXES_OF_PLANE
+from gproof.passes.interpret.core.moves import AXES_OF_PLANE
 from gproof.passes.interpret.mcuwin.radius_correction import (
     before,
     contour_place,
@@ -36,10 +36,10 @@ from gproof.passes.interpret.mcuwin.value_hints import of_value
 from gproof.passes.interpret.wincnc.line_kernels import ZERO_RADIUS, distance
 
 if TYPE_CHECKING:
-    from gproof.passes.interpret.eding.moves import Motion
-    from gproof.passes.interpret.mcuwin.line import Part
+    from gproof.passes.interpret.mcuwin.parts import Part
+    from gproof.passes.interpret.mcuwin.state import McuWinRun
 
-Handler = Callable[["Motion", "Part", CodeRule], None]
+Handler = Callable[["McuWinRun", "Part", CodeRule], None]
 
 _CENTERS = {Plane.XY: "IJ", Plane.XZ: "IK", Plane.YZ: "JK"}
 """Centre words by plane (DIN 66025), in the order of ``AXES_OF_PLANE``."""
@@ -47,149 +47,149 @@ _SECOND = "a second G60 or one behind moves: whether it counts is not documented
 _G60 = "g60 under [din] of the machine file says which counts"
 
 
-def note_assumptions(ex: Motion) -> None:
+def note_assumptions(run: McuWinRun) -> None:
     """What is taken for granted because neither job nor files say it."""
-    s, din = ex.modal, din_of(ex.machine)
+    s, din = run.modal, din_of(run.machine)
     if "distance" not in s.stated:
-        ex.assumed["the job starts in absolute distances (G90)"] = None
+        run.assumed["the job starts in absolute distances (G90)"] = None
     if "units" not in s.stated and din.position_unit is None:
-        ex.assumed["interpolation counts in millimetres (3.22)"] = None
-    if any(axis.position_unit is None for axis in ex.machine.axes):
-        ex.assumed["axes of which no unit is stated count in millimetres and degrees in G00 (3.1)"] = None
-    turns = any(axis.kind is AxisKind.ROTARY for axis in ex.machine.axes)
+        run.assumed["interpolation counts in millimetres (3.22)"] = None
+    if any(axis.position_unit is None for axis in run.machine.axes):
+        run.assumed["axes of which no unit is stated count in millimetres and degrees in G00 (3.1)"] = None
+    turns = any(axis.kind is AxisKind.ROTARY for axis in run.machine.axes)
     unused = {"tool_file"} if turns else {"tool_file", "shortest_path"}
-    ex.assumed.update({USUAL[key]: None for key in din.unstated if key not in unused})
+    run.assumed.update({USUAL[key]: None for key in din.unstated if key not in unused})
     if any(record.length != 0.0 for record in din.tools or ()):
-        note_record(ex)
-    if ex.setup.default_offset is None:
-        ex.assumed["no reflection, no effective radius, no spline and no radius correction is on at the start"] = None
+        note_record(run)
+    if run.setup.default_offset is None:
+        run.assumed["no reflection, no effective radius, no spline and no radius correction is on at the start"] = None
 
 
-def tell_once(ex: Motion, name: str) -> bool:
+def tell_once(run: McuWinRun, name: str) -> bool:
     """True the first time."""
-    s = ex.modal
-    if name in s.din.told:
+    s = run.modal
+    if name in s.own.told:
         return False
-    s.din = s.din.but(told=s.din.told | {name})
+    s.own = s.own.but(told=s.own.told | {name})
     return True
 
 
 # ---- words to places
 
 
-def unit_of(ex: Motion, axis: int, *, own: bool) -> float:
+def unit_of(run: McuWinRun, axis: int, *, own: bool) -> float:
     """mm or degrees in one of a word; own: in the axis's unit. NaN: not known (G51 before another unit)."""
-    s = ex.modal
+    s = run.modal
     if s.linear[axis]:
-        return own_unit(ex.machine, axis) if own else s.unit
-    radius = dict(s.din.radii).get(axis)
-    return own_unit(ex.machine, axis) if own or radius is None else math.degrees(s.unit / radius)
+        return own_unit(run.machine, axis) if own else s.unit
+    radius = dict(s.own.radii).get(axis)
+    return own_unit(run.machine, axis) if own or radius is None else math.degrees(s.unit / radius)
 
 
-def aim(ex: Motion, line: Part, *, own: bool) -> list[Position]:
+def aim(run: McuWinRun, line: Part, *, own: bool) -> list[Position]:
     """Where the axis words send the axes, machine mm or degrees; own: words count in the axes' own units (3.1)."""
-    s = ex.modal
+    s = run.modal
     words = line.axes()
-    if words and s.din.mode_open:
+    if words and s.own.mode_open:
         what = "axis words behind G53 in G91 (absolute or not, until G90 or G91)"
         raise Refusal(codes.UNSUPPORTED_CODE.at(line.span, code=what))
     target = list(s.position)
     for axis, value in words.items():
-        by, unit = factor(s, axis), unit_of(ex, axis, own=own)
+        by, unit = factor(s, axis), unit_of(run, axis, own=own)
         if math.isnan(by):
-            what = f"the factor of {_word(ex, axis)} after G24 and before the next G39"
+            what = f"the factor of {_word(run, axis)} after G24 and before the next G39"
             raise Refusal(codes.TRANSFORM_OPEN.at(line.span, what=what))
         if math.isnan(unit):
-            what = f"the effective radius of {_word(ex, axis)}, given in another unit"
+            what = f"the effective radius of {_word(run, axis)}, given in another unit"
             raise Refusal(codes.TRANSFORM_OPEN.at(line.span, what=what))
-        origin = _zero(ex, line, axis, by) if s.absolute else s.position[axis]
-        target[axis] = _placed(ex, line, axis, value, by * unit, origin)
+        origin = _zero(run, line, axis, by) if s.absolute else s.position[axis]
+        target[axis] = _placed(run, line, axis, value, by * unit, origin)
     return target
 
 
-def _zero(ex: Motion, line: Part, axis: int, by: float) -> Position:
+def _zero(run: McuWinRun, line: Part, axis: int, by: float) -> Position:
     """Where words of an axis, times ``by``, count from in G90: under a reflection the zero offset or the machine's.
 
     Both are followed (3.9, 3.26): one unknown, the same for all places under the offset, holds the two.
     """
-    offset = ex.modal.offset(axis)
+    offset = run.modal.offset(axis)
     if by == 1.0 or offset == ZERO:
         return offset
     if offset.form:
-        what = f"whether {_word(ex, axis)} is reflected about the zero offset or about the machine's zero"
+        what = f"whether {_word(run, axis)} is reflected about the zero offset or about the machine's zero"
         raise Refusal(codes.TRANSFORM_OPEN.at(line.span, what=what, hint="an offset that is stated: both are followed"))
     apart = (by - 1.0) * offset.value
     symbol = f"{MIRRORED}.{repr(apart).replace('.', ',')}.{AXIS_NAMES[axis]}"
-    ex.trace.symbols[symbol] = Interval(min(0.0, apart), max(0.0, apart))
+    run.trace.symbols[symbol] = Interval(min(0.0, apart), max(0.0, apart))
     return Position(offset.value, ((symbol, 1),))
 
 
-def _placed(ex: Motion, line: Part, axis: int, value: Value, scale: float, origin: Position) -> Position:
+def _placed(run: McuWinRun, line: Part, axis: int, value: Value, scale: float, origin: Position) -> Position:
     if not isinstance(value, Unknown):
         return Position(value * scale + origin.value, origin.form)
     if not value.bounded:
-        word = _word(ex, axis)
-        ex.findings.add(not_known(line.where(word), word, value, of_value(value.cause)))
+        word = _word(run, axis)
+        run.findings.add(not_known(line.where(word), word, value, of_value(value.cause)))
         return NOWHERE
     if origin == NOWHERE:
         return NOWHERE  # as from a plain number; what it rests on was told where it came about
     ends = value.low * scale, value.high * scale
-    return ex.unknown_place("value", axis, (min(ends), max(ends)), origin)
+    return run.unknown_place("value", axis, (min(ends), max(ends)), origin)
 
 
-def _word(ex: Motion, axis: int) -> str:
-    return ex.machine.word(axis)
+def _word(run: McuWinRun, axis: int) -> str:
+    return run.machine.word(axis)
 
 
 # ---- moves
 
 
-def move(ex: Motion, line: Part, rule: CodeRule) -> None:
+def move(run: McuWinRun, line: Part, rule: CodeRule) -> None:
     """G00 to G03, given or going on."""
-    note_assumptions(ex)
-    if refused_lines.vague(ex, line, rule):
+    note_assumptions(run)
+    if refused_lines.vague(run, line, rule):
         return
-    s = ex.modal
+    s = run.modal
     words = line.axes()
     arc = rule.function in (F.ARC_CW, F.ARC_CCW)
     for letter in "IJK":
         if letter in line.values and not arc:
             raise Refusal(codes.UNUSED_WORD.at(line.where(letter), word=letter))
     if rule.function is not F.TRAVERSE:
-        _interpolated(ex, line, rule)
+        _interpolated(run, line, rule)
     if not words and not (arc and line.values):
         return
-    if ex.setup.homed is None:
-        ex.assumed["every axis has had its reference run"] = None
-    target = aim(ex, line, own=rule.function is F.TRAVERSE)
-    if s.din.side:
-        target = follow(ex, target)
+    if run.setup.homed is None:
+        run.assumed["every axis has had its reference run"] = None
+    target = aim(run, line, own=rule.function is F.TRAVERSE)
+    if s.own.side:
+        target = follow(run, target)
     elif rule.function is not F.TRAVERSE:
-        tell_for_nothing(ex, line)
+        tell_for_nothing(run, line)
     if rule.function is F.TRAVERSE:
-        if target == s.position and tell_way(ex, line):
-            ex.findings.add(codes.NO_WAY.at(Span(line.span.file, line.span.line), code=rule.text))
-        s.din = s.din.but(contour=False)
-        before(ex, Op.TRAVERSE, line, target)
-        ex.move(Op.TRAVERSE, target, line.span)
-    elif arc and s.din.side and s.din.corrected is None:
+        if target == s.position and tell_way(run, line):
+            run.findings.add(codes.NO_WAY.at(Span(line.span.file, line.span.line), code=rule.text))
+        s.own = s.own.but(contour=False)
+        before(run, Op.TRAVERSE, line, target)
+        run.move(Op.TRAVERSE, target, line.span)
+    elif arc and s.own.side and s.own.corrected is None:
         # Which circle it is counts nothing where nobody knows where the tool goes.
-        _straight(ex, line, rule, target)
+        _straight(run, line, rule, target)
     elif arc:
-        _arc(ex, line, rule, target)
+        _arc(run, line, rule, target)
     else:
-        _straight(ex, line, rule, target)
-    ex._moved = True
+        _straight(run, line, rule, target)
+    run.moved = True
 
 
-def tell_way(ex: Motion, line: Part) -> bool:
+def tell_way(run: McuWinRun, line: Part) -> bool:
     """Whether the way that the line leads is known: an axis whose place is unknown may well move."""
-    return all(place != NOWHERE for place in (ex.modal.position[axis] for axis in line.axes()))
+    return all(place != NOWHERE for place in (run.modal.position[axis] for axis in line.axes()))
 
 
-def _interpolated(ex: Motion, line: Part, rule: CodeRule) -> None:
+def _interpolated(run: McuWinRun, line: Part, rule: CodeRule) -> None:
     """Refusal GP129 or GP113 for axes that are none of the interpolation (3.20)."""
-    din = ex.modal.din
+    din = run.modal.own
     for letter, axis in line.columns.items():
         if letter not in line.values or (axis in din.interpolating and axis not in din.doubtful):
             continue
@@ -201,16 +201,16 @@ def _interpolated(ex: Motion, line: Part, rule: CodeRule) -> None:
         raise Refusal(codes.ILLEGAL_VALUE.at(line.where(letter), word=letter, what=what))
 
 
-def _straight(ex: Motion, line: Part, rule: CodeRule, target: list[Position]) -> None:
-    s = ex.modal
-    if s.din.spline:
+def _straight(run: McuWinRun, line: Part, rule: CodeRule, target: list[Position]) -> None:
+    s = run.modal
+    if s.own.spline:
         target = [NOWHERE if axis in line.axes() else place for axis, place in enumerate(target)]
-    elif _is_same(s.position, target) and tell_way(ex, line):
-        ex.findings.add(codes.NO_WAY.at(Span(line.span.file, line.span.line), code=rule.text))
-    _use_feed(ex, line, rule, target)
-    s.din = s.din.but(contour=True)
-    before(ex, Op.FEED, line, target)
-    ex.move(Op.FEED, target, line.span)
+    elif _is_same(s.position, target) and tell_way(run, line):
+        run.findings.add(codes.NO_WAY.at(Span(line.span.file, line.span.line), code=rule.text))
+    _use_feed(run, line, rule, target)
+    s.own = s.own.but(contour=True)
+    before(run, Op.FEED, line, target)
+    run.move(Op.FEED, target, line.span)
 
 
 def _is_same(one: list[Position], other: list[Position]) -> bool:
@@ -218,10 +218,10 @@ def _is_same(one: list[Position], other: list[Position]) -> bool:
     return all(a.form == b.form and abs(a.value - b.value) < SAME for a, b in places)
 
 
-def _use_feed(ex: Motion, line: Part, rule: CodeRule, target: list[Position]) -> None:
+def _use_feed(run: McuWinRun, line: Part, rule: CodeRule, target: list[Position]) -> None:
     """The feed of this move, of what its row counts in."""
-    s = ex.modal
-    din = s.din
+    s = run.modal
+    din = s.own
     s.feed_unit = 1.0
     if din.asked:
         hint = f"{din.asked} came behind the last F: whether its number or its speed is kept is not documented"
@@ -234,10 +234,10 @@ def _use_feed(ex: Motion, line: Part, rule: CodeRule, target: list[Position]) ->
         s.feed, cause = math.nan, "G96, constant cutting speed"
     turning = [axis for axis in range(AXES) if not s.linear[axis] and target[axis] != s.position[axis]]
     if turning and not cause:
-        s.feed, cause = _with_rotary(ex, target, turning)
-    if cause and tell_once(ex, f"feed {cause}"):
+        s.feed, cause = _with_rotary(run, target, turning)
+    if cause and tell_once(run, f"feed {cause}"):
         hint = next((hint for words, hint in _FEED_HINTS if words in cause), "")
-        ex.findings.add(codes.FEED_UNKNOWN.at(line.span, code=rule.text, cause=cause, hint=hint))
+        run.findings.add(codes.FEED_UNKNOWN.at(line.span, code=rule.text, cause=cause, hint=hint))
 
 
 _FEED_HINTS = (
@@ -249,10 +249,10 @@ _FEED_HINTS = (
 """By words of the cause of a feed that is not known, what helps."""
 
 
-def _with_rotary(ex: Motion, target: list[Position], turning: list[int]) -> tuple[float, str]:
+def _with_rotary(run: McuWinRun, target: list[Position], turning: list[int]) -> tuple[float, str]:
     """The feed of a row whose rotary axes turn, and why it is not known: along a cylinder (3.17) the way counts."""
-    s = ex.modal
-    radii = dict(s.din.radii)
+    s = run.modal
+    radii = dict(s.own.radii)
     ways = [target[axis].minus(s.position[axis]) for axis in range(AXES)]
     if any(axis not in radii for axis in turning) or any(way.form for way in ways):
         return math.nan, "how F counts while a rotary axis without an effective radius (G51) turns"
@@ -260,24 +260,24 @@ def _with_rotary(ex: Motion, target: list[Position], turning: list[int]) -> tupl
     angle = math.sqrt(sum(ways[axis].value ** 2 for axis in turning))
     linear = math.sqrt(sum(way.value**2 for way in ways[:3]))
     whole = math.hypot(linear, turned)
-    return s.din.feed * (linear if linear > 0.0 else angle) / whole, ""
+    return s.own.feed * (linear if linear > 0.0 else angle) / whole, ""
 
 
 # ---- arcs
 
 
-def _arc(ex: Motion, line: Part, rule: CodeRule, target: list[Position]) -> None:
+def _arc(run: McuWinRun, line: Part, rule: CodeRule, target: list[Position]) -> None:
     """G02 and G03: DIN's centre words of the plane; the third axis moves along evenly."""
-    s = ex.modal
-    din = s.din
+    s = run.modal
+    din = s.own
     if din.plane_open:
-        tools = "no tool table is loaded" if has_tools(ex.machine) is False else "nobody stated a tool table"
+        tools = "no tool table is loaded" if has_tools(run.machine) is False else "nobody stated a tool table"
         cause = f"the plane: {tools}, and what G18 or G19 do without one is not documented (2.7)"
         raise Refusal(codes.ARC_UNKNOWN.at(line.span, cause=cause, hint="G17 before"))
     first, second, third = AXES_OF_PLANE[s.plane]
     for axis in line.axes():
         if axis > 2:
-            word = _word(ex, axis)
+            word = _word(run, axis)
             raise Refusal(codes.UNSUPPORTED_CODE.at(line.where(word), code=f"{word} beside an arc"))
     for letter, axis in line.columns.items():
         if axis in (first, second) and axis not in din.interpolating:
@@ -294,16 +294,16 @@ def _arc(ex: Motion, line: Part, rule: CodeRule, target: list[Position]) -> None
     if math.isnan(factors[0]) or math.isnan(factors[1]):
         raise Refusal(codes.TRANSFORM_OPEN.at(line.span, what="factors after G24 and before the next G39"))
     if abs(abs(factors[0]) - abs(factors[1])) > SAME:
-        names = f"{_word(ex, first)} and {_word(ex, second)}"
+        names = f"{_word(run, first)} and {_word(run, second)}"
         raise Refusal(codes.ARC_SCALED.at(line.span, axes=f"{names} unequally", code="G39"))
-    no_arc(ex, line)
+    no_arc(run, line)
     start = contour_place(s.position[first]), contour_place(s.position[second])
     end = contour_place(target[first]), contour_place(target[second])
     for a, b, axis in zip(start, end, (first, second), strict=True):
         difference = b.minus(a)
         if difference.form:
-            raise Refusal(codes.ARC_UNKNOWN.at(line.span, cause=f"{_word(ex, axis)}: {describe(difference.form)}"))
-    center = _center(ex, line, rule, (first, second), start, factors)
+            raise Refusal(codes.ARC_UNKNOWN.at(line.span, cause=f"{_word(run, axis)}: {describe(difference.form)}"))
+    center = _center(run, line, rule, (first, second), start, factors)
     turns = 1 if rule.function is F.ARC_CCW else -1
     if factors[0] * factors[1] < 0:
         turns = -turns
@@ -315,60 +315,60 @@ def _arc(ex: Motion, line: Part, rule: CodeRule, target: list[Position]) -> None
         finding = codes.ARC_RADIUS_MISMATCH.at(
             line.span, start=at_start, end=at_end, off=abs(at_end - at_start), allowed=s.arc_tolerance(), unit="mm"
         )
-        if s.din.side or s.din.spline:
+        if s.own.side or s.own.spline:
             raise Refusal(finding)
         # As ``din_plain.taken`` does: the row stays, and ``arcs`` tells it of its row.
-        ex._fail(finding, told=True)
+        run.fail(finding, told=True)
     if all(abs(a.value - b.value) < 1e-6 for a, b in zip(start, end, strict=True)):
         target[first], target[second] = start
     whole = [p.value for p in s.position[:3]]
     whole[first], whole[second] = center
-    if s.din.spline:
+    if s.own.spline:
         for axis in (first, second, third):
             target[axis] = NOWHERE if axis in (first, second) or axis in line.axes() else target[axis]
-        _use_feed(ex, line, rule, target)
-        ex.move(Op.FEED, target, line.span)
+        _use_feed(run, line, rule, target)
+        run.move(Op.FEED, target, line.span)
         return
-    _use_feed(ex, line, rule, target)
-    s.din = s.din.but(contour=True)
-    before(ex, Op.ARC, line, target, whole, turns)
-    ex.move(Op.ARC, target, line.span, center=whole, turns=turns, plane=s.plane)
+    _use_feed(run, line, rule, target)
+    s.own = s.own.but(contour=True)
+    before(run, Op.ARC, line, target, whole, turns)
+    run.move(Op.ARC, target, line.span, center=whole, turns=turns, plane=s.plane)
 
 
 def _center(
-    ex: Motion, line: Part, rule: CodeRule, axes: tuple[int, int], start: tuple[Position, Position],
+    run: McuWinRun, line: Part, rule: CodeRule, axes: tuple[int, int], start: tuple[Position, Position],
     factors: tuple[float, float],
 ) -> list[float]:  # fmt: skip
     """Machine place of the centre in the plane; Refusal GP203 or GP405."""
-    s = ex.modal
+    s = run.modal
     letters = _CENTERS[s.plane]
     given = [line.number(letter) for letter in letters]
     if given == [None, None]:
         raise Refusal(codes.ARC_CENTER_MISSING.at(line.span, code=rule.text, needed=" and ".join(letters)))
-    kept = s.din.center
+    kept = s.own.center
     values: list[float] = []
     for n, value in enumerate(given):
         if value is None:
             if kept is None:
-                ex.assumed["a centre word that is left out counts 0"] = None
+                run.assumed["a centre word that is left out counts 0"] = None
             elif kept[n] != 0.0:
                 cause = f"{letters[n]} left out: that of the arc before, or 0"
                 raise Refusal(codes.ARC_UNKNOWN.at(line.span, cause=cause))
             value = 0.0
         values.append(value * s.unit)
-    s.din = s.din.but(center=(values[0], values[1]))
+    s.own = s.own.but(center=(values[0], values[1]))
     relative = [at.value + by * value for at, by, value in zip(start, factors, values, strict=True)]
-    if not s.absolute or s.din.centers_absolute is False:
+    if not s.absolute or s.own.centers_absolute is False:
         return relative
     if None in given:
         raise Refusal(codes.ARC_UNKNOWN.at(line.span, cause="a centre word left out with absolute centres on"))
     places = []
     for axis, by, value, at in zip(axes, factors, values, start, strict=True):
-        origin = _zero(ex, line, axis, by)
+        origin = _zero(run, line, axis, by)
         if origin.form != contour_place(at).form:
             raise Refusal(codes.ARC_UNKNOWN.at(line.span, cause=describe(origin.minus(at).form)))
         places.append(origin.value + by * value)
-    if s.din.centers_absolute is None and any(abs(a - b) > SAME for a, b in zip(places, relative, strict=True)):
+    if s.own.centers_absolute is None and any(abs(a - b) > SAME for a, b in zip(places, relative, strict=True)):
         cause = "whether centres are places or distances in G90: IniCfg's option is not stated to be on (3.3, 3.35)"
         raise Refusal(
             codes.ARC_UNKNOWN.at(

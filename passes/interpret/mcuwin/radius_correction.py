@@ -15,21 +15,19 @@ from gproof.ir import codes
 from gproof.ir.din import USUAL, VERSIONS
 from gproof.ir.finding import Refusal
 from gproof.ir.machine import AXIS_NAMES
-from gproof.ir.record import record
 from gproof.ir.rules import CodeRule
 from gproof.ir.rules import Function as F
 from gproof.ir.setup import Interval
 from gproof.ir.symbolic import BESIDE, NOWHERE, Position
 from gproof.ir.trace import Op, Plane
 from gproof.passes.interpret.mcuwin.contour import REACH, Element, judge
-from gproof.passes.interpret.mcuwin.state import SAME, DinState, din_of, factor
+from gproof.passes.interpret.mcuwin.correction import Corner, Correction
+from gproof.passes.interpret.mcuwin.state import SAME, McuWinState, din_of, factor
 
 if TYPE_CHECKING:
-    from gproof.passes.interpret.eding.moves import Motion
-    from gproof.passes.interpret.mcuwin.line import Part
+    from gproof.passes.interpret.mcuwin.parts import Part
+    from gproof.passes.interpret.mcuwin.state import McuWinRun
 
-Corner = tuple[tuple[float, float], tuple[float, float]]
-"""Least and most of both axes of the plane, mm from a point of the contour."""
 _OWN = 512
 """Symbols of a job up to which each line has symbols of its own."""
 _ROUNDING = 1e-6
@@ -39,36 +37,16 @@ TOLD = "a correction for nothing"
 _RIGHT_HANDED = {Plane.XY: (0, 1), Plane.XZ: (2, 0), Plane.YZ: (1, 2)}
 
 
-@record(frozen=True, slots=True, kw_only=True)
-class Correction:
-    """The correction that is on, or of which places are left behind G40.
-
-    side: 1 left, -1 right; radius: mm; name: of record, side and radius, ``2xy+1,5``, in symbols; last: the element of
-    the contour that ends where the tool is now, None: at the begin; at: where that is. own: what the symbols of the
-    last line's places have behind ``name``, "" for those of all; begin: where the tool may be around the corner at the
-    start of that line; forks: outcomes followed when the line came.
-    """
-
-    side: int
-    radius: float
-    name: str
-    last: Element | None = None
-    at: tuple[Position, Position] | None = None
-    own: str = ""
-    begin: Corner | None = None
-    forks: int = 0
-
-
-def correction(ex: Motion, line: Part, rule: CodeRule) -> None:
+def correction(run: McuWinRun, line: Part, rule: CodeRule) -> None:
     """G40 to G42: radius correction with a record of the tool table (2.7)."""
-    s = ex.modal
+    s = run.modal
     if rule.function is F.COMPENSATION_OFF:
         # The tool comes back to the contour with the next move.
-        left = s.din.corrected
-        s.din = s.din.but(side=0, idle=0, corrected=None if left is None else replace(left, last=None, at=None))
+        left = s.own.corrected
+        s.own = s.own.but(side=0, idle=0, corrected=None if left is None else replace(left, last=None, at=None))
         return
-    tools = din_of(ex.machine).tools
-    if tools is not None and not tools and "tool_file" in din_of(ex.machine).unstated:
+    tools = din_of(run.machine).tools
+    if tools is not None and not tools and "tool_file" in din_of(run.machine).unstated:
         hint = 'tool_file under [din] of the machine file names the tool table; "": it is switched off'
         cause = f"{rule.text}: the tool table, which nobody stated"
         raise Refusal(codes.COMPENSATION_UNKNOWN.at(line.code_span(), cause=cause, hint=hint))
@@ -77,79 +55,79 @@ def correction(ex: Motion, line: Part, rule: CodeRule) -> None:
         raise Refusal(
             codes.NOT_ENABLED.at(line.code_span(), code=rule.text, device="tools", key="tool_file", hint=hint)
         )
-    correct(ex, line, 1 if rule.function is F.COMPENSATION_LEFT else -1)
+    correct(run, line, 1 if rule.function is F.COMPENSATION_LEFT else -1)
 
 
-def note_no_table(ex: Motion) -> None:
+def note_no_table(run: McuWinRun) -> None:
     """That no tool table is loaded is taken for granted where nobody states one (2.7)."""
-    din = din_of(ex.machine)
+    din = din_of(run.machine)
     if din.tools is not None and "tool_file" in din.unstated:
-        ex.assumed[USUAL["tool_file"]] = None
+        run.assumed[USUAL["tool_file"]] = None
 
 
-def note_record(ex: Motion) -> None:
+def note_record(run: McuWinRun) -> None:
     """The record that counts before the first T is taken for granted where nobody states it."""
-    if not ex.modal.din.chosen and ex.setup.tool is None and ex.setup.default_offset is None:
-        ex.assumed["record 0 of the tool table is the one at the start, as after the start of the system (5.5)"] = None
+    if not run.modal.own.chosen and run.setup.tool is None and run.setup.default_offset is None:
+        run.assumed["record 0 of the tool table is the one at the start, as after the start of the system (5.5)"] = None
 
 
-def is_for_nothing(din: DinState) -> bool:
+def is_for_nothing(din: McuWinState) -> bool:
     """Whether a correction is on by record 0, without a radius, which no T has chosen: GP258 at its first move."""
     return bool(din.idle) and din.tool == 0 and not din.chosen and TOLD not in din.told
 
 
-def tell_for_nothing(ex: Motion, line: Part) -> None:
+def tell_for_nothing(run: McuWinRun, line: Part) -> None:
     """GP258, once: the tool that is really there goes along the contour with its middle (2.7, 5.5)."""
-    s = ex.modal
-    if is_for_nothing(s.din):
-        s.din = s.din.but(told=s.din.told | {TOLD})
+    s = run.modal
+    if is_for_nothing(s.own):
+        s.own = s.own.but(told=s.own.told | {TOLD})
         hint = "record 0 is the one after the start of the system (5.5): T selects another"
-        ex.findings.add(codes.COMPENSATION_WITHOUT_TOOL.at(line.span, hint=hint))
+        run.findings.add(codes.COMPENSATION_WITHOUT_TOOL.at(line.span, hint=hint))
 
 
-def correct(ex: Motion, line: Part, side: int) -> None:
+def correct(run: McuWinRun, line: Part, side: int) -> None:
     """The tool goes beside the contour from here, as far as its record has a radius in the plane."""
-    s = ex.modal
-    note_record(ex)
+    s = run.modal
+    note_record(run)
     section = _SECTIONS[s.plane]
-    found = [t for t in din_of(ex.machine).tools or () if t.number == s.din.tool and t.plane == section]
-    if found and all(t.radius == 0.0 for t in found) and not s.din.plane_open:
-        s.din = s.din.but(side=0, idle=side)
+    found = [t for t in din_of(run.machine).tools or () if t.number == s.own.tool and t.plane == section]
+    if found and all(t.radius == 0.0 for t in found) and not s.own.plane_open:
+        s.own = s.own.but(side=0, idle=side)
         return
-    now = s.din.corrected
-    if now is not None and now.side == side == s.din.side:
+    now = s.own.corrected
+    if now is not None and now.side == side == s.own.side:
         return
-    crossing = now is not None and now.side != side and (s.din.side or any(is_beside(place) for place in s.position))
-    s.din = s.din.but(side=side, idle=0, corrected=None)
+    crossing = now is not None and now.side != side and (s.own.side or any(is_beside(place) for place in s.position))
+    s.own = s.own.but(side=side, idle=0, corrected=None)
     radius = found[0].radius if len(found) == 1 else None
     code = "G41" if side > 0 else "G42"
     cause = ""
-    if radius is None or radius < 0.0 or s.din.plane_open:
+    if radius is None or radius < 0.0 or s.own.plane_open:
         cause = f"{code}: the radius of the tool, which nobody stated"
     elif crossing:
         cause = f"{code} before the tool is back from its other side"
-    elif s.plane is not Plane.XY and din_of(ex.machine).version != VERSIONS[0]:
+    elif s.plane is not Plane.XY and din_of(run.machine).version != VERSIONS[0]:
         cause = f"{code} out of the X-Y plane, which this version does not do well (14 (2.5.3.100))"
     elif not all(s.linear[axis] for axis in _RIGHT_HANDED[s.plane]):
         cause = f"{code} in a plane whose axes turn"
     if cause:
-        ex._fail(codes.COMPENSATION_UNKNOWN.at(line.code_span(), cause=cause))
+        run.fail(codes.COMPENSATION_UNKNOWN.at(line.code_span(), cause=cause))
         return
     assert radius is not None
-    name = f"{s.din.tool}{section}{'+' if side > 0 else '-'}{radius!r}".replace(".", ",")
-    s.din = s.din.but(corrected=Correction(side=side, radius=radius, name=name))
-    ex.assumed[
+    name = f"{s.own.tool}{section}{'+' if side > 0 else '-'}{radius!r}".replace(".", ",")
+    s.own = s.own.but(corrected=Correction(side=side, radius=radius, name=name))
+    run.assumed[
         f"the centre of a tool beside a contour stays within {REACH:g} of its radii of it: entry, exit and corners "
         "are not described (2.7)"
     ] = None
 
 
-def unfollowed(ex: Motion, line: Part, code: str) -> None:
+def unfollowed(run: McuWinRun, line: Part, code: str) -> None:
     """GP256 for what happens while a correction is on: nobody knows on which side, or from where, it goes on."""
-    s = ex.modal
-    if s.din.side:
-        s.din = s.din.but(corrected=None)
-        ex._fail(codes.COMPENSATION_UNKNOWN.at(line.code_span(), cause=f"{code} while the tool radius is corrected"))
+    s = run.modal
+    if s.own.side:
+        s.own = s.own.but(corrected=None)
+        run.fail(codes.COMPENSATION_UNKNOWN.at(line.code_span(), cause=f"{code} while the tool radius is corrected"))
 
 
 def is_beside(place: Position) -> bool:
@@ -162,34 +140,34 @@ def contour_place(place: Position) -> Position:
     return Position(place.value, tuple(term for term in place.form if not term[0].startswith(BESIDE)))
 
 
-def follow(ex: Motion, target: list[Position], own: str = "") -> list[Position]:
+def follow(run: McuWinRun, target: list[Position], own: str = "") -> list[Position]:
     """The ends of a move beside the contour: those of the plane anywhere around it. own: see ``Correction``."""
-    s = ex.modal
+    s = run.modal
     axes = _RIGHT_HANDED[s.plane]
-    now = s.din.corrected
+    now = s.own.corrected
     if now is None:
         return [NOWHERE if axis in axes else place for axis, place in enumerate(target)]
-    return [_around(ex, now, axis, place, own) if axis in axes else place for axis, place in enumerate(target)]
+    return [_around(run, now, axis, place, own) if axis in axes else place for axis, place in enumerate(target)]
 
 
-def _around(ex: Motion, now: Correction, axis: int, place: Position, own: str) -> Position:
+def _around(run: McuWinRun, now: Correction, axis: int, place: Position, own: str) -> Position:
     symbol = f"{BESIDE}{now.name}{own}.{AXIS_NAMES[axis]}"
     # The same one for both ends of a line, without one of its own for each place: a row then has the envelope around
     # its whole path.
-    off = REACH * now.radius + ex.modal.arc_tolerance()
-    ex.trace.symbols.setdefault(symbol, Interval(-off, off))
+    off = REACH * now.radius + run.modal.arc_tolerance()
+    run.trace.symbols.setdefault(symbol, Interval(-off, off))
     return contour_place(place).plus(Position(0.0, ((symbol, 1),)))
 
 
-def _own_symbols(ex: Motion) -> str:
+def _own_symbols(run: McuWinRun) -> str:
     """What tells the symbols of the next line from those of others; "" once there are many."""
-    if len(ex.trace.symbols) >= _OWN:
+    if len(run.trace.symbols) >= _OWN:
         return ""
-    ex._unknowns += 1
-    return f"#{ex._unknowns}"
+    run.unknowns += 1
+    return f"#{run.unknowns}"
 
 
-def _narrow(ex: Motion, now: Correction, new: Element) -> Corner | None:
+def _narrow(run: McuWinRun, now: Correction, new: Element) -> Corner | None:
     """Where the tool may be around the corner of two lines; the symbols of the first one hold no more than it needs.
 
     Round, cut or mitred, inside or outside: the way around a corner lies within the triangle of where the paths beside
@@ -205,20 +183,20 @@ def _narrow(ex: Motion, now: Correction, new: Element) -> Corner | None:
     mitre = (one[0] + other[0]) / whole, (one[1] + other[1]) / whole
     points = (one, other, mitre)
     corner = tuple((min(p[k] for p in points), max(p[k] for p in points)) for k in (0, 1))
-    if now.own and now.begin is not None and now.forks == ex.branches:
-        wide = ex.modal.arc_tolerance() + _ROUNDING
-        for axis, begin, end in zip(_RIGHT_HANDED[ex.modal.plane], now.begin, corner, strict=True):
+    if now.own and now.begin is not None and now.forks == run.branches:
+        wide = run.modal.arc_tolerance() + _ROUNDING
+        for axis, begin, end in zip(_RIGHT_HANDED[run.modal.plane], now.begin, corner, strict=True):
             symbol = f"{BESIDE}{now.name}{now.own}.{AXIS_NAMES[axis]}"
-            ex.trace.symbols[symbol] = Interval(min(begin[0], end[0]) - wide, max(begin[1], end[1]) + wide)
+            run.trace.symbols[symbol] = Interval(min(begin[0], end[0]) - wide, max(begin[1], end[1]) + wide)
     return corner[0], corner[1]
 
 
-def no_arc(ex: Motion, line: Part) -> None:
+def no_arc(run: McuWinRun, line: Part) -> None:
     """Refusal GP256 for an arc on which the tool would come to the contour or leave it."""
-    s = ex.modal
-    now = s.din.corrected
+    s = run.modal
+    now = s.own.corrected
     places = [s.position[axis] for axis in _RIGHT_HANDED[s.plane]]
-    if s.din.side and now is not None:
+    if s.own.side and now is not None:
         begins = f"{BESIDE}{now.name}"
         if all(any(symbol.startswith((f"{begins}.", f"{begins}#")) for symbol, _ in place.form) for place in places):
             return
@@ -231,12 +209,12 @@ def no_arc(ex: Motion, line: Part) -> None:
 
 
 def before(
-    ex: Motion, op: Op, line: Part, target: list[Position], center: list[float] | None = None, turns: int = 0
+    run: McuWinRun, op: Op, line: Part, target: list[Position], center: list[float] | None = None, turns: int = 0
 ) -> None:  # fmt: skip
     """Rows before a move beside the contour: to the envelope at the begin, anywhere at corners nobody can bound."""
-    s = ex.modal
-    now = s.din.corrected
-    if not s.din.side or now is None:
+    s = run.modal
+    now = s.own.corrected
+    if not s.own.side or now is None:
         return
     row = Op.TRAVERSE if op is Op.TRAVERSE else Op.FEED
     u, v = _RIGHT_HANDED[s.plane]
@@ -244,8 +222,8 @@ def before(
     there = contour_place(target[u]), contour_place(target[v])
     problem, own = "", ""
     begin: Corner | None = None
-    forks = ex.branches
-    reflected = [axis for axis in (u, v) if axis in s.din.reflected]
+    forks = run.branches
+    reflected = [axis for axis in (u, v) if axis in s.own.reflected]
     ways = [b.minus(a) for a, b in zip(here, there, strict=True)]
     new: Element | None = None
     if any(way.form for way in ways):
@@ -261,21 +239,21 @@ def before(
         sides = (1, -1) if reflected or s.plane is not Plane.XY else (now.side,)
         problem, new = judge(now.last, new, sides, now.radius)
         if not problem and len(sides) == 1:
-            begin = _narrow(ex, now, new)
-            own = _own_symbols(ex) if new.center is None else ""
+            begin = _narrow(run, now, new)
+            own = _own_symbols(run) if new.center is None else ""
     else:
         new, own, begin, forks = now.last, now.own, now.begin, now.forks
-    start = follow(ex, s.position, own)
+    start = follow(run, s.position, own)
     if start != s.position:
-        ex.move(row, start, line.span)
-    target[:] = follow(ex, target, own)
+        run.move(row, start, line.span)
+    target[:] = follow(run, target, own)
     if problem:
         what = f"{problem} (radius {now.radius:g}, 2.7)" if "radius" not in problem else f"{problem} (2.7)"
-        ex._fail(codes.COMPENSATION_UNKNOWN.at(line.span, cause=what))
+        run.fail(codes.COMPENSATION_UNKNOWN.at(line.span, cause=what))
         lost = [NOWHERE if axis in (u, v) else place for axis, place in enumerate(s.position)]
-        ex.move(row, lost, line.span)
-        ex.move(row, start, line.span)
+        run.move(row, lost, line.span)
+        run.move(row, start, line.span)
         new = None
-    s.din = s.din.but(
+    s.own = s.own.but(
         corrected=replace(now, last=new, at=None if new is None else there, own=own, begin=begin, forks=forks)
     )

@@ -1,71 +1,103 @@
-"""Lines whose order in the source decides what goes on (DIN 66025 of McuWIN): see ``manner``."""
+"""Lines whose order in the source decides what goes on (DIN 66025 of McuWIN): see ``Dialect``."""
 
 from __future__ import annotations
 
 import bisect
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from gproof.ir import codes
+from gproof.ir.dialects.mcuwin import COMMON, OFFSETS_AT
+from gproof.ir.din import VERSIONS
 from gproof.ir.finding import Refusal, Span
+from gproof.ir.machine import Machine
 from gproof.ir.modal_groups import OF_FEEDS
-from gproof.ir.program import Block, Call, Expr, Input, Named, Number, Unsupported
-from gproof.ir.symbolic import Value, bounds
+from gproof.ir.program import Block, Call, Device, Expr, Input, Named, Number, Program, Subprogram, Unsupported
+from gproof.ir.setup import Setup
+from gproof.ir.symbolic import Unknown, Value, between, bounds
 from gproof.passes.interpret.core import line_kernels as k
 from gproof.passes.interpret.core.assigned_numbers import targets
+from gproof.passes.interpret.core.axis_words import letters_of
 from gproof.passes.interpret.core.call_stack import Frame
-from gproof.passes.interpret.core.semantics import Manner, cold_words, settings_of
+from gproof.passes.interpret.core.expressions import MOST_WHOLE
+from gproof.passes.interpret.core.line_runs import packed, run_kernel, unpack
+from gproof.passes.interpret.core.semantics import Dialect, Word, cold_words, settings_of
 from gproof.passes.interpret.mcuwin import fast_path as din_plain
 from gproof.passes.interpret.mcuwin import line as din
 from gproof.passes.interpret.mcuwin import outputs_and_waits as din_events
-from gproof.passes.interpret.mcuwin.state import fits
-
-if TYPE_CHECKING:
-    from gproof.passes.interpret.core.block_tables import Straight
-    from gproof.passes.interpret.core.executor import Executor
-    from gproof.passes.interpret.core.trace_writer import Emitter
+from gproof.passes.interpret.mcuwin.calls import bind, count_of
+from gproof.passes.interpret.mcuwin.foreign_statements import foreign
+from gproof.passes.interpret.mcuwin.parts import gather
+from gproof.passes.interpret.mcuwin.state import McuWinModal, McuWinRun, din_of, fits, whole_numbers
 
 
-class DinManner(Manner):
-    """Lines in the order of the source."""
+class McuWinDialect(Dialect[McuWinRun]):
+    """Lines in the order of the source. whole: numbers of the variables that the program declares as integers."""
 
-    def block(self, ex: Executor, node: Block, words: list[tuple[str, Value, Span]]) -> None:
+    has_own_feeds = True
+    keeps_motion = False
+    modules = True
+    run_type = McuWinRun
+
+    def __init__(self, program: Program) -> None:
+        super().__init__(program)
+        self.whole = whole_numbers(program)
+        self.fits = self._fits
+
+    def _fits(self, number: int, value: object) -> bool:
+        return fits(number, value, self.whole)
+
+    def first_state(self, program: Program, setup: Setup, machine: Machine) -> McuWinModal:
+        """The state in which a job begins."""
+        return McuWinModal(program.rules, setup, machine)
+
+    def begin(self, run: McuWinRun) -> None:
+        """GP630 for what setup and machine state that McuWIN does not have."""
+        for what, key in foreign(run.setup, run.machine):
+            file = run.machine.name if key.startswith("machine.") else run.setup.name
+            run.fail(codes.FOREIGN_FACT.at(run.findings.where(key, Span(file, 1)), what=what))
+
+    def letters(self, machine: Machine) -> dict[str, int]:
+        """Column of each letter that moves an axis."""
+        return letters_of(machine)
+
+    def block(self, run: McuWinRun, node: Block, words: list[tuple[str, Value, Span]]) -> None:
         """Execute a line."""
         settings = [
             (one, new, span)
-            for number, value, span in settings_of(ex, node)
-            for one, new in targets(ex, number, value, span)
+            for number, value, span in settings_of(run, node)
+            for one, new in targets(run, number, value, span)
         ]
         for number, value, span in settings:
-            if not fits(round(number), value, ex._whole):
-                name = ex.evaluator.names.get(round(number)) or ex.program.rules.name_of(round(number))
+            if not fits(round(number), value, self.whole):
+                name = run.evaluator.names.get(round(number)) or run.program.rules.name_of(round(number))
                 what = f"{name} is a whole number of 32 bits; {value!r} is none"
                 raise Refusal(codes.ARITHMETIC.at(span, what=what))
-            ex.modal.write(number, value, span)
+            run.modal.write(number, value, span)
         if words:
             bare = frozenset(w.letter for w in node.words if w.bare)
-            din.run(ex, node.span, words, bare=bare, continued=node.continued, distances=node.distances)
+            din.run_line(run, node.span, words, bare=bare, continued=node.continued, distances=node.distances)
 
-    def line(self, ex: Straight, span: Span, words: list[tuple[str, Value, Span]], bare: frozenset[str]) -> None:
+    def line(self, run: McuWinRun, span: Span, words: list[tuple[str, Value, Span]], bare: frozenset[str]) -> None:
         """Execute a line of a table."""
-        frame = ex._stack[-1]
+        frame = run.flow.stack[-1]
         continued = frame.continued
         for letter, value, _ in words:
             if letter == "G":
                 frame.continued = f"G{value:g}"
-        din.run(ex, span, words, bare=bare, continued=continued)
+        din.run_line(run, span, words, bare=bare, continued=continued)
 
-    def cold(self, ex: Straight, frame: Frame, columns: tuple[Any, ...], count: int) -> set[int]:
+    def cold(self, run: McuWinRun, frame: Frame, columns: tuple[Any, ...], count: int) -> set[int]:
         """Lines for Python, which are where the kernel stops too."""
-        lines, frame.stops = cold_words(columns, count, din_plain.hot_letters(ex.modal.din), pairs=True)
+        lines, frame.stops = cold_words(columns, count, din_plain.hot_letters(run.modal.own), pairs=True)
         return set(lines)
 
-    def hot(self, ex: Straight, run: Any, columns: tuple[Any, ...], count: int, at: int, compiled: bool) -> int:
+    def hot(self, run: McuWinRun, kernel: Any, columns: tuple[Any, ...], count: int, at: int, compiled: bool) -> int:
         """Run lines in the kernel from word ``at``; returns the first word it left over."""
-        frame = ex._stack[-1]
-        at, frame.continued = _hot(ex, run, columns, count, at, compiled, frame.stops, frame.continued)
+        frame = run.flow.stack[-1]
+        at, frame.continued = _hot(run, kernel, columns, count, at, compiled, frame.stops, frame.continued)
         return at
 
     def motion_of(self, letters: Sequence[str], values: Sequence[Expr], continued: str) -> tuple[str | None, bool]:
@@ -81,73 +113,142 @@ class DinManner(Manner):
             return (motion if motion in din_plain.MOTIONS else None), False
         return (continued, True) if continued in din_plain.MOTIONS else (None, False)
 
-    def stops(self, ex: Straight, columns: tuple[Any, ...], count: int) -> list[int]:
+    def stops(self, run: McuWinRun, columns: tuple[Any, ...], count: int) -> list[int]:
         """First words of lines of a loop that the kernel must not run."""
-        found: list[int] = cold_words(columns, count, din_plain.hot_letters(ex.modal.din), pairs=True)[1]
+        found: list[int] = cold_words(columns, count, din_plain.hot_letters(run.modal.own), pairs=True)[1]
         return found
 
     def hot_lines(
-        self, ex: Straight, run: Any, columns: tuple[Any, ...], count: int, at: int, compiled: bool, stops: list[int],
-        motion: str, numbers: Any,
+        self, run: McuWinRun, kernel: Any, columns: tuple[Any, ...], count: int, at: int, compiled: bool,
+        stops: list[int], motion: str, numbers: Any,
     ) -> int:  # fmt: skip
         """As ``hot``, for lines of a loop: see ``Manner``."""
-        return _hot(ex, run, columns, count, at, compiled, stops, motion, numbers)[0]
+        return _hot(run, kernel, columns, count, at, compiled, stops, motion, numbers)[0]
 
     def again(
-        self, ex: Straight, span: Span, words: list[tuple[str, Value, Span]], motion: str, distances: str
+        self, run: McuWinRun, span: Span, words: list[tuple[str, Value, Span]], motion: str, distances: str
     ) -> None:  # fmt: skip
         """Execute a line of a loop that the kernel left over."""
-        din.run(ex, span, words, continued=motion, distances=distances)
+        din.run_line(run, span, words, continued=motion, distances=distances)
 
-    def call(self, ex: Executor, node: Call) -> None:
+    def call(self, run: McuWinRun, node: Call) -> None:
         """Run a subprogram so often as the call says (4.21)."""
-        ex._not_spooled(node.span, f"M98 L{node.name}")
-        count, often = ex._count(node)
-        back = ex._bind(node)
-        depth = len(ex._stack)
-        ex._called(node.name, node.span)
-        if len(ex._stack) > depth:
-            frame = ex._stack[-1]
+        self.at_jump(run, node.span, f"M98 L{node.name}")
+        count, often = count_of(run, node)
+        back = bind(run, node)
+        depth = len(run.flow.stack)
+        run.flow.call_subprogram(node.name, node.span)
+        if len(run.flow.stack) > depth:
+            frame = run.flow.stack[-1]
             frame.again = count - 1
             frame.more, frame.last = round(bounds(often)[1]) - count, often
-            ex._counted.pop((id(frame.node), "call"), None)
+            run.flow.widening.counted.pop((id(frame.node), "call"), None)
             assert frame.caller is not None
             frame.caller = replace(frame.caller, back=back)
 
-    def named(self, ex: Emitter, node: Named) -> Value:
+    def named(self, run: McuWinRun, node: Named) -> Value:
         """What the controller holds under a name."""
-        return din_events.read_named(ex, node)
+        return din_events.read_named(run, node)
 
-    def input(self, ex: Emitter, node: Input) -> Value:
+    def judge_line(self, machine: Machine, span: Span, words: Sequence[Word], bare: frozenset[str]) -> None:
+        """Refusal for a line that means nothing by itself."""
+        gather(self.program.rules, machine, letters_of(machine), span, words, bare)
+
+    def input(self, run: McuWinRun, node: Input) -> Value:
         """An input of the controller."""
-        from gproof.passes.interpret.wincnc.outputs_and_waits import read_input
+        return din_events.read_input(run, node)
 
-        return read_input(ex, node, ex.evaluator)
-
-    def unsupported(self, ex: Executor, node: Unsupported) -> None:
+    def unsupported(self, run: McuWinRun, node: Unsupported) -> None:
         """All places and all variables: the statement may have changed any."""
-        din_events.lose_all(ex, node.what)
+        din_events.lose_all(run, node.what)
+
+    def device(self, run: McuWinRun, node: Device) -> None:
+        """``wt``; nothing else is a statement of its own."""
+        if node.name != "wait":
+            super().device(run, node)
+        din_events.wait(run, run.evaluator.value(node.arguments[0]), node.span)
+
+    def motion_of_frame(self, run: McuWinRun, frame: Frame) -> int:
+        """The motion that the source says."""
+        return din_plain.MOTIONS.get(frame.continued, 0)
+
+    def takes_lost_feed(self, run: McuWinRun, open_feeds: bool) -> bool:
+        """Any F is taken."""
+        return True
+
+    def take_lost_feed(self, run: McuWinRun, feed: float, last: float) -> None:
+        """The last of some F is the one in force."""
+        din_events.take_feed(run.modal, last)
+
+    # ---- the order of statements
+
+    def looks_at_jumps(self, run: McuWinRun) -> bool:
+        """Whether jumps and returns end a contour, and have that to tell (14: before 2.5.3.41)."""
+        return din_of(run.machine).version == VERSIONS[1]
+
+    def at_jump(self, run: McuWinRun, span: Span, code: str) -> None:
+        """GP513: before 2.5.3.41 jumps, calls, returns and labels ended a contour (14)."""
+        if self.looks_at_jumps(run) and run.modal.own.contour:
+            run.flow.hot_blocks.run_pending()
+            run.findings.add(codes.CONTOUR_BREAK.at(span, code=code))
+            run.modal.own = run.modal.own.but(contour=False)
+
+    def is_unended(self, run: McuWinRun, frame: Frame) -> bool:
+        """Whether the text of a module is over without an end (GP515): what stands behind it is another module."""
+        if frame.at > len(frame.body):
+            return False
+        node = frame.node
+        if node is None:
+            old = din_of(run.machine).version == VERSIONS[1]
+            # Before 2.5.3.90 a program needed no M30, where nothing else stands behind it (14 (2.5.3.30)).
+            ends = old and not any(sub.is_module for sub in self.program.subprograms.values())
+            return frame.body is self.program.body and not ends
+        return isinstance(node, Subprogram) and (node.is_module or node.name[:1].isdigit())
+
+    # ---- variables
+
+    def is_whole(self, number: int) -> bool:
+        """CI n, and those that are declared as integers, are whole numbers of 32 bits (11)."""
+        return not fits(number, MOST_WHOLE + 1.0, self.whole)
+
+    def of_its_type(self, number: int, value: Value) -> Value:
+        """What is known of a variable that is declared to hold whole numbers, or is one of those that do."""
+        if not isinstance(value, Unknown) or value.whole or fits(number, 0.5, self.whole):
+            return value
+        if not value.bounded:
+            return Unknown(value.cause, value.low, value.high, whole=True)
+        low, high = float(math.ceil(value.low)), float(math.floor(value.high))
+        return between(value.cause, (low, high), whole=True) if low <= high else value
+
+    def by_number(self, number: int) -> tuple[int, ...]:
+        """Variables that a code may take by this number: M901 and its like, CI and CD."""
+        return number, COMMON + number
+
+    @property
+    def always_read(self) -> Iterable[int]:
+        """G154 reads its own."""
+        return range(OFFSETS_AT, OFFSETS_AT + 10)
 
 
 def _hot(
-    ex: Straight, run: Any, columns: tuple[Any, ...], count: int, at: int, compiled: bool, stops: list[int],
+    run: McuWinRun, kernel: Any, columns: tuple[Any, ...], count: int, at: int, compiled: bool, stops: list[int],
     continued: str, numbers: Any = None,
 ) -> tuple[int, str]:  # fmt: skip
     """Run lines in the kernel from word ``at``: the first word it left over, and the code that goes on there."""
-    s, rows = ex.modal, ex.rows
-    if not ex._moved or not s.plain_motion or not din_plain.begin(ex, continued):
+    s, rows = run.modal, run.rows
+    if not run.moved or not s.plain_motion or not din_plain.begin(run, continued):
         return at, continued
     start = [p.value for p in s.position]
     stop = bisect.bisect_left(stops, at)
     count = stops[stop] if stop < len(stops) else count
-    state = ex._packed(start, compiled)
-    state[0][k.ARC_ABSOLUTE] = int(not din_plain.arcs_are_plain(ex))
+    state = packed(run, start, compiled)
+    state[0][k.ARC_ABSOLUTE] = int(not din_plain.arcs_are_plain(run))
     state[0][k.ACTIVE_AXES] &= 7
     before, first = rows.count, at
-    at = ex.run_kernel(run, columns, state, count, at)
-    ex._unpack(state)
+    at = run_kernel(run, kernel, columns, state, count, at)
+    unpack(run, state)
     if s.unknown_modes & OF_FEEDS:
         s.feed = math.nan
-    continued = din_plain.taken(ex, start, before, columns[:3], first, at, numbers)
+    continued = din_plain.taken(run, start, before, columns[:3], first, at, numbers)
     s.motion = 0
     return at, continued

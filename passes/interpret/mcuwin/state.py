@@ -1,7 +1,7 @@
 """The state that controllers of DIN blocks with Pascal inside have beside the one of all (McuWIN).
 
 Sections are those of the APCI-8001 G-code manual, McuWIN V 2.5.3.133; docs/dialects/mcuwin.md says how open questions
-are read. Values are immutable; a change is a new ``DinState``. Columns are those of ``AXIS_NAMES``.
+are read. Values are immutable; a change is a new ``McuWinState``. Columns are those of ``AXIS_NAMES``.
 """
 
 from __future__ import annotations
@@ -10,19 +10,24 @@ import math
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
+from gproof.ir import modal_groups as g
 from gproof.ir.dialects.mcuwin import COMMON, DECLARED
 from gproof.ir.din import NO_DIN, Din
 from gproof.ir.finding import Span
 from gproof.ir.machine import AXES, AXIS_NAMES, Machine
 from gproof.ir.program import Declare, Program
 from gproof.ir.record import record
+from gproof.ir.rules import LanguageRules
+from gproof.ir.setup import Setup
 from gproof.ir.symbolic import NOWHERE, Position, Value
 from gproof.ir.trace import Boundary
-from gproof.passes.interpret.wincnc.state import Pairs, letters_of
+from gproof.passes.interpret.core.axis_words import letters_of, linear_axes
+from gproof.passes.interpret.core.channels import Pairs
+from gproof.passes.interpret.core.modal_state import Modal
+from gproof.passes.interpret.core.run import Run
 
 if TYPE_CHECKING:
-    from gproof.passes.interpret.core.modal_state import Modal
-    from gproof.passes.interpret.mcuwin.radius_correction import Correction
+    from gproof.passes.interpret.mcuwin.correction import Correction
 
 
 def whole_numbers(program: Program) -> frozenset[int]:
@@ -49,7 +54,7 @@ SAME = 1e-9
 
 
 @record(frozen=True, slots=True, kw_only=True)
-class DinState:
+class McuWinState:
     """Lengths mm, angles degrees.
 
     mode_open: whether words are places or distances nobody knows (G53 in G91, 3.18). reflected: columns; factors: of X
@@ -101,12 +106,9 @@ class DinState:
     told: frozenset[str] = frozenset()
     mirrored: tuple[str, Span] | None = None
 
-    def but(self, **changes: Any) -> DinState:
+    def but(self, **changes: Any) -> McuWinState:
         """The same with some values changed."""
         return replace(self, **changes)
-
-
-NO_DIN_STATE = DinState()
 
 
 def din_of(machine: Machine) -> Din:
@@ -126,9 +128,9 @@ def mirror_columns(machine: Machine) -> tuple[int | None, int | None]:
     return letters.get("X"), letters.get("Y")
 
 
-def factor(modal: Modal, axis: int) -> float:
+def factor(modal: McuWinModal, axis: int) -> float:
     """What a programmed number of an axis is multiplied by; NaN: open."""
-    din = modal.din
+    din = modal.own
     if axis not in din.reflected:
         return 1.0
     return din.factors[mirror_columns(modal.machine).index(axis)]
@@ -140,18 +142,18 @@ def has_tools(machine: Machine) -> bool | None:
     return None if tools is None else bool(tools)
 
 
-def zero_offset_table(modal: Modal, record: int, axis: int) -> Position:
+def zero_offset_table(modal: McuWinModal, record: int, axis: int) -> Position:
     """A number of the zero offset table, G54 first (3.19): the setup's, else the machine's file, else an unknown."""
     table = din_of(modal.machine).zero_offsets
     if table is not None and (record, AXIS_NAMES[axis]) not in modal.setup.work:
         row = table[record - 1] if record <= len(table) else ()
         return Position(row[axis]) if axis < len(row) else NOWHERE
-    return modal._symbol(f"work.{record}.{AXIS_NAMES[axis]}")
+    return modal.symbol(f"work.{record}.{AXIS_NAMES[axis]}")
 
 
-def limits_of(modal: Modal) -> tuple[Boundary, ...]:
+def limits_of(modal: McuWinModal) -> tuple[Boundary, ...]:
     """The software limits that rows carry, once a program has changed one (3.29, 3.30)."""
-    din = modal.din
+    din = modal.own
     if din.lower is None or din.upper is None:
         return ()
     held = (
@@ -162,7 +164,73 @@ def limits_of(modal: Modal) -> tuple[Boundary, ...]:
     return (*held, *din.limit_readings)
 
 
-def prepare(modal: Modal) -> None:
+class McuWinModal(Modal):
+    """The state of a run on such a controller. own: what it keeps beside the state of all."""
+
+    own: McuWinState
+
+    def __init__(self, rules: LanguageRules, setup: Setup, machine: Machine) -> None:
+        super().__init__(rules, setup, machine)
+        self.own = McuWinState()
+        prepare(self)
+
+    def _linear_axes(self) -> tuple[bool, ...]:
+        return linear_axes(self.machine)
+
+    def beside_tip(self, axis: int) -> Position:
+        """What the position of an axis has more than the tip of the tool in the spindle, see ``State.tip``."""
+        return self.tool_offset[axis]
+
+    def zero_at_start(self, number: int, axis: int) -> Position:
+        """Before anything has run: what G54 to G58 select is the offset (3.19), one at a time; 0: the one in force."""
+        return self.work_offsets.get((number, axis), NOWHERE) if number else self.g92[axis]
+
+    def _retimed(self) -> tuple[str, ...]:
+        return ()
+
+    def _boundaries(self) -> tuple[Boundary, ...]:
+        return limits_of(self)
+
+    def arc_tolerance(self) -> float:
+        """mm by which the radii at start and end of an arc may differ."""
+        return din_of(self.machine).arc_tolerance
+
+    @property
+    def has_offset_path(self) -> bool:
+        """True while the tool is beside the programmed contour."""
+        return super().has_offset_path or self.own.side != 0
+
+    def forget(self, lost: frozenset[str], cause: str) -> None:
+        """Leave nothing of these modal groups in what the language keeps besides."""
+        found: dict[str, object] = {"contour": False}
+        if g.FEED in lost:
+            found |= {"feed": math.nan, "feed_cause": cause, "asked": ""}
+        if g.REFLECTION in lost:
+            found |= {"reflected": frozenset(), "mirrored": None}
+        if g.FACTORS in lost:
+            found["factors"] = (math.nan, math.nan)
+        if lost & {g.RADIUS, g.TOOL}:
+            found |= {"side": 0, "idle": 0, "corrected": None}
+        if g.TOOL in lost:
+            found["tool"] = None
+        if lost & {g.PLACE, g.PLANE, g.UNITS, g.CENTERS}:
+            found["center"] = (math.nan, math.nan)
+        if g.DISTANCES in lost:
+            found["mode_open"] = False
+        if g.SPLINE in lost:
+            found["spline"] = False
+        if g.CYLINDER in lost:
+            found["radii"] = ()
+        self.own = self.own.but(**found)
+
+
+class McuWinRun(Run):
+    """A run on such a controller."""
+
+    modal: McuWinModal
+
+
+def prepare(modal: McuWinModal) -> None:
     """The start of a job on such a controller."""
     machine, setup = modal.machine, modal.setup
     din = din_of(machine)
@@ -182,7 +250,7 @@ def prepare(modal: Modal) -> None:
     modal.tool_offset = [Position(0.0)] * AXES
     if din.tools is None and setup.default_offset is None:
         # A table may be loaded whose selected record has a length (2.7).
-        modal.tool_offset[2] = modal._symbol("tool.0.z")
+        modal.tool_offset[2] = modal.symbol("tool.0.z")
     number = 0 if setup.tool is None else setup.tool
     if any(record.number == number and record.length != 0.0 for record in din.tools or ()):
         # When a length acts, and along which axis, is not described.
@@ -190,7 +258,7 @@ def prepare(modal: Modal) -> None:
     letters = letters_of(machine)
     named = din.interpolation_axes
     columns = frozenset(letters.values() if named is None else (letters[c] for c in named if c in letters))
-    modal.din = DinState(
+    modal.own = McuWinState(
         centers_absolute=din.absolute_centers, time_unit=din.time_unit, interpolating=columns, at_start=columns,
         tool=0 if setup.tool is None else setup.tool,
     )  # fmt: skip

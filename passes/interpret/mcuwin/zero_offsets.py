@@ -26,205 +26,205 @@ from gproof.passes.interpret.mcuwin.state import SAME, din_of, own_unit
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from gproof.passes.interpret.eding.moves import Motion
-    from gproof.passes.interpret.mcuwin.line import Part
+    from gproof.passes.interpret.mcuwin.parts import Part
+    from gproof.passes.interpret.mcuwin.state import McuWinRun
 
 FROM_WHERE = "whether it counts from the zero offset is not documented (3.29): G53 before it"
 
 
-def end_contour(ex: Motion, line: Part, code: str) -> bool:
+def end_contour(run: McuWinRun, line: Part, code: str) -> bool:
     """GP513 where moves come before that could have been joined with those behind; whether that is so."""
-    s = ex.modal
-    broke = s.din.contour
+    s = run.modal
+    broke = s.own.contour
     if broke:
-        ex.findings.add(codes.CONTOUR_BREAK.at(line.span, code=code))
-    s.din = s.din.but(contour=False)
+        run.findings.add(codes.CONTOUR_BREAK.at(line.span, code=code))
+    s.own = s.own.but(contour=False)
     return broke
 
 
-def _changed(ex: Motion, line: Part, code: str, record: int) -> None:
+def _changed(run: McuWinRun, line: Part, code: str, record: int) -> None:
     """Told in the Trace; 1 behind the number: the axes rest for it."""
-    broke = end_contour(ex, line, code)
-    ex._state_changed()
-    ex.event(Op.OFFSET, line.span, arg=(float(record), float(broke)))
+    broke = end_contour(run, line, code)
+    run.state_changed()
+    run.event(Op.OFFSET, line.span, arg=(float(record), float(broke)))
 
 
-def _no_correction(ex: Motion, line: Part, rule: CodeRule) -> None:
-    if ex.modal.din.side:
+def _no_correction(run: McuWinRun, line: Part, rule: CodeRule) -> None:
+    if run.modal.own.side:
         what = f"{rule.text} while the tool radius is corrected"
         raise Refusal(codes.UNSUPPORTED_CODE.at(line.code_span(), code=what))
 
 
-def _interpolating(ex: Motion) -> frozenset[int]:
+def _interpolating(run: McuWinRun) -> frozenset[int]:
     """Columns whose offsets G53 to G58 set (3.18, 3.19); of doubtful ones nobody knows the offset then."""
-    din = ex.modal.din
-    if not din.programmed_axes and din_of(ex.machine).interpolation_axes is None:
-        ex.assumed["every axis of the machine is an interpolation axis (3.20)"] = None
+    din = run.modal.own
+    if not din.programmed_axes and din_of(run.machine).interpolation_axes is None:
+        run.assumed["every axis of the machine is an interpolation axis (3.20)"] = None
     return din.interpolating
 
 
-def _set(ex: Motion, axis: int, place: Position) -> None:
-    s = ex.modal
-    s.g92[axis] = place if axis not in s.din.doubtful or s.g92[axis] == place else NOWHERE
+def _set(run: McuWinRun, axis: int, place: Position) -> None:
+    s = run.modal
+    s.g92[axis] = place if axis not in s.own.doubtful or s.g92[axis] == place else NOWHERE
 
 
-def offset_off(ex: Motion, line: Part, rule: CodeRule) -> None:
+def offset_off(run: McuWinRun, line: Part, rule: CodeRule) -> None:
     """G53: no offset of the interpolation axes; as G92 does it in G90 (3.18), so that G91 may be over too."""
-    _no_correction(ex, line, rule)
-    s = ex.modal
-    for axis in _interpolating(ex):
-        _set(ex, axis, ZERO)
+    _no_correction(run, line, rule)
+    s = run.modal
+    for axis in _interpolating(run):
+        _set(run, axis, ZERO)
     if not s.absolute:
-        s.din = s.din.but(mode_open=True)
+        s.own = s.own.but(mode_open=True)
     s.stated.add("work")
-    _changed(ex, line, rule.text, 0)
+    _changed(run, line, rule.text, 0)
 
 
-def offset_record(ex: Motion, line: Part, rule: CodeRule) -> None:
+def offset_record(run: McuWinRun, line: Part, rule: CodeRule) -> None:
     """G54 to G58: the offsets of a record of the table, for the interpolation axes, in V 2.5.3.32 for all (4.19)."""
-    _no_correction(ex, line, rule)
-    s = ex.modal
-    if din_of(ex.machine).version == VERSIONS[1]:
-        for each in ex.machine.axes:
+    _no_correction(run, line, rule)
+    s = run.modal
+    if din_of(run.machine).version == VERSIONS[1]:
+        for each in run.machine.axes:
             s.g92[each.index] = s.work_offsets[rule.value, each.index]
     else:
-        for axis in _interpolating(ex):
-            _set(ex, axis, s.work_offsets[rule.value, axis])
+        for axis in _interpolating(run):
+            _set(run, axis, s.work_offsets[rule.value, axis])
     s.stated.add("work")
-    _changed(ex, line, rule.text, rule.value)
+    _changed(run, line, rule.text, rule.value)
 
 
-def _in_doubt(ex: Motion, axis: int) -> bool:
+def _in_doubt(run: McuWinRun, axis: int) -> bool:
     """Whether a number of an axis is in the axis's unit or in that of interpolation, and these differ (3.26, 3.29)."""
-    s = ex.modal
-    return s.unit != own_unit(ex.machine, axis) if s.linear[axis] else axis in dict(s.din.radii)
+    s = run.modal
+    return s.unit != own_unit(run.machine, axis) if s.linear[axis] else axis in dict(s.own.radii)
 
 
-def zero_offset(ex: Motion, line: Part, rule: CodeRule) -> None:
+def zero_offset(run: McuWinRun, line: Part, rule: CodeRule) -> None:
     """G92: the offsets of the named axes: from machine zero in G90, from the offset in force in G91."""
-    _no_correction(ex, line, rule)
-    s = ex.modal
+    _no_correction(run, line, rule)
+    s = run.modal
     words = line.axes()
-    note_assumptions(ex)
+    note_assumptions(run)
     if not words:
         raise Refusal(codes.G92_AXIS_MISSING.at(line.code_span()))
     open_axes = []
     for axis, value in words.items():
-        place = _number(ex, line, axis, value)
+        place = _number(run, line, axis, value)
         moved = place if s.absolute else s.g92[axis].plus(place)
-        if s.din.mode_open and s.g92[axis] != ZERO:
+        if s.own.mode_open and s.g92[axis] != ZERO:
             moved = NOWHERE
-        if value != 0.0 and (_in_doubt(ex, axis) or axis in s.din.reflected):
-            open_axes.append(ex.machine.word(axis))
+        if value != 0.0 and (_in_doubt(run, axis) or axis in s.own.reflected):
+            open_axes.append(run.machine.word(axis))
             moved = NOWHERE
         s.g92[axis] = moved
-    _changed(ex, line, rule.text, 0)
+    _changed(run, line, rule.text, 0)
     if open_axes:
         what = f"in which unit or direction {rule.text} counts {' '.join(open_axes)} under G70, G51 or a reflection"
         raise Refusal(codes.TRANSFORM_OPEN.at(line.span, what=what))
 
 
-def _number(ex: Motion, line: Part, axis: int, value: Value) -> Position:
-    scale = own_unit(ex.machine, axis)
+def _number(run: McuWinRun, line: Part, axis: int, value: Value) -> Position:
+    scale = own_unit(run.machine, axis)
     if not isinstance(value, Unknown):
         return Position(value * scale)
-    word = ex.machine.word(axis)
+    word = run.machine.word(axis)
     if not value.bounded:
-        ex.findings.add(not_known(line.where(word), word, value))
+        run.findings.add(not_known(line.where(word), word, value))
         return NOWHERE
-    return ex.unknown_place("value", axis, (value.low * scale, value.high * scale), ZERO)
+    return run.unknown_place("value", axis, (value.low * scale, value.high * scale), ZERO)
 
 
-def _number_open(ex: Motion, axis: int) -> bool:
+def _number_open(run: McuWinRun, axis: int) -> bool:
     """Whether it is open in which unit CD50 and on hold an offset: that of IniCfg, of G70 or along G51 (3.33)."""
-    s = ex.modal
+    s = run.modal
     if s.linear[axis]:
-        return s.unit != (din_of(ex.machine).position_unit or 1.0)
-    return axis in dict(s.din.radii) or own_unit(ex.machine, axis) != 1.0
+        return s.unit != (din_of(run.machine).position_unit or 1.0)
+    return axis in dict(s.own.radii) or own_unit(run.machine, axis) != 1.0
 
 
-def read_offset(ex: Motion, line: Part, rule: CodeRule) -> None:
+def read_offset(run: McuWinRun, line: Part, rule: CodeRule) -> None:
     """G153: the offsets of all axes into CD 50 and on, in interpolation units."""
-    s = ex.modal
+    s = run.modal
     told: list[tuple[Value, Position]] = []
-    for number, axis in enumerate(ex.machine.axes):
+    for number, axis in enumerate(run.machine.axes):
         place = s.g92[axis.index]
         value: Value = s.plain(place, s.unit if s.linear[axis.index] else 1.0, OFFSETS_AT + number)
         if isinstance(value, Unknown):
             value = Unknown(f"the zero offset of {axis.word}", value.low, value.high)
-        elif place != ZERO and _number_open(ex, axis.index):
+        elif place != ZERO and _number_open(run, axis.index):
             value = Unknown(f"the unit of {axis.word}'s zero offset in CD{OFFSETS_AT + number}")
         s.parameters[OFFSETS_AT + number] = value
         told.append((value, place))
-    s.din = s.din.but(told=s.din.told | {"offsets read"}, stored=tuple(told))
+    s.own = s.own.but(told=s.own.told | {"offsets read"}, stored=tuple(told))
 
 
-def restore_offset(ex: Motion, line: Part, rule: CodeRule) -> None:
+def restore_offset(run: McuWinRun, line: Part, rule: CodeRule) -> None:
     """G154: the offsets of all axes from CD 50 and on, as G153 has left them or as the job has set them."""
-    _no_correction(ex, line, rule)
-    s = ex.modal
-    stored = s.din.stored
-    for number, axis in enumerate(ex.machine.axes):
+    _no_correction(run, line, rule)
+    s = run.modal
+    stored = s.own.stored
+    for number, axis in enumerate(run.machine.axes):
         value = s.parameters.get(OFFSETS_AT + number)
         if value is None:
             s.g92[axis.index] = NOWHERE
-            ex.findings.add(codes.UNKNOWN_VALUE.at(
+            run.findings.add(codes.UNKNOWN_VALUE.at(
                 line.span, word=f"the zero offset of {axis.word}", cause=f"CD{OFFSETS_AT + number}",
                 why=NOBODY))  # fmt: skip
         elif isinstance(value, Unknown):
             # The very value that the last G153 left there, not one of the same description.
             same = stored is not None and value is stored[number][0]
             s.g92[axis.index] = stored[number][1] if same and stored is not None else NOWHERE
-        elif value != 0.0 and _number_open(ex, axis.index):
+        elif value != 0.0 and _number_open(run, axis.index):
             s.g92[axis.index] = NOWHERE
             cause = f"the unit in which CD{OFFSETS_AT + number} counts"
-            ex.findings.add(
+            run.findings.add(
                 codes.UNKNOWN_VALUE.at(line.span, word=f"the zero offset of {axis.word}", cause=cause, why=NOBODY)
             )
         else:
             s.g92[axis.index] = Position(value * (s.unit if s.linear[axis.index] else 1.0))
-    _changed(ex, line, rule.text, 0)
+    _changed(run, line, rule.text, 0)
 
 
-def limit(ex: Motion, line: Part, rule: CodeRule) -> None:
+def limit(run: McuWinRun, line: Part, rule: CodeRule) -> None:
     """G98, G99: software limits of the named axes on the left and on the right, machine coordinates."""
-    s = ex.modal
+    s = run.modal
     words = line.axes()
     if not words:
         raise Refusal(codes.AXIS_WORDS_MISSING.at(line.code_span(), code=rule.text))
-    by_index = {axis.index: axis for axis in ex.machine.axes}
-    lower = list(s.din.lower or [by_index[n].lower if n in by_index else None for n in range(AXES)])
-    upper = list(s.din.upper or [by_index[n].upper if n in by_index else None for n in range(AXES)])
+    by_index = {axis.index: axis for axis in run.machine.axes}
+    lower = list(s.own.lower or [by_index[n].lower if n in by_index else None for n in range(AXES)])
+    upper = list(s.own.upper or [by_index[n].upper if n in by_index else None for n in range(AXES)])
     left = rule.function is F.LIMIT_LEFT
-    unsure = set(s.din.limits_open)
-    readings = [edge for edge in s.din.limit_readings if edge.axis not in words or (edge.low is None) == left]
+    unsure = set(s.own.limits_open)
+    readings = [edge for edge in s.own.limit_readings if edge.axis not in words or (edge.low is None) == left]
     for axis, value in words.items():
         side = lower if left else upper
-        scale = own_unit(ex.machine, axis)
-        if isinstance(value, Unknown) or _in_doubt(ex, axis) or axis in s.din.reflected:
+        scale = own_unit(run.machine, axis)
+        if isinstance(value, Unknown) or _in_doubt(run, axis) or axis in s.own.reflected:
             # In which unit, and which way: a limit that nobody knows holds nothing, and the one before it no more.
             unsure.add(axis)
             side[axis] = None
-            ex._fail(codes.LIMIT_UNKNOWN.at(
-                line.where(ex.machine.word(axis)), side="left" if left else "right", axis=ex.machine.word(axis),
+            run.fail(codes.LIMIT_UNKNOWN.at(
+                line.where(run.machine.word(axis)), side="left" if left else "right", axis=run.machine.word(axis),
                 hint="program it without reflection and in the axis's own unit (3.29)"))  # fmt: skip
             continue
         if not s.absolute:
             unsure.add(axis)
             side[axis] = None
-            ex._fail(codes.LIMIT_UNKNOWN.at(
-                line.where(ex.machine.word(axis)), side="left" if left else "right", axis=ex.machine.word(axis),
+            run.fail(codes.LIMIT_UNKNOWN.at(
+                line.where(run.machine.word(axis)), side="left" if left else "right", axis=run.machine.word(axis),
                 hint="whether G91 holds for it is not documented: G90 before"))  # fmt: skip
             continue
-        origins = _origins(ex, axis)
+        origins = _origins(run, axis)
         places = [Position(value * scale).plus(origin) for origin in origins]
-        ends = [_ends(ex, place) for place in places]
+        ends = [_ends(run, place) for place in places]
         if all(_past_all(by_index[axis], high if left else low, left=left) for low, high in ends):
             # The end stops decide there, and nobody said where they are.
             unsure.add(axis)
             key = "travel_min" if left else "travel_max"
-            ex._fail(codes.LIMIT_UNKNOWN.at(
-                line.where(ex.machine.word(axis)), side="left" if left else "right", axis=ex.machine.word(axis),
+            run.fail(codes.LIMIT_UNKNOWN.at(
+                line.where(run.machine.word(axis)), side="left" if left else "right", axis=run.machine.word(axis),
                 hint=f"it lies past that of the machine file, where {key} of [axes] says how far the axis goes",
             ))  # fmt: skip
         widest = min(low for low, _ in ends) if left else max(high for _, high in ends)
@@ -232,26 +232,26 @@ def limit(ex: Motion, line: Part, rule: CodeRule) -> None:
         if len(origins) > 1:
             readings += _open_ends(axis, value * scale, origins, widest, left=left)
         if NOWHERE in origins:
-            ex._fail(codes.LIMIT_UNKNOWN.at(
-                line.where(ex.machine.word(axis)), side="left" if left else "right", axis=ex.machine.word(axis),
+            run.fail(codes.LIMIT_UNKNOWN.at(
+                line.where(run.machine.word(axis)), side="left" if left else "right", axis=run.machine.word(axis),
                 hint=FROM_WHERE))  # fmt: skip
-        _stands(ex, line, axis, places, left=left)
-    s.din = s.din.but(
+        _stands(run, line, axis, places, left=left)
+    s.own = s.own.but(
         lower=tuple(lower), upper=tuple(upper), limit_readings=tuple(readings), limits_open=frozenset(unsure)
     )
-    _use_limits(ex)
+    _use_limits(run)
 
 
-def _origins(ex: Motion, axis: int) -> list[Position]:
+def _origins(run: McuWinRun, axis: int) -> list[Position]:
     """Where a limit of G98 or G99 may count from: machine zero, or the zero offset in force (3.29 leaves it open)."""
-    offset = ex.modal.g92[axis]
-    low, high = _ends(ex, offset)
+    offset = run.modal.g92[axis]
+    low, high = _ends(run, offset)
     return [ORIGIN] if -SAME <= low <= high <= SAME else [ORIGIN, offset]
 
 
-def _ends(ex: Motion, place: Position) -> tuple[float, float]:
+def _ends(run: McuWinRun, place: Position) -> tuple[float, float]:
     """The least and the greatest number that a place can be; infinite where nobody knows it."""
-    value = ex.modal.plain(place, 1.0, 0)
+    value = run.modal.plain(place, 1.0, 0)
     return (-math.inf, math.inf) if isinstance(value, Unknown) and not value.bounded else bounds(value)
 
 
@@ -271,45 +271,45 @@ def _past_all(axis: Axis, place: float, *, left: bool) -> bool:
     return travel is None and soft is not None and (place < soft if left else place > soft)
 
 
-def _stands(ex: Motion, line: Part, axis: int, limits: list[Position], *, left: bool) -> None:
+def _stands(run: McuWinRun, line: Part, axis: int, limits: list[Position], *, left: bool) -> None:
     """GP301 where the axis stands past its new limit, which the controller watches at once (13.1.1.7); else GP304.
 
     limits: where it is in each reading; past some of them only is GP302.
     """
-    at, word = ex.modal.position[axis], ex.machine.word(axis)
+    at, word = run.modal.position[axis], run.machine.word(axis)
     if at == NOWHERE:
         return
     # How far past each limit it stands, at least and at most.
-    rooms = [_ends(ex, limit.minus(at) if left else at.minus(limit)) for limit in limits if limit != NOWHERE]
+    rooms = [_ends(run, limit.minus(at) if left else at.minus(limit)) for limit in limits if limit != NOWHERE]
     if not all(math.isfinite(low) for low, _ in rooms):
-        ex.assumed[f"{word} stands within the limits that G98 and G99 set where they set them"] = None
+        run.assumed[f"{word} stands within the limits that G98 and G99 set where they set them"] = None
         rooms = [room for room in rooms if math.isfinite(room[0])]
     if len(rooms) == len(limits) and min(low for low, _ in rooms) > SAME:
-        known = ex.machine.axis(AXIS_NAMES[axis])
-        low, high = _ends(ex, at)
+        known = run.machine.axis(AXIS_NAMES[axis])
+        low, high = _ends(run, at)
         nearest, over = high if left else low, min(low for low, _ in rooms)
-        ex._fail(codes.SOFT_LIMIT.at(
+        run.fail(codes.SOFT_LIMIT.at(
             line.where(word), axis=word, reached=nearest, unit="mm" if known is None else known.unit,
             over=over, side="lower" if left else "upper", limit=nearest + (over if left else -over),
             hint="it stands there already",
         ))  # fmt: skip
     elif any(low > SAME for low, _ in rooms):
         side = "lower" if left else "upper"
-        ex._fail(codes.LIMIT_UNKNOWN.at(line.where(word), side=side, axis=word, hint=FROM_WHERE))
+        run.fail(codes.LIMIT_UNKNOWN.at(line.where(word), side=side, axis=word, hint=FROM_WHERE))
     elif any(high > SAME for _, high in rooms):
-        ex._fail(codes.POSITION_UNKNOWN.at(line.where(word), axis=word, cause=describe(at.form)))
+        run.fail(codes.POSITION_UNKNOWN.at(line.where(word), axis=word, cause=describe(at.form)))
 
 
-def _use_limits(ex: Motion) -> None:
+def _use_limits(run: McuWinRun) -> None:
     """Rows carry the limits; where one lies beyond that of the machine's file, the end stops of the axis decide."""
-    s = ex.modal
+    s = run.modal
     wider = False
-    for axis in ex.machine.axes:
-        low, high = (s.din.lower or ())[axis.index], (s.din.upper or ())[axis.index]
+    for axis in run.machine.axes:
+        low, high = (s.own.lower or ())[axis.index], (s.own.upper or ())[axis.index]
         wider = wider or (axis.lower is not None and (low is None or low < axis.lower))
         wider = wider or (axis.upper is not None and (high is None or high > axis.upper))
     s.guards_off = tuple(sorted({*s.guards_off, "machine_area"} if wider else {*s.guards_off} - {"machine_area"}))
-    ex._state_changed()
+    run.state_changed()
 
 
 HANDLERS: dict[F, Handler] = {

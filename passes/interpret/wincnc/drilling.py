@@ -16,20 +16,13 @@ from gproof.ir.rules import Function as F
 from gproof.ir.symbolic import NOWHERE, Position
 from gproof.ir.trace import Op
 from gproof.passes.interpret.core.open_numbers import low_of, number_or_open
-from gproof.passes.interpret.wincnc.moves import (
-    Handler,
-    aim,
-    feed_word,
-    is_absolute,
-    mapped,
-    note_assumptions,
-    place_of,
-)
+from gproof.passes.interpret.wincnc.axis_targets import aim, is_absolute, mapped, place_of
+from gproof.passes.interpret.wincnc.moves import feed_word, note_assumptions
 from gproof.passes.interpret.wincnc.state import UNSCALED
 
 if TYPE_CHECKING:
-    from gproof.passes.interpret.eding.moves import Motion
-    from gproof.passes.interpret.wincnc.line import Command
+    from gproof.passes.interpret.wincnc.command import Command
+    from gproof.passes.interpret.wincnc.state import WinCncRun
 
 CYCLES = (F.DRILL, F.DRILL_DWELL, F.DRILL_PECK, F.DRILL_CHIP_BREAK)
 _PECKS = (F.DRILL_PECK, F.DRILL_CHIP_BREAK)
@@ -41,15 +34,15 @@ DRILL = 2
 MAX_PECKS = 100_000
 
 
-def drill(ex: Motion, line: Command, rule: CodeRule) -> None:
+def drill(run: WinCncRun, line: Command, rule: CodeRule) -> None:
     """One hole; Refusal GP113, GP216, GP217, GP218, GP222 or GP223."""
-    note_assumptions(ex, line.span)
-    s = ex.modal
-    if not is_absolute(ex):
+    note_assumptions(run, line.span)
+    s = run.modal
+    if not is_absolute(run):
         raise Refusal(
             codes.UNSUPPORTED_CODE.at(line.span, code=f"{rule.text} with distances (G91): what Z and R count")
         )
-    if "autoaux" in s.single.flags:
+    if "autoaux" in s.own.flags:
         raise Refusal(codes.UNSUPPORTED_CODE.at(line.span, code=f"the automatic output (L34) during {rule.text}"))
     if s.feed_mode == 93:
         raise Refusal(codes.CYCLE_INVERSE_TIME.at(line.span, code=rule.text))
@@ -58,10 +51,10 @@ def drill(ex: Motion, line: Command, rule: CodeRule) -> None:
     # What a Q of 0 or less does the manual does not say: one that may be none above 0 is not followed.
     words["Q"] = None if low_of(line, "Q") > 0.0 else line.number("Q")
     if words["Q"] is None:
-        words["Q"] = number_or_open(ex, line, "Q", rule.text, positive=True)
-    words["P"] = number_or_open(ex, line, "P", rule.text)
+        words["Q"] = number_or_open(run, line, "Q", rule.text, positive=True)
+    words["P"] = number_or_open(run, line, "P", rule.text)
     found = {letter: sticky.get(letter) if value is None else value for letter, value in words.items()}
-    if any(axis > 2 for axis in mapped(ex, line)):
+    if any(axis > 2 for axis in mapped(run, line)):
         raise Refusal(codes.UNSUPPORTED_CODE.at(line.span, code=f"{rule.text} with other axes than X, Y and Z"))
     depth_word, r_word, peck_word = found["Z"], found["R"], found["Q"]
     if depth_word is None:
@@ -76,40 +69,40 @@ def drill(ex: Motion, line: Command, rule: CodeRule) -> None:
     for letter in "QPL":
         if letter in line.values and rule.function not in _USES[letter]:
             where = line.where(letter)
-            ex.findings.add(codes.CYCLE_WORD_IGNORED.at(where, word=f"{letter}{words[letter]:g}", code=rule.text))
-    _tell_settings(ex, line, rule, found["P"])
-    if any(axis != source and DRILL in (axis, source) for axis, source in enumerate(s.single.sources)):
+            run.findings.add(codes.CYCLE_WORD_IGNORED.at(where, word=f"{letter}{words[letter]:g}", code=rule.text))
+    _tell_settings(run, line, rule, found["P"])
+    if any(axis != source and DRILL in (axis, source) for axis, source in enumerate(s.own.sources)):
         raise Refusal(codes.UNSUPPORTED_CODE.at(line.span, code=f"{rule.text} while L11 or L12 maps Z"))
-    factor = dict(s.single.scales).get(DRILL, UNSCALED)[0]
-    r, depth = place_of(ex, DRILL, r_word), place_of(ex, DRILL, depth_word)
+    factor = dict(s.own.scales).get(DRILL, UNSCALED)[0]
+    r, depth = place_of(run, DRILL, r_word), place_of(run, DRILL, depth_word)
     if NOWHERE in (r, depth) or factor < 0.0:
         raise Refusal(codes.TRANSFORM_OPEN.at(line.span, what=f"where {rule.text} ends under G51"))
     if r.value <= depth.value:
         raise Refusal(
             codes.CYCLE_R_BELOW_DEPTH.at(line.where("R"), code=rule.text, r=r_word, letter="Z", depth=depth_word)
         )
-    _doubt_kept(line, rule, s.single.cycle_at if sticky else None, depth, r)
+    _doubt_kept(line, rule, s.own.cycle_at if sticky else None, depth, r)
     peck = (peck_word or 0.0) * s.scale(DRILL)
     if rule.function in _PECKS and (r.value - depth.value) / peck > MAX_PECKS:
         raise Refusal(codes.UNSUPPORTED_CODE.at(line.span, code=f"a cycle of more than {MAX_PECKS} pecks"))
-    feed_word(ex, line, {DRILL})
+    feed_word(run, line, {DRILL})
     s.cycle_code = rule.tenths
     s.cycle = {letter: value for letter, value in found.items() if value is not None}
-    s.single = s.single.but(cycle_at=(depth, r))
+    s.own = s.own.but(cycle_at=(depth, r))
     target = list(s.position)
-    aimed = aim(ex, line)
+    aimed = aim(run, line)
     target[0], target[1] = aimed[0], aimed[1]
-    ex.move(Op.TRAVERSE, target, line.span)
-    ex._moved = True
-    _go(ex, line, Op.TRAVERSE, r)
+    run.move(Op.TRAVERSE, target, line.span)
+    run.moved = True
+    _go(run, line, Op.TRAVERSE, r)
     if rule.function is F.DRILL_PECK:
-        _pecks(ex, line, r, depth, peck, found["L"], open_=factor != 1.0 or math.isnan(peck))
+        _pecks(run, line, r, depth, peck, found["L"], open_=factor != 1.0 or math.isnan(peck))
     elif rule.function is F.DRILL_CHIP_BREAK:
-        _chips(ex, line, r, depth, peck, open_=factor != 1.0 or math.isnan(peck))
+        _chips(run, line, r, depth, peck, open_=factor != 1.0 or math.isnan(peck))
     else:
-        _go(ex, line, Op.FEED, depth)
-    _dwell(ex, line, rule, found["P"])
-    _go(ex, line, Op.TRAVERSE, r)
+        _go(run, line, Op.FEED, depth)
+    _dwell(run, line, rule, found["P"])
+    _go(run, line, Op.TRAVERSE, r)
 
 
 def _doubt_kept(
@@ -122,10 +115,10 @@ def _doubt_kept(
             raise Refusal(codes.UNSUPPORTED_CODE.at(line.span, code=f"{rule.text} with {what}"))
 
 
-def _tell_settings(ex: Motion, line: Command, rule: CodeRule, pause: float | None) -> None:
+def _tell_settings(run: WinCncRun, line: Command, rule: CodeRule, pause: float | None) -> None:
     """GP512, once a job, where two keys of the machine's file speak of one thing, or one of what the code says too."""
-    s = ex.modal
-    settings = ex.machine.controller.controls.drill
+    s = run.modal
+    settings = run.machine.controller.controls.drill
     told = []
     both = settings.dwell, settings.other_dwell
     if None not in both and both[0] != both[1] and not (rule.function is F.DRILL_DWELL and pause):
@@ -134,87 +127,88 @@ def _tell_settings(ex: Motion, line: Command, rule: CodeRule, pause: float | Non
         told.append("g81set= L lifts above the top of the hole, G83 to R: both are taken, the lift above R")
     for what in told:
         name = f"told {what[:12]}"
-        if name not in s.single.flags:
-            s.single = s.single.but(flags=s.single.flags | {name})
-            ex.findings.add(codes.DRILL_SETTING_OPEN.at(line.span, code=rule.text, what=what))
+        if name not in s.own.flags:
+            s.own = s.own.but(flags=s.own.flags | {name})
+            run.findings.add(codes.DRILL_SETTING_OPEN.at(line.span, code=rule.text, what=what))
 
 
-def _go(ex: Motion, line: Command, op: Op, place: Position) -> None:
-    s = ex.modal
+def _go(run: WinCncRun, line: Command, op: Op, place: Position) -> None:
+    s = run.modal
     target = list(s.position)
     target[DRILL] = place
     if op is Op.FEED:
-        s.feed, s.feed_unit = s.single.feeds[DRILL], 1.0
+        s.feed, s.feed_unit = s.own.feeds[DRILL], 1.0
     if target != s.position:
-        ex.move(op, target, line.span)
+        run.move(op, target, line.span)
 
 
 def _pecks(
-    ex: Motion, line: Command, r: Position, depth: Position, peck: float, lift_word: float | None, *, open_: bool
+    run: WinCncRun, line: Command, r: Position, depth: Position, peck: float, lift_word: float | None, *, open_: bool
 ) -> None:  # fmt: skip
     """G83: back to R after each peck but the last, then rapid to just above where it was.
 
     With g81set=L the way back ends so far above R: the top of the hole, from which it counts, is nowhere above R.
     open_: Q is not known, or whether G51 makes other pecks of it is not said: they end anywhere on the way.
     """
-    settings = ex.machine.controller.controls.drill
+    settings = run.machine.controller.controls.drill
     approach = APPROACH if settings.approach is None else settings.approach
     if lift_word:
         raise Refusal(codes.UNSUPPORTED_CODE.at(line.span, code="L beside R (G83)"))
     top = r
     if settings.lift is not None and settings.lift > 0.0:
         top = Position(r.value + settings.lift, r.form)
-        ex.assumed["between pecks (G83) a drill lifts no higher than g81set=L above R"] = None
+        run.assumed["between pecks (G83) a drill lifts no higher than g81set=L above R"] = None
     if open_:
-        for op, place in ((Op.FEED, _between(ex, r, depth)), (Op.TRAVERSE, top), (Op.TRAVERSE, _between(ex, r, depth))):
-            _go(ex, line, op, place)
-        _go(ex, line, Op.FEED, depth)
+        for op, place in (
+            (Op.FEED, _between(run, r, depth)),
+            (Op.TRAVERSE, top),
+            (Op.TRAVERSE, _between(run, r, depth)),
+        ):
+            _go(run, line, op, place)
+        _go(run, line, Op.FEED, depth)
         return
     at = r.value
     while at - peck > depth.value + 1e-9:
         at -= peck
-        _go(ex, line, Op.FEED, Position(at, r.form))
-        _go(ex, line, Op.TRAVERSE, top)
-        _go(ex, line, Op.TRAVERSE, Position(min(at + approach, r.value), r.form))
-    _go(ex, line, Op.FEED, depth)
+        _go(run, line, Op.FEED, Position(at, r.form))
+        _go(run, line, Op.TRAVERSE, top)
+        _go(run, line, Op.TRAVERSE, Position(min(at + approach, r.value), r.form))
+    _go(run, line, Op.FEED, depth)
 
 
-def _between(ex: Motion, r: Position, depth: Position) -> Position:
+def _between(run: WinCncRun, r: Position, depth: Position) -> Position:
     """Somewhere in the hole."""
-    return ex.unknown_place("value", DRILL, (depth.value - r.value, 0.0), r)
+    return run.unknown_place("value", DRILL, (depth.value - r.value, 0.0), r)
 
 
 def _chips(
-    ex: Motion, line: Command, r: Position, depth: Position, peck: float, *, open_: bool
+    run: WinCncRun, line: Command, r: Position, depth: Position, peck: float, *, open_: bool
 ) -> None:  # fmt: skip
     """G73: a little lift after each peck but the last. open_: see ``_pecks``."""
     if open_:
-        top = ex.unknown_place("value", DRILL, (depth.value - r.value, APPROACH), r)
-        for op, place in ((Op.FEED, _between(ex, r, depth)), (Op.TRAVERSE, top)):
-            _go(ex, line, op, place)
-        _go(ex, line, Op.FEED, depth)
+        top = run.unknown_place("value", DRILL, (depth.value - r.value, APPROACH), r)
+        for op, place in ((Op.FEED, _between(run, r, depth)), (Op.TRAVERSE, top)):
+            _go(run, line, op, place)
+        _go(run, line, Op.FEED, depth)
         return
     at = r.value
     while at - peck > depth.value + 1e-9:
         at -= peck
-        _go(ex, line, Op.FEED, Position(at, r.form))
-        _go(ex, line, Op.TRAVERSE, Position(at + APPROACH, r.form))
-    _go(ex, line, Op.FEED, depth)
+        _go(run, line, Op.FEED, Position(at, r.form))
+        _go(run, line, Op.TRAVERSE, Position(at + APPROACH, r.form))
+    _go(run, line, Op.FEED, depth)
 
 
-def _dwell(ex: Motion, line: Command, rule: CodeRule, word: float | None) -> None:
+def _dwell(run: WinCncRun, line: Command, rule: CodeRule, word: float | None) -> None:
     """At the bottom: P of G82 in milliseconds, else the machine's setting, of two the longer."""
-    settings = ex.machine.controller.controls.drill
+    settings = run.machine.controller.controls.drill
     stated = [value for value in (settings.dwell, settings.other_dwell) if value]
     seconds = word / 1000.0 if rule.function is F.DRILL_DWELL and word else max(stated, default=0.0)
     if seconds:
-        ex.event(Op.DWELL, line.span, arg=(seconds, 0.0))
+        run.event(Op.DWELL, line.span, arg=(seconds, 0.0))
 
 
-def cancel(ex: Motion, line: Command, rule: CodeRule) -> None:
+def cancel(run: WinCncRun, line: Command, rule: CodeRule) -> None:
     """G80: lines without a command are no holes any more, but moves as they were before."""
-    s = ex.modal
+    s = run.modal
     s.cycle, s.cycle_code = {}, 0
-
-
-HANDLERS: dict[F, Handler] = {**dict.fromkeys(CYCLES, drill), F.MOTION_CANCEL: cancel}

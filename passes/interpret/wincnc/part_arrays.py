@@ -6,7 +6,8 @@ say: one row or one column is modelled, a grid where the machine's file states i
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -20,7 +21,7 @@ from gproof.passes.interpret.core.block_tables import CHUNK_BYTES
 from gproof.passes.interpret.core.call_stack import Cells, Frame, Kept, PlainCell
 
 if TYPE_CHECKING:
-    from gproof.passes.interpret.core.executor import Executor
+    from gproof.passes.interpret.wincnc.state import WinCncRun
 
 FEW_CELLS = 4
 """So many cells at once are worth the call."""
@@ -28,45 +29,56 @@ MOST_LINES = 1000
 """Lines of a cell that is run with others at once; in longer ones what lies between cells is no matter."""
 
 
-def begin_array(ex: Executor, node: Array) -> None:
+class PlainCells:
+    """Cells that a kernel may run.
+
+    run: runs some, see ``PlainLines.cells``; known: by array its cell, None where that is not plain.
+    """
+
+    def __init__(self, run: Callable[[WinCncRun, PlainCell, Any, int], int]) -> None:
+        self.run = run
+        self.known: dict[int, PlainCell | None] = {}
+
+
+def begin_array(run: WinCncRun, node: Array) -> None:
     """Enter the body of an array; Refusals become findings, and the body runs once then."""
-    s = ex.modal
+    s = run.modal
     cells: Cells | None = None
     is_open = False
     try:
-        cells = _cells(ex, node)
+        cells = _cells(run, node)
     except Refusal as refusal:
-        finding = ex.as_accepted(refusal.finding)
+        finding = run.as_accepted(refusal.finding)
         is_open = finding.severity is not Severity.ERROR
-        ex._refuse(finding)
-    ex._enter(node.span)
-    ex._stack.append(Frame(node.body, node, cells=cells))
-    s.single = s.single.but(cell_open=cells is not None and cells.count > 1)
+        run.refuse(finding)
+    run.flow.order.enter(node.span)
+    run.flow.stack.append(Frame(node.body, node, cells=cells))
+    s.own = s.own.but(cell_open=cells is not None and cells.count > 1)
     if is_open:
         s.position[0] = s.position[1] = NOWHERE
         s.jumped = True
 
 
-def _cells(ex: Executor, node: Array) -> Cells:
-    s = ex.modal
+def _cells(run: WinCncRun, node: Array) -> Cells:
+    s = run.modal
     values: dict[str, float] = {}
     for word in node.words:
         if word.letter not in "RCXYE" or word.letter in values:
             raise Refusal(
                 codes.ARRAY_PARAMETERS.at(word.span, code="L10", what=f"{word.letter} is not one of R C X Y E")
             )
-        value = ex.evaluator.value(word.value)
+        value = run.evaluator.value(word.value)
         if isinstance(value, Unknown):
             raise Refusal(codes.UNKNOWN_CONDITION.at(word.span, cause=value.cause))
         values[word.letter] = value
-    _need_own_axes(ex, node)
+    _need_own_axes(run, node)
     rows, columns = values.get("R", 1.0), values.get("C", 1.0)
     for letter, count in (("R", rows), ("C", columns)):
         if count < 1 or count != round(count) or count > 1_000_000:
             what = f"{letter} is {count:g}, not a number of rows or columns"
             raise Refusal(codes.ARRAY_PARAMETERS.at(node.span, code="L10", what=what))
     x, y = values.get("X", 0.0) * s.scale(0), values.get("Y", 0.0) * s.scale(1)
-    order = ex.machine.controller.controls.array_order
+    order = run.machine.controller.controls.array_order
     if order:
         where = s.position[0], s.position[1]
         return Cells(int(rows), int(columns), (x, y), where, goes_back="E" not in values, by_rows=order == "rows")
@@ -80,67 +92,67 @@ def _cells(ex: Executor, node: Array) -> Cells:
     return Cells(int(rows), int(columns), (x, y), (s.position[0], s.position[1]), goes_back="E" not in values)
 
 
-def _need_own_axes(ex: Executor, node: Array) -> None:
+def _need_own_axes(run: WinCncRun, node: Array) -> None:
     """Refusal GP113 where X or Y do not go where their words say: whether the way to a cell does is not said."""
-    single = ex.modal.single
+    single = run.modal.own
     moved = {axis for axis in (0, 1) if single.sources[axis] != axis}
     moved |= {source for axis, source in enumerate(single.sources) if source in (0, 1) and axis != source}
     bound = {axis for pair in single.slaves for axis in pair} | single.locked
-    if moved or bound & {0, 1} or ex.modal.transform.on:
+    if moved or bound & {0, 1} or run.modal.transform.on:
         what = "L10 while X or Y is mapped, coupled, locked, scaled or turned (is the way to a cell?)"
         raise Refusal(codes.UNSUPPORTED_CODE.at(node.span, code=what))
 
 
-def next_cell(ex: Executor, frame: Frame) -> bool:
+def next_cell(run: WinCncRun, cells_of: PlainCells, frame: Frame) -> bool:
     """Behind a cell: to the next one, True; behind the last one back to the first, False."""
     cells = frame.cells
     assert cells is not None
-    ex._run_pending()
+    run.flow.hot_blocks.run_pending()
     frame.cell += 1
     try:
-        _need_own_axes(ex, frame.node)  # type: ignore[arg-type]
+        _need_own_axes(run, frame.node)  # type: ignore[arg-type]
     except Refusal as refusal:
-        ex._refuse(ex.as_accepted(refusal.finding))
-        ex.modal.position[0] = ex.modal.position[1] = NOWHERE
-        ex.modal.jumped = True
+        run.refuse(run.as_accepted(refusal.finding))
+        run.modal.position[0] = run.modal.position[1] = NOWHERE
+        run.modal.jumped = True
         return False
-    if ex.modal.single.cell_open and NOWHERE in ex.modal.position[:2]:
+    if run.modal.own.cell_open and NOWHERE in run.modal.position[:2]:
         # Its words of X and Y were refused, which those of each further cell would be too.
-        ex.modal.position[0] = ex.modal.position[1] = NOWHERE
-        ex.modal.jumped = True
+        run.modal.position[0] = run.modal.position[1] = NOWHERE
+        run.modal.jumped = True
         return False
     again = frame.cell < cells.count
-    ex.modal.single = ex.modal.single.but(cell_open=again)
+    run.modal.own = run.modal.own.but(cell_open=again)
     if not again and not cells.goes_back:
         return False
     assert isinstance(frame.node, Array)
-    target = list(ex.modal.position)
+    target = list(run.modal.position)
     times = cells.place(frame.cell) if again else (0, 0)
     for axis in (0, 1):
         target[axis] = cells.start[axis].moved(times[axis] * cells.step[axis])
-    if target != ex.modal.position:
-        ex.move(Op.TRAVERSE, target, frame.node.span)
+    if target != run.modal.position:
+        run.move(Op.TRAVERSE, target, frame.node.span)
     if again:
-        ex.spend(frame.node.span)
+        run.spend(frame.node.span)
         frame.at = 0
-        _many_cells(ex, frame, cells)
+        _many_cells(run, cells_of, frame, cells)
     return again
 
 
-def _many_cells(ex: Executor, frame: Frame, cells: Cells) -> None:
+def _many_cells(run: WinCncRun, cells_of: PlainCells, frame: Frame, cells: Cells) -> None:
     """Where a cell begins: those that are plain lines and nothing else, all but the last, at once."""
     node = frame.node
     assert isinstance(node, Array)
     left = cells.count - 1 - frame.cell
     if left < FEW_CELLS:
         return
-    if id(node) not in ex._cells:
-        ex._cells[id(node)] = _plain_cell(ex, node)
-    cell = ex._cells[id(node)]
-    places = [ex.modal.position[axis] for axis in (0, 1)]
+    if id(node) not in cells_of.known:
+        cells_of.known[id(node)] = _plain_cell(run, node)
+    cell = cells_of.known[id(node)]
+    places = [run.modal.position[axis] for axis in (0, 1)]
     if cell is None or any(a.form != b.form for a, b in zip(places, cells.start, strict=True)):
         return
-    room = (ex._alarm - 1 - ex.blocks) // (cell.lines + 1)
+    room = (run.alarm - 1 - run.blocks) // (cell.lines + 1)
     if room < 1:
         return
     next_ones = np.arange(frame.cell + 1, frame.cell + 1 + min(left, room))
@@ -152,36 +164,36 @@ def _many_cells(ex: Executor, frame: Frame, cells: Cells) -> None:
     ends = np.stack(
         [cells.start[axis].value + times * cells.step[axis] for axis, times in enumerate((column, row))], axis=1
     )
-    file, ex._file = ex._file, cell.file
-    done = ex._manner.cells(ex, cell, ends, node.span.line)
-    ex._file = file
+    file, run.file = run.file, cell.file
+    done = cells_of.run(run, cell, ends, node.span.line)
+    run.file = file
     if done:
         frame.cell += done
-        ex.blocks += done
+        run.blocks += done
 
 
-def back_from_file(ex: Executor, kept: Kept | None) -> None:
+def back_from_file(run: WinCncRun, kept: Kept | None) -> None:
     """A subprogram that is a file is over: local coordinates are the caller's again, unless L92 keeps them."""
     if kept is None:
         return
-    s = ex.modal
-    if not s.single.keep_local:
+    s = run.modal
+    if not s.own.keep_local:
         s.g92 = list(kept.local)
-    s.single = s.single.but(keep_local=kept.keep_local, arguments=kept.arguments)
-    ex._state_changed()
+    s.own = s.own.but(keep_local=kept.keep_local, arguments=kept.arguments)
+    run.state_changed()
 
 
-def _plain_cell(ex: Executor, node: Array) -> PlainCell | None:
+def _plain_cell(run: WinCncRun, node: Array) -> PlainCell | None:
     """The words of a cell where they are literal, all of one file; None where they are not."""
     line: list[int] = []
     letter: list[int] = []
     value: list[float] = []
     flags: list[int] = []
     zeros: tuple[tuple[str, float], ...] = ()
-    file, lines = ex._file, 0
+    file, lines = run.file, 0
     for one in node.body:
         if isinstance(one, BlockTable):
-            words, after, _ = ex._ahead.load(one, one.begin, one.first_line, CHUNK_BYTES)
+            words, after, _ = run.ahead.load(one, one.begin, one.first_line, CHUNK_BYTES)
             if after < one.end or one.file != file or (words["flags"] & FLAG_DELETE).any():
                 return None
             lines += one.last_line - one.first_line + 1
@@ -190,8 +202,8 @@ def _plain_cell(ex: Executor, node: Array) -> PlainCell | None:
             value += words["value"].tolist()
             flags += words["flags"].tolist()
         elif isinstance(one, Block):
-            fast = None if one.deleted or one.texts else compile_block(one, ex.program.rules)
-            if fast is None or fast.reads or fast.targets or ex._file_of(one.span) != file:
+            fast = None if one.deleted or one.texts else compile_block(one, run.program.rules)
+            if fast is None or fast.reads or fast.targets or run.file_of(one.span) != file:
                 return None
             lines += 1
             try:

@@ -1,79 +1,141 @@
-"""Lines of controllers that take one command a line: see ``manner``."""
+"""Lines of controllers that take one command a line: see ``Dialect``."""
 
 from __future__ import annotations
 
+import math
+from collections.abc import Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from gproof.ir.finding import Span
-from gproof.ir.program import Block, Call, Input, Named, Unsupported
-from gproof.ir.symbolic import Value
+from gproof.ir.machine import Machine
+from gproof.ir.program import Array, Block, Call, Input, Named, Program, Unsupported
+from gproof.ir.setup import Setup
+from gproof.ir.symbolic import Position, Value
+from gproof.ir.trace import KNIFE, Op
+from gproof.passes.interpret.core.axis_words import letters_of
 from gproof.passes.interpret.core.call_stack import Frame, Kept, PlainCell
-from gproof.passes.interpret.core.semantics import Manner
+from gproof.passes.interpret.core.dead_variables import Idle
+from gproof.passes.interpret.core.semantics import Dialect, Word
 from gproof.passes.interpret.wincnc import line as single
+from gproof.passes.interpret.wincnc import part_arrays
+from gproof.passes.interpret.wincnc.command import judge_line
+from gproof.passes.interpret.wincnc.coupling import go
 from gproof.passes.interpret.wincnc.fast_path import PlainLines
 from gproof.passes.interpret.wincnc.line_kernels import run_moves
-from gproof.passes.interpret.wincnc.outputs_and_waits import read_input, read_named
-
-if TYPE_CHECKING:
-    from gproof.passes.interpret.core.block_tables import Straight
-    from gproof.passes.interpret.core.executor import Executor
-    from gproof.passes.interpret.core.trace_writer import Emitter
+from gproof.passes.interpret.wincnc.readings import read_input, read_named
+from gproof.passes.interpret.wincnc.state import WinCncModal, WinCncRun
 
 
-class SingleManner(Manner):
-    """Lines of one command. plain: what the kernel needs of the machine, made when a table is entered first."""
+class WinCncDialect(Dialect[WinCncRun]):
+    """Lines of one command.
+
+    plain: what the kernel needs of the machine, made when a table is entered first; cells: arrays whose cells the
+    kernel may run, by node.
+    """
 
     kernel = run_moves
+    hot_blocks = False  # texts, comments and bare letters count in lines besides
+    has_own_feeds = True
+    stored_places = frozenset("PHT")
+    run_type = WinCncRun
 
-    def __init__(self) -> None:
+    def __init__(self, program: Program) -> None:
+        super().__init__(program)
         self.plain: PlainLines | None = None
+        self.plain_cells = part_arrays.PlainCells(self.cells)
 
-    def block(self, ex: Executor, node: Block, words: list[tuple[str, Value, Span]]) -> None:
+    def first_state(self, program: Program, setup: Setup, machine: Machine) -> WinCncModal:
+        """The state in which a job begins."""
+        return WinCncModal(program.rules, setup, machine)
+
+    def nesting(self, machine: Machine) -> int:
+        """How deep calls may be within calls (nesting=)."""
+        own = machine.controller.controls.nesting
+        return super().nesting(machine) if own is None else own
+
+    def letters(self, machine: Machine) -> dict[str, int]:
+        """Column of each letter that moves an axis."""
+        return letters_of(machine)
+
+    def block(self, run: WinCncRun, node: Block, words: list[tuple[str, Value, Span]]) -> None:
         """Execute a line."""
         bare = frozenset(w.letter for w in node.words if w.bare)
-        single.run(ex, node.span, words, texts=node.texts, comment=node.comment, bare=bare)
+        single.run_line(run, node.span, words, texts=node.texts, comment=node.comment, bare=bare)
 
-    def unsupported(self, ex: Executor, node: Unsupported) -> None:
+    def judge_line(self, machine: Machine, span: Span, words: Sequence[Word], bare: frozenset[str]) -> None:
+        """Refusal for a line that means nothing by itself."""
+        judge_line(self.program.rules, letters_of(machine), span, words)
+
+    def unsupported(self, run: WinCncRun, node: Unsupported) -> None:
         """Nothing: what such a line leaves is for the line itself to say."""
 
-    def line(self, ex: Straight, span: Span, words: list[tuple[str, Value, Span]], bare: frozenset[str]) -> None:
+    def line(self, run: WinCncRun, span: Span, words: list[tuple[str, Value, Span]], bare: frozenset[str]) -> None:
         """Execute a line of a table."""
-        single.run(ex, span, words, bare=bare)
+        single.run_line(run, span, words, bare=bare)
 
-    def cold(self, ex: Straight, frame: Frame, columns: tuple[Any, ...], count: int) -> set[int]:
-        """None: of one command a line the kernel hands back what is rare."""
-        return set()
-
-    def hot(self, ex: Straight, run: Any, columns: tuple[Any, ...], count: int, at: int, compiled: bool) -> int:
+    def hot(self, run: WinCncRun, kernel: Any, columns: tuple[Any, ...], count: int, at: int, compiled: bool) -> int:
         """Run lines in the kernel from word ``at``; returns the first word it left over."""
         if self.plain is None:
-            self.plain = PlainLines(ex)
-        return self.plain.run(ex, run, columns, count, at, compiled)
+            self.plain = PlainLines(run)
+        return self.plain.run(run, kernel, columns, count, at, compiled)
 
-    def cells(self, ex: Straight, cell: PlainCell, places: Any, line: int) -> int:
+    def cells(self, run: WinCncRun, cell: PlainCell, places: Any, line: int) -> int:
         """Run cells of an array; see ``Manner``."""
         if self.plain is None:
-            self.plain = PlainLines(ex)
-        return self.plain.cells(ex, cell, places, line)
+            self.plain = PlainLines(run)
+        return self.plain.cells(run, cell, places, line)
 
-    def named(self, ex: Emitter, node: Named) -> Value:
+    def named(self, run: WinCncRun, node: Named) -> Value:
         """What the controller holds under a name."""
-        return read_named(ex, node)
+        return read_named(run, node)
 
-    def input(self, ex: Emitter, node: Input) -> Value:
+    def input(self, run: WinCncRun, node: Input) -> Value:
         """An input of the controller."""
-        return read_input(ex, node, ex.evaluator)
+        return read_input(run, node, run.evaluator)
 
-    def call(self, ex: Executor, node: Call) -> None:
+    def call(self, run: WinCncRun, node: Call) -> None:
         """Run a file with the words of its call; local coordinates are the caller's again behind it."""
-        arguments = tuple((word.letter, ex.evaluator.value(word.value)) for word in node.arguments)
-        s = ex.modal
-        kept = Kept(tuple(s.g92), s.single.keep_local, s.single.arguments)
-        depth = len(ex._stack)
-        ex._called(node.name, node.span)
-        if len(ex._stack) > depth:
-            frame = ex._stack[-1]
+        arguments = tuple((word.letter, run.evaluator.value(word.value)) for word in node.arguments)
+        s = run.modal
+        kept = Kept(tuple(s.g92), s.own.keep_local, s.own.arguments)
+        depth = len(run.flow.stack)
+        run.flow.call_subprogram(node.name, node.span)
+        if len(run.flow.stack) > depth:
+            frame = run.flow.stack[-1]
             assert frame.caller is not None
             frame.caller = replace(frame.caller, before=kept)
-            s.single = s.single.but(arguments=arguments, keep_local=False)
+            s.own = s.own.but(arguments=arguments, keep_local=False)
+
+    def takes_lost_feed(self, run: WinCncRun, open_feeds: bool) -> bool:
+        """One F is the feed of many axes; where none is known it leaves none known."""
+        return open_feeds and not run.modal.own.feed_doubt and all(map(math.isnan, run.modal.own.feeds))
+
+    def move(
+        self, run: WinCncRun, op: Op, target: list[Position], span: Span, *, center: list[float] | None, turns: int,
+        plane: int, length: float | None, programmed: tuple[float, float] | None,
+    ) -> None:  # fmt: skip
+        """A move, with couplings, locks and a knife."""
+        more: dict[str, Any] = {"center": center, "turns": turns, "plane": plane}
+        if KNIFE in run.modal.following:
+            from gproof.passes.interpret.wincnc.tangential_knife import move
+
+            move(run, op, target, span, length=length, programmed=programmed, **more)
+            return
+        go(run, op, target, span, length=length, programmed=programmed, **more)
+
+    def array(self, run: WinCncRun, node: Array) -> None:
+        """L10: what follows is cut again at each place."""
+        part_arrays.begin_array(run, node)
+
+    def next_cell(self, run: WinCncRun, frame: Frame) -> bool:
+        """Behind a cell: to the next one, True; behind the last one back to the first, False."""
+        return part_arrays.next_cell(run, self.plain_cells, frame)
+
+    def back_from_file(self, run: WinCncRun, kept: Kept | None) -> None:
+        """Local coordinates are the caller's again, unless L92 keeps them."""
+        part_arrays.back_from_file(run, kept)
+
+    def idle_variables(self) -> Idle:
+        """None: commands take variables by name."""
+        return Idle()

@@ -1,27 +1,28 @@
 """The state that controllers of one command a line have beside the one of all: feeds by group, heads, switches.
 
 Source: WinCNC Users Guide, Command Reference; docs/dialects/wincnc.md says how open questions are read. Values are
-immutable; a change is a new ``SingleState``.
+immutable; a change is a new ``WinCncState``.
 """
 
 from __future__ import annotations
 
 import math
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-from gproof.ir import codes
+from gproof.ir import modal_groups as g
 from gproof.ir.controls import Workspace
-from gproof.ir.finding import Refusal, Span
-from gproof.ir.machine import AXES, AXIS_NAMES, AxisKind, Machine
+from gproof.ir.machine import AXES, AXIS_NAMES, Machine
 from gproof.ir.record import record
+from gproof.ir.rules import LanguageRules
+from gproof.ir.setup import Setup
 from gproof.ir.symbolic import NOWHERE, Position, Unknown, Value
-from gproof.ir.trace import UNMEASURED, Boundary, ToolDiameter
+from gproof.ir.trace import UNMEASURED, Boundary, TipOffset, ToolDiameter
 from gproof.passes.geometry.machine_axes import vertical_axes
-
-if TYPE_CHECKING:
-    from gproof.passes.interpret.core.modal_state import Modal
-    from gproof.passes.interpret.core.trace_writer import Emitter
+from gproof.passes.interpret.core.axis_words import linear_axes
+from gproof.passes.interpret.core.channels import Pairs
+from gproof.passes.interpret.core.modal_state import Modal
+from gproof.passes.interpret.core.run import Run
 
 TURNING = 3
 """Type of a workspace whose spindle turns (WinCNC g54= T)."""
@@ -35,7 +36,6 @@ STILL = Position(0.0)
 LEANING = "leaning knife"
 """Flag: a knife is on whose blade leans."""
 
-Pairs = tuple[tuple[int, Value], ...]
 Scaling = tuple[float, float, Position]
 UNSCALED: Scaling = (1.0, 0.0, Position(0.0))
 """Of an axis: factor, mm about which, and the offset under which that was said."""
@@ -51,13 +51,13 @@ class KnifeNow:
 
 
 @record(frozen=True, slots=True, kw_only=True)
-class SingleState:
+class WinCncState:
     """Columns are those of ``AXIS_NAMES``; lengths mm.
 
     feeds: by column, mm/min or deg/min, NaN: nobody said. center: I and J of the last arc, None before the first.
     unit_before: of G23. local_stored: what G92.3 took away. homes: by column, what L3 stored. unmeasured: columns
     whose tool measure is off (G49). lower, upper: boundaries now, None: none. soft, bound: soft limits and boundaries
-    are checked. outputs, virtual: states of channels that are known; tools: number of the tool in changer 1 and 2.
+    are checked. virtual: states of virtual inputs that are known; tools: number of the tool in changer 1 and 2.
     sources: by column, the letter's column whose words move it (L11, L12). slaves: (column that
     follows, column) (L13). locked: columns (L300), held_back: those to which a move was given since then.
     arguments: words of the call that runs. keep_local: L92 was met.
@@ -89,7 +89,6 @@ class SingleState:
     upper: tuple[float | None, ...] = (None,) * AXES
     soft: bool = True
     bound: bool = True
-    outputs: Pairs = ()
     virtual: Pairs = ()
     tools: tuple[Value, Value] = (Unknown("the tool in changer 1"), Unknown("the tool in changer 2"))
     sources: tuple[int, ...] = tuple(range(AXES))
@@ -124,98 +123,13 @@ class SingleState:
     retimed: frozenset[str] = frozenset()
     backlash: tuple[tuple[int, float], ...] = ()
 
-    def but(self, **changes: Any) -> SingleState:
+    def but(self, **changes: Any) -> WinCncState:
         """The same with some values changed."""
         return replace(self, **changes)
 
 
-def with_pair(pairs: Pairs, number: int, value: Value) -> Pairs:
-    """One channel changed."""
-    return tuple(sorted((*((n, v) for n, v in pairs if n != number), (number, value)), key=lambda pair: pair[0]))
-
-
-def value_of(pairs: Pairs, number: int) -> Value | None:
-    """The state of a channel; None where nobody knows it."""
-    return next((value for n, value in pairs if n == number), None)
-
-
-def letters_of(machine: Machine) -> dict[str, int]:
-    """Column of each letter that moves an axis."""
-    return {axis.word: axis.index for axis in machine.axes}
-
-
-def linear_axes(machine: Machine) -> tuple[bool, ...]:
-    """By column: whether the axis counts in lengths; X, Y and Z where there is no such axis."""
-    kinds = {axis.index: axis.kind is AxisKind.LINEAR for axis in machine.axes}
-    return tuple(kinds.get(n, n < 3) for n in range(AXES))
-
-
 SAME_PLACE = 1e-9
 """mm or degrees: less is no move."""
-
-
-def followed(single: SingleState, position: list[Position], target: list[Position]) -> list[Position]:
-    """The target with what follows other axes step by step (L13), and without what is locked (L300).
-
-    While a cutter is compensated by an amount other than 0, nobody knows where X and Y go.
-    """
-    target = list(target)
-    if "compensation" in single.flags:
-        target[:2] = [NOWHERE, NOWHERE]
-    for axis, leader in single.slaves:
-        way = STILL if leader in single.locked else target[leader].minus(position[leader])
-        is_open = COUPLING_OPEN in single.flags and way != STILL
-        target[axis] = NOWHERE if is_open else position[axis].plus(way)
-    for axis in single.locked:
-        target[axis] = position[axis]
-    return target
-
-
-def own_way(ex: Emitter, target: list[Position], span: Span, named: frozenset[int]) -> None:
-    """Refusal GP113 for a follower (L13) that is sent somewhere itself: whether it goes, and how far, is not said.
-
-    named: columns of the line's words.
-    """
-    s = ex.modal
-    for axis, leader in s.single.slaves:
-        if target[axis] != s.position[axis] or (axis in named and target[leader] != s.position[leader]):
-            what = f"a move of {ex.machine.word(axis)}, which follows {ex.machine.word(leader)} (L13),"
-            raise Refusal(codes.UNSUPPORTED_CODE.at(span, code=what))
-
-
-def went_along(s: Modal, target: list[Position], named: frozenset[int]) -> list[int]:
-    """Columns that are sent to a place and have followed another axis: where they go then rests on what is counted.
-
-    A command without words for an axis sends it to a place of the machine.
-    """
-    absolute = s.absolute if s.single.absolute_once is None else s.single.absolute_once
-    return [
-        axis for axis, _ in s.single.drift if (absolute if axis in named else target[axis] != s.position[axis])
-    ]  # fmt: skip
-
-
-def drifted(single: SingleState, position: list[Position], target: list[Position]) -> SingleState:
-    """The state behind a move: how far followers went with their leaders."""
-    ways = dict(single.drift)
-    for axis, _ in single.slaves:
-        way = ways.get(axis, STILL).plus(target[axis].minus(position[axis]))
-        ways[axis] = STILL if not way.form and abs(way.value) < SAME_PLACE else way
-    return single.but(drift=tuple(sorted((axis, way) for axis, way in ways.items() if way != STILL)))
-
-
-def tell_held_back(ex: Emitter, target: list[Position], span: Span) -> None:
-    """GP200 at the first move of each axis since L300 locked it."""
-    s = ex.modal
-    if not s.single.locked - s.single.held_back:
-        return
-    target = followed(s.single.but(locked=frozenset()), s.position, target)
-    for axis in sorted(s.single.locked - s.single.held_back):
-        wanted, there = target[axis], s.position[axis]
-        if wanted.form == there.form and abs(wanted.value - there.value) < SAME_PLACE:
-            continue
-        s.single = s.single.but(held_back=s.single.held_back | {axis})
-        what = f"{ex.machine.word(axis)} is locked (L300), and from here on moves of it are programmed"
-        ex.findings.add(codes.COMMAND_IGNORED.at(span, what=what, hint="L301 unlocks it"))
 
 
 def turned_shift(space: Workspace, axis: int) -> tuple[float, float] | None:
@@ -240,28 +154,28 @@ def turning(space: Workspace | None) -> str:
     return "of type 5 (two points of rotation: the manual has no more than these words)"
 
 
-def machine_zero(single: SingleState, axis: int) -> Position:
+def machine_zero(single: WinCncState, axis: int) -> Position:
     """Where the controller's machine zero of an axis lies: 0 unless L28 moved it."""
     return next((place for column, place in single.zeros if column == axis), STILL)
 
 
-def _moved_limits(modal: Modal) -> list[Boundary]:
+def _moved_limits(modal: WinCncModal) -> list[Boundary]:
     """The soft limits of axes whose machine zero L28 moved: they count from there (Soft Limit / Boundaries: lolim=).
 
     Without ends where none count: they still say where machine zero is.
     """
     found = []
-    for axis, zero in modal.single.zeros:
+    for axis, zero in modal.own.zeros:
         there = modal.machine.axis(AXIS_NAMES[axis])
         if there is not None:
-            ends = (there.lower, there.upper) if modal.single.soft else (None, None)
+            ends = (there.lower, there.upper) if modal.own.soft else (None, None)
             found.append(Boundary(axis, *ends, zero.value, zero.form, limit=True))
     return found
 
 
-def boundaries_of(modal: Modal) -> tuple[Boundary, ...]:
+def boundaries_of(modal: WinCncModal) -> tuple[Boundary, ...]:
     """The boundaries that rows carry: they move with workspace and tool measure, not with local coordinates."""
-    single = modal.single
+    single = modal.own
     found = []
     for axis, (low, high) in enumerate(zip(single.lower, single.upper, strict=True)):
         if low is not None or high is not None:
@@ -270,7 +184,133 @@ def boundaries_of(modal: Modal) -> tuple[Boundary, ...]:
     return (*found, *_moved_limits(modal))
 
 
-def prepare(modal: Modal) -> None:
+def _lost_of(s: WinCncModal, lost: frozenset[str], cause: str) -> dict[str, object]:
+    """What of the state is not known any more when these modal groups are lost."""
+    single = s.own
+    found: dict[str, object] = {}
+    if g.FEED in lost:
+        arcs = None if single.arc_feed is None else math.nan
+        found |= {"feeds": (math.nan,) * AXES, "arc_feed": arcs, "feed_doubt": True, "kept_feeds": None}
+    if lost & {g.PLACE, g.UNITS, g.PLANE}:
+        found |= {"center": (math.nan, math.nan), "cycle_at": None}
+    if g.UNITS in lost:
+        found["unit_before"] = None
+    if g.MAPPING in lost:
+        found |= {"sources": tuple(range(AXES)), "flags": single.flags - {"mapped"}}
+    if g.COUPLING in lost:
+        found |= {"slaves": (), "drift": ()}
+    if g.LOCKS in lost:
+        found |= {"locked": frozenset(), "held_back": frozenset()}
+    if g.SCALING in lost:
+        found["scales"] = ()
+    if g.GUARDS in lost:
+        found |= {"soft": True, "bound": True}
+    if g.TOOL in lost:
+        found["tools"] = (Unknown(cause), Unknown(cause))
+    if g.LOCAL in lost:
+        found["local_stored"] = None
+    if g.MACHINE_ZERO in lost:
+        found["zeros"] = tuple((axis.index, NOWHERE) for axis in sorted(s.machine.axes, key=lambda axis: axis.index))
+    if g.DYNAMICS in lost:
+        found["retimed"] = single.retimed | {cause}
+    if g.MEASURES in lost:
+        found |= {
+            "heights": tuple((number, NOWHERE) for number, _ in single.heights),
+            "switch_heights": (Unknown(cause), Unknown(cause)),
+            "homes": tuple(None if place is None else NOWHERE for place in single.homes),
+            "places": tuple((name, tuple((axis, NOWHERE) for axis, _ in at), lift) for name, at, lift in single.places),
+        }  # fmt: skip
+    kept = found.get("flags", single.flags)
+    assert isinstance(kept, frozenset)
+    if g.RADIUS in lost:
+        kept -= {"compensation"}
+    if g.MEASURES in lost:
+        kept |= {REGISTERS_OPEN}
+    if kept != single.flags:
+        found["flags"] = kept
+    return found
+
+
+class WinCncModal(Modal):
+    """The state of a run on such a controller. own: what it keeps beside the state of all."""
+
+    own: WinCncState
+
+    def __init__(self, rules: LanguageRules, setup: Setup, machine: Machine) -> None:
+        super().__init__(rules, setup, machine)
+        self.own = WinCncState()
+        prepare(self)
+
+    def _linear_axes(self) -> tuple[bool, ...]:
+        return linear_axes(self.machine)
+
+    def beside_work(self, axis: int) -> Position:
+        """The offsets of what is in use, whatever the work's are: of the tool, of the head, and of machine zero."""
+        if self.own.zeros:
+            return self.tool_offset[axis].plus(machine_zero(self.own, axis))
+        return super().beside_work(axis)
+
+    def beside_tip(self, axis: int) -> Position:
+        """What the position of an axis has more than the tip of the tool in the spindle, see ``State.tip``."""
+        offset = self.tool_offset[axis]
+        if not self.lengths_used:
+            return offset
+        stored = self.own.before
+        return offset if stored is None or axis not in self.own.unmeasured else stored[axis]
+
+    def _retimed(self) -> tuple[str, ...]:
+        return tuple(sorted(self.own.retimed))
+
+    def _backlash(self) -> tuple[tuple[int, float], ...]:
+        return self.own.backlash
+
+    def _machine_tip(self) -> tuple[TipOffset, ...] | None:
+        if self.own.reference is None:
+            return ()
+        places = [(axis, self.beside_tip(axis).minus(there)) for axis, there in enumerate(self.own.reference)]
+        return tuple(TipOffset(axis, place.value, place.form) for axis, place in places if place != STILL)
+
+    def _diameters(self) -> tuple[ToolDiameter, ...]:
+        if self.tool is None:
+            return self.own.diameters
+        return tuple(each for each in self.own.diameters if each.tool == self.tool)
+
+    def _boundaries(self) -> tuple[Boundary, ...]:
+        return boundaries_of(self)
+
+    def arc_tolerance(self) -> float:
+        """mm by which the radii at start and end of an arc may differ (arc_err=)."""
+        stated = self.machine.controller.controls.arc_tolerance
+        return super().arc_tolerance() if stated is None else stated * self.transform.arc_tolerance
+
+    @property
+    def has_offset_path(self) -> bool:
+        """True while the tool is beside the programmed contour."""
+        return super().has_offset_path or "compensation" in self.own.flags
+
+    @property
+    def axes_are_bound(self) -> bool:
+        """True where axes do more or less than their words say, though these are known."""
+        own = self.own
+        return bool(own.slaves or own.locked or own.cell_open) or own.absolute_once is not None
+
+    @property
+    def feeds_known(self) -> bool:
+        """True where no feed that the language keeps besides is lost."""
+        return not math.isnan(self.own.arc_feed or 0.0)
+
+    def forget(self, lost: frozenset[str], cause: str) -> None:
+        """Leave nothing of these modal groups in what the language keeps besides."""
+        self.own = self.own.but(**_lost_of(self, lost, cause))
+
+
+class WinCncRun(Run):
+    """A run on such a controller."""
+
+    modal: WinCncModal
+
+
+def prepare(modal: WinCncModal) -> None:
     """The start of a job on such a controller."""
     machine, setup = modal.machine, modal.setup
     controls = machine.controller.controls
@@ -290,7 +330,7 @@ def prepare(modal: Modal) -> None:
     modal.work = modal.work or 1
     for axis in vertical_axes(machine):
         if setup.default_offset is None:
-            modal.tool_offset[axis] = modal._symbol(f"tool.0.{AXIS_NAMES[axis]}")
+            modal.tool_offset[axis] = modal.symbol(f"tool.0.{AXIS_NAMES[axis]}")
     if setup.default_offset is None and 2 not in vertical_axes(machine):
         modal.tool_offset[2] = zero
     feeds = [math.nan] * AXES
@@ -303,16 +343,16 @@ def prepare(modal: Modal) -> None:
     tool: Value = Unknown("the tool in the spindle") if setup.tool is None else float(setup.tool)
     on = controls.soft_limits is not False
     flags = frozenset({"autoaux"} if controls.auto_output_on else ())
-    modal.single = SingleState(
+    modal.own = WinCncState(
         feeds=tuple(feeds), lower=tuple(lower), upper=tuple(upper), tools=(tool, Unknown("the tool in changer 2")),
         soft=on, bound=on, flags=flags, auto_dwell=controls.auto_dwell, measured=bool(setup.measures),
     )  # fmt: skip
     modal.guards_off = guards_now(modal)
 
 
-def guards_now(modal: Modal) -> tuple[str, ...]:
+def guards_now(modal: WinCncModal) -> tuple[str, ...]:
     """The guards that are off, as rows carry them."""
-    single = modal.single
+    single = modal.own
     names = []
     if not single.bound:
         names.append("boundaries")
@@ -324,8 +364,8 @@ def guards_now(modal: Modal) -> tuple[str, ...]:
     return tuple(names)
 
 
-def arm_low_boundaries(modal: Modal) -> None:
+def arm_low_boundaries(modal: WinCncModal) -> None:
     """A tool is measured (M37), or a stored measure is in force: low boundaries of vertical axes count."""
-    if not modal.single.measured:
-        modal.single = modal.single.but(measured=True)
+    if not modal.own.measured:
+        modal.own = modal.own.but(measured=True)
         modal.guards_off = guards_now(modal)

@@ -17,11 +17,12 @@ from gproof.ir.controls import KnifeMode
 from gproof.ir.finding import Span
 from gproof.ir.machine import AXES, AXIS_NAMES
 from gproof.ir.symbolic import NOWHERE, Position
-from gproof.ir.trace import Affine, Op
+from gproof.ir.trace import KNIFE, Affine, Op
+from gproof.passes.interpret.wincnc.coupling import go
 from gproof.passes.interpret.wincnc.state import KnifeNow, machine_zero
 
 if TYPE_CHECKING:
-    from gproof.passes.interpret.eding.moves import Motion
+    from gproof.passes.interpret.wincnc.state import WinCncRun
 
 SAME = 1e-6
 """Degrees: a turn that is none."""
@@ -39,9 +40,9 @@ def settings(mode: KnifeMode) -> KnifeNow:
 class Turning:
     """One move while the knife follows the path: what comes before it, and where it then ends."""
 
-    def __init__(self, ex: Motion, mode: KnifeMode, span: Span) -> None:
-        self.ex, self.mode, self.span = ex, mode, span
-        self.now = ex.modal.single.knife or settings(mode)
+    def __init__(self, run: WinCncRun, mode: KnifeMode, span: Span) -> None:
+        self.run, self.mode, self.span = run, mode, span
+        self.now = run.modal.own.knife or settings(mode)
         self.axis = AXIS_NAMES.index(mode.axis)
         self.up = AXIS_NAMES.index(mode.vertical) if mode.vertical else -1
 
@@ -49,8 +50,8 @@ class Turning:
 
     def _tell(self, axis: int, what: str, hint: str = "") -> Position:
         """GP323, unless the axis is lost already; the axis may then be anywhere."""
-        if self.ex.modal.position[axis] != NOWHERE:
-            self.ex._refuse(codes.KNIFE_UNKNOWN.at(self.span, what=what, hint=hint))
+        if self.run.modal.position[axis] != NOWHERE:
+            self.run.refuse(codes.KNIFE_UNKNOWN.at(self.span, what=what, hint=hint))
         return NOWHERE
 
     def _reach(self, place: Position) -> tuple[float, float, Affine]:
@@ -58,7 +59,7 @@ class Turning:
         low = high = place.value
         rest = []
         for symbol, times in place.form:
-            known = self.ex.trace.symbols.get(symbol)
+            known = self.run.trace.symbols.get(symbol)
             if known is None:
                 rest.append((symbol, times))
                 continue
@@ -79,25 +80,25 @@ class Turning:
         low, high = min(one[0] for one in found), max(one[1] for one in found)
         if high - low < _STILL:
             return Position(low, rest)
-        for place in (*places, self.ex.modal.position[axis]):
+        for place in (*places, self.run.modal.position[axis]):
             least, most, other = self._reach(place)
             if other == rest and abs(least - low) < _ROUNDING and abs(most - high) < _ROUNDING:
                 return place
-        s = self.ex.modal
+        s = self.run.modal
         key = axis, low, high
-        unknown = next((known for name, known in s.single.spans if name == key), None)
+        unknown = next((known for name, known in s.own.spans if name == key), None)
         if unknown is None:
-            unknown = self.ex.unknown_place("value", axis, (low, high), Position(0.0))
-            s.single = s.single.but(spans=(*s.single.spans[-_KEPT:], (key, unknown)))
+            unknown = self.run.unknown_place("value", axis, (low, high), Position(0.0))
+            s.own = s.own.but(spans=(*s.own.spans[-_KEPT:], (key, unknown)))
         return Position(0.0, rest).plus(unknown)
 
     def _place(self, value: float | None, what: str) -> Position:
         """Where a lift or a plunge ends: of the machine or as words count, which the manual does not say."""
         if value is None:
             return self._tell(self.up, f"{what} is not said (knifemode=, L30.1)")
-        s = self.ex.modal
-        said = self.ex.machine.controller.controls.knife_positions
-        machine, work = machine_zero(s.single, self.up).moved(value), s.offset(self.up).moved(value)
+        s = self.run.modal
+        said = self.run.machine.controller.controls.knife_positions
+        machine, work = machine_zero(s.own, self.up).moved(value), s.offset(self.up).moved(value)
         if said is not None:
             return work if said == "work" else machine
         without_local = s.work_offsets[s.work, self.up].plus(s.beside_work(self.up)).moved(value)
@@ -115,7 +116,7 @@ class Turning:
 
     def _raised(self, sure: bool) -> Position:
         """Up from here: to the lift position, or, not surely, somewhere on the way; what is above it may stay."""
-        here, top = self.ex.modal.position[self.up], self._top()
+        here, top = self.run.modal.position[self.up], self._top()
         if NOWHERE in (here, top):
             return NOWHERE
         (_, high, rest), (low, _, other) = self._reach(here), self._reach(top)
@@ -127,19 +128,19 @@ class Turning:
 
     def _go(self, op: Op, axis: int, place: Position) -> None:
         """One axis to a place; at the feed of its group where that counts."""
-        ex, s = self.ex, self.ex.modal
+        run, s = self.run, self.run.modal
         if place == s.position[axis]:
             return
         target = list(s.position)
         target[axis] = place
         before = s.feed, s.feed_unit, s.feed_mode
-        s.feed, s.feed_unit, s.feed_mode = s.single.feeds[axis], 1.0, 94
+        s.feed, s.feed_unit, s.feed_mode = s.own.feeds[axis], 1.0, 94
         if s.feed_mode != before[2]:
-            ex._state_changed()
-        ex.go(op, target, self.span)
+            run.state_changed()
+        go(run, op, target, self.span)
         s.feed, s.feed_unit, s.feed_mode = before
         if s.feed_mode != 94:
-            ex._state_changed()
+            run.state_changed()
 
     def lift_by_itself(self) -> None:
         """M1: it may go up here, when exactly is not said."""
@@ -148,7 +149,7 @@ class Turning:
 
     def traverse(self, target: list[Position]) -> list[Position]:
         """Before a rapid move, of whatever length; where that ends."""
-        s = self.ex.modal
+        s = self.run.modal
         if self.mode.target and self._has_direction(target):
             # "During the XY move": of which kind is not said.
             target[self.axis] = self._on_the_way(target)
@@ -162,7 +163,7 @@ class Turning:
 
     def _on_the_way(self, target: list[Position]) -> Position:
         """T1 in a rapid move: where it was, or pointing along it, or between."""
-        s = self.ex.modal
+        s = self.run.modal
         problem = self._problem(target)
         if problem:
             return self._tell(self.axis, problem)
@@ -173,7 +174,7 @@ class Turning:
         return self.between(self.axis, Position(min(ends)), Position(max(ends)))
 
     def _has_direction(self, target: list[Position]) -> bool:
-        here = self.ex.modal.position
+        here = self.run.modal.position
         ways = [target[n].minus(here[n]) for n in (0, 1)]
         return any(way.form for way in ways) or math.hypot(ways[0].value, ways[1].value) > _STILL
 
@@ -181,7 +182,7 @@ class Turning:
         self, op: Op, target: list[Position], center: list[float] | None, turns: int
     ) -> tuple[list[Position], Position | None]:  # fmt: skip
         """Before a cut; where it ends, and where the vertical axis goes behind it, None: nowhere."""
-        s = self.ex.modal
+        s = self.run.modal
         arc = op is Op.ARC and center is not None
         if not arc and not self._has_direction(target):
             if self.mode.automatic and self.up >= 0:
@@ -222,17 +223,17 @@ class Turning:
 
     def _problem(self, target: list[Position]) -> str:
         """Why the knife can not be followed along this move, "" where it can."""
-        s = self.ex.modal
-        word = self.ex.machine.word(self.axis)
-        if s.compensation is not None or "compensation" in s.single.flags:
+        s = self.run.modal
+        word = self.run.machine.word(self.axis)
+        if s.compensation is not None or "compensation" in s.own.flags:
             return "with cutter radius compensation"
-        if s.single.sources != tuple(range(AXES)):
+        if s.own.sources != tuple(range(AXES)):
             return "while L11 or L12 maps axes"
-        if any(axis == self.up for axis, _ in s.single.scales):
+        if any(axis == self.up for axis, _ in s.own.scales):
             return "while G51 scales the axis that lifts it"
-        if self.axis in s.single.locked or self.up in s.single.locked:
+        if self.axis in s.own.locked or self.up in s.own.locked:
             return "while L300 locks an axis of it"
-        if any(axis in (self.axis, self.up) for axis, _ in s.single.slaves):
+        if any(axis in (self.axis, self.up) for axis, _ in s.own.slaves):
             return "while L13 couples an axis of it"
         if any(target[n].minus(s.position[n]).form for n in (0, 1)):
             return "the direction of a move is not known"
@@ -243,7 +244,7 @@ class Turning:
     def _lose_height(self, target: list[Position]) -> None:
         if self.up < 0:
             return
-        here = self.ex.modal.position[self.up]
+        here = self.run.modal.position[self.up]
         lost = self.between(self.up, here, self._top(), self._bottom())
         self._go(Op.TRAVERSE, self.up, lost)
         if target[self.up] == here:
@@ -269,7 +270,7 @@ class Turning:
 
     def _turn(self, lifts: bool | None, first: float, last: float, low: float, high: float) -> None:
         """Up, and the turn at rest; on its way (T1) it turns later."""
-        ex = self.ex
+        run = self.run
         if lifts is not False and self.up >= 0:
             self._go(Op.TRAVERSE, self.up, self._raised(sure=lifts is True))
         if self.mode.target:
@@ -282,16 +283,16 @@ class Turning:
             return
         waits = lifts is True and self.up < 0 and self.mode.dwell > 0.0
         if waits:
-            ex.event(Op.DWELL, self.span, arg=(self.mode.dwell, 0.0))
+            run.event(Op.DWELL, self.span, arg=(self.mode.dwell, 0.0))
         self._go(Op.TRAVERSE, self.axis, place)
         if waits:
-            ex.event(Op.DWELL, self.span, arg=(self.mode.dwell, 0.0))
+            run.event(Op.DWELL, self.span, arg=(self.mode.dwell, 0.0))
 
     def _height(
         self, target: list[Position], before: Position, lifts: bool | None, *, within_arc: bool
     ) -> Position | None:  # fmt: skip
         """Down again, and the height of the cut; where it goes behind an arc in which it may be lifted."""
-        s = self.ex.modal
+        s = self.run.modal
         named = target[self.up] != before
         down = before
         if lifts is not False or self.mode.automatic:
@@ -314,20 +315,20 @@ _KEPT = 64
 """Places between readings that are remembered."""
 
 
-def follows(ex: Motion) -> KnifeMode | None:
+def follows(run: WinCncRun) -> KnifeMode | None:
     """How the knife turns, where ``turn_before`` makes its rows: gproof's own [knife] is that of ``knife_axis.py``."""
-    return ex.machine.controller.controls.knife if ex.machine.knife is None else None
+    return run.machine.controller.controls.knife if run.machine.knife is None else None
 
 
-def problem_of(ex: Motion, mode: KnifeMode) -> str:
+def problem_of(run: WinCncRun, mode: KnifeMode) -> str:
     """Why nobody can say where the axes go while the knife of this machine is on, "" where one can."""
-    axis = ex.machine.axis(mode.axis)
-    word = ex.machine.word(AXIS_NAMES.index(mode.axis))
+    axis = run.machine.axis(mode.axis)
+    word = run.machine.word(AXIS_NAMES.index(mode.axis))
     if axis is None or mode.axis in ("x", "y", mode.vertical):
         return f"with N of knifemode= on {word}, which is no axis of its own"
-    if ex.modal.linear[axis.index]:
+    if run.modal.linear[axis.index]:
         return f"with N of knifemode= on {word}, which counts lengths"
-    if mode.vertical and ex.machine.axis(mode.vertical) is None:
+    if mode.vertical and run.machine.axis(mode.vertical) is None:
         return "with V of knifemode= on an axis that is not there"
     if mode.blade or mode.both_ways:
         return "with a blade that leans (A and M of knifeangle=; which way, and from where it cuts, is not said)"
@@ -336,21 +337,21 @@ def problem_of(ex: Motion, mode: KnifeMode) -> str:
     return ""
 
 
-def switched(ex: Motion, span: Span) -> None:
+def switched(run: WinCncRun, span: Span) -> None:
     """Behind L30 and before L31."""
-    mode = follows(ex)
+    mode = follows(run)
     if mode is not None:
-        Turning(ex, mode, span).lift_by_itself()
+        Turning(run, mode, span).lift_by_itself()
 
 
 def turn_before(
-    ex: Motion, mode: KnifeMode, op: Op, target: list[Position], span: Span, center: list[float] | None, turns: int
+    run: WinCncRun, mode: KnifeMode, op: Op, target: list[Position], span: Span, center: list[float] | None, turns: int
 ) -> tuple[list[Position], Position | None]:  # fmt: skip
     """The rows before a move; where it ends, and where the vertical axis goes behind it, None: nowhere."""
-    turning = Turning(ex, mode, span)
+    turning = Turning(run, mode, span)
     target = list(target)
-    if target[turning.axis] != ex.modal.position[turning.axis]:
-        what = f"the program turns {ex.machine.word(turning.axis)} itself"
+    if target[turning.axis] != run.modal.position[turning.axis]:
+        what = f"the program turns {run.machine.word(turning.axis)} itself"
         target[turning.axis] = turning._tell(turning.axis, what)
         return target, None
     if op is Op.TRAVERSE:
@@ -358,9 +359,9 @@ def turn_before(
     return turning.cut(op, target, center, turns)
 
 
-def lower(ex: Motion, mode: KnifeMode, span: Span, place: Position) -> None:
+def lower(run: WinCncRun, mode: KnifeMode, span: Span, place: Position) -> None:
     """Behind an arc in which it may have been lifted."""
-    turning = Turning(ex, mode, span)
+    turning = Turning(run, mode, span)
     turning._go(Op.FEED, turning.up, place)
 
 
@@ -384,3 +385,18 @@ def _nearest(at: float, direction: float, *, up: bool) -> float:
     if up and turn == -180.0:
         turn = 180.0
     return at if abs(turn) <= SAME else at + turn
+
+
+def move(
+    run: WinCncRun, op: Op, target: list[Position], span: Span, *, center: list[float] | None, turns: int, plane: int,
+    length: float | None, programmed: tuple[float, float] | None,
+) -> None:  # fmt: skip
+    """A move of the job with the turns and lifts of a knife that follows the path."""
+    mode = follows(run) if KNIFE in run.modal.following else None
+    if mode is None:
+        go(run, op, target, span, center=center, turns=turns, plane=plane, length=length, programmed=programmed)
+        return
+    target, back = turn_before(run, mode, op, target, span, center, turns)
+    go(run, op, target, span, center=center, turns=turns, plane=plane, length=length, programmed=programmed)
+    if back is not None:
+        lower(run, mode, span, back)

@@ -12,11 +12,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from gproof.driver.running import begin
 from gproof.driver.session import Running, open_session
 from gproof.ir.trace import Chunk, Op
 from gproof.ir.workpiece import ACTIVE, MACHINE
 from gproof.passes.checks.tooling.tip_position import OWN_ZERO, Placing, Reason, Tips
-from gproof.passes.interpret.core.executor import Executor
 
 TABLE = """schema = "gproof-machine/1"
 units = "mm"
@@ -43,11 +43,11 @@ class Placed:
         session = open_session(job, machine=folder / "machine.toml", setup=str(folder / "setup.toml"), dialect=None)
         assert session.program is not None
         self.findings = session.findings
-        executor = Executor(
+        executor = begin(
             session.program, session.setup, session.machine, session.findings, **session.options(Running())
         )
         self.placing = Placing(session.program, session.machine, session.setup)
-        self.chunks: list[Chunk] = list(executor.run())
+        self.chunks: list[Chunk] = list(executor.chunks())
 
     def tips(self, work: int = 1) -> list[Tips]:
         return [self.placing.tips(chunk, work) for chunk in self.chunks]

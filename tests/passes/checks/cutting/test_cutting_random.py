@@ -14,6 +14,7 @@ from typing import NamedTuple
 import pytest
 from support.campaigns import seeds
 
+from gproof.driver.running import execute
 from gproof.frontend.eding.load import load_program
 from gproof.ir.columns import Columns
 from gproof.ir.finding import Findings
@@ -22,7 +23,6 @@ from gproof.ir.setup import ZERO
 from gproof.ir.trace import TRACE_ROW, Chunk, Trace, chunks
 from gproof.passes.checks.cutting.cutting import Cutting
 from gproof.passes.checks.cutting.feeds import Feeds
-from gproof.passes.interpret.core.executor import execute
 
 HEAD = "G21 G17 G90 G94 G40 G49 G54\nG0 X0 Y0 Z50\n"
 MACHINE = dataclasses.replace(

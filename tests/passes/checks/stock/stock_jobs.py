@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 from pathlib import Path
 
+from gproof.driver.running import begin
 from gproof.driver.session import Running, open_session
 from gproof.ir.finding import Findings
 from gproof.ir.machine import Tool
@@ -12,7 +13,6 @@ from gproof.ir.trace import Chunk
 from gproof.ir.verdict import PropertyResult
 from gproof.ir.workpiece import Body, Box, Placed, Workpiece
 from gproof.passes.checks.stock.stock import StockLeft
-from gproof.passes.interpret.core.executor import Executor
 
 MACHINE = """schema = "gproof-machine/1"
 units = "mm"
@@ -45,9 +45,9 @@ class Judged:
         around = Workpiece(stock=bodies, cell=cell, clearance=clearance)
         given = dataclasses.replace(session.setup, workpiece=around)
         self.findings = Findings(limit=1000)
-        executor = Executor(session.program, given, armed, session.findings, **session.options(Running()))
+        executor = begin(session.program, given, armed, session.findings, **session.options(Running()))
         self.check = StockLeft(session.program, armed, given, self.findings)
-        for chunk in executor.run():
+        for chunk in executor.chunks():
             for piece in split(chunk, pieces):
                 self.check.feed(piece)
         self.result: PropertyResult = self.check.finish()

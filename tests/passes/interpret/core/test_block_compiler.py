@@ -9,6 +9,7 @@ from pathlib import Path
 import pytest
 from passes.interpret.core.programs import HEAD, labels, run
 
+from gproof.driver.running import begin
 from gproof.frontend.eding.load import load_program
 from gproof.ir.finding import Findings
 from gproof.ir.machine import NO_MACHINE
@@ -16,7 +17,6 @@ from gproof.ir.setup import ZERO
 from gproof.ir.text import print_ir
 from gproof.ir.trace import Op, Trace
 from gproof.passes.interpret.core import hot_blocks as module
-from gproof.passes.interpret.core.executor import Executor
 
 
 def both(folder: Path, text: str, monkeypatch: pytest.MonkeyPatch) -> tuple[Trace, Findings]:
@@ -96,10 +96,10 @@ def test_long_loop_in_bounded_memory(tmp_path: Path) -> None:
     findings = Findings()
     program = load_program(job, findings)
     assert program is not None
-    ex = Executor(program, ZERO, NO_MACHINE, findings)
+    ex = begin(program, ZERO, NO_MACHINE, findings)
     rows, peak = 0, 0
     tracemalloc.start()
-    for chunk in ex.run():
+    for chunk in ex.chunks():
         rows += int((chunk.rows["op"] == Op.FEED).sum())
         peak = max(peak, tracemalloc.get_traced_memory()[1])
     tracemalloc.stop()

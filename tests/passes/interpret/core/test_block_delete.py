@@ -8,6 +8,7 @@ import pytest
 from passes.interpret.core.programs import HEAD, codes_of
 
 from gproof.backend.emit.eding.program import emit
+from gproof.driver.running import begin, collect
 from gproof.frontend.eding.load import load_program
 from gproof.ir.finding import Findings
 from gproof.ir.machine import NO_MACHINE
@@ -15,7 +16,6 @@ from gproof.ir.program import Program
 from gproof.ir.setup import ZERO
 from gproof.ir.text import parse_ir, print_ir
 from gproof.ir.trace import Trace
-from gproof.passes.interpret.core.executor import Executor, collect
 
 SUB = "sub far\nG0 X500\nendsub\n"
 STATEMENTS = {
@@ -38,7 +38,7 @@ def loaded(folder: Path, line: str) -> Program:
 def executed(program: Program, *, block_delete: bool) -> tuple[Trace, list[str], bool]:
     """Trace, codes of the findings, whether a slash was met that matters."""
     findings = Findings()
-    executor = Executor(program, ZERO, NO_MACHINE, findings, block_delete=block_delete)
+    executor = begin(program, ZERO, NO_MACHINE, findings, block_delete=block_delete)
     trace = collect(executor)
     trace.verify()
     return trace, codes_of(findings), executor.met_deleted

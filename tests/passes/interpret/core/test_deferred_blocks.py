@@ -9,13 +9,13 @@ from pathlib import Path
 import pytest
 
 from gproof.driver.dialects import load_machine
+from gproof.driver.running import execute
 from gproof.frontend.eding import load as loading
 from gproof.frontend.eding.line_cache import Reader
 from gproof.ir.finding import Finding, Findings
 from gproof.ir.program import DeferredBlock
 from gproof.ir.setup import ZERO
 from gproof.ir.text import print_ir
-from gproof.passes.interpret.core.executor import execute
 
 MACHINE = Path(__file__).resolve().parents[4] / "docs" / "codes" / "machine.toml"
 

@@ -7,6 +7,7 @@ from typing import Any, get_args
 
 import pytest
 
+from gproof.driver.running import execute
 from gproof.ir.dialects import rules_named
 from gproof.ir.finding import Findings, Span
 from gproof.ir.machine import NO_MACHINE
@@ -41,7 +42,6 @@ from gproof.ir.program import (
     While,
 )
 from gproof.ir.setup import ZERO as ZERO_SETUP
-from gproof.passes.interpret.core.executor import execute
 
 AT = Span("job", 1)
 ZERO = Number(value=0.0, span=AT)
@@ -80,7 +80,9 @@ EXAMPLES: dict[type, tuple[Statement, set[int]]] = {
 def told(node: Statement) -> set[int]:
     findings = Findings()
     files = [SourceFile(name="job", data=b"", sha256="", line_count=1)]
-    program = Program(dialect="eding", rules=rules_named("eding"), files=files, body=(node,), line_count=1)
+    # Arrays are WinCNC's alone; all other statements run in RS274NGC too.
+    name = "wincnc" if isinstance(node, Array) else "eding"
+    program = Program(dialect=name, rules=rules_named(name), files=files, body=(node,), line_count=1)
     execute(program, ZERO_SETUP, NO_MACHINE, findings)
     return set(findings.counts)
 

@@ -9,12 +9,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from gproof.driver.running import execute
 from gproof.frontend.eding.load import load_program
 from gproof.ir.finding import Findings
 from gproof.ir.machine import NO_MACHINE, Controller
 from gproof.ir.setup import NOTHING, ZERO, Setup
 from gproof.ir.trace import Op, Trace, Wait
-from gproof.passes.interpret.core.executor import execute
 
 Moves = list[tuple[str, float, float, float]]
 

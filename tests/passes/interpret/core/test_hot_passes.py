@@ -9,11 +9,11 @@ from pathlib import Path
 import pytest
 from support.campaigns import seeds, share
 
+from gproof.driver.running import begin, collect
 from gproof.driver.session import Running, open_session
 from gproof.ir.text import print_ir
 from gproof.passes.interpret.core import hot_passes
-from gproof.passes.interpret.core.executor import Executor, collect
-from gproof.passes.interpret.core.hot_blocks import Loops
+from gproof.passes.interpret.core.hot_blocks import HotBlocks
 
 AXIS = 'kind = "linear"\nmin = -5000\nmax = 5000\ntravel_min = -5000\ntravel_max = 5000\n'
 DIN = """[din]
@@ -45,7 +45,7 @@ def told(folder: Path, text: str, *, pascal: bool, budget: int) -> tuple[str, li
     session = open_session(job, machine=where, setup="zero", dialect="mcuwin" if pascal else "eding")
     assert session.program is not None
     findings = session.findings
-    ex = Executor(
+    ex = begin(
         session.program, session.setup, session.machine, findings, **session.options(Running(budget, 64, False, None))
     )  # fmt: skip
     trace = collect(ex)
@@ -281,7 +281,7 @@ def test_dwells_of_loops_are_what_each_line_says(
     fast, _ = both(tmp_path, text, monkeypatch, pascal=False, budget=5000)
     with monkeypatch.context() as patch:
         patch.setattr(hot_passes, "_FEW", 1 << 40)
-        patch.setattr(Loops, "_fast_block", lambda self, node: False)
+        patch.setattr(HotBlocks, "fast_block", lambda self, node: False)
         slow = told(tmp_path, text, pascal=False, budget=5000)
     assert fast == slow[0], text
     assert told(tmp_path, text, pascal=False, budget=5000)[:2] == slow[:2], text

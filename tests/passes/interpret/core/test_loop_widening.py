@@ -12,12 +12,12 @@ from passes.interpret.mcuwin.mcuwin_programs import labels, moves, program, run
 from passes.interpret.mcuwin.test_flow import Maker, _without_calls
 from support.campaigns import seeds
 
+from gproof.driver.running import begin
 from gproof.ir.finding import Findings
 from gproof.ir.machine import NO_MACHINE
 from gproof.ir.setup import ZERO
 from gproof.ir.trace import Op, Trace
-from gproof.passes.interpret.core.executor import Executor
-from gproof.passes.interpret.core.trace_writer import FIRST_BEAT, LEAST_BEAT, MOST_BEAT
+from gproof.passes.interpret.core.run import FIRST_BEAT, LEAST_BEAT, MOST_BEAT
 from passes.interpret.core import programs
 
 BUDGET = 2_000
@@ -186,8 +186,8 @@ def test_a_counter_that_is_full_before_long_has_a_part(loop: list[Any]) -> None:
 
 def test_that_a_slow_counter_is_never_full_is_assumed() -> None:
     for loop in (["L1", "G04 1", "CI601 := CI601 + 1", "M96 L1"], [("while", "IN5 == 1", ["CI601 := CI601 + 1"])]):
-        ex = Executor(program(["CI601 := 0", *loop, "M30"]), ZERO, NO_MACHINE, Findings(), max_branches=400)
-        list(ex.run())
+        ex = begin(program(["CI601 := 0", *loop, "M30"]), ZERO, NO_MACHINE, Findings(), max_branches=400)
+        list(ex.chunks())
         assert ASSUMED in ex.assumed
 
 
@@ -332,22 +332,22 @@ def test_a_counter_of_eding_that_has_a_part(tmp_path: Path, use: str) -> None:
 
 def test_a_long_loop_gives_signs_of_life() -> None:
     items = ["CD600 := 1", ("while", "CD600 > 0", ["CD600 := CD600 + CD600 / CD600"]), "M30"]
-    ex = Executor(program(items), ZERO, NO_MACHINE, Findings(), budget=20_000)
+    ex = begin(program(items), ZERO, NO_MACHINE, Findings(), budget=20_000)
     heard: list[int] = []
     ex.on_beat = lambda blocks, span: heard.append(blocks)
-    list(ex.run())
+    list(ex.chunks())
     assert heard[0] <= FIRST_BEAT and heard[-1] > 20_000 - MOST_BEAT
     assert all(0 < after - before <= MOST_BEAT for before, after in itertools.pairwise(heard))
 
 
 def test_signs_of_life_come_more_often_where_blocks_take_long(monkeypatch: pytest.MonkeyPatch) -> None:
     items = ["CD600 := 1", ("while", "CD600 > 0", ["CD600 := CD600 + CD600 / CD600"]), "M30"]
-    ex = Executor(program(items), ZERO, NO_MACHINE, Findings(), budget=5000)
+    ex = begin(program(items), ZERO, NO_MACHINE, Findings(), budget=5000)
     clock = itertools.count()
-    monkeypatch.setattr("gproof.passes.interpret.core.trace_writer.time.monotonic", lambda: float(next(clock)))
+    monkeypatch.setattr("gproof.passes.interpret.core.run.time.monotonic", lambda: float(next(clock)))
     heard: list[int] = []
     ex.on_beat = lambda blocks, span: heard.append(blocks)
-    list(ex.run())
+    list(ex.chunks())
     assert heard[-1] - heard[-2] == LEAST_BEAT
 
 
@@ -355,10 +355,10 @@ def test_signs_of_life_come_more_often_where_blocks_take_long(monkeypatch: pytes
 
 
 def wincnc(folder: Path, text: str, budget: int) -> tuple[Trace, Findings]:
+    from gproof.driver.running import execute
     from gproof.frontend.wincnc.load import load_program
     from gproof.frontend.wincnc.machine import NO_SHOP
     from gproof.ir.setup import ZERO
-    from gproof.passes.interpret.core.executor import execute
 
     job = folder / "job.tap"
     job.write_text(text)

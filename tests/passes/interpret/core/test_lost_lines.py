@@ -13,11 +13,11 @@ from typing import Any
 import pytest
 from support.campaigns import seeds
 
+from gproof.driver.running import begin, collect
 from gproof.driver.session import Running, open_session
 from gproof.ir.text import print_ir
 from gproof.passes.interpret.core import lost_lines
-from gproof.passes.interpret.core.block_tables import Straight
-from gproof.passes.interpret.core.executor import Executor, collect
+from gproof.passes.interpret.core.block_tables import BlockTables
 from gproof.passes.interpret.core.modal_state import Modal
 
 from .test_lost_state import EDING, LANGUAGES, MACHINE, MCUWIN, SETUP, WINCNC, Language, run
@@ -104,7 +104,7 @@ def told(folder: Path, language: Language, lines: list[str]) -> list[str]:
     session = open_session(job, machine=folder / "m.toml", setup=str(folder / "s.toml"), dialect=language.name)
     assert session.program is not None
     options = session.options(Running(30_000, 64, False, None))
-    ex = Executor(session.program, session.setup, session.machine, session.findings, **options)
+    ex = begin(session.program, session.setup, session.machine, session.findings, **options)
     trace = collect(ex)
     trace.verify()
     rows = [section.rows[name].tobytes().hex() for section in trace.sections for name in section.rows.arrays]
@@ -174,12 +174,12 @@ def test_long_jobs_stay_in_the_kernels(
         "middle": [*start, *MOVES[:1000], "G777", *MOVES[1000:]],
     }[way]
     cold = []
-    one = Straight._cold
+    one = BlockTables._cold
 
-    def counted(self: Straight, *args: Any) -> None:
+    def counted(self: BlockTables, *args: Any) -> None:
         cold.append(args[2])
         one(self, *args)
 
-    monkeypatch.setattr(Straight, "_cold", counted)
+    monkeypatch.setattr(BlockTables, "_cold", counted)
     told(tmp_path, language, [*language.before, *lines, *language.after])
     assert len(cold) < 60, cold[:100]

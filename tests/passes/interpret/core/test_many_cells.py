@@ -11,10 +11,11 @@ from pathlib import Path
 import pytest
 from support.campaigns import seeds
 
+from gproof.driver.running import begin, collect
 from gproof.driver.session import Running, open_session
 from gproof.ir.text import print_ir
-from gproof.passes.interpret.core.executor import Executor, collect
 from gproof.passes.interpret.wincnc import part_arrays as arrays
+from gproof.passes.interpret.wincnc.state import WinCncRun
 
 INI = """[m]
 unit=mm
@@ -41,9 +42,9 @@ def told(folder: Path, text: str, budget: int | None) -> tuple[str, list[str], o
     session = open_session(job, machine=ini, setup="zero", dialect="wincnc")
     assert session.program is not None
     findings = session.findings
-    ex = Executor(session.program, session.setup, session.machine, findings, **session.options(Running(budget)))
+    ex = begin(session.program, session.setup, session.machine, findings, **session.options(Running(budget)))
     trace = collect(ex)
-    beside = findings.counts, ex.blocks, list(ex.assumed), ex.refused, ex.modal.absolute, repr(ex.modal.single)
+    beside = findings.counts, ex.blocks, list(ex.assumed), ex.refused, ex.modal.absolute, repr(ex.modal.own)
     return print_ir(trace), sorted(f"{f.span} {f}" for f in findings.kept), beside
 
 
@@ -52,10 +53,10 @@ def both(folder: Path, text: str, monkeypatch: pytest.MonkeyPatch, budget: int |
     many = 0
     run = arrays._many_cells
 
-    def counted(ex: Executor, frame: arrays.Frame, cells: arrays.Cells) -> None:
+    def counted(ex: WinCncRun, cells_of: arrays.PlainCells, frame: arrays.Frame, cells: arrays.Cells) -> None:
         nonlocal many
         before = frame.cell
-        run(ex, frame, cells)
+        run(ex, cells_of, frame, cells)
         many += frame.cell - before
 
     answers = []

@@ -145,9 +145,9 @@ def test_the_machine_runs_it_not_the_drawing(tmp_path: Path) -> None:
 def test_a_loop_that_goes_on_elsewhere_meets_the_budget(tmp_path: Path) -> None:
     from passes.interpret.core.programs import load_program
 
+    from gproof.driver.running import execute
     from gproof.ir.finding import Findings
     from gproof.ir.machine import NO_MACHINE
-    from gproof.passes.interpret.core.executor import execute
 
     job = tmp_path / "job.cnc"
     job.write_text("G21 G91\nwhile [1 == 1]\nG0 X0.1\nendwhile\nM30\n")

@@ -18,6 +18,7 @@ from hypothesis import HealthCheck, example, given, settings
 from hypothesis import strategies as st
 from support.campaigns import examples
 
+from gproof.driver.running import begin, execute
 from gproof.frontend.eding.load import load_program
 from gproof.ir.finding import Findings, Severity
 from gproof.ir.machine import NO_MACHINE, Controller, Machine
@@ -25,7 +26,6 @@ from gproof.ir.setup import NOTHING, ZERO, InForce, Interval, Setup
 from gproof.ir.text import print_ir
 from gproof.ir.trace import Op, Trace, chunks
 from gproof.passes.checks.limits.soft_limits import Limits
-from gproof.passes.interpret.core.executor import Executor, execute
 from gproof.passes.interpret.core.plane_transform import cos_sin
 
 HEAD = "G21 G17 G90 G94 G54 G40 G49 G80\nF500 S1000\n"
@@ -539,8 +539,8 @@ def test_a_rotation_that_was_there_before_is_an_assumption(tmp_path: Path) -> No
         job.write_text(text + "M30\n")
         program = load_program(job, Findings())
         assert program is not None
-        executor = Executor(program, setup, NO_MACHINE, Findings())
-        list(executor.run())
+        executor = begin(program, setup, NO_MACHINE, Findings())
+        list(executor.chunks())
         assert [text for text in executor.assumed if "start" in text] == expected
 
 
@@ -578,8 +578,8 @@ def test_what_is_stated_is_no_assumption(tmp_path: Path) -> None:
         findings = Findings()
         program = load_program(job, findings)
         assert program is not None
-        run = Executor(program, dataclasses.replace(NOTHING, transform=stated), NO_MACHINE, findings)
-        list(run.run())
+        run = begin(program, dataclasses.replace(NOTHING, transform=stated), NO_MACHINE, findings)
+        list(run.chunks())
         return " ".join(run.assumed)
 
     assert "no rotation (G68)" in assumed(None) and "no scaling (G51)" in assumed(None)

@@ -8,11 +8,11 @@ from pathlib import Path
 import pytest
 from passes.interpret.core.programs import HEAD
 
+from gproof.driver.running import begin
 from gproof.frontend.eding.load import load_program
 from gproof.ir.finding import Findings
 from gproof.ir.machine import NO_MACHINE, Controller, Machine, Spindle, Tool
 from gproof.ir.setup import NOTHING, ZERO, Setup
-from gproof.passes.interpret.core.executor import Executor
 
 FULL = f"G69 G50 G98\n{HEAD}F100\n"
 """All of it stated."""
@@ -62,8 +62,8 @@ def assumed(folder: Path, text: str, machine: Machine, setup: Setup) -> list[str
     job.write_text(text + "M30\n")
     program = load_program(job, Findings())
     assert program is not None
-    executor = Executor(program, setup, machine, Findings())
-    list(executor.run())
+    executor = begin(program, setup, machine, Findings())
+    list(executor.chunks())
     return list(executor.assumed)
 
 

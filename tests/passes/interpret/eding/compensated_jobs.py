@@ -8,12 +8,12 @@ import random
 from dataclasses import dataclass
 from pathlib import Path
 
+from gproof.driver.running import execute
 from gproof.frontend.eding.load import load_program
 from gproof.ir.finding import Findings
 from gproof.ir.machine import NO_MACHINE, Controller, Machine, Tool
 from gproof.ir.setup import ZERO, Setup
 from gproof.ir.trace import Op, Plane, Trace
-from gproof.passes.interpret.core.executor import execute
 
 Point = tuple[float, float]
 HEAD = "G21 G17 G90 G94 G54 G40 G49 G80 F600\n"

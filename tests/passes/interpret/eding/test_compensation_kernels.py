@@ -12,6 +12,7 @@ import pytest
 from passes.interpret.eding.compensated_jobs import HEAD, MILL, Stretch, contour
 from support.campaigns import sizes
 
+from gproof.driver import running as execute
 from gproof.frontend.eding.load import load_program
 from gproof.ir.finding import Findings
 from gproof.ir.machine import Controller, Machine
@@ -19,7 +20,6 @@ from gproof.ir.setup import NOTHING, ZERO, InForce, Interval, Setup
 from gproof.ir.text import print_ir
 from gproof.ir.trace import Trace
 from gproof.passes.interpret.core import cutter_compensation_kernels as k
-from gproof.passes.interpret.core import executor as execute
 from gproof.passes.interpret.eding import compensation_codes as compensated
 
 LATHE = dataclasses.replace(

@@ -12,11 +12,11 @@ import numpy as np
 import pytest
 
 from gproof.driver.dialects import load_machine, load_setup
+from gproof.driver.running import execute
 from gproof.frontend.wincnc.load import load_program
 from gproof.ir.controls import DrillSettings
 from gproof.ir.finding import Findings
 from gproof.ir.trace import Op
-from gproof.passes.interpret.core.executor import execute
 
 SHOP = Path(__file__).resolve().parents[4] / "corpus" / "wincnc" / "router-atc"
 

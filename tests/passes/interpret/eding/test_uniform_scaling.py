@@ -17,13 +17,13 @@ from passes.interpret.core.worked_programs import agree
 from passes.interpret.eding.test_worked import MACHINE, SETUP, START
 from support.command import in_this_process
 
+from gproof.driver.running import execute
 from gproof.frontend.eding.load import load_program
 from gproof.ir.dialects.accepts import SCALED_Z, UNSCALED_Z
 from gproof.ir.finding import Findings
 from gproof.ir.machine import NO_MACHINE, Controller
 from gproof.ir.setup import ZERO
 from gproof.ir.trace import Op
-from gproof.passes.interpret.core.executor import execute
 
 P2 = "G51 P2 I0 J0\n"
 READINGS = (None, SCALED_Z.name, UNSCALED_Z.name)

@@ -12,6 +12,7 @@ import dataclasses
 import re
 from typing import Any
 
+from gproof.driver.running import execute
 from gproof.ir.codes import POSITION_UNKNOWN
 from gproof.ir.dialects.mcuwin import MCUWIN
 from gproof.ir.din import USUAL, Din, TaskCode
@@ -44,7 +45,6 @@ from gproof.ir.program import (
 from gproof.ir.setup import ZERO, Setup
 from gproof.ir.trace import Op, Trace, chunks
 from gproof.passes.checks.limits.soft_limits import Limits
-from gproof.passes.interpret.core.executor import execute
 
 FILE = "job.src"
 TASKS = tuple(

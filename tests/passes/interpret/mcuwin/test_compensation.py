@@ -16,12 +16,12 @@ from collections.abc import Iterator
 import pytest
 from passes.interpret.mcuwin.mcuwin_programs import labels, machine, program, run
 
+from gproof.driver.running import begin
 from gproof.ir.din import USUAL, RadiusTool
 from gproof.ir.finding import Findings
 from gproof.ir.machine import Machine
 from gproof.ir.setup import NOTHING, ZERO
 from gproof.ir.trace import UNKNOWN, Op, Trace
-from gproof.passes.interpret.core.executor import Executor
 
 SEEDS = int(os.environ.get("GPROOF_RANDOM_RUNS", "60"))
 
@@ -349,8 +349,8 @@ def test_a_tool_table_that_nobody_states_is_none_that_is_switched_off() -> None:
     assert labels(run(["G41"], on=machine(tools=()))[1]) == ["GP285"]
     assert labels(run(["G41"], on=silent)[1]) == ["GP256"]
     for on, told in ((machine(tools=()), False), (silent, True)):
-        ex = Executor(program(["T1", "G00 X1", "M30"]), ZERO, on, Findings())
-        for _ in ex.run():
+        ex = begin(program(["T1", "G00 X1", "M30"]), ZERO, on, Findings())
+        for _ in ex.chunks():
             pass
         assert (USUAL["tool_file"] in ex.assumed) == told
 

@@ -13,11 +13,11 @@ from typing import Any
 
 import pytest
 
+from gproof.driver.running import begin
 from gproof.frontend.mcuwin.load import load_program
 from gproof.ir.finding import Findings
 from gproof.ir.setup import ZERO
 from gproof.ir.symbolic import Unknown
-from gproof.passes.interpret.core.executor import Executor
 from passes.interpret.mcuwin import mcuwin_programs as din
 
 Tree = tuple[Any, ...]
@@ -160,8 +160,8 @@ def run(tmp_path: Path, lines: list[str]) -> tuple[dict[int, Any], list[tuple[st
     findings = Findings(limit=100_000)
     program = load_program(job, findings, din.machine())
     assert program is not None
-    executor = Executor(program, ZERO, din.machine(), findings)
-    for _ in executor.run():
+    executor = begin(program, ZERO, din.machine(), findings)
+    for _ in executor.chunks():
         pass
     return executor.modal.parameters, [(f.code.label, f.span.line) for f in findings.kept]
 
@@ -340,8 +340,8 @@ def test_loops_and_calls_are_what_they_are_written_out(tmp_path: Path, seed: int
             findings = Findings()
             program = load_program(job, findings, din.machine())
             assert program is not None
-            executor = Executor(program, ZERO, din.machine(), findings)
-            rows = [tuple(row) for chunk in executor.run() for row in chunk.rows["to"].tolist()]
+            executor = begin(program, ZERO, din.machine(), findings)
+            rows = [tuple(row) for chunk in executor.chunks() for row in chunk.rows["to"].tolist()]
             assert [f.message for f in findings.kept if f.code.label not in ("GP519",)] == [], lines
             both.append(
                 ([row for n, row in enumerate(rows) if n == 0 or row != rows[n - 1]], executor.modal.parameters[1615])

@@ -8,11 +8,11 @@ from typing import Any
 import pytest
 from passes.interpret.mcuwin.mcuwin_programs import labels, machine, moves, never_homed, program, run
 
+from gproof.driver.running import begin, collect
 from gproof.ir.din import RadiusTool, TaskCode
 from gproof.ir.finding import Findings
 from gproof.ir.machine import Machine, Spindle
 from gproof.ir.setup import ZERO, Setup
-from gproof.passes.interpret.core.executor import Executor, collect
 
 TOOLS = tuple(
     RadiusTool(number=number, plane=plane, radius=radius, length=0.0)
@@ -123,7 +123,7 @@ def test_an_axis_stands_within_the_limits_that_the_program_sets(lines: list[str]
 
 
 def test_a_start_that_nobody_stated_is_taken_to_be_within_new_limits() -> None:
-    ex = Executor(program(["G90", "G98 X5", "G00 X6", "M30"]), Setup(), _ended(), Findings())
+    ex = begin(program(["G90", "G98 X5", "G00 X6", "M30"]), Setup(), _ended(), Findings())
     collect(ex)
     assert any("G98 and G99" in text for text in ex.assumed)
 

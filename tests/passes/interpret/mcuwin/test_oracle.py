@@ -14,6 +14,7 @@ from passes.interpret.mcuwin.mcuwin_oracle import AXES, OLD, Oracle, Shop, rando
 from passes.interpret.mcuwin.mcuwin_programs import TASKS, machine
 from support.campaigns import seeds
 
+from gproof.driver.running import begin, collect
 from gproof.frontend.mcuwin.load import load_program
 from gproof.ir.din import RadiusTool
 from gproof.ir.finding import Findings, Severity
@@ -22,7 +23,6 @@ from gproof.ir.setup import ZERO
 from gproof.ir.trace import Op, Trace, chunks
 from gproof.ir.verdict import Verdict
 from gproof.passes.checks.limits.work_boundaries import Boundaries
-from gproof.passes.interpret.core.executor import Executor, collect
 
 TOOLS = tuple(RadiusTool(number=0, plane=plane, radius=0.0, length=0.0) for plane in ("xy", "yz", "zx"))
 COLUMNS = [0, 1, 2, 5]
@@ -90,7 +90,7 @@ def agree(text: list[str], shop: Shop, path: Path) -> None:
     on = machine_of(shop)
     program = load_program(path, findings, on)
     assert program is not None
-    trace = collect(Executor(program, ZERO, on, findings))
+    trace = collect(begin(program, ZERO, on, findings))
     trace.verify()
     edges = Boundaries(on, ZERO, findings)
     for chunk in chunks(trace):

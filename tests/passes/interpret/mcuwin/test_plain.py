@@ -10,13 +10,13 @@ import pytest
 from passes.interpret.mcuwin.mcuwin_programs import machine
 from support.campaigns import seeds, sizes
 
+from gproof.driver.running import begin, collect
 from gproof.frontend.mcuwin.load import load_program
 from gproof.ir.finding import Findings
 from gproof.ir.program import BlockTable, Repeat
 from gproof.ir.setup import ZERO
 from gproof.ir.trace import Op, chunks
 from gproof.passes.checks.arc_radius import ArcRadius
-from gproof.passes.interpret.core.executor import Executor, collect
 from gproof.passes.interpret.mcuwin import fast_path as din_plain
 
 
@@ -53,11 +53,11 @@ def outcome(
     findings = Findings()
     program = load_program(path, findings, on, tables=tables)
     assert program is not None
-    ex = Executor(program, ZERO, on, findings)
+    ex = begin(program, ZERO, on, findings)
     trace = collect(ex)
     trace.verify()
     rows = [(s.number, *s.rows.rows()) for s in trace.sections]
-    return rows, sorted(str(f) for f in findings.kept), ex.modal.din.but(told=frozenset())
+    return rows, sorted(str(f) for f in findings.kept), ex.modal.own.but(told=frozenset())
 
 
 @pytest.mark.parametrize("seed", seeds(24, 60))
@@ -97,7 +97,7 @@ def test_tables_of_the_older_version_hold_distances(tmp_path: Path) -> None:
     assert program is not None
     loop = next(node for node in program.body if isinstance(node, Repeat))
     assert [node.distances for node in loop.body if isinstance(node, BlockTable)] == ["G90", "G90", "G91"]
-    trace = collect(Executor(program, ZERO, on, Findings()))
+    trace = collect(begin(program, ZERO, on, Findings()))
     rows = trace.sections[0].rows
     moved = [float(rows["to"][n][0]) for n in range(len(rows)) if rows["op"][n] < Op.DWELL]
     assert moved == [10, 5, 7, 8, 5, 7, 8]
@@ -178,6 +178,6 @@ def told_by_arcs(path: Path) -> list[str]:
     program = load_program(path, Findings(), on)
     assert program is not None
     check = ArcRadius(on, ZERO, findings)
-    for chunk in chunks(collect(Executor(program, ZERO, on, Findings()))):
+    for chunk in chunks(collect(begin(program, ZERO, on, Findings()))):
         check.feed(chunk)
     return sorted(str(f) for f in findings.kept if f.code.number == 401)

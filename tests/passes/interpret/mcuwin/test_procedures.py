@@ -7,10 +7,10 @@ from typing import Any
 
 import pytest
 
+from gproof.driver.running import execute
 from gproof.frontend.mcuwin.load import load_program
 from gproof.ir.finding import Findings
 from gproof.ir.setup import ZERO, Interval, Setup
-from gproof.passes.interpret.core.executor import execute
 from passes.interpret.mcuwin import mcuwin_programs as din
 
 HEAD = """$DINEND

@@ -6,11 +6,11 @@ import dataclasses
 
 from passes.interpret.mcuwin.mcuwin_programs import labels, machine, moves, program, run
 
+from gproof.driver.running import begin
 from gproof.ir.din import USUAL
 from gproof.ir.finding import Findings
 from gproof.ir.machine import Machine
 from gproof.ir.setup import ZERO
-from gproof.passes.interpret.core.executor import Executor
 
 
 def inch_x() -> Machine:
@@ -41,7 +41,7 @@ def test_limits_too() -> None:
 
 def test_what_no_file_states_is_an_assumption_of_the_report() -> None:
     for unstated in (tuple(USUAL), ()):
-        ex = Executor(program(["G00 X1", "M30"]), ZERO, machine(unstated=unstated), Findings())
-        for _ in ex.run():
+        ex = begin(program(["G00 X1", "M30"]), ZERO, machine(unstated=unstated), Findings())
+        for _ in ex.chunks():
             pass
         assert set(USUAL.values()) & set(ex.assumed) == {USUAL[key] for key in unstated if key != "tool_file"}

@@ -15,6 +15,7 @@ from hypothesis import HealthCheck, given
 from hypothesis import strategies as st
 from support.campaigns import examples, seeds
 
+from gproof.driver.running import begin, collect
 from gproof.frontend.wincnc.load import load_program
 from gproof.frontend.wincnc.machine import NO_SHOP
 from gproof.ir.controls import Controls, Workspace
@@ -23,19 +24,19 @@ from gproof.ir.machine import Axis, AxisKind, Controller, Machine
 from gproof.ir.program import FLAG_BARE
 from gproof.ir.setup import NOTHING, ZERO, Setup
 from gproof.ir.text import print_ir
-from gproof.passes.interpret.core.executor import Executor, collect
+from gproof.passes.interpret.core.run import Run
 from gproof.passes.interpret.wincnc import fast_path as single_plain
 from gproof.passes.interpret.wincnc import line_kernels as k
-from gproof.passes.interpret.wincnc.semantics import SingleManner
+from gproof.passes.interpret.wincnc.semantics import WinCncDialect
 
 RANDOM = examples(60, 1000, suppress_health_check=list(HealthCheck))
 CONSTANT = ("rules", "setup", "machine", "ranges")
 
 
-def state_of(ex: Executor) -> list[str]:
+def state_of(ex: Run) -> list[str]:
     """Everything a line may change, every bit of it."""
     modal = [f"{name}: {value!r}" for name, value in sorted(vars(ex.modal).items()) if name not in CONSTANT]
-    return [*modal, repr((ex.blocks, list(ex.assumed), ex._moves, ex._moved, ex.refused))]
+    return [*modal, repr((ex.blocks, list(ex.assumed), ex.moves, ex.moved, ex.refused))]
 
 
 def everything(text: str, machine: Machine, setup: Setup) -> list[str]:
@@ -46,7 +47,7 @@ def everything(text: str, machine: Machine, setup: Setup) -> list[str]:
         job.write_text(text)
         program = load_program(job, findings, machine)
         assert program is not None
-        ex = Executor(program, setup, machine, findings)
+        ex = begin(program, setup, machine, findings)
         trace = collect(ex)
     trace.verify()
     rows = [section.rows[name].tobytes().hex() for section in trace.sections for name in section.rows.arrays]
@@ -246,7 +247,9 @@ def test_the_kernel_runs_long_jobs(monkeypatch: pytest.MonkeyPatch) -> None:
     text = "\n".join(lines)
     assert_same(text, SHOP)
     cold = []
-    monkeypatch.setattr("gproof.passes.interpret.wincnc.line.run", lambda ex, span, *a, **b: cold.append(span.line))
+    monkeypatch.setattr(
+        "gproof.passes.interpret.wincnc.line.run_line", lambda ex, span, *a, **b: cold.append(span.line)
+    )
     everything(text.removeprefix("G90\n"), SHOP, ZERO)
     assert cold == []
 
@@ -260,14 +263,14 @@ def refused(text: str, **changes: Any) -> list[str]:
         job.write_text("G1 X1 Y1 F100\nG3 X2 Y2 R5 F200\nG2 X3 Y3 I.5 J.5\nG1 Z1\n")
         program = load_program(job, findings, machine)
         assert program is not None
-        ex = Executor(program, ZERO, machine, findings)
+        ex = begin(program, ZERO, machine, findings)
         collect(ex)
         before = state_of(ex)
         words = program.scan(text.encode(), 0, len(text), 1, 1000)[0] if program.scan else None
     assert words is not None
     columns = tuple(words[name].tolist() for name in ("line", "letter", "value", "flags"))
-    manner = ex._manner
-    assert isinstance(manner, SingleManner)
+    manner = ex.dialect
+    assert isinstance(manner, WinCncDialect)
     assert manner.plain is not None
     rows = ex.rows.count
     at = manner.plain.run(ex, k.run_moves.python, columns, len(words), 0, False)
@@ -337,5 +340,5 @@ def test_bare_axes_behind_a_feed_are_told_apart(tmp_path: Path) -> None:
     words = program.body[0].words  # type: ignore[union-attr]
     assert words is not None
     assert (words["flags"] & FLAG_BARE).tolist() == [0, 0, 0, 0, 0, 4, 4]  # type: ignore[call-overload]
-    collect(Executor(program, ZERO, SHOP, findings))
+    collect(begin(program, ZERO, SHOP, findings))
     assert [finding.span.line for finding in findings.kept if finding.code.label == "GP113"] == [2]

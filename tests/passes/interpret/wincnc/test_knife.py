@@ -12,10 +12,10 @@ import pytest
 
 from gproof.driver.judge import judge
 from gproof.driver.pipeline import lower
+from gproof.driver.running import begin
 from gproof.driver.session import Running, Session, open_session
 from gproof.ir.finding import Severity
 from gproof.ir.verdict import Verdict
-from gproof.passes.interpret.core.executor import Executor
 from gproof.report.trace_jsonl import chunk_lines
 from gproof.verify.stream import validate
 
@@ -55,9 +55,9 @@ def opened(tmp_path: Path, text: str, knife: str = PLAIN, more: str = "", own: s
 def rows_of(session: Session) -> list[dict[str, Any]]:
     """Rows of moves and dwells; `at`: (low, high) by axis."""
     assert session.program is not None
-    ex = Executor(session.program, session.setup, session.machine, session.findings)
+    ex = begin(session.program, session.setup, session.machine, session.findings)
     found = []
-    for chunk in ex.run():
+    for chunk in ex.chunks():
         for n, line in enumerate(chunk_lines(chunk, session.machine, "job.tap")):
             row = json.loads(line)
             if "to" in row:

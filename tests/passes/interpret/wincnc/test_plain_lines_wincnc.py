@@ -7,9 +7,9 @@ from pathlib import Path
 import pytest
 
 from gproof.driver.dialects import load_machine, load_setup
+from gproof.driver.running import execute
 from gproof.frontend.wincnc.load import load_program
 from gproof.ir.finding import Findings
-from gproof.passes.interpret.core.executor import execute
 
 SHOP = Path(__file__).resolve().parents[4] / "docs" / "codes" / "wincnc"
 

@@ -1,11 +1,16 @@
-"""What every step of execution stands on: the run's state, its findings, and the rows it appends."""
+"""A run of a program: its state, its findings, its budget, and the rows that it writes. Every part of execution has it.
+
+``Run`` is what a language's own code works with; what is still to do (statements, loops, branches) is its ``flow``
+(``control_flow.py``), what the language decides its ``dialect`` (``semantics.py``).
+"""
 
 from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import replace
+from typing import TYPE_CHECKING, Any
 
 from gproof.ir import codes
 from gproof.ir.dialects.accepts import TOOL_ZERO, Accepted
@@ -13,27 +18,26 @@ from gproof.ir.finding import Code, Finding, Findings, Refusal, Related, Severit
 from gproof.ir.intervals import Range
 from gproof.ir.machine import AXIS_NAMES, Machine
 from gproof.ir.prefetch import Ahead
-from gproof.ir.program import Input, Named, Program, Statement
+from gproof.ir.program import Assign, Input, Named, Program
 from gproof.ir.rules import CodeRule
 from gproof.ir.setup import Interval, Setup
-from gproof.ir.symbolic import FrameTable, Position, Unknown, Value, behind_loop, between
-from gproof.ir.trace import Edge, Op, Trace, Wait
-from gproof.passes.interpret.core.block_compiler import Condition, FastBlock
-from gproof.passes.interpret.core.call_stack import Followed, Frame, Hot, Lap, Path, Pending, PlainCell, Stretch
+from gproof.ir.symbolic import NOWHERE, FrameTable, Position, Unknown, Value, behind_loop
+from gproof.ir.trace import Chunk, Edge, Op, Trace, Wait
 from gproof.passes.interpret.core.consequences import Consequences
 from gproof.passes.interpret.core.expressions import Evaluator
 from gproof.passes.interpret.core.foreseen_lengths import lengths_foreseen
-from gproof.passes.interpret.core.loop_acceleration import Leap
-from gproof.passes.interpret.core.modal_state import Modal, stated_system
+from gproof.passes.interpret.core.modal_state import Modal
 from gproof.passes.interpret.core.open_settings import OpenSettings
 from gproof.passes.interpret.core.outcomes import Asked
 from gproof.passes.interpret.core.parsed_line import Line
+from gproof.passes.interpret.core.plane_transform import at_start
 from gproof.passes.interpret.core.row_buffer import RowBuffer
-from gproof.passes.interpret.core.semantics import manner_of
-from gproof.passes.interpret.eding.spindle import commanded_rpm, own_ramp, told
-from gproof.passes.interpret.eding.transform_codes import at_start
-from gproof.passes.interpret.mcuwin.foreign_statements import foreign
-from gproof.passes.interpret.mcuwin.state import fits, whole_numbers
+from gproof.passes.interpret.core.shown_variables import stated_system
+from gproof.passes.interpret.core.spindle_speed import commanded_rpm, own_ramp, told
+
+if TYPE_CHECKING:
+    from gproof.passes.interpret.core.control_flow import ControlFlow
+    from gproof.passes.interpret.core.semantics import Dialect
 
 DEFAULT_BUDGET = 100_000_000
 FIRST_BEAT, MOST_BEAT, LEAST_BEAT = 1 << 8, 1 << 14, 1 << 4
@@ -54,11 +58,24 @@ class ProgramEnd(Exception):
     """The program has ended."""
 
 
-class Emitter:
-    """The state of one run of a program, and how it becomes rows of the Trace."""
+class Run:
+    """One run of a program.
+
+    block_delete: lines with a leading slash are skipped; met_deleted: there were any. stop_at_error: end at the first
+    error, as the controller would. accepted: (code, place) of errors in spite of which the run goes on. on_beat: hears
+    how far it is, (blocks executed, place).
+    blocks: executed so far; charged: of these, what calls within calls count as, which nobody executed; branches:
+    outcomes that were followed; moves: rows that move.
+    assumed: what the run took for granted; asked: what led into a section that is one outcome of several; failed: the
+    first finding that stops a controller; refused: the trace lacks what a line of the job would do.
+    file, call: of the line that runs, as indices of the trace; moved: something has moved; ended_by: code and line of
+    the end that was met.
+    """
+
+    modal: Modal
 
     def __init__(
-        self, program: Program, setup: Setup, machine: Machine, findings: Findings, *,
+        self, program: Program, setup: Setup, machine: Machine, findings: Findings, dialect: Dialect[Any], *,
         block_delete: bool = False, budget: int = DEFAULT_BUDGET, stop_at_error: bool = False,
         max_branches: int = DEFAULT_BRANCHES, render: bool = False,
         accepted: frozenset[tuple[int, Span]] = frozenset(),
@@ -67,94 +84,70 @@ class Emitter:
         self.machine = machine
         self.setup = setup
         self.findings = findings
+        self.dialect = dialect
+        self.flow: ControlFlow
         self.block_delete = block_delete
         self.accepted = accepted
-        self.budget = budget
-        # Who wants to hear how far it is: (blocks executed, place).
-        self.on_beat: Callable[[int, Span], None] | None = None
-        self._beat, self._rang = FIRST_BEAT, time.monotonic()
-        self._alarm = min(budget + 1, self._beat)
         self.stop_at_error = stop_at_error
         self.max_branches = max_branches
-        self.modal = Modal(program.rules, setup, machine)
+        self._begin_budget(budget)
+        self._begin_trace()
+        self.modal = self._first_state(render)
         self.settings = OpenSettings(machine, findings)
-        self.modal.lengths_used = self.modal.lengths_used or lengths_foreseen(program)
-        self.modal.transform = at_start(self.modal)
-        self.modal.rendering = render
-        self.trace = Trace(files=[f.name for f in program.files] or ["(program)"], macro_files=program.macro_files)
-        self.frames = FrameTable(self.trace.frames)
-        self.modal.ranges = self.trace.symbols
         self.evaluator = Evaluator(self._read, findings, self._read_other, self.takes, self.assume)
         # A motion mode is known by the first code of its function.
         g_codes = [rule for rule in program.rules.codes.values() if rule.letter == "G"]
-        self._motion_rules: dict[int, CodeRule] = {int(rule.function): rule for rule in reversed(g_codes)}
+        self.motion_rules: dict[int, CodeRule] = {int(rule.function): rule for rule in reversed(g_codes)}
         self.met_deleted = False
-        self.blocks = 0
-        self.charged = 0  # of these: what calls within calls count as, which nobody executed
         self.assumed: dict[str, None] = {}
         self._beyond_list: set[tuple[int, Span]] = set()
         self._listed = min((e.first for e in program.rules.parameters if e.kind in _NOT_LISTED), default=math.inf)
         self._consequences = Consequences(program, findings)
         self.failed: Finding | None = None
         self.refused = False
-        self._file = 0
-        self._call = 0
-        self._depth: list[str] = []
-        self._calls: dict[str, int] = {}
-        self._ended = False
-        self._states: dict[object, int] = {}
-        self._texts: dict[str, int] = {}
-        self._state_index = -1
+        self.moved = False
+        self.moves = 0
+        self.ended_by: tuple[str, int] | None = None
         self._warned: set[int] = set()
         self._loop_variables: set[tuple[int, Span]] = set()
-        self._moved = False
-        self._moves = 0
-        self._nesting = 0
-        self._end: tuple[str, int] | None = None
-        self._around: dict[str, tuple[Statement, ...]] = {}
-        self._told_around = False
-        self._unknowns = 0
+        self.unknowns = 0
         # Where cycles rise to from a place whose height beside their R is not known, by place and R.
         self.risen: dict[tuple[Position, Position], Position] = {}
         self._start_system(setup)
-        if program.rules.source_order:
-            for what, key in foreign(setup, machine):
-                where = findings.where(key, Span(machine.name if key.startswith("machine.") else setup.name, 1))
-                self._fail(codes.FOREIGN_FACT.at(where, what=what))
-        # What is still to do, and what branches and loops keep of it: passes/interpret/core/path_exploration.py,
-        # passes/interpret/core/hot_blocks.py.
-        self.branches = 0
-        # What led into a section that is one outcome of several.
+        dialect.begin(self)
         self.asked: dict[int, Asked] = {}
-        self._stack: list[Frame] = [Frame(program.body)]
-        # What ran to its end last.
-        self._last: tuple[Statement, ...] | None = None
-        self._seen: dict[object, tuple[Edge, ...]] = {}
-        self._joins: dict[object, int] = {}
-        self._waiting: list[Path] = []
-        self._is_parked = False
-        self._key: object = None
-        self._fast: dict[int, FastBlock | None] = {}
-        self._tests: dict[int, Condition | None] = {}
-        self._stretches: dict[int, Stretch] = {}
-        self._pending = Pending()
-        self._hots: dict[object, Hot] = {}
-        self._cells: dict[int, PlainCell | None] = {}
-        self._loops = 0
-        self._laps: dict[object, Lap] = {}
-        self._counted: dict[object, Lap] = {}
-        self._passes: dict[object, int] = {}
-        self._followed: dict[object, Followed] = {}
-        self._cover: Followed | None = None
-        self._asks: dict[int, frozenset[int]] = {}
-        self._set_by_program: frozenset[int] | None = None
-        self._leaps: dict[int, Leap | None] = {}
-        self._came_back = False
-        self._places: dict[int, dict[str, int]] = {}
-        self._whole = whole_numbers(program) if program.rules.source_order else frozenset[int]()
-        self._manner = manner_of(program.rules)
-        self._ahead = Ahead(program)
-        self.rows = RowBuffer(self.trace, [p.value for p in self.modal.position], self._frame(), program.line_count)
+        self.ahead = Ahead(program)
+        self.rows = RowBuffer(
+            self.trace, [p.value for p in self.modal.position], self.frame_number(), program.line_count
+        )
+
+    def _begin_budget(self, budget: int) -> None:
+        self.budget = budget
+        self.on_beat: Callable[[int, Span], None] | None = None
+        self._beat, self._rang = FIRST_BEAT, time.monotonic()
+        self.alarm = min(budget + 1, self._beat)
+        self.blocks = 0
+        self.charged = 0
+        self.branches = 0
+
+    def _begin_trace(self) -> None:
+        program = self.program
+        self.trace = Trace(files=[f.name for f in program.files] or ["(program)"], macro_files=program.macro_files)
+        self.frames = FrameTable(self.trace.frames)
+        self.file = 0
+        self.call = 0
+        self.is_section_over = False
+        self._states: dict[object, int] = {}
+        self._texts: dict[str, int] = {}
+        self._state_index = -1
+
+    def _first_state(self, render: bool) -> Modal:
+        modal = self.dialect.first_state(self.program, self.setup, self.machine)
+        modal.lengths_used = modal.lengths_used or lengths_foreseen(self.program)
+        modal.transform = at_start(modal)
+        modal.rendering = render
+        modal.ranges = self.trace.symbols
+        return modal
 
     def _start_system(self, setup: Setup) -> None:
         """The coordinate system at the start, where the setup states its variable (3.1.3): GP235."""
@@ -169,16 +162,16 @@ class Emitter:
     def spend(self, span: Span) -> None:
         """Count one executed block; Refusal GP233 when the budget is used up."""
         self.blocks += 1
-        if self.blocks >= self._alarm:
+        if self.blocks >= self.alarm:
             self._ring(span)
 
     def _ring(self, span: Span) -> None:
         if self.blocks > self.budget:
-            laps = [*self._laps.values(), *self._counted.values()]
+            laps = [*self.flow.widening.laps.values(), *self.flow.widening.counted.values()]
             longest = max(laps, key=lambda lap: lap.count, default=None)
             hint, related = "--max-blocks raises it", tuple[Related, ...]()
-            if len(self._depth) > 1:
-                hint = f"calls within calls: {' > '.join(self._depth)}; {hint}"
+            if len(self.flow.called) > 1:
+                hint = f"calls within calls: {' > '.join(self.flow.called)}; {hint}"
             if longest is not None:
                 hint = f"the loop here has come to pass {longest.count}; {hint}"
                 span, related = longest.span, (Related(span, "here the last one of them was executed"),)
@@ -189,7 +182,7 @@ class Emitter:
         elif now - self._rang > LATE:
             self._beat = max(self._beat // 2, LEAST_BEAT)
         self._rang = now
-        self._alarm = min(self.budget + 1, self.blocks + self._beat)
+        self.alarm = min(self.budget + 1, self.blocks + self._beat)
         if self.on_beat is not None:
             self.on_beat(self.blocks, span)
 
@@ -204,7 +197,7 @@ class Emitter:
         self.assumed[what.assumption] = None
         return True
 
-    def _fail(self, finding: Finding, *, told: bool = False) -> None:
+    def fail(self, finding: Finding, *, told: bool = False) -> None:
         """Report a finding, unless another one that says as much is ``told`` already, and end what it ends."""
         if not told and not self._consequences.follows(finding):
             self.findings.add(finding)
@@ -212,11 +205,11 @@ class Emitter:
             if self.failed is None:
                 self.failed = finding
             if finding.code.number in _ENDS:
-                self._tell_rest(finding)
-                self._end_section(Wait.UNKNOWN, finding.message, -1, finding.span)
+                self.tell_rest(finding)
+                self.end_section(Wait.UNKNOWN, finding.message, -1, finding.span)
                 raise ProgramEnd
             if self.stop_at_error:
-                self._end_section(Wait.UNKNOWN, "error", -1, finding.span)
+                self.end_section(Wait.UNKNOWN, "error", -1, finding.span)
                 raise ProgramEnd
 
     def as_accepted(self, finding: Finding) -> Finding:
@@ -225,58 +218,52 @@ class Emitter:
             return replace(finding, code=finding.code.as_unknown())
         return finding
 
-    def _tell_rest(self, finding: Finding) -> None:
+    def tell_rest(self, finding: Finding) -> None:
         """GP304 for all that comes after an accepted error which ends the run."""
         if (finding.code.number, finding.span) in self.accepted:
             cause = f"line {finding.span.line}, after which nothing can be followed"
             self.findings.add(codes.POSITION_UNKNOWN.at(finding.span, axis="every axis", cause=cause))
 
-    def _refuse(self, finding: Finding, *, told: bool = False) -> None:
+    def refuse(self, finding: Finding, *, told: bool = False) -> None:
         """The line or statement of a Refusal did nothing, or half: what follows is not the job's path any more."""
         self.refused = self.refused or finding.severity in (Severity.ERROR, Severity.UNKNOWN)
-        self._fail(finding, told=told)
-
-    def _leave_file(self, span: Span) -> None:
-        """End the file that runs: back to its caller, or the end of the job."""
-        raise NotImplementedError
-
-    def aborted(self) -> bool:
-        """The job aborts itself: go on with what the controller runs then; False where there is no such thing."""
-        raise NotImplementedError
+        self.fail(finding, told=told)
 
     def ends_here(self, code: Code) -> Code:
         """A code that tells that the program ends itself: a note where that is one outcome of several."""
-        return code.as_note() if any(frame.group is not None for frame in self._stack) else code
+        return code.as_note() if any(frame.group is not None for frame in self.flow.stack) else code
 
-    def _note_stop(self, line: Line, text: str) -> None:
+    def note_stop(self, line: Line, text: str) -> None:
+        """GP510: the job waits here for the operator."""
         self.findings.add(codes.OPERATOR_STOP.at(line.span, code=text))
 
-    def _edge(self, wait: Wait, outcome: str, target: int, span: Span) -> Edge:
-        return Edge(wait=wait, outcome=outcome, target=target, line=span.line, file=self._file_of(span))
+    def edge(self, wait: Wait, outcome: str, target: int, span: Span) -> Edge:
+        """An edge of the section that runs, from the line of a span."""
+        return Edge(wait=wait, outcome=outcome, target=target, line=span.line, file=self.file_of(span))
 
-    def _end_section(self, wait: Wait, outcome: str, target: int | None, span: Span) -> None:
+    def end_section(self, wait: Wait, outcome: str, target: int | None, span: Span) -> None:
         """Close the section; target None: the next one."""
         if target is None:
             target = self.rows.new_section()
-        self._close((self._edge(wait, outcome, target, span),))
+        self.close_section((self.edge(wait, outcome, target, span),))
         if target >= 0:
-            self._begin(target)
+            self.begin_section(target)
 
-    def _close(self, edges: tuple[Edge, ...]) -> None:
+    def close_section(self, edges: tuple[Edge, ...]) -> None:
         """Hand out the rest of the section with its edges."""
-        self._ended = True
+        self.is_section_over = True
         self.rows.flush(last=True, edges=edges)
 
-    def _begin(self, section: int) -> None:
+    def begin_section(self, section: int) -> None:
         """Go on in a section that starts here."""
-        self._ended = False
+        self.is_section_over = False
         self.findings.section = section
-        self.rows.begin_section(section, [p.value for p in self.modal.position], self._frame())
+        self.rows.begin_section(section, [p.value for p in self.modal.position], self.frame_number())
 
     def unknown_place(self, kind: str, axis: int, ends: Range, origin: Position) -> Position:
         """``origin`` plus an unknown of its own between ``ends`` (mm or degrees)."""
-        self._unknowns += 1
-        symbol = f"{kind}.{self._unknowns}.{AXIS_NAMES[axis]}"
+        self.unknowns += 1
+        symbol = f"{kind}.{self.unknowns}.{AXIS_NAMES[axis]}"
         if math.isfinite(ends[0]) and math.isfinite(ends[1]):
             self.trace.symbols[symbol] = Interval(*ends)
         return origin.plus(Position(0.0, ((symbol, 1),)))
@@ -284,21 +271,25 @@ class Emitter:
     def event(self, op: Op, span: Span, *, arg: tuple[float, float] = (0.0, 0.0), text: int = 0) -> None:
         """Append a row that does not move."""
         self.rows.append(
-            op, file=self._file_of(span), line=span.line, call=self._call,
-            to=[p.value for p in self.modal.position], frame=self._frame(), state=self._state(),
+            op, file=self.file_of(span), line=span.line, call=self.call,
+            to=[p.value for p in self.modal.position], frame=self.frame_number(), state=self.state_number(),
             arg=arg, text=text,
         )  # fmt: skip
 
-    def _file_of(self, span: Span) -> int:
+    def file_of(self, span: Span) -> int:
+        """The index of the file that a span names."""
         return self.trace.files.index(span.file) if span.file in self.trace.files else 0
 
-    def _frame(self) -> int:
+    def frame_number(self) -> int:
+        """The index of the frame that positions count in now."""
         return self.frames.frame(self.modal.position, self.modal.unhomed)
 
-    def _state_changed(self) -> None:
+    def state_changed(self) -> None:
+        """Something changed that rows carry in their state."""
         self._state_index = -1
 
-    def _state(self) -> int:
+    def state_number(self) -> int:
+        """The index of the state that rows carry now."""
         if self._state_index < 0:
             state = self.modal.row_state()
             # NaN is not equal to itself: the text of a state is its identity.
@@ -310,7 +301,8 @@ class Emitter:
             self._state_index = index
         return self._state_index
 
-    def _text(self, text: str) -> int:
+    def text_number(self, text: str) -> int:
+        """The index of a text among those of the trace."""
         index = self._texts.get(text)
         if index is None:
             index = self._texts[text] = len(self.trace.texts)
@@ -320,7 +312,7 @@ class Emitter:
     def spindle_row(self, line: Line) -> None:
         """Append a row that tells the spindle its direction and speed, and where that takes time, a dwell (2.1.11)."""
         s = self.modal
-        self._state_changed()
+        self.state_changed()
         self.event(Op.SPINDLE, line.span, arg=(float(s.spindle_direction), commanded_rpm(s)))
         wait = own_ramp(s)
         s.spun = told(s)
@@ -329,26 +321,15 @@ class Emitter:
 
     def _read_other(self, node: Named | Input) -> Value:
         if isinstance(node, Input):
-            return self._manner.input(self, node)
-        value = self._manner.named(self, node)
+            return self.dialect.input(self, node)
+        value = self.dialect.named(self, node)
         if self.modal.unknown_modes and len(node.name) > 1:
             return Unknown(f"{node.name} behind a refused line")
         return value
 
     def _read(self, number: float, span: Span) -> Value:
         whole = round(number)
-        return self._of_its_type(whole, self._told_of(number, whole, span))
-
-    def _of_its_type(self, number: int, value: Value) -> Value:
-        """What is known of a variable that is declared to hold whole numbers, or is one of those that do."""
-        if not isinstance(value, Unknown) or value.whole or not self.program.rules.source_order:
-            return value
-        if fits(number, 0.5, self._whole):
-            return value
-        if not value.bounded:
-            return Unknown(value.cause, value.low, value.high, whole=True)
-        low, high = float(math.ceil(value.low)), float(math.floor(value.high))
-        return between(value.cause, (low, high), whole=True) if low <= high else value
+        return self.dialect.of_its_type(whole, self._told_of(number, whole, span))
 
     def knows_number(self, number: float, span: Span) -> bool:
         """Whether the manual has a variable, or the shop says that its controller has it; GP113 otherwise."""
@@ -363,7 +344,7 @@ class Emitter:
             self._beyond_list.add((whole, span))
             hint = TOOL_ZERO.hint if entry.kind == "tool_zero" else ""
             what = f"#{whole}, which is not in the list of the manual,"
-            self._fail(codes.UNSUPPORTED_CODE.at(span, code=what, hint=hint))
+            self.fail(codes.UNSUPPORTED_CODE.at(span, code=what, hint=hint))
         return False
 
     def _told_of(self, number: float, whole: int, span: Span) -> Value:
@@ -386,3 +367,28 @@ class Emitter:
             self._warned.add(whole)
             self.findings.add(codes.UNSET_PARAMETER.at(span, name=name))
         return value if name == own else Unknown(name, value.low, value.high, value.whole)
+
+    def move(
+        self, op: Op, target: list[Position], span: Span, *, center: list[float] | None = None,
+        turns: int = 0, plane: int = 0, length: float | None = None, programmed: tuple[float, float] | None = None,
+    ) -> None:  # fmt: skip
+        """Append a motion row and go there: see ``moves.go``; with what the language adds to each move."""
+        more: dict[str, Any] = {"center": center, "turns": turns, "plane": plane}
+        self.dialect.move(self, op, target, span, length=length, programmed=programmed, **more)
+
+    def lose_places(self) -> None:
+        """Nobody knows any more where the axes stand that the machine has."""
+        for axis in self.machine.axes:
+            self.modal.position[axis.index] = NOWHERE
+        self.modal.jumped = True
+
+    def setting(self, node: Assign) -> tuple[Value, Value, Span]:
+        """What an assignment writes: number of the variable, value, place."""
+        number = self.evaluator.value(node.target.number)
+        if node.target.name and not isinstance(number, Unknown):
+            self.evaluator.names[round(number)] = node.target.name
+        return number, self.evaluator.value(node.value), node.target.span
+
+    def chunks(self) -> Iterator[Chunk]:
+        """Execute; yields chunks of successive rows, the last one of each section with its edges."""
+        return self.flow.chunks()
