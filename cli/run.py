@@ -40,8 +40,8 @@ def run_run(
     from gproof.backend.record_data import ALLOWED, Result
     from gproof.backend.runtime import RunFailed, RunRefused, run
     from gproof.driver.run_journal import Keeper, require_record_place, runs_folder, settled
-    from gproof.verify.certificate import CertificateError, read_package
-    from gproof.verify.measured import taken
+    from gproof.verify.certificate.measured import taken
+    from gproof.verify.certificate.package import CertificateError, read_package
 
     require_file(path, "package")
     require_files(machine, setup, source)

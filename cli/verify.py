@@ -29,8 +29,9 @@ def run_verify(
 ) -> int:  # fmt: skip
     """Print what holds; exit 0 only when the package may run."""
     from gproof.report.verify_report import Verified, print_verified, verified_json
-    from gproof.verify.certificate import CertificateError, check_package, read_package
-    from gproof.verify.measured import taken
+    from gproof.verify.certificate.check import check_package
+    from gproof.verify.certificate.measured import taken
+    from gproof.verify.certificate.package import CertificateError, read_package
 
     require_file(path, "package")
     require_files(machine, setup, source)

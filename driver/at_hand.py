@@ -14,7 +14,7 @@ from gproof.ir.record import record
 from gproof.ir.setup import ZERO, Setup
 from gproof.report.escape import shown
 from gproof.report.text import print_findings
-from gproof.verify.package import Package
+from gproof.verify.certificate.package import Package
 
 
 @record(frozen=True, slots=True, kw_only=True)

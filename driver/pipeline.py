@@ -32,8 +32,8 @@ from gproof.report.text import print_findings
 
 if TYPE_CHECKING:
     from gproof.report.units import LengthUnit
-    from gproof.verify.measured import Open
-    from gproof.verify.stream_report import StreamReport
+    from gproof.verify.certificate.measured import Open
+    from gproof.verify.explain.stream_report import StreamReport
 
 
 @record(slots=True, kw_only=True)
@@ -98,7 +98,7 @@ def lower(
 
 def _leave_open(session: Session, lowered: Lowered, conditions: Sequence[Condition]) -> None:
     """Find what the places of the job rest on, and a reference for it."""
-    from gproof.verify.measured import NotPlaced, Open, places_of, put, reference
+    from gproof.verify.certificate.measured import NotPlaced, Open, places_of, put, reference
 
     try:
         places = places_of(lowered.trace, session.machine, session.setup)
@@ -234,26 +234,28 @@ def _write(
     """Sign and write the package; returns its identity and who signed it."""
     from importlib.metadata import version
 
-    from gproof.verify import certificate as c
+    from gproof.verify.certificate.keys import load_or_create_key
+    from gproof.verify.certificate.package import TooLarge
+    from gproof.verify.certificate.write import write_package
 
     assert lowered.stream is not None
     key, signer = None, "nobody (--unsigned)"
     if not unsigned:
         place = key_path or own_key_path()
         try:
-            key = c.load_or_create_key(place)
+            key = load_or_create_key(place)
         except ValueError as error:
             raise UsageError(str(error)) from None
         signer = f"the key in {place}"
     now = datetime.datetime.now(datetime.UTC).isoformat(timespec="seconds")
     try:
-        digest = c.write_package(
+        digest = write_package(
             output, job=session.job.name, version=version("gproof"), inputs=session.inputs,
             properties=judgement.properties, not_judged=not_judged(r.name for r in judgement.properties),
             assumptions=judgement.assumptions,
             machine=session.machine, setup=session.setup, trace=lowered.trace, stream=lowered.stream, report=report,
             key=key, created=now, left_open=lowered.left_open,
         )  # fmt: skip
-    except c.TooLarge as why:
+    except TooLarge as why:
         raise UsageError(f"{output}: nothing was written: {why}") from None
     return digest, signer

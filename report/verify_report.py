@@ -21,10 +21,10 @@ from gproof.ir.verdict import Condition, Verdict
 from gproof.report.escape import shown
 from gproof.report.summary import condition_of
 from gproof.report.text import finding_json
-from gproof.verify.certificate import Check
-from gproof.verify.package import Package
-from gproof.verify.signers import Signer, fingerprint
-from gproof.verify.stream_report import BOUNDS
+from gproof.verify.certificate.check import Check
+from gproof.verify.certificate.package import Package
+from gproof.verify.certificate.signers import Signer, fingerprint
+from gproof.verify.explain.stream_report import BOUNDS
 
 
 @record(frozen=True, slots=True, kw_only=True)

@@ -22,12 +22,12 @@ from gproof.ir.machine import Machine
 from gproof.ir.setup import Setup
 from gproof.ir.stream import StepStream
 from gproof.ir.trace import Trace, Wait
-from gproof.verify import section_graph, surface
-from gproof.verify import stream_inputs as inputs
-from gproof.verify import stream_kernels as kernels
-from gproof.verify.lifted_path import Lifting, Unfollowed
-from gproof.verify.stream_explain import explain
-from gproof.verify.stream_report import Collector, StreamReport
+from gproof.verify.explain.stream_explain import explain
+from gproof.verify.explain.stream_report import Collector, StreamReport
+from gproof.verify.kernel import section_graph, surface
+from gproof.verify.kernel import stream_inputs as inputs
+from gproof.verify.kernel import stream_kernels as kernels
+from gproof.verify.kernel.lifted_path import Lifting, Unfollowed
 
 SLICE = 1 << 20
 """Steps that are followed before Ctrl-C and the progress are looked at: some hundredths of a second."""

@@ -88,7 +88,9 @@ def test_while_a_package_is_read(part: str, number: int, shop: Shop) -> None:
     made = shop.compile("--unsigned")
     data = b"[" + b"1 " * (15 << 20) + b"]"
     rebuilt(shop.folder / "big.gpx", members_of(made) | {part: data})
-    interrupted(shop.folder, ("gproof.verify.package_zip", "Sealed", "member"), ("verify", "big.gpx"), number)
+    interrupted(
+        shop.folder, ("gproof.verify.certificate.package_zip", "Sealed", "member"), ("verify", "big.gpx"), number
+    )
 
 
 PROGRAMS: dict[str, Callable[[], str]] = {

@@ -9,7 +9,7 @@ from cli.packages import Shop
 from support.goldens import ROOT
 
 from gproof.ir.verdict import DEFAULT_POLICY
-from gproof.verify.stream_report import BOUNDS
+from gproof.verify.explain.stream_report import BOUNDS
 
 
 @pytest.fixture

@@ -29,10 +29,10 @@ from gproof.ir.stream import StepStream, StreamSection
 from gproof.ir.trace import Edge, Op, State, Trace, Wait
 from gproof.ir.verdict import Verdict
 from gproof.verify import stream as checker
-from gproof.verify import stream_kernels
-from gproof.verify.package import parts_of, read_package, write_members
+from gproof.verify.certificate.package import parts_of, read_package, write_members
+from gproof.verify.explain.stream_report import BOUNDS, StreamReport
+from gproof.verify.kernel import stream_kernels
 from gproof.verify.stream import validate
-from gproof.verify.stream_report import BOUNDS, StreamReport
 
 
 def check(done: Stepped, job: Job, on: Machine | None = None, **options: object) -> StreamReport:

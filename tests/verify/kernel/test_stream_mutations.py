@@ -10,8 +10,8 @@ from verify.reference_stepper import machine, stream_of
 
 from gproof.ir.setup import NOTHING
 from gproof.ir.verdict import Verdict
+from gproof.verify.explain.stream_report import StreamReport
 from gproof.verify.stream import validate
-from gproof.verify.stream_report import StreamReport
 
 _cache: dict[str, Case] = {}
 

@@ -33,9 +33,9 @@ from gproof.ir.setup import Setup
 from gproof.ir.stream import EVENT, RUN, StepStream
 from gproof.ir.text import TOKENS, parse_texts, print_ir, words_of
 from gproof.ir.trace import TRACE_ROW, Trace
-from gproof.verify.conform import misfit
-from gproof.verify.package_zip import FILE_LIMIT, CertificateError, Sealed, open_sealed, seal, write_members
-from gproof.verify.signature import fits
+from gproof.verify.certificate.conform import misfit
+from gproof.verify.certificate.package_zip import FILE_LIMIT, CertificateError, Sealed, open_sealed, seal, write_members
+from gproof.verify.certificate.signature import fits
 
 __all__ = [
     "BODY", "FORMAT", "SIGNATURE", "CertificateError", "Package", "TooLarge", "beyond_reading", "canonical", "parts_of",

@@ -1,6 +1,6 @@
 """What messages of the certificate's checker call offsets, switches and ranges: words of a machine, none of the file's.
 
-Decides nothing; ``verify/certificate.py`` does.
+Decides nothing; ``verify/certificate/check.py`` does.
 """
 
 from __future__ import annotations

@@ -14,20 +14,20 @@ from passes.motion.reference_motion import expand
 from passes.motion.test_height_compensation import MACHINES, ON, WEDGE, Raised, a_map, a_path, lowered, using
 from passes.motion.traces import Path, machine
 from support.campaigns import seeds
+from verify.kernel.test_stream import damaged
 from verify.path_oracle import FINE, follows
 from verify.reference_stepper import Stepped
-from verify.test_stream import damaged
 
 from gproof.ir.machine import AXIS_NAMES, Machine
 from gproof.ir.setup import HeightMap, Setup
 from gproof.ir.stream import Motor, StepStream
 from gproof.ir.trace import Edge, Op, Plane, Trace, Wait
 from gproof.ir.verdict import Verdict
-from gproof.verify import lifted_path as module
-from gproof.verify.lifted_path import Lifted, Lifting, Unfollowed
+from gproof.verify.explain.stream_report import Collector, StreamReport
+from gproof.verify.kernel import lifted_path as module
+from gproof.verify.kernel.lifted_path import Lifted, Lifting, Unfollowed
+from gproof.verify.kernel.stream_inputs import row_arrays, tables_of
 from gproof.verify.stream import validate
-from gproof.verify.stream_inputs import row_arrays, tables_of
-from gproof.verify.stream_report import Collector, StreamReport
 
 
 def motors(on: Machine) -> tuple[Motor, ...]:

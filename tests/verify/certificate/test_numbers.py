@@ -31,8 +31,8 @@ from gproof.ir.setup import Setup
 from gproof.ir.stream import EVENT, RUN, StepStream
 from gproof.ir.trace import TRACE_ROW, Trace
 from gproof.ir.workpiece import TRIANGLES
-from gproof.verify.certificate import check_package
-from gproof.verify.package import CertificateError, Package, parts_of, read_package
+from gproof.verify.certificate.check import check_package
+from gproof.verify.certificate.package import CertificateError, Package, parts_of, read_package
 
 ROOTS: dict[str, type] = {"machine": Machine, "setup": Setup, "trace": Trace, "stream": StepStream}
 FLOATS = (math.nan, math.inf, -math.inf, 1e308, -1e308, 1e-300, 5e-324, -1.0, 0.0, 1e9)

@@ -26,8 +26,8 @@ from gproof.ir.stream import StepStream
 from gproof.ir.symbols import describe
 from gproof.ir.trace import TRACE_ROW, Affine, Frame, Op, Trace, TraceSection
 from gproof.ir.verdict import Condition
-from gproof.verify.certificate_words import number
-from gproof.verify.package import Package
+from gproof.verify.certificate.package import Package
+from gproof.verify.explain.certificate_words import number
 
 MEASURED = ("start", "work", "g92")
 """Kinds of symbols that may be measured later."""

@@ -12,14 +12,14 @@ from pathlib import Path
 import pytest
 from support.campaigns import share
 from support.goldens import ROOT
+from verify.certificate.test_certificate import refusal
 from verify.package_files import members_of, rebuilt, write
-from verify.test_certificate import refusal
 
 from gproof.cli.main import main
 from gproof.ir.text import DEPTH, TOKENS, parse_ir, parse_texts, print_ir
-from gproof.verify.certificate import load_or_create_key
-from gproof.verify.package import canonical, read_package, write_members
-from gproof.verify.package_zip import FREE, RATIO, Sealed
+from gproof.verify.certificate.keys import load_or_create_key
+from gproof.verify.certificate.package import canonical, read_package, write_members
+from gproof.verify.certificate.package_zip import FREE, RATIO, Sealed
 
 PACKAGES = Path(__file__).parent / "packages"
 Members = dict[str, bytes]
@@ -137,7 +137,7 @@ BOMBS: dict[str, Callable[[Path, Path], Path]] = {
 READ = """
 import sys, time
 from pathlib import Path
-from gproof.verify.package import CertificateError, read_package
+from gproof.verify.certificate.package import CertificateError, read_package
 began = time.process_time()
 try:
     read_package(Path(sys.argv[1]))
@@ -183,7 +183,7 @@ def test_texts_are_bounded() -> None:
 def test_what_nobody_would_read_is_not_written(
     limit: str, said: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    monkeypatch.setattr(f"gproof.verify.package.{limit}", 3)
+    monkeypatch.setattr(f"gproof.verify.certificate.package.{limit}", 3)
     job, made = ROOT / "corpus" / "eding" / "drilled-plate", tmp_path / "made.gpx"
     words = ["compile", str(job / "job.cnc"), "--machine", str(job / "machine.toml"), "--setup", "zero", "--unsigned"]
     assert main([*words, "-o", str(made)]) == 3

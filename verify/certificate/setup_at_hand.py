@@ -25,7 +25,7 @@ from gproof.ir.setup import InForce, Interval, Setup
 from gproof.ir.symbols import describe
 from gproof.ir.trace import Affine, Op, Trace
 from gproof.ir.workpiece import Workpiece
-from gproof.verify import certificate_words as words
+from gproof.verify.explain import certificate_words as words
 
 
 class How(enum.Enum):

@@ -22,8 +22,8 @@ import numpy.typing as npt
 from gproof.ir.setup import HeightMap, Setup
 from gproof.ir.stream import Motor
 from gproof.ir.trace import HEIGHT_MAP, Trace
-from gproof.verify import stream_kernels as kernels
-from gproof.verify.stream_inputs import FARTHEST
+from gproof.verify.kernel import stream_kernels as kernels
+from gproof.verify.kernel.stream_inputs import FARTHEST
 
 Floats = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]

@@ -23,11 +23,11 @@ from gproof.ir.finding import Code
 from gproof.ir.machine import Axis, Drive, Machine
 from gproof.ir.stream import Motor, StepStream
 from gproof.ir.trace import Op, Plane, Trace
-from gproof.verify import stream_kernels as kernels
-from gproof.verify.lifted_path import Lifted
-from gproof.verify.motor_map import knots_of
-from gproof.verify.stream_inputs import PAIRS, drives_of, span_of
-from gproof.verify.stream_report import Collector
+from gproof.verify.explain.stream_report import Collector
+from gproof.verify.kernel import stream_kernels as kernels
+from gproof.verify.kernel.lifted_path import Lifted
+from gproof.verify.kernel.motor_map import knots_of
+from gproof.verify.kernel.stream_inputs import PAIRS, drives_of, span_of
 
 Floats = npt.NDArray[np.float64]
 

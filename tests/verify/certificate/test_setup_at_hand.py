@@ -23,7 +23,7 @@ from gproof.ir.setup import NOTHING, ZERO, HeightMap, InForce, Interval, Setup, 
 from gproof.ir.text import parse_ir, print_ir
 from gproof.ir.trace import Op, State, Trace
 from gproof.ir.workpiece import TRIANGLES, Box, Placed, Workpiece
-from gproof.verify.setup_at_hand import RULES, How, differences, how_compared, same
+from gproof.verify.certificate.setup_at_hand import RULES, How, differences, how_compared, same
 
 MACHINE = machine()
 LABELS = {"Setup.name", "HeightMap.name", "Area.name", "Placed.name", "Mesh.source"}
@@ -394,7 +394,7 @@ def test_places_and_channels_are_named() -> None:
 
 
 def test_the_page_has_each_rule() -> None:
-    page = (Path(__file__).parents[2] / "docs" / "certificate.md").read_text()
+    page = (Path(__file__).parents[3] / "docs" / "certificate.md").read_text()
     table = page.partition("## The setup at hand")[2].partition("What was stated")[0]
     assert set(re.findall(r"`([A-Z]\w+\.\w+)`", table)) == set(RULES)
 

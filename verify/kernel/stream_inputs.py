@@ -21,9 +21,9 @@ from gproof.ir.machine import AXES, AXIS_NAMES, Drive, Machine
 from gproof.ir.setup import Setup
 from gproof.ir.stream import EVENT, RUN, StepStream
 from gproof.ir.trace import HEIGHT_MAP, TRACE_ROW, Op, Plane, Trace, TraceSection, Wait
-from gproof.verify import stream_kernels as kernels
-from gproof.verify.motor_map import bend, knots_of, motor_at
-from gproof.verify.stream_report import Collector
+from gproof.verify.explain.stream_report import Collector
+from gproof.verify.kernel import stream_kernels as kernels
+from gproof.verify.kernel.motor_map import bend, knots_of, motor_at
 
 EVENT_OPS = (
     Op.DWELL,

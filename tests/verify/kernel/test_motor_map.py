@@ -24,7 +24,7 @@ from gproof.ir.trace import Plane, Trace
 from gproof.ir.verdict import Verdict
 from gproof.passes.motion.plan import plan
 from gproof.passes.motion.step import step
-from gproof.verify.motor_map import bend, knots_of, motor_at
+from gproof.verify.kernel.motor_map import bend, knots_of, motor_at
 from gproof.verify.stream import validate
 
 MANUAL = PitchTable(

@@ -6,7 +6,7 @@ import base64
 import json
 from typing import Any
 
-from gproof.verify.ed25519_points import weakness
+from gproof.verify.certificate.ed25519_points import weakness
 
 
 def fits(signature: dict[str, Any], body: bytes) -> bool:

@@ -14,7 +14,7 @@ from collections.abc import Iterable
 from gproof.ir import codes
 from gproof.ir.finding import Finding, Span
 from gproof.ir.record import record
-from gproof.verify.ed25519_points import weakness
+from gproof.verify.certificate.ed25519_points import weakness
 
 _GROUP, _GROUPS = 4, 4
 

@@ -17,7 +17,7 @@ from gproof.ir.setup import NOTHING, HeightMap, Setup
 from gproof.ir.stream import StepStream
 from gproof.ir.trace import HEIGHT_MAP, Edge, Op, State, Trace, TraceSection, Wait
 from gproof.ir.verdict import Verdict
-from gproof.verify.section_graph import NOTES, WAITS, problems
+from gproof.verify.kernel.section_graph import NOTES, WAITS, problems
 from gproof.verify.stream import validate
 
 KINDS = {

@@ -6,11 +6,12 @@ import random
 from pathlib import Path
 
 import pytest
-from verify.test_certificate import codes, members_of, raw_public, rebuilt, refusal, write
+from verify.certificate.test_certificate import codes, members_of, raw_public, rebuilt, refusal, write
 
-from gproof.verify.certificate import check_package, create_key, load_public_key
-from gproof.verify.ed25519_points import ORDER, P, weakness
-from gproof.verify.package import canonical, read_package
+from gproof.verify.certificate.check import check_package
+from gproof.verify.certificate.ed25519_points import ORDER, P, weakness
+from gproof.verify.certificate.keys import create_key, load_public_key
+from gproof.verify.certificate.package import canonical, read_package
 
 SMALL = {
     1: ("0100000000000000000000000000000000000000000000000000000000000000",),

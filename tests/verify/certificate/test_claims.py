@@ -6,11 +6,11 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from verify.test_certificate import codes, members_of, rebuilt, write
+from verify.certificate.test_certificate import codes, members_of, rebuilt, write
 
-from gproof.verify.certificate import check_package
-from gproof.verify.package import canonical, read_package
-from gproof.verify.stream_report import BOUNDS
+from gproof.verify.certificate.check import check_package
+from gproof.verify.certificate.package import canonical, read_package
+from gproof.verify.explain.stream_report import BOUNDS
 
 Body = dict[str, Any]
 

@@ -13,8 +13,8 @@ from typing import Any
 from gproof.ir import codes
 from gproof.ir.finding import Finding, Span
 from gproof.ir.verdict import DEFAULT_POLICY
-from gproof.verify.package import Package
-from gproof.verify.stream_report import BOUNDS, CHECKER, CHECKER_VERSION, StreamReport
+from gproof.verify.certificate.package import Package
+from gproof.verify.explain.stream_report import BOUNDS, CHECKER, CHECKER_VERSION, StreamReport
 
 TRACE_CHECKER = "gproof.passes"
 
