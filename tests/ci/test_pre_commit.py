@@ -15,7 +15,7 @@ from support.goldens import ROOT
 
 from gproof.driver.jobs import _NEVER, _NO_JOBS
 from gproof.frontend.common.detect import EXTENSIONS
-from gproof.ir.kernel import cache_root
+from gproof.ir.kernel_copies import cache_root
 
 HOOKS = {hook["id"]: hook for hook in YAML(typ="safe", pure=True).load(ROOT / ".pre-commit-hooks.yaml")}
 PLATE = ROOT / "corpus" / "eding" / "drilled-plate"

@@ -77,13 +77,13 @@ class Check:
 
 def check_package(
     package: Package, machine: Machine | None = None, setup: Setup | None = None,
-    trusted_keys: Trusted = None, beat: Callable[[int], None] | None = None,
+    trusted_keys: Trusted = None, beat: Callable[[int], None] | None = None, *, pure: bool = False,
 ) -> Check:  # fmt: skip
     """Check everything but the hashes (``read_package`` did): signature, machine, verdicts, conditions, stream.
 
     machine, setup: those at hand, when they are known apart from the package; trusted_keys: public keys of signers
-    to accept (None: any signer, an empty list: nobody); beat: as for ``validate``. Never raises for what the package
-    says.
+    to accept (None: any signer, an empty list: nobody); beat, pure: as for ``validate``. Never raises for what the
+    package says.
     """
     where = Span(package.path, 0)
     findings: list[Finding] = []
@@ -117,7 +117,7 @@ def check_package(
     except (LookupError, ValueError, TypeError, AttributeError, ArithmeticError) as error:
         findings.append(codes.CERTIFICATE_MALFORMED.at(where, what=f"the body is not of its form ({error})"))
     stream, trace = (package.stream, package.trace) if moved is None else (moved.stream, moved.trace)
-    report = validate(stream, trace, package.machine, package.setup, beat=beat)
+    report = validate(stream, trace, package.machine, package.setup, beat=beat, pure=pure)
     findings += report.findings
     if not any(f.code is codes.CERTIFICATE_MALFORMED for f in findings):
         try:

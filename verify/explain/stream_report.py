@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from gproof.ir.codes import (
     STREAM_ACCELERATION,
     STREAM_END,
@@ -15,8 +17,13 @@ from gproof.ir.codes import (
     STREAM_VELOCITY,
 )
 from gproof.ir.finding import Code, Finding
-from gproof.ir.record import field, record
+from gproof.ir.machine import Machine
+from gproof.ir.record import record
+from gproof.ir.setup import Setup
+from gproof.ir.trace import Trace
 from gproof.ir.verdict import PropertyResult, Verdict, worst
+from gproof.verify.explain.stream_words import Words
+from gproof.verify.kernel.proof import Proof
 
 CHECKER = "gproof.verify.stream"
 CHECKER_VERSION = "1"
@@ -57,6 +64,7 @@ PROPERTIES: tuple[tuple[str, Code, str], ...] = (
 """Name, code of its refutation, bound; docs/verification.md has the propositions."""
 
 BOUNDS = {name: bound for name, _, bound in PROPERTIES}
+_CODES = {name: code for name, code, _ in PROPERTIES}
 
 
 @record(frozen=True, slots=True, kw_only=True)
@@ -83,44 +91,19 @@ class StreamReport:
         return PropertyResult(name="stream", verdict=self.verdict, assumptions=tuple(assumptions))
 
 
-@record(slots=True)
-class Collector:
-    """Findings while the checker runs. open: properties that could not be judged to the end, and why."""
-
-    findings: list[Finding] = field(default_factory=list)
-    counts: dict[int, int] = field(default_factory=dict)
-    open: dict[str, list[str]] = field(default_factory=dict)
-    assumed: dict[str, list[str]] = field(default_factory=dict)
-    steps: int = 0
-
-    def add(self, finding: Finding, times: int = 1) -> None:
-        """Keep a finding that stands for ``times`` occurrences."""
-        number = finding.code.number
-        self.counts[number] = self.counts.get(number, 0) + times
-        self.findings.append(finding)
-
-    def leave_open(self, why: str, *names: str) -> None:
-        """Say that properties (all: none named) were not judged to the end."""
-        for name in names or BOUNDS:
-            if why not in self.open.setdefault(name, []):
-                self.open[name].append(why)
-
-    def assume(self, name: str, what: str) -> None:
-        """Note what a property's verdict stands on."""
-        if what not in self.assumed.setdefault(name, []):
-            self.assumed[name].append(what)
-
-    def report(self) -> StreamReport:
-        """The finished answer."""
-        results = []
-        for name, code, _ in PROPERTIES:
-            verdict = Verdict.SAFE
-            if code.number in self.counts:
-                verdict = Verdict.UNSAFE
-            elif name in self.open:
-                verdict = Verdict.UNKNOWN
-            said = (*self.assumed.get(name, ()), *(f"not judged: {why}" for why in self.open.get(name, ())))
-            results.append(PropertyResult(name=name, verdict=verdict, assumptions=said))
-        return StreamReport(
-            findings=tuple(self.findings), counts=dict(self.counts), properties=tuple(results), steps=self.steps
-        )
+def report_of(proof: Proof, trace: Trace, machine: Machine, setup: Setup) -> StreamReport:
+    """The report of a proof of these."""
+    words = Words(proof.seen, trace, machine, setup)
+    charged = replace(proof, problems=[words.charged(problem) for problem in proof.problems])
+    findings, counts = [], dict[int, int]()
+    for problem in charged.problems:
+        code = _CODES[problem.property]
+        counts[code.number] = counts.get(code.number, 0) + problem.times
+        findings.append(code.at(words.place(problem), what=words.what(problem)))
+    results = []
+    for name in BOUNDS:
+        said = dict.fromkeys(words.remark(remark) for remark in proof.assumed if remark.property == name)
+        open_ = dict.fromkeys(words.remark(one) for one in proof.left_open if one.property in ("", name))
+        assumptions = (*said, *(f"not judged: {why}" for why in open_))
+        results.append(PropertyResult(name=name, verdict=charged.verdict_of(name), assumptions=assumptions))
+    return StreamReport(findings=tuple(findings), counts=counts, properties=tuple(results), steps=proof.steps)

@@ -19,14 +19,13 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from gproof.ir.setup import HeightMap, Setup
+from gproof.ir.drives import HeightMap
 from gproof.ir.stream import Motor
 from gproof.ir.trace import HEIGHT_MAP, Trace
-from gproof.verify.kernel import stream_kernels as kernels
-from gproof.verify.kernel.stream_inputs import FARTHEST
+from gproof.verify.kernel.path_kernels import ARC_OP, LAST_MOTION_OP
+from gproof.verify.kernel.rows import FARTHEST
+from gproof.verify.kernel.walk_state import Floats, Ints, Rows
 
-Floats = npt.NDArray[np.float64]
-Ints = npt.NDArray[np.int64]
 Bools = npt.NDArray[np.bool_]
 
 ALLOWANCE = 0.05
@@ -55,26 +54,26 @@ PAIRS = {1: (0, 1), 2: (2, 0), 3: (1, 2)}
 
 
 class Unfollowed(Exception):
-    """A row's Z can not be followed: row, why."""
+    """A row's Z can not be followed: row, kind and values."""
 
-    def __init__(self, row: int, why: str) -> None:
-        super().__init__(why)
-        self.row, self.why = row, why
+    def __init__(self, row: int, kind: str, *values: float) -> None:
+        super().__init__(row, kind, *values)
+        self.row, self.kind, self.values = row, kind, values
 
 
 class Lifting:
     """A job's height map: where it is on, and the rows of a section with it."""
 
-    def __init__(self, trace: Trace, setup: Setup, motors: Sequence[Motor]) -> None:
+    def __init__(self, trace: Trace, height_map: HeightMap | None, motors: Sequence[Motor]) -> None:
         self._trace = trace
         self._on = np.array([HEIGHT_MAP in state.following for state in trace.states], dtype=bool)
         self._scale = np.zeros(3)
         for motor in motors:
             if motor.axis < 3:
                 self._scale[motor.axis] = max(self._scale[motor.axis], abs(float(motor.steps_per_unit)))
-        surface = None if setup.height_map is None else Surface(setup.height_map)
+        surface = None if height_map is None else Surface(height_map)
         self._surface = None if surface is None or surface.level() else surface
-        self._before = self._on_before(setup.height_map is not None and setup.height_map.on)
+        self._before = self._on_before(height_map is not None and height_map.on)
 
     def _on_before(self, first: bool) -> list[bool | None]:
         """By section, whether the map is on where it begins; None where that depends on the way there."""
@@ -96,7 +95,7 @@ class Lifting:
             return 0.0
         return float(self._surface.added(np.array([self._trace.sections[number].start]))[0])
 
-    def section(self, number: int, rows: kernels.Rows) -> Lifted:
+    def section(self, number: int, rows: Rows) -> Lifted:
         """The section's rows, raised; Unfollowed where that can not be."""
         section = self._trace.sections[number]
         on = self._on[section.rows["state"]] if len(section.rows) else np.zeros(0, dtype=bool)
@@ -111,10 +110,14 @@ class Lifted(NamedTuple):
     """rows: for the kernel; start: raised (6,); origin: row of the trace for each of them; first: index of the first of
     them for each row of the trace."""
 
-    rows: kernels.Rows
+    rows: Rows
     start: Floats
     origin: Ints
     first: Ints
+
+    def row(self, at: int) -> int:
+        """The trace's row for one of the rows that were walked."""
+        return int(self.origin[min(at, len(self.origin) - 1)]) if at >= 0 and len(self.origin) else at
 
 
 class Surface:
@@ -176,9 +179,9 @@ class Surface:
 class _Curves:
     """Rows as functions of a share 0..1; ``k`` is which of them, ``t`` the share."""
 
-    def __init__(self, rows: kernels.Rows, before: Floats, at: Ints) -> None:
+    def __init__(self, rows: Rows, before: Floats, at: Ints) -> None:
         self.at, self.begin, self.end = at, before[at], rows.to[at]
-        self.arc: Bools = rows.op[at] == kernels.ARC_OP
+        self.arc: Bools = rows.op[at] == ARC_OP
         self.pair = np.array([PAIRS.get(int(plane), (0, 1)) for plane in rows.plane[at]], dtype=np.int64).reshape(-1, 2)
         n = np.arange(len(at))
         self.center = rows.center[at][n[:, np.newaxis], self.pair]
@@ -241,9 +244,7 @@ class _Curves:
         return low, high
 
 
-def lifted(
-    rows: kernels.Rows, start: Floats, on: Bools, on_before: bool | None, surface: Surface, scale: Floats
-) -> Lifted:
+def lifted(rows: Rows, start: Floats, on: Bools, on_before: bool | None, surface: Surface, scale: Floats) -> Lifted:
     """The rows with the map's height; Unfollowed where Z would jump or there is too much to hold.
 
     on: by row, the map is on; on_before: it is on at the section's start (None: that depends on the way there);
@@ -251,8 +252,8 @@ def lifted(
     """
     n = len(rows.op)
     before = np.vstack([start[np.newaxis, :], rows.to])[:n]
-    moves = (before[:, :2] != rows.to[:, :2]).any(axis=1) | (rows.op == kernels.ARC_OP)
-    candidate = np.flatnonzero(on & moves & (rows.op <= kernels.LAST_MOTION_OP))
+    moves = (before[:, :2] != rows.to[:, :2]).any(axis=1) | (rows.op == ARC_OP)
+    candidate = np.flatnonzero(on & moves & (rows.op <= LAST_MOTION_OP))
     curves = _Curves(rows, before, candidate)
     low, high = curves.box()
     near = (surface.cells(high) >= -2 * EDGE).all(axis=1) & (surface.cells(low) <= surface.last + 2 * EDGE).all(axis=1)
@@ -275,27 +276,26 @@ def lifted(
     begin_rise[place], end_rise[place] = pieces.begin_rise, pieces.end_rise
     start_rise = float(surface.added(start[np.newaxis, :])[0])
     if on_before is None and abs(start_rise) * scale[2] > JUMP:
-        raise Unfollowed(-1, "the map is on or off at the section's start, as the way there has it")
+        raise Unfollowed(-1, "raised.on-or-off")
     start_rise = start_rise if on_before else 0.0
     jumps = np.abs(begin_rise - np.concatenate([[start_rise], end_rise])[:total])
     if (jumps * scale[2] > JUMP).any():
         worst = int(np.argmax(jumps * scale[2] > JUMP))
-        why = f"the map ends or is switched here, and Z would jump by {jumps[worst]:.6f} mm"
-        raise Unfollowed(int(origin[worst]), why)
+        raise Unfollowed(int(origin[worst]), "raised.jump", float(jumps[worst]))
 
     to = rows.to[origin].copy()
     to[place] = pieces.end
     to[:, 2] += end_rise
     if (np.abs(to[:, 2]) * scale[2] > FARTHEST).any():
         worst = int(np.argmax(np.abs(to[:, 2]) * scale[2] > FARTHEST))
-        raise Unfollowed(int(origin[worst]), f"Z is raised to more than {FARTHEST} steps")
+        raise Unfollowed(int(origin[worst]), "raised.far", FARTHEST)
     raised = start.copy()
     raised[2] += start_rise
     op, feed = rows.op[origin].copy(), rows.feed[origin].copy()
-    whole_arc = (op == kernels.ARC_OP) & ~cut[origin]
+    whole_arc = (op == ARC_OP) & ~cut[origin]
     center = rows.center[origin].copy()
     center[whole_arc, 2] += end_rise[whole_arc]
-    op[place] = np.where(op[place] == kernels.ARC_OP, 2, op[place])
+    op[place] = np.where(op[place] == ARC_OP, 2, op[place])
     here = np.vstack([raised[np.newaxis, :], to])[:total]
     with np.errstate(divide="ignore", invalid="ignore"):
         length = np.sqrt(((to - here)[place, :3] ** 2).sum(axis=1))
@@ -305,7 +305,7 @@ def lifted(
     slack[place] = SLACK
     guard = np.zeros(total + 1, np.uint8)
     guard[:total] = rows.guard[origin]
-    made = kernels.Rows(
+    made = Rows(
         op=op, to=to, center=center, turns=rows.turns[origin], plane=rows.plane[origin], feed=feed, guard=guard,
         slack=slack,
     )  # fmt: skip
@@ -338,7 +338,7 @@ def _pieces(curves: _Curves, surface: Surface, scale: Floats) -> _Pieces:
     _check_cells(curves, surface, k, t0, t1, ij, inside)
     count = _chord_counts(curves, surface, scale, k, t1 - t0, ij, inside)
     if count.sum() > MOST:
-        raise Unfollowed(int(curves.at[0]), f"more than {MOST} chords are needed")
+        raise Unfollowed(int(curves.at[0]), "raised.chords", MOST)
     k, t0, t1, ij, inside = _divided(count, k, t0, t1, ij, inside)
     # Where Z is nearly level, small hills are looked for once more.
     middle_slope = _rising(curves, surface, k, 0.5 * (t0 + t1), ij, inside)
@@ -377,7 +377,7 @@ def _turning_shares(curves: _Curves) -> tuple[Ints, Floats]:
         low = np.ceil(np.minimum(curves.angle[arcs], curves.angle[arcs] + sweep) / math.pi - 1.0).astype(np.int64)
         high = np.floor(np.maximum(curves.angle[arcs], curves.angle[arcs] + sweep) / math.pi + 1.0).astype(np.int64)
         if (high - low).sum() > MOST:
-            raise Unfollowed(int(curves.at[0]), f"more than {MOST} chords are needed")
+            raise Unfollowed(int(curves.at[0]), "raised.chords", MOST)
         count = np.maximum(high - low + 1, 0)
         place = np.repeat(np.arange(len(arcs)), count)
         number = np.arange(len(place)) - np.repeat(np.cumsum(count) - count, count) + low[place]
@@ -404,7 +404,7 @@ def _crossing_shares(curves: _Curves, surface: Surface, k: Ints, t: Floats) -> t
         high = np.clip(np.ceil(most) - 1, -1, surface.last[axis]).astype(np.int64)
         count = np.maximum(high - low + 1, 0)
         if count.sum() > MOST:
-            raise Unfollowed(int(curves.at[0]), f"more than {MOST} chords are needed")
+            raise Unfollowed(int(curves.at[0]), "raised.chords", MOST)
         place = np.repeat(np.arange(len(sk)), count)
         line = (np.arange(len(place)) - np.repeat(np.cumsum(count) - count, count) + low[place]).astype(np.float64)
         u0, u1 = uv0[place, axis], uv1[place, axis]
@@ -443,7 +443,7 @@ def _check_cells(
         off = np.maximum(np.maximum(ij - uv, uv - ij - 1), 0.0).max(axis=1)
         out = inside & (off > 4 * EDGE)
         if out.any():
-            raise Unfollowed(int(curves.at[k[int(np.argmax(out))]]), "the grid lines that it crosses can not be told")
+            raise Unfollowed(int(curves.at[k[int(np.argmax(out))]]), "raised.grid-lines")
 
 
 def _z_second(curves: _Curves, surface: Surface, k: Ints, ij: Ints, inside: Bools) -> Floats:

@@ -13,7 +13,7 @@ from fractions import Fraction
 import numpy as np
 import numpy.typing as npt
 
-from gproof.ir.machine import PitchTable
+from gproof.ir.drives import PitchTable
 
 Floats = npt.NDArray[np.float64]
 

@@ -8,14 +8,13 @@ Trace's rows and edges alone. docs/verification.md states the proposition.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
 from gproof.ir.columns import Columns, batches, joined
-from gproof.ir.machine import Machine
-from gproof.ir.setup import Setup
+from gproof.ir.drives import Drives
 from gproof.ir.trace import HEIGHT_MAP, KNIFE, SETPOINTS, TRACE_ROW, Op, State, Trace, TraceSection, Wait
 
 WAITS = {
@@ -38,8 +37,6 @@ NOTES = frozenset({Op.OFFSET, Op.TOOL_OFFSET, Op.UNITS, Op.PLANE, Op.OVERRIDE, O
 """Rows that may follow a wait in its section: they take no time, move nothing and switch nothing."""
 
 LAST_MOTION = Op.PROBE
-_SHOWN = 40
-"""Characters of a stranger's name in a message."""
 
 _WAITING, _ACTING = np.zeros(256, np.bool_), np.ones(256, np.bool_)
 _WAITING[list(WAITS)] = True
@@ -47,21 +44,22 @@ _ACTING[list(NOTES)] = False
 
 
 class Problem(NamedTuple):
-    """section, row: where (-1: the whole); what: a sentence part."""
+    """section, row: where (-1: the whole); kind, values: what."""
 
     section: int
     row: int
-    what: str
+    kind: str
+    values: tuple[Any, ...] = ()
 
 
-def problems(trace: Trace, machine: Machine, setup: Setup) -> Iterator[Problem]:
+def problems(trace: Trace, drives: Drives) -> Iterator[Problem]:
     """What keeps the sections from being run one after the other as the rows say."""
     if not trace.sections:
-        yield Problem(-1, -1, "there is no section, so nothing to run")
+        yield Problem(-1, -1, "graph.no-section")
         return
-    moves = [*_OPEN_LOOP, *_knife(machine)]
-    by_state = [(np.array([true(state) for state in trace.states], dtype=np.bool_), what) for true, what in moves]
-    by_state = [(found, what) for found, what in by_state if found.any()]
+    moves = [*_OPEN_LOOP, *(_KNIFE if drives.knife_turned else ())]
+    by_state = [(np.array([true(state) for state in trace.states], dtype=np.bool_), kind) for true, kind in moves]
+    by_state = [(found, kind) for found, kind in by_state if found.any()]
     setting = False
     for begin, end in batches([len(section.rows) for section in trace.sections]):
         sections = trace.sections[begin:end]
@@ -70,56 +68,54 @@ def problems(trace: Trace, machine: Machine, setup: Setup) -> Iterator[Problem]:
         setting = setting or bool((rows["op"] == Op.SETPOINT).any())
         for section in sections:
             yield from _edges(section)
-            yield from _waits(section, machine)
+            yield from _waits(section, drives.auto_tool_change)
             if open_loop:
                 yield from _open_loop(section.number, section.rows, by_state)
     if setting:
         yield from _setpoints(trace)
     yield from _ways(trace)
-    yield from _height_map(trace, setup)
+    yield from _height_map(trace, drives)
 
 
 def _edges(section: TraceSection) -> Iterator[Problem]:
     """A section is left in one way, by distinct outcomes."""
     edges, number = section.edges, section.number
     if not edges:
-        yield Problem(number, -1, "nothing says what follows")
+        yield Problem(number, -1, "graph.no-edge")
         return
     kinds = {edge.wait for edge in edges}
     if len(kinds) > 1:
-        yield Problem(number, -1, f"it ends in {' and '.join(sorted(kind.value for kind in kinds))} at once")
+        yield Problem(number, -1, "graph.two-waits", (tuple(kinds),))
     for kind in sorted(kinds & UNDECIDED, key=lambda k: k.value):
-        yield Problem(number, -1, f"nobody who sends steps can decide what follows ({kind.value})")
+        yield Problem(number, -1, "graph.undecided", (kind,))
     outcomes = [edge.outcome for edge in edges]
     if len(set(outcomes)) < len(outcomes):
-        yield Problem(number, -1, f"two ways on for one outcome: {', '.join(map(repr, outcomes))}")
+        yield Problem(number, -1, "graph.one-outcome", (tuple(outcomes),))
     if Wait.END in kinds and (len(edges) > 1 or edges[0].target != -1):
-        yield Problem(number, -1, f"the program ends here and goes on with section {edges[0].target}")
+        yield Problem(number, -1, "graph.end-goes-on", (edges[0].target,))
 
 
-def _waits(section: TraceSection, machine: Machine) -> Iterator[Problem]:
+def _waits(section: TraceSection, auto_tool_change: bool) -> Iterator[Problem]:
     """What waits is the last of its section, and row and edge are of one kind."""
     rows, number = section.rows, section.number
     op = rows["op"]
     kinds = {edge.wait for edge in section.edges}
     waiting = _WAITING[op]
-    if machine.controller.auto_tool_change:
+    if auto_tool_change:
         # The changer's own cycle is in the job's rows; the motors stand for the change and go on.
         waiting &= op != Op.TOOL_CHANGE
     acting = np.flatnonzero(_ACTING[op])
     last = int(acting[-1]) if len(acting) else -1
     for row in np.flatnonzero(waiting).tolist():
         kind = Op(int(op[row]))
-        name = _named(kind)
         if row != last:
-            yield Problem(number, row, f"the section goes on after {name}")
+            yield Problem(number, row, "graph.goes-on", (kind,))
         elif WAITS[kind] not in kinds:
-            others = " and ".join(sorted(k.value for k in kinds)) or "nothing"
-            yield Problem(number, row, f"after {name} comes {others}")
+            yield Problem(number, row, "graph.other-wait", (kind, *kinds))
     ends = Op(int(op[last])) if last >= 0 else None
     for wait in kinds - WITHOUT_A_ROW - UNDECIDED:
         if ends is None or WAITS.get(ends) is not wait:
-            yield Problem(number, last, f"it ends in {wait.value}, and no row of it says so")
+            yield Problem(number, last, "graph.wait-without-row", (wait,))
 
 
 def _setpoints(trace: Trace) -> Iterator[Problem]:
@@ -130,13 +126,7 @@ def _setpoints(trace: Trace) -> Iterator[Problem]:
             name = trace.texts[text] if 0 <= text < len(trace.texts) else ""
             if name not in SETPOINTS:
                 row = int(rows[section.rows["text"][rows] == text][0])
-                yield Problem(section.number, row, f"{name[:_SHOWN]!r} is nothing that can be set")
-
-
-def _named(kind: Op) -> str:
-    name = kind.name.lower().replace("_", " ")
-    article = "the" if kind is Op.END else "an" if name[0] in "aeiou" else "a"
-    return f"{article} {name}"
+                yield Problem(section.number, row, "graph.setpoint", (name,))
 
 
 def _ways(trace: Trace) -> Iterator[Problem]:
@@ -155,30 +145,26 @@ def _ways(trace: Trace) -> Iterator[Problem]:
         stack.append((number, place + 1))
         target = targets[number][place]
         if seen[target] == OPEN:
-            yield Problem(number, -1, f"it leads back to section {target}: a stream that never ends has no time")
+            yield Problem(number, -1, "graph.back", (target,))
         elif seen[target] == NEW:
             seen[target] = OPEN
             stack.append((target, 0))
     for number in range(count):
         if seen[number] == NEW:
-            yield Problem(number, -1, "no way leads here")
+            yield Problem(number, -1, "graph.no-way")
 
 
 _OPEN_LOOP: tuple[tuple[Callable[[State], bool], str], ...] = (
-    (lambda s: s.synchronised, "this move follows the turns of the spindle"),
-    (lambda s: s.surface_speed != 0.0, "the spindle's speed follows the tool"),
-    (lambda s: s.head != 0, "another head is selected"),
-    (lambda s: bool(s.retimed or s.backlash), "the job has changed what the machine file says of its axes"),
+    (lambda s: s.synchronised, "graph.synchronised"),
+    (lambda s: s.surface_speed != 0.0, "graph.surface-speed"),
+    (lambda s: s.head != 0, "graph.head"),
+    (lambda s: bool(s.retimed or s.backlash), "graph.retimed"),
 )
 """By state, moves that depend on where the spindle is, or on what the job itself changed of its axes."""
 
 
-def _knife(machine: Machine) -> list[tuple[Callable[[State], bool], str]]:
-    """Moves with a knife whose turning is not in the rows."""
-    knife = machine.controller.controls.knife
-    if knife is None or not (knife.output is not None or knife.target or knife.blend):
-        return []
-    return [(lambda s: KNIFE in s.following, "the knife is turned by the controller, not by these rows")]
+_KNIFE: tuple[tuple[Callable[[State], bool], str], ...] = ((lambda s: KNIFE in s.following, "graph.knife"),)
+"""Moves with a knife that the controller turns, not these rows."""
 
 
 def _open_loop(
@@ -186,18 +172,18 @@ def _open_loop(
 ) -> Iterator[Problem]:  # fmt: skip
     """What moves motors, or turns the spindle, in ways that the steps do not have."""
     moving = rows["op"] <= LAST_MOTION
-    for found, what in (
-        *((moving & states[rows["state"]], what) for states, what in by_state),
-        (rows["op"] == Op.ORIENT, "the spindle stops in an orientation"),
-        ((rows["op"] == Op.HEAD) & (rows["arg"][:, 0] != 0), "another head is selected"),
+    for found, kind in (
+        *((moving & states[rows["state"]], kind) for states, kind in by_state),
+        (rows["op"] == Op.ORIENT, "graph.orientation"),
+        ((rows["op"] == Op.HEAD) & (rows["arg"][:, 0] != 0), "graph.head"),
     ):
         if found.any():
-            yield Problem(number, int(np.argmax(found)), what)
+            yield Problem(number, int(np.argmax(found)), kind)
 
 
-def _height_map(trace: Trace, setup: Setup) -> Iterator[Problem]:
+def _height_map(trace: Trace, drives: Drives) -> Iterator[Problem]:
     """A map that is on when the job begins, and that none of its moves follows."""
-    if setup.height_map is None or not setup.height_map.on:
+    if drives.height_map is None or not drives.height_map.on:
         return
     moves = False
     follows = np.array([HEIGHT_MAP in state.following for state in trace.states], dtype=np.bool_)
@@ -207,5 +193,4 @@ def _height_map(trace: Trace, setup: Setup) -> Iterator[Problem]:
         if follows.any() and (moving & follows[section.rows["state"]]).any():
             return
     if moves:
-        what = "the setup's height map is on, and no move follows it"
-        yield Problem(-1, -1, f"{what}; a setup with on = false is one of a job that switches it off before it moves")
+        yield Problem(-1, -1, "graph.unused-height-map")

@@ -1,4 +1,4 @@
-"""Y mapped onto A as the stream checker sees it: stream, trace, machine and setup with A's motors in the place of Y's.
+"""Y mapped onto A as the stream checker sees it: the job with A's motors in the place of Y's.
 
 A mm on the surface of a cylinder of radius r is 180 / (pi r) degrees; what is left of Y is the machine's own, which
 rests at the axis of rotation. From the Setup's numbers alone, by this module's own arithmetic; docs/kinematics.md.
@@ -10,13 +10,13 @@ import math
 from collections.abc import Iterator
 from dataclasses import replace
 from fractions import Fraction
-from typing import NamedTuple
+from typing import Any
 
 from gproof.ir.columns import Columns
-from gproof.ir.machine import Axis, AxisKind, Machine, PitchTable, Slave
-from gproof.ir.setup import CylinderMap, Interval, Setup
-from gproof.ir.stream import StepStream
-from gproof.ir.trace import HEIGHT_MAP, Frame, Trace
+from gproof.ir.drives import CylinderMap, Drive, DrivenAxis, Interval, PitchTable
+from gproof.ir.trace import HEIGHT_MAP, Frame
+from gproof.verify.kernel.proof import Job
+from gproof.verify.kernel.stream_numbers import Why
 
 AROUND, TURNED = 1, 3
 """Columns of Y, which goes around, and A, which turns."""
@@ -24,44 +24,38 @@ AROUND, TURNED = 1, 3
 DEGREES = 1e-6
 
 
-class View(NamedTuple):
-    """What the checker follows; names and axes of the motors of Y and A are exchanged."""
-
-    stream: StepStream
-    trace: Trace
-    machine: Machine
-    setup: Setup
-
-
-def problems(trace: Trace, machine: Machine, setup: Setup) -> Iterator[str]:
+def problems(job: Job) -> Iterator[Why]:
     """Why a mapping can not be followed."""
-    cylinder = setup.cylinder
+    trace, drives = job.trace, job.drives
+    cylinder = drives.cylinder
     if cylinder is None:
         return
     numbers = (cylinder.radius, cylinder.y, cylinder.zero)
     if any(value is None or not math.isfinite(value) for value in numbers) or not (cylinder.radius or 0.0) > 0.0:
-        yield f"Y is mapped onto A with radius {cylinder.radius}, axis of rotation {cylinder.y}, zero {cylinder.zero}"
+        yield "cylinder.numbers", *numbers
         return
-    if machine.axis("y") is None or machine.axis("a") is None:
-        yield "Y is mapped onto A, and the machine lacks one of them"
-    on = setup.height_map is not None and setup.height_map.on
+    if not {AROUND, TURNED} <= {axis.column for axis in drives.axes}:
+        yield ("cylinder.axes",)
+    on = drives.height_map is not None and drives.height_map.on
     if on or any(HEIGHT_MAP in state.following for state in trace.states):
-        yield "a height map is followed on a cylinder"
+        yield ("cylinder.height-map",)
     for section in trace.sections:
         if (section.rows["to"][:, TURNED] != section.start[TURNED]).any():
-            yield f"section {section.number} moves A while Y is mapped onto it"
-    stated = setup.interval("start.a")
+            yield "cylinder.turned", section.number
+    stated = drives.start[TURNED]
     if stated is not None and trace.sections:
         angle = (trace.sections[0].start[AROUND] - (cylinder.zero or 0.0)) / _length_of_degree(cylinder)
         if angle < stated.low - DEGREES or angle > stated.high + DEGREES:
-            yield f"the trace starts with A at {angle:.6f}; the setup says {stated.low:.6f} to {stated.high:.6f}"
+            yield "cylinder.start", angle, stated.low, stated.high
 
 
-def view(stream: StepStream, trace: Trace, machine: Machine, setup: Setup) -> View:
-    """The job on the surface, unrolled; as it is without a mapping."""
-    cylinder = setup.cylinder
+def view(job: Job) -> Job:
+    """The job on the surface, unrolled, names and axes of the motors of Y and A exchanged; as it is without a
+    mapping."""
+    stream, trace, drives = job
+    cylinder = drives.cylinder
     if cylinder is None:
-        return View(stream, trace, machine, setup)
+        return job
     length = _length_of_degree(cylinder)
     zero, across = cylinder.zero or 0.0, cylinder.y or 0.0
     motors = []
@@ -73,11 +67,12 @@ def view(stream: StepStream, trace: Trace, machine: Machine, setup: Setup) -> Vi
             motor = replace(motor, name="A" + motor.name[1:], axis=TURNED)
         motors.append(motor)
     axes = []
-    for axis in machine.axes:
-        if axis.index == TURNED:
-            axis = replace(_unrolled(axis, length), name="y", kind=AxisKind.LINEAR, tip_feed=False)
-        elif axis.index == AROUND:
-            axis = replace(axis, name="a", kind=AxisKind.ROTARY)
+    for axis in drives.axes:
+        if axis.column == TURNED:
+            axis = DrivenAxis(AROUND, tuple(_unrolled(drive, length) for drive in axis.drives), False)
+        elif axis.column == AROUND:
+            renamed = tuple(drive._replace(name="A" + drive.name[1:]) for drive in axis.drives)
+            axis = axis._replace(column=TURNED, drives=renamed)
         axes.append(axis)
     sections = []
     for section in trace.sections:
@@ -91,16 +86,14 @@ def view(stream: StepStream, trace: Trace, machine: Machine, setup: Setup) -> Vi
         rows = Columns(section.rows.schema, columns)
         sections.append(replace(section, start=(x, y - zero, z, across, b, c), rows=rows))
     frames: list[Frame] = [(x, y, z, (), b, c) for x, y, z, _, b, c in trace.frames]
-    start = {name: value for name, value in setup.start.items() if name not in ("y", "a")}
-    around = setup.interval("start.y")
-    if around is not None:
-        start["y"] = Interval(around.low - zero, around.high - zero)
-    start["a"] = Interval(across, across)
-    return View(
+    start = list(drives.start)
+    around = start[AROUND]
+    start[AROUND] = None if around is None else Interval(around.low - zero, around.high - zero)
+    start[TURNED] = Interval(across, across)
+    return Job(
         replace(stream, motors=tuple(motors)),
         replace(trace, frames=frames, sections=sections),
-        replace(machine, axes=tuple(axes)),
-        replace(setup, start=start, cylinder=None),
+        drives._replace(axes=tuple(axes), start=tuple(start), cylinder=None),
     )
 
 
@@ -109,32 +102,20 @@ def _length_of_degree(cylinder: CylinderMap) -> float:
     return (cylinder.radius or 0.0) * math.pi / 180.0
 
 
-def _unrolled(axis: Axis, length: float) -> Axis:
+def _unrolled(drive: Drive, length: float) -> Drive:
     """Limits, velocity, acceleration, backlash and pitch table in mm of the surface; exact steps per mm."""
 
-    def one(value: float | None) -> float | None:
-        return None if value is None else value * length
+    def scaled(values: tuple[float, ...]) -> tuple[float, ...]:
+        return tuple(value * length for value in values)
 
-    def table(pitch: PitchTable | None) -> PitchTable | None:
-        if pitch is None:
-            return None
-        return PitchTable(
-            machine=tuple(at * length for at in pitch.machine), calibrated=tuple(at * length for at in pitch.calibrated)
-        )
-
-    def rate(steps: Fraction | None) -> Fraction | None:
-        return None if steps is None else steps / Fraction(length)
-
-    def slave(s: Slave) -> Slave:
-        return replace(
-            s, steps_per_unit=rate(s.steps_per_unit), lower=one(s.lower), upper=one(s.upper),
-            travel_lower=one(s.travel_lower), travel_upper=one(s.travel_upper), max_velocity=one(s.max_velocity),
-            max_acceleration=one(s.max_acceleration), backlash=one(s.backlash), pitch=table(s.pitch),
-        )  # fmt: skip
-
-    return replace(
-        axis, steps_per_unit=rate(axis.steps_per_unit), lower=one(axis.lower), upper=one(axis.upper),
-        travel_lower=one(axis.travel_lower), travel_upper=one(axis.travel_upper), max_velocity=one(axis.max_velocity),
-        max_acceleration=one(axis.max_acceleration), backlash=axis.backlash * length, pitch=table(axis.pitch),
-        slaves=tuple(slave(s) for s in axis.slaves),
-    )  # fmt: skip
+    steps, pitch = drive.steps_per_unit, drive.pitch
+    if pitch is not None:
+        pitch = PitchTable(machine=scaled(pitch.machine), calibrated=scaled(pitch.calibrated))
+    bounds = ("lower", "upper", "travel_lower", "travel_upper", "max_velocity", "max_acceleration", "backlash")
+    stated: dict[str, Any] = {name: getattr(drive, name) for name in bounds}
+    return drive._replace(
+        name="Y" + drive.name[1:],
+        steps_per_unit=None if steps is None else steps / Fraction(length),
+        pitch=pitch,
+        **{name: value * length for name, value in stated.items() if value is not None},
+    )

@@ -23,10 +23,11 @@ from gproof.ir.setup import HeightMap, Setup
 from gproof.ir.stream import Motor, StepStream
 from gproof.ir.trace import Edge, Op, Plane, Trace, Wait
 from gproof.ir.verdict import Verdict
-from gproof.verify.explain.stream_report import Collector, StreamReport
+from gproof.verify.explain.stream_report import StreamReport
 from gproof.verify.kernel import lifted_path as module
 from gproof.verify.kernel.lifted_path import Lifted, Lifting, Unfollowed
-from gproof.verify.kernel.stream_inputs import row_arrays, tables_of
+from gproof.verify.kernel.proof import Proof
+from gproof.verify.kernel.rows import row_arrays, tables_of
 from gproof.verify.stream import validate
 
 
@@ -40,9 +41,9 @@ def motors(on: Machine) -> tuple[Motor, ...]:
 
 def raised(trace: Trace, setup: Setup, on: Machine, number: int = 0) -> Lifted:
     stream = StepStream(tick_frequency=1, motors=motors(on))
-    rows = row_arrays(trace, trace.sections[number], tables_of(stream, trace), Collector())
+    rows = row_arrays(trace.sections[number], tables_of(stream, trace), Proof())
     assert rows is not None
-    return Lifting(trace, setup, motors(on)).section(number, rows)
+    return Lifting(trace, setup.height_map, motors(on)).section(number, rows)
 
 
 def turns(values: list[float]) -> int:

@@ -12,6 +12,7 @@ from collections.abc import Callable, Iterable
 import pytest
 from verify.reference_stepper import Job, machine, step, stream_of
 
+from gproof.ir.drives import drives_of
 from gproof.ir.machine import Machine
 from gproof.ir.setup import NOTHING, HeightMap, Setup
 from gproof.ir.stream import StepStream
@@ -99,7 +100,7 @@ def test_a_question_needs_no_row_of_its_own() -> None:
         rows = trace.sections[0].rows
         trace.sections[0].rows = rows.slice(0, 1)
         trace.sections[0].edges = (edge(wait, -1),)
-        assert (list(problems(trace, machine(), NOTHING)) == []) is (wait is Wait.OPERATOR)
+        assert (list(problems(trace, drives_of(machine(), NOTHING))) == []) is (wait is Wait.OPERATOR)
 
 
 def test_a_changer_goes_on_after_a_change_where_the_machine_has_one() -> None:
@@ -133,7 +134,7 @@ def test_row_and_edge_are_of_one_kind(row: Op, wait: Wait) -> None:
     job = job.add(Op.PROBE, to=job.target(x=0), feed=60.0) if row is Op.PROBE else job.event(row)
     trace = job.trace()
     trace.sections[0].edges = (edge(wait, -1),)
-    found = [what for _, _, what in problems(trace, machine(), NOTHING)]
+    found = [problem.kind for problem in problems(trace, drives_of(machine(), NOTHING))]
     assert bool(found) is (WAITS[row] is not wait), found
 
 
@@ -271,7 +272,7 @@ def test_long_graphs_are_walked_without_recursion() -> None:
     ]
     sections.append(dataclasses.replace(Job().trace().sections[0], number=count))
     trace = dataclasses.replace(first.trace(), sections=sections)
-    assert list(problems(trace, machine(), NOTHING)) == []
+    assert list(problems(trace, drives_of(machine(), NOTHING))) == []
     sections[count - 1].edges = (edge(Wait.OPERATOR, 0),)
-    found = [what for _, _, what in problems(trace, machine(), NOTHING)]
-    assert len(found) == 2 and "leads back to section 0" in found[0] and found[1] == "no way leads here"
+    found = [problem.kind for problem in problems(trace, drives_of(machine(), NOTHING))]
+    assert found == ["graph.back", "graph.no-way"]

@@ -23,15 +23,15 @@ from verify.reference_stepper import Job, Stepped, machine, step, stream_of
 
 from gproof.ir.columns import Columns
 from gproof.ir.kernel import Kernel
+from gproof.ir.kernel_copies import dispatcher
 from gproof.ir.machine import Axis, AxisKind, Controller, Machine, Slave
 from gproof.ir.setup import NOTHING, Interval, Setup
 from gproof.ir.stream import StepStream, StreamSection
 from gproof.ir.trace import Edge, Op, State, Trace, Wait
 from gproof.ir.verdict import Verdict
-from gproof.verify import stream as checker
 from gproof.verify.certificate.package import parts_of, read_package, write_members
 from gproof.verify.explain.stream_report import BOUNDS, StreamReport
-from gproof.verify.kernel import stream_kernels
+from gproof.verify.kernel import path_kernels, prove, walk_kernels, walk_state
 from gproof.verify.stream import validate
 
 
@@ -89,7 +89,7 @@ def test_slices_change_nothing(name: str, size: int, monkeypatch: pytest.MonkeyP
         for most in (1 << 20, size):
             with monkeypatch.context() as patch:
                 taken: list[bytes] = []
-                patch.setattr(checker, "SLICE", most)
+                patch.setattr(prove, "SLICE", most)
                 watch(patch, taken)
                 seen.append((check(stream, job), taken))
         (whole, all_), (parts, slices) = seen
@@ -101,7 +101,7 @@ def test_slices_change_nothing(name: str, size: int, monkeypatch: pytest.MonkeyP
 def test_a_beat_is_heard_between_slices(monkeypatch: pytest.MonkeyPatch) -> None:
     job = JOBS["square"]()
     stream = stream_of(step(job, machine()), machine())
-    monkeypatch.setattr(checker, "SLICE", 100)
+    monkeypatch.setattr(prove, "SLICE", 100)
     heard: list[int] = []
 
     def beat(steps: int) -> None:
@@ -120,25 +120,25 @@ def hurried(axis: Axis) -> Axis:
 
 def watch(monkeypatch: pytest.MonkeyPatch, taken: list[bytes]) -> None:
     """Keep a digest of everything that each call of the kernel leaves behind: the bytes came to gigabytes."""
-    pick = stream_kernels.check_section.pick
+    pick = walk_kernels.check_section.pick
 
     def picked(work: float) -> Callable[..., int]:
         run = pick(work)
 
-        def call(most: int, cursor: stream_kernels.Cursor, start: np.ndarray, *args: object) -> int:
+        def call(most: int, cursor: walk_state.Cursor, start: np.ndarray, *args: object) -> int:
             steps = run(most, cursor, start, *args)  # type: ignore[arg-type]
             window, walk, problems = args[-3:]
-            assert isinstance(window, stream_kernels.Window)
-            assert isinstance(walk, stream_kernels.Walk)
-            assert isinstance(problems, stream_kernels.Problems)
-            tail = walk.ints[stream_kernels.TAIL]
+            assert isinstance(window, walk_state.Window)
+            assert isinstance(walk, walk_state.Walk)
+            assert isinstance(problems, walk_state.Problems)
+            tail = walk.ints[path_kernels.TAIL]
             kept = [start, *cursor[:-2], *walk, *problems, window.line[:tail], window.reach[:tail], window.row[:tail]]
             taken.append(hashlib.blake2b(b"".join(array.tobytes() for array in kept)).digest())
             return int(steps)
 
         return call
 
-    monkeypatch.setattr(stream_kernels.check_section, "pick", picked)
+    monkeypatch.setattr(walk_kernels.check_section, "pick", picked)
 
 
 @pytest.mark.parametrize("seed", seeds(12, 40))
@@ -498,7 +498,7 @@ def test_where_an_axis_with_backlash_came_from_is_an_assumption() -> None:
 
 def test_a_path_too_dense_to_follow_is_refused_not_believed() -> None:
     job = Job()
-    for k in range(2 * stream_kernels.WINDOW + 50):
+    for k in range(2 * path_kernels.WINDOW + 50):
         job.line(x=0.001 * (k % 2), feed=6000)
     job.line(x=1.0)
     on = dataclasses.replace(machine(), axes=(dataclasses.replace(machine().axes[0], steps_per_unit=Fraction(40)),))
@@ -510,17 +510,19 @@ def test_a_path_too_dense_to_follow_is_refused_not_believed() -> None:
 
 def test_no_kernel_of_the_checker_counts_who_holds_its_arrays(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     """That took most of its time; compiled code without it leaves the holders as they are."""
-    kernels = [value for value in vars(stream_kernels).values() if isinstance(value, Kernel)]
+    kernels = [
+        value for file in (path_kernels, walk_kernels) for value in vars(file).values() if isinstance(value, Kernel)
+    ]
     assert len(kernels) > 10
     assert all(kernel.borrows for kernel in kernels)
     monkeypatch.setenv("GPROOF_CACHE_DIR", str(tmp_path))  # only of what was compiled just now is the code known
-    compiled: Any = stream_kernels.surround._dispatcher({})
+    compiled: Any = dispatcher(walk_kernels.surround, {})
     near = np.array([[-1.0, 1.0]])
-    backlash = stream_kernels.Backlash(np.array([3]), np.array([-1]))
+    backlash = walk_state.Backlash(np.array([3]), np.array([-1]))
     ints, floats = np.zeros((12, 2), np.int64), np.zeros((12, 2))
-    table = dict.fromkeys(stream_kernels.Motors._fields, ints[0])
+    table = dict.fromkeys(walk_state.Motors._fields, ints[0])
     table |= dict.fromkeys(("spu",), floats[0]) | dict.fromkeys(("speed", "acceleration", "knots"), floats)
-    motors = stream_kernels.Motors(**table)  # type: ignore[arg-type]
+    motors = walk_state.Motors(**table)  # type: ignore[arg-type]
     arrays = [near, *backlash, ints, floats, *motors]
     held = [sys.getrefcount(array) for array in arrays]
     for _ in range(3):
