@@ -93,6 +93,13 @@ def test_while_a_package_is_read(part: str, number: int, shop: Shop) -> None:
     )
 
 
+def test_while_steps_are_proved_in_plain_python(shop: Shop) -> None:
+    (shop.folder / "job.cnc").write_text("G21 G90\n" + "G0 X100\nG0 X0\n" * 30 + "M30\n")
+    shop.compile("--unsigned")
+    words = ("verify", "made.gpx", "--pure")
+    interrupted(shop.folder, ("gproof.verify.kernel.prove", "_Walker", "_follow"), words, signal.SIGINT)
+
+
 PROGRAMS: dict[str, Callable[[], str]] = {
     "job.cnc": lambda: "g21 g90 f100\n" + "".join(f"#{n % 99 + 1}=[{n}]\n" for n in range(400_000)) + "m30\n",
     "job.tap": lambda: "g20g90\nf100\n" + "x[1]y[2]\n" * 400_000,
