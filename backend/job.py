@@ -13,10 +13,10 @@ from gproof.ir.record import record
 from gproof.ir.setup import Setup
 from gproof.ir.stream import StepStream
 from gproof.ir.trace import Trace
-from gproof.verify.certificate import check_package
-from gproof.verify.measured import moved_to
-from gproof.verify.package import Package
-from gproof.verify.signers import Trusted
+from gproof.verify.certificate.check import check_package
+from gproof.verify.certificate.measured import moved_to
+from gproof.verify.certificate.package import Package
+from gproof.verify.certificate.signers import Trusted
 
 
 class RunRefused(Exception):

@@ -18,7 +18,7 @@ from gproof.ir import codes
 from gproof.ir.finding import Finding, Span
 from gproof.ir.stream import StreamSection
 from gproof.ir.trace import Wait
-from gproof.verify.package import Package
+from gproof.verify.certificate.package import Package
 
 __all__ = ["ExecutionRecord", "Result", "parse_record", "problems", "read_record", "verify_record"]
 

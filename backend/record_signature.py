@@ -10,7 +10,7 @@ import base64
 from typing import TYPE_CHECKING
 
 from gproof.backend.record_data import ExecutionRecord, canonical
-from gproof.verify.ed25519_points import weakness
+from gproof.verify.certificate.ed25519_points import weakness
 
 if TYPE_CHECKING:
     from cryptography.hazmat.primitives.asymmetric.ed25519 import Ed25519PrivateKey

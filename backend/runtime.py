@@ -52,8 +52,8 @@ from gproof.ir.setup import Setup
 from gproof.ir.stream import StreamSection
 from gproof.ir.trace import Edge, Op, Trace, TraceSection, Wait
 from gproof.ir.verdict import Verdict
-from gproof.verify.package import Package
-from gproof.verify.signers import Trusted
+from gproof.verify.certificate.package import Package
+from gproof.verify.certificate.signers import Trusted
 from gproof.verify.stream import validate
 
 __all__ = ["Control", "Hold", "RunFailed", "RunRefused", "run"]

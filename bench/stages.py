@@ -64,7 +64,7 @@ def stages(job: Path, machine_file: Path) -> dict[str, Any]:
     if path is not None:
         made = sum(len(section.rows) for section in path.trace.sections)
         out["follow"] |= {"count": rows, "unit": "rows", "lines": made}
-    chords = _stage("gproof.verify.lifted_path", "Lifting", out, lambda f: checked(f, raised, setup, stream))
+    chords = _stage("gproof.verify.kernel.lifted_path", "Lifting", out, lambda f: checked(f, raised, setup, stream))
     if chords is not None:
         out["Lifting"] |= {"count": rows, "unit": "rows", "lines": chords}
     return out
@@ -88,11 +88,11 @@ def over_a_height_map(trace: Any) -> tuple[Any, Any]:
 
 def checked(lifting: Any, trace: Any, setup: Any, stream: Any) -> int:
     """How many chords the stream checker makes of a job over a height map."""
-    from gproof.verify.stream_inputs import row_arrays, tables_of
-    from gproof.verify.stream_report import Collector
+    from gproof.verify.kernel.proof import Proof
+    from gproof.verify.kernel.rows import row_arrays, tables_of
 
-    made = lifting(trace, setup, stream.motors)
-    arrays = [row_arrays(trace, section, tables_of(stream, trace), Collector()) for section in trace.sections]
+    made = lifting(trace, setup.height_map, stream.motors)
+    arrays = [row_arrays(section, tables_of(stream, trace), Proof()) for section in trace.sections]
     return sum(len(made.section(number, rows).origin) for number, rows in enumerate(arrays) if rows is not None)
 
 

@@ -12,12 +12,12 @@ from gproof.driver.errors import UsageError
 from gproof.driver.escape import shown
 from gproof.driver.files import require_file, require_place
 from gproof.driver.key_ring import OWN, KeyRing, given_key, own_key_path, read_ring, require_name, write_entry
-from gproof.verify.signers import Signer, fingerprint, today
+from gproof.verify.certificate.signers import Signer, fingerprint, today
 
 
 def run_new(output: Path | None) -> int:
     """Make the own key, or one for somewhere else; never over another."""
-    from gproof.verify.certificate import create_key, raw_public
+    from gproof.verify.certificate.keys import create_key, raw_public
 
     if output is not None:
         require_place(output, "output")
@@ -56,7 +56,7 @@ def _state(one: Signer) -> str:
 
 def run_show(name: str) -> int:
     """The public key, alone on standard output; its fingerprint beside it."""
-    from gproof.verify.certificate import load_key, public_key_text, raw_public
+    from gproof.verify.certificate.keys import load_key, public_key_text, raw_public
 
     found = next((one for one in read_ring().signers if one.name == name), None)
     if found is not None:
@@ -156,7 +156,7 @@ def _revoke_own(own: Signer) -> Signer:
 
 def _public(path: Path) -> bytes:
     """The key alone, whatever its file says of it."""
-    from gproof.verify.certificate import load_public_key
+    from gproof.verify.certificate.keys import load_public_key
 
     require_file(path, "key")
     try:

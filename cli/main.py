@@ -284,10 +284,11 @@ def _package_options(command: Any) -> Any:
 @click.option("--max-blocks", type=click.IntRange(1, MOST), help="As --against was compiled.")
 @click.option("--max-branches", type=click.IntRange(0, MOST), help="As --against was compiled.")
 @click.option("--call", help="The subprogram of --against that was compiled.")
+@click.option("--pure", is_flag=True, help="Prove the steps without compiled code and numba: slow, less to trust.")
 def verify(
     package: Path, machine: Path | None, setup: str | None, source: Path | None, trust: tuple[Path, ...],
     run_package: Path | None, form: str, against: Path | None, dialect: str | None, max_blocks: int | None,
-    max_branches: int | None, call: str | None,
+    max_branches: int | None, call: str | None, pure: bool,
 ) -> int:  # fmt: skip
     """Validate a certified stream again, from its parts alone; or check an execution record."""
     from gproof.cli.verify import run_verify
@@ -303,13 +304,15 @@ def verify(
             raise UsageError("--against is for packages; a record is compared with --package")
         if form != "text":
             raise UsageError("--format is for packages; the report of a record is text")
+        if pure:
+            raise UsageError("--pure is for packages; a record has no steps to prove")
         return run_verify_record(package, package=run_package, trust=trust)
     if run_package is not None:
         raise UsageError("--package says which package a record is of; this is no record")
     branches = Running().max_branches if max_branches is None else max_branches
     return run_verify(
         package, machine=machine, setup=setup, source=source, trust=trust, form=form, against=against, dialect=dialect,
-        running=Running(max_blocks, branches, call=call),
+        running=Running(max_blocks, branches, call=call), pure=pure,
     )  # fmt: skip
 
 

@@ -27,7 +27,7 @@ from gproof.report.text import print_findings
 if TYPE_CHECKING:
     from gproof.backend.record_data import ExecutionRecord
     from gproof.ir.setup import Setup
-    from gproof.verify.package import Package
+    from gproof.verify.certificate.package import Package
 
 
 def run_run(
@@ -48,7 +48,7 @@ def run_run(
     from gproof.backend.record_data import Result
     from gproof.backend.runtime import RunFailed, RunRefused, run
     from gproof.cli.run_journal import Keeper, require_record_place, runs_folder, settled
-    from gproof.verify.certificate import CertificateError, read_package
+    from gproof.verify.certificate.package import CertificateError, read_package
 
     require_file(path, "package")
     require_files(machine, setup, source)
@@ -110,7 +110,7 @@ def _lines(
     """What the board acknowledged, where it left the motors, what measured offsets were taken for; took: seconds, of a
     run that need not keep time."""
     from gproof.backend.record_data import ALLOWED
-    from gproof.verify.measured import taken
+    from gproof.verify.certificate.measured import taken
 
     frequency = package.stream.tick_frequency
     yield f"{path}: {done.result.value}" + (f": {done.reason}" if done.reason else "")

@@ -109,7 +109,7 @@ def _somebody_is_there() -> bool:
 
 def own_key() -> Ed25519PrivateKey | None:
     """The user's signing key; None, with a line on standard error, when there can be none."""
-    from gproof.verify.certificate import load_or_create_key
+    from gproof.verify.certificate.keys import load_or_create_key
 
     try:
         return load_or_create_key(own_key_path())
@@ -340,7 +340,7 @@ def _made_by_the_run(
     from gproof.backend.record_data import Result
     from gproof.backend.record_parse import LARGEST, parse_signed
     from gproof.backend.record_signature import signer_of
-    from gproof.verify.certificate import raw_public
+    from gproof.verify.certificate.keys import raw_public
 
     asked = [Path(found.field("record"))] if found.field("record") else []
     if key is None:

@@ -25,11 +25,13 @@ from gproof.report.text import print_findings
 def run_verify(
     path: Path, *, machine: Path | None, trust: tuple[Path, ...], setup: str | None = None, source: Path | None = None,
     form: str = "text", against: Path | None = None, dialect: str | None = None, running: Running | None = None,
+    pure: bool = False,
 ) -> int:  # fmt: skip
-    """Print what holds; exit 0 only when the package may run."""
+    """Print what holds; exit 0 only when the package may run. pure: the steps are proved by no compiled code."""
     from gproof.report.verify_report import Verified, print_verified, verified_json
-    from gproof.verify.certificate import CertificateError, check_package, read_package
-    from gproof.verify.measured import taken
+    from gproof.verify.certificate.check import check_package
+    from gproof.verify.certificate.measured import taken
+    from gproof.verify.certificate.package import CertificateError, read_package
 
     require_file(path, "package")
     require_files(machine, setup, source)
@@ -44,7 +46,7 @@ def run_verify(
     at_hand = read_at_hand(package, findings, machine=machine, setup=setup, source=source)
     with progress("verifying every step") as bar:
         bar.phase("verifying every step", package.stream.steps())
-        check = check_package(package, at_hand.machine, at_hand.setup, trusted, bar.done)
+        check = check_package(package, at_hand.machine, at_hand.setup, trusted, bar.done, pure=pure)
     found = (*other_source(package, at_hand), *check.findings)
     if anew is not None:
         with progress("compiling the source anew"):
@@ -60,7 +62,7 @@ def run_verify(
     compared = tuple(name for name, there in (at_hands | {"source compiled anew": anew}).items() if there is not None)
     of = Verified(
         package=package, check=check, verdict=verdict, findings=tuple(findings.kept), trusted=trusted,
-        compared=compared, taken=tuple(taken(package, at_hand.setup)),
+        compared=compared, taken=tuple(taken(package, at_hand.setup)), pure=pure,
     )  # fmt: skip
     if form == "json":
         click.echo(json.dumps(verified_json(str(path), of), indent=2, allow_nan=False))

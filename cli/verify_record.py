@@ -16,7 +16,7 @@ from gproof.ir import codes
 from gproof.ir.finding import Finding, Findings, Severity, Span
 from gproof.ir.verdict import Verdict
 from gproof.report.text import print_findings
-from gproof.verify.signers import Signer, called, fingerprint, signed_by, today
+from gproof.verify.certificate.signers import Signer, called, fingerprint, signed_by, today
 
 if TYPE_CHECKING:
     from gproof.backend.record_data import ExecutionRecord
@@ -106,7 +106,7 @@ def _signed(
 def _compared(record: ExecutionRecord, package: Path) -> list[Finding]:
     """What does not fit the package."""
     from gproof.backend.record import verify_record
-    from gproof.verify.certificate import CertificateError, read_package
+    from gproof.verify.certificate.package import CertificateError, read_package
 
     try:
         read = read_package(package)

@@ -27,8 +27,8 @@ from gproof.ir.record import record
 from gproof.ir.trace import Trace
 from gproof.ir.verdict import DEFAULT_POLICY, Verdict
 from gproof.passes.checks.registry import added
-from gproof.verify.package import EVENT_TABLE, TRACE_TABLE, Package, parts_of, read_package, run_table
-from gproof.verify.stream_report import BOUNDS
+from gproof.verify.certificate.package import EVENT_TABLE, TRACE_TABLE, Package, parts_of, read_package, run_table
+from gproof.verify.explain.stream_report import BOUNDS
 
 _BODY = ("policy", "properties", "not_judged", "assumptions", "steps", "duration_ticks", "reference")
 

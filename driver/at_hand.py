@@ -13,7 +13,7 @@ from gproof.ir.finding import Finding, Findings, Span
 from gproof.ir.machine import Machine
 from gproof.ir.record import record
 from gproof.ir.setup import ZERO, Setup
-from gproof.verify.package import Package
+from gproof.verify.certificate.package import Package
 
 
 @record(frozen=True, slots=True, kw_only=True)

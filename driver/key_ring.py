@@ -22,7 +22,7 @@ import click
 from gproof.driver.errors import UsageError
 from gproof.ir.private_folder import not_private
 from gproof.ir.record import record
-from gproof.verify.signers import Signer, fingerprint
+from gproof.verify.certificate.signers import Signer, fingerprint
 
 if TYPE_CHECKING:
     from cryptography.hazmat.primitives.asymmetric.ed25519 import Ed25519PrivateKey
@@ -82,7 +82,7 @@ def read_ring(warn: Warn | None = None) -> KeyRing:
 
 
 def _own_key(warn: Warn | None) -> Signer | None:
-    from gproof.verify.certificate import load_or_create_key, raw_public
+    from gproof.verify.certificate.keys import load_or_create_key, raw_public
 
     path = own_key_path()
     if not path.exists():
@@ -110,7 +110,7 @@ def given_key(path: Path, what: str) -> Signer:
     UsageError for what is no such file. Other lines above the key are anybody's: tools write some.
     """
     from gproof.driver.files import require_file
-    from gproof.verify.certificate import load_public_key
+    from gproof.verify.certificate.keys import load_public_key
 
     require_file(path, what)
     try:
@@ -171,7 +171,7 @@ def require_name(name: str) -> None:
 
 def write_entry(signer: Signer) -> Path:
     """Keep a key under its name, in the place of what was kept under it."""
-    from gproof.verify.certificate import public_key_text
+    from gproof.verify.certificate.keys import public_key_text
 
     lines = [f"fingerprint: {fingerprint(signer.raw)}"]
     lines += [f"{word}: {day}" for word, day in (("expires", signer.expires), ("revoked", signer.revoked)) if day]
@@ -193,7 +193,7 @@ def write_entry(signer: Signer) -> Path:
 
 def own_private_key() -> Ed25519PrivateKey | None:
     """The private key, None where there is none yet; ValueError for a file that is none, or that others can read."""
-    from gproof.verify.certificate import load_or_create_key
+    from gproof.verify.certificate.keys import load_or_create_key
 
     path = own_key_path()
     return load_or_create_key(path) if path.exists() else None
@@ -201,7 +201,7 @@ def own_private_key() -> Ed25519PrivateKey | None:
 
 def _entry(path: Path) -> Signer:
     """A key as it is kept."""
-    from gproof.verify.certificate import load_public_key
+    from gproof.verify.certificate.keys import load_public_key
 
     _own(path)
     if path.stat().st_size > _LARGEST:

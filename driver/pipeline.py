@@ -25,8 +25,8 @@ from gproof.ir.verdict import Condition, Verdict
 from gproof.passes.checks.registry import not_judged
 
 if TYPE_CHECKING:
-    from gproof.verify.measured import Open
-    from gproof.verify.stream_report import StreamReport
+    from gproof.verify.certificate.measured import Open
+    from gproof.verify.explain.stream_report import StreamReport
 
 
 @record(slots=True, kw_only=True)
@@ -91,7 +91,7 @@ def lower(
 
 def _leave_open(session: Session, lowered: Lowered, conditions: Sequence[Condition]) -> None:
     """Find what the places of the job rest on, and a reference for it."""
-    from gproof.verify.measured import NotPlaced, Open, places_of, put, reference
+    from gproof.verify.certificate.measured import NotPlaced, Open, places_of, put, reference
 
     try:
         places = places_of(lowered.trace, session.machine, session.setup)
@@ -219,25 +219,27 @@ def _write(
     """Sign and write the package; returns its identity and who signed it."""
     from importlib.metadata import version
 
-    from gproof.verify import certificate as c
+    from gproof.verify.certificate.keys import load_or_create_key
+    from gproof.verify.certificate.package import TooLarge
+    from gproof.verify.certificate.write import write_package
 
     key, signer = None, "nobody (--unsigned)"
     if not request.unsigned:
         place = request.key or own_key_path()
         try:
-            key = c.load_or_create_key(place)
+            key = load_or_create_key(place)
         except ValueError as error:
             raise UsageError(str(error)) from None
         signer = f"the key in {place}"
     now = datetime.datetime.now(datetime.UTC).isoformat(timespec="seconds")
     try:
-        digest = c.write_package(
+        digest = write_package(
             request.output, job=session.job.name, version=version("gproof"), inputs=session.inputs,
             properties=judgement.properties, not_judged=not_judged(r.name for r in judgement.properties),
             assumptions=judgement.assumptions,
             machine=session.machine, setup=session.setup, trace=lowered.trace, stream=stream, report=report,
             key=key, created=now, left_open=lowered.left_open,
         )  # fmt: skip
-    except c.TooLarge as why:
+    except TooLarge as why:
         raise UsageError(f"{request.output}: nothing was written: {why}") from None
     return digest, signer

@@ -20,14 +20,8 @@ import atexit
 import functools
 import os
 import sys
-import types
 from collections.abc import Callable
-from pathlib import Path
-from typing import Any, Generic, ParamSpec, TypeVar
-
-from gproof.ir.kernel_cache import FileCache, code_digest, write_whole
-from gproof.ir.private_folder import private_or_other
-from gproof.ir.uninterrupted import uninterrupted
+from typing import Generic, ParamSpec, TypeVar
 
 P = ParamSpec("P")
 R = TypeVar("R")
@@ -39,15 +33,6 @@ _NOTED_SECONDS = 0.02
 noted: a loss smaller than this is not worth a file."""
 
 
-def cache_root() -> Path:
-    """The folder for compiled kernels: next to nothing else of the user's, created on demand, private."""
-    named = os.environ.get("GPROOF_CACHE_DIR")
-    if not named:
-        base = os.environ.get("XDG_CACHE_HOME") or os.path.join(os.path.expanduser("~"), ".cache")
-        named = os.path.join(base, "gproof")
-    return private_or_other(named)
-
-
 class Kernel(Generic[P, R]):
     """A function in two speeds.
 
@@ -56,6 +41,7 @@ class Kernel(Generic[P, R]):
     inline: put into every kernel that calls it, before compiling: a call costs more than it does.
     borrows: it makes and returns no array, nor does a kernel that it calls, so its arrays stay its caller's and numba
     need not count who holds them, which it does otherwise at every call and for every name, in the loop too.
+    digest: the name of what it compiles to, once that is known.
     """
 
     _forecast = 0.0
@@ -76,7 +62,7 @@ class Kernel(Generic[P, R]):
         self._compiled: Callable[P, R] | None = None
         self._spent = 0.0
         self._lost_before: float | None = None
-        self._digest = ""
+        self.digest = ""
         functools.update_wrapper(self, function)
 
     @classmethod
@@ -91,18 +77,11 @@ class Kernel(Generic[P, R]):
         """The plain Python run; callers with much work use ``pick``."""
         return self.python(*args, **kwargs)
 
-    def _folder(self) -> Path:
-        """Where its compiled copies lie: another folder for other code, constants, callees, or options."""
-        if not self._digest:
-            self._digest = code_digest(self, _behind)
-        return cache_root() / "kernels" / f"{self.python.__name__}-{self._digest}"
-
-    def _marker(self) -> Path:
-        return self._folder() / "ready"
-
     def is_cached(self) -> bool:
         """True when a compiled copy for this source is on disk."""
-        return self._marker().exists()
+        from gproof.ir import kernel_copies
+
+        return kernel_copies.is_ready(self)
 
     def pick(self, work: float) -> Callable[P, R]:
         """The implementation that finishes ``work`` units first.
@@ -121,7 +100,9 @@ class Kernel(Generic[P, R]):
         if self.is_cached():
             return self.compiled()
         if self._lost_before is None:
-            self._lost_before = self._noted()
+            from gproof.ir import kernel_copies
+
+            self._lost_before = kernel_copies.lost_before(self)
             atexit.register(self._note)
         return self.compiled() if self._lost_before + lost > self.compile_seconds else self.python
 
@@ -132,64 +113,24 @@ class Kernel(Generic[P, R]):
             start += _IMPORT_SECONDS * self._spent / max(self._spent, self._forecast, _LOAD_SECONDS)
         return self._spent - start
 
-    def _noted(self) -> float:
-        """What earlier processes lost in plain Python while there was no compiled copy."""
-        try:
-            return float((self._folder() / "lost").read_text(encoding="ascii"))
-        except (OSError, ValueError):
-            return 0.0
-
     def _note(self) -> None:
         lost = self._lost()
         if self._compiled is None and lost > _NOTED_SECONDS:
-            write_whole(self._folder() / "lost", f"{(self._lost_before or 0.0) + lost:.3f}".encode("ascii"))
+            from gproof.ir import kernel_copies
+
+            kernel_copies.note_loss(self, (self._lost_before or 0.0) + lost)
 
     def compiled(self) -> Callable[P, R]:
         """The numba version, compiled on its first call or loaded from the cache."""
         if self._compiled is None:
-            with uninterrupted():
-                self._compiled = self._with_marker(self._dispatcher({}))
+            from gproof.ir import kernel_copies
+
+            self._compiled = kernel_copies.compiled(self, self._take)
         return self._compiled
 
-    def _with_marker(self, dispatcher: Any) -> Callable[P, R]:
-        marker = self._marker()
-
-        def first(*args: P.args, **kwargs: P.kwargs) -> R:
-            result: R = dispatcher(*args, **kwargs)
-            write_whole(marker, b"")
-            self._compiled = dispatcher
-            return result
-
-        return dispatcher if marker.exists() else first
-
-    def _dispatcher(self, done: dict[Kernel[Any, Any], Any]) -> Any:
-        import numba
-
-        if self in done:
-            return done[self]
-        function = self.python
-        scope = dict(function.__globals__)
-        for used in function.__code__.co_names:
-            value = scope.get(used)
-            if isinstance(value, Kernel):
-                scope[used] = value._dispatcher(done)
-        # The copy sees compiled callees; the original keeps the plain ones.
-        copy = types.FunctionType(function.__code__, scope, function.__name__, function.__defaults__)
-        copy.__module__ = function.__module__
-        copy.__qualname__ = function.__qualname__
-        # `_nrt` is numba's own name for the counting; the unicode functions of numba are made without it too.
-        options: dict[str, Any] = {"inline": "always" if self.inline else "never", "_nrt": not self.borrows}
-        dispatcher: Any = numba.njit(error_model="numpy", nogil=True, **options)(copy)
-        dispatcher._cache = FileCache(self._folder())
-        dispatcher._compile_for_args = uninterrupted()(dispatcher._compile_for_args)
-        done[self] = dispatcher
-        return dispatcher
-
-
-def _behind(value: object) -> tuple[Any, str] | None:
-    if not isinstance(value, Kernel):
-        return None
-    return value.python, f"{'inline' if value.inline else ''} {'borrows' if value.borrows else ''}"
+    def _take(self, compiled: Callable[P, R]) -> None:
+        """From its first call on, without what that one does beside."""
+        self._compiled = compiled
 
 
 def kernel(

@@ -7,17 +7,17 @@ never zero.
 from __future__ import annotations
 
 import enum
-import itertools
-import math
 from fractions import Fraction
-from typing import NamedTuple
 
 from gproof.ir.controls import NO_CONTROLS, Controls
 from gproof.ir.din import Din
+from gproof.ir.drives import AXES, AXIS_NAMES, Drive, PitchTable
 from gproof.ir.record import field, record
 
-AXIS_NAMES = ("x", "y", "z", "a", "b", "c")
-AXES = len(AXIS_NAMES)
+__all__ = [
+    "AXES", "AXIS_NAMES", "NO_MACHINE", "SHAPES", "TOUCHES", "Area", "Axis", "AxisKind", "Board", "Controller", "Drive",
+    "Knife", "Machine", "PitchTable", "Slave", "Spindle", "Tool", "Unmodelled",
+]  # fmt: skip
 
 
 class AxisKind(enum.Enum):
@@ -25,30 +25,6 @@ class AxisKind(enum.Enum):
 
     LINEAR = "linear"
     ROTARY = "rotary"
-
-
-@record(frozen=True, slots=True, kw_only=True)
-class PitchTable:
-    """Where the axis really is when its motor is meant to be at a position (Eding manual 2.3).
-
-    machine: positions of the motor, mm or degrees; calibrated: what was measured there. Both rise; between points
-    the map is linear, beyond the first and last point the correction stays what it is there. An axis that is to be
-    at a calibrated position needs its motor at the machine position beside it. docs/kinematics.md has the readings.
-    """
-
-    machine: tuple[float, ...]
-    calibrated: tuple[float, ...]
-
-    def problem(self) -> str | None:
-        """What keeps the table from being a map that can be turned round."""
-        if len(self.machine) != len(self.calibrated) or len(self.machine) < 1:
-            return "a pitch table needs pairs of positions"
-        for name, column in (("machine", self.machine), ("calibrated", self.calibrated)):
-            if not all(math.isfinite(value) for value in column):
-                return f"a {name} position is not finite"
-            if any(not b > a for a, b in itertools.pairwise(column)):
-                return f"{name} positions must rise from line to line"
-        return None
 
 
 @record(frozen=True, slots=True, kw_only=True)
@@ -71,21 +47,6 @@ class Slave:
     pitch: PitchTable | None = None
     home_position: float | None = None
     home_velocity: float | None = None
-
-
-class Drive(NamedTuple):
-    """One motor of an axis with everything that bounds it; what a slave leaves open is the axis's."""
-
-    name: str
-    steps_per_unit: Fraction | None
-    lower: float | None
-    upper: float | None
-    travel_lower: float | None
-    travel_upper: float | None
-    max_velocity: float | None
-    max_acceleration: float | None
-    backlash: float
-    pitch: PitchTable | None
 
 
 @record(frozen=True, slots=True, kw_only=True)
@@ -409,19 +370,9 @@ class Machine:
             low, high = axis.boundary_lower, axis.boundary_upper
             if low is not None and high is not None and low > high:
                 raise ValueError(f"axis {axis.name}: lower boundary above upper boundary")
-        for drive in (drive for axis in self.axes for drive in axis.drives()):
-            where = f"axis {drive.name.lower()}"
-            for low, high in ((drive.lower, drive.upper), (drive.travel_lower, drive.travel_upper)):
-                if low is not None and high is not None and low > high:
-                    raise ValueError(f"{where}: lower limit {low} above upper limit {high}")
-            if drive.steps_per_unit == 0:
-                raise ValueError(f"{where}: steps_per_unit is zero")
-            for rate in (drive.max_velocity, drive.max_acceleration):
-                if rate is not None and not rate > 0:
-                    raise ValueError(f"{where}: velocity and acceleration must be positive")
-            problem = drive.pitch.problem() if drive.pitch is not None else None
-            if problem is not None:
-                raise ValueError(f"{where}: {problem}")
+        for axis in self.axes:
+            for drive in axis.drives():
+                drive.verify()
 
 
 NO_MACHINE = Machine(

@@ -2,69 +2,15 @@
 
 from __future__ import annotations
 
-import math
-
+from gproof.ir.drives import CylinderMap, HeightMap, Interval
 from gproof.ir.machine import Area, Machine
 from gproof.ir.record import field, record
 from gproof.ir.workpiece import Workpiece
 
+__all__ = ["NOTHING", "ZERO", "CylinderMap", "HeightMap", "InForce", "Interval", "Setup", "StoredPosition"]
+
 _STATED = ("start", "work", "g92", "tool", "head")
 """Kinds of symbols that a setup can state."""
-
-
-@record(frozen=True, slots=True)
-class Interval:
-    """low <= value <= high, in mm or degrees; exact when both are equal."""
-
-    low: float
-    high: float
-
-    @property
-    def exact(self) -> bool:
-        """True when only one value is possible."""
-        return self.low == self.high
-
-
-@record(frozen=True, slots=True, kw_only=True)
-class CylinderMap:
-    """Y is mapped onto A: the surface of a cylinder as if it were the X-Y plane (Eding manual 2.2.5.4).
-
-    radius: mm; y, z: machine position of the axis of rotation; zero: machine Y at which A is 0. None: not stated.
-    """
-
-    radius: float | None = None
-    y: float | None = None
-    z: float | None = None
-    zero: float | None = None
-
-
-@record(frozen=True, slots=True, kw_only=True)
-class HeightMap:
-    """Measured heights of a surface, to which Z is raised or lowered (Eding manual 2.2.5.5).
-
-    x, y: machine position of the first point; size: mm between points; heights: rows by rising Y, each by rising X,
-    mm. What is added to Z is the height, between points bilinear, less that of the first point; outside the
-    measured range nothing. name: of the file it came from; on: compensation is on when the job begins.
-    """
-
-    x: float
-    y: float
-    size: float
-    heights: tuple[tuple[float, ...], ...]
-    name: str = ""
-    on: bool = True
-
-    def problem(self) -> str | None:
-        """What keeps the heights from being a grid."""
-        if len(self.heights) < 2 or len(self.heights[0]) < 2:
-            return "a height map has at least 2 rows of 2 heights"
-        if any(len(row) != len(self.heights[0]) for row in self.heights):
-            return "the rows of a height map are of one length"
-        if not all(math.isfinite(value) for row in self.heights for value in row):
-            return "a height is not a finite number"
-        if not (math.isfinite(self.x) and math.isfinite(self.y) and self.size > 0 and math.isfinite(self.size)):
-            return "the grid's origin or size is not a usable number"
-        return None
 
 
 @record(frozen=True, slots=True, kw_only=True)

@@ -14,9 +14,8 @@ from collections.abc import Iterator
 import numpy as np
 
 from gproof.ir.columns import Column, Columns, Schema, batches, joined
-from gproof.ir.machine import AXES
+from gproof.ir.drives import AXES, Interval
 from gproof.ir.record import field, record
-from gproof.ir.setup import Interval
 
 
 class Op(enum.IntEnum):

@@ -4,9 +4,12 @@ from __future__ import annotations
 
 import enum
 from collections.abc import Iterable
+from typing import TYPE_CHECKING
 
-from gproof.ir.finding import Span
 from gproof.ir.record import field, record
+
+if TYPE_CHECKING:
+    from gproof.ir.finding import Span
 
 
 class Verdict(enum.Enum):

@@ -20,10 +20,10 @@ from gproof.ir.record import record
 from gproof.ir.verdict import Condition, Verdict
 from gproof.report.summary import condition_of
 from gproof.report.text import finding_json
-from gproof.verify.certificate import Check
-from gproof.verify.package import Package
-from gproof.verify.signers import Signer, fingerprint
-from gproof.verify.stream_report import BOUNDS
+from gproof.verify.certificate.check import Check
+from gproof.verify.certificate.package import Package
+from gproof.verify.certificate.signers import Signer, fingerprint
+from gproof.verify.explain.stream_report import BOUNDS
 
 SCHEMA = "gproof-verify/1"
 """Of the JSON report: docs/verify-json.md."""
@@ -32,7 +32,7 @@ SCHEMA = "gproof-verify/1"
 @record(frozen=True, slots=True, kw_only=True)
 class Verified:
     """A package with its verdict; findings: with those of the source at hand; compared: what was at hand; taken: what
-    measured offsets are taken for."""
+    measured offsets are taken for; pure: the steps were proved without compiled code."""
 
     package: Package
     check: Check
@@ -41,6 +41,7 @@ class Verified:
     trusted: tuple[Signer, ...]
     compared: tuple[str, ...]
     taken: tuple[str, ...] = ()
+    pure: bool = False
 
     @property
     def conditional(self) -> bool:
@@ -67,6 +68,8 @@ def print_verified(path: str, of: Verified) -> None:
     frequency = of.package.stream.tick_frequency
     seconds = sum(section.duration for section in of.package.stream.sections) / frequency
     _row("steps", f"{of.check.stream.steps} checked, {seconds:.1f} s")
+    if of.pure:
+        _row("proved", "in plain Python: no compiled code, no numba")
     width = max(len(name) for name in BOUNDS)
     judged = [f"{one.name:<{width}}  {one.verdict.value}" for one in of.check.stream.properties]
     _rows("judged here", judged)
@@ -107,6 +110,7 @@ def verified_json(path: str, of: Verified) -> dict[str, Any]:
         "taken": list(of.taken),
         "steps": of.check.stream.steps,
         "seconds": sum(s.duration for s in stream.sections) / stream.tick_frequency,
+        "pure": of.pure,
         "judged": {one.name: one.verdict.value for one in of.check.stream.properties},
         "stated": {
             str(one["name"]): {

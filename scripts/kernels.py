@@ -51,7 +51,7 @@ def main() -> None:
     os.environ["GPROOF_KERNELS"] = "numba"
     from gproof.cli.main import main as gproof
     from gproof.driver.errors import COULD_NOT_RUN
-    from gproof.ir.kernel import cache_root
+    from gproof.ir.kernel_copies import cache_root
 
     with tempfile.TemporaryDirectory() as folder:
         os.environ["XDG_CONFIG_HOME"] = folder  # the journals of the runs are of no use to the user

@@ -10,8 +10,8 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from gproof.ir.kernel import cache_root
 from gproof.ir.kernel_cache import write_whole
+from gproof.ir.kernel_copies import cache_root
 from gproof.ir.private_folder import read_own
 
 if TYPE_CHECKING:

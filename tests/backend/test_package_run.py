@@ -15,8 +15,10 @@ from gproof.backend.runtime import RunRefused, run
 from gproof.ir.machine import Board
 from gproof.ir.setup import ZERO, Interval
 from gproof.ir.verdict import DEFAULT_POLICY, Condition, PropertyResult, Verdict
-from gproof.verify.certificate import check_package, load_or_create_key, raw_public, write_package
-from gproof.verify.package import CertificateError, Package, read_package
+from gproof.verify.certificate.check import check_package
+from gproof.verify.certificate.keys import load_or_create_key, raw_public
+from gproof.verify.certificate.package import CertificateError, Package, read_package
+from gproof.verify.certificate.write import write_package
 from gproof.verify.stream import validate
 
 Make = Callable[..., Package]

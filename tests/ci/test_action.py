@@ -21,7 +21,7 @@ from ruamel.yaml import YAML
 from support.distribution import OFFLINE, copy_of_the_source
 from support.goldens import ROOT
 
-from gproof.ir.kernel import cache_root
+from gproof.ir.kernel_copies import cache_root
 
 READER = YAML(typ="safe", pure=True)
 """Of YAML 1.2, where `on` is a word."""

@@ -14,7 +14,7 @@ from support.distribution import OFFLINE, copy_of_the_source
 from support.goldens import ROOT
 
 from gproof.driver.dialects import extensions, frontends
-from gproof.ir.kernel import cache_root
+from gproof.ir.kernel_copies import cache_root
 
 HOOKS = {hook["id"]: hook for hook in YAML(typ="safe", pure=True).load(ROOT / ".pre-commit-hooks.yaml")}
 PLATE = ROOT / "corpus" / "eding" / "drilled-plate"

@@ -10,8 +10,8 @@ from typing import Any
 
 from support.command import Done, in_this_process
 
-from gproof.verify.certificate import create_key, load_key, public_key_text, raw_public
-from gproof.verify.package import BODY, SIGNATURE, canonical, write_members
+from gproof.verify.certificate.keys import create_key, load_key, public_key_text, raw_public
+from gproof.verify.certificate.package import BODY, SIGNATURE, canonical, write_members
 
 MACHINE = """schema = "gproof-machine/1"
 units = "mm"

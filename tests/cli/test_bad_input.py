@@ -692,7 +692,7 @@ def test_streams_that_are_closed_or_full(name: str, folder: Path, gproof: Run) -
         (["compile", "job.cnc", *WITH_MACHINE, "--unsigned", "-o", "new.gpx"], "gproof.passes.motion.step.step"),
         (["compile", "job.cnc", *WITH_MACHINE, "--unsigned", "-o", "new.gpx"], "os.replace"),
         (["check", "job.cnc", "--picture", "new.svg"], "os.replace"),
-        (["verify", "made.gpx"], "gproof.verify.certificate.check_package"),
+        (["verify", "made.gpx"], "gproof.verify.certificate.check.check_package"),
         (["run", "made.gpx", "--board", "virtual", "--allow-untrusted", "--record", "new.json"], "os.replace"),
         (["fmt", "job.cnc"], "filecmp.cmp"),
         (["fmt", "job.cnc"], "os.replace"),

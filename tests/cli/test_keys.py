@@ -10,8 +10,8 @@ import pytest
 from cli.packages import Shop
 from cli.test_trust import refused, rsa
 
-from gproof.verify.certificate import load_public_key
-from gproof.verify.signers import Signer, fingerprint, signed_by
+from gproof.verify.certificate.keys import load_public_key
+from gproof.verify.certificate.signers import Signer, fingerprint, signed_by
 
 FINGERPRINT = r"[a-z2-7]{4}(-[a-z2-7]{4}){3}"
 

@@ -25,9 +25,9 @@ from gproof.backend.runtime import RunRefused, run
 from gproof.ir.columns import Columns
 from gproof.ir.setup import Interval, Setup
 from gproof.ir.stream import StepStream
-from gproof.verify.certificate import check_package
-from gproof.verify.measured import taken
-from gproof.verify.package import Package, read_package
+from gproof.verify.certificate.check import check_package
+from gproof.verify.certificate.measured import taken
+from gproof.verify.certificate.package import Package, read_package
 
 HEAD = "G21 G90 G94 G17 G40 G49 G54\n"
 CUT = "M3 S1000\nG0 Z2\nG1 Z-1 F300\nG1 X40 F600\nG2 X60 Y20 I0 J20\nG1 Y40\nG0 Z20\n"

@@ -22,7 +22,7 @@ from gproof.backend.record_data import ExecutionRecord, Result, canonical
 from gproof.cli import run_journal
 from gproof.cli.run_journal import Keeper
 from gproof.driver.errors import UsageError
-from gproof.verify.certificate import create_key, load_or_create_key, public_key_text
+from gproof.verify.certificate.keys import create_key, load_or_create_key, public_key_text
 
 MACHINE = """schema = "gproof-machine/1"
 units = "mm"

@@ -88,7 +88,16 @@ def test_while_a_package_is_read(part: str, number: int, shop: Shop) -> None:
     made = shop.compile("--unsigned")
     data = b"[" + b"1 " * (15 << 20) + b"]"
     rebuilt(shop.folder / "big.gpx", members_of(made) | {part: data})
-    interrupted(shop.folder, ("gproof.verify.package_zip", "Sealed", "member"), ("verify", "big.gpx"), number)
+    interrupted(
+        shop.folder, ("gproof.verify.certificate.package_zip", "Sealed", "member"), ("verify", "big.gpx"), number
+    )
+
+
+def test_while_steps_are_proved_in_plain_python(shop: Shop) -> None:
+    (shop.folder / "job.cnc").write_text("G21 G90\n" + "G0 X100\nG0 X0\n" * 30 + "M30\n")
+    shop.compile("--unsigned")
+    words = ("verify", "made.gpx", "--pure")
+    interrupted(shop.folder, ("gproof.verify.kernel.prove", "_Walker", "_follow"), words, signal.SIGINT)
 
 
 PROGRAMS: dict[str, Callable[[], str]] = {

@@ -10,7 +10,7 @@ from support.command import Done
 
 from gproof.backend.boards import registry as boards
 from gproof.backend.boards.virtual import VirtualBoard
-from gproof.verify.certificate import create_key
+from gproof.verify.certificate.keys import create_key
 
 ONE_LINE = re.compile(r"gproof(?: \w+)*: error: [^\n]+\n\Z")
 
@@ -86,7 +86,7 @@ def test_a_signature_that_does_not_fit_is_an_error_whoever_is_trusted(shop: Shop
     resigned(package, other, lambda body: body.update(gproof="9"))
     from cli.packages import members_of
 
-    from gproof.verify.package import SIGNATURE, write_members
+    from gproof.verify.certificate.package import SIGNATURE, write_members
 
     members = members_of(package)
     package.write_bytes(original)

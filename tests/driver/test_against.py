@@ -113,8 +113,9 @@ def test_a_body_that_says_more_than_the_source_gives(name: str, shop: Shop) -> N
 
 def test_another_runs_interval_is_named(shop: Shop) -> None:
     """A step some ticks later is within the bounds of the checker, and not what the source gives."""
-    from gproof.verify.certificate import load_key, write_package
-    from gproof.verify.package import read_package
+    from gproof.verify.certificate.keys import load_key
+    from gproof.verify.certificate.package import read_package
+    from gproof.verify.certificate.write import write_package
     from gproof.verify.stream import validate
 
     private, public = shop.key("other")

@@ -13,8 +13,8 @@ import pytest
 from support.command import in_this_process
 
 from gproof.ir.verdict import Verdict
-from gproof.verify.certificate import check_package
-from gproof.verify.package import read_package
+from gproof.verify.certificate.check import check_package
+from gproof.verify.certificate.package import read_package
 from gproof.verify.stream import validate
 
 AXES = "".join(

@@ -37,7 +37,7 @@ from gproof.frontend.wincnc.machine import NO_SHOP
 from gproof.ir.finding import Findings
 from gproof.ir.machine import Machine
 from gproof.ir.program import Program
-from gproof.verify.package import CertificateError, canonical, read_package
+from gproof.verify.certificate.package import CertificateError, canonical, read_package
 
 ROOT = Path(__file__).resolve().parents[2]
 SMALL = 6_000

@@ -9,6 +9,7 @@ from typing import Any
 import pytest
 
 from gproof.ir.kernel import kernel
+from gproof.ir.kernel_copies import folder_of
 
 SOURCE = """
 from gproof.ir.kernel import kernel
@@ -87,5 +88,5 @@ def test_how_a_kernel_is_compiled_names_its_copy(way: str) -> None:
     plain, caller, folders = scope["callee"], scope["caller"], set()
     for options in ({}, {way: True}):
         scope["callee"] = kernel(**options)(plain)
-        folders |= {scope["callee"]._folder(), kernel()(caller)._folder()}
+        folders |= {folder_of(scope["callee"]), folder_of(kernel()(caller))}
     assert len(folders) == 4

@@ -11,12 +11,12 @@ from types import ModuleType
 from corpus.expectations import ROOT
 from reach.answers import TARGETS
 
-from gproof.ir import controls, din, machine, setup, trace, workpiece
+from gproof.ir import controls, din, drives, machine, setup, trace, workpiece
 from gproof.passes.interpret.mcuwin.state import DinState
 from gproof.passes.interpret.wincnc.state import SingleState
 
 PAGE = ROOT / "docs" / "reach.md"
-STATED: tuple[ModuleType, ...] = (machine, setup, controls, din, workpiece)
+STATED: tuple[ModuleType, ...] = (machine, setup, drives, controls, din, workpiece)
 _ROW = re.compile(r"^\| (`.*`) \| (.*) \| (.*) \|$")
 _NAME = re.compile(r"`([\w.]+)`")
 _REF = re.compile(r"`((?:\w+/)+\w+\.py)(?:: ([\w.]+))?`")

@@ -2,6 +2,8 @@
 
 import json
 import re
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -9,7 +11,7 @@ from cli.packages import Shop
 from support.goldens import ROOT
 
 from gproof.ir.verdict import DEFAULT_POLICY
-from gproof.verify.stream_report import BOUNDS
+from gproof.verify.explain.stream_report import BOUNDS
 
 
 @pytest.fixture
@@ -64,6 +66,47 @@ def test_the_json_report_has_the_keys_that_are_documented(shop: Shop) -> None:
     report = json.loads(done.out)
     assert (done.exit, report["verdict"], report["signer"]) == (2, "UNKNOWN", None)
     assert [one["code"] for one in report["findings"]] == ["GP827"]
+
+
+PURE = """
+import sys
+from gproof.cli.main import main
+try:
+    code = main()
+except SystemExit as end:
+    code = end.code
+print(code, sorted({"numba", "llvmlite"} & set(sys.modules)))
+"""
+
+
+@pytest.mark.parametrize("kernels", ["", "numba"])
+def test_pure_loads_no_numba_and_says_so(kernels: str, shop: Shop, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Whatever the environment says."""
+    (shop.folder / "job.cnc").write_text("G21 G90\n" + "G0 X100\nG0 X0\n" * 2 + "M30\n")
+    shop.compile()
+    monkeypatch.setenv("GPROOF_KERNELS", kernels)
+    words = [sys.executable, "-c", PURE, "verify", "made.gpx"]
+
+    def said(*more: str) -> list[str]:
+        return subprocess.run(
+            [*words, *more], cwd=shop.folder, capture_output=True, text=True, check=True
+        ).stdout.splitlines()  # fmt: skip
+
+    pure = said("--pure")
+    assert pure[-1] == "0 []"
+    row = "  proved      in plain Python: no compiled code, no numba"
+    plain = said()
+    assert plain[-1] != "0 []", "steps enough"
+    assert row in pure and [line for line in pure[:-1] if line != row] == plain[:-1]
+    report = json.loads("\n".join(said("--pure", "--format", "json")[:-1]))
+    assert report["pure"] is True and report["verdict"] == "SAFE"
+    assert json.loads("\n".join(said("--format", "json")[:-1])) == report | {"pure": False}
+
+
+def test_pure_is_for_packages(shop: Shop) -> None:
+    shop.compile()
+    assert shop("run", "made.gpx", "--board", "virtual", "--record", "r.json").exit == 0
+    assert shop("verify", "r.json", "--pure").exit == 3
 
 
 def test_a_format_is_for_packages(shop: Shop) -> None:

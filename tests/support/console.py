@@ -10,7 +10,7 @@ import sys
 from dataclasses import dataclass
 from pathlib import Path
 
-from gproof.ir.kernel import cache_root
+from gproof.ir.kernel_copies import cache_root
 
 ELLIPSIS = "..."
 

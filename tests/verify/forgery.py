@@ -36,8 +36,9 @@ from gproof.ir.machine import Machine
 from gproof.ir.setup import ZERO, Interval, Setup
 from gproof.ir.stream import StepStream
 from gproof.ir.trace import Edge, Op, State, Trace, Wait
-from gproof.verify.certificate import check_package, load_or_create_key
-from gproof.verify.package import FORMAT, CertificateError, canonical, parts_of, read_package
+from gproof.verify.certificate.check import check_package
+from gproof.verify.certificate.keys import load_or_create_key
+from gproof.verify.certificate.package import FORMAT, CertificateError, canonical, parts_of, read_package
 
 FORGER = Ed25519PrivateKey.from_private_bytes(bytes(range(32)))
 RAW = FORGER.public_key().public_bytes(Encoding.Raw, PublicFormat.Raw)

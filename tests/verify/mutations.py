@@ -1,7 +1,7 @@
 """Ways to spoil a right stream. Each takes a clean stream and a random generator and gives a wrong one.
 
 Where a kind of damage can be harmless by definition, the mutation makes it larger than the bound that
-docs/verification.md states, and says so; tests/verify/test_stream.py holds the other side, that what lies within
+docs/verification.md states, and says so; tests/verify/kernel/test_stream.py holds the other side, that what lies within
 the bounds passes.
 """
 

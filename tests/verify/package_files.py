@@ -17,8 +17,8 @@ from gproof.ir.setup import ZERO, Setup
 from gproof.ir.stream import StepStream
 from gproof.ir.trace import Trace
 from gproof.ir.verdict import DEFAULT_POLICY, PropertyResult, Verdict
-from gproof.verify.certificate import write_package
-from gproof.verify.package import canonical, seal
+from gproof.verify.certificate.package import canonical, seal
+from gproof.verify.certificate.write import write_package
 from gproof.verify.stream import validate
 
 Members = dict[str, bytes]

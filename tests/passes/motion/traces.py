@@ -16,7 +16,7 @@ from gproof.ir.setup import Setup
 from gproof.ir.stream import StepStream
 from gproof.ir.trace import TRACE_ROW, Edge, Frame, Op, PathMode, Plane, State, Trace, TraceSection, Wait
 from gproof.verify import stream as stream_checker
-from gproof.verify.stream_report import StreamReport
+from gproof.verify.explain.stream_report import StreamReport
 
 RAD = math.pi / 180.0
 

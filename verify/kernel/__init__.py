@@ -1,0 +1,1 @@
+"""What must be trusted of a proof: the stream followed along the traced path, by its own arithmetic."""
