@@ -20,20 +20,20 @@ from gproof.passes.interpret.core import cutter_compensation_kernels as c
 from gproof.passes.interpret.core import line_kernels as k
 from gproof.passes.interpret.core import lost_lines
 from gproof.passes.interpret.core.call_stack import Frame
+from gproof.passes.interpret.core.line_decoder_kernels import SLOTS, LineState, WordColumns, letter_slots, trace_rows
 from gproof.passes.interpret.eding import compensation_codes as compensated
 from gproof.passes.interpret.eding.line_order import Blocks
 from gproof.passes.interpret.eding.outputs_and_waits import CLAMPED
 from gproof.passes.interpret.eding.transform_codes import noted
 
 CHUNK_BYTES = 1 << 20
-_State = tuple[Any, Any, Any, Any]
+_LETTERS = letter_slots({letter: axis for axis, letter in enumerate("XYZABC")}, "IJKRFGP")
+_LETTER_TABLE = np.array(_LETTERS, dtype=np.int64)
+"""What words are to ``run_lines``: for plain Python, and compiled."""
 _FIRST_BATCH, _BATCH = 4, 1 << 13
 """Programmed rows that are made at once while the path is compensated: few first, as the tool may not follow them."""
 
 _UTF8_MARK = b"\xef\xbb\xbf"
-
-_COLUMNS = "line", "letter", "value", "flags"
-"""Of words, as ``Frame.columns`` has them for the kernels."""
 
 
 class Straight(Blocks):
@@ -62,18 +62,18 @@ class Straight(Blocks):
                 keep = (words["flags"] & FLAG_DELETE) == 0
                 words = Columns(words.schema, {n: a[keep] for n, a in words.arrays.items()})
         frame.words, frame.at = words, 0
-        columns = tuple(words[name] for name in _COLUMNS)
+        columns = WordColumns(*(words[name] for name in WordColumns._fields))
         kernel = self._manner.kernel
         is_python = kernel.pick(table.last_line - table.first_line + 1) is kernel.python
-        frame.columns = tuple(c.tolist() for c in columns) if is_python else columns
+        frame.columns = WordColumns(*(c.tolist() for c in columns)) if is_python else columns
         frame.cold = self._manner.cold(self, frame, frame.columns, len(words))
 
     def _words(self, frame: Frame, table: BlockTable, run: object) -> None:
         assert frame.words is not None
         compiled = run is not self._manner.kernel.python
-        if compiled and isinstance(frame.columns[0], list):
+        if compiled and isinstance(frame.columns.line, list):
             # Picked plain when the table was opened, compiled now that it is entered again.
-            frame.columns = tuple(frame.words[name] for name in _COLUMNS)
+            frame.columns = WordColumns(*(frame.words[name] for name in WordColumns._fields))
         line = frame.words["line"]
         count = len(frame.words)
         while frame.at < count:
@@ -97,7 +97,7 @@ class Straight(Blocks):
         frame.words = None
 
     def _hot(
-        self, run: Any, columns: tuple[Any, ...], count: int, at: int, compiled: bool, *, distances: bool = False
+        self, run: Any, columns: WordColumns, count: int, at: int, compiled: bool, *, distances: bool = False
     ) -> int:  # fmt: skip
         """Run lines of many commands in the kernel from word ``at``; returns the first word it left over.
 
@@ -113,24 +113,24 @@ class Straight(Blocks):
             return at
         state = self._packed([p.value for p in s.position], compiled, distances=distances)
         if not s.arcs_known:
-            state[0][k.ARC_ABSOLUTE] = 1  # which leaves arcs to Python
+            state.ints[k.ARC_ABSOLUTE] = 1  # which leaves arcs to Python
         at = self.run_kernel(run, columns, state, count, at)
         self._unpack(state)
         if s.unknown_modes & OF_FEEDS:
             s.feed = math.nan
         return at
 
-    def run_kernel(self, run: Any, columns: tuple[Any, ...], state: _State, count: int, at: int) -> int:
+    def run_kernel(self, run: Any, columns: WordColumns, state: LineState, count: int, at: int) -> int:
         """Run ``run_lines`` on the words from ``at`` to ``count``; returns the first word it left over."""
         rows = self.rows
         before = rows.count
-        at, rows.count = _run(run, (*columns[:3], count, at), state, rows.arrays, before, rows.capacity)
+        at, rows.count = _run(run, columns, count, at, state, rows.arrays, before, rows.capacity)
         self.blocks += rows.count - before
         if self.modal.feed_unknown:
             rows.forget_feeds(before)
         return at
 
-    def _along_contour(self, run: Any, columns: tuple[Any, ...], count: int, at: int, compiled: bool) -> int:
+    def _along_contour(self, run: Any, columns: WordColumns, count: int, at: int, compiled: bool) -> int:
         """``_hot`` while the path is compensated: rows as programmed, and from them those of the tool."""
         s, rows = self.modal, self.rows
         comp = s.compensation
@@ -150,22 +150,19 @@ class Straight(Blocks):
         while going:
             there = TRACE_ROW.empty(batch)
             before = _copied(state)
-            stop, made = _run(run, (*columns[:3], count, at), state, there, 0, batch)
-            out = rows.arrays
+            stop, made = _run(run, columns, count, at, state, there, 0, batch)
             offset = c.offset_rows.pick(made)
             if offset is not c.offset_rows.python:
                 ints, floats = np.array(ints, dtype=np.int64), np.array(floats, dtype=np.float64)
-            done, rows.count = offset(
-                made, there["op"], there["to"], there["center"], there["turns"], there["feed"], there["line"], ints,
-                floats, out["op"], out["file"], out["line"], out["call"], out["to"], out["frame"], out["state"],
-                out["feed"], out["center"], out["turns"], out["plane"], out["arg"], rows.count, rows.capacity,
-            )  # fmt: skip
-            done, rows.count = int(done), int(rows.count)
+            done, row = offset(
+                made, trace_rows(there), ints, floats, trace_rows(rows.arrays), rows.count, rows.capacity
+            )
+            done, rows.count = int(done), int(row)
             if done < made:
                 # As far as the tool follows: the lines of these rows once more, from the same state.
                 state = before
                 if done:
-                    stop, _ = _run(run, (*columns[:3], count, at), state, there, 0, done)
+                    stop, _ = _run(run, columns, count, at, state, there, 0, done)
                 else:
                     stop = at
             self.blocks += done
@@ -178,7 +175,7 @@ class Straight(Blocks):
         s.compensation = replace(comp.at(u, v, placed=True), left=(s.position[a], s.position[b]))
         return at
 
-    def _packed(self, position: list[float], compiled: bool, *, distances: bool = False) -> _State:
+    def _packed(self, position: list[float], compiled: bool, *, distances: bool = False) -> LineState:
         """The state of ``run_lines``: integers, floats, frames of the axes and of their offsets."""
         s = self.modal
         offsets = [s.offset(axis) for axis in range(AXES)]
@@ -192,12 +189,14 @@ class Straight(Blocks):
         ]  # fmt: skip
         form: object = [self.frames.form(p.form) for p in s.position]
         offset_form: object = [self.frames.form(o.form) for o in offsets]
+        values: object = [0.0] * SLOTS
         if compiled:
+            values = np.zeros(SLOTS)
             ints, floats = np.array(ints, dtype=np.int64), np.array(floats, dtype=np.float64)
             form, offset_form = np.array(form, dtype=np.int64), np.array(offset_form, dtype=np.int64)
-        return ints, floats, form, offset_form
+        return LineState(ints, floats, form, offset_form, values)
 
-    def _unpack(self, state: _State) -> None:
+    def _unpack(self, state: LineState) -> None:
         """Take over what ``run_lines`` has made of the state."""
         ints, floats, *_ = state
         s = self.modal
@@ -252,19 +251,17 @@ class Straight(Blocks):
 
 
 def _run(
-    run: Any, words: tuple[Any, ...], state: _State, rows: Mapping[str, Any], first: int, capacity: int
+    run: Any, words: WordColumns, count: int, at: int, state: LineState, rows: Mapping[str, Any], first: int,
+    capacity: int,
 ) -> tuple[int, int]:  # fmt: skip
     """``run_lines`` into ``rows``; (next word, next row)."""
-    at, row = run(
-        *words, *state, rows["op"], rows["file"], rows["line"], rows["call"], rows["to"], rows["frame"], rows["state"],
-        rows["feed"], rows["center"], rows["turns"], rows["plane"], rows["arg"], first, capacity,
-    )  # fmt: skip
+    slots = _LETTERS if isinstance(state.ints, list) else _LETTER_TABLE
+    at, row = run(words, count, at, slots, state, trace_rows(rows), first, capacity)
     return int(at), int(row)
 
 
-def _copied(state: _State) -> _State:
-    ints, floats, form, offset_form = state
-    return ints.copy(), floats.copy(), form, offset_form
+def _copied(state: LineState) -> LineState:
+    return state._replace(ints=state.ints.copy(), floats=state.floats.copy())
 
 
 def _word_end(data: bytes, start: int, column: int, stop: int) -> int:

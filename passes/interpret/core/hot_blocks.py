@@ -12,6 +12,8 @@ from collections.abc import Iterable
 from itertools import repeat
 from typing import Any
 
+import numpy as np
+
 from gproof.ir.finding import Span
 from gproof.ir.program import FLAG_BARE, FLAG_DELETE, Block, BlockTable, DeferredBlock, Expr, Number
 from gproof.ir.symbolic import Value
@@ -25,6 +27,7 @@ from gproof.passes.interpret.core.block_compiler import (
 )
 from gproof.passes.interpret.core.block_tables import CHUNK_BYTES, Straight
 from gproof.passes.interpret.core.call_stack import NO_PLACE, HotLine, Pending, Stretch
+from gproof.passes.interpret.core.line_decoder_kernels import WordColumns
 from gproof.passes.interpret.mcuwin.state import fits
 
 _ONCE = FastBlock(lambda _: (), (), (), (), False, None)  # type: ignore[arg-type]
@@ -190,7 +193,10 @@ class Loops(Straight):
         line, letter, value, lines = pending.columns()
         run, count, at = k.run_lines.pick(pending.lines), len(line), 0
         compiled = run is not k.run_lines.python
-        columns: Any = (line, letter, value) if compiled else (line.tolist(), letter.tolist(), pending.value)
+        # No word of a hot line is without a number.
+        columns = WordColumns(line, letter, value, np.zeros(count, np.uint8))
+        if not compiled:
+            columns = WordColumns(line.tolist(), letter.tolist(), pending.value, [0] * count)
         file, call = self._file, self._call
         self._file = next((part.lines[0].file for part in pending.parts if part.places is None), file)
         places = pending.places(self._file, call)

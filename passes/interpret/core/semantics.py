@@ -20,6 +20,7 @@ from gproof.ir.rules import LanguageRules
 from gproof.ir.symbolic import Unknown, Value
 from gproof.passes.interpret.core import line_kernels as k
 from gproof.passes.interpret.core.assigned_numbers import write_setting
+from gproof.passes.interpret.core.line_decoder_kernels import SLOTS, WordColumns, letter_slots
 from gproof.passes.interpret.core.line_filter_kernels import cold_lines
 
 if TYPE_CHECKING:
@@ -28,22 +29,21 @@ if TYPE_CHECKING:
     from gproof.passes.interpret.core.executor import Executor
     from gproof.passes.interpret.core.trace_writer import Emitter
 
-_HOT = [int(chr(letter) in "XYZABCIJKRFG") for letter in range(256)]
+_HOT = letter_slots({letter: axis for axis, letter in enumerate("XYZABC")})
 """Letters that ``run_lines`` takes."""
 
 
-def cold_words(columns: tuple[Any, ...], count: int, hot: list[int], *, pairs: bool = False) -> tuple[Any, Any]:
-    """(line numbers, first words) of the lines that a kernel certainly hands back; see ``plain_kernels.cold_lines``.
+def cold_words(columns: WordColumns, count: int, hot: list[int], *, pairs: bool = False) -> tuple[Any, Any]:
+    """(line numbers, first words) of the lines that a kernel certainly hands back; see ``cold_lines``.
 
-    columns: line, letter ... of ``count`` words, as lists for plain Python.
+    columns: ``count`` words, as lists for plain Python; hot: see there.
     """
     lines, firsts = np.empty(count, np.int64), np.empty(count, np.int64)
-    line, letter, value = columns[:3]
-    if isinstance(line, list):
-        found = cold_lines(line, letter, value, count, hot, int(pairs), lines, firsts)
+    if isinstance(columns.line, list):
+        found = cold_lines(columns, count, hot, [0.0] * SLOTS, int(pairs), lines, firsts)
     else:
-        taken = np.array(hot, np.uint8)
-        found = cold_lines.pick(count)(line, letter, value, count, taken, int(pairs), lines, firsts)
+        slots = np.array(hot, np.int64)
+        found = cold_lines.pick(count)(columns, count, slots, np.zeros(SLOTS), int(pairs), lines, firsts)
     return lines[:found].tolist(), firsts[:found].tolist()
 
 
@@ -83,14 +83,14 @@ class Manner:
         """Execute a line of a table; bare: letters without a number."""
         ex._line(span, words)
 
-    def cold(self, ex: Straight, frame: Frame, columns: tuple[Any, ...], count: int) -> set[int]:
+    def cold(self, ex: Straight, frame: Frame, columns: WordColumns, count: int) -> set[int]:
         """Lines of a piece of a table with a word that the kernel certainly leaves to Python: not worth a call.
 
         columns: line, letter, value and flags of its ``count`` words.
         """
         return set(cold_words(columns, count, _HOT)[0])
 
-    def hot(self, ex: Straight, run: Any, columns: tuple[Any, ...], count: int, at: int, compiled: bool) -> int:
+    def hot(self, ex: Straight, run: Any, columns: WordColumns, count: int, at: int, compiled: bool) -> int:
         """Run lines in the kernel from word ``at``; returns the first word it left over.
 
         columns: line, letter, value and flags of the words.
@@ -104,12 +104,12 @@ class Manner:
         """
         return "", False
 
-    def stops(self, ex: Straight, columns: tuple[Any, ...], count: int) -> list[int]:
+    def stops(self, ex: Straight, columns: WordColumns, count: int) -> list[int]:
         """First words of lines of a loop that the kernel must not run."""
         return []
 
     def hot_lines(
-        self, ex: Straight, run: Any, columns: tuple[Any, ...], count: int, at: int, compiled: bool, stops: list[int],
+        self, ex: Straight, run: Any, columns: WordColumns, count: int, at: int, compiled: bool, stops: list[int],
         motion: str, numbers: Any,
     ) -> int:  # fmt: skip
         """As ``hot``, for lines of a loop, the first of which moves with ``motion``.

@@ -16,6 +16,7 @@ from gproof.ir.symbolic import Value, bounds
 from gproof.passes.interpret.core import line_kernels as k
 from gproof.passes.interpret.core.assigned_numbers import targets
 from gproof.passes.interpret.core.call_stack import Frame
+from gproof.passes.interpret.core.line_decoder_kernels import WordColumns
 from gproof.passes.interpret.core.semantics import Manner, cold_words, settings_of
 from gproof.passes.interpret.mcuwin import fast_path as din_plain
 from gproof.passes.interpret.mcuwin import line as din
@@ -57,12 +58,12 @@ class DinManner(Manner):
                 frame.continued = f"G{value:g}"
         din.run(ex, span, words, bare=bare, continued=continued)
 
-    def cold(self, ex: Straight, frame: Frame, columns: tuple[Any, ...], count: int) -> set[int]:
+    def cold(self, ex: Straight, frame: Frame, columns: WordColumns, count: int) -> set[int]:
         """Lines for Python, which are where the kernel stops too."""
         lines, frame.stops = cold_words(columns, count, din_plain.hot_letters(ex.modal.din), pairs=True)
         return set(lines)
 
-    def hot(self, ex: Straight, run: Any, columns: tuple[Any, ...], count: int, at: int, compiled: bool) -> int:
+    def hot(self, ex: Straight, run: Any, columns: WordColumns, count: int, at: int, compiled: bool) -> int:
         """Run lines in the kernel from word ``at``; returns the first word it left over."""
         frame = ex._stack[-1]
         at, frame.continued = _hot(ex, run, columns, count, at, compiled, frame.stops, frame.continued)
@@ -81,13 +82,13 @@ class DinManner(Manner):
             return (motion if motion in din_plain.MOTIONS else None), False
         return (continued, True) if continued in din_plain.MOTIONS else (None, False)
 
-    def stops(self, ex: Straight, columns: tuple[Any, ...], count: int) -> list[int]:
+    def stops(self, ex: Straight, columns: WordColumns, count: int) -> list[int]:
         """First words of lines of a loop that the kernel must not run."""
         found: list[int] = cold_words(columns, count, din_plain.hot_letters(ex.modal.din), pairs=True)[1]
         return found
 
     def hot_lines(
-        self, ex: Straight, run: Any, columns: tuple[Any, ...], count: int, at: int, compiled: bool, stops: list[int],
+        self, ex: Straight, run: Any, columns: WordColumns, count: int, at: int, compiled: bool, stops: list[int],
         motion: str, numbers: Any,
     ) -> int:  # fmt: skip
         """As ``hot``, for lines of a loop: see ``Manner``."""
@@ -130,7 +131,7 @@ class DinManner(Manner):
 
 
 def _hot(
-    ex: Straight, run: Any, columns: tuple[Any, ...], count: int, at: int, compiled: bool, stops: list[int],
+    ex: Straight, run: Any, columns: WordColumns, count: int, at: int, compiled: bool, stops: list[int],
     continued: str, numbers: Any = None,
 ) -> tuple[int, str]:  # fmt: skip
     """Run lines in the kernel from word ``at``: the first word it left over, and the code that goes on there."""
@@ -141,13 +142,13 @@ def _hot(
     stop = bisect.bisect_left(stops, at)
     count = stops[stop] if stop < len(stops) else count
     state = ex._packed(start, compiled)
-    state[0][k.ARC_ABSOLUTE] = int(not din_plain.arcs_are_plain(ex))
-    state[0][k.ACTIVE_AXES] &= 7
+    state.ints[k.ARC_ABSOLUTE] = int(not din_plain.arcs_are_plain(ex))
+    state.ints[k.ACTIVE_AXES] &= 7
     before, first = rows.count, at
     at = ex.run_kernel(run, columns, state, count, at)
     ex._unpack(state)
     if s.unknown_modes & OF_FEEDS:
         s.feed = math.nan
-    continued = din_plain.taken(ex, start, before, columns[:3], first, at, numbers)
+    continued = din_plain.taken(ex, start, before, columns, first, at, numbers)
     s.motion = 0
     return at, continued

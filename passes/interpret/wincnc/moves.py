@@ -24,7 +24,8 @@ from gproof.ir.trace import Op, Plane, Wait
 from gproof.passes.interpret.core import line_kernels as k
 from gproof.passes.interpret.core import refused_lines
 from gproof.passes.interpret.core.arc_condition import radius_arc_warning
-from gproof.passes.interpret.wincnc.line_kernels import SAME, ZERO_RADIUS, agreed, distance
+from gproof.passes.interpret.core.line_kernels import SAME, ZERO_RADIUS, distance
+from gproof.passes.interpret.wincnc.line_kernels import agreed
 from gproof.passes.interpret.wincnc.state import (
     LEANING,
     REGISTERS_OPEN,

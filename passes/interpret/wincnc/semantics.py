@@ -9,6 +9,7 @@ from gproof.ir.finding import Span
 from gproof.ir.program import Block, Call, Input, Named, Unsupported
 from gproof.ir.symbolic import Value
 from gproof.passes.interpret.core.call_stack import Frame, Kept, PlainCell
+from gproof.passes.interpret.core.line_decoder_kernels import WordColumns
 from gproof.passes.interpret.core.semantics import Manner
 from gproof.passes.interpret.wincnc import line as single
 from gproof.passes.interpret.wincnc.fast_path import PlainLines
@@ -41,11 +42,11 @@ class SingleManner(Manner):
         """Execute a line of a table."""
         single.run(ex, span, words, bare=bare)
 
-    def cold(self, ex: Straight, frame: Frame, columns: tuple[Any, ...], count: int) -> set[int]:
+    def cold(self, ex: Straight, frame: Frame, columns: WordColumns, count: int) -> set[int]:
         """None: of one command a line the kernel hands back what is rare."""
         return set()
 
-    def hot(self, ex: Straight, run: Any, columns: tuple[Any, ...], count: int, at: int, compiled: bool) -> int:
+    def hot(self, ex: Straight, run: Any, columns: WordColumns, count: int, at: int, compiled: bool) -> int:
         """Run lines in the kernel from word ``at``; returns the first word it left over."""
         if self.plain is None:
             self.plain = PlainLines(ex)
