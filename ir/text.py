@@ -41,6 +41,7 @@ def _registry() -> tuple[dict[str, type], dict[str, type[enum.Enum]], dict[str, 
         program,
         rules,
         setup,
+        statements,
         stream,
         trace,
         verdict,
@@ -50,7 +51,10 @@ def _registry() -> tuple[dict[str, type], dict[str, type[enum.Enum]], dict[str, 
     classes: dict[str, type] = {}
     enums: dict[str, type[enum.Enum]] = {}
     schemas: dict[str, Schema] = {}
-    modules = (controls, din, finding, machine, notes, plan, program, rules, setup, stream, trace, verdict, workpiece)
+    modules = (
+        controls, din, finding, machine, notes, plan, program, rules, setup, statements, stream, trace, verdict,
+        workpiece,
+    )  # fmt: skip
     for module in modules:
         for name, value in vars(module).items():
             if isinstance(value, Schema):
