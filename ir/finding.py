@@ -1,6 +1,6 @@
 """Findings: what the tool has to say about a place in a file.
 
-A ``Code`` is declared once, in ``ir/codes.py``, with a stable number and name; ``code.at(span, ...)``
+A ``Code`` is declared once, in ``ir/codes/``, with a stable number and name; ``code.at(span, ...)``
 makes a ``Finding``. Spans are required: what concerns a text as a whole is at its line 1.
 """
 

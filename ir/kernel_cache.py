@@ -100,7 +100,7 @@ class FileCache:
         """The file for a signature on this processor, and the key that it has to hold."""
         import numba
 
-        key = repr((numba.__version__, magic, [str(kind) for kind in arguments]))
+        key = repr((numba.__version__, magic, [_kind(kind) for kind in arguments]))
         return self.folder / f"{hashlib.sha256(key.encode()).hexdigest()[:24]}.nbc", key
 
     def load_overload(self, signature: Any, target: Any) -> Any:
@@ -137,6 +137,11 @@ class FileCache:
             return
         payload = serialize.dumps((key, result._reduce()))
         write_whole(place, hashlib.sha256(payload).digest() + payload)
+
+
+def _kind(kind: Any) -> str:
+    """What an argument is; of a named tuple the order of its fields too, which numba's own name of it does not tell."""
+    return f"{kind} {getattr(kind, 'fields', '')}"
 
 
 def _arguments(signature: Any) -> tuple[Any, ...]:

@@ -42,6 +42,7 @@ def _registry() -> tuple[dict[str, type], dict[str, type[enum.Enum]], dict[str, 
         program,
         rules,
         setup,
+        statements,
         stream,
         trace,
         verdict,
@@ -52,7 +53,8 @@ def _registry() -> tuple[dict[str, type], dict[str, type[enum.Enum]], dict[str, 
     enums: dict[str, type[enum.Enum]] = {}
     schemas: dict[str, Schema] = {}
     modules = (
-        controls, din, drives, finding, machine, notes, plan, program, rules, setup, stream, trace, verdict, workpiece,
+        controls, din, drives, finding, machine, notes, plan, program, rules, setup, statements, stream, trace, verdict,
+        workpiece,
     )  # fmt: skip
     for module in modules:
         for name, value in vars(module).items():

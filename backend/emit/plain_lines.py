@@ -43,18 +43,21 @@ def plain_lines(
     room += (len(notes.table) + lines) * (indent + 4) + int(notes.table["column"].sum())
     out = bytearray(room)
     long = [np.empty(lines, np.int64) for _ in range(3)]
-    columns = [words[name] for name in ("line", "letter", "flags", "value")]
-    note_columns = [notes.table[name] for name in ("line", "place", "kind", "column", "begin", "size")]
     powers: Any = _POWERS
     texts: list[Any] = [hard_text, notes.text, kept, out]
     if compiled:
         powers = np.array(_POWERS)
         texts = [np.frombuffer(text or b"\0", np.uint8) for text in texts]
     hard, note_text, first_bytes, target = texts
-    arguments: list[Any] = [*columns, decimals, powers, hard_begin, hard, *note_columns, note_text, target, *long]
-    size, longs = run(
-        first, last, indent, limit, int(newline == "\r\n"), len(kept), first_bytes, int(two_digits), *arguments
+    layout = k.Layout(indent, limit, int(newline == "\r\n"), int(two_digits), first_bytes, len(kept))
+    printed = k.PrintedWords(
+        words["line"], words["letter"], words["flags"], words["value"], decimals, powers, hard_begin, hard
     )
+    table = notes.table
+    noted = k.PrintedNotes(
+        table["line"], table["place"], table["kind"], table["column"], table["begin"], table["size"], note_text
+    )
+    size, longs = run(first, last, layout, printed, noted, target, k.LongLines(*long))
     found = zip(*(column[:longs].tolist() for column in long), strict=True)
     return bytes(memoryview(out)[:size]), list(found)
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import Any
+from typing import Any, NamedTuple
 
 from gproof.ir.kernel import kernel
 
@@ -52,44 +52,65 @@ def count_decimals(values: Any, powers: Any, decimals: Any) -> int:
     return hard
 
 
+class Layout(NamedTuple):
+    """indent: blanks before the first word or comment; limit: bytes that a line may have; returns: 1 for lines that end
+    in CR LF; two_digits: 1 where a G code has two digits at least; kept: ``kept_size`` bytes with which no line may
+    begin."""
+
+    indent: int
+    limit: int
+    returns: int
+    two_digits: int
+    kept: Any
+    kept_size: int
+
+
+class PrintedWords(NamedTuple):
+    """Columns of WORD, and of each word's number its decimals, or -1 - n where its text is
+    hard_text[hard_begin[n]:hard_begin[n + 1]]; powers: 10**0 .. 10**15 as integers."""
+
+    line: Any
+    letter: Any
+    flags: Any
+    value: Any
+    decimals: Any
+    powers: Any
+    hard_begin: Any
+    hard_text: Any
+
+
+class PrintedNotes(NamedTuple):
+    """Columns of notes; text: where their texts are, from begin on, so many bytes."""
+
+    line: Any
+    place: Any
+    kind: Any
+    column: Any
+    begin: Any
+    size: Any
+    text: Any
+
+
+class LongLines(NamedTuple):
+    """Gets number, begin and end in the text of lines that are too long, or that begin with what none may."""
+
+    line: Any
+    begin: Any
+    end: Any
+
+
 @kernel(seconds_per_unit=4e-7, compile_seconds=2.0)
 def print_lines(
-    first: int,
-    last: int,
-    indent: int,
-    limit: int,
-    returns: int,
-    kept_size: int,
-    kept: Any,
-    two_digits: int,
-    word_line: Any,
-    word_letter: Any,
-    word_flags: Any,
-    word_value: Any,
-    decimals: Any,
-    powers: Any,
-    hard_begin: Any,
-    hard_text: Any,
-    note_line: Any,
-    note_place: Any,
-    note_kind: Any,
-    note_column: Any,
-    note_begin: Any,
-    note_size: Any,
-    note_text: Any,
-    out: Any,
-    long_line: Any,
-    long_begin: Any,
-    long_end: Any,
-) -> tuple[int, int]:
+    first: int, last: int, layout: Layout, printed: PrintedWords, noted: PrintedNotes, out: Any, long: LongLines
+) -> tuple[int, int]:  # fmt: skip
     """Print the lines first..last with their words and notes; a line with neither is empty.
 
-    indent: blanks before the first word or comment; returns: 1 for lines that end in CR LF; kept: ``kept_size`` bytes
-    with which no line may begin; two_digits: 1 where a G code has two digits at least;
-    decimals: of each word's number, or -1 - n where its text is hard_text[hard_begin[n]:hard_begin[n + 1]];
-    powers: 10**0 .. 10**15 as integers; out: room for everything; long_*: get number, begin and end in ``out`` of
-    the lines of more than ``limit`` bytes, or that begin with one of ``kept``. Returns (bytes printed, long lines).
+    out: room for everything. Returns (bytes printed, long lines).
     """
+    indent, limit, returns, two_digits, kept, kept_size = layout
+    word_line, word_letter, word_flags, word_value, decimals, powers, hard_begin, hard_text = printed
+    note_line, note_place, note_kind, note_column, note_begin, note_size, note_text = noted
+    long_line, long_begin, long_end = long
     size = 0
     longs = 0
     w = 0

@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import Any
 
 from gproof.frontend.common.source import UTF8_MARK, decode, newline_of, read_source
+from gproof.frontend.wincnc.called_files import AnyFiles, CalledFiles
 from gproof.frontend.wincnc.file_names import MACRO_FILE
 from gproof.frontend.wincnc.line import LineError, LineReader, NumberedLine
 from gproof.frontend.wincnc.mac_file import Macro
@@ -100,7 +101,7 @@ def load_alone(
     program = Program(dialect="wincnc", rules=rules_named("wincnc"))
     folders = list(folders) or [path.parent]
     loader = _Loader(program, findings, machine.controller.controls, folders, None)
-    loader.files = _AnyFiles(folders)
+    loader.files = AnyFiles(folders)
     loader.macro_path = macro_file
     try:
         loader.prepare()
@@ -109,83 +110,6 @@ def load_alone(
         findings.add(refusal.finding)
         return None
     return program
-
-
-class _Files:
-    """Subprogram files by name, loaded when they are first called."""
-
-    def __init__(self, folders: list[Path]) -> None:
-        self.folders = folders
-        self.paths: dict[str, Path] = {}
-        self.wanted: list[str] = []
-        self.where = f" in {' or '.join(sorted({str(folder) for folder in folders}))}"
-        self._listed: dict[Path, dict[str, Path]] = {}
-
-    def find(self, name: str) -> str | None:
-        """The key of a file: its path in lower case with forward slashes, beside the job or the machine's file."""
-        text = name.strip().strip('"').replace("\\", "/")
-        if not text or "\0" in text:
-            return None
-        # A drive or an absolute path is the controller's own disk: the file of that name beside the job stands for it.
-        candidates = [text] if not (text.startswith("/") or text[1:2] == ":") else []
-        candidates.append(text.rpartition("/")[2])
-        for candidate in candidates:
-            for folder in self.folders:
-                found = self._below(folder, candidate.split("/"))
-                if found is not None:
-                    key = candidate.lower()
-                    if key not in self.paths:
-                        self.paths[key] = found
-                        self.wanted.append(key)
-                    return key
-        return None
-
-    def other_of(self, path: Path) -> Path | None:
-        """A file of the same name in another of the folders that is not the same; which one is meant nobody says."""
-        for folder in self.folders:
-            other = self._below(folder, [path.name])
-            if other is not None and other.parent != path.parent and other.resolve() != path.resolve():
-                try:
-                    if other.read_bytes() != path.read_bytes():
-                        return other
-                except OSError:
-                    return other
-        return None
-
-    def _below(self, folder: Path, parts: list[str]) -> Path | None:
-        """A file by its name in any case, as the controller's disk finds it."""
-        at = folder
-        for part in parts:
-            if part in ("", "."):
-                continue
-            if part == "..":
-                at = at.parent
-                continue
-            found = self._entries(at).get(part.lower())
-            if found is None:
-                return None
-            at = found
-        return at if at.is_file() else None
-
-    def _entries(self, folder: Path) -> dict[str, Path]:
-        if folder not in self._listed:
-            try:
-                entries = sorted(folder.iterdir())
-            except OSError:
-                entries = []
-            self._listed[folder] = {entry.name.lower(): entry for entry in entries}
-        return self._listed[folder]
-
-
-class _AnyFiles(_Files):
-    """Subprogram files whether they are there or not; a name with blanks that is not in quotes must be."""
-
-    def find(self, name: str) -> str | None:
-        """As for ``_Files``; else the name itself."""
-        found = super().find(name)
-        text = name.strip().strip('"')
-        is_name = bool(text) and (name.startswith('"') or not re.search(r"[ \t]", text))
-        return found or (text.lower() if is_name else None)
 
 
 class _Loader:
@@ -197,7 +121,7 @@ class _Loader:
         self.program = program
         self.findings = findings
         self.controls = controls
-        self.files = _Files(folders)
+        self.files = CalledFiles(folders)
         self.machine_file = machine_file
         self.held = 0
         self.told_of_numbers = False
@@ -258,7 +182,7 @@ class _Loader:
             return NO_OUTPUTS
         from gproof.frontend.wincnc.spindle_outputs import SpindleReader
 
-        files = _Files(self.files.folders)
+        files = CalledFiles(self.files.folders)
         lines = Lines(self.reader, self.program.rules, self.macros, files, len(self.controls.changers))
         reader = SpindleReader(lines, files.paths, lambda path: files.other_of(path) is None, self.controls)
         found = reader.outputs()
@@ -307,7 +231,7 @@ class _Loader:
         """CNC.MAC, beside the machine's file or the job."""
         # The shop's own comes before one that lies beside a job in another folder.
         for folder in [*self.files.folders[1:], self.files.folders[0]]:
-            found = self.macro_path or _Files([folder])._below(folder, [MACRO_FILE])
+            found = self.macro_path or CalledFiles([folder]).below(folder, [MACRO_FILE])
             if found is not None:
                 from gproof.frontend.wincnc.mac_file import read_macros
 
@@ -503,7 +427,7 @@ class _Walk:
             return skipped if skipped is not None else self.loader.lines.parse(text, self.source.name, line)
         except LineError as error:
             finding = error.finding(self.source.name, line)
-            alone = isinstance(self.loader.files, _AnyFiles) and finding.severity is not Severity.ERROR
+            alone = isinstance(self.loader.files, AnyFiles) and finding.severity is not Severity.ERROR
             told = not (later or alone)
             again = isinstance(error, NumberedLine) and self.loader.told_of_numbers
             if isinstance(error, NumberedLine) and not alone:

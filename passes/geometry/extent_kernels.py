@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 import math
-from typing import Any
+from typing import Any, NamedTuple
 
+import numpy as np
+
+from gproof.ir.columns import Columns
 from gproof.ir.kernel import kernel
 
 TWO_PI = 2.0 * math.pi
@@ -80,37 +83,60 @@ def arc_extreme(u0: float, v0: float, u1: float, v1: float, turns: int) -> tuple
     return low_u, high_u, low_v, high_v, sweep + (abs(turns) - 1) * TWO_PI
 
 
+class BoxedRows(NamedTuple):
+    """Columns of TRACE_ROW."""
+
+    op: Any
+    to: Any
+    center: Any
+    turns: Any
+    plane: Any
+    frame: Any
+    state: Any
+
+
+class Extents(NamedTuple):
+    """low, high: (2 * frames, 6) at 2 * frame + guard off; low_row, high_row: rows of those extremes. All updated."""
+
+    low: Any
+    high: Any
+    low_row: Any
+    high_row: Any
+
+
+class Beyond(NamedTuple):
+    """Gets the first places beyond a limit: row, axis, reach."""
+
+    row: Any
+    axis: Any
+    reach: Any
+
+
+def boxed_rows(rows: Columns) -> BoxedRows:
+    """The columns of a table of TRACE_ROW."""
+    return BoxedRows(*(rows[name] for name in BoxedRows._fields))
+
+
+def room_beyond(room: int) -> Beyond:
+    """Room for so many places."""
+    return Beyond(np.zeros(room, np.int64), np.zeros(room, np.int64), np.zeros(room))
+
+
 @kernel(seconds_per_unit=6e-6, compile_seconds=0.6)
 def row_boxes(
-    op: Any,
-    to: Any,
-    center: Any,
-    turns: Any,
-    plane: Any,
-    frame: Any,
-    guard_off: Any,
-    state: Any,
-    position: Any,
-    known: Any,
-    lower: Any,
-    upper: Any,
-    low: Any,
-    high: Any,
-    low_row: Any,
-    high_row: Any,
-    bad_row: Any,
-    bad_axis: Any,
-    bad_reach: Any,
-    added: Any,
-) -> int:
+    rows: BoxedRows, guard_off: Any, position: Any, known: Any, lower: Any, upper: Any, extents: Extents,
+    beyond: Beyond, added: Any,
+) -> int:  # fmt: skip
     """Extents by frame and guard, and the rows beyond known limits.
 
-    position: (6,) before the first row, updated; known: (frames, 6) 1 where the axis is known in that frame;
-    lower, upper: (2, 6) limits with guard on and off, infinite where there are none; low, high:
-    (2 * frames, 6) extents at 2 * frame + guard off, updated; low_row, high_row: rows of those extremes;
-    bad_*: the first offending (row, axis, reach); added: (n, 2) least and most that is added to Z in each row, or
-    (0, 2). Returns the number of offences, which may exceed their size.
+    guard_off: of each state; position: (6,) before the first row, updated; known: (frames, 6) 1 where the axis is known
+    in that frame; lower, upper: (2, 6) limits with guard on and off, infinite where there are none; added: (n, 2) least
+    and most that is added to Z in each row, or (0, 2). Returns the number of offences, which may exceed the room for
+    them.
     """
+    op, to, center, turns, plane, frame, state = rows
+    low, high, low_row, high_row = extents
+    bad_row, bad_axis, bad_reach = beyond
     bad = 0
     for row in range(len(op)):
         if op[row] >= 10:

@@ -182,12 +182,13 @@ class _Measure:
             larger[: self.used] = self.queue[: self.used]
             self.queue = larger
         self.counts[:] = 0
+        planned = k.PlannedRows(*(rows[name] for name in k.PlannedRows._fields))
+        period, ramp = _interpolation_time(self.machine), self.machine.controller.spindle_ramp_time
+        rules = k.PlanRules(self.tables.forms, self.tables.chords, self.limits, period, ramp)
+        kept = k.PlanMemory(self.place, self.carry, self.moved, self.counts, self.notes)
         self.used = k.measure.pick(chunk.work)(
-            rows["op"], rows["to"], rows["frame"], rows["state"], rows["feed"], rows["center"], rows["turns"],
-            rows["plane"], rows["arg"], chunk.begin, self.tables.forms, self.tables.chords, self.limits,
-            _interpolation_time(self.machine), self.machine.controller.spindle_ramp_time, chunk.last,
-            self.place, self.carry, self.moved, self.queue, self.used, self.counts, self.notes, joined,
-        )  # fmt: skip
+            planned, chunk.begin, joined, rules, kept, self.queue, self.used, chunk.last
+        )
 
     def noted(self, kind: int) -> Iterator[int]:
         """The first rows of the section with a note of that kind, from the last ``feed``."""

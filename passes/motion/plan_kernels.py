@@ -11,7 +11,7 @@ docs/plan.md states the limits that are kept here and shows why they are kept.
 from __future__ import annotations
 
 import math
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -187,22 +187,63 @@ def note(kind: int, row: int, counts: Ints, notes: Ints) -> None:
     counts[kind] += 1
 
 
+class PlannedRows(NamedTuple):
+    """Columns of TRACE_ROW."""
+
+    op: Any
+    to: Floats
+    frame: Any
+    state: Any
+    feed: Floats
+    center: Floats
+    turns: Any
+    plane: Any
+    arg: Floats
+
+
+class PlanRules(NamedTuple):
+    """What holds for all rows. forms: what stands for each frame, equal numbers for equal unknowns, -1 where a
+    difference can not be known; chords: for each state the square of the largest change of direction that passes
+    without a stop, -1 for none; limits: (2, 6) 1 / velocity and 1 / acceleration; period: the interpolation time; ramp:
+    seconds after a spindle start or reversal."""
+
+    forms: Ints
+    chords: Floats
+    limits: Floats
+    period: float
+    ramp: float
+
+
+class PlanMemory(NamedTuple):
+    """What is kept from call to call. place: (3, 6) position, direction at the end of the pending row, scratch; carry:
+    see C_*; moved: (6,) set to 1 for axes that move; counts, notes: see N_*."""
+
+    place: Floats
+    carry: Floats
+    moved: Ints
+    counts: Ints
+    notes: Ints
+
+
 @kernel(seconds_per_unit=2e-5, compile_seconds=2.5)
 def measure(
-    op: Any, to: Floats, frame: Any, state: Any, feed: Floats, center: Floats, turns: Any, plane: Any, arg: Floats,
-    begin: int, forms: Ints, chords: Floats, limits: Floats, period: float, ramp: float, closing: bool,
-    place: Floats, carry: Floats, moved: Ints, queue: Floats, used: int, counts: Ints, notes: Ints, joined: Any,
-) -> int:  # fmt: skip
+    rows: PlannedRows,
+    begin: int,
+    joined: Any,
+    rules: PlanRules,
+    kept: PlanMemory,
+    queue: Floats,
+    used: int,
+    closing: bool,
+) -> int:
     """Rows of a section into the queue; returns the queue's new length.
 
-    begin: section's row number of the first row; forms: what stands for each frame, equal numbers for equal
-    unknowns, -1 where a difference can not be known; chords: for each state the square of the largest change of
-    direction that passes without a stop, -1 for none; limits: (2, 6) 1 / velocity and 1 / acceleration;
-    period: the interpolation time; ramp: seconds after a spindle start or reversal; closing: the section ends with
-    the rows; joined: 1 for rows that go on with the one before, whatever the turn, or empty. place: (3, 6) position,
-    direction at the end of the pending row, scratch; carry: see C_*; moved: (6,) set to 1 for axes that move; counts,
-    notes: see N_*. All four are kept from call to call.
+    begin: section's row number of the first row; joined: 1 for rows that go on with the one before, whatever the turn,
+    or empty; closing: the section ends with the rows.
     """
+    op, to, frame, state, feed, center, turns, plane, arg = rows
+    forms, chords, limits, period, ramp = rules
+    place, carry, moved, counts, notes = kept
     for k in range(len(op)):
         kind = int(op[k])
         form = int(forms[int(frame[k])])

@@ -16,6 +16,7 @@ from gproof.ir.columns import Columns, concatenate
 from gproof.ir.machine import Drive
 from gproof.ir.stream import RUN
 from gproof.passes.geometry.backlash import backlash_steps, take_up_rates
+from gproof.passes.motion import run_kernels as r
 from gproof.passes.motion import step_kernels as k
 
 Ints = npt.NDArray[np.int64]
@@ -45,10 +46,10 @@ class Loops(NamedTuple):
     @classmethod
     def pick(cls, steps: float) -> Loops:
         """For about so many steps."""
-        return cls(k.step_times.pick(steps), k.take_up.pick(steps), k.bounds.pick(steps), k.compress.pick(steps))
+        return cls(k.step_times.pick(steps), k.take_up.pick(steps), r.bounds.pick(steps), r.compress.pick(steps))
 
 
-PLAIN = Loops(k.step_times, k.take_up, k.bounds, k.compress)
+PLAIN = Loops(k.step_times, k.take_up, r.bounds, r.compress)
 
 
 class Buffer:
@@ -89,7 +90,7 @@ class Encoder:
         self.spacing = spacing
         self.steps = Buffer(size)
         self.loops = PLAIN
-        self._encoder = np.zeros(k.ENCODER_WIDTH, dtype=np.int64)
+        self._encoder = np.zeros(r.ENCODER_WIDTH, dtype=np.int64)
         self._tables: list[Columns] = []
         self._allocate()
 
@@ -148,7 +149,7 @@ class Encoder:
         steps.drop(done)
         if final:
             # What comes next keeps its distance from the last step as it was encoded.
-            steps.state[k.S_TICK] = steps.state[k.S_OLD_TICK] = self._encoder[k.E_TICK]
+            steps.state[k.S_TICK] = steps.state[k.S_OLD_TICK] = self._encoder[r.E_TICK]
 
     def _keep(self, filled: int) -> None:
         if filled:

@@ -19,7 +19,7 @@ from worker import FAILED, answer, aspects  # noqa: E402
 
 LIMITS, POCKET = "docs/codes/GP301/bad (eding)", "corpus/eding/pocket-in-steps/job.cnc"
 PLANTS = [
-    ("passes/checks/limits/soft_limits.py", "ROUNDING = 1e-9", "ROUNDING = 50.0"),
+    ("passes/checks/limits/offset_ranges.py", "ROUNDING = 1e-9", "ROUNDING = 50.0"),
     ("passes/motion/step.py", "TOLERANCE = 25e-6", "TOLERANCE = 1e-5"),
     ("backend/emit/eding/program.py", "INDENT = 2", "INDENT = 3"),
 ]

@@ -7,10 +7,14 @@ import os
 import subprocess
 import sys
 import time
+from collections import namedtuple
 from collections.abc import Callable
 from pathlib import Path
 
+import numba
 import pytest
+
+from gproof.ir.kernel_cache import FileCache
 
 KERNELS = """
 from gproof.ir.kernel import kernel
@@ -188,3 +192,12 @@ def test_a_source_that_changes_while_its_old_code_runs(start: Start, tmp_path: P
     (tmp_path / "go").touch()
     assert answer(old) == 7.0
     assert answer(start("float64")) == 70.0
+
+
+def test_a_named_tuple_with_its_fields_in_another_order_is_another_argument(tmp_path: Path) -> None:
+    """Machine code takes a field by its place."""
+    cache = FileCache(tmp_path)
+    kinds = [numba.typeof(namedtuple("Pair", fields)(1.0, 2.0)) for fields in ("low high", "high low", "low high")]
+    places = [cache._place((kind,), "magic") for kind in kinds]
+    assert str(kinds[0]) == str(kinds[1])
+    assert places[0] == places[2] != places[1]

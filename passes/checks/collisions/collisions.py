@@ -23,9 +23,9 @@ from gproof.ir.trace_rows import row_span
 from gproof.ir.verdict import PropertyResult, Verdict
 from gproof.ir.workpiece import Mesh, Placed, Workpiece
 from gproof.passes.checks.base import Check
-from gproof.passes.checks.collisions.distance_kernels import chords
 from gproof.passes.checks.collisions.facets import surface_of
 from gproof.passes.checks.collisions.scene import CHORD, Scene, Stretch
+from gproof.passes.checks.collisions.sweep_kernels import chords
 from gproof.passes.checks.tooling.tip_position import Placing, Reason, Tips
 from gproof.passes.checks.tooling.tip_ranges import NOWHERE_KNOWN, homing, hull, may_meet
 from gproof.passes.checks.tooling.tool_shape import ANYTHING, CUTTER, HOLDER, PARTS, SHANK, UNSTATED, Shape, shape_of

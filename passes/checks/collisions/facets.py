@@ -16,7 +16,7 @@ import numpy as np
 import numpy.typing as npt
 
 from gproof.ir.workpiece import Body, Box, Cylinder, Mesh, Placed, Point, Prism
-from gproof.passes.checks.collisions.distance_kernels import raster
+from gproof.passes.checks.collisions.sweep_kernels import raster
 
 Floats = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]

@@ -12,8 +12,9 @@ import numpy as np
 import numpy.typing as npt
 
 from gproof.ir.record import record
-from gproof.passes.checks.collisions.distance_kernels import separation, sweep
+from gproof.passes.checks.collisions.distance_kernels import separation
 from gproof.passes.checks.collisions.facets import Surface
+from gproof.passes.checks.collisions.sweep_kernels import Facets, Rungs, Segments, Stretches, sweep
 from gproof.passes.checks.tooling.tip_ranges import Span, may_meet
 from gproof.passes.checks.tooling.tool_shape import ANYTHING, CUTTER, UNSTATED, Piece, Shape, grown
 
@@ -147,9 +148,15 @@ class Scene:
             self._opened[:] = -2
             self._tool = tool
         sweep.pick(len(start) * self._facets_met(ladder))(
-            start, end, slack, sag, place, s.corners, s.disc, s.planes, s.beside, s.body, s.box, s.grid, s.size,
-            s.first, s.items, s.top, self._stamp, ladder.rims, ladder.counts, ladder.rounds, ladder.levels, ladder.part,
-            ladder.sure, GAP, self._now, self._seen, self._opened, self._whole, self._real, self._scratch,
+            Segments(start, end, slack, sag, place),
+            Facets(
+                s.corners, s.disc, s.planes, s.beside, s.body, s.box, s.grid, s.size, s.first, s.items, s.top,
+                self._stamp,
+            ),
+            Rungs(ladder.rims, ladder.counts, ladder.rounds, ladder.levels, ladder.part, ladder.sure),
+            GAP,
+            Stretches(self._now, self._seen, self._opened, self._whole, self._real),
+            self._scratch,
         )  # fmt: skip
         self._by += [tool] * (int(self._now[2]) - before)
 

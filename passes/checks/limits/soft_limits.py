@@ -17,25 +17,24 @@ import numpy.typing as npt
 
 from gproof.ir import codes
 from gproof.ir.columns import occurring
-from gproof.ir.finding import Findings, Related, Severity, Span
+from gproof.ir.finding import Findings, Severity, Span
 from gproof.ir.machine import AXES, AXIS_NAMES, NO_MACHINE, Axis, AxisKind, Machine, Unmodelled
-from gproof.ir.setup import Interval, Setup
-from gproof.ir.symbolic import hint_of
+from gproof.ir.setup import Setup
 from gproof.ir.symbols import RISEN, UNHOMED, describe
 from gproof.ir.trace import HEIGHT_MAP, KNIFE, UNKNOWN, Affine, Chunk, Op, Plane, Trace
 from gproof.ir.trace_rows import form_interval, row_span, split_form
 from gproof.ir.verdict import Condition, PropertyResult, Verdict
-from gproof.passes.checks.base import KEPT, Check, Like, apart, no_safe_offset, none_suits, told_of
+from gproof.passes.checks.base import KEPT, Check, Like, told_of
 from gproof.passes.checks.first_moves import FirstMoves
-from gproof.passes.geometry.extent_kernels import row_boxes
+from gproof.passes.checks.limits.machine_limits import with_backlash, with_forced
+from gproof.passes.checks.limits.offset_ranges import ROUNDING, OffsetRange, OffsetRanges
+from gproof.passes.geometry.extent_kernels import Extents, boxed_rows, room_beyond, row_boxes
 from gproof.passes.geometry.height_map import heights_of
 from gproof.passes.geometry.motor_limits import Range, reach_of, reaches
 from gproof.passes.interpret.core.open_settings import note
 
 Floats = npt.NDArray[np.float64]
 
-ROUNDING = 1e-9
-"""mm: what the arithmetic of an exact position may add; a position this far beyond is on the limit."""
 FOLLOWED = {
     HEIGHT_MAP: "the height map is that of what lies on the table",
     KNIFE: "the knife points along +X where its axis is at 0, turns counter-clockwise, the shorter way, and not in G0",
@@ -56,70 +55,9 @@ def _where_stated(machine: Machine, axis: str, off: bool) -> str:
     return f"{keys} under [axes.{axis}] of a TOML machine file state them"
 
 
-def _with_forced(machine: Machine) -> Machine:
-    """The machine with its forced limits as limits, which no switch turns off (WINCNC.INI Settings: forcelim=).
-
-    They are no end stops: below a forced limit under the soft one the travel still has to be stated.
-    """
-    forced = machine.controller.controls.forced
-    if forced is None:
-        return machine
-    axes = []
-    for axis in machine.axes:
-        low = forced[axis.index][0] if axis.index < len(forced) else None
-        if low is None:
-            axes.append(axis)
-            continue
-        above = axis.lower is not None and low >= axis.lower
-        travel = axis.travel_lower
-        travel = low if travel is None and above else travel if travel is None else max(travel, low)
-        lower = low if axis.lower is None else max(axis.lower, low)
-        axes.append(dataclasses.replace(axis, lower=lower, travel_lower=travel))
-    return dataclasses.replace(machine, axes=tuple(axes))
-
-
 def _is_lost(form: Affine) -> bool:
     """Whether a place is that of an axis that has had no reference run."""
     return any(symbol.startswith(f"{UNHOMED}.") for symbol, _ in form)
-
-
-def _with_backlash(axis: Axis, amount: float) -> Axis:
-    """The axis with at least that much backlash in each of its motors."""
-    if amount <= min((drive.backlash for drive in axis.drives()), default=0.0):
-        return axis
-    slaves = tuple(
-        slave if slave.backlash is None else dataclasses.replace(slave, backlash=max(slave.backlash, amount))
-        for slave in axis.slaves
-    )
-    return dataclasses.replace(axis, backlash=max(axis.backlash, amount), slaves=slaves)
-
-
-class _Offset:
-    """What all rows under one unknown offset leave of it, whatever frame and guard they stand in.
-
-    low, high: its range; least, most: extent of the rows without it; span: the first move that rests on it; low_span,
-    high_span: the rows that bound the range.
-    """
-
-    def __init__(self, axis: Axis, span: Span) -> None:
-        self.axis, self.span = axis, span
-        self.low, self.high = -math.inf, math.inf
-        self.least, self.most = math.inf, -math.inf
-        self.low_span = self.high_span = Span("", 0)
-
-    def within(self, room: tuple[float, float], least: float, most: float, spans: tuple[Span, Span]) -> None:
-        """Rows from ``least`` to ``most``, the lowest and the highest at ``spans``, fit with the offset in ``room``."""
-        if room[0] > self.low or not self.low_span.line:
-            self.low_span = spans[0]
-        if room[1] < self.high or not self.high_span.line:
-            self.high_span = spans[1]
-        self.low, self.high = max(self.low, room[0]), min(self.high, room[1])
-        self.least, self.most = min(self.least, least), max(self.most, most)
-
-    def apart(self, form: Affine, machine: Machine) -> tuple[Span, str, tuple[Related, ...]]:
-        """Where the two rows that bound the range are reported when they leave nothing of it."""
-        asked = Condition(terms=form, low=self.low, high=self.high, places=(self.low_span, self.high_span))
-        return apart(asked, machine, self.axis.unit, self.span)
 
 
 class Limits(Check):
@@ -131,7 +69,7 @@ class Limits(Check):
     name = "limits"
 
     def __init__(self, machine: Machine, setup: Setup, findings: Findings) -> None:
-        machine = _with_forced(machine)
+        machine = with_forced(machine)
         super().__init__(machine, setup, findings)
         self._low = np.full((2, AXES), math.inf)
         self._high = np.full((2, AXES), -math.inf)
@@ -212,7 +150,7 @@ class Limits(Check):
         most: dict[int, float] = {}
         for axis, amount in (pair for state in new for pair in state.backlash):
             most[axis] = max(most.get(axis, 0.0), amount)
-        axes = tuple(_with_backlash(axis, most.get(axis.index, 0.0)) for axis in self.machine.axes)
+        axes = tuple(with_backlash(axis, most.get(axis.index, 0.0)) for axis in self.machine.axes)
         if axes == self.machine.axes:
             return
         self.machine = dataclasses.replace(self.machine, axes=axes)
@@ -228,13 +166,10 @@ class Limits(Check):
         trace, rows = chunk.trace, chunk.rows
         low_row = np.full(self._low.shape, -1, dtype=np.int64)
         high_row = np.full(self._low.shape, -1, dtype=np.int64)
-        self._bad_row, self._bad_axis = np.zeros(room, dtype=np.int64), np.zeros(room, dtype=np.int64)
-        self._bad_reach = np.zeros(room)
-        count = row_boxes.pick(chunk.work)(
-            rows["op"], rows["to"], rows["center"], rows["turns"], rows["plane"], rows["frame"], guards,
-            rows["state"], np.array(chunk.start, dtype=np.float64), known, *limits, self._low, self._high, low_row,
-            high_row, self._bad_row, self._bad_axis, self._bad_reach, added,
-        )  # fmt: skip
+        self._bad = room_beyond(room)
+        extents = Extents(self._low, self._high, low_row, high_row)
+        start = np.array(chunk.start, dtype=np.float64)
+        count = row_boxes.pick(chunk.work)(boxed_rows(rows), guards, start, known, *limits, extents, self._bad, added)
         for slot, axis in zip(*np.nonzero(low_row >= 0), strict=True):
             self._low_span[int(slot), int(axis)] = row_span(trace, rows, int(low_row[slot, axis]))
         for slot, axis in zip(*np.nonzero(high_row >= 0), strict=True):
@@ -247,7 +182,7 @@ class Limits(Check):
         """Findings for the rows beyond: the first ones, and of each axis and side the furthest for all others."""
         if count > KEPT:
             self._walk(chunk, known, guards, self._stated, np.zeros((0, 2)), count)
-        row, axis, reach = self._bad_row[:count], self._bad_axis[:count], self._bad_reach[:count]
+        row, axis, reach = (column[:count] for column in self._bad)
         off = guards[chunk.rows["state"][row]]
         under, over = self._stated[0][off, axis] - reach, reach - self._stated[1][off, axis]
         kinds = np.column_stack([axis, off, under > over])
@@ -261,9 +196,9 @@ class Limits(Check):
         if count > KEPT:
             self._walk(chunk, known, guards, self._sure, added, count)
         # An axis that only stands where it stood when the job began is not what the job is to blame for.
-        since = self._first_moves(chunk)[self._bad_axis[:count]]
-        for n in np.flatnonzero(self._bad_row[:count] >= since)[: self.kept].tolist():
-            row, index, reach = int(self._bad_row[n]), int(self._bad_axis[n]), float(self._bad_reach[n])
+        since = self._first_moves(chunk)[self._bad.axis[:count]]
+        for n in np.flatnonzero(self._bad.row[:count] >= since)[: self.kept].tolist():
+            row, index, reach = int(self._bad.row[n]), int(self._bad.axis[n]), float(self._bad.reach[n])
             axis = self.reaches[AXIS_NAMES[index]]
             off = "machine_area" in chunk.trace.states[int(chunk.rows["state"][row])].guards_off
             (low, high), inner = axis.stated[off], axis.sure[off][0]
@@ -435,7 +370,7 @@ class Limits(Check):
         """SAFE, with conditions on unknown offsets; UNSAFE; or UNKNOWN when a limit or a position is."""
         if self._trace is None:
             return PropertyResult(name=self.name, verdict=Verdict.SAFE)
-        offsets: dict[Affine, _Offset] = {}
+        offsets: dict[Affine, OffsetRange] = {}
         for index in range(AXES):
             self._judge_lost(index)
             if self._moves(index):
@@ -445,7 +380,10 @@ class Limits(Check):
             self._moves(axis.index) and any(drive.backlash for drive in axis.drives()) for axis in self.machine.axes
         ):
             self._assumptions.append(PROGRAMMED)
-        results = self._conditions(offsets)
+        judged = OffsetRanges(self._trace, self.machine, self.setup, self.findings, self._first)
+        results = judged.conditions(offsets)
+        self._errors += judged.errors
+        self._assumptions += judged.assumptions
         needed = tuple(self._needed[form] for form in sorted(self._needed))
         verdict = Verdict.SAFE
         if self._errors or self.findings.has(Severity.ERROR, (self.name,)):
@@ -492,7 +430,7 @@ class Limits(Check):
             where = self._low_span[slot, index]
             self.findings.add(codes.POSITION_UNKNOWN.at(where, axis=word, cause="something nobody stated"))
 
-    def _judge_axis(self, index: int, offsets: dict[Affine, _Offset]) -> None:
+    def _judge_axis(self, index: int, offsets: dict[Affine, OffsetRange]) -> None:
         assert self._trace is not None and self._first is not None
         name = AXIS_NAMES[index]
         known = self.reaches.get(name)
@@ -528,14 +466,14 @@ class Limits(Check):
             if not off:
                 self._need(axis, form, slot)
             first = self._firsts.of_frame(slot // 2) or self._low_span[slot, index]
-            offset = offsets.setdefault(form, _Offset(axis, first))
+            offset = offsets.setdefault(form, OffsetRange(axis, first))
             offset.within(room, least, most, (self._low_span[slot, index], self._high_span[slot, index]))
         form, at = self._start_forms[index], float(self._start[index])
         if axis is not None and form not in ((), UNKNOWN) and not _is_lost(form):
             # The path begins at the start: what GP306 says of a stated one is a condition on an unknown one.
             low, high = self.reaches[axis.name].stated[False]
             room = -math.inf if low is None else low - at, math.inf if high is None else high - at
-            offset = offsets.setdefault(form, _Offset(axis, self._first))
+            offset = offsets.setdefault(form, OffsetRange(axis, self._first))
             offset.within(room, at, at, (self._first, self._first))
 
     def _endless(self, index: int, axis: Axis) -> bool:
@@ -608,90 +546,9 @@ class Limits(Check):
             sides.append(travel)
         return sides[0], sides[1]
 
-    def _no_room(self, form: Affine, offset: _Offset) -> None:
-        """GP303: the lowest and the highest point of the job do not fit at the same time."""
-        self._errors += 1
-        extent = offset.most - offset.least
-        where, hint, related = offset.apart(form, self.machine)
-        self.findings.add(
-            no_safe_offset(
-                where, form, self.machine, extent=extent, unit=offset.axis.unit,
-                room=max(0.0, extent - (offset.low - offset.high)), hint=hint, related=related,
-            )
-        )  # fmt: skip
-
     def _sides(self, axis: Axis | None, off: bool) -> Range:
         """What the axis may surely use; with offsets unknown, what they may make it use."""
         return (None, None) if axis is None else self.reaches[axis.name].sure[off]
-
-    def _conditions(self, found: dict[Affine, _Offset]) -> tuple[Condition, ...]:
-        """Conditions that the setup does not already meet; findings where it can not or need not."""
-        out = []
-        rooms: dict[Affine, Condition] = {}
-        axes: dict[Affine, Axis] = {}
-        assert self._first is not None and self._trace is not None
-        for form, offset in sorted(found.items()):
-            if offset.low > offset.high + 2 * ROUNDING:
-                self._no_room(form, offset)
-                continue
-            low, high = sorted((offset.low, offset.high))
-            stated = form_interval(form, self.setup, self._trace)
-            if stated is not None:
-                if low - ROUNDING <= stated.low and stated.high <= high + ROUNDING:
-                    continue
-                # The move that needs the side of the range which the statement does not keep.
-                needed = offset.low_span if stated.low < low - ROUNDING else offset.high_span
-                if stated.high < low or stated.low > high:
-                    self._errors += 1
-                    self.findings.add(
-                        none_suits(
-                            needed, form, self.machine, known=stated, safe=Interval(low, high), unit=offset.axis.unit
-                        )
-                    )
-                else:
-                    unit = offset.axis.unit
-                    safe = f"{low:.4f} to {high:.4f}"
-                    said = f"{round(stated.low, 6) + 0.0:g} to {round(stated.high, 6) + 0.0:g}"
-                    cause = f"{describe(form, self.machine)}, which is {said} {unit}; safe is {safe} {unit}"
-                    word = offset.axis.word
-                    self.findings.add(codes.POSITION_UNKNOWN.at(needed, axis=word, cause=cause, hint=hint_of(form)))
-                continue
-            if low > high or (low == -math.inf and high == math.inf):
-                continue
-            arising, rest = split_form(form)
-            if arising:
-                span = form_interval(arising, self.setup, self._trace)
-                if span is None or not rest or low - span.low > high - span.high:
-                    there = offset.apart(form, self.machine) if span is not None and rest else (offset.span, "", ())
-                    where, hint, related = there
-                    cause = describe(form, self.machine)
-                    self.findings.add(
-                        codes.POSITION_UNKNOWN.at(
-                            where, axis=offset.axis.word, cause=cause, hint=hint_of(form) or hint, related=related
-                        )
-                    )
-                    continue
-                low, high = low - span.low, high - span.high
-            if len(rest) == 1 and rest[0][0].startswith("start."):
-                ends = f"between {low:.4f} and {high:.4f} {offset.axis.unit}"
-                said = f"{describe(rest, self.machine)} lies {ends} (machine coordinates)"
-                self._assumptions.append(said)
-            axes.setdefault(rest, offset.axis)
-            asked = Condition(terms=rest, low=low, high=high, places=(offset.low_span, offset.high_span))
-            rooms[rest] = asked.within(rooms[rest]) if rest in rooms else asked
-        for form, asked in sorted(rooms.items()):
-            if asked.low > asked.high:
-                name = describe(form, self.machine)
-                where, hint, related = apart(asked, self.machine, axes[form].unit, self._first)
-                cause = f"{name}: no value of it suits the whole job"
-                self.findings.add(
-                    codes.POSITION_UNKNOWN.at(
-                        where, axis=axes[form].word, cause=cause, hint=hint_of(form) or hint, related=related
-                    )
-                )
-            else:
-                out.append(asked)
-        return tuple(out)
 
     def extents(self) -> list[tuple[int, Affine, float, float]]:
         """(axis, unknown offsets the numbers are relative to, low, high) of each axis that moves."""

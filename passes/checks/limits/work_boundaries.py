@@ -27,7 +27,7 @@ from gproof.ir.trace_rows import form_interval, row_span, split_form
 from gproof.ir.verdict import Condition, PropertyResult, Verdict
 from gproof.passes.checks.base import KEPT, Check, Like, apart, excluding, no_safe_offset, told_of
 from gproof.passes.checks.first_moves import FirstMoves
-from gproof.passes.geometry.extent_kernels import row_boxes
+from gproof.passes.geometry.extent_kernels import Beyond, Extents, boxed_rows, room_beyond, row_boxes
 from gproof.passes.geometry.machine_axes import vertical_axes
 
 GUARD = "boundaries"
@@ -55,15 +55,6 @@ class _Box:
         if short > 0:
             self.low = np.vstack([self.low, np.full((short, AXES), math.inf)])
             self.high = np.vstack([self.high, np.full((short, AXES), -math.inf)])
-
-
-@record(frozen=True, slots=True)
-class _Bad:
-    """The first rows beyond a boundary: row of the chunk, axis, machine position (mm or degrees)."""
-
-    row: npt.NDArray[np.int64]
-    axis: npt.NDArray[np.int64]
-    reach: Floats
 
 
 @record(frozen=True, slots=True)
@@ -176,14 +167,13 @@ class Boundaries(Check):
     def _beyond_rows(
         self, chunk: Chunk, others: npt.NDArray[np.int64], known: npt.NDArray[np.uint8], ends: tuple[Floats, Floats],
         box: _Box, extremes: tuple[npt.NDArray[np.int64], npt.NDArray[np.int64]], room: int,
-    ) -> tuple[int, _Bad]:  # fmt: skip
+    ) -> tuple[int, Beyond]:  # fmt: skip
         """Widen the box by the chunk's rows; how many of them are beyond its ends, and the first of these."""
-        rows, bad = chunk.rows, _Bad(np.zeros(room, np.int64), np.zeros(room, np.int64), np.zeros(room))
+        bad, start = room_beyond(room), np.array(chunk.start, dtype=np.float64)
+        extents = Extents(box.low, box.high, *extremes)
         count = row_boxes.pick(chunk.work)(
-            rows["op"], rows["to"], rows["center"], rows["turns"], rows["plane"], rows["frame"], others,
-            rows["state"], np.array(chunk.start, dtype=np.float64), known, *ends, box.low, box.high, *extremes,
-            bad.row, bad.axis, bad.reach, np.zeros((0, 2)),
-        )  # fmt: skip
+            boxed_rows(chunk.rows), others, start, known, *ends, extents, bad, np.zeros((0, 2))
+        )
         return int(count), bad
 
     def _beyond(self, span: Span, key: Key, axis: int, reach: float, like: Like | None = None) -> None:

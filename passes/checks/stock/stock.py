@@ -27,26 +27,31 @@ from gproof.ir.trace_rows import row_span
 from gproof.ir.verdict import PropertyResult, Verdict
 from gproof.ir.workpiece import Mesh, Placed
 from gproof.passes.checks.base import Check, Remains
-from gproof.passes.checks.stock.height_fields import MOST_CELLS, Field, field_of, remains_of
-from gproof.passes.checks.stock.removal_kernels import (
+from gproof.passes.checks.stock.entry_kernels import (
     DEPTH,
-    END,
     FLUTES,
     FROM_START,
-    HEIGHT,
     HOLDER,
     KINDS,
     MAYBE,
-    MEMORY,
     NO_PLACE,
     NO_SHAPE,
-    PLACE,
     SHANK,
-    START,
     SURE,
     THROUGH,
+)
+from gproof.passes.checks.stock.follow_kernels import (
+    END,
+    HEIGHT,
+    MEMORY,
+    PLACE,
+    START,
+    FieldAhead,
+    TipRows,
+    ToolTables,
     follow,
 )
+from gproof.passes.checks.stock.height_fields import MOST_CELLS, Field, field_of, remains_of
 from gproof.passes.checks.stock.tool_profiles import COLUMNS, NOT_KNOWN, PART_COLUMNS, Row, assumed, problem_of, rows_of
 from gproof.passes.checks.tooling.tip_position import Placing, Reason, Tips
 from gproof.passes.checks.tooling.tip_ranges import hull, may_meet
@@ -237,11 +242,14 @@ class StockLeft(Check):
             straight = np.full(n, 0 if self._straight else 1, dtype=np.int64)
             said, by = np.zeros((n, KINDS), dtype=np.int64), np.zeros((n, KINDS))
             field = left.field
-            follow.pick(_work(tips, tools[tool_of, 1], field))(
-                rows["op"], tips.start, tips.end, tips.center, rows["turns"], rows["plane"], known, tool_of,
-                beside, bow, straight, tools, parts, self.setup.workpiece.clearance, field.upper, field.lower,
-                field.grid, left.memory, left.places, left.lines, said, by,
+            at = TipRows(
+                rows["op"], tips.start, tips.end, tips.center, rows["turns"], rows["plane"], known, tool_of, beside,
+                bow, straight,
             )  # fmt: skip
+            ahead = FieldAhead(field.upper, field.lower, field.grid, left.memory, left.places, left.lines)
+            follow.pick(_work(tips, tools[tool_of, 1], field))(
+                at, ToolTables(tools, parts), self.setup.workpiece.clearance, ahead, said, by
+            )
             worse = WEIGHT[said] > WEIGHT[told]
             more = (said == told) & (by > amount)
             told, amount = np.where(worse, said, told), np.where(worse | more, by, amount)

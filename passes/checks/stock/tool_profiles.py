@@ -13,7 +13,8 @@ import numpy as np
 import numpy.typing as npt
 
 from gproof.ir.machine import SHAPES, Tool
-from gproof.passes.checks.stock.removal_kernels import BALL, BULL, CONE, FLAT, HOLDER, SHANK
+from gproof.passes.checks.stock.entry_kernels import HOLDER, SHANK
+from gproof.passes.checks.stock.tool_side_kernels import BALL, BULL, CONE, FLAT
 
 Floats = npt.NDArray[np.float64]
 

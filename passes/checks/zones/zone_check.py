@@ -45,7 +45,14 @@ from gproof.passes.checks.zones.shapes import (
 )
 from gproof.passes.checks.zones.tool_profile import CUTTER, TIP, Pair, Part, Told, part_of
 from gproof.passes.geometry.arc_tolerance import chord_error, small_arcs
-from gproof.passes.geometry.extent_kernels import arc_extreme, row_boxes, rows_near
+from gproof.passes.geometry.extent_kernels import (
+    Extents,
+    arc_extreme,
+    boxed_rows,
+    room_beyond,
+    row_boxes,
+    rows_near,
+)
 from gproof.passes.geometry.height_map import Heights
 from gproof.passes.geometry.off_path import OffPath, off_path
 
@@ -444,15 +451,12 @@ class ZoneCheck:
         frames = len(trace.frames)
         low, high = np.full((2 * frames, 6), math.inf), np.full((2 * frames, 6), -math.inf)
         index = np.zeros((2 * frames, 6), dtype=np.int64)
-        none = np.zeros(0, dtype=np.int64)
         # What is clear, or known, goes to the extents that nobody looks at: the next row begins where it ends.
         aside = np.where(open_, 0, 1).astype(rows["state"].dtype)
         row_boxes.pick(chunk.work)(
-            rows["op"], rows["to"], rows["center"], rows["turns"], rows["plane"], rows["frame"],
-            np.array([0, 1], dtype=np.int64), aside, np.array(chunk.start, dtype=np.float64),
-            np.zeros((frames, 6), dtype=np.uint8),
-            np.full((2, 6), -math.inf), np.full((2, 6), math.inf), low, high, index, index.copy(), none,
-            none, np.zeros(0), np.zeros((0, 2)),
+            boxed_rows(rows)._replace(state=aside), np.array([0, 1], dtype=np.int64),
+            np.array(chunk.start, dtype=np.float64), np.zeros((frames, 6), dtype=np.uint8), np.full((2, 6), -math.inf),
+            np.full((2, 6), math.inf), Extents(low, high, index, index.copy()), room_beyond(0), np.zeros((0, 2)),
         )  # fmt: skip
         before, befores = chunk.start_frames(), chunk.starts()
         for frame in occurring(rows["frame"][open_]):

@@ -25,7 +25,7 @@ from gproof.passes.interpret.core.expressions import (
 )
 
 HOT_LETTERS = frozenset("GFXYZABCIJKRP")
-"""Words of lines that ``execute_kernels.run_lines`` may take; P is that of G4."""
+"""Words of lines that ``line_kernels.run_lines`` may take; P is that of G4."""
 
 LARGE = 1e150
 """Beyond this the evaluator decides: products and sums of anything smaller are finite or raise here."""

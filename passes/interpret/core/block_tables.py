@@ -9,12 +9,10 @@ from gproof.ir.symbolic import Value
 from gproof.passes.interpret.core import lost_lines
 from gproof.passes.interpret.core.call_stack import Frame
 from gproof.passes.interpret.core.flow_part import FlowPart
+from gproof.passes.interpret.core.line_decoder_kernels import WordColumns
 
 CHUNK_BYTES = 1 << 20
 _UTF8_MARK = b"\xef\xbb\xbf"
-
-_COLUMNS = "line", "letter", "value", "flags"
-"""Of words, as ``Frame.columns`` has them for the kernels."""
 
 
 class BlockTables(FlowPart):
@@ -43,18 +41,18 @@ class BlockTables(FlowPart):
                 keep = (words["flags"] & FLAG_DELETE) == 0
                 words = Columns(words.schema, {n: a[keep] for n, a in words.arrays.items()})
         frame.words, frame.at = words, 0
-        columns = tuple(words[name] for name in _COLUMNS)
+        columns = WordColumns(*(words[name] for name in WordColumns._fields))
         kernel = self.run.dialect.kernel
         is_python = kernel.pick(table.last_line - table.first_line + 1) is kernel.python
-        frame.columns = tuple(c.tolist() for c in columns) if is_python else columns
+        frame.columns = WordColumns(*(c.tolist() for c in columns)) if is_python else columns
         frame.cold = self.run.dialect.cold(self.run, frame, frame.columns, len(words))
 
     def _words(self, frame: Frame, table: BlockTable, kernel: object) -> None:
         assert frame.words is not None
         compiled = kernel is not self.run.dialect.kernel.python
-        if compiled and isinstance(frame.columns[0], list):
+        if compiled and isinstance(frame.columns.line, list):
             # Picked plain when the table was opened, compiled now that it is entered again.
-            frame.columns = tuple(frame.words[name] for name in _COLUMNS)
+            frame.columns = WordColumns(*(frame.words[name] for name in WordColumns._fields))
         line = frame.words["line"]
         count = len(frame.words)
         while frame.at < count:

@@ -123,7 +123,7 @@ class Frame:
     caller: Caller | None = None
     group: Group | None = None
     words: Columns | None = None
-    columns: tuple[Any, ...] = ()
+    columns: Any = ()
     cold: set[int] = field(default_factory=set)
     stops: list[int] = field(default_factory=list)
     base: int = 0

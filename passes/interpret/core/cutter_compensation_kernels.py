@@ -15,6 +15,7 @@ import math
 from typing import Any
 
 from gproof.ir.kernel import kernel
+from gproof.passes.interpret.core.line_decoder_kernels import TraceRows
 
 CORNER = 0.01
 """Radians: up to here a corner counts as none, convex or concave. That of RS274/NGC; the manual gives no number."""
@@ -118,15 +119,16 @@ def arc_turns(
 
 @kernel(seconds_per_unit=4e-5, compile_seconds=6.0)
 def offset_rows(
-    count: Any, op: Any, to: Any, center: Any, turns: Any, feed: Any, line: Any, ints: Any, floats: Any,
-    out_op: Any, out_file: Any, out_line: Any, out_call: Any, out_to: Any, out_frame: Any, out_state: Any,
-    out_feed: Any, out_center: Any, out_turns: Any, out_plane: Any, out_arg: Any, row: Any, capacity: Any,
+    count: int, programmed: TraceRows, ints: Any, floats: Any, made: TraceRows, row: int, capacity: int
 ) -> tuple[int, int]:  # fmt: skip
     """Rows of the tool from the first ``count`` programmed ones; returns (rows used up, next row).
 
-    op .. line: columns of programmed rows; ints, floats: state (floats changed in place); out_*: TRACE_ROW columns,
-    written from ``row`` while two rows fit below ``capacity``.
+    ints, floats: state (floats changed in place); made: written from ``row`` while two rows fit below ``capacity``.
     """
+    op, to, center, turns = programmed.op, programmed.to, programmed.center, programmed.turns
+    feed, line = programmed.feed, programmed.line
+    out_op, out_file, out_line, out_call, out_to, out_frame, out_state = made[:7]
+    out_feed, out_center, out_turns, out_plane, out_arg = made[7:]
     a, b, side, flat = ints[FIRST], ints[SECOND], ints[SIDE], ints[PLANE]
     across = 3 - a - b
     radius, tolerance = floats[RADIUS], floats[TOLERANCE]
@@ -208,13 +210,13 @@ def offset_rows(
         out_arg[row, 0] = eu
         out_arg[row, 1] = ev
         row += 1
-        for made in range(row - 2 if corner else row - 1, row):
-            out_file[made] = ints[FILE]
-            out_line[made] = line[done]
-            out_call[made] = ints[CALL]
-            out_frame[made] = ints[FRAME]
-            out_state[made] = ints[STATE]
-            out_feed[made] = feed[done]
+        for n in range(row - 2 if corner else row - 1, row):
+            out_file[n] = ints[FILE]
+            out_line[n] = line[done]
+            out_call[n] = ints[CALL]
+            out_frame[n] = ints[FRAME]
+            out_state[n] = ints[STATE]
+            out_feed[n] = feed[done]
         floats[GOAL], floats[GOAL + 1] = eu, ev
         done += 1
     return done, row

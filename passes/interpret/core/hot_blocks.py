@@ -11,6 +11,8 @@ import sys
 from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from gproof.ir.finding import Span
 from gproof.ir.program import FLAG_BARE, FLAG_DELETE, Block, BlockTable, DeferredBlock, Expr, Number
 from gproof.ir.symbolic import Value
@@ -26,6 +28,7 @@ from gproof.passes.interpret.core.block_compiler import (
 from gproof.passes.interpret.core.block_tables import CHUNK_BYTES
 from gproof.passes.interpret.core.call_stack import NO_PLACE, HotLine, Pending, Stretch
 from gproof.passes.interpret.core.flow_part import FlowPart
+from gproof.passes.interpret.core.line_decoder_kernels import WordColumns
 
 if TYPE_CHECKING:
     from gproof.passes.interpret.core.control_flow import ControlFlow
@@ -200,7 +203,10 @@ class HotBlocks(FlowPart):
         line, letter, value, lines = pending.columns()
         run, count, at = k.run_lines.pick(pending.lines), len(line), 0
         compiled = run is not k.run_lines.python
-        columns: Any = (line, letter, value) if compiled else (line.tolist(), letter.tolist(), pending.value)
+        # No word of a hot line is without a number.
+        columns = WordColumns(line, letter, value, np.zeros(count, np.uint8))
+        if not compiled:
+            columns = WordColumns(line.tolist(), letter.tolist(), pending.value, [0] * count)
         file, call = self.run.file, self.run.call
         self.run.file = next((part.lines[0].file for part in pending.parts if part.places is None), file)
         places = pending.places(self.run.file, call)

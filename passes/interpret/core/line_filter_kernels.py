@@ -6,46 +6,43 @@ import math
 from typing import Any
 
 from gproof.ir.kernel import kernel
+from gproof.passes.interpret.core.line_decoder_kernels import (
+    DWELL_WORDS,
+    HAS_DISTANCE,
+    OTHER,
+    I,
+    J,
+    WordColumns,
+    read_line,
+)
 
-G, I_WORD, J_WORD = 71, 73, 74
-"""Letters."""
+COLD = OTHER | HAS_DISTANCE | DWELL_WORDS
+"""What no line holds that the kernel runs: of G codes it takes 0 to 3 alone."""
+BOTH = 1 << I | 1 << J
 TRAVERSE, ARC = 1, 3
 """Ops of ir/trace.py; din_plain.py asserts it."""
 
 
 @kernel(seconds_per_unit=2e-7, compile_seconds=0.5)
 def cold_lines(
-    line: Any, letter: Any, value: Any, count: int, hot: Any, pairs: int, out_line: Any, out_word: Any
+    words: WordColumns, count: int, slots: Any, values: Any, pairs: int, out_line: Any, out_word: Any
 ) -> int:  # fmt: skip
     """Lines that the kernel of straight-line code certainly hands back: their numbers and their first words.
 
-    line, letter, value: WORD columns of ``count`` words; hot: (256,) 1 for letters that the kernel takes, G only with
-    0 to 3; pairs: 1 when I and J mean something else one without the other. Returns how many lines.
+    words: ``count`` of them; slots: see ``read_line``, of the letters that the kernel takes; values: (SLOTS,) room;
+    pairs: 1 when I and J mean something else one without the other. Returns how many lines.
     """
+    line, letter, value, flags = words
     found = 0
     word = 0
     while word < count:
-        here = line[word]
-        first = word
-        cold = False
-        centers = 0
-        while word < count and line[word] == here:
-            code = letter[word]
-            if hot[code] == 0:
-                cold = True
-            elif code == G:
-                number = value[word]
-                if not (0.0 <= number <= 3.0 and number == math.floor(number)):
-                    cold = True
-            elif code == I_WORD:
-                centers |= 1
-            elif code == J_WORD:
-                centers |= 2
-            word += 1
-        if cold or (pairs == 1 and centers in (1, 2)):
-            out_line[found] = here
-            out_word[found] = first
+        end, seen, _, _, _, _ = read_line(line, letter, value, flags, count, word, slots, 0, 0, values)
+        centers = seen & BOTH
+        if seen & COLD or (pairs == 1 and centers != 0 and centers != BOTH):  # noqa: PLR1714
+            out_line[found] = line[word]
+            out_word[found] = word
             found += 1
+        word = end
     return found
 
 

@@ -12,6 +12,22 @@ import math
 from typing import Any
 
 from gproof.ir.kernel import kernel
+from gproof.passes.interpret.core.line_decoder_kernels import (
+    AXIS_WORDS,
+    DWELL_WORDS,
+    HAS_DISTANCE,
+    MOVE_WORDS,
+    TIME,
+    F,
+    I,
+    J,
+    K,
+    LineState,
+    R,
+    TraceRows,
+    WordColumns,
+    read_line,
+)
 
 # Layout of the integer state
 MOTION, PLANE, ABSOLUTE, FRAME, STATE, FILE, CALL, FEED_MODE, ENABLED, ARC_ABSOLUTE, ACTIVE_AXES, TURN_KIND = range(12)
@@ -28,12 +44,19 @@ FLOAT_STATE = TURN + TURN_NUMBERS
 # each on its own axis; each on the other's; both on both.
 TURN_NONE, TURN_SEPARATE, TURN_SWAPPED, TURN_MIXED = range(4)
 
-LARGEST = 1e12
-"""As in ``line``: numbers up to here can not overflow in anything that is computed from them."""
-
 DWELL = 10
 """Op of ir/trace.py."""
 RADIUS_OK, RADIUS_SAME_POINT, RADIUS_UNREACHABLE, RADIUS_ZERO = range(4)
+
+SAME = 1e-6
+"""mm: nearer than any drive can tell."""
+ZERO_RADIUS = 1e-9
+
+
+@kernel()
+def distance(dx: float, dy: float) -> float:
+    """mm between two places of a plane."""
+    return math.sqrt(dx * dx + dy * dy)
 
 
 @kernel()
@@ -121,117 +144,30 @@ def place_xy(
 
 @kernel(seconds_per_unit=3e-6, compile_seconds=1.5)
 def run_lines(
-    line: Any,
-    letter: Any,
-    value: Any,
-    count: Any,
-    first_word: Any,
-    ints: Any,
-    floats: Any,
-    form: Any,
-    offset_form: Any,
-    op: Any,
-    file: Any,
-    line_out: Any,
-    call: Any,
-    to: Any,
-    frame: Any,
-    state: Any,
-    feed: Any,
-    center: Any,
-    turns: Any,
-    plane: Any,
-    arg: Any,
-    row: Any,
-    capacity: Any,
-) -> tuple[int, int]:
+    words: WordColumns, count: int, first_word: int, slots: Any, lines: LineState, rows: TraceRows, row: int,
+    capacity: int,
+) -> tuple[int, int]:  # fmt: skip
     """Execute lines from word ``first_word`` on; returns (next word, next row).
 
-    line i4, letter u1, value f8: WORD columns of ``count`` words; ints, floats: state, changed in place;
-    form, offset_form: (6,) i8, the frame of each axis now and under the active offsets;
-    op .. arg: TRACE_ROW columns, written from ``row`` while below ``capacity``.
+    words: ``count`` of them are run; slots: see ``read_line``; lines: state, changed in place; rows: written from
+    ``row`` while below ``capacity``.
     """
+    line, letter, value, flags = words
+    ints, floats, form, offset_form, values = lines
+    op, file, line_out, call, to, frame, state, feed, center, turns, plane, arg = rows
     word = first_word
-    # Values of one line by slot: X Y Z A B C I J K R F P
-    v0 = v1 = v2 = v3 = v4 = v5 = vi = vj = vk = vr = vf = vp = 0.0
+    taken = MOVE_WORDS if ints[DISTANCES] == NOT_HERE else MOVE_WORDS | HAS_DISTANCE | DWELL_WORDS
     while word < count and row < capacity:
         here = line[word]
-        end = word
-        seen = 0
-        motion = ints[MOTION]
-        distance = ints[ABSOLUTE]
-        plain = True
-        while end < count and line[end] == here:
-            code = letter[end]
-            number = value[end]
-            if number > LARGEST or number < -LARGEST:
-                plain = False
-            bit = 0
-            if code == 88:
-                bit = 1
-                v0 = number
-            elif code == 89:
-                bit = 2
-                v1 = number
-            elif code == 90:
-                bit = 4
-                v2 = number
-            elif code == 71 and ints[DISTANCES] != 0 and 90.0 <= number <= 91.0 and number % 1.0 == 0.0:
-                distance = 1 if number == 90.0 else 0
-                bit = 4096
-            elif code == 71 and ints[DISTANCES] != 0 and number == 4.0:
-                bit = 8192
-            elif code == 80 and ints[DISTANCES] != 0:
-                bit = 16384
-                vp = number
-            elif code == 71:
-                if number == 1.0:
-                    motion = 2
-                elif number == 0.0:
-                    motion = 1
-                elif number == 2.0:
-                    motion = 3
-                elif number == 3.0:
-                    motion = 4
-                else:
-                    plain = False
-                bit = 2048
-            elif code == 70:
-                bit = 1024
-                vf = number
-            elif code == 73:
-                bit = 64
-                vi = number
-            elif code == 74:
-                bit = 128
-                vj = number
-            elif code == 75:
-                bit = 256
-                vk = number
-            elif code == 82:
-                bit = 512
-                vr = number
-            elif code == 65:
-                bit = 8
-                v3 = number
-            elif code == 66:
-                bit = 16
-                v4 = number
-            elif code == 67:
-                bit = 32
-                v5 = number
-            else:
-                plain = False
-            if seen & bit:
-                plain = False
-            seen |= bit
-            end += 1
-        axes = seen & 63
-        if not plain or ints[ENABLED] == 0 or motion < 1 or motion > 4 or ints[FEED_MODE] != 94:
+        end, seen, motion, mode, _, _ = read_line(
+            line, letter, value, flags, count, word, slots, ints[MOTION], ints[ABSOLUTE], values
+        )
+        axes = seen & AXIS_WORDS
+        if seen & ~taken or ints[ENABLED] == 0 or motion < 1 or motion > 4 or ints[FEED_MODE] != 94:
             return word, row
-        if seen & 24576:
+        if seen & DWELL_WORDS:
             # A dwell alone (3.4.4), of a time that is not negative: nothing of the state changes.
-            if seen != 24576 or vp < 0.0:
+            if seen != DWELL_WORDS or values[TIME] < 0.0:
                 return word, row
             op[row] = DWELL
             file[row] = ints[FILE]
@@ -241,7 +177,7 @@ def run_lines(
                 to[row, axis] = floats[POSITION + axis]
             frame[row] = ints[FRAME]
             state[row] = ints[STATE]
-            arg[row, 0] = vp
+            arg[row, 0] = values[TIME]
             row += 1
             word = end
             continue
@@ -252,7 +188,7 @@ def run_lines(
             return word, row
         rate = floats[FEED]
         if seen & 1024:
-            rate = vf * floats[UNIT]
+            rate = values[F] * floats[UNIT]
             if not rate > 0.0:
                 return word, row
         if axes == 0:
@@ -261,7 +197,7 @@ def run_lines(
                 return word, row
             floats[FEED] = rate
             if seen & 4096:
-                ints[ABSOLUTE] = distance
+                ints[ABSOLUTE] = mode
                 ints[DISTANCES] = 2
             word = end
             continue
@@ -271,7 +207,7 @@ def run_lines(
         if motion <= 2 and seen & 960:
             return word, row
         unit = floats[UNIT]
-        absolute = distance == 1
+        absolute = mode == 1
         if absolute:
             # An axis that now gets another frame needs a new frame index: Python path.
             changes = False
@@ -292,20 +228,20 @@ def run_lines(
         p5 = floats[POSITION + 5]
         t0, t1, t2, t3, t4, t5 = p0, p1, p2, p3, p4, p5
         if axes & 1:
-            t0 = v0 * floats[X_UNIT] + (floats[OFFSET] if absolute else p0)
+            t0 = values[0] * floats[X_UNIT] + (floats[OFFSET] if absolute else p0)
         if axes & 2:
-            t1 = v1 * unit + (floats[OFFSET + 1] if absolute else p1)
+            t1 = values[1] * unit + (floats[OFFSET + 1] if absolute else p1)
         if axes & 4:
-            t2 = v2 * unit + (floats[OFFSET + 2] if absolute else p2)
+            t2 = values[2] * unit + (floats[OFFSET + 2] if absolute else p2)
         if axes & 8:
-            t3 = v3 + (floats[OFFSET + 3] if absolute else p3)
+            t3 = values[3] + (floats[OFFSET + 3] if absolute else p3)
         if axes & 16:
-            t4 = v4 + (floats[OFFSET + 4] if absolute else p4)
+            t4 = values[4] + (floats[OFFSET + 4] if absolute else p4)
         if axes & 32:
-            t5 = v5 + (floats[OFFSET + 5] if absolute else p5)
+            t5 = values[5] + (floats[OFFSET + 5] if absolute else p5)
         if turned != TURN_NONE and axes & 3:
-            w0 = v0 * floats[X_UNIT] if axes & 1 else 0.0
-            w1 = v1 * unit if axes & 2 else 0.0
+            w0 = values[0] * floats[X_UNIT] if axes & 1 else 0.0
+            w1 = values[1] * unit if axes & 2 else 0.0
             if absolute:
                 t0, t1 = place_xy(
                     axes & 3, w0, w1, p0, p1, floats[OFFSET], floats[OFFSET + 1], turned, floats, TURN
@@ -332,7 +268,7 @@ def run_lines(
             # Of other planes, and of factors that make ellipses, the Python path tells what is wrong.
             if turned != TURN_NONE and (flat != 1 or floats[TURN + 10] == 0.0):
                 return word, row
-            radius = vr * unit if turned == TURN_NONE else vr * unit * floats[TURN + 10]
+            radius = values[R] * unit if turned == TURN_NONE else values[R] * unit * floats[TURN + 10]
             c0, c1, c2 = p0, p1, p2
             centered = seen & 448
             if seen & 512:
@@ -351,26 +287,28 @@ def run_lines(
                 if centered == 0 or centered & 256:
                     return word, row
                 if seen & 64:
-                    c0 = p0 + vi * unit
+                    c0 = p0 + values[I] * unit
                 if seen & 128:
-                    c1 = p1 + vj * unit
+                    c1 = p1 + values[J] * unit
                 if turned != TURN_NONE:
-                    w0, w1 = step_xy(vi * unit if seen & 64 else 0.0, vj * unit if seen & 128 else 0.0, floats, TURN)
+                    w0 = values[I] * unit if seen & 64 else 0.0
+                    w1 = values[J] * unit if seen & 128 else 0.0
+                    w0, w1 = step_xy(w0, w1, floats, TURN)
                     c0, c1 = p0 + w0, p1 + w1
             elif flat == 2:
                 if centered == 0 or centered & 128:
                     return word, row
                 if seen & 64:
-                    c0 = p0 + vi * unit
+                    c0 = p0 + values[I] * unit
                 if seen & 256:
-                    c2 = p2 + vk * unit
+                    c2 = p2 + values[K] * unit
             else:
                 if centered == 0 or centered & 64:
                     return word, row
                 if seen & 128:
-                    c1 = p1 + vj * unit
+                    c1 = p1 + values[J] * unit
                 if seen & 256:
-                    c2 = p2 + vk * unit
+                    c2 = p2 + values[K] * unit
             needed = 3 if flat == 1 else (5 if flat == 2 else 6)
             if axes & needed == 0:
                 return word, row
@@ -398,7 +336,7 @@ def run_lines(
         floats[FEED] = rate
         ints[MOTION] = motion
         if seen & 4096:
-            ints[ABSOLUTE] = distance
+            ints[ABSOLUTE] = mode
             ints[DISTANCES] = 2
         floats[POSITION] = t0
         floats[POSITION + 1] = t1

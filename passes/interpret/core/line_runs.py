@@ -10,28 +10,30 @@ import numpy as np
 from gproof.ir.machine import AXES
 from gproof.ir.symbolic import Position
 from gproof.passes.interpret.core import line_kernels as k
+from gproof.passes.interpret.core.line_decoder_kernels import SLOTS, LineState, WordColumns, letter_slots, trace_rows
 from gproof.passes.interpret.core.moves import CLAMPED
 from gproof.passes.interpret.core.plane_transform import noted
 
 if TYPE_CHECKING:
     from gproof.passes.interpret.core.run import Run
 
-KernelState = tuple[Any, Any, Any, Any]
-"""Of ``run_lines``: integers, floats, frames of the axes and of their offsets."""
+_LETTERS = letter_slots({letter: axis for axis, letter in enumerate("XYZABC")}, "IJKRFGP")
+_LETTER_TABLE = np.array(_LETTERS, dtype=np.int64)
+"""What words are to ``run_lines``: for plain Python, and compiled."""
 
 
-def run_kernel(run: Run, kernel: Any, columns: tuple[Any, ...], state: KernelState, count: int, at: int) -> int:
+def run_kernel(run: Run, kernel: Any, columns: WordColumns, state: LineState, count: int, at: int) -> int:
     """Run ``run_lines`` on the words from ``at`` to ``count``; returns the first word it left over."""
     rows = run.rows
     before = rows.count
-    at, rows.count = run_words(kernel, (*columns[:3], count, at), state, rows.arrays, before, rows.capacity)
+    at, rows.count = run_words(kernel, columns, count, at, state, rows.arrays, before, rows.capacity)
     run.blocks += rows.count - before
     if run.modal.feed_unknown:
         rows.forget_feeds(before)
     return at
 
 
-def packed(run: Run, position: list[float], compiled: bool, *, distances: bool = False) -> KernelState:
+def packed(run: Run, position: list[float], compiled: bool, *, distances: bool = False) -> LineState:
     """The state of ``run_lines``: integers, floats, frames of the axes and of their offsets."""
     s = run.modal
     offsets = [s.offset(axis) for axis in range(AXES)]
@@ -45,13 +47,15 @@ def packed(run: Run, position: list[float], compiled: bool, *, distances: bool =
     ]  # fmt: skip
     form: object = [run.frames.form(p.form) for p in s.position]
     offset_form: object = [run.frames.form(o.form) for o in offsets]
+    values: object = [0.0] * SLOTS
     if compiled:
+        values = np.zeros(SLOTS)
         ints, floats = np.array(ints, dtype=np.int64), np.array(floats, dtype=np.float64)
         form, offset_form = np.array(form, dtype=np.int64), np.array(offset_form, dtype=np.int64)
-    return ints, floats, form, offset_form
+    return LineState(ints, floats, form, offset_form, values)
 
 
-def unpack(run: Run, state: KernelState) -> None:
+def unpack(run: Run, state: LineState) -> None:
     """Take over what ``run_lines`` has made of the state."""
     ints, floats, *_ = state
     s = run.modal
@@ -74,11 +78,10 @@ def active_axes(run: Run) -> int:
 
 
 def run_words(
-    kernel: Any, words: tuple[Any, ...], state: KernelState, rows: Mapping[str, Any], first: int, capacity: int
+    kernel: Any, words: WordColumns, count: int, at: int, state: LineState, rows: Mapping[str, Any], first: int,
+    capacity: int,
 ) -> tuple[int, int]:  # fmt: skip
     """``run_lines`` into ``rows``; (next word, next row)."""
-    at, row = kernel(
-        *words, *state, rows["op"], rows["file"], rows["line"], rows["call"], rows["to"], rows["frame"], rows["state"],
-        rows["feed"], rows["center"], rows["turns"], rows["plane"], rows["arg"], first, capacity,
-    )  # fmt: skip
+    slots = _LETTERS if isinstance(state.ints, list) else _LETTER_TABLE
+    at, row = kernel(words, count, at, slots, state, trace_rows(rows), first, capacity)
     return int(at), int(row)

@@ -11,7 +11,14 @@ from typing import Any
 
 from gproof.ir.kernel import kernel
 from gproof.ir.program import FLAG_BARE
-from gproof.passes.interpret.core.line_kernels import LARGEST
+from gproof.passes.interpret.core.line_decoder_kernels import (
+    AXIS_WORDS,
+    MOVE_WORDS,
+    F,
+    TraceRows,
+    WordColumns,
+    read_line,
+)
 
 # Layout of the integer state: motion (1 to 4 as G0 to G3, 0: none); whether it is not known; whether arcs and F are
 # taken here; columns that are nowhere, and those of the machine, as bits; whether the feed of rows is not known, and
@@ -23,75 +30,25 @@ UNIT, FEED, LAST = range(3)
 
 @kernel(seconds_per_unit=6e-7, compile_seconds=0.8)
 def run_lost(
-    line: Any,
-    letter: Any,
-    value: Any,
-    flags: Any,
-    count: Any,
-    first_word: Any,
-    columns: Any,
-    ints: Any,
-    floats: Any,
-    unknown: Any,
-    op: Any,
-    line_out: Any,
-    feed: Any,
-    row: Any,
-    capacity: Any,
-) -> tuple[int, int]:
+    words: WordColumns, count: int, first_word: int, slots: Any, ints: Any, floats: Any, values: Any, unknown: float,
+    rows: TraceRows, row: int, capacity: int,
+) -> tuple[int, int]:  # fmt: skip
     """Execute lines from word ``first_word`` on; returns (next word, next row).
 
-    line, letter, value, flags: WORD columns of ``count`` words; columns: (256,) column of a letter, -1 for none; ints,
-    floats: state, changed in place; unknown: NaN; op, line_out, feed: TRACE_ROW columns, from ``row`` to ``capacity``.
+    words: ``count`` of them are run; slots, values: see ``read_line``; ints, floats: state, changed in place; unknown:
+    NaN; rows: op, line and feed are written from ``row`` while below ``capacity``.
     """
+    line, letter, value, flags = words
+    op, line_out, feed = rows.op, rows.line, rows.feed
     word = first_word
     while word < count and row < capacity:
         here = line[word]
-        end = word
-        seen = 0
-        motion = ints[MOTION]
-        plain = True
-        given = 0.0
-        while end < count and line[end] == here:
-            code = letter[end]
-            number = value[end]
-            if number > LARGEST or number < -LARGEST or flags[end] & FLAG_BARE:
-                plain = False
-            bit = 0
-            if columns[code] >= 0:
-                bit = 1 << columns[code]
-            elif code == 71:
-                bit = 2048
-                if number == 0.0:
-                    motion = 1
-                elif number == 1.0:
-                    motion = 2
-                elif number == 2.0:
-                    motion = 3
-                elif number == 3.0:
-                    motion = 4
-                else:
-                    plain = False
-            elif code == 70:
-                bit = 1024
-                given = number
-            elif code == 73:
-                bit = 64
-            elif code == 74:
-                bit = 128
-            elif code == 75:
-                bit = 256
-            elif code == 82:
-                bit = 512
-            else:
-                plain = False
-            if seen & bit:
-                plain = False
-            seen |= bit
-            end += 1
-        axes = seen & 63
+        end, seen, motion, _, some, _ = read_line(
+            line, letter, value, flags, count, word, slots, ints[MOTION], 0, values
+        )
+        axes = seen & AXIS_WORDS
         pinned = ints[PINNED] == 1
-        if not plain or axes == 0 or (not pinned and (motion < 1 or motion > 4)):
+        if seen & ~MOVE_WORDS or some & FLAG_BARE or axes == 0 or (not pinned and (motion < 1 or motion > 4)):
             return word, row
         if pinned:
             if seen & 2048 or ints[LOST] & ints[ALL] != ints[ALL]:
@@ -104,10 +61,10 @@ def run_lost(
         rate = floats[FEED]
         if seen & 1024:
             # Behind an F in front axis words may be those of the feed.
-            if ints[FEEDS] == 0 or not given > 0.0 or letter[word] == 70:
+            if ints[FEEDS] == 0 or not values[F] > 0.0 or letter[word] == 70:
                 return word, row
-            rate = unknown if ints[F_OPEN] == 1 else given * floats[UNIT]
-            floats[LAST] = given
+            rate = unknown if ints[F_OPEN] == 1 else values[F] * floats[UNIT]
+            floats[LAST] = values[F]
             ints[FED] += 1
         floats[FEED] = rate
         if not pinned:

@@ -1,6 +1,6 @@
 """Plain lines behind a refused one whose way rests on what is lost: when the kernel may run them, and what it leaves.
 
-The kernel is ``lost_kernels.run_lost``; ``refused_lines.vague`` is what it makes of a line, one by one.
+The kernel is ``lost_line_kernels.run_lost``; ``refused_lines.vague`` is what it makes of a line, one by one.
 """
 
 from __future__ import annotations
@@ -17,6 +17,7 @@ from gproof.ir.symbolic import NOWHERE
 from gproof.ir.trace import KNIFE, Op
 from gproof.passes.interpret.core import lost_line_kernels as k
 from gproof.passes.interpret.core import refused_lines
+from gproof.passes.interpret.core.line_decoder_kernels import SLOTS, WordColumns, letter_slots, trace_rows
 
 if TYPE_CHECKING:
     from gproof.passes.interpret.core.call_stack import Frame
@@ -52,19 +53,20 @@ def run(run: Run, frame: Frame, count: int, at: int) -> int:
     # Words that mean something else to the language stop it.
     stop = bisect.bisect_left(frame.stops, at)
     count = frame.stops[stop] if stop < len(frame.stops) else count
-    columns: Any = frame.columns
+    words: WordColumns = frame.columns
     kernel: Any = k.run_lost.pick(count - at)
-    if isinstance(columns[0], list):
+    if isinstance(words.line, list):
         kernel = k.run_lost.python
     ints, floats = _packed(run, frame)
-    table: Any = _columns(run)
+    slots: Any = _slots(run)
+    values: Any = [0.0] * SLOTS
     if kernel is not k.run_lost.python:
-        table = np.array(table, dtype=np.int64)
+        slots, values = np.array(slots, dtype=np.int64), np.array(values)
         ints, floats = np.array(ints, dtype=np.int64), np.array(floats, dtype=np.float64)
     out: Any = rows.arrays
     before = rows.count
     stop_at, row = kernel(
-        *columns, count, at, table, ints, floats, math.nan, out["op"], out["line"], out["feed"], before, rows.capacity
+        words, count, at, slots, ints, floats, values, math.nan, trace_rows(out), before, rows.capacity
     )
     rows.count = int(row)
     if rows.count > before:
@@ -92,13 +94,10 @@ def _packed(run: Run, frame: Frame) -> tuple[Any, Any]:
     return ints, [s.unit, s.feed, 0.0]
 
 
-def _columns(run: Run) -> list[int]:
-    """By letter code the column that it moves, -1 for none."""
-    found = [-1] * 256
-    for letter, axis in run.dialect.letters(run.machine).items():
-        if run.modal.has_axis(axis):
-            found[ord(letter)] = axis
-    return found
+def _slots(run: Run) -> list[int]:
+    """By letter code what it is to ``read_line``: of axes those that the machine has."""
+    letters = run.dialect.letters(run.machine)
+    return letter_slots({letter: axis for letter, axis in letters.items() if run.modal.has_axis(axis)})
 
 
 def _taken(run: Run, frame: Frame, ints: list[int], floats: list[float], made: int) -> None:

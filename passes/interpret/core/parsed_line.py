@@ -16,7 +16,7 @@ from gproof.ir.symbolic import AXIS_INDEX, Unknown, Value, beyond, not_known
 
 WordSpan = Callable[[str], Span]
 LARGEST = 1e12
-"""A word beyond is no number of any machine, and what is made of it could overflow. ``execute_kernels`` has it too."""
+"""A word beyond is no number of any machine, and what is made of it could overflow. The line decoder has it too."""
 
 ARGUMENTS = "DEHIJKLPQR"
 LETTERS = frozenset("ABCDEFGHIJKLMPQRSTXYZ")

@@ -23,6 +23,7 @@ from gproof.ir.trace import Op
 from gproof.passes.interpret.core import line_kernels as k
 from gproof.passes.interpret.core import moves
 from gproof.passes.interpret.core.dead_variables import Idle, idle_variables
+from gproof.passes.interpret.core.line_decoder_kernels import SLOTS, WordColumns
 from gproof.passes.interpret.core.line_filter_kernels import cold_lines
 from gproof.passes.interpret.core.modal_state import Modal
 from gproof.passes.interpret.core.parsed_line import gather
@@ -36,18 +37,17 @@ Word = tuple[str, Value, Span]
 """Letter, value and place of a word."""
 
 
-def cold_words(columns: tuple[Any, ...], count: int, hot: list[int], *, pairs: bool = False) -> tuple[Any, Any]:
-    """(line numbers, first words) of the lines that a kernel certainly hands back; see ``plain_kernels.cold_lines``.
+def cold_words(columns: WordColumns, count: int, hot: list[int], *, pairs: bool = False) -> tuple[Any, Any]:
+    """(line numbers, first words) of the lines that a kernel certainly hands back; see ``cold_lines``.
 
-    columns: line, letter ... of ``count`` words, as lists for plain Python.
+    columns: ``count`` words, as lists for plain Python; hot: see there.
     """
     lines, firsts = np.empty(count, np.int64), np.empty(count, np.int64)
-    line, letter, value = columns[:3]
-    if isinstance(line, list):
-        found = cold_lines(line, letter, value, count, hot, int(pairs), lines, firsts)
+    if isinstance(columns.line, list):
+        found = cold_lines(columns, count, hot, [0.0] * SLOTS, int(pairs), lines, firsts)
     else:
-        taken = np.array(hot, np.uint8)
-        found = cold_lines.pick(count)(line, letter, value, count, taken, int(pairs), lines, firsts)
+        slots = np.array(hot, np.int64)
+        found = cold_lines.pick(count)(columns, count, slots, np.zeros(SLOTS), int(pairs), lines, firsts)
     return lines[:found].tolist(), firsts[:found].tolist()
 
 
@@ -125,14 +125,14 @@ class Dialect(Generic[R_contra]):
         """Execute what is left of a line whose call is over."""
         raise NotImplementedError
 
-    def cold(self, run: R_contra, frame: Frame, columns: tuple[Any, ...], count: int) -> set[int]:
+    def cold(self, run: R_contra, frame: Frame, columns: WordColumns, count: int) -> set[int]:
         """Lines of a piece of a table with a word that the kernel certainly leaves to Python: not worth a call.
 
         columns: line, letter, value and flags of its ``count`` words.
         """
         return set()
 
-    def hot(self, run: R_contra, kernel: Any, columns: tuple[Any, ...], count: int, at: int, compiled: bool) -> int:
+    def hot(self, run: R_contra, kernel: Any, columns: WordColumns, count: int, at: int, compiled: bool) -> int:
         """Run lines in the kernel from word ``at``; returns the first word it left over.
 
         columns: line, letter, value and flags of the words.
@@ -146,12 +146,12 @@ class Dialect(Generic[R_contra]):
         """
         return "", False
 
-    def stops(self, run: R_contra, columns: tuple[Any, ...], count: int) -> list[int]:
+    def stops(self, run: R_contra, columns: WordColumns, count: int) -> list[int]:
         """First words of lines of a loop that the kernel must not run."""
         return []
 
     def hot_lines(
-        self, run: R_contra, kernel: Any, columns: tuple[Any, ...], count: int, at: int, compiled: bool,
+        self, run: R_contra, kernel: Any, columns: WordColumns, count: int, at: int, compiled: bool,
         stops: list[int], motion: str, numbers: Any,
     ) -> int:  # fmt: skip
         """As ``hot``, for lines of a loop, the first of which moves with ``motion``.

@@ -17,7 +17,8 @@ from gproof.ir.symbolic import Position
 from gproof.ir.trace import TRACE_ROW
 from gproof.passes.interpret.core import cutter_compensation_kernels as c
 from gproof.passes.interpret.core import line_kernels as k
-from gproof.passes.interpret.core.line_runs import KernelState, packed, run_kernel, run_words, unpack
+from gproof.passes.interpret.core.line_decoder_kernels import LineState, WordColumns, trace_rows
+from gproof.passes.interpret.core.line_runs import packed, run_kernel, run_words, unpack
 from gproof.passes.interpret.eding import compensation_codes as compensated
 
 if TYPE_CHECKING:
@@ -28,7 +29,7 @@ _FIRST_BATCH, _BATCH = 4, 1 << 13
 
 
 def run_hot(
-    run: Run, kernel: Any, columns: tuple[Any, ...], count: int, at: int, compiled: bool, *, distances: bool = False
+    run: Run, kernel: Any, columns: WordColumns, count: int, at: int, compiled: bool, *, distances: bool = False
 ) -> int:  # fmt: skip
     """Run lines of many commands in the kernel from word ``at``; returns the first word it left over.
 
@@ -44,7 +45,7 @@ def run_hot(
         return at
     state = packed(run, [p.value for p in s.position], compiled, distances=distances)
     if not s.arcs_known:
-        state[0][k.ARC_ABSOLUTE] = 1  # which leaves arcs to Python
+        state.ints[k.ARC_ABSOLUTE] = 1  # which leaves arcs to Python
     at = run_kernel(run, kernel, columns, state, count, at)
     unpack(run, state)
     if s.unknown_modes & OF_FEEDS:
@@ -52,7 +53,7 @@ def run_hot(
     return at
 
 
-def _along_contour(run: Run, kernel: Any, columns: tuple[Any, ...], count: int, at: int, compiled: bool) -> int:
+def _along_contour(run: Run, kernel: Any, columns: WordColumns, count: int, at: int, compiled: bool) -> int:
     """``_hot`` while the path is compensated: rows as programmed, and from them those of the tool."""
     s, rows = run.modal, run.rows
     comp = s.compensation
@@ -81,22 +82,17 @@ def _along_contour(run: Run, kernel: Any, columns: tuple[Any, ...], count: int, 
     while going:
         there = TRACE_ROW.empty(batch)
         before = _copied(state)
-        stop, made = run_words(kernel, (*columns[:3], count, at), state, there, 0, batch)
-        out = rows.arrays
+        stop, made = run_words(kernel, columns, count, at, state, there, 0, batch)
         offset = c.offset_rows.pick(made)
         if offset is not c.offset_rows.python:
             ints, floats = np.array(ints, dtype=np.int64), np.array(floats, dtype=np.float64)
-        done, rows.count = offset(
-            made, there["op"], there["to"], there["center"], there["turns"], there["feed"], there["line"], ints,
-            floats, out["op"], out["file"], out["line"], out["call"], out["to"], out["frame"], out["state"],
-            out["feed"], out["center"], out["turns"], out["plane"], out["arg"], rows.count, rows.capacity,
-        )  # fmt: skip
-        done, rows.count = int(done), int(rows.count)
+        done, row = offset(made, trace_rows(there), ints, floats, trace_rows(rows.arrays), rows.count, rows.capacity)
+        done, rows.count = int(done), int(row)
         if done < made:
             # As far as the tool follows: the lines of these rows once more, from the same state.
             state = before
             if done:
-                stop, _ = run_words(kernel, (*columns[:3], count, at), state, there, 0, done)
+                stop, _ = run_words(kernel, columns, count, at, state, there, 0, done)
             else:
                 stop = at
         run.blocks += done
@@ -110,6 +106,5 @@ def _along_contour(run: Run, kernel: Any, columns: tuple[Any, ...], count: int, 
     return at
 
 
-def _copied(state: KernelState) -> KernelState:
-    ints, floats, form, offset_form = state
-    return ints.copy(), floats.copy(), form, offset_form
+def _copied(state: LineState) -> LineState:
+    return state._replace(ints=state.ints.copy(), floats=state.floats.copy())

@@ -7,6 +7,7 @@ from typing import Any
 from gproof.ir.finding import Span
 from gproof.ir.program import Block, Device, Message
 from gproof.passes.interpret.core.call_stack import Frame
+from gproof.passes.interpret.core.line_decoder_kernels import WordColumns, letter_slots
 from gproof.passes.interpret.core.run import Run
 from gproof.passes.interpret.core.semantics import Dialect, Word, cold_words, settings_of
 from gproof.passes.interpret.eding.commands import run_command
@@ -14,7 +15,7 @@ from gproof.passes.interpret.eding.fast_path import run_hot
 from gproof.passes.interpret.eding.line_order import execute_line, execute_own
 from gproof.passes.interpret.eding.written_variables import write_setting
 
-_HOT = [int(chr(letter) in "XYZABCIJKRFG") for letter in range(256)]
+_HOT = letter_slots({letter: axis for axis, letter in enumerate("XYZABC")}, "IJKRFG")
 """Letters that ``run_lines`` takes."""
 
 
@@ -38,16 +39,16 @@ class EdingDialect(Dialect[Run]):
         """Execute what a line has behind a code that a subprogram replaces."""
         execute_own(run, span, words)
 
-    def cold(self, run: Run, frame: Frame, columns: tuple[Any, ...], count: int) -> set[int]:
+    def cold(self, run: Run, frame: Frame, columns: WordColumns, count: int) -> set[int]:
         """Lines with a word that the kernel certainly leaves to Python."""
         return set(cold_words(columns, count, _HOT)[0])
 
-    def hot(self, run: Run, kernel: Any, columns: tuple[Any, ...], count: int, at: int, compiled: bool) -> int:
+    def hot(self, run: Run, kernel: Any, columns: WordColumns, count: int, at: int, compiled: bool) -> int:
         """Run lines in the kernel from word ``at``; returns the first word it left over."""
         return run_hot(run, kernel, columns, count, at, compiled)
 
     def hot_lines(
-        self, run: Run, kernel: Any, columns: tuple[Any, ...], count: int, at: int, compiled: bool, stops: list[int],
+        self, run: Run, kernel: Any, columns: WordColumns, count: int, at: int, compiled: bool, stops: list[int],
         motion: str, numbers: Any,
     ) -> int:  # fmt: skip
         """As ``hot``, for lines of a loop."""

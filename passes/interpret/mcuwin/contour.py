@@ -10,7 +10,7 @@ import math
 
 from gproof.ir.finding import fixed
 from gproof.ir.record import record
-from gproof.passes.interpret.wincnc.line_kernels import distance
+from gproof.passes.interpret.core.line_kernels import distance
 
 REACH = 4.0
 """Tool radii from a corner to where the offset lines meet, at most: beyond, strategies differ without bound."""

@@ -1,6 +1,6 @@
 """Plain lines of DIN blocks: when the kernel of straight-line code may run them, and what it leaves behind.
 
-The kernel is ``execute_kernels.run_lines``, whose words count in one unit under every code; what it does not know of
+The kernel is ``line_kernels.run_lines``, whose words count in one unit under every code; what it does not know of
 these languages (reflection, cylinders, feeds of rotary axes, centre words that are left out) keeps lines from it.
 """
 
@@ -19,6 +19,7 @@ from gproof.ir.symbolic import NOWHERE
 from gproof.ir.trace import Op, Plane
 from gproof.passes.interpret.core import line_filter_kernels as k
 from gproof.passes.interpret.core.axis_words import letters_of
+from gproof.passes.interpret.core.line_decoder_kernels import WordColumns, letter_slots
 from gproof.passes.interpret.mcuwin.outputs_and_waits import F_LOST
 from gproof.passes.interpret.mcuwin.radius_correction import is_beside, is_for_nothing
 from gproof.passes.interpret.mcuwin.state import SAME, McuWinState, own_unit
@@ -28,16 +29,16 @@ if TYPE_CHECKING:
 
 assert (Op.TRAVERSE, Op.ARC) == (k.TRAVERSE, k.ARC)
 
-_HOT = [int(chr(letter) in "XYZIJGF") for letter in range(256)]
+_HOT = letter_slots({"X": 0, "Y": 1, "Z": 2}, "IJFG")
 _I, _J = (ord(letter) for letter in "IJ")
 MOTIONS = {"G0": 1, "G1": 2, "G2": 3, "G3": 4}
 
 
 def hot_letters(din: McuWinState) -> list[int]:
-    """(256,) 1 for letters that mean to the kernel what they mean here."""
+    """(256,) slots of the letters that mean to the kernel what they mean here."""
     if din.time_unit == 60.0:
         return _HOT
-    return [0 if chr(letter) == "F" else taken for letter, taken in enumerate(_HOT)]
+    return [-1 if chr(letter) == "F" else slot for letter, slot in enumerate(_HOT)]
 
 
 def is_plain(run: McuWinRun) -> bool:
@@ -70,7 +71,7 @@ def is_plain(run: McuWinRun) -> bool:
 def _feed_is_plain(s: McuWinModal) -> bool:
     """Whether a feed is known, or told already that it is not: neither does a row tell anything."""
     din = s.own
-    if s.unknown_modes & OF_FEEDS and din.feed_cause != F_LOST and hot_letters(din)[ord("F")]:
+    if s.unknown_modes & OF_FEEDS and din.feed_cause != F_LOST and hot_letters(din)[ord("F")] >= 0:
         return False  # an F would have another cause
     return din.feed > 0.0 or (math.isnan(din.feed) and f"feed {din.feed_cause}" in din.told)
 
@@ -93,7 +94,7 @@ def arcs_are_plain(run: McuWinRun) -> bool:
 
 
 def taken(
-    run: McuWinRun, start: list[float], before: int, words: tuple[Any, Any, Any], at: int, stop: int,
+    run: McuWinRun, start: list[float], before: int, words: WordColumns, at: int, stop: int,
     numbers: Any = None,
 ) -> str:  # fmt: skip
     """What the rows from ``before`` on leave, which the words from ``at`` to ``stop`` made; what goes on behind them.
@@ -140,9 +141,9 @@ def _off_its_circle(run: McuWinRun, line: int, first: float, last: float, allowe
     run.fail(finding, told=True)
 
 
-def _last(words: tuple[Any, Any, Any], wanted: int, at: int, stop: int) -> float:
+def _last(words: WordColumns, wanted: int, at: int, stop: int) -> float:
     """The last value of a letter."""
-    _, letter, value = words
+    letter, value = words.letter, words.value
     if isinstance(letter, list):
         place = next(n for n in range(stop - 1, at - 1, -1) if letter[n] == wanted)
     else:

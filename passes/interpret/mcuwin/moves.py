@@ -21,6 +21,7 @@ from gproof.ir.symbolic import NOWHERE, Position, Unknown, Value, not_known
 from gproof.ir.symbols import MIRRORED, describe
 from gproof.ir.trace import Op, Plane
 from gproof.passes.interpret.core import refused_lines
+from gproof.passes.interpret.core.line_kernels import ZERO_RADIUS, distance
 from gproof.passes.interpret.core.modal_state import ZERO
 from gproof.passes.interpret.core.moves import AXES_OF_PLANE
 from gproof.passes.interpret.mcuwin.radius_correction import (
@@ -33,7 +34,6 @@ from gproof.passes.interpret.mcuwin.radius_correction import (
 )
 from gproof.passes.interpret.mcuwin.state import SAME, din_of, factor, has_tools, own_unit
 from gproof.passes.interpret.mcuwin.value_hints import of_value
-from gproof.passes.interpret.wincnc.line_kernels import ZERO_RADIUS, distance
 
 if TYPE_CHECKING:
     from gproof.passes.interpret.mcuwin.parts import Part

@@ -22,6 +22,7 @@ from gproof.passes.interpret.core.assigned_numbers import targets
 from gproof.passes.interpret.core.axis_words import letters_of
 from gproof.passes.interpret.core.call_stack import Frame
 from gproof.passes.interpret.core.expressions import MOST_WHOLE
+from gproof.passes.interpret.core.line_decoder_kernels import WordColumns
 from gproof.passes.interpret.core.line_runs import packed, run_kernel, unpack
 from gproof.passes.interpret.core.semantics import Dialect, Word, cold_words, settings_of
 from gproof.passes.interpret.mcuwin import fast_path as din_plain
@@ -89,12 +90,12 @@ class McuWinDialect(Dialect[McuWinRun]):
                 frame.continued = f"G{value:g}"
         din.run_line(run, span, words, bare=bare, continued=continued)
 
-    def cold(self, run: McuWinRun, frame: Frame, columns: tuple[Any, ...], count: int) -> set[int]:
+    def cold(self, run: McuWinRun, frame: Frame, columns: WordColumns, count: int) -> set[int]:
         """Lines for Python, which are where the kernel stops too."""
         lines, frame.stops = cold_words(columns, count, din_plain.hot_letters(run.modal.own), pairs=True)
         return set(lines)
 
-    def hot(self, run: McuWinRun, kernel: Any, columns: tuple[Any, ...], count: int, at: int, compiled: bool) -> int:
+    def hot(self, run: McuWinRun, kernel: Any, columns: WordColumns, count: int, at: int, compiled: bool) -> int:
         """Run lines in the kernel from word ``at``; returns the first word it left over."""
         frame = run.flow.stack[-1]
         at, frame.continued = _hot(run, kernel, columns, count, at, compiled, frame.stops, frame.continued)
@@ -113,13 +114,13 @@ class McuWinDialect(Dialect[McuWinRun]):
             return (motion if motion in din_plain.MOTIONS else None), False
         return (continued, True) if continued in din_plain.MOTIONS else (None, False)
 
-    def stops(self, run: McuWinRun, columns: tuple[Any, ...], count: int) -> list[int]:
+    def stops(self, run: McuWinRun, columns: WordColumns, count: int) -> list[int]:
         """First words of lines of a loop that the kernel must not run."""
         found: list[int] = cold_words(columns, count, din_plain.hot_letters(run.modal.own), pairs=True)[1]
         return found
 
     def hot_lines(
-        self, run: McuWinRun, kernel: Any, columns: tuple[Any, ...], count: int, at: int, compiled: bool,
+        self, run: McuWinRun, kernel: Any, columns: WordColumns, count: int, at: int, compiled: bool,
         stops: list[int], motion: str, numbers: Any,
     ) -> int:  # fmt: skip
         """As ``hot``, for lines of a loop: see ``Manner``."""
@@ -231,7 +232,7 @@ class McuWinDialect(Dialect[McuWinRun]):
 
 
 def _hot(
-    run: McuWinRun, kernel: Any, columns: tuple[Any, ...], count: int, at: int, compiled: bool, stops: list[int],
+    run: McuWinRun, kernel: Any, columns: WordColumns, count: int, at: int, compiled: bool, stops: list[int],
     continued: str, numbers: Any = None,
 ) -> tuple[int, str]:  # fmt: skip
     """Run lines in the kernel from word ``at``: the first word it left over, and the code that goes on there."""
@@ -242,13 +243,13 @@ def _hot(
     stop = bisect.bisect_left(stops, at)
     count = stops[stop] if stop < len(stops) else count
     state = packed(run, start, compiled)
-    state[0][k.ARC_ABSOLUTE] = int(not din_plain.arcs_are_plain(run))
-    state[0][k.ACTIVE_AXES] &= 7
+    state.ints[k.ARC_ABSOLUTE] = int(not din_plain.arcs_are_plain(run))
+    state.ints[k.ACTIVE_AXES] &= 7
     before, first = rows.count, at
     at = run_kernel(run, kernel, columns, state, count, at)
     unpack(run, state)
     if s.unknown_modes & OF_FEEDS:
         s.feed = math.nan
-    continued = din_plain.taken(run, start, before, columns[:3], first, at, numbers)
+    continued = din_plain.taken(run, start, before, columns, first, at, numbers)
     s.motion = 0
     return at, continued

@@ -14,8 +14,9 @@ from gproof.ir.symbols import describe
 from gproof.ir.trace import Op, Plane
 from gproof.passes.interpret.core import line_kernels as k
 from gproof.passes.interpret.core.arc_condition import radius_arc_warning
+from gproof.passes.interpret.core.line_kernels import SAME, ZERO_RADIUS, distance
 from gproof.passes.interpret.wincnc.axis_targets import aim, mapped
-from gproof.passes.interpret.wincnc.line_kernels import SAME, ZERO_RADIUS, agreed, distance
+from gproof.passes.interpret.wincnc.line_kernels import agreed
 from gproof.passes.interpret.wincnc.moves import feed_word, note_assumptions, switch_output, use_feed
 from gproof.passes.interpret.wincnc.state import (
     LEANING,

@@ -1,6 +1,6 @@
 """Plain lines of controllers of one command a line: when the kernel may run them, its state, and what it leaves.
 
-The kernel is ``single_kernels.run_moves``; what holds for a whole run of lines and is not in its state is asked here.
+The kernel is ``line_kernels.run_moves``; what holds for a whole run of lines and is not in its state is asked here.
 """
 
 from __future__ import annotations
@@ -19,6 +19,7 @@ from gproof.ir.symbolic import Position
 from gproof.ir.trace import Op
 from gproof.passes.interpret.core import refused_lines
 from gproof.passes.interpret.core.axis_words import letters_of
+from gproof.passes.interpret.core.line_decoder_kernels import SLOTS, LineState, WordColumns, letter_slots, trace_rows
 from gproof.passes.interpret.wincnc import line_kernels as k
 from gproof.passes.interpret.wincnc.arcs import usual_feed
 from gproof.passes.interpret.wincnc.moves import feed_columns, note_assumptions
@@ -68,20 +69,21 @@ def _feeds_are_plain(s: WinCncModal) -> bool:
 class PlainLines:
     """What ``run_moves`` needs of a machine, once for a run of a program.
 
-    columns: by letter code, -1: no axis; named: see there.
+    axes: columns by letter; slots, named: see there.
     """
 
     def __init__(self, run: WinCncRun) -> None:
         controls = run.machine.controller.controls
-        columns = [-1] * 256
-        for letter, column in letters_of(run.machine).items():
-            if letter in _AXES and run.modal.has_axis(column):
-                columns[ord(letter)] = column
+        axes = {
+            letter: column
+            for letter, column in letters_of(run.machine).items()
+            if letter in _AXES and run.modal.has_axis(column)
+        }
         named = [
             _bits(feed_columns(controls, {axis for axis in _ALL if mask >> axis & 1})) for mask in range(1 << AXES)
         ]
-        self.columns, self.named = columns, named
-        self.arrays = np.array(columns, dtype=np.int64), np.array(named, dtype=np.int64)
+        self.axes, self.slots, self.named = axes, letter_slots(axes), named
+        self.arrays = np.array(self.slots, dtype=np.int64), np.array(named, dtype=np.int64)
         rules = [run.program.rules.codes.get(("G", tenths)) for tenths in (900, 910)]
         self.modes = [rule is not None and rule.companion and rule.function for rule in rules] == [
             F.ABSOLUTE, F.INCREMENTAL,
@@ -89,7 +91,7 @@ class PlainLines:
         self.linear = _bits({axis for axis in _ALL if run.modal.linear[axis]})
 
     def run(
-        self, run: WinCncRun, kernel: Any, words: tuple[Any, ...], count: int, at: int, compiled: bool
+        self, run: WinCncRun, kernel: Any, words: WordColumns, count: int, at: int, compiled: bool
     ) -> int:  # fmt: skip
         """Run lines in the kernel from word ``at``; returns the first word it left over. words: see ``run_moves``."""
         s, rows = run.modal, run.rows
@@ -98,13 +100,8 @@ class PlainLines:
         if not is_plain(s):
             return at
         state = self._packed(run, compiled)
-        tables = self.arrays if compiled else (self.columns, self.named)
-        out: Mapping[str, Any] = rows.arrays
-        before = rows.count
-        stop, row = kernel(
-            *words, count, at, *tables, *state, out["op"], out["line"], out["to"], out["feed"], out["center"],
-            out["turns"], out["plane"], before, rows.capacity,
-        )  # fmt: skip
+        slots, named = self.arrays if compiled else (self.slots, self.named)
+        stop, row = kernel(words, count, at, slots, named, state, trace_rows(rows.arrays), rows.count, rows.capacity)
         self._taken(run, state, int(row))
         return int(stop)
 
@@ -113,7 +110,7 @@ class PlainLines:
         s, rows = run.modal, run.rows
         zeros = [math.nan] * AXES
         for letter, value in cell.zeros:
-            column = self.columns[ord(letter)]
+            column = self.axes.get(letter, -1)
             if column < 0 or s.offset(column).form != s.position[column].form:
                 return 0
             zeros[column] = value * s.scale(column)
@@ -126,34 +123,32 @@ class PlainLines:
             s.own = s.own.but(cell_open=open_cell)
         if not plain:
             return 0
-        words: tuple[Any, ...] = cell.columns
-        count = len(words[0])
+        words = WordColumns(*cell.columns)
+        count = len(words.line)
         kernel: Any = k.run_cells.pick(len(places) * (count + len(cell.zeros)) / 3)
         compiled = kernel is not k.run_cells.python
         state = self._packed(run, compiled)
-        tables = self.arrays if compiled else (self.columns, self.named)
+        slots, table = self.arrays if compiled else (self.slots, self.named)
         work: Any = [s.work_offsets[s.work, axis].value for axis in _ALL]
         beside: Any = [s.beside_work(axis).value for axis in _ALL]
         named: Any = zeros
         if compiled:
             work, beside, named = np.array(work), np.array(beside), np.array(zeros)
         else:
-            words = tuple(column.tolist() for column in words)
-        ints, floats, *forms = state
-        out: Mapping[str, Any] = rows.arrays
+            words = WordColumns(*(column.tolist() for column in words))
+        kept = state._replace(ints=state.ints.copy(), floats=state.floats.copy())
+        cells = k.CellPlaces(places, line, named, work, beside, cell.zero_line, int(Op.OFFSET))
         done, row = kernel(
-            *words, count, *tables, ints, floats, ints.copy(), floats.copy(), *forms, out["op"], out["line"],
-            out["to"], out["feed"], out["center"], out["turns"], out["plane"], rows.count, rows.capacity, places,
-            len(places), line, named, work, beside, cell.zero_line, int(Op.OFFSET),
-        )  # fmt: skip
-        local = [float(value) for value in floats[k.LOCAL : k.LOCAL + AXES]]
+            words, count, slots, table, state, kept, trace_rows(rows.arrays), rows.count, rows.capacity, cells
+        )
+        local = [float(value) for value in state.floats[k.LOCAL : k.LOCAL + AXES]]
         self._taken(run, state, int(row), int(done) if cell.zero_line else 0)
         for axis, zero in enumerate(zeros):
             if done and not math.isnan(zero):
                 s.g92[axis] = Position(local[axis], s.g92[axis].form)
         return int(done)
 
-    def _taken(self, run: WinCncRun, state: tuple[Any, Any, Any, Any], row: int, events: int = 0) -> None:
+    def _taken(self, run: WinCncRun, state: LineState, row: int, events: int = 0) -> None:
         """Take over the rows up to ``row``, of which so many do not move, and what they leave."""
         rows = run.rows
         out: Mapping[str, Any] = rows.arrays
@@ -170,8 +165,8 @@ class PlainLines:
         first = Span(run.trace.files[run.file], int(out["line"][before])) if rows.count > before else None
         _unpack(run, state, rows.count - before - events, first)
 
-    def _packed(self, run: WinCncRun, compiled: bool) -> tuple[Any, Any, Any, Any]:
-        """The state of ``run_moves``: integers, floats, frames of the axes and of their offsets."""
+    def _packed(self, run: WinCncRun, compiled: bool) -> LineState:
+        """The state of ``run_moves``."""
         s = run.modal
         controls = run.machine.controller.controls
         offsets = [s.offset(axis) for axis in _ALL]
@@ -195,10 +190,12 @@ class PlainLines:
         ]  # fmt: skip
         form: Any = [run.frames.form(p.form) for p in s.position]
         offset_form: Any = [run.frames.form(o.form) for o in offsets]
+        values: Any = [0.0] * SLOTS
         if compiled:
+            values = np.zeros(SLOTS)
             ints, floats = np.array(ints, dtype=np.int64), np.array(floats, dtype=np.float64)
             form, offset_form = np.array(form, dtype=np.int64), np.array(offset_form, dtype=np.int64)
-        return ints, floats, form, offset_form
+        return LineState(ints, floats, form, offset_form, values)
 
 
 def _known(kept: tuple[float, float] | None) -> int:
@@ -206,9 +203,9 @@ def _known(kept: tuple[float, float] | None) -> int:
     return 0 if kept is None else 2 if math.isnan(kept[0]) else 1
 
 
-def _unpack(run: WinCncRun, state: tuple[Any, Any, Any, Any], rows: int, first: Span | None) -> None:
+def _unpack(run: WinCncRun, state: LineState, rows: int, first: Span | None) -> None:
     """Take over what ``run_moves`` has made of the state; first: of its rows that move."""
-    ints, floats = (part if isinstance(part, list) else part.tolist() for part in state[:2])
+    ints, floats = (part if isinstance(part, list) else part.tolist() for part in (state.ints, state.floats))
     s = run.modal
     open_feeds = bool(s.unknown_modes & OF_FEEDS)
     run.blocks += ints[k.LINES]

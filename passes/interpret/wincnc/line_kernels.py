@@ -9,11 +9,25 @@ Source: WinCNC Users Guide, G Codes: G0 to G3; Command Reference: Feedrates, Axi
 from __future__ import annotations
 
 import math
-from typing import Any
+from typing import Any, NamedTuple
 
 from gproof.ir.kernel import kernel
 from gproof.ir.program import FLAG_BARE
-from gproof.passes.interpret.core.line_kernels import LARGEST, badly_conditioned, radius_center
+from gproof.passes.interpret.core.line_decoder_kernels import (
+    AXIS_WORDS,
+    HAS_DISTANCE,
+    MOVE_WORDS,
+    F,
+    I,
+    J,
+    K,
+    LineState,
+    R,
+    TraceRows,
+    WordColumns,
+    read_line,
+)
+from gproof.passes.interpret.core.line_kernels import SAME, ZERO_RADIUS, badly_conditioned, distance, radius_center
 
 # Layout of the integer state; what a run leaves: RESET: a motion mode was set; USED: feeds of moves were taken;
 # NOTED: a line with a motion was executed; LINES: how many lines were. KEPT: I and J of the arc
@@ -30,17 +44,23 @@ from gproof.passes.interpret.core.line_kernels import LARGEST, badly_conditioned
 UNIT, SCALE, POSITION, OFFSET, FEEDS, FEED, KEPT_I, KEPT_J, SMALLEST, NEXT = 0, 1, 7, 13, 19, 25, 26, 27, 28, 29
 TOLERANCE, ARC_FEED, USUAL, LOCAL = 35, 36, 37, 38
 
-SAME = 1e-6
-"""mm: nearer than any drive can tell."""
-ZERO_RADIUS = 1e-9
 ROUNDING = 1e-9
 """mm: beside a rotary axis a shorter move of X, Y or Z is none."""
 
 
-@kernel()
-def distance(dx: float, dy: float) -> float:
-    """mm between two places of a plane."""
-    return math.sqrt(dx * dx + dy * dy)
+class CellPlaces(NamedTuple):
+    """Cells of an array. places: (cells, 2) X and Y at which the next one begins, in mm: behind each cell a traverse
+    goes there, which has line ``line``, unless the axes are there. zero_line: of the G92 that each cell begins with, 0
+    for none; zeros: (6,) what it calls the place of each axis, mm or degrees, NaN for those that it does not name;
+    work, beside: (6,) offsets of the workspace, and of tool and head; zero_op: of its row."""
+
+    places: Any
+    line: int
+    zeros: Any
+    work: Any
+    beside: Any
+    zero_line: int
+    zero_op: int
 
 
 @kernel()
@@ -65,110 +85,34 @@ def agreed(feeds: Any, first: int, moving: int, linear: int) -> float:
 
 @kernel(seconds_per_unit=2e-6, compile_seconds=4.0)
 def run_moves(
-    line: Any,
-    letter: Any,
-    value: Any,
-    flags: Any,
-    count: Any,
-    first_word: Any,
-    columns: Any,
-    named: Any,
-    ints: Any,
-    floats: Any,
-    form: Any,
-    offset_form: Any,
-    op: Any,
-    line_out: Any,
-    to: Any,
-    feed: Any,
-    center: Any,
-    turns: Any,
-    plane: Any,
-    row: Any,
-    capacity: Any,
-) -> tuple[int, int]:
+    words: WordColumns, count: int, first_word: int, slots: Any, named: Any, lines: LineState, rows: TraceRows,
+    row: int, capacity: int,
+) -> tuple[int, int]:  # fmt: skip
     """Execute lines from word ``first_word`` on; returns (next word, next row).
 
-    line i4, letter u1, value f8, flags u1: WORD columns of ``count`` words; columns: (256,) column of a letter, -1 for
-    none; named: (64,) by the columns that a line names (bits): those that its F gives a feed to (bits); ints, floats:
-    state, changed in place; form, offset_form: (6,) i8, the frame of each axis now and under the active offsets;
-    op .. plane: TRACE_ROW columns, written from ``row`` while below ``capacity``; the others are the caller's.
+    words: ``count`` of them are run; slots: see ``read_line``; named: (64,) by the columns that a line names (bits):
+    those that its F gives a feed to (bits); lines: state, changed in place; rows: op, line, to, feed, center, turns and
+    plane are written from ``row`` while below ``capacity``, the others are the caller's.
     """
+    line, letter, value, flags = words
+    ints, floats, form, offset_form, values = lines
+    op, line_out, to, feed = rows.op, rows.line, rows.to, rows.feed
+    center, turns, plane = rows.center, rows.turns, rows.plane
     word = first_word
-    v0 = v1 = v2 = v3 = v4 = v5 = vi = vj = vr = vf = 0.0
     unit = floats[UNIT]
+    taken = MOVE_WORDS | HAS_DISTANCE if ints[MODES] == 1 else MOVE_WORDS
     while word < count and row < capacity:
-        absolute = ints[ABSOLUTE] == 1
         here = line[word]
-        end = word
-        seen = 0
-        motion = ints[MOTION]
-        plain = True
-        all_bare = True
-        while end < count and line[end] == here:
-            code = letter[end]
-            number = value[end]
-            if number > LARGEST or number < -LARGEST:
-                plain = False
-            column = columns[code]
-            bit = 0
-            if column >= 0:
-                bit = 1 << column
-                if column == 0:
-                    v0 = number
-                elif column == 1:
-                    v1 = number
-                elif column == 2:
-                    v2 = number
-                elif column == 3:
-                    v3 = number
-                elif column == 4:
-                    v4 = number
-                else:
-                    v5 = number
-                if flags[end] & FLAG_BARE == 0:
-                    all_bare = False
-            elif code == 71:
-                if number == 1.0:
-                    motion = 2
-                elif number == 0.0:
-                    motion = 1
-                elif number == 2.0:
-                    motion = 3
-                elif number == 3.0:
-                    motion = 4
-                elif abs(number - 90.5) == 0.5 and ints[MODES] == 1:
-                    absolute = number == 90.0
-                    bit = 4096
-                else:
-                    plain = False
-                if bit == 0:
-                    bit = 2048
-            elif code == 70:
-                bit = 1024
-                vf = number
-            elif code == 73:
-                bit = 64
-                vi = number
-            elif code == 74:
-                bit = 128
-                vj = number
-            elif code == 75:
-                # K of 0 says nothing beside I and J.
-                bit = 256
-                plain = plain and number == 0.0
-            elif code == 82:
-                bit = 512
-                vr = number
-            else:
-                plain = False
-            if seen & bit:
-                plain = False
-            seen |= bit
-            end += 1
-        if not plain:
+        end, seen, motion, mode, _, every = read_line(
+            line, letter, value, flags, count, word, slots, ints[MOTION], ints[ABSOLUTE], values
+        )
+        # K of 0 says nothing beside I and J.
+        if seen & ~taken or (seen & 256 and values[K] != 0.0):
             return word, row
-        axes = seen & 63
+        absolute = mode == 1
+        all_bare = every & FLAG_BARE != 0
+        vf = values[F]
+        axes = seen & AXIS_WORDS
         command = seen & 2048
         has_feed = seen & 1024
         if has_feed and not vf > 0.0:
@@ -255,17 +199,17 @@ def run_moves(
         p5 = floats[POSITION + 5]
         t0, t1, t2, t3, t4, t5 = p0, p1, p2, p3, p4, p5
         if axes & 1:
-            t0 = v0 * floats[SCALE] + (floats[OFFSET] if absolute else p0)
+            t0 = values[0] * floats[SCALE] + (floats[OFFSET] if absolute else p0)
         if axes & 2:
-            t1 = v1 * floats[SCALE + 1] + (floats[OFFSET + 1] if absolute else p1)
+            t1 = values[1] * floats[SCALE + 1] + (floats[OFFSET + 1] if absolute else p1)
         if axes & 4:
-            t2 = v2 * floats[SCALE + 2] + (floats[OFFSET + 2] if absolute else p2)
+            t2 = values[2] * floats[SCALE + 2] + (floats[OFFSET + 2] if absolute else p2)
         if axes & 8:
-            t3 = v3 * floats[SCALE + 3] + (floats[OFFSET + 3] if absolute else p3)
+            t3 = values[3] * floats[SCALE + 3] + (floats[OFFSET + 3] if absolute else p3)
         if axes & 16:
-            t4 = v4 * floats[SCALE + 4] + (floats[OFFSET + 4] if absolute else p4)
+            t4 = values[4] * floats[SCALE + 4] + (floats[OFFSET + 4] if absolute else p4)
         if axes & 32:
-            t5 = v5 * floats[SCALE + 5] + (floats[OFFSET + 5] if absolute else p5)
+            t5 = values[5] * floats[SCALE + 5] + (floats[OFFSET + 5] if absolute else p5)
         c0 = c1 = c2 = 0.0
         turn = 0
         flat = 0
@@ -277,18 +221,18 @@ def run_moves(
             if ints[CENTER_KNOWN] == 0 or (ints[HELICAL] == 0 and axes & 60 == 4):
                 return word, row
             if seen & 512:
-                if seen & 448 or not vr > 0.0:
+                if seen & 448 or not values[R] > 0.0:
                     return word, row
-                c0, c1, bad = radius_center(p0, p1, t0, t1, vr * unit, 1 if motion == 4 else 0)
+                c0, c1, bad = radius_center(p0, p1, t0, t1, values[R] * unit, 1 if motion == 4 else 0)
                 # Nearly half circles get a warning: Python path, as errors do.
-                if bad != 0 or badly_conditioned(p0, p1, p2, t0, t1, t2, 1, vr * unit) == 1:
+                if bad != 0 or badly_conditioned(p0, p1, p2, t0, t1, t2, 1, values[R] * unit) == 1:
                     return word, row
                 kept = 2
             else:
                 if seen & 192 == 192:
                     kept = 1
-                    i = vi * unit
-                    j = vj * unit
+                    i = values[I] * unit
+                    j = values[J] * unit
                 elif seen & 448 or kept != 1:
                     return word, row
                 if ints[CENTER_ABSOLUTE] == 0:
@@ -367,48 +311,21 @@ def run_moves(
 
 @kernel(seconds_per_unit=6e-6, compile_seconds=4.5)
 def run_cells(
-    line: Any,
-    letter: Any,
-    value: Any,
-    flags: Any,
-    count: Any,
-    columns: Any,
-    named: Any,
-    ints: Any,
-    floats: Any,
-    kept_ints: Any,
-    kept_floats: Any,
-    form: Any,
-    offset_form: Any,
-    op: Any,
-    line_out: Any,
-    to: Any,
-    feed: Any,
-    center: Any,
-    turns: Any,
-    plane: Any,
-    row: Any,
-    capacity: Any,
-    places: Any,
-    cells: Any,
-    array_line: Any,
-    zeros: Any,
-    work: Any,
-    beside: Any,
-    zero_line: Any,
-    zero_op: Any,
-) -> tuple[int, int]:
+    words: WordColumns, count: int, slots: Any, named: Any, lines: LineState, kept: LineState, rows: TraceRows,
+    row: int, capacity: int, cells: CellPlaces,
+) -> tuple[int, int]:  # fmt: skip
     """Cells of an array, each of them all ``count`` words; returns (cells, next row).
 
-    places: (cells, 2) X and Y at which the next cell begins, in mm: behind each cell a traverse goes there, which has
-    line ``array_line``, unless the axes are there. kept_ints, kept_floats: room for a copy of the state. A cell that
-    ``run_moves`` does not run to its end, and that for which there is no room, is not begun. zero_line: of the G92 that
-    each cell begins with, 0 for none; zeros: (6,) what it calls the place of each axis, mm or degrees, NaN for those
-    that it does not name; work, beside: (6,) offsets of the workspace, and of tool and head; zero_op: of its row. The
-    rest: ``run_moves``.
+    kept: room for a copy of the state. A cell that ``run_moves`` does not run to its end, and that for which there is
+    no room, is not begun. The rest: ``run_moves``.
     """
+    ints, floats = lines.ints, lines.floats
+    kept_ints, kept_floats = kept.ints, kept.floats
+    op, line_out, to, feed = rows.op, rows.line, rows.to, rows.feed
+    center, turns, plane = rows.center, rows.turns, rows.plane
+    places, array_line, zeros, work, beside, zero_line, zero_op = cells
     done = 0
-    while done < cells:
+    while done < len(places):
         for n in range(len(ints)):
             kept_ints[n] = ints[n]
         for n in range(len(floats)):
@@ -432,10 +349,7 @@ def run_cells(
             plane[row] = 0
             ints[LINES] += 1
             begin = row + 1
-        word, last = run_moves(
-            line, letter, value, flags, count, 0, columns, named, ints, floats, form, offset_form, op, line_out, to,
-            feed, center, turns, plane, begin, capacity,
-        )  # fmt: skip
+        word, last = run_moves(words, count, 0, slots, named, lines, rows, begin, capacity)
         if word < count or last >= capacity:
             for n in range(len(ints)):
                 ints[n] = kept_ints[n]

@@ -23,9 +23,10 @@ from gproof.ir.trace import Op, Wait
 from gproof.passes.geometry.machine_axes import vertical_axes
 from gproof.passes.interpret.core import refused_lines
 from gproof.passes.interpret.core.channels import with_pair
+from gproof.passes.interpret.core.line_kernels import SAME
 from gproof.passes.interpret.wincnc.axis_targets import aim, bounded, follow, mapped, turn_unsettled
 from gproof.passes.interpret.wincnc.coupling import own_way, tell_held_back
-from gproof.passes.interpret.wincnc.line_kernels import SAME, agreed
+from gproof.passes.interpret.wincnc.line_kernels import agreed
 from gproof.passes.interpret.wincnc.state import (
     REGISTERS_OPEN,
     machine_zero,

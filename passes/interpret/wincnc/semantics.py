@@ -16,6 +16,7 @@ from gproof.ir.trace import KNIFE, Op
 from gproof.passes.interpret.core.axis_words import letters_of
 from gproof.passes.interpret.core.call_stack import Frame, Kept, PlainCell
 from gproof.passes.interpret.core.dead_variables import Idle
+from gproof.passes.interpret.core.line_decoder_kernels import WordColumns
 from gproof.passes.interpret.core.semantics import Dialect, Word
 from gproof.passes.interpret.wincnc import line as single
 from gproof.passes.interpret.wincnc import part_arrays
@@ -74,7 +75,7 @@ class WinCncDialect(Dialect[WinCncRun]):
         """Execute a line of a table."""
         single.run_line(run, span, words, bare=bare)
 
-    def hot(self, run: WinCncRun, kernel: Any, columns: tuple[Any, ...], count: int, at: int, compiled: bool) -> int:
+    def hot(self, run: WinCncRun, kernel: Any, columns: WordColumns, count: int, at: int, compiled: bool) -> int:
         """Run lines in the kernel from word ``at``; returns the first word it left over."""
         if self.plain is None:
             self.plain = PlainLines(run)

@@ -17,7 +17,7 @@ from gproof.driver.judge import judge
 from gproof.driver.session import Running
 from gproof.ir.trace import Plane
 from gproof.ir.verdict import Verdict
-from gproof.passes.geometry.extent_kernels import row_boxes, rows_near
+from gproof.passes.geometry.extent_kernels import Extents, boxed_rows, room_beyond, row_boxes, rows_near
 
 SAMPLES = np.linspace(0.0, 1.0, 10_000)
 PAIR = {Plane.XY: (0, 1), Plane.XZ: (2, 0), Plane.YZ: (1, 2)}
@@ -28,12 +28,11 @@ def box_of(path: Path) -> tuple[np.ndarray, np.ndarray]:
     section = path.done().sections[0]
     rows = section.rows
     low, high = np.full((2, 6), math.inf), np.full((2, 6), -math.inf)
-    index, none = np.zeros((2, 6), dtype=np.int64), np.zeros(0, dtype=np.int64)
+    index = np.zeros((2, 6), dtype=np.int64)
     row_boxes(
-        rows["op"], rows["to"], rows["center"], rows["turns"], rows["plane"], rows["frame"],
-        np.zeros(1, dtype=np.int64), rows["state"], np.array(section.start), np.zeros((1, 6), dtype=np.uint8),
-        np.full((2, 6), -math.inf), np.full((2, 6), math.inf), low, high, index, index.copy(), none, none,
-        np.zeros(0), np.zeros((0, 2)),
+        boxed_rows(rows), np.zeros(1, dtype=np.int64), np.array(section.start), np.zeros((1, 6), dtype=np.uint8),
+        np.full((2, 6), -math.inf), np.full((2, 6), math.inf), Extents(low, high, index, index.copy()), room_beyond(0),
+        np.zeros((0, 2)),
     )  # fmt: skip
     return low[0, :3], high[0, :3]
 

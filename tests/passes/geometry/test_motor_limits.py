@@ -24,7 +24,7 @@ from gproof.ir.trace import HEIGHT_MAP, Plane, Trace, chunks
 from gproof.ir.verdict import PropertyResult, Verdict
 from gproof.passes.checks.limits.soft_limits import Limits
 from gproof.passes.checks.zones.zones import Areas
-from gproof.passes.geometry.extent_kernels import row_boxes
+from gproof.passes.geometry.extent_kernels import Extents, boxed_rows, room_beyond, row_boxes
 from gproof.passes.geometry.height_map import Heights
 from gproof.passes.geometry.height_span_kernels import height_spans
 from gproof.passes.geometry.pitch import axis_position, exact_motor_position, motor_position, steepest
@@ -402,10 +402,10 @@ def test_both_speeds_bound_heights_and_extents_alike() -> None:
         spans_of(*columns, rows["state"], start, chunk.start_frame, on, known, heights.grid, heights.heights, spans)
         low, high = np.full((2 * len(trace.frames), 6), math.inf), np.full((2 * len(trace.frames), 6), -math.inf)
         where = np.full(low.shape, -1, dtype=np.int64)
-        bad = np.zeros(64, dtype=np.int64), np.zeros(64, dtype=np.int64), np.zeros(64)
+        bad = room_beyond(64)
         count = boxes_of(
-            *columns, states, rows["state"], np.array(chunk.start), known, lower, upper, low, high, where,
-            where.copy(), *bad, spans,
+            boxed_rows(rows), states, np.array(chunk.start), known, lower, upper,
+            Extents(low, high, where, where.copy()), bad, spans,
         )  # fmt: skip
         results.append((spans, low, high, count, *bad))
     assert results[0][3] > 0 and (results[0][0] != 0).any()

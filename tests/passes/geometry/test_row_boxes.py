@@ -7,25 +7,24 @@ from typing import Any
 import numpy as np
 import pytest
 
-from gproof.passes.geometry.extent_kernels import arc_extreme, row_boxes
+from gproof.passes.geometry.extent_kernels import Extents, arc_extreme, boxed_rows, room_beyond, row_boxes
 
 
 def walk(run: Any, rows: dict[str, Any], limits: tuple[Any, Any]) -> tuple[Any, ...]:
     """(extents low and high, rows of them, offences) of rows under one frame whose axes are known."""
     low, high = np.full((2, 6), np.inf), np.full((2, 6), -np.inf)
     low_row, high_row = np.full((2, 6), -1), np.full((2, 6), -1)
-    bad_row, bad_axis, bad_reach = np.zeros(900, np.int64), np.zeros(900, np.int64), np.zeros(900)
+    bad = room_beyond(900)
     count = run(
-        rows["op"], rows["to"], rows["center"], rows["turns"], rows["plane"], rows["frame"], np.zeros(1, np.int64),
-        rows["state"], rows["start"].copy(), np.ones((1, 6), np.uint8), *limits, low, high, low_row, high_row, bad_row,
-        bad_axis, bad_reach, np.zeros((0, 2)),
+        boxed_rows(rows), np.zeros(1, np.int64), rows["start"].copy(), np.ones((1, 6), np.uint8), *limits,
+        Extents(low, high, low_row, high_row), bad, np.zeros((0, 2)),
     )  # fmt: skip
     return (
         low,
         high,
         low_row,
         high_row,
-        list(zip(*(c[:count].tolist() for c in (bad_row, bad_axis, bad_reach)), strict=True)),
+        list(zip(*(c[:count].tolist() for c in bad), strict=True)),
     )
 
 

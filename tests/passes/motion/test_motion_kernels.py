@@ -20,7 +20,7 @@ from gproof.ir.finding import Findings
 from gproof.ir.kernel import Kernel
 from gproof.ir.text import print_ir
 from gproof.ir.trace import Op, Trace, chunks
-from gproof.passes.motion import plan_kernels, step_kernels
+from gproof.passes.motion import plan_kernels, run_kernels, step_kernels
 from gproof.passes.motion.plan import MotionEstimate, plan
 from gproof.passes.motion.step import step
 
@@ -130,9 +130,9 @@ def compressed(
     n = len(ticks)
     at, sign = np.array(ticks, dtype=np.int64), np.array(signs, dtype=np.int8)
     low, high = np.zeros(n, dtype=np.int64), np.zeros(n, dtype=np.int64)
-    runs, encoder = np.zeros((n, 4), dtype=np.int64), np.zeros(step_kernels.ENCODER_WIDTH, dtype=np.int64)
-    ways(step_kernels.bounds)[way](at, sign, n, 0, tolerance, near, turn, 1, 1 << 62, low, high)
-    done, filled = ways(step_kernels.compress)[way](at, sign, low, high, n, True, near, turn, encoder, runs, 0)
+    runs, encoder = np.zeros((n, 4), dtype=np.int64), np.zeros(run_kernels.ENCODER_WIDTH, dtype=np.int64)
+    ways(run_kernels.bounds)[way](at, sign, n, 0, tolerance, near, turn, 1, 1 << 62, low, high)
+    done, filled = ways(run_kernels.compress)[way](at, sign, low, high, n, True, near, turn, encoder, runs, 0)
     assert done == n
     now, k, was = 0, 0, 0
     for interval, count, add, direction in runs[:filled].tolist():
@@ -144,7 +144,7 @@ def compressed(
             gaps = [ticks[k] - (ticks[k - 1] if k else 0), *(ticks[k + 1 : k + 2] and [ticks[k + 1] - ticks[k]])]
             assert abs(now - ticks[k]) <= min(tolerance, min(gaps) / 2)
             k, was = k + 1, direction
-    assert k == n and encoder[step_kernels.E_TICK] == now
+    assert k == n and encoder[run_kernels.E_TICK] == now
     return [tuple(run) for run in runs[:filled].tolist()]
 
 

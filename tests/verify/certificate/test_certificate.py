@@ -24,11 +24,11 @@ from gproof.ir.machine import Machine
 from gproof.ir.setup import NOTHING, ZERO, CylinderMap, HeightMap, InForce, Interval, Setup
 from gproof.ir.text import print_ir
 from gproof.ir.verdict import DEFAULT_POLICY, Condition, PropertyResult, Verdict
+from gproof.verify.certificate import package as packages
 from gproof.verify.certificate.check import Check, check_package
 from gproof.verify.certificate.conform import misfit
 from gproof.verify.certificate.keys import load_key, load_or_create_key, load_public_key, public_key_text
 from gproof.verify.certificate.package import CertificateError, Package, canonical, read_package, seal
-from gproof.verify.certificate.package import package as packages
 
 
 @pytest.fixture(scope="module")

@@ -214,13 +214,13 @@ def test_the_plan_goes_as_fast_as_the_slower_motor() -> None:
 
 
 def test_both_speeds_of_the_stepper_agree_through_a_table(monkeypatch: pytest.MonkeyPatch) -> None:
-    from gproof.passes.motion import step_kernels as k
+    from gproof.passes.motion.run_kernels import bounds, compress
+    from gproof.passes.motion.step_kernels import step_times
 
     trace = a_path(random.Random(5))
     on = with_axes(x={"pitch": a_table(random.Random(1))}, y={"pitch": a_table(random.Random(2))})
     slow = lowered(trace, on)
-    for name in ("step_times", "bounds", "compress"):
-        one = getattr(k, name)
+    for one in (step_times, bounds, compress):
         monkeypatch.setattr(one, "pick", lambda work, one=one: one.compiled())
     fast = lowered(trace, on)
     assert np.array_equal(slow.sections[0].runs[0].arrays["interval"], fast.sections[0].runs[0].arrays["interval"])

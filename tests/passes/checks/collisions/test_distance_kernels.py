@@ -16,11 +16,12 @@ from support.campaigns import seeds
 from gproof.ir.columns import Columns
 from gproof.ir.machine import Tool
 from gproof.ir.workpiece import TRIANGLES, Box, Cylinder, Mesh, Placed
-from gproof.passes.checks.collisions import distance_kernels
+from gproof.passes.checks.collisions import distance_kernels, sweep_kernels
 from gproof.passes.checks.collisions import scene as distance_scene
-from gproof.passes.checks.collisions.distance_kernels import chords, raster, separation
+from gproof.passes.checks.collisions.distance_kernels import separation
 from gproof.passes.checks.collisions.facets import Surface
 from gproof.passes.checks.collisions.scene import GAP, Ladder, Scene
+from gproof.passes.checks.collisions.sweep_kernels import chords, raster
 from gproof.passes.checks.tooling import tool_shape
 from gproof.passes.checks.tooling.tool_shape import CUTTER, HOLDER, SHANK, UNSTATED, Piece, Shape, grown, shape_of
 
@@ -203,7 +204,7 @@ def test_nothing_is_overlooked_by_the_cells(seed: int) -> None:
 def test_mutated_short_cuts_are_caught(monkeypatch: pytest.MonkeyPatch) -> None:
     given = [case for seed in (1, 3, 6) for case in scenes(seed)]
     for old, new in CULLING:
-        monkeypatch.setattr(distance_scene, "sweep", mutated(distance_kernels, old, new)["sweep"])
+        monkeypatch.setattr(distance_scene, "sweep", mutated(sweep_kernels, old, new)["sweep"])
         monkeypatch.setenv("GPROOF_KERNELS", "python")
         caught = any(
             contacts(Scene(1, parts, limit, surface), shape, moves) != expected

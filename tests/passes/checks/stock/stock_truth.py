@@ -13,7 +13,9 @@ from typing import Any
 
 import numpy as np
 
-from gproof.passes.checks.stock import removal_kernels as kernels
+from gproof.passes.checks.stock import entry_kernels
+from gproof.passes.checks.stock import follow_kernels as kernels
+from gproof.passes.checks.stock.tool_side_kernels import BALL, BULL, CONE, FLAT
 
 INF = math.inf
 PLANES = {1: (0, 1, 2), 2: (2, 0, 1), 3: (1, 2, 0)}
@@ -44,9 +46,9 @@ class Shape:
     def row(self) -> list[float]:
         """As the kernel has it."""
         if self.name == "cone":
-            first = [kernels.CONE, self.radius, self.corner, math.tan(math.radians(self.angle / 2))]
+            first = [CONE, self.radius, self.corner, math.tan(math.radians(self.angle / 2))]
         else:
-            family = {"flat": kernels.FLAT, "ball": kernels.BALL, "bull": kernels.BULL}[self.name]
+            family = {"flat": FLAT, "ball": BALL, "bull": BULL}[self.name]
             first = [family, self.radius, self.radius if self.name == "ball" else self.corner, 0.0]
         return [*first, 0.0, INF, INF, INF, INF, INF, self.radius]
 
@@ -127,7 +129,7 @@ def sweep(
     upper = np.full((ny, nx), top)
     lower = upper.copy()
     n = len(moves)
-    told, amount = np.zeros((n, kernels.KINDS), dtype=np.int64), np.zeros((n, kernels.KINDS))
+    told, amount = np.zeros((n, entry_kernels.KINDS), dtype=np.int64), np.zeros((n, entry_kernels.KINDS))
     memory, places, lines = np.zeros(kernels.MEMORY), np.full((16, 5), math.nan), np.full((16, 8), math.nan)
     run = run or kernels.follow.compiled()
     tools, parts = np.array([tool or shape.row()], dtype=np.float64), np.zeros((1, 0, 6))
@@ -141,10 +143,10 @@ def sweep(
     step = pieces or n
     for k in range(0, n, step):
         s = slice(k, k + step)
-        run(
-            op[s], start[s], end[s], center[s], turns[s], plane[s], whole[s], nothing[s], off[s], 0.0 * off[s],
-            nothing[s], tools, parts, clearance, upper, lower, grid, memory, places, lines, told[s], amount[s],
-        )  # fmt: skip
+        columns = (op, start, end, center, turns, plane, whole, nothing, off, 0.0 * off, nothing)
+        rows = kernels.TipRows(*(column[s] for column in columns))
+        field = kernels.FieldAhead(upper, lower, grid, memory, places, lines)
+        run(rows, kernels.ToolTables(tools, parts), clearance, field, told[s], amount[s])
     return Swept(upper, lower, grid, told, amount)
 
 

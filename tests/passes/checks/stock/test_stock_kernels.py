@@ -9,7 +9,8 @@ import pytest
 from passes.checks.stock.stock_truth import SHAPES, Move, Shape, height_left, random_moves, sweep
 from support.campaigns import seeds
 
-from gproof.passes.checks.stock import removal_kernels as kernels
+from gproof.passes.checks.stock import entry_kernels
+from gproof.passes.checks.stock import follow_kernels as kernels
 
 
 @pytest.mark.parametrize("seed", seeds(5, 400))
@@ -80,11 +81,11 @@ def test_traverses_are_told_what_is_true(seed: int) -> None:
     left = height_left(shape, moves, points, 0.0)
     side = height_left(shape, [Move(kernels.FEED, last.start, last.end)], points, np.inf)
     into = np.where(left > -10.0, left - np.maximum(side, -10.0), -np.inf).max()
-    answer, amount = swept.told[-1, kernels.THROUGH], swept.amount[-1, kernels.THROUGH]
+    answer, amount = swept.told[-1, entry_kernels.THROUGH], swept.amount[-1, entry_kernels.THROUGH]
     told = f"seed {seed}: {shape} {moves} {last}: {answer} {amount}, {into} deep"
     if into > 1e-6:
-        assert answer != kernels.CLEAR, told
-    if answer == kernels.SURE and amount > 0.2:
+        assert answer != entry_kernels.CLEAR, told
+    if answer == entry_kernels.SURE and amount > 0.2:
         assert into > 0.0, told
 
 
@@ -103,7 +104,7 @@ def test_a_rib_thinner_than_a_cell_is_found() -> None:
         for move, clear in zip(over, (True, False), strict=True):
             up = Move(kernels.TRAVERSE, (-3.0, 6.01, -2.0), move.start)
             swept = sweep(shape, [*feeds, up, move], cell=cell)
-            assert (swept.told[-1, kernels.THROUGH] == kernels.CLEAR) == clear
+            assert (swept.told[-1, entry_kernels.THROUGH] == entry_kernels.CLEAR) == clear
 
 
 def test_the_clearance_holds_beside_and_below() -> None:
@@ -112,7 +113,7 @@ def test_the_clearance_holds_beside_and_below() -> None:
     for x, z, clear in ((14.5, -1.0, True), (14.499, -1.0, False), (5.0, 0.5, True), (5.0, 0.499, False)):
         move = Move(kernels.TRAVERSE, (x, 12.6, z), (x, 5.0, z))
         swept = sweep(shape, [move], clearance=0.5)
-        assert (swept.told[0, kernels.THROUGH] == kernels.CLEAR) == clear, (x, z)
+        assert (swept.told[0, entry_kernels.THROUGH] == entry_kernels.CLEAR) == clear, (x, z)
 
 
 @pytest.mark.parametrize("seed", seeds(3, 60))

@@ -11,9 +11,15 @@ import numpy as np
 import pytest
 from passes.checks.stock.stock_truth import SHAPES, Move, Shape, height_left, random_moves, sweep
 
-from gproof.passes.checks.stock import removal_kernels as kernels
+from gproof.ir.kernel import Kernel
+from gproof.passes.checks.stock import entry_kernels, removal_kernels, tool_side_kernels
+from gproof.passes.checks.stock import follow_kernels as kernels
 
-SOURCE = Path(kernels.__file__).read_text(encoding="utf-8")
+SOURCES = [
+    Path(module.__file__).read_text(encoding="utf-8")
+    for module in (tool_side_kernels, removal_kernels, entry_kernels, kernels)
+]
+"""In the order in which one imports the other."""
 
 MUTANTS = {
     "upper at one corner": ("max(max(a[i], a[i + 1]), max(b[i], b[i + 1]))", "a[i]"),
@@ -47,10 +53,15 @@ MUTANTS = {
 
 def mutant(old: str, new: str) -> Any:
     """``follow`` of the kernels with one piece of text replaced, in plain Python."""
-    assert old in SOURCE, old
-    module = types.ModuleType("mutant_kernels")
-    exec(compile(SOURCE.replace(old, new), "mutant_kernels", "exec"), module.__dict__)
-    return module.follow.python  # type: ignore[attr-defined]
+    assert any(old in source for source in SOURCES), old
+    made: dict[str, Any] = {}
+    for source in SOURCES:
+        module = types.ModuleType("mutant_kernels")
+        exec(compile(source.replace(old, new), "mutant_kernels", "exec"), module.__dict__)
+        names = module.__dict__
+        names.update({name: made[name] for name in names if name in made})
+        made.update({name: value for name, value in names.items() if isinstance(value, Kernel)})
+    return made["follow"].python
 
 
 def between(run: Any, seed: int) -> bool:
@@ -85,7 +96,7 @@ def told(run: Any) -> bool:
     )
     for moves, clearance, clear in cases:
         swept = sweep(flat, moves, cell=0.9, run=run, clearance=clearance)
-        if (swept.told[-1, kernels.THROUGH] == kernels.CLEAR) != clear:
+        if (swept.told[-1, entry_kernels.THROUGH] == entry_kernels.CLEAR) != clear:
             return False
     return True
 

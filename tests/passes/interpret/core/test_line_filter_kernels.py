@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 import pytest
 
 from gproof.ir.trace import Op
 from gproof.passes.interpret.core import line_filter_kernels as k
+from gproof.passes.interpret.core.line_decoder_kernels import SLOTS, WordColumns, letter_slots
 
 
 @pytest.mark.parametrize("pairs", [0, 1])
@@ -24,11 +23,14 @@ def test_cold_lines(pairs: int) -> None:
         expected = set(line[cold].tolist())
         if pairs:
             expected |= set(np.setxor1d(line[letter == ord("I")], line[letter == ord("J")]).tolist())
-        for run, words in ((k.cold_lines, [c.tolist() for c in (line, letter, value)]),
-                           (k.cold_lines.compiled(), [line, letter, value])):  # fmt: skip
+        columns = (line, letter, value, np.zeros(count, np.uint8))
+        slots = letter_slots({"X": 0, "Y": 1, "Z": 2}, "IJGF")
+        for run, words, table in (
+            (k.cold_lines, WordColumns(*(c.tolist() for c in columns)), slots),
+            (k.cold_lines.compiled(), WordColumns(*columns), np.array(slots)),
+        ):
             lines, firsts = np.empty(count, np.int64), np.empty(count, np.int64)
-            taken: Any = hot.tolist() if run is k.cold_lines else hot
-            found = run(*words, count, taken, pairs, lines, firsts)
+            found = run(words, count, table, np.zeros(SLOTS), pairs, lines, firsts)
             assert lines[:found].tolist() == sorted(expected)
             assert firsts[:found].tolist() == [int(np.argmax(line == number)) for number in sorted(expected)]
 

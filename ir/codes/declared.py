@@ -1,0 +1,30 @@
+"""How a finding code is declared, and those that are no more."""
+
+from __future__ import annotations
+
+from gproof.ir.finding import Code, Severity
+
+CODES: dict[int, Code] = {}
+RETIRED: dict[int, tuple[str, str]] = {
+    305: ("offset-box", "for which offsets a job is safe stands behind the verdict, and under conditions of a report"),
+    414: ("arc-too-small", "an arc without a radius is GP402, one that a controller cuts as a line GP407"),
+    516: ("jump-target", "a jump to nowhere is GP143, one into a block GP144"),
+}
+"""Numbers and names of codes that are no more, which no other code takes: what tells of the like now."""
+
+
+_NAMES: set[str] = set()
+
+
+def code(number: int, name: str, severity: Severity, template: str, prop: str = "language", hint: str = "") -> Code:
+    """Declare a code; a number or name used twice, or of a code that was retired, is an error at import.
+
+    hint: what to do, in findings that have no words of their own for it.
+    """
+    if number in RETIRED or any(name == old for old, _ in RETIRED.values()):
+        raise ValueError(f"finding code {number} {name} was retired")
+    if number in CODES or name in _NAMES:
+        raise ValueError(f"finding code {number} {name} declared twice")
+    _NAMES.add(name)
+    CODES[number] = Code(number, name, severity, template, prop, hint)
+    return CODES[number]
