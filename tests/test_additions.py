@@ -1,4 +1,4 @@
-"""A check, a report format and a board that stand outside register themselves, and no file of gproof is edited.
+"""A check, a report format, a board and a dialect that stand outside register themselves, and no file of gproof is edited.
 
 CONTRIBUTING.md says which files such an addition touches inside: the list is held against what the toys have.
 """
@@ -83,6 +83,45 @@ def test_a_board(folder: Path) -> None:
     assert with_toy("toy_board", folder, "run", "job.gpx", "--board", "toy").exit == 3
 
 
+TOY_JOB = """# a square, and back
+G21 G90
+M3 S1000
+G0 X10 Y10
+G1 X20 F600
+Y20
+G91
+X-10
+G4 P0.5
+M5
+M30
+"""
+
+
+def test_a_dialect(folder: Path) -> None:
+    """Ten codes that only the toy has: checked, compiled, verified and run, and printed as they are."""
+    (folder / "job.toy").write_text(TOY_JOB, encoding="utf-8")
+    done = with_toy("toy_dialect", folder, "check", "job.toy", *AT_HAND, "--format", "json")
+    report = json.loads(done.out)
+    assert (done.exit, report["verdict"], report["dialect"]["name"]) == (0, "SAFE", "toy"), done
+    # 10 from the work zero, then 10 along X, 10 along Y and 10 back.
+    box = {one["axis"]: (one["low"], one["high"]) for one in report["summary"]["box"]}
+    assert box["x"] == (10.0, 20.0) and box["y"] == (10.0, 20.0), report["summary"]
+    assert with_toy("toy_dialect", folder, "compile", "job.toy", *AT_HAND, "-o", "toy.gpx").exit == 0
+    assert with_toy("toy_dialect", folder, "verify", "toy.gpx", *AT_HAND).exit == 0
+    ran = with_toy("toy_dialect", folder, "run", "toy.gpx", "--board", "virtual", *AT_HAND, "--record", "toy.json")
+    assert ran.exit == 0, ran
+    record = json.loads((folder / "toy.json").read_text())
+    assert (record["motors"], record["position"]) == (["X", "Y"], [1000, 2000])  # 100 steps a mm
+    far = folder / "far.toy"
+    far.write_text(TOY_JOB.replace("X20", "X200"), encoding="utf-8")
+    done = with_toy("toy_dialect", folder, "check", "far.toy", *AT_HAND)
+    assert done.exit == 1 and "far.toy:5:" in done.err + done.out, done
+    bad = folder / "bad.toy"
+    bad.write_text("G0 X1\nM77\n", encoding="utf-8")
+    assert with_toy("toy_dialect", folder, "check", "bad.toy", *AT_HAND).exit == 1
+    assert with_toy("toy_dialect", folder, "fmt", "--check", "job.toy").exit == 0
+
+
 def listed(title: str) -> list[str]:
     """The files of a section of CONTRIBUTING.md: what begins the items of its list."""
     text = (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8")
@@ -97,6 +136,7 @@ def listed(title: str) -> list[str]:
         ("Add a check", "toy_check", {"<name>": "toy", "<room>": "lint"}),
         ("Add a report format", "toy_format", {"<name>": "toy"}),
         ("Add a board", "toy_board", {"<name>": "toy"}),
+        ("Add a dialect", "toy_dialect", {"<name>": "toy"}),
     ],
 )
 def test_contributing_lists_the_files_of_an_addition(title: str, toy: str, names: dict[str, str]) -> None:
@@ -106,7 +146,8 @@ def test_contributing_lists_the_files_of_an_addition(title: str, toy: str, names
         paths = [path.replace(written, name) for path in paths]
     assert paths == list(stated["FILES"])
     there = [path for path in paths if "toy" not in Path(path).name]
-    assert there == [stated["REGISTRY"]], "what is edited is the registry alone"
+    registries = stated["REGISTRY"]
+    assert there == ([registries] if isinstance(registries, str) else list(registries)), "registries alone are edited"
     assert all((ROOT / path).parent.is_dir() for path in paths)
 
 

@@ -17,15 +17,8 @@ MOST_LINES_OF_A_FUNCTION = 80
 MOST_ARGUMENTS = 19
 """Of a kernel. Columns that belong together are one named tuple."""
 
-LONG_FILES = {
-    "passes/interpret/core/modal_state.py", "passes/interpret/wincnc/moves.py",
-    "passes/interpret/wincnc/outputs_and_waits.py", "passes/interpret/wincnc/work_offsets.py",
-    "verify/stream_inputs.py", "verify/stream_kernels.py",
-}  # fmt: skip
-LONG_FUNCTIONS = {
-    "cli/run.py: run_run", "driver/judge.py: _pass",
-    "passes/interpret/core/modal_state.py: Modal.__init__", "passes/interpret/core/trace_writer.py: Emitter.__init__",
-}  # fmt: skip
+LONG_FILES: set[str] = set()
+LONG_FUNCTIONS: set[str] = set()
 """What still breaks the rules. These lists only get shorter: what is short by now has to go from them."""
 
 Function = ast.FunctionDef | ast.AsyncFunctionDef

@@ -2,21 +2,35 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 from gproof.ir.rules import LanguageRules
+
+
+def _eding() -> LanguageRules:
+    from gproof.ir.dialects.eding import EDING
+
+    return EDING
+
+
+def _wincnc() -> LanguageRules:
+    from gproof.ir.dialects.wincnc import WINCNC
+
+    return WINCNC
+
+
+def _mcuwin() -> LanguageRules:
+    from gproof.ir.dialects.mcuwin import MCUWIN
+
+    return MCUWIN
+
+
+RULES: dict[str, Callable[[], LanguageRules]] = {"eding": _eding, "wincnc": _wincnc, "mcuwin": _mcuwin}
+"""The rules of each dialect, loaded when somebody asks."""
 
 
 def rules_named(name: str) -> LanguageRules:
     """The rules of a dialect by name; ValueError when there is none."""
-    if name == "eding":
-        from gproof.ir.dialects.eding import EDING
-
-        return EDING
-    if name == "wincnc":
-        from gproof.ir.dialects.wincnc import WINCNC
-
-        return WINCNC
-    if name == "mcuwin":
-        from gproof.ir.dialects.mcuwin import MCUWIN
-
-        return MCUWIN
-    raise ValueError(f"no dialect is named {name!r}")
+    if name not in RULES:
+        raise ValueError(f"no dialect is named {name!r}")
+    return RULES[name]()

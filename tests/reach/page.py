@@ -12,8 +12,8 @@ from corpus.expectations import ROOT
 from reach.answers import TARGETS
 
 from gproof.ir import controls, din, drives, machine, setup, trace, workpiece
-from gproof.passes.interpret.mcuwin.state import DinState
-from gproof.passes.interpret.wincnc.state import SingleState
+from gproof.passes.interpret.mcuwin.state import McuWinState
+from gproof.passes.interpret.wincnc.state import WinCncState
 
 PAGE = ROOT / "docs" / "reach.md"
 STATED: tuple[ModuleType, ...] = (machine, setup, drives, controls, din, workpiece)
@@ -85,13 +85,18 @@ def run_fields() -> set[str]:
     """Fields of what a running program carries."""
     tree = ast.parse((ROOT / "passes" / "interpret" / "core" / "modal_state.py").read_text(encoding="utf-8"))
     classes = (node for node in ast.walk(tree) if isinstance(node, ast.ClassDef) and node.name == "Modal")
-    start = next(node for node in next(classes).body if isinstance(node, ast.FunctionDef) and node.name == "__init__")
+    starts = [
+        node
+        for node in next(classes).body
+        if isinstance(node, ast.FunctionDef) and (node.name == "__init__" or node.name.startswith("_begin_"))
+    ]
     names = {
         node.attr
+        for start in starts
         for node in ast.walk(start)
         if isinstance(node, ast.Attribute) and isinstance(node.ctx, ast.Store) and node.value.id == "self"
     }
-    return {f"Modal.{name}" for name in names} | _of(SingleState) | _of(DinState)
+    return {f"Modal.{name}" for name in names} | _of(WinCncState) | _of(McuWinState)
 
 
 def _fields(module: ModuleType) -> set[str]:
