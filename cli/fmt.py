@@ -23,6 +23,7 @@ from gproof.driver.session import READ, dialect_of
 from gproof.frontend.common.detect import EXTENSIONS
 from gproof.frontend.eding.load import load_alone
 from gproof.ir import codes
+from gproof.ir.dialects.wincnc_settings import wincnc_settings
 from gproof.ir.finding import Finding, Findings, Refusal, Severity, Span
 from gproof.ir.kernel import Kernel
 from gproof.ir.machine import NO_MACHINE, Machine
@@ -103,7 +104,7 @@ def _wincnc(machine: Machine, folders: list[Path], own: Path | None) -> Form:
     from gproof.frontend.wincnc.load import load_alone as load_wincnc
     from gproof.frontend.wincnc.machine import NO_SHOP
 
-    lexical = machine.controller.controls.lexical
+    lexical = wincnc_settings(machine).lexical
     where = [*folders, *([own] if own is not None else [])]
     return Form(
         lambda path, findings, name: load_wincnc(path, findings, name, machine=machine, folders=where),
@@ -118,7 +119,7 @@ def _macro_file(machine: Machine, folder: Path | None) -> Form:
     from gproof.frontend.wincnc.mac_program import load_macro_file
     from gproof.frontend.wincnc.machine import NO_SHOP
 
-    lexical = machine.controller.controls.lexical
+    lexical = wincnc_settings(machine).lexical
     return Form(
         lambda path, findings, name: load_macro_file(path, findings, name, machine=machine),
         lambda program: emit_wincnc(program, lexical),

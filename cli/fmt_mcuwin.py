@@ -19,7 +19,7 @@ from gproof.frontend.common.detect import EXTENSIONS
 from gproof.frontend.mcuwin.load import load_alone
 from gproof.frontend.mcuwin.machine import NO_MCUWIN
 from gproof.ir import codes
-from gproof.ir.din import NO_DIN
+from gproof.ir.dialects.mcuwin_settings import mcuwin_settings
 from gproof.ir.finding import Findings, Refusal, Severity
 from gproof.ir.machine import NO_MACHINE, Machine
 from gproof.ir.program import Program
@@ -36,7 +36,7 @@ _LAST_PART = re.compile(r"[/\\:]")
 def mcuwin_form(machine: Machine, machine_file: Path | None, folder: Path | None, path: Path) -> Form:
     """Of the file ``path``, which stands in ``folder`` (None: nowhere)."""
     known = NO_MCUWIN if machine is NO_MACHINE else machine
-    din = known.controller.din or NO_DIN
+    din = mcuwin_settings(known)
 
     def within(job: Path | None) -> Form:
         return Form(
@@ -82,7 +82,7 @@ def _without_names(form: Form, machine: Machine) -> Form:
 
     return Form(
         load,
-        lambda program: emit(program, machine.controller.din or NO_DIN, as_is=frozenset(lines)),
+        lambda program: emit(program, mcuwin_settings(machine), as_is=frozenset(lines)),
         judge=form.judge,
         said=said,
         machine=form.machine,
@@ -142,7 +142,7 @@ def _pieces(program: Program, machine: Machine) -> Iterator[bytes]:
     """The text of a Program, up to what has none: that is compared as a node."""
     axes = "".join(axis.word for axis in machine.axes)
     try:
-        yield from text_of(program, machine.controller.din or NO_DIN, axes)
+        yield from text_of(program, mcuwin_settings(machine), axes)
     except Refusal as refusal:
         yield str(refusal.finding.message).encode()
 

@@ -10,6 +10,7 @@ from gproof.cli.main import UsageError
 from gproof.driver.files import require_file, require_program
 from gproof.ir import codes
 from gproof.ir.dialects.accepts import USER_MACRO_FILE
+from gproof.ir.dialects.eding_settings import eding_settings
 from gproof.ir.finding import Findings, Span
 from gproof.ir.machine import NO_MACHINE, Machine, Unmodelled
 from gproof.ir.program import Call, Program
@@ -79,7 +80,7 @@ def _macro_file(machine: Machine, file: Path | None, job: Path) -> tuple[Path | 
     """
     from gproof.frontend.files.toml_table import is_file
 
-    name = machine.controller.macro_file
+    name = eding_settings(machine).macro_file
     if name is None or file is None:
         return None, machine
     for folder in (file.parent, job.parent):
@@ -151,7 +152,7 @@ def open_session(
             the_machine = dataclasses.replace(the_machine, not_modelled=(*the_machine.not_modelled, left_out))
         program = load_program(job, findings, macro, call=call or "", accepts=accepts)
         if program is not None:
-            judge_length(program, the_machine.controller.super_long_file, findings)
+            judge_length(program, eding_settings(the_machine).super_long_file, findings)
     if program is not None and call is not None:
         _call_only(program, call, job)
     elif program is not None and not program.body and program.subprograms:

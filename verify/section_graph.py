@@ -175,7 +175,7 @@ _OPEN_LOOP: tuple[tuple[Callable[[State], bool], str], ...] = (
 
 def _knife(machine: Machine) -> list[tuple[Callable[[State], bool], str]]:
     """Moves with a knife whose turning is not in the rows."""
-    knife = machine.controller.controls.knife
+    knife = machine.settings.knife
     if knife is None or not (knife.output is not None or knife.target or knife.blend):
         return []
     return [(lambda s: KNIFE in s.following, "the knife is turned by the controller, not by these rows")]

@@ -10,14 +10,14 @@ from fractions import Fraction
 from typing import Any
 
 from gproof.frontend.files.toml_table import TomlTable, exact_number, show
-from gproof.ir.controls import DEVICES, HIGHEST_CHANNEL, Controls
+from gproof.ir.dialects.wincnc_settings import DEVICES, HIGHEST_CHANNEL, WinCncSettings
 from gproof.ir.machine import AXIS_NAMES
 
 DEEPEST = 1000
 MOST_CHANNELS = 1000
 
 
-def controls_from(root: TomlTable, before: Controls, unit: Fraction) -> Controls:
+def controls_from(root: TomlTable, before: WinCncSettings, unit: Fraction) -> WinCncSettings:
     """The controls with what the table states; lengths of the table are in ``unit`` mm."""
     table = root.table("controls")
     if table is None:

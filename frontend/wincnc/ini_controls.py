@@ -10,20 +10,16 @@ from fractions import Fraction
 from gproof.frontend.wincnc.ini_check import Sheet, number
 from gproof.frontend.wincnc.ini_file import Setting
 from gproof.frontend.wincnc.ini_keys import KEYS
-from gproof.ir.controls import (
+from gproof.ir.dialects.wincnc_settings import (
     HIGHEST_CHANNEL,
     Changer,
-    Controls,
     DrillSettings,
-    HomingLine,
-    KnifeMode,
     Lexical,
     MeasureSwitch,
-    SawMode,
-    TorchControl,
-    Workspace,
+    WinCncSettings,
 )
 from gproof.ir.finding import Span
+from gproof.ir.settings import HomingLine, KnifeMode, SawMode, TorchControl, Workspace
 
 ARC_ERROR = Fraction(1, 100)
 COMMENT_SIGNS = "[(%"
@@ -42,7 +38,7 @@ _DEVICES = (
 """The key that sets a feature up, and its name in ``Controls.devices``."""
 
 
-def read_controls(sheet: Sheet) -> Controls:
+def read_controls(sheet: Sheet) -> WinCncSettings:
     """Everything that is not of one axis."""
     groups, command = _feed_groups(sheet)
     on, available = _soft_limits(sheet)
@@ -57,7 +53,7 @@ def read_controls(sheet: Sheet) -> Controls:
     if scan is not None and (scan.word("T") is None or scan.word("C") is None):
         sheet.ini.bad(scan, "T and C are needed")
     mode = sheet.bare("nmode")
-    return Controls(
+    return WinCncSettings(
         lexical=_lexical(sheet),
         start=sheet.text("cmdstart"),
         end=sheet.text("cmdend"),

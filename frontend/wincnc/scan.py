@@ -18,7 +18,7 @@ import numpy.typing as npt
 from gproof.frontend.common.lines import Automata, LineIndex, automata, index_lines
 from gproof.frontend.wincnc import scan_kernels as k
 from gproof.ir.columns import Columns
-from gproof.ir.controls import Lexical
+from gproof.ir.dialects.wincnc_settings import Lexical
 from gproof.ir.program import FLAG_POINT, WORD
 from gproof.ir.record import record
 

@@ -71,7 +71,7 @@ def _with_forced(machine: Machine) -> Machine:
 
     They are no end stops: below a forced limit under the soft one the travel still has to be stated.
     """
-    forced = machine.controller.controls.forced
+    forced = machine.settings.forced
     if forced is None:
         return machine
     axes = []
@@ -438,7 +438,7 @@ class Limits(Check):
 
     def _is_forced(self, index: int, limit: float) -> bool:
         """Whether a lower limit is a forced one."""
-        forced = self.machine.controller.controls.forced
+        forced = self.machine.settings.forced
         return forced is not None and index < len(forced) and forced[index][0] == limit
 
     def finish(self) -> PropertyResult:

@@ -10,7 +10,7 @@ import math
 
 from gproof.ir import codes
 from gproof.ir.dialects.mcuwin import COMMON, DECLARED
-from gproof.ir.din import VERSIONS
+from gproof.ir.dialects.mcuwin_settings import VERSIONS
 from gproof.ir.finding import Refusal, Span
 from gproof.ir.program import (
     PARAMETER,

@@ -356,7 +356,7 @@ class Executor(Flow):
             if not told:
                 self._fail(codes.UNKNOWN_SUBPROGRAM.at(span, name=name))
             return
-        own = self.machine.controller.controls.nesting
+        own = self.machine.settings.nesting
         allowed = self.program.rules.call_depth if own is None else own
         again = self._depth.count(name)
         asked = 0 < again <= sum(frame.group is not None for frame in self._stack)

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from gproof.ir.din import VERSIONS
+from gproof.ir.dialects.mcuwin_settings import VERSIONS
 from gproof.ir.program import (
     Block,
     Call,
@@ -169,7 +169,7 @@ class HotPasses(Endless):
         """A call that runs its subprogram once and gives it nothing: see ``pass_code.Source``."""
         sub, rules = self.program.subprograms.get(node.name), self.program.rules
         chain = [*self._depth, *inside, node.name]
-        own = self.machine.controller.controls.nesting
+        own = self.machine.settings.nesting
         if sub is None or node.deleted or node.arguments or node.count is not None or sub.parameters:
             return None
         if node.name in chain[:-1] or len(chain) > (rules.call_depth if own is None else own) or self._ends_contours():

@@ -449,7 +449,7 @@ class Modal:
         """mm by which the radii at start and end of an arc may differ, in the units that are active."""
         if self.rules.source_order:
             return din_state.din_of(self.machine).arc_tolerance
-        stated = self.machine.controller.controls.arc_tolerance
+        stated = self.machine.settings.arc_tolerance
         if stated is not None:
             return stated * self.transform.arc_tolerance
         tolerance = self.rules.arc_tolerance_inch * INCH if self.unit == INCH else self.rules.arc_tolerance_mm

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 
 from gproof.ir import codes, modal_groups
 from gproof.ir.dialects.mcuwin import COOLANT, MOTION, SPINDLE, USER, has_code
-from gproof.ir.din import FIRST_USER_CODE, LAST_USER_CODE
+from gproof.ir.dialects.mcuwin_settings import FIRST_USER_CODE, LAST_USER_CODE
 from gproof.ir.finding import Refusal, Span
 from gproof.ir.program import PARAMETER
 from gproof.ir.record import field, record

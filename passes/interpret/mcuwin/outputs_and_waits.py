@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 from gproof.ir import codes
 from gproof.ir.dialects.mcuwin import COMMON, DECLARED, PROTECTED
-from gproof.ir.din import VERSIONS, TaskCode
+from gproof.ir.dialects.mcuwin_settings import VERSIONS, TaskCode
 from gproof.ir.finding import FollowedRefusal, Refusal, Span
 from gproof.ir.modal_groups import OF_FEEDS
 from gproof.ir.program import PARAMETER, Named

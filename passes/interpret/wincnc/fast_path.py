@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from gproof.ir.dialects.wincnc_settings import wincnc_settings
 from gproof.ir.finding import Span
 from gproof.ir.machine import AXES
 from gproof.ir.modal_groups import OF_FEEDS
@@ -43,7 +44,7 @@ def is_plain(s: Modal) -> bool:
         and not single.scales
         and not single.flags & {"autoaux", "mapped", "compensation", LEANING}
         and not s.cycle_code
-        and not (s.machine.controller.controls.adjust_boundary or s.machine.controller.controls.adjust_vertical)
+        and not (wincnc_settings(s.machine).adjust_boundary or wincnc_settings(s.machine).adjust_vertical)
         and single.absolute_once is None
         and not single.cell_open
         and not single.drift
@@ -71,7 +72,7 @@ class PlainLines:
     """
 
     def __init__(self, ex: Motion) -> None:
-        controls = ex.machine.controller.controls
+        controls = wincnc_settings(ex.machine)
         columns = [-1] * 256
         for letter, column in letters_of(ex.machine).items():
             if letter in _AXES and ex.modal.has_axis(column):
@@ -172,7 +173,7 @@ class PlainLines:
     def _packed(self, ex: Motion, compiled: bool) -> tuple[Any, Any, Any, Any]:
         """The state of ``run_moves``: integers, floats, frames of the axes and of their offsets."""
         s = ex.modal
-        controls = ex.machine.controller.controls
+        controls = wincnc_settings(ex.machine)
         offsets = [s.offset(axis) for axis in _ALL]
         known = not any(s.position[axis].minus(s.position[axis]).form for axis in (0, 1))
         if s.line_lost:

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 
 from gproof.ir import codes
 from gproof.ir.dialects.accepts import REPEATED_CHANNEL
+from gproof.ir.dialects.wincnc_settings import wincnc_settings
 from gproof.ir.finding import Refusal, Severity, Span
 from gproof.ir.machine import AXES
 from gproof.ir.modal_groups import MOVES, PLACE
@@ -173,7 +174,7 @@ def _run_alone(ex: Motion, span: Span, words: Words, texts: Texts, comment: str,
     line: Command | None = None
     if ex.modal.line_lost:
         refused_lines.settle(ex.modal)
-    devices = ex.machine.controller.controls.devices
+    devices = wincnc_settings(ex.machine).devices
     try:
         has_laser = devices is not None and "laser" in devices
         line = gather(ex.program.rules, letters_of(ex.machine), span, words, has_laser)
@@ -311,7 +312,7 @@ def _doubt_mapping(ex: Motion, line: Command, command: CodeRule) -> None:
 
 def _need_device(ex: Motion, line: Command, command: CodeRule) -> None:
     """Refusal GP285 for a command to something that the machine's file does not set up."""
-    controls = ex.machine.controller.controls
+    controls = wincnc_settings(ex.machine)
     if controls.devices is None:
         return
     devices = {*controls.devices, *(f"atc{changer.number}" for changer in controls.changers)}

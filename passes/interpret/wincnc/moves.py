@@ -11,8 +11,8 @@ from collections.abc import Callable, Iterable
 from typing import TYPE_CHECKING
 
 from gproof.ir import codes
-from gproof.ir.controls import Controls
 from gproof.ir.dialects import accepts
+from gproof.ir.dialects.wincnc_settings import WinCncSettings, wincnc_settings
 from gproof.ir.finding import Refusal, Span
 from gproof.ir.machine import AXES, AXIS_NAMES
 from gproof.ir.modal_groups import MOTION, OF_FEEDS
@@ -56,7 +56,7 @@ MOVES = frozenset((
 def note_assumptions(ex: Motion, span: Span | None) -> None:
     """What is taken for granted because neither job nor files say it. span: of the move, None of a code without one."""
     stated = ex.modal.stated
-    controls = ex.machine.controller.controls
+    controls = wincnc_settings(ex.machine)
     if "distance" not in stated and controls.absolute is None:
         ex.assumed["the job starts in absolute distances (G90)"] = None
     if ex.settings.waiting:
@@ -330,7 +330,7 @@ def spindle_speed(ex: Motion, line: Command) -> None:
     if not isinstance(value, Unknown) and value < 0:
         raise Refusal(codes.ILLEGAL_VALUE.at(line.where("S"), word="S", what=f"a speed of {value:g}"))
     spindle_range(ex, line)
-    devices = ex.machine.controller.controls.devices
+    devices = wincnc_settings(ex.machine).devices
     if devices is not None and "spinmac" in devices:
         raise Refusal(codes.UNSUPPORTED_CODE.at(line.where("S"), code="S with spindle=T2, which runs SPIN.MAC,"))
     ex.modal.spindle_speed = value
@@ -351,14 +351,14 @@ def feed_word(ex: Motion, line: Command, columns: set[int] | None = None) -> Non
     else:
         rate = value
     feeds = list(s.single.feeds)
-    named = feed_columns(ex.machine.controller.controls, columns or set())
+    named = feed_columns(wincnc_settings(ex.machine), columns or set())
     for column in named:
         feeds[column] = math.nan if s.unknown_modes & OF_FEEDS else rate * s.scale(column)
     doubt = s.single.feed_doubt and not named & {0, 1}
     s.single = s.single.but(feeds=tuple(feeds), feed_doubt=doubt)
 
 
-def feed_columns(controls: Controls, columns: set[int]) -> set[int]:
+def feed_columns(controls: WinCncSettings, columns: set[int]) -> set[int]:
     """The columns to which an F beside axis words of these columns gives a feed."""
     named = {AXIS_NAMES[column] for column in columns}
     if not named:
@@ -419,7 +419,7 @@ def straight(ex: Motion, line: Command, rule: CodeRule) -> None:
 def switch_output(ex: Motion, line: Command, *, cutting: bool) -> None:
     """The output that is on during feed moves and off else (autoaux=, L34)."""
     s = ex.modal
-    controls = ex.machine.controller.controls
+    controls = wincnc_settings(ex.machine)
     number = controls.auto_output
     if number is None or "autoaux" not in s.single.flags or ("cutting" in s.single.flags) == cutting:
         return
@@ -434,7 +434,7 @@ def switch_output(ex: Motion, line: Command, *, cutting: bool) -> None:
 def adjusted(ex: Motion, line: Command, target: list[Position], moved: set[int]) -> list[Position]:
     """The target where the controller goes instead of past a boundary or, of vertical axes, a limit (softlim= B V)."""
     s = ex.modal
-    controls = ex.machine.controller.controls
+    controls = wincnc_settings(ex.machine)
     if not (controls.adjust_boundary or controls.adjust_vertical):
         return target
     target = list(target)
@@ -533,7 +533,7 @@ def stored_place(ex: Motion, line: Command, op: Op, *, machine: bool = False) ->
         what = f"{letter}{number} beside axes in a line without G53 (what counts is not said)"
         raise Refusal(codes.UNSUPPORTED_CODE.at(line.where(letter), code=what))
     s = ex.modal
-    controls = ex.machine.controller.controls
+    controls = wincnc_settings(ex.machine)
     most = {"P": controls.positions, "H": controls.homes, "T": controls.tool_positions}[letter]
     if number < 0 or (most is not None and number > most):
         raise Refusal(codes.STORED_POSITION_MISSING.at(line.where(letter), word=f"{letter}{number}"))
@@ -671,7 +671,7 @@ def arc(ex: Motion, line: Command, rule: CodeRule) -> None:
     """G2 and G3 in X and Y; what else the line names moves along evenly."""
     note_assumptions(ex, line.span)
     s = ex.modal
-    controls = ex.machine.controller.controls
+    controls = wincnc_settings(ex.machine)
     if controls.arcs_modal:
         s.motion = int(rule.function)
         s.cycle, s.cycle_code = {}, 0
@@ -730,7 +730,7 @@ def arc(ex: Motion, line: Command, rule: CodeRule) -> None:
 def _arc_feed(ex: Motion, line: Command, moved: set[int]) -> None:
     """F of arcs is kept apart from that of lines (Feed Velocity); without one of either kind, where both agree."""
     s = ex.modal
-    share = ex.machine.controller.controls.arcs_share_feed
+    share = wincnc_settings(ex.machine).arcs_share_feed
     value = line.values.get("F")
     if share:
         feed_word(ex, line, moved)
@@ -758,7 +758,7 @@ def _make(
 ) -> None:  # fmt: skip
     s = ex.modal
     switch_output(ex, line, cutting=True)
-    smallest = ex.machine.controller.controls.smallest_arc
+    smallest = wincnc_settings(ex.machine).smallest_arc
     if smallest is not None and radius < smallest:
         closed = all(abs(target[axis].value - s.position[axis].value) < SAME for axis in (0, 1))
         hint = "the arc is a full circle, so nothing of it is cut" if closed else ""

@@ -10,6 +10,7 @@ import math
 from typing import TYPE_CHECKING
 
 from gproof.ir import codes
+from gproof.ir.dialects.wincnc_settings import wincnc_settings
 from gproof.ir.finding import FollowedRefusal, Refusal, Span
 from gproof.ir.machine import AXES, AXIS_NAMES
 from gproof.ir.program import Input, Named
@@ -79,7 +80,7 @@ def channel(ex: Motion, line: Command, rule: CodeRule, known: tuple[int, ...] | 
     """The channel in C; Refusal GP128 for one that is not there."""
     number = line.whole("C", ex.program.rules.integer_tolerance)
     assert number is not None
-    stated = ex.machine.controller.controls.highest_channel
+    stated = wincnc_settings(ex.machine).highest_channel
     highest = math.inf if stated is None else stated
     if number < 0 or number > highest or (known is not None and number not in known):
         allowed = (
@@ -92,7 +93,7 @@ def channel(ex: Motion, line: Command, rule: CodeRule, known: tuple[int, ...] | 
 def output(ex: Motion, line: Command, rule: CodeRule) -> None:
     """M11 to M14: an output on or off; M13 and M14 without a stop."""
     s = ex.modal
-    controls = ex.machine.controller.controls
+    controls = wincnc_settings(ex.machine)
     on = rule.function in (F.OUTPUT_ON, F.OUTPUT_ON_MOVING)
     if "C" not in line.values:
         if "D" not in line.values:
@@ -110,7 +111,7 @@ def output(ex: Motion, line: Command, rule: CodeRule) -> None:
 
 def _bank(ex: Motion, line: Command, rule: CodeRule, on: bool) -> None:
     """M11 D: drills of a bank by the bits of a number."""
-    banks = ex.machine.controller.controls.drill_banks
+    banks = wincnc_settings(ex.machine).drill_banks
     ex.settings.meet("drills", line.span)
     if len(banks) != 1:
         raise Refusal(codes.UNSUPPORTED_CODE.at(line.span, code=f"{rule.text} with D, and not one drillbank="))
@@ -138,7 +139,7 @@ def analog(ex: Motion, line: Command, rule: CodeRule) -> None:
 
 def wait(ex: Motion, line: Command, rule: CodeRule) -> None:
     """M17 and M18: until an input is on or off."""
-    number = channel(ex, line, rule, ex.machine.controller.controls.inputs, "input")
+    number = channel(ex, line, rule, wincnc_settings(ex.machine).inputs, "input")
     ex.event(Op.INPUT_WAIT, line.span, arg=(float(number), float(rule.function is F.WAIT_ON)))
     ex._end_section(Wait.INPUT, "come", None, line.span)
 
@@ -149,7 +150,7 @@ def virtual(ex: Motion, line: Command, rule: CodeRule) -> None:
     if number is None or not 1 <= number <= 64:
         raise Refusal(codes.PARAMETER_RANGE.at(line.where("C"), code=rule.text, word="C", allowed="1 to 64"))
     s = ex.modal
-    swapped = ex.machine.controller.controls.virtual_on == 60
+    swapped = wincnc_settings(ex.machine).virtual_on == 60
     on = float((rule.function is F.VIRTUAL_ON) != swapped)
     s.single = s.single.but(virtual=with_pair(s.single.virtual, number, on))
 
@@ -191,7 +192,7 @@ def _turns(ex: Emitter, name: str) -> bool:
 def _internal(ex: Emitter, name: str) -> Value:
     """The value of a variable of the controller, lengths in the program's unit."""
     s = ex.modal
-    controls = ex.machine.controller.controls
+    controls = wincnc_settings(ex.machine)
     if name in ("TP1", "TP2"):
         return s.single.tools[int(name[2]) - 1]
     if name in ("TN1", "TN2"):
@@ -217,7 +218,7 @@ def _internal(ex: Emitter, name: str) -> Value:
 def _tool_height(ex: Emitter, number: int) -> Value:
     """TH1, TH2: the height of atc1= or that of the tool in the library; a number where the two agree."""
     s = ex.modal
-    changer = next((c for c in ex.machine.controller.controls.changers if c.number == number), None)
+    changer = next((c for c in wincnc_settings(ex.machine).changers if c.number == number), None)
     tool = s.single.tools[number - 1]
     name = f"TH{number}"
     if changer is None or changer.height is None or isinstance(tool, Unknown):
@@ -241,7 +242,7 @@ def read_input(ex: Emitter, node: Input, evaluator: Evaluator) -> Value:
             raise Refusal(codes.PARAMETER_RANGE.at(node.span, code="a condition", word="C", allowed="0 or 1"))
         return value
     number = round(value)
-    controls = ex.machine.controller.controls
+    controls = wincnc_settings(ex.machine)
     there = {"input": controls.inputs, "output": controls.outputs, "virtual": range(1, 65)}.get(node.kind)
     highest = math.inf if controls.highest_channel is None else controls.highest_channel
     beyond = node.kind in ("input", "output") and number > highest
@@ -288,7 +289,7 @@ def tool_number(ex: Motion, line: Command, rule: CodeRule) -> None:
     if rule.value == 1 and s.tool != number and s.single.reference is None:
         s.lengths_used = True
         s.single = s.single.but(reference=tuple(s.beside_tip(axis) for axis in range(AXES)))
-    changers = {changer.number: changer for changer in ex.machine.controller.controls.changers}
+    changers = {changer.number: changer for changer in wincnc_settings(ex.machine).changers}
     changer = changers.get(rule.value)
     axis = AXIS_NAMES.index(changer.axis) if changer is not None else 2
     register = line.whole("R", ex.program.rules.integer_tolerance) if "R" in line.values else number
@@ -358,7 +359,7 @@ def compensation(ex: Motion, line: Command, rule: CodeRule) -> None:
     if rule.function is F.COMPENSATION_OFF:
         s.single = s.single.but(flags=s.single.flags - {"compensation"})
         return
-    controls = ex.machine.controller.controls
+    controls = wincnc_settings(ex.machine)
     amount = line.number("O")
     if not controls.changers and amount == 0.0:
         if controls.devices is None:
@@ -478,7 +479,7 @@ def lock(ex: Motion, line: Command, rule: CodeRule) -> None:
 def guards(ex: Motion, line: Command, rule: CodeRule) -> None:
     """L20 and L21: soft limits and boundaries."""
     s = ex.modal
-    controls = ex.machine.controller.controls
+    controls = wincnc_settings(ex.machine)
     which = line.number("X") if rule.function is F.LIMITS_ON else None
     if which not in (None, 1.0, 2.0):
         raise Refusal(codes.PARAMETER_RANGE.at(line.where("X"), code=rule.text, word="X", allowed="1 or 2"))
@@ -544,7 +545,7 @@ def knife(ex: Motion, line: Command, rule: CodeRule) -> None:
         s.single = s.single.but(flags=s.single.flags - {LEANING})
         ex._state_changed()
         return
-    mode = ex.machine.controller.controls.knife
+    mode = wincnc_settings(ex.machine).knife
     if ex.machine.knife is None:
         problem = "without knifemode=" if mode is None else single_knife.problem_of(ex, mode)
         if problem:
@@ -560,7 +561,7 @@ def knife(ex: Motion, line: Command, rule: CodeRule) -> None:
 def knife_settings(ex: Motion, line: Command, rule: CodeRule) -> None:
     """L30.1: lift angle, lift position and plunge depth, in the unit in force."""
     s = ex.modal
-    mode = ex.machine.controller.controls.knife
+    mode = wincnc_settings(ex.machine).knife
     angle, up, down = (line.number(letter) for letter in "AZP")
     if angle is not None and angle < 0:
         raise Refusal(codes.ILLEGAL_VALUE.at(line.where("A"), word="A", what=f"a lift angle of {angle:g}"))
@@ -594,7 +595,7 @@ def saw(ex: Motion, line: Command, rule: CodeRule) -> None:
 def torch(ex: Motion, line: Command, rule: CodeRule) -> None:
     """L38 and L39: the torch's output; with height control on, Z goes where the arc's voltage sends it."""
     s = ex.modal
-    controls = ex.machine.controller.controls
+    controls = wincnc_settings(ex.machine)
     on = rule.function is F.TORCH_ON
     if "A" in line.values:
         raise Refusal(codes.UNSUPPORTED_CODE.at(line.span, code=f"{rule.text} with a bevel angle"))
@@ -626,7 +627,7 @@ def _burning(ex: Motion, line: Command, rule: CodeRule, *, on: bool) -> None:
     s = ex.modal
     s.single = s.single.but(flags=s.single.flags | {"torch"} if on else s.single.flags - {"torch"})
     if on and _height_acts(ex):
-        control = ex.machine.controller.controls.torch
+        control = wincnc_settings(ex.machine).torch
         s.position[AXIS_NAMES.index(control.axis) if control is not None and control.axis else 2] = NOWHERE
         ex._fail(codes.HEIGHT_CONTROL.at(line.span, code=rule.text))
         s.jumped = True
@@ -707,7 +708,7 @@ def measured(ex: Motion, line: Command, rule: CodeRule) -> None:
     the probe rises again is not said: between the surface and where it came from.
     """
     s = ex.modal
-    controls = ex.machine.controller.controls
+    controls = wincnc_settings(ex.machine)
     axis = AXIS_NAMES.index(controls.probe_axis)
     contact = ex.setup.contacts.get(controls.probe_axis)
     if axis in s.single.locked or any(axis in pair for pair in s.single.slaves):
@@ -759,7 +760,7 @@ def _surface(ex: Motion, line: Command, axis: int, contact: Interval) -> None:
 
 def map_adjustment(ex: Motion, line: Command, rule: CodeRule) -> None:
     """L600, L601: adjustments of axismap= off and on: nothing on a machine that has no map."""
-    devices = ex.machine.controller.controls.devices
+    devices = wincnc_settings(ex.machine).devices
     if devices is not None and "axismap" not in devices:
         note(ex, line, rule)
         return
@@ -783,7 +784,7 @@ def feed_override(ex: Motion, line: Command, rule: CodeRule) -> None:
     Where override= E0 switches overrides off, or nobody knows P, feeds are not known any more (GP270).
     """
     s = ex.modal
-    controls = ex.machine.controller.controls
+    controls = wincnc_settings(ex.machine)
     percent = line.values.get("P", 0.0)
     low, high = controls.override or (None, None)
     low, high = 1.0 if low is None else low, 200.0 if high is None else high
@@ -839,7 +840,7 @@ def backlash(ex: Motion, line: Command, rule: CodeRule) -> None:
     a motor goes back when it is switched off, is not said.
     """
     s = ex.modal
-    controls = ex.machine.controller.controls
+    controls = wincnc_settings(ex.machine)
     stated = {AXIS_NAMES.index(name): amount for name, amount in controls.backlash}
     most = dict(s.single.backlash)
     if rule.text == "L9":

@@ -11,10 +11,11 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from gproof.ir import codes
-from gproof.ir.controls import Workspace
+from gproof.ir.dialects.wincnc_settings import wincnc_settings
 from gproof.ir.finding import Refusal, Span
 from gproof.ir.machine import AXES, AXIS_NAMES, AxisKind, Machine
 from gproof.ir.record import record
+from gproof.ir.settings import Workspace
 from gproof.ir.symbolic import NOWHERE, Position, Unknown, Value
 from gproof.ir.trace import UNMEASURED, Boundary, ToolDiameter
 
@@ -281,7 +282,7 @@ def boundaries_of(modal: Modal) -> tuple[Boundary, ...]:
 def prepare(modal: Modal) -> None:
     """The start of a job on such a controller."""
     machine, setup = modal.machine, modal.setup
-    controls = machine.controller.controls
+    controls = wincnc_settings(machine)
     modal.unit = machine.unit
     modal.absolute = controls.absolute is not False
     zero = Position(0.0)

@@ -13,9 +13,10 @@ import math
 from typing import TYPE_CHECKING
 
 from gproof.ir import codes
-from gproof.ir.controls import KnifeMode
+from gproof.ir.dialects.wincnc_settings import wincnc_settings
 from gproof.ir.finding import Span
 from gproof.ir.machine import AXES, AXIS_NAMES
+from gproof.ir.settings import KnifeMode
 from gproof.ir.symbolic import NOWHERE, Position
 from gproof.ir.trace import Affine, Op
 from gproof.passes.interpret.wincnc.state import KnifeNow, machine_zero
@@ -96,7 +97,7 @@ class Turning:
         if value is None:
             return self._tell(self.up, f"{what} is not said (knifemode=, L30.1)")
         s = self.ex.modal
-        said = self.ex.machine.controller.controls.knife_positions
+        said = wincnc_settings(self.ex.machine).knife_positions
         machine, work = machine_zero(s.single, self.up).moved(value), s.offset(self.up).moved(value)
         if said is not None:
             return work if said == "work" else machine
@@ -316,7 +317,7 @@ _KEPT = 64
 
 def follows(ex: Motion) -> KnifeMode | None:
     """How the knife turns, where ``turn_before`` makes its rows: gproof's own [knife] is that of ``knife_axis.py``."""
-    return ex.machine.controller.controls.knife if ex.machine.knife is None else None
+    return wincnc_settings(ex.machine).knife if ex.machine.knife is None else None
 
 
 def problem_of(ex: Motion, mode: KnifeMode) -> str:

@@ -11,11 +11,12 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, NoReturn
 
 from gproof.ir import codes
-from gproof.ir.controls import Workspace
+from gproof.ir.dialects.wincnc_settings import wincnc_settings
 from gproof.ir.finding import FollowedRefusal, Refusal
 from gproof.ir.machine import AXES, AXIS_NAMES
 from gproof.ir.rules import CodeRule
 from gproof.ir.rules import Function as F
+from gproof.ir.settings import Workspace
 from gproof.ir.symbolic import NOWHERE, Position, Unknown, Value
 from gproof.ir.trace import Op, Wait
 from gproof.passes.interpret.core.modal_state import INCH, ZERO
@@ -230,7 +231,7 @@ def keep_local(ex: Motion, line: Command, rule: CodeRule) -> None:
 def workspace(ex: Motion, line: Command, rule: CodeRule) -> None:
     """G54 to G59 of type 0: another head, at the same X and Y of the program; of others see ``_turn``."""
     s = ex.modal
-    controls = ex.machine.controller.controls
+    controls = wincnc_settings(ex.machine)
     ex.settings.meet(f"workspaces.{rule.value + 53}", line.span)
     spaces = {space.number: space for space in controls.workspaces}
     space = spaces.get(rule.value + 53)
@@ -386,7 +387,7 @@ def scaling(ex: Motion, line: Command, rule: CodeRule) -> None:
 def rotation(ex: Motion, line: Command, rule: CodeRule) -> None:
     """G52: by A degrees about I and J, counter-clockwise unless the machine's file says otherwise."""
     s = ex.modal
-    angle = (line.number("A") or 0.0) * ex.machine.controller.controls.rotation_sign
+    angle = (line.number("A") or 0.0) * wincnc_settings(ex.machine).rotation_sign
     center = ((line.number("I") or 0.0) * s.unit, (line.number("J") or 0.0) * s.unit)
     origin = s.offset(0), s.offset(1)
     _begin_turn(ex, line, rule, Transform(rotated=True, angle=angle, center=center, origin=origin))
@@ -419,7 +420,7 @@ def rotation_line(ex: Motion, line: Command, rule: CodeRule) -> None:
 
 def _homing_order(ex: Motion, axes: list[int]) -> list[int]:
     """Axes as the lines of g28move= have them, others behind."""
-    listed = [AXIS_NAMES.index(name) for line in ex.machine.controller.controls.homing for name, _ in line.distances]
+    listed = [AXIS_NAMES.index(name) for line in wincnc_settings(ex.machine).homing for name, _ in line.distances]
     return sorted(axes, key=lambda axis: (listed.index(axis) if axis in listed else len(listed), axis))
 
 

@@ -16,7 +16,7 @@ from collections.abc import Iterator
 import pytest
 from passes.interpret.mcuwin.mcuwin_programs import labels, machine, program, run
 
-from gproof.ir.din import USUAL, RadiusTool
+from gproof.ir.dialects.mcuwin_settings import USUAL, RadiusTool
 from gproof.ir.finding import Findings
 from gproof.ir.machine import Machine
 from gproof.ir.setup import NOTHING, ZERO

@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 from passes.interpret.mcuwin.mcuwin_programs import labels, machine, moves, never_homed, program, run
 
-from gproof.ir.din import RadiusTool, TaskCode
+from gproof.ir.dialects.mcuwin_settings import RadiusTool, TaskCode
 from gproof.ir.finding import Findings
 from gproof.ir.machine import Machine, Spindle
 from gproof.ir.setup import ZERO, Setup

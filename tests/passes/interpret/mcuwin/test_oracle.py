@@ -15,7 +15,7 @@ from passes.interpret.mcuwin.mcuwin_programs import TASKS, machine
 from support.campaigns import seeds
 
 from gproof.frontend.mcuwin.load import load_program
-from gproof.ir.din import RadiusTool
+from gproof.ir.dialects.mcuwin_settings import RadiusTool
 from gproof.ir.finding import Findings, Severity
 from gproof.ir.machine import Machine
 from gproof.ir.setup import ZERO
