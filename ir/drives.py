@@ -176,7 +176,7 @@ class Drives(NamedTuple):
 def drives_of(machine: Machine, setup: Setup) -> Drives:
     """What is stated of a machine that is well formed, and of what it is set up for."""
     controller, board = machine.controller, machine.board
-    knife = controller.controls.knife
+    knife = machine.settings.knife
     return Drives(
         axes=tuple(DrivenAxis(axis.index, axis.drives(), axis.tip_feed) for axis in machine.axes),
         tick_frequency=board.tick_frequency,

@@ -9,10 +9,9 @@ from __future__ import annotations
 import enum
 from fractions import Fraction
 
-from gproof.ir.controls import NO_CONTROLS, Controls
-from gproof.ir.din import Din
 from gproof.ir.drives import AXES, AXIS_NAMES, Drive, PitchTable
 from gproof.ir.record import field, record
+from gproof.ir.settings import NO_SETTINGS, Settings
 
 __all__ = [
     "AXES", "AXIS_NAMES", "NO_MACHINE", "SHAPES", "TOUCHES", "Area", "Axis", "AxisKind", "Board", "Controller", "Drive",
@@ -206,23 +205,19 @@ class Spindle:
 
 @record(frozen=True, slots=True, kw_only=True)
 class Controller:
-    """Settings of the controller that change what a job does.
+    """What every controller has settings for; those of one alone are in ``Machine.settings``.
 
+    dialect: the language of its programs; None: not stated. version: of the controller's software, as text; None: not
+    stated. accepts: what it takes beyond its manual, names of ``ir/dialects/accepts.py``. limits_hold: soft limits hold
+    for the "motor" or for the "programmed" position, to which compensation of backlash and pitch adds; None: not
+    stated.
     laf_angle: degrees within which successive segments pass without a stop; None: not stated.
-    interpolation_time, fifo_time: seconds. max_step_frequency: Hz. macro_file: name of the file of subprograms that
-    is loaded with each job, beside the machine file; None: the usual one. super_long_file: kB beyond which a job is
-    executed without flow control, None: not stated. homing_mandatory: no job before homing;
+    interpolation_time, fifo_time: seconds. max_step_frequency: Hz. homing_mandatory: no job before homing;
     safety_feed: mm/s at most while the safety input is active or the machine not homed; home_is_stop: a home
     sensor stops the machine once it is homed; turning: a lathe, which starts in the X-Z plane; extruder: words E move
     what else is axis A (2.11).
     xz_seen_from: ``+y`` or ``-y``: from where the XZ plane is looked at by G2, G3, G41 and G42; None: not stated.
-    thread_peak: what I of a threading cycle is, "position" or "offset"; None: not stated.
     straight_traverse: a traverse of several axes is a straight line; None: as the controller's manual says.
-    version: of the controller's software, as text; None: not stated. accepts: what it takes beyond its manual, names of
-    ``ir/dialects/accepts.py``. limits_hold: soft limits hold for the "motor" or for the "programmed" position, to which
-    compensation of backlash and pitch adds; None: not stated.
-    controls: what controllers of one command a line have beside all that; din: what those of DIN blocks with Pascal
-    have, None for others.
     """
 
     dialect: str | None = None
@@ -239,16 +234,11 @@ class Controller:
     extruder: bool = False
     xz_seen_from: str | None = None
     spindle_ramp_time: float = 0.0
-    macro_file: str | None = None
-    super_long_file: float | None = None
     homing_mandatory: bool | None = None
     safety_feed: float | None = None
     home_is_stop: bool | None = None
     turning: bool = False
-    thread_peak: str | None = None
     straight_traverse: bool | None = None
-    controls: Controls = NO_CONTROLS
-    din: Din | None = None
 
 
 @record(frozen=True, slots=True, kw_only=True)
@@ -315,6 +305,7 @@ class Unmodelled:
 class Machine:
     """A machine; ``axes`` holds those the machine has, in X Y Z A B C order.
 
+    settings: those of the controller that the machine has (``ir/settings.py``).
     unit: mm in one length unit of the controller's own numbers (25.4 for a machine set up in inches);
     kinematics: ``trivial``, or the name of another that gproof does not follow; z_down_tool_length: length of the
     tool that touches the table with Z all the way down, mm;
@@ -332,6 +323,7 @@ class Machine:
     tools: tuple[Tool, ...] = ()
     spindles: tuple[Spindle, ...] = ()
     controller: Controller = field(default_factory=Controller)
+    settings: Settings = NO_SETTINGS
     board: Board = field(default_factory=Board)
     unit: float = 1.0
     not_modelled: tuple[Unmodelled, ...] = ()

@@ -71,7 +71,7 @@ FIELDS: dict[tuple[str, str], Range] = {
     ("Motor", "steps_per_unit"): RESOLUTION,
     ("InForce", "factor_x"): RESOLUTION,
     ("InForce", "factor_y"): RESOLUTION,
-    ("Din", "wait_unit"): Range(0, 1e6),
+    ("McuWinSettings", "wait_unit"): Range(0, 1e6),
     # Indexes and numbers of things.
     ("Motor", "axis"): Range(0, 5),
     ("Boundary", "axis"): Range(0, 5),

@@ -293,7 +293,7 @@ class LanguageRules:
     argument_missing: what the variable of a letter holds that the line does not have.
     code_letters: letters of codes; variables: the named ones and what they are. workspaces_select_heads: a workspace
     beside the first has a head and a spindle of its own; arcs_keep_feed: the F of arcs may be kept apart from that of
-    lines (``Controls.arcs_share_feed``). straight_traverse: a traverse of several axes is a straight line, None: the
+    lines (``Settings.arcs_share_feed``). straight_traverse: a traverse of several axes is a straight line, None: the
     manual does not say; measured_tools: what is stored of a tool is no length, but the machine position at which its
     tip is at the work's zero. later: codes that the manual lacks and other versions of the controller have.
     """

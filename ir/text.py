@@ -24,6 +24,7 @@ from typing import Any
 import numpy as np
 
 from gproof.ir.columns import Columns, Schema
+from gproof.ir.text_of_machine import parts, read
 
 WIDTH = 100
 
@@ -32,8 +33,6 @@ WIDTH = 100
 def _registry() -> tuple[dict[str, type], dict[str, type[enum.Enum]], dict[str, Schema]]:
     """Dataclasses, enumerations and schemas of the IR modules, by name."""
     from gproof.ir import (
-        controls,
-        din,
         drives,
         finding,
         machine,
@@ -41,6 +40,7 @@ def _registry() -> tuple[dict[str, type], dict[str, type[enum.Enum]], dict[str, 
         plan,
         program,
         rules,
+        settings,
         setup,
         statements,
         stream,
@@ -48,13 +48,14 @@ def _registry() -> tuple[dict[str, type], dict[str, type[enum.Enum]], dict[str, 
         verdict,
         workpiece,
     )  # fmt: skip
+    from gproof.ir.dialects import eding_settings, mcuwin_settings, wincnc_settings
 
     classes: dict[str, type] = {}
     enums: dict[str, type[enum.Enum]] = {}
     schemas: dict[str, Schema] = {}
     modules = (
-        controls, din, drives, finding, machine, notes, plan, program, rules, setup, statements, stream, trace, verdict,
-        workpiece,
+        drives, eding_settings, finding, machine, mcuwin_settings, notes, plan, program, rules, settings, setup,
+        statements, stream, trace, verdict, wincnc_settings, workpiece,
     )  # fmt: skip
     for module in modules:
         for name, value in vars(module).items():
@@ -146,6 +147,9 @@ def _lines(value: Any, indent: str) -> Iterator[str]:
 
 def _parts(value: Any) -> tuple[str, str, list[Any]]:
     value = value.made() if type(value).__name__ == "DeferredBlock" else value
+    named = parts(value)
+    if named is not None:
+        return f"({named.name}", ")", named.parts
     if dataclasses.is_dataclass(value) and not isinstance(value, type):
         return f"({type(value).__name__}", ")", [getattr(value, f.name) for f in _fields(type(value))]
     if isinstance(value, dict):
@@ -276,6 +280,9 @@ class _Reader:
             from gproof.ir.dialects import rules_named
 
             return rules_named(values[0])
+        whole = read(name, values)
+        if whole is not None:
+            return whole
         cls = classes.get(name)
         if cls is None:
             raise ValueError(f"text form: unknown type {name!r}")

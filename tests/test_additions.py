@@ -1,4 +1,4 @@
-"""A check, a report format, a board and a dialect that stand outside register themselves, and no file of gproof is edited.
+"""A check, a report format, a board and a dialect from outside register themselves; no file of gproof is edited.
 
 CONTRIBUTING.md says which files such an addition touches inside: the list is held against what the toys have.
 """

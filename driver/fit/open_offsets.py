@@ -46,11 +46,11 @@ class Asked:
 
     def stated(self, symbol: str) -> Interval | None:
         """What was stated of any symbol."""
-        din = self.machine.controller.din
+        table = self.machine.settings.zero_offsets
         kind, *rest = symbol.split(".")
-        if kind == "work" and din is not None and din.zero_offsets is not None:
+        if kind == "work" and table is not None:
             number, axis = int(rest[0]), AXIS_NAMES.index(rest[1])
-            row = din.zero_offsets[number - 1] if 0 < number <= len(din.zero_offsets) else ()
+            row = table[number - 1] if 0 < number <= len(table) else ()
             return Interval(row[axis], row[axis]) if axis < len(row) else None
         return self.setup.interval(symbol)
 
@@ -68,10 +68,10 @@ class Asked:
     @property
     def anything(self) -> bool:
         """Whether any offset that is asked for was stated."""
-        setup, din = self.setup, self.machine.controller.din
+        setup = self.setup
         return bool(
             setup.default_offset is not None
-            or ("work" in self.kinds and (setup.work or (din is not None and din.zero_offsets)))
+            or ("work" in self.kinds and (setup.work or self.machine.settings.zero_offsets))
             or ("g92" in self.kinds and setup.g92)
         )
 
@@ -81,10 +81,8 @@ def opened(session: Session) -> tuple[Session, Asked]:
     kinds = DIALECTS[session.dialect].frontend.open_offsets
     stated = {f.name: getattr(session.setup, f.name) for f in dataclasses.fields(Setup)}
     machine = session.machine
-    din = machine.controller.din
-    if din is not None and din.zero_offsets is not None:
-        controller = dataclasses.replace(machine.controller, din=dataclasses.replace(din, zero_offsets=None))
-        machine = dataclasses.replace(machine, controller=controller)
+    if machine.settings.zero_offsets is not None:
+        machine = dataclasses.replace(machine, settings=dataclasses.replace(machine.settings, zero_offsets=None))
     other = dataclasses.replace(
         session,
         setup=OpenSetup(kinds=kinds, **stated),

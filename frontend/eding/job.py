@@ -10,6 +10,7 @@ from gproof.frontend.common.paths import is_file
 from gproof.frontend.eding.load import MACRO_FILE, load_program, own_macros
 from gproof.frontend.eding.long_file import judge_length
 from gproof.ir.dialects.accepts import USER_MACRO_FILE
+from gproof.ir.dialects.eding_settings import eding_settings
 from gproof.ir.machine import Machine, Unmodelled
 
 
@@ -24,7 +25,7 @@ def load_job(job: Reading) -> Read:
         machine = dataclasses.replace(machine, not_modelled=(*machine.not_modelled, left_out))
     program = load_program(job.job, job.findings, macro, call=job.call, accepts=accepts)
     if program is not None:
-        judge_length(program, machine.controller.super_long_file, job.findings)
+        judge_length(program, eding_settings(machine).super_long_file, job.findings)
     return program, machine
 
 
@@ -33,7 +34,7 @@ def _macro_file(machine: Machine, file: Path | None, job: Path) -> tuple[Path | 
 
     Without the usual one a job is judged as it stands, whether the machine's file names it or not.
     """
-    name = machine.controller.macro_file
+    name = eding_settings(machine).macro_file
     if name is None or file is None:
         return None, machine
     for folder in (file.parent, job.parent):

@@ -22,6 +22,7 @@ from gproof.frontend.eding.correction_table import load_table
 from gproof.frontend.eding.ini_file import NUMBERED, Ini
 from gproof.frontend.eding.spindles_ini import read_spindles
 from gproof.ir import codes
+from gproof.ir.dialects.eding_settings import EdingSettings
 from gproof.ir.finding import Findings, Span
 from gproof.ir.machine import (
     AXIS_NAMES,
@@ -225,6 +226,7 @@ class _Reader:
             tools=_tools(ini, self.unit),
             spindles=self._spindles(),
             controller=self._controller(),
+            settings=self._settings(),
             unit=float(self.unit),
             not_modelled=tuple(self.not_modelled),
             kinematics=kinematics,
@@ -400,7 +402,6 @@ class _Reader:
     def _controller(self) -> Controller:
         usual = Controller()
         interpolation, fifo = self.rate("interpolation_time"), self.rate("fifo_time")
-        macro = (self.text("macro_file") or "").replace("\\", "/").rpartition("/")[2]
         return Controller(
             dialect="eding",
             version=self.text("version"),
@@ -413,13 +414,15 @@ class _Reader:
             diameter_programming=self.switch("diameter_programming"),
             extruder=self.switch("extruder"),
             spindle_ramp_time=self.ini.at_least("SPINDLE_0", "spindleRampUpTime", 0.0) or 0.0,
-            macro_file=macro or None,
-            super_long_file=self.at_least_0("super_long_file"),
             homing_mandatory=self.stated("homing_mandatory"),
             safety_feed=self.at_least_0("safety_feed"),
             home_is_stop=self.stated("home_is_stop"),
             turning=self.switch("turning"),
         )
+
+    def _settings(self) -> EdingSettings:
+        macro = (self.text("macro_file") or "").replace("\\", "/").rpartition("/")[2]
+        return EdingSettings(macro_file=macro or None, super_long_file=self.at_least_0("super_long_file"))
 
 
 def _report_unknown(ini: Ini) -> None:

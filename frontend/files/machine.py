@@ -23,6 +23,9 @@ from gproof.frontend.files.areas_table import areas_from
 from gproof.frontend.files.tool_table import check_shape, shape_keys
 from gproof.frontend.files.wincnc_settings import controls_from
 from gproof.ir.dialects.accepts import ACCEPTS, LINE_NUMBERS, TEXT_AFTER_COMMENT, names_of
+from gproof.ir.dialects.eding_settings import NO_EDING_SETTINGS, eding_settings
+from gproof.ir.dialects.mcuwin_settings import McuWinSettings
+from gproof.ir.dialects.wincnc_settings import NO_WINCNC_SETTINGS, WinCncSettings, wincnc_settings
 from gproof.ir.finding import Findings
 from gproof.ir.machine import (
     AXIS_NAMES,
@@ -48,6 +51,8 @@ HIGHEST_CHANNEL = 9999
 LETTERS = ("W", "U", "V")
 """Letters that an axis of column a, b or c may have in programs in place of its own."""
 THREAD_PEAKS = ("position", "offset")
+OF_EDING = ("macro_file", "super_long_file", "thread_peak")
+"""Keys of ``[controller]`` that only Eding CNC has."""
 LIMITS_HOLD = ("motor", "programmed")
 LENGTH_UNITS = {"mm": 1.0, "cm": 10.0, "m": 1000.0, "um": 0.001, "inch": 25.4}
 ANGLE_UNITS = {"deg": 1.0, "rev": 360.0, "rad": math.degrees(1.0)}
@@ -118,7 +123,10 @@ def _load_toml(
         axes=_axes(root, machine, unit),
         tools=_tools(root, machine, unit),
         spindles=_spindles(root, machine, unit),
-        controller=_controller(root, machine.controller, unit, tuple(one.name for one in frontends)),
+    )
+    machine, foreign = _settings(root, machine, unit, tuple(one.name for one in frontends))
+    machine = replace(
+        machine,
         board=_board(root, machine.board),
         knife=_knife(root, machine.knife, unit),
         **_given(kinematics=root.text("kinematics"), z_down_tool_length=root.number("z_down_tool_length", unit=unit)),
@@ -134,7 +142,7 @@ def _load_toml(
     if "din" in root.values or machine.controller.dialect == "mcuwin":
         from gproof.frontend.files.mcuwin_settings import with_din
 
-        machine, more = with_din(root, machine, unit)
+        machine, more = with_din(root, machine, unit, foreign)
         files = files + more
     root.finish()
     if file.errors:
@@ -370,11 +378,47 @@ def _spindles(root: TomlTable, machine: Machine, unit: Fraction) -> tuple[Spindl
     return tuple(spindles[number] for number in sorted(spindles))
 
 
-def _controller(root: TomlTable, before: Controller, unit: Fraction, dialects: tuple[str, ...]) -> Controller:
-    before = replace(before, controls=controls_from(root, before.controls, unit))
+def _settings(
+    root: TomlTable, machine: Machine, unit: Fraction, dialects: tuple[str, ...]
+) -> tuple[Machine, tuple[str, ...]]:
+    """With what ``[controller]`` and ``[controls]`` state; the names of tables that are another controller's.
+
+    A machine has the settings of one controller: that of its base, else that of which this file states any, else that
+    of its dialect. ``[controls]`` beside settings of Eding CNC is GP603; on a machine with ``[din]`` a job says that
+    it means nothing there (GP630).
+    """
+    before = machine.settings
+    controls = controls_from(root, wincnc_settings(machine), unit)
+    controller, of_eding = _controller(root, machine.controller, dialects)
+    controls = _read_so(controls, controller.accepts)
+    machine = replace(machine, controller=controller)
+    stated = controls != NO_WINCNC_SETTINGS
+    foreign = ("controls",) if stated else ()
+    if "din" in root.values or controller.dialect == "mcuwin":
+        return machine, foreign
+    if isinstance(before, McuWinSettings):
+        return replace(machine, settings=replace(before, foreign=foreign or before.foreign)), ()
+    own = replace(eding_settings(machine), **of_eding)
+    if stated and not isinstance(before, WinCncSettings) and own != NO_EDING_SETTINGS:
+        key = next(name for name in OF_EDING if getattr(own, name) is not None)
+        root.bad("controls", f"settings of a WinCNC controller, beside {key}, which Eding CNC alone has")
+    if stated or isinstance(before, WinCncSettings) or controller.dialect == "wincnc":
+        return replace(machine, settings=controls), ()
+    if of_eding or controller.dialect == "eding":
+        return replace(machine, settings=own), ()
+    return machine, ()
+
+
+def _controller(root: TomlTable, before: Controller, dialects: tuple[str, ...]) -> tuple[Controller, dict[str, Any]]:
+    """``[controller]``, and those of its keys that only Eding CNC has."""
     table = root.table("controller")
     if table is None:
-        return before
+        return before, {}
+    of_eding = _given(
+        macro_file=table.text("macro_file"),
+        super_long_file=table.positive("super_long_file"),
+        thread_peak=table.text("thread_peak", THREAD_PEAKS),
+    )
     angle = table.positive("laf_angle", zero=True)
     if angle is not None and angle > 180:
         table.bad("laf_angle", "an angle between two moves is at most 180 degrees")
@@ -392,13 +436,10 @@ def _controller(root: TomlTable, before: Controller, unit: Fraction, dialects: t
             diameter_programming=table.boolean("diameter_programming"),
             extruder=table.boolean("extruder"),
             spindle_ramp_time=table.positive("spindle_ramp_time", zero=True),
-            macro_file=table.text("macro_file"),
-            super_long_file=table.positive("super_long_file"),
             homing_mandatory=table.boolean("homing_mandatory"),
             safety_feed=table.positive("safety_feed", zero=True),
             home_is_stop=table.boolean("home_is_stop"),
             turning=table.boolean("turning"),
-            thread_peak=table.text("thread_peak", THREAD_PEAKS),
             straight_traverse=table.boolean("straight_traverse"),
             version=_version(table),
             accepts=_accepts(table, table.values.get("dialect", before.dialect)),
@@ -406,20 +447,18 @@ def _controller(root: TomlTable, before: Controller, unit: Fraction, dialects: t
         ),
     )
     table.finish()
-    return _read_so(controller)
+    return controller, of_eding
 
 
-def _read_so(controller: Controller) -> Controller:
+def _read_so(settings: WinCncSettings, accepts: tuple[str, ...]) -> WinCncSettings:
     """With what ``accepts`` says of how lines are read."""
-    before = controller.controls.lexical
+    before = settings.lexical
     lexical = replace(
         before,
-        continued=before.continued or TEXT_AFTER_COMMENT.name in controller.accepts,
-        numbered=before.numbered or LINE_NUMBERS.name in controller.accepts,
+        continued=before.continued or TEXT_AFTER_COMMENT.name in accepts,
+        numbered=before.numbered or LINE_NUMBERS.name in accepts,
     )
-    if lexical == before:
-        return controller
-    return replace(controller, controls=replace(controller.controls, lexical=lexical))
+    return settings if lexical == before else replace(settings, lexical=lexical)
 
 
 def _version(table: TomlTable) -> str | None:

@@ -18,7 +18,14 @@ from gproof.frontend.common.toml_table import TomlTable, show
 from gproof.frontend.mcuwin.machine_ini import without_stated
 from gproof.frontend.mcuwin.tool_comp import DEFAULT_NAME, beside, load_tools
 from gproof.ir import codes
-from gproof.ir.din import ACTIONS, NO_DIN, VERSIONS, Din, RadiusTool, TaskCode
+from gproof.ir.dialects.mcuwin_settings import (
+    ACTIONS,
+    VERSIONS,
+    McuWinSettings,
+    RadiusTool,
+    TaskCode,
+    mcuwin_settings,
+)
 from gproof.ir.machine import AXES, NO_MACHINE, Axis, AxisKind, Machine, Unmodelled
 
 Files = list[tuple[str, str]]
@@ -39,21 +46,27 @@ _BUILT_IN_M = (1, 17, 26, 27, 80, 96, 98, 150, 901, 902, 903, 904, 910, 911)
 """M codes that the manual does not leave to Task 0 (4.2, 4.10 to 4.12, 4.14 to 4.16, 4.18 to 4.24)."""
 
 
-def with_din(root: TomlTable, machine: Machine, unit: Fraction) -> tuple[Machine, Files]:
-    """The machine with what the table states, and the files read for it; lengths of the table are in ``unit`` mm."""
+def with_din(root: TomlTable, machine: Machine, unit: Fraction, foreign: tuple[str, ...]) -> tuple[Machine, Files]:
+    """The machine with what the table states, and the files read for it; lengths of the table are in ``unit`` mm.
+
+    foreign: tables of the file that state settings of another controller.
+    """
     table = root.table("din")
     table = table or TomlTable(root.file, ("din",), {})
     base = Path(str(root.values.get("base") or "")).parent
-    before = _moved(machine.controller.din or NO_DIN, base)
+    before = _moved(mcuwin_settings(machine), base)
     stated = {key: value for key, value in _settings(table, unit, machine.axes).items() if value is not None}
     left = tuple(key for key in before.unstated if key not in table.values)
     din = replace(before, **stated, tasks=_tasks(table, before), unstated=left)
     tools, files = _tools(table, din, [root.file.path.parent, root.file.path.parent / base])
     if tools:
         left = tuple(key for key in left if key != "tool_file")
-    controller = replace(machine.controller, din=replace(din, tools=tools, unstated=left))
-    controller = replace(controller, dialect=controller.dialect or "mcuwin")
-    machine = replace(without_stated(machine, set(table.values)), controller=controller)
+    controller = replace(machine.controller, dialect=machine.controller.dialect or "mcuwin")
+    machine = replace(
+        without_stated(machine, set(table.values)),
+        controller=controller,
+        settings=replace(din, tools=tools, unstated=left, foreign=foreign or din.foreign),
+    )
     if table.boolean("shortest_path"):
         machine = replace(machine, not_modelled=(*machine.not_modelled, *_shortest_path(table, machine)))
     if table.boolean("error_compensation"):
@@ -62,7 +75,7 @@ def with_din(root: TomlTable, machine: Machine, unit: Fraction) -> tuple[Machine
     return machine, files
 
 
-def _moved(din: Din, folder: Path) -> Din:
+def _moved(din: McuWinSettings, folder: Path) -> McuWinSettings:
     """Names of files to include, seen from a file that has the base in ``folder``."""
     names = {key: getattr(din, key) for key in ("pre_include", "post_include")}
     return replace(din, **{key: (folder / name).as_posix() for key, name in names.items() if name})
@@ -85,7 +98,7 @@ def _error_compensation(table: TomlTable, machine: Machine) -> tuple[Unmodelled,
 
 
 def _settings(table: TomlTable, unit: Fraction, axes: tuple[Axis, ...]) -> dict[str, Any]:
-    """Fields of a Din that the table states, the others None."""
+    """Settings that the table states, the others None."""
     position = table.text("position_unit", tuple(MILLIMETRES))
     time = table.text("time_unit", tuple(TIME_UNITS))
     wait = table.text("wait_unit", tuple(WAIT_UNITS))
@@ -154,7 +167,7 @@ def _zero_offsets(table: TomlTable, unit: Fraction, axes: tuple[Axis, ...]) -> t
     return tuple(found)
 
 
-def _tools(table: TomlTable, din: Din, folders: list[Path]) -> tuple[tuple[RadiusTool, ...] | None, Files]:
+def _tools(table: TomlTable, din: McuWinSettings, folders: list[Path]) -> tuple[tuple[RadiusTool, ...] | None, Files]:
     """The tools of the file that the table names, else those of the base, else of the usual file when it is there."""
     unit = table.text("tool_unit", tuple(MILLIMETRES))
     inches = din.position_unit is not None and din.position_unit != 1
@@ -184,7 +197,7 @@ def _checked(table: TomlTable, path: Path, unit: Fraction | None) -> tuple[tuple
     return tools, files
 
 
-def _tasks(table: TomlTable, before: Din) -> tuple[TaskCode, ...] | None:
+def _tasks(table: TomlTable, before: McuWinSettings) -> tuple[TaskCode, ...] | None:
     """``[din.task0]``, over what the base has; None when neither has any."""
     outer = table.table("task0")
     if outer is None:

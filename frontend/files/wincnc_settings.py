@@ -1,6 +1,6 @@
 """``[controls]`` of gproof's own machine file: what no file of a WinCNC machine says, or a job needs otherwise.
 
-docs/machine-files.md lists the keys; they have the names of ``ir/controls.py``.
+docs/machine-files.md lists the keys; they have the names of ``ir/dialects/wincnc_settings.py``.
 """
 
 from __future__ import annotations
@@ -11,14 +11,14 @@ from typing import Any
 
 from gproof.frontend.common.exact_numbers import exact_number
 from gproof.frontend.common.toml_table import TomlTable, show
-from gproof.ir.controls import DEVICES, HIGHEST_CHANNEL, Controls
+from gproof.ir.dialects.wincnc_settings import DEVICES, HIGHEST_CHANNEL, WinCncSettings
 from gproof.ir.machine import AXIS_NAMES
 
 DEEPEST = 1000
 MOST_CHANNELS = 1000
 
 
-def controls_from(root: TomlTable, before: Controls, unit: Fraction) -> Controls:
+def controls_from(root: TomlTable, before: WinCncSettings, unit: Fraction) -> WinCncSettings:
     """The controls with what the table states; lengths of the table are in ``unit`` mm."""
     table = root.table("controls")
     if table is None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from gproof.frontend.mcuwin.expressions import Expressions
 from gproof.frontend.mcuwin.notes import Found
-from gproof.ir.din import VERSIONS, Din
+from gproof.ir.dialects.mcuwin_settings import VERSIONS, McuWinSettings
 from gproof.ir.finding import Span
 from gproof.ir.program import Statement
 from gproof.ir.record import field, record
@@ -40,7 +40,7 @@ class Language:
     """What decides how lines are read. axes: letters of the machine's axes, upper case."""
 
     rules: LanguageRules
-    din: Din
+    din: McuWinSettings
     axes: str
     expressions: Expressions
 

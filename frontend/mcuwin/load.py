@@ -22,7 +22,7 @@ from gproof.frontend.mcuwin.text import HELD_BLOCKS, Text
 from gproof.ir import codes
 from gproof.ir.columns import Columns
 from gproof.ir.dialects import rules_named
-from gproof.ir.din import NO_DIN
+from gproof.ir.dialects.mcuwin_settings import mcuwin_settings
 from gproof.ir.finding import Finding, Findings, Refusal, Span
 from gproof.ir.machine import Machine
 from gproof.ir.program import BlockTable, Mistake, Program, SourceFile, Statement, Unsupported
@@ -98,7 +98,7 @@ class _Loader:
         self.awaited = False
         self.findings = findings
         self.machine_file = machine_file
-        self.din = machine.controller.din or NO_DIN
+        self.din = mcuwin_settings(machine)
         self.tables = tables
         axes = "".join(axis.word for axis in machine.axes)
         self.program = Program(dialect="mcuwin", rules=rules_named("mcuwin"))

@@ -17,7 +17,7 @@ from gproof.frontend.mcuwin.ini_keys import SETTINGS, IniSetting, kept, setting_
 from gproof.frontend.mcuwin.ini_text import Entry, IniText
 from gproof.frontend.mcuwin.tool_comp import DEFAULT_NAME, beside, load_tools
 from gproof.ir import codes
-from gproof.ir.din import NO_DIN, Din, RadiusTool
+from gproof.ir.dialects.mcuwin_settings import NO_MCUWIN_SETTINGS, McuWinSettings, RadiusTool
 from gproof.ir.finding import Findings
 from gproof.ir.machine import Controller, Machine, Unmodelled
 
@@ -76,7 +76,8 @@ def load_mcuwin_ini(path: Path, findings: Findings, *, alone: bool = True) -> tu
         Machine(
             name=path.name,
             axes=(),
-            controller=Controller(dialect="mcuwin", din=_with_tools(tools)),
+            controller=Controller(dialect="mcuwin"),
+            settings=_with_tools(tools),
             not_modelled=tuple(not_modelled),
             unknown_keys=tuple(file.unknown),
             kept=tuple(texts),
@@ -85,10 +86,10 @@ def load_mcuwin_ini(path: Path, findings: Findings, *, alone: bool = True) -> tu
     )
 
 
-def _with_tools(tools: tuple[RadiusTool, ...] | None) -> Din:
+def _with_tools(tools: tuple[RadiusTool, ...] | None) -> McuWinSettings:
     """Settings that state nothing but a tool table, where there is one."""
-    left = tuple(key for key in NO_DIN.unstated if not tools or key != "tool_file")
-    return replace(NO_DIN, tools=tools, unstated=left)
+    left = tuple(key for key in NO_MCUWIN_SETTINGS.unstated if not tools or key != "tool_file")
+    return replace(NO_MCUWIN_SETTINGS, tools=tools, unstated=left)
 
 
 def _may_hold(file: str, line: int, key: str, settings: tuple[IniSetting, ...]) -> Unmodelled:

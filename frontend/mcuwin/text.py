@@ -21,7 +21,7 @@ from gproof.frontend.mcuwin.pascal_text import mode_sign, pascal_notes
 from gproof.frontend.mcuwin.structure import Structure
 from gproof.ir import codes
 from gproof.ir.dialects.mcuwin_persistence import Persistence
-from gproof.ir.din import Din
+from gproof.ir.dialects.mcuwin_settings import McuWinSettings
 from gproof.ir.finding import Findings, Refusal, Span
 from gproof.ir.notes import NoteKind
 from gproof.ir.program import Block, Call, Declare, Include, Jump, Mode, Statement, Subprogram
@@ -47,8 +47,8 @@ class Text:
     """Takes lines in the order of the source. include: reads a file in the place of its ``$I``."""
 
     def __init__(
-        self, rules: LanguageRules, din: Din, axes: str, findings: Findings, include: Callable[[str, Span], None],
-        span: Span, *, held: int | None = HELD_BLOCKS,
+        self, rules: LanguageRules, din: McuWinSettings, axes: str, findings: Findings,
+        include: Callable[[str, Span], None], span: Span, *, held: int | None = HELD_BLOCKS,
     ) -> None:  # fmt: skip
         """held: how many blocks are made at once; None: all, and each line is read by itself.
 

@@ -10,20 +10,16 @@ from fractions import Fraction
 from gproof.frontend.wincnc.ini_check import Sheet, number
 from gproof.frontend.wincnc.ini_file import Setting
 from gproof.frontend.wincnc.ini_keys import KEYS
-from gproof.ir.controls import (
+from gproof.ir.dialects.wincnc_settings import (
     HIGHEST_CHANNEL,
     Changer,
-    Controls,
     DrillSettings,
-    HomingLine,
-    KnifeMode,
     Lexical,
     MeasureSwitch,
-    SawMode,
-    TorchControl,
-    Workspace,
+    WinCncSettings,
 )
 from gproof.ir.finding import Span
+from gproof.ir.settings import HomingLine, KnifeMode, SawMode, TorchControl, Workspace
 
 ARC_ERROR = Fraction(1, 100)
 COMMENT_SIGNS = "[(%"
@@ -39,10 +35,10 @@ _DEVICES = (
     ("torchbevel", "bevel"), ("pumpcont", "pump"), ("da", "da"), ("spindle", "spindle"), ("autoaux", "autoaux"),
     ("scan", "probe"), ("drillbank", "drillbank"),
 )  # fmt: skip
-"""The key that sets a feature up, and its name in ``Controls.devices``."""
+"""The key that sets a feature up, and its name in ``Settings.devices``."""
 
 
-def read_controls(sheet: Sheet) -> Controls:
+def read_controls(sheet: Sheet) -> WinCncSettings:
     """Everything that is not of one axis."""
     groups, command = _feed_groups(sheet)
     on, available = _soft_limits(sheet)
@@ -57,7 +53,7 @@ def read_controls(sheet: Sheet) -> Controls:
     if scan is not None and (scan.word("T") is None or scan.word("C") is None):
         sheet.ini.bad(scan, "T and C are needed")
     mode = sheet.bare("nmode")
-    return Controls(
+    return WinCncSettings(
         lexical=_lexical(sheet),
         start=sheet.text("cmdstart"),
         end=sheet.text("cmdend"),
@@ -129,7 +125,7 @@ def _switched_off(sheet: Sheet) -> tuple[tuple[str, float], ...]:
 
 
 def _places(sheet: Sheet, **keys: str) -> tuple[tuple[str, Span], ...]:
-    """Where the values of keys stand, by the names that these have in ``Controls``."""
+    """Where the values of keys stand, by the names that these have in ``WinCncSettings``."""
     found = [(name, setting) for name, key in keys.items() if (setting := sheet.one(key)) is not None]
     return tuple(
         (name, Span(sheet.ini.name, s.line, s.value_column, s.value_column + len(s.text))) for name, s in found

@@ -24,9 +24,9 @@ from gproof.frontend.wincnc.scan import Scanner, scanner
 from gproof.frontend.wincnc.statements import ArrayLine, Head, Lines, Parsed, text_codes
 from gproof.ir import codes
 from gproof.ir.columns import Columns
-from gproof.ir.controls import Controls
 from gproof.ir.dialects import rules_named
 from gproof.ir.dialects.accepts import LINE_NUMBERS, TEXT_AFTER_COMMENT
+from gproof.ir.dialects.wincnc_settings import WinCncSettings, wincnc_settings
 from gproof.ir.finding import Finding, Findings, Refusal, Severity, Span
 from gproof.ir.machine import Machine
 from gproof.ir.notes import NO_NOTES
@@ -68,7 +68,7 @@ def load_program(
     with a mistake is a finding and left out of the program.
     """
     rules = rules_named("wincnc")
-    controls = machine.controller.controls
+    controls = wincnc_settings(machine)
     program = Program(dialect="wincnc", rules=rules)
     folders = [path.parent, *([machine_file.parent] if machine_file is not None else []), *(f.parent for f in beside)]
     folders = list(dict.fromkeys(folders))
@@ -100,7 +100,7 @@ def load_alone(
     """
     program = Program(dialect="wincnc", rules=rules_named("wincnc"))
     folders = list(folders) or [path.parent]
-    loader = _Loader(program, findings, machine.controller.controls, folders, None)
+    loader = _Loader(program, findings, wincnc_settings(machine), folders, None)
     loader.files = AnyFiles(folders)
     loader.macro_path = macro_file
     try:
@@ -116,8 +116,9 @@ class _Loader:
     """Loads the files of one program one after another."""
 
     def __init__(
-        self, program: Program, findings: Findings, controls: Controls, folders: list[Path], machine_file: Path | None
-    ) -> None:
+        self, program: Program, findings: Findings, controls: WinCncSettings, folders: list[Path],
+        machine_file: Path | None,
+    ) -> None:  # fmt: skip
         self.program = program
         self.findings = findings
         self.controls = controls

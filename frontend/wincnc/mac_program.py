@@ -27,8 +27,8 @@ from gproof.frontend.wincnc.notes import Found, comments
 from gproof.frontend.wincnc.statements import ArrayLine, FileFinder, Head, Lines, Parsed, text_codes
 from gproof.ir import codes
 from gproof.ir.columns import Columns
-from gproof.ir.controls import Lexical
 from gproof.ir.dialects import rules_named
+from gproof.ir.dialects.wincnc_settings import Lexical, wincnc_settings
 from gproof.ir.finding import Findings, Refusal, Severity, Span
 from gproof.ir.machine import Machine
 from gproof.ir.notes import NOTE, NoteKind, Notes
@@ -40,7 +40,7 @@ def load_macro_file(path: Path, findings: Findings, name: str = "", *, machine: 
 
     machine: whose settings say how lines are read; name: of the file in findings, when it is not ``path``.
     """
-    controls = machine.controller.controls
+    controls = wincnc_settings(machine)
     try:
         source = read_source(path, dos=True)
         source.name = name or source.name

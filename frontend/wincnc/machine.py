@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from gproof.ir.controls import Controls
+from gproof.ir.dialects.wincnc_settings import WinCncSettings
 from gproof.ir.machine import Axis, AxisKind, Controller, Machine
 
 _LINEAR, _ROTARY = AxisKind.LINEAR, AxisKind.ROTARY
@@ -15,7 +15,8 @@ NO_SHOP = Machine(
         Axis(name="b", kind=_ROTARY, letter="A"),
         Axis(name="c", kind=_ROTARY, letter="C"),
     ),
-    controller=Controller(dialect="wincnc", controls=Controls(unit_stated=False)),
+    controller=Controller(dialect="wincnc"),
+    settings=WinCncSettings(unit_stated=False),
     unit=25.4,
 )
 """Six axes of which nothing is known; inches, as WINCNC.INI has them when it says nothing (Unit Settings)."""

@@ -72,7 +72,7 @@ def load_wincnc_ini(
 
 def _machine(sheet: Sheet, path: Path) -> Machine:
     axes = read_axes(sheet)
-    controls = read_controls(sheet)
+    settings = read_controls(sheet)
     setting = sheet.one("spinchar")
     if setting is not None and setting.text.upper() != "S":
         sheet.open(setting, "another letter than S sets the spindle")
@@ -85,8 +85,8 @@ def _machine(sheet: Sheet, path: Path) -> Machine:
             dialect="wincnc",
             max_step_frequency=STEP_FREQUENCY if highest is None else float(highest),
             absolute_arc_centers=absolute_centers(sheet),
-            controls=controls,
         ),
+        settings=settings,
         board=Board(step_pulse=_microseconds(sheet, "P"), direction_setup=_microseconds(sheet, "D")),
         unit=float(sheet.unit),
         not_modelled=tuple(sheet.not_modelled),

@@ -34,7 +34,7 @@ _OTHERS = {
 def is_replaced(stated: frozenset[Path], key: str, letter: str, column: str, columns: Mapping[str, str]) -> bool:
     """Whether a setting's letter ("" for its only value) is stated anew.
 
-    stated: see ``frontend/common/own_keys.py: key_paths``; column: of the axis that the setting belongs to, "" for none;
+    stated: see ``frontend/common/own_keys.py: key_paths``; column: of the axis that it belongs to, "" for none;
     columns: by letter.
     """
     if not stated:

@@ -15,7 +15,7 @@ from gproof.frontend.common.source import decode, read_source
 from gproof.frontend.wincnc.line import LineError
 from gproof.frontend.wincnc.notes import skip_count
 from gproof.frontend.wincnc.statements import ArrayLine, Head, Lines, Parsed
-from gproof.ir.controls import Controls
+from gproof.ir.dialects.wincnc_settings import WinCncSettings
 from gproof.ir.finding import Refusal
 from gproof.ir.program import NO_OUTPUTS, Block, Call, Number, Replaced, SourceFile, SpindleOutputs
 from gproof.ir.record import field, record
@@ -47,7 +47,7 @@ class SpindleReader:
     lines: Lines
     paths: dict[str, Path]
     is_clear: Callable[[Path], bool]
-    controls: Controls
+    controls: WinCncSettings
     read: list[SourceFile] = field(default_factory=list)
 
     def outputs(self) -> SpindleOutputs:

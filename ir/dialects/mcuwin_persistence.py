@@ -6,7 +6,7 @@ more, of M codes (14, 2.5.3.94). Of other G codes and of ``$`` lines it says not
 
 from __future__ import annotations
 
-from gproof.ir.din import VERSIONS, Din
+from gproof.ir.dialects.mcuwin_settings import VERSIONS, McuWinSettings
 from gproof.ir.program import Number, Word
 from gproof.ir.record import record
 
@@ -22,7 +22,7 @@ class Persistence:
     state: the code in force, NONE, or OPEN where the manual leaves it open; distances: see ``Block.distances``.
     """
 
-    din: Din
+    din: McuWinSettings
     state: str = NONE
     distances: str = ""
 

@@ -26,7 +26,7 @@ def small_arcs(machine: Machine, start: Floats, center: Floats, plane: npt.NDArr
 
     start, center: (n, 3); plane: (n,) as in the Trace. WinCNC, ``arc_min=``.
     """
-    smallest = machine.controller.controls.smallest_arc
+    smallest = machine.settings.smallest_arc
     if smallest is None:
         return np.zeros(len(start))
     away = start - center

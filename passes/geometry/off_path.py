@@ -57,6 +57,6 @@ def _backlash(machine: Machine, state: State, column: int) -> float:
     name = AXIS_NAMES[column]
     axis = machine.axis(name)
     found = [drive.backlash for drive in axis.drives()] if axis is not None else []
-    found += [amount for which, amount in machine.controller.controls.backlash if which == name]
+    found += [amount for which, amount in machine.settings.backlash if which == name]
     found += [amount for which, amount in state.backlash if which == column]
     return max(map(abs, found), default=0.0)

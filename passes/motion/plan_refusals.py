@@ -128,7 +128,7 @@ class Refusals:
         return sound
 
     def _feed_hint(self, arc: bool) -> str:
-        share = self.machine.controller.controls.arcs_share_feed
+        share = self.machine.settings.arcs_share_feed
         if self.arcs_apart and share is None and arc in self._doubted:
             return hints.ARCS_FEED
         if self.arcs_apart and arc and share is False:

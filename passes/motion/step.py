@@ -74,7 +74,7 @@ def step(
 def _refuse_what_has_no_steps(trace: Trace, machine: Machine) -> None:
     """GP520 for what moves motors in ways that only the checks follow."""
     lifted = np.array([HEIGHT_MAP in state.following for state in trace.states], dtype=bool)
-    knife = machine.controller.controls.knife
+    knife = machine.settings.knife
     why = "" if knife is None else _KNIFE[0] if knife.output is not None else _KNIFE[1] if knife.target else ""
     why = why or (_KNIFE[2] if knife is not None and knife.blend else "")
     switched = np.array([bool(why) and KNIFE in state.following for state in trace.states], dtype=bool)

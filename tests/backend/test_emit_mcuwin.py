@@ -22,7 +22,7 @@ from gproof.cli.main import main
 from gproof.driver.dialects import load_machine
 from gproof.frontend.mcuwin.load import load_alone, load_program
 from gproof.frontend.mcuwin.machine import NO_MCUWIN
-from gproof.ir.din import NO_DIN
+from gproof.ir.dialects.mcuwin_settings import NO_MCUWIN_SETTINGS, mcuwin_settings
 from gproof.ir.finding import Findings, Severity, Span
 from gproof.ir.machine import Machine
 from gproof.ir.program import BlockTable, DeferredBlock, Program
@@ -41,8 +41,7 @@ SHOPS = sorted(
 
 
 def with_settings(**din: Any) -> Machine:
-    controller = dataclasses.replace(NO_MCUWIN.controller, din=dataclasses.replace(NO_DIN, **din))
-    return dataclasses.replace(NO_MCUWIN, controller=controller)
+    return dataclasses.replace(NO_MCUWIN, settings=dataclasses.replace(NO_MCUWIN_SETTINGS, **din))
 
 
 def machine_file_of(shop: Path) -> Path | None:
@@ -68,7 +67,7 @@ def read(folder: Path, data: bytes, machine: Machine, source: Path | None = None
 
 
 def printed(program: Program, machine: Machine = NO_MCUWIN) -> bytes:
-    return b"".join(emit(program, machine.controller.din or NO_DIN))
+    return b"".join(emit(program, mcuwin_settings(machine)))
 
 
 def formatted(folder: Path, data: bytes, machine: Machine = NO_MCUWIN, source: Path | None = None) -> bytes | None:

@@ -22,7 +22,7 @@ from gproof.frontend.mcuwin.machine import NO_MCUWIN
 from gproof.ir import codes
 from gproof.ir import program as p
 from gproof.ir.dialects import rules_named
-from gproof.ir.din import NO_DIN
+from gproof.ir.dialects.mcuwin_settings import NO_MCUWIN_SETTINGS, mcuwin_settings
 from gproof.ir.finding import Findings, Refusal, Severity, Span
 from gproof.ir.machine import Machine
 
@@ -87,7 +87,7 @@ def without_source(program: p.Program) -> p.Program:
 
 def printed(program: p.Program, machine: Machine, *, includes: bool = False) -> bytes:
     axes = "".join(axis.word for axis in machine.axes)
-    return b"".join(text_of(program, machine.controller.din or NO_DIN, axes, includes=includes))
+    return b"".join(text_of(program, mcuwin_settings(machine), axes, includes=includes))
 
 
 def opaque(program: p.Program) -> bool:
@@ -105,12 +105,8 @@ def _walk(body: Sequence[p.Statement]) -> Any:
 
 def read_back(folder: Path, text: bytes, machine: Machine, machine_file: Path | None) -> p.Program:
     """The printed text holds what PreInclude and PostInclude put around the job."""
-    controller = machine.controller
-    if controller.din is not None:
-        controller = dataclasses.replace(
-            controller, din=dataclasses.replace(controller.din, pre_include="", post_include="")
-        )
-        machine = dataclasses.replace(machine, controller=controller)
+    alone = dataclasses.replace(mcuwin_settings(machine), pre_include="", post_include="")
+    machine = dataclasses.replace(machine, settings=alone)
     path = folder / "again.din"
     path.write_bytes(text)
     findings = Findings()
@@ -202,8 +198,7 @@ def random_programs(folder: Path, seed: int, count: int) -> None:
 
 
 def with_settings(**din: Any) -> Machine:
-    controller = dataclasses.replace(NO_MCUWIN.controller, din=dataclasses.replace(NO_DIN, **din))
-    return dataclasses.replace(NO_MCUWIN, controller=controller)
+    return dataclasses.replace(NO_MCUWIN, settings=dataclasses.replace(NO_MCUWIN_SETTINGS, **din))
 
 
 # -- Programs that no McuWIN file made

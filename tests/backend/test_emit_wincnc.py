@@ -17,7 +17,7 @@ from gproof.cli.main import main
 from gproof.driver.dialects import load_machine
 from gproof.frontend.wincnc.load import load_alone
 from gproof.frontend.wincnc.machine import NO_SHOP
-from gproof.ir.controls import Lexical
+from gproof.ir.dialects.wincnc_settings import Lexical, wincnc_settings
 from gproof.ir.finding import Findings, Severity, Span
 from gproof.ir.machine import Machine
 from gproof.ir.program import BlockTable, DeferredBlock, Program
@@ -32,9 +32,7 @@ SHOPS = [
 
 
 def with_lexical(lexical: Lexical) -> Machine:
-    controller = NO_SHOP.controller
-    controls = dataclasses.replace(controller.controls, lexical=lexical)
-    return dataclasses.replace(NO_SHOP, controller=dataclasses.replace(controller, controls=controls))
+    return dataclasses.replace(NO_SHOP, settings=dataclasses.replace(wincnc_settings(NO_SHOP), lexical=lexical))
 
 
 def machine_of(shop: Path) -> Machine:
@@ -54,7 +52,7 @@ def read(folder: Path, data: bytes, machine: Machine, folders: list[Path], name:
 
 
 def printed(program: Program, machine: Machine = NO_SHOP) -> bytes:
-    return b"".join(emit(program, machine.controller.controls.lexical))
+    return b"".join(emit(program, wincnc_settings(machine).lexical))
 
 
 def formatted(folder: Path, data: bytes, machine: Machine = NO_SHOP, folders: list[Path] | None = None) -> bytes | None:

@@ -25,7 +25,7 @@ from gproof.frontend.wincnc.load import load_alone
 from gproof.frontend.wincnc.mac_file import read_macros
 from gproof.frontend.wincnc.mac_program import load_macro_file
 from gproof.frontend.wincnc.machine import NO_SHOP
-from gproof.ir.controls import Lexical
+from gproof.ir.dialects.wincnc_settings import Lexical, wincnc_settings
 from gproof.ir.finding import Findings, Refusal, Severity, Span
 from gproof.ir.machine import Machine
 from gproof.ir.program import Block, Definition, Message, Program
@@ -39,8 +39,7 @@ MACRO_FILES = sorted(
 
 
 def with_lexical(lexical: Lexical) -> Machine:
-    controls = dataclasses.replace(NO_SHOP.controller.controls, lexical=lexical)
-    return dataclasses.replace(NO_SHOP, controller=dataclasses.replace(NO_SHOP.controller, controls=controls))
+    return dataclasses.replace(NO_SHOP, settings=dataclasses.replace(wincnc_settings(NO_SHOP), lexical=lexical))
 
 
 def read(path: Path, data: bytes, machine: Machine = NO_SHOP) -> Program | None:
@@ -58,7 +57,7 @@ def formatted(folder: Path, data: bytes, machine: Machine = NO_SHOP) -> bytes | 
     program = read(path, data, machine)
     if program is None:
         return None
-    lexical = machine.controller.controls.lexical
+    lexical = wincnc_settings(machine).lexical
     program.verify()
     whole = loaded(program)
     assert parse_ir(print_ir(whole)) == whole
@@ -183,7 +182,7 @@ def test_files_of_shops(tmp_path: Path, path: Path) -> None:
     ini = path.parent / "WINCNC.INI"
     # Some pages of findings show a WINCNC.INI with a mistake.
     machine = (load_machine(ini, Findings())[0] if ini.is_file() else None) or NO_SHOP
-    read_macros(read_source(path), findings := Findings(), machine.controller.controls.lexical)
+    read_macros(read_source(path), findings := Findings(), wincnc_settings(machine).lexical)
     assert (formatted(tmp_path, path.read_bytes(), machine) is None) == findings.has(Severity.ERROR)
 
 

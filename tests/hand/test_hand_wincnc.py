@@ -15,6 +15,7 @@ from support.campaigns import share
 from gproof.driver.running import begin, execute
 from gproof.driver.session import Session, open_session
 from gproof.ir import codes
+from gproof.ir.dialects.wincnc_settings import wincnc_settings
 from gproof.ir.finding import Finding, Findings, Severity
 from gproof.ir.machine import Machine
 from gproof.ir.setup import ZERO, Interval, Setup
@@ -40,8 +41,8 @@ def setup_of(stated: dict[str, Any], machine: Machine) -> tuple[Setup, Machine]:
     )
     sign = {"add": 1, "subtract": -1, None: None}[stated.get("workspace_shift")]
     if sign is not None:
-        controls = dataclasses.replace(machine.controller.controls, shift_sign=sign)
-        machine = dataclasses.replace(machine, controller=dataclasses.replace(machine.controller, controls=controls))
+        settings = dataclasses.replace(wincnc_settings(machine), shift_sign=sign)
+        machine = dataclasses.replace(machine, settings=settings)
     return setup, machine
 
 

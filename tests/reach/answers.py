@@ -13,6 +13,7 @@ from gproof.driver.judge import judge
 from gproof.driver.pipeline import lower
 from gproof.driver.session import Running, Session, open_session
 from gproof.ir import codes
+from gproof.ir.dialects.eding_settings import eding_settings
 from gproof.ir.finding import Findings, Severity
 from gproof.ir.machine import Machine
 from gproof.ir.program import Program
@@ -64,7 +65,7 @@ def again(place: Place, session: Session, machine: Machine, setup: Setup) -> Ses
         macro, machine = _macro_file(machine, place.machine, place.program)
         program = load_program(place.program, findings, macro)
         if program is not None:
-            judge_length(program, machine.controller.super_long_file, findings)
+            judge_length(program, eding_settings(machine).super_long_file, findings)
     return replace(session, program=program, machine=machine, setup=setup, findings=findings)
 
 

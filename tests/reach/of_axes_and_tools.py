@@ -8,7 +8,7 @@ from reach.scenes import CUT, DEEP, MADE, SPUN, ZONED
 from reach.witness import Witnesses, m
 from reach.worlds import EDING, MCUWIN, WINCNC
 
-from gproof.ir.din import TaskCode
+from gproof.ir.dialects.mcuwin_settings import TaskCode
 from gproof.ir.machine import Knife, PitchTable, Slave, Spindle
 
 w = Witnesses()
@@ -50,7 +50,7 @@ w("Axis.feed_velocity", WINCNC, "M11C1; G1 X1", "machine.axes.0.feed_velocity", 
 w("Axis.position_unit", MCUWIN, "G90 G71; G00 X10; M30", "machine.axes.0.position_unit", 2.0)
 w(
     "Axis.home_place",
-    MCUWIN.but(*m(("machine.controller.din.tasks", (TaskCode(code="G74", action="home"),)))),
+    MCUWIN.but(*m(("machine.settings.tasks", (TaskCode(code="G74", action="home"),)))),
     "G74 X0; G91 G00 X5; M30",
     "machine.axes.0.home_place",
     50.0,

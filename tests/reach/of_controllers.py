@@ -26,10 +26,10 @@ w("Controller.xz_seen_from", LATHE, TURN, "machine.controller.xz_seen_from", "-y
 w("Controller.turning", EDING, "G0 X50 Z5; G1 X40 F100; G2 X45 Z6 R20; M30", "machine.controller.turning", True)
 w("Controller.spindle_ramp_time", EDING, CUT, "machine.controller.spindle_ramp_time", 2.0)
 w(
-    "Controller.thread_peak",
+    "EdingSettings.thread_peak",
     LATHE,
     "M3 S300; G18; G0 X50 Z5; G76 P1 Z-20 I-2 J0.3 K1 R1.5 Q29 H2 E0 L0; M30",
-    "machine.controller.thread_peak",
+    "machine.settings.thread_peak",
     "position",
 )
 w(
@@ -40,12 +40,12 @@ w(
     False,
 )
 w("Controller.homing_mandatory", EDING.with_setup(homed=()), CUT, "machine.controller.homing_mandatory", True)
-w("Controller.super_long_file", EDING, CUT + "; if [1 == 2]; endif", "machine.controller.super_long_file", 0.01)
+w("EdingSettings.super_long_file", EDING, CUT + "; if [1 == 2]; endif", "machine.settings.super_long_file", 0.01)
 w("Controller.safety_feed", EDING.with_setup(homed=()), CUT, "machine.controller.safety_feed", 1.0)
 w("Controller.home_is_stop", EDING, CUT, "machine.controller.home_is_stop", True)
 w("Controller.fifo_time", EDING, CUT, "machine.controller.fifo_time", 0.01)
 w("Controller.dialect", EDING, CUT, "machine.controller.dialect", None)
-w("Controller.macro_file", EDING, CUT, "machine.controller.macro_file", "no-such-file.cnc")
+w("EdingSettings.macro_file", EDING, CUT, "machine.settings.macro_file", "no-such-file.cnc")
 w("Controller.version", EDING, CUT, "machine.controller.version", "4.03")
 w("Controller.accepts", EDING, "G0 X1; G1; M30", "machine.controller.accepts", ("motion-alone",))
 w(

@@ -5,16 +5,18 @@ from __future__ import annotations
 from reach.witness import Witnesses, m
 from reach.worlds import MCUWIN, exactly
 
-from gproof.ir.din import RadiusTool, TaskCode
+from gproof.ir.dialects.mcuwin_settings import RadiusTool, TaskCode
+from gproof.ir.settings import Settings
 from gproof.ir.setup import Interval
 
 w = Witnesses()
-# -- Din
+# -- McuWinSettings
 
-D = "machine.controller.din"
+D = "machine.settings"
 MOVE = "G90 G71; M3 S1000; G00 X10 Y10; G01 X30 F300; G02 X40 Y20 I40 J10; M30"
 KNOWN = MCUWIN.with_setup(g92=exactly(x=0.0, y=0.0, z=0.0, c=0.0), default_offset=0.0)
-w("Controller.din", KNOWN, MOVE, D, None)
+w("Machine.settings", KNOWN, MOVE, D, Settings())
+w("McuWinSettings.foreign", KNOWN, MOVE, f"{D}.foreign", ("controls",))
 for name, value in (
     ("version", "2.5.3.32"), ("case_sensitive", False), ("line_numbers", True), ("position_unit", 25.4),
     ("time_unit", 1.0),
@@ -22,20 +24,27 @@ for name, value in (
     ("program_size", 3), ("pre_include", "no-such.src"), ("post_include", "no-such.src"),
     ("unstated", ("shortest_path",)),
 ):  # fmt: skip
-    w(f"Din.{name}", KNOWN, MOVE, f"{D}.{name}", value)
-w("Din.version", KNOWN, "G90 G71; G54; G00 X10; M30", f"{D}.version", "2.5.3.32")
-w("Din.version", KNOWN, "G90 G71; G151; G00 X10; G01 Y5 F100; M30", f"{D}.version", "2.5.3.32")
-w("Din.case_sensitive", KNOWN, "g90 g71; g00 x10; m30", f"{D}.case_sensitive", False)
-w("Din.interpolation_axes", KNOWN, "G90 G71; G01 Z50 F100; M30", f"{D}.interpolation_axes", "XY")
-w("Din.zero_offsets", KNOWN, "G90 G71; G54; G00 X10; M30", f"{D}.zero_offsets", ((90.0, 0.0, 0.0, 0.0, 0.0, 0.0),))
-w("Din.angle_unit", KNOWN, "G90 G71; CD600 := sin(1.0) * 100; G00 X(CD600); M30", f"{D}.angle_unit", "degrees")
-w("Din.wait_unit", KNOWN, "G90 G71; G00 X10; $ wt(500)\x3b G00 X20; M30", f"{D}.wait_unit", 1.0)
-w("Din.keeps_over_codes", KNOWN, "G90 G71; G00 X10; G04 P100; X20; M30", f"{D}.keeps_over_codes", True)
-w("Din.keeps_over_codes", KNOWN, "G90 G71; G00 X10; G71; X20; M30", f"{D}.keeps_over_codes", True)
-w("Din.g60", KNOWN, "G90 G71; G60 X Y; G00 X10; G60 X Y Z; G01 Z5 F100; M30", f"{D}.g60", "run")
-w("Din.channels", KNOWN, "G90 G71; M26 502; G00 X10; M30", f"{D}.channels", 5)
+    of = "Settings" if name == "position_unit" else "McuWinSettings"
+    w(f"{of}.{name}", KNOWN, MOVE, f"{D}.{name}", value)
+w("McuWinSettings.version", KNOWN, "G90 G71; G54; G00 X10; M30", f"{D}.version", "2.5.3.32")
+w("McuWinSettings.version", KNOWN, "G90 G71; G151; G00 X10; G01 Y5 F100; M30", f"{D}.version", "2.5.3.32")
+w("McuWinSettings.case_sensitive", KNOWN, "g90 g71; g00 x10; m30", f"{D}.case_sensitive", False)
+w("McuWinSettings.interpolation_axes", KNOWN, "G90 G71; G01 Z50 F100; M30", f"{D}.interpolation_axes", "XY")
+w("Settings.zero_offsets", KNOWN, "G90 G71; G54; G00 X10; M30", f"{D}.zero_offsets", ((90.0, 0.0, 0.0, 0.0, 0.0, 0.0),))
+w(
+    "McuWinSettings.angle_unit",
+    KNOWN,
+    "G90 G71; CD600 := sin(1.0) * 100; G00 X(CD600); M30",
+    f"{D}.angle_unit",
+    "degrees",
+)
+w("McuWinSettings.wait_unit", KNOWN, "G90 G71; G00 X10; $ wt(500)\x3b G00 X20; M30", f"{D}.wait_unit", 1.0)
+w("McuWinSettings.keeps_over_codes", KNOWN, "G90 G71; G00 X10; G04 P100; X20; M30", f"{D}.keeps_over_codes", True)
+w("McuWinSettings.keeps_over_codes", KNOWN, "G90 G71; G00 X10; G71; X20; M30", f"{D}.keeps_over_codes", True)
+w("McuWinSettings.g60", KNOWN, "G90 G71; G60 X Y; G00 X10; G60 X Y Z; G01 Z5 F100; M30", f"{D}.g60", "run")
+w("McuWinSettings.channels", KNOWN, "G90 G71; M26 502; G00 X10; M30", f"{D}.channels", 5)
 w("Setup.resident", KNOWN, "G90 G71; M904 605; G00 X(CD605); M30", "setup.resident", {605: Interval(5.0, 5.0)})
-w("Din.unstated", KNOWN, "G90 G71; G00 C500; M30", f"{D}.unstated", ("shortest_path",))
+w("McuWinSettings.unstated", KNOWN, "G90 G71; G00 C500; M30", f"{D}.unstated", ("shortest_path",))
 TASKED = KNOWN.but(
     *m(
         (
@@ -68,20 +77,20 @@ for name, value in (("plane", "zx"), ("number", 2), ("radius", 150.0), ("length"
 ROUND = "G90 G71; G60 X Y; G00 X10 Y10; G01 X20 F100; M210; G01 Y10; G01 X30; M30"
 w("TaskCode.breaks", TASKED, "G90 G71; G01 X20 F100; M210; X30; M30", f"{D}.tasks.0.breaks", True)
 w("TaskCode.parameters", TASKED, "G90 G71; G01 X20 F100; M210 5; X30; M30", f"{D}.tasks.0.parameters", 1)
-w("Din.version", KNOWN, "G90 G71; G00 X10; $if 1 = 1 then; G00 X20; $endif; M30", f"{D}.version", "2.5.3.32")
+w("McuWinSettings.version", KNOWN, "G90 G71; G00 X10; $if 1 = 1 then; G00 X20; $endif; M30", f"{D}.version", "2.5.3.32")
 UNITLESS = KNOWN.but(*m(("machine.axes.0.position_unit", None)))
-w("Din.position_unit", UNITLESS, "G90; G01 X10 F300; M30", f"{D}.position_unit", 25.4)
-w("Din.position_unit", KNOWN, "G90; G01 X10 F300; M30", f"{D}.position_unit", 25.4)
+w("Settings.position_unit", UNITLESS, "G90; G01 X10 F300; M30", f"{D}.position_unit", 25.4)
+w("Settings.position_unit", KNOWN, "G90; G01 X10 F300; M30", f"{D}.position_unit", 25.4)
 TURNED = "G90 G71; T1; G00 X10 Y10; G41 G01 X30 F100; Y50; X90; G40 X100; M30"
 WIDE = (RadiusTool(plane="xy", number=1, radius=6.0, length=0.0),)
-w("Din.tools", CORRECTED, TURNED, f"{D}.tools", WIDE)
-w("Din.unstated", KNOWN, TURNED, f"{D}.unstated", ("tool_file",))
+w("McuWinSettings.tools", CORRECTED, TURNED, f"{D}.tools", WIDE)
+w("McuWinSettings.unstated", KNOWN, TURNED, f"{D}.unstated", ("tool_file",))
 w(
-    "Din.tasks",
+    "McuWinSettings.tasks",
     KNOWN,
     "G90 G71; G00 X10; M3 S100; G00 X20; M30",
     f"{D}.tasks",
     (TaskCode(code="M3", action="nothing"),),
 )
-w("Din.version", KNOWN, "G90 G71; G60 X Y; G01 X10 F100; G60 X Y Z; G01 Z5; M30", f"{D}.version", "2.5.3.32")
+w("McuWinSettings.version", KNOWN, "G90 G71; G60 X Y; G01 X10 F100; G60 X Y Z; G01 Z5; M30", f"{D}.version", "2.5.3.32")
 w("TaskCode.breaks", TASKED, "G90 G71; G01 X20 F100; M210; G01 X30; M30", f"{D}.tasks.0.breaks", True)

@@ -109,7 +109,7 @@ BESIDE = {
 for row, dialect, path, value in (
     ("Axis.backlash", "eding", "machine.axes.0.backlash", 1.5),
     ("Slave.backlash", "eding", "machine.axes.0.slaves.0.backlash", 1.5),
-    ("Controls.backlash", "wincnc", "machine.controller.controls.backlash", (("x", 1.5),)),
+    ("Settings.backlash", "wincnc", "machine.settings.backlash", (("x", 1.5),)),
     ("State.backlash", "eding", "state.backlash", ((0, 1.5),)),
 ):
     world, program = BESIDE[dialect]

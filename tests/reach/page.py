@@ -11,12 +11,15 @@ from types import ModuleType
 from corpus.expectations import ROOT
 from reach.answers import TARGETS
 
-from gproof.ir import controls, din, drives, machine, setup, trace, workpiece
+from gproof.ir import drives, machine, settings, setup, trace, workpiece
+from gproof.ir.dialects import eding_settings, mcuwin_settings, wincnc_settings
 from gproof.passes.interpret.mcuwin.state import McuWinState
 from gproof.passes.interpret.wincnc.state import WinCncState
 
 PAGE = ROOT / "docs" / "reach.md"
-STATED: tuple[ModuleType, ...] = (machine, setup, drives, controls, din, workpiece)
+STATED: tuple[ModuleType, ...] = (
+    machine, setup, drives, settings, eding_settings, wincnc_settings, mcuwin_settings, workpiece,
+)  # fmt: skip
 _ROW = re.compile(r"^\| (`.*`) \| (.*) \| (.*) \|$")
 _NAME = re.compile(r"`([\w.]+)`")
 _REF = re.compile(r"`((?:\w+/)+\w+\.py)(?:: ([\w.]+))?`")
@@ -108,4 +111,5 @@ def _fields(module: ModuleType) -> set[str]:
 
 
 def _of(cls: type) -> set[str]:
-    return {f"{cls.__name__}.{field.name}" for field in dataclasses.fields(cls)}
+    """Its own fields: those of the class that it is made from have rows of their own."""
+    return {f"{cls.__name__}.{field.name}" for field in dataclasses.fields(cls) if field.name in cls.__annotations__}

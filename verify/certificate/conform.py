@@ -25,7 +25,8 @@ def _fields(cls: type) -> tuple[tuple[str, Any], ...]:
 def misfit(value: Any, hint: Any, where: str = "") -> str:
     """The first place that is not of its declared type, or an empty text.
 
-    A whole number may stand where a float is declared; a truth value stands for no number.
+    A value of a type made from the declared one is held against its own fields. A whole number may stand where a float
+    is declared; a truth value stands for no number.
     """
     return "" if _checker(hint)(value) else _misfit(value, hint, where)
 
@@ -61,7 +62,9 @@ def _plain_checker(hint: type) -> Callable[[Any], bool]:
     def fits(value: Any) -> bool:
         if not fields:  # Not before: a type may have fields of its own type.
             fields.extend((name, _checker(inner)) for name, inner in _fields(hint))
-        return isinstance(value, hint) and all(check(getattr(value, name)) for name, check in fields)
+        if type(value) is not hint:
+            return isinstance(value, hint) and _checker(type(value))(value)
+        return all(check(getattr(value, name)) for name, check in fields)
 
     return fits
 
@@ -104,7 +107,8 @@ def _plain(value: Any, hint: type, where: str) -> str:
     if not good:
         return f"{where or 'value'}: {type(value).__name__} where {hint.__name__} belongs"
     if dataclasses.is_dataclass(hint):
-        for name, inner in _fields(hint):
+        kind: type = type(value)
+        for name, inner in _fields(kind):
             found = _misfit(getattr(value, name), inner, f"{where}.{name}" if where else name)
             if found:
                 return found

@@ -262,10 +262,10 @@ class _Pair:
                 return None
             # Some controllers have lengths as variables too, which come before the table.
             return math.nan if setup.parameters or setup.parameter_ranges else tool.length
-        din = self.machine.controller.din
-        if name == "work" and din is not None and din.zero_offsets is not None:
+        table = self.machine.settings.zero_offsets
+        if name == "work" and table is not None:
             record_, axis = key[0], AXIS_NAMES.index(key[1])
-            row = din.zero_offsets[record_ - 1] if 1 <= record_ <= len(din.zero_offsets) else ()
+            row = table[record_ - 1] if 1 <= record_ <= len(table) else ()
             return row[axis] if axis < len(row) else math.nan
         there = self.machine.spindle(key[0]) if name == "heads" and key[1] in AXIS_NAMES[:3] else None
         offset = None if there is None else there.offset[AXIS_NAMES.index(key[1])]
@@ -282,8 +282,7 @@ class _Pair:
             return False
         if name == "work":
             number, _ = key
-            din = self.machine.controller.din
-            return (din is None or din.zero_offsets is None) and number not in self._systems_used
+            return self.machine.settings.zero_offsets is None and number not in self._systems_used
         if name == "tool_lengths":
             if key == 0 or self._of_machine(self.then, name, key) is not None:
                 return False

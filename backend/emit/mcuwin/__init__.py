@@ -14,9 +14,9 @@ if TYPE_CHECKING:
 
 def _emit(program: Program, machine: Machine, as_is: frozenset[int]) -> Iterable[bytes]:
     from gproof.backend.emit.mcuwin.program import emit
-    from gproof.ir.din import NO_DIN
+    from gproof.ir.dialects.mcuwin_settings import mcuwin_settings
 
-    return emit(program, machine.controller.din or NO_DIN, as_is=as_is)
+    return emit(program, mcuwin_settings(machine), as_is=as_is)
 
 
 def _judge(before: Program, after: Program, machine: Machine) -> str:

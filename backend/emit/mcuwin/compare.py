@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from itertools import zip_longest
 
 from gproof.backend.emit.mcuwin.tree import text_of
-from gproof.ir.din import NO_DIN
+from gproof.ir.dialects.mcuwin_settings import mcuwin_settings
 from gproof.ir.finding import Refusal
 from gproof.ir.machine import Machine
 from gproof.ir.program import Program
@@ -31,7 +31,7 @@ def _pieces(program: Program, machine: Machine) -> Iterator[bytes]:
     """The text of a Program, up to what has none: that is compared as a node."""
     axes = "".join(axis.word for axis in machine.axes)
     try:
-        yield from text_of(program, machine.controller.din or NO_DIN, axes)
+        yield from text_of(program, mcuwin_settings(machine), axes)
     except Refusal as refusal:
         yield str(refusal.finding.message).encode()
 

@@ -25,7 +25,7 @@ from gproof.backend.emit.mcuwin.pascal_words import (
 )
 from gproof.backend.emit.printer import Unprintable
 from gproof.ir.columns import Columns
-from gproof.ir.din import Din
+from gproof.ir.dialects.mcuwin_settings import McuWinSettings
 from gproof.ir.finding import Span
 from gproof.ir.notes import NoteKind, Notes
 from gproof.ir.program import (
@@ -50,7 +50,7 @@ INDENT = "  "
 _NUMBERED = re.compile(r"[ \t]*(?:[Nn][ \t]*(?P<digits>[0-9]+)[ \t]*)?", re.ASCII)
 
 
-def emit(program: Program, din: Din, *, as_is: frozenset[int] = frozenset()) -> Iterator[bytes]:
+def emit(program: Program, din: McuWinSettings, *, as_is: frozenset[int] = frozenset()) -> Iterator[bytes]:
     """The text of the program's own file, piece by piece, each of whole lines.
 
     din: settings of the machine that the file was read with; as_is: lines that stay as they are. The file must have
@@ -63,7 +63,7 @@ def emit(program: Program, din: Din, *, as_is: frozenset[int] = frozenset()) -> 
 class _Printer(LinePrinter):
     two_digits = True
 
-    def __init__(self, program: Program, din: Din, as_is: frozenset[int]) -> None:
+    def __init__(self, program: Program, din: McuWinSettings, as_is: frozenset[int]) -> None:
         super().__init__(program)
         self.limit = LINE_LIMIT
         self.depth = 0

@@ -20,7 +20,7 @@ from gproof.backend.emit.printer import Unprintable
 from gproof.ir import codes
 from gproof.ir.columns import Columns
 from gproof.ir.dialects.mcuwin_persistence import MOTIONS, OPEN, Persistence
-from gproof.ir.din import VERSIONS, Din
+from gproof.ir.dialects.mcuwin_settings import VERSIONS, McuWinSettings
 from gproof.ir.finding import Refusal, Span
 from gproof.ir.notes import NOTE, Notes
 from gproof.ir.program import (
@@ -61,7 +61,7 @@ _MODAL = frozenset((17, 18, 19, 70, 71, 90, 91, 94, 161, 162))
 """G codes beside which axis words are those of the motion in force."""
 
 
-def text_of(program: Program, din: Din, axes: str, *, includes: bool = True) -> Iterator[bytes]:
+def text_of(program: Program, din: McuWinSettings, axes: str, *, includes: bool = True) -> Iterator[bytes]:
     """The text of a Program, piece by piece, each of whole lines, in UTF-8 with LF.
 
     din, axes: settings and axis letters of the machine that is to read it; names and case are those of the Program.
@@ -78,7 +78,7 @@ class _Tree:
     opened; marked: a percent sign stands above; says: what is no declaration does; name: of the first module.
     """
 
-    def __init__(self, program: Program, din: Din, axes: str, *, includes: bool) -> None:
+    def __init__(self, program: Program, din: McuWinSettings, axes: str, *, includes: bool) -> None:
         self.program = program
         self.din = din
         self.includes = includes

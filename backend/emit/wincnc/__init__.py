@@ -6,6 +6,7 @@ from collections.abc import Iterable
 from typing import TYPE_CHECKING
 
 from gproof.backend.emit.printer import Printer
+from gproof.ir.dialects.wincnc_settings import wincnc_settings
 
 if TYPE_CHECKING:
     from gproof.ir.machine import Machine
@@ -15,13 +16,13 @@ if TYPE_CHECKING:
 def _emit(program: Program, machine: Machine, as_is: frozenset[int]) -> Iterable[bytes]:
     from gproof.backend.emit.wincnc.program import emit
 
-    return emit(program, machine.controller.controls.lexical)
+    return emit(program, wincnc_settings(machine).lexical)
 
 
 def _emit_same_length(program: Program, machine: Machine) -> Iterable[bytes]:
     from gproof.backend.emit.wincnc.program import emit
 
-    return emit(program, machine.controller.controls.lexical, same_length=True)
+    return emit(program, wincnc_settings(machine).lexical, same_length=True)
 
 
 PRINTER = Printer(emit=_emit, emit_less=_emit_same_length)

@@ -65,9 +65,9 @@ class Cutting(Check):
         self._slowest = tool_column(machine, lambda tool: tool.min_rpm)
         self._limited = any(t.max_rpm is not None or t.min_rpm is not None for t in machine.tools)
         self._runs = runs_of(program, machine)
-        devices = machine.controller.controls.devices
+        devices = machine.settings.devices
         self._others = OtherHeads(program, machine, self._runs)
-        pumps = machine.controller.controls.coolant or program.spindle_outputs.coolant
+        pumps = machine.settings.coolant or program.spindle_outputs.coolant
         self._pumps = frozenset(pumps) - self._runs.channels
         self._by_hand = bool(self._runs.channels) and devices is not None and "spindle" not in devices
         on = frozenset(c for c in self._runs.channels if setup.outputs.get(c) == 1.0)
@@ -292,7 +292,7 @@ class Cutting(Check):
 
     def _channels(self) -> tuple[int | None, ...]:
         """Outputs of a torch, or of what is on during feed moves."""
-        controls = self.machine.controller.controls
+        controls = self.machine.settings
         return (None if controls.torch is None else controls.torch.output, controls.auto_output)
 
     def _start(self, chunk: Chunk, at: int, cut: Bools, way: Floats) -> None:

@@ -64,7 +64,7 @@ class Feeds(Check):
         self._limited = any(t.max_feed is not None or t.max_plunge is not None for t in machine.tools)
         self._causes, self._held = Causes(findings), Causes(findings)
         self._guarded = Guarded()
-        controls = machine.controller.controls
+        controls = machine.settings
         self._arcs_open = program.rules.arcs_keep_feed and controls.arcs_share_feed is None
 
     def feed(self, chunk: Chunk) -> None:

@@ -12,7 +12,7 @@ def with_forced(machine: Machine) -> Machine:
 
     They are no end stops: below a forced limit under the soft one the travel still has to be stated.
     """
-    forced = machine.controller.controls.forced
+    forced = machine.settings.forced
     if forced is None:
         return machine
     axes = []

@@ -363,7 +363,7 @@ class Limits(Check):
 
     def _is_forced(self, index: int, limit: float) -> bool:
         """Whether a lower limit is a forced one."""
-        forced = self.machine.controller.controls.forced
+        forced = self.machine.settings.forced
         return forced is not None and index < len(forced) and forced[index][0] == limit
 
     def finish(self) -> PropertyResult:

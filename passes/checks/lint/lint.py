@@ -93,14 +93,13 @@ class Sense(Check):
 
     def _may_state_units(self) -> bool:
         """Whether the language has codes of units, and no file of the machine says in what its numbers count."""
-        din = self.machine.controller.din
-        if self.machine.controller.controls.unit_stated:
+        if self.machine.settings.unit_stated:
             return False  # unit= of the machine's own file says it
         known = {rule.function for rule in self._program.rules.codes.values()}
-        return bool(known & _UNITS) and (din is None or din.position_unit is None)
+        return bool(known & _UNITS) and self.machine.settings.position_unit is None
 
     def _distances(self, written: Written) -> Finding | None:
-        if self.machine.controller.controls.absolute is not None:
+        if self.machine.settings.absolute is not None:
             return None  # nmode= of WINCNC.INI says it
         return written.distances()
 

@@ -121,7 +121,7 @@ class Placing:
         self._heads = [axis.index for axis in heads]
         if heads:
             self._assumed[OTHER_HEADS.format(axes=" ".join(axis.word for axis in heads))] = None
-        if machine.controller.controls.smoothing:
+        if machine.settings.smoothing:
             self._assumed[SMOOTHED] = None
 
     @property
@@ -274,7 +274,7 @@ class Placing:
     def _state_reason(self, state: State) -> Reason:
         if state.head:
             return Reason.HEAD
-        spaces = self.machine.controller.controls.workspaces
+        spaces = self.machine.settings.workspaces
         if state.work > 1 and any(space.number == state.work + 53 for space in spaces):
             # Another head, which these workspaces choose.
             return Reason.HEAD
@@ -311,7 +311,7 @@ class Placing:
 
 def rotary_axes(machine: Machine) -> list[int]:
     """Columns of the axes that may turn what lies on the table; a knife or saw turns itself."""
-    controls = machine.controller.controls
+    controls = machine.settings
     own = {each.axis for each in (machine.knife, controls.knife, controls.saw) if each is not None}
     return [axis.index for axis in machine.axes if axis.kind is AxisKind.ROTARY and axis.name not in own]
 

@@ -45,7 +45,7 @@ def _near(piece: Piece, body: Body, tips: Span, room: float) -> bool:
 def homed_together(machine: Machine, names: Sequence[str]) -> Iterator[list[int]]:
     """Columns of X, Y, Z among homed axes, group after group where the machine's file has an order."""
     left = [name for name in names if name in AXIS_NAMES[:3]]
-    for line in machine.controller.controls.homing:
+    for line in machine.settings.homing:
         these = [name for name, _ in line.distances if name in left]
         left = [name for name in left if name not in these]
         yield [AXIS_NAMES.index(name) for name in these]

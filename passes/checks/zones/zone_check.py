@@ -102,7 +102,7 @@ class ZoneCheck:
         # In the tool change area the controller looks at its own positions.
         self._bow = 0.0 if change else chord_error(machine)
         # Chords, and lines in place of arcs, lie within ends and bulge of the arc: what it goes around is nearer then.
-        self._near = 0.0 if change else self._bow + 2.0 * (machine.controller.controls.smallest_arc or 0.0)
+        self._near = 0.0 if change else self._bow + 2.0 * (machine.settings.smallest_arc or 0.0)
 
     # -- views
 
@@ -194,7 +194,7 @@ class ZoneCheck:
 
     def _other_head(self, state: State) -> bool:
         """Whether what moves is not the head of X, Y and Z; a preconfigured workspace may choose another one."""
-        spaces = self.machine.controller.controls.workspaces
+        spaces = self.machine.settings.workspaces
         return state.head != 0 or (state.work > 1 and any(space.number == state.work + 53 for space in spaces))
 
     def _beside_cylinder(self, part: Part) -> bool:

@@ -133,7 +133,7 @@ class Areas(Check):
                 out.append(NO_TOLERANCE)
             if self._own_length:
                 out.append(OWN_LENGTH)
-            if self.machine.controller.controls.smoothing:
+            if self.machine.settings.smoothing:
                 out.append("the controller rounds no corner as far as a keep-out zone")
             if any(axis.vertical and axis.index > 2 for axis in self.machine.axes):
                 out.append("keep-out zones are judged for the head of X, Y and Z only")

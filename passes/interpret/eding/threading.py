@@ -12,6 +12,7 @@ import math
 from typing import TYPE_CHECKING
 
 from gproof.ir import codes
+from gproof.ir.dialects.eding_settings import eding_settings
 from gproof.ir.finding import Refusal
 from gproof.ir.machine import AXIS_NAMES
 from gproof.ir.record import record
@@ -161,7 +162,7 @@ def _peak(run: Run, line: Line, rule: CodeRule, x: Position, value: float) -> fl
     at = s.offset(_X).moved(value * s.scale(_X))
     across = at.minus(x)
     offset = value * s.scale(_X)
-    reading = run.machine.controller.thread_peak
+    reading = eding_settings(run.machine).thread_peak
     if reading is None:
         place = s.program_position(_X)
         run.fail(

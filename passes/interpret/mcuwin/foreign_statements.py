@@ -11,9 +11,8 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 
-from gproof.ir.controls import NO_CONTROLS
 from gproof.ir.dialects.mcuwin import COMMON, DECLARED
-from gproof.ir.din import NO_DIN
+from gproof.ir.dialects.mcuwin_settings import mcuwin_settings
 from gproof.ir.machine import AXIS_NAMES, Machine
 from gproof.ir.setup import Interval, Setup
 
@@ -29,7 +28,7 @@ def _contradicted(setup: Setup, machine: Machine, name: str) -> bool:
     if number is None or now is None or number > RECORDS:
         return False
     record = setup.work.get((number, name))
-    table = (machine.controller.din or NO_DIN).zero_offsets or ()
+    table = mcuwin_settings(machine).zero_offsets or ()
     if record is None and number <= len(table):
         record = Interval(table[number - 1][AXIS_NAMES.index(name)], table[number - 1][AXIS_NAMES.index(name)])
     return record is not None and (record.high < now.low or record.low > now.high)
@@ -83,5 +82,5 @@ def foreign(setup: Setup, machine: Machine) -> Iterator[tuple[str, str]]:
             yield f"{key} of the machine file: this controller does not have it", f"machine.controller.{key}"
     if machine.knife is not None:
         yield "[knife] of the machine file: this controller turns none", "machine.knife"
-    if controller.controls != NO_CONTROLS:
+    if "controls" in mcuwin_settings(machine).foreign:
         yield "[controls] of the machine file: settings of another controller", "machine.controls"

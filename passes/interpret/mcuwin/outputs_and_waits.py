@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 from gproof.ir import codes
 from gproof.ir.dialects.mcuwin import COMMON, DECLARED, PROTECTED
-from gproof.ir.din import VERSIONS, TaskCode
+from gproof.ir.dialects.mcuwin_settings import VERSIONS, TaskCode
 from gproof.ir.finding import FollowedRefusal, Refusal, Span
 from gproof.ir.modal_groups import OF_FEEDS
 from gproof.ir.program import PARAMETER, Input, Named
@@ -64,7 +64,7 @@ def _as_many_as_stated(run: McuWinRun, line: Part, stated: TaskCode | None, text
 
 
 def act(run: McuWinRun, line: Part, rule: CodeRule, stated: TaskCode | None, action: str) -> None:
-    """What a code does, by one of ``ir.din.ACTIONS``."""
+    """What a code does, by one of ``mcuwin_settings.ACTIONS``."""
     s = run.modal
     _as_many_as_stated(run, line, stated, rule.text, line.code_span())
     if stated is None or stated.breaks is not False:

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 from gproof.ir import codes
 from gproof.ir.dialects.mcuwin import COOLANT, MOTION, SPINDLE, USER, has_code
-from gproof.ir.din import FIRST_USER_CODE, LAST_USER_CODE
+from gproof.ir.dialects.mcuwin_settings import FIRST_USER_CODE, LAST_USER_CODE
 from gproof.ir.finding import Refusal, Span
 from gproof.ir.machine import Machine
 from gproof.ir.program import PARAMETER

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 from gproof.ir import modal_groups as g
 from gproof.ir.dialects.mcuwin import COMMON, DECLARED
-from gproof.ir.din import NO_DIN, Din
+from gproof.ir.dialects.mcuwin_settings import McuWinSettings, mcuwin_settings
 from gproof.ir.finding import Span
 from gproof.ir.machine import AXES, AXIS_NAMES, Machine
 from gproof.ir.program import Declare, Program
@@ -111,9 +111,9 @@ class McuWinState:
         return replace(self, **changes)
 
 
-def din_of(machine: Machine) -> Din:
+def din_of(machine: Machine) -> McuWinSettings:
     """The settings of the machine's file; none where it is of another controller."""
-    return machine.controller.din or NO_DIN
+    return mcuwin_settings(machine)
 
 
 def own_unit(machine: Machine, axis: int) -> float:

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 from gproof.ir import codes
 from gproof.ir.dialects.mcuwin import OFFSETS_AT
-from gproof.ir.din import VERSIONS
+from gproof.ir.dialects.mcuwin_settings import VERSIONS
 from gproof.ir.finding import Refusal
 from gproof.ir.machine import AXES, AXIS_NAMES, Axis
 from gproof.ir.rules import CodeRule

@@ -6,6 +6,7 @@ import math
 from typing import TYPE_CHECKING
 
 from gproof.ir import codes
+from gproof.ir.dialects.wincnc_settings import wincnc_settings
 from gproof.ir.finding import Refusal
 from gproof.ir.rules import CodeRule
 from gproof.ir.rules import Function as F
@@ -34,7 +35,7 @@ def arc(run: WinCncRun, line: Command, rule: CodeRule) -> None:
     """G2 and G3 in X and Y; what else the line names moves along evenly."""
     note_assumptions(run, line.span)
     s = run.modal
-    controls = run.machine.controller.controls
+    controls = wincnc_settings(run.machine)
     if controls.arcs_modal:
         s.motion = int(rule.function)
         s.cycle, s.cycle_code = {}, 0
@@ -93,7 +94,7 @@ def arc(run: WinCncRun, line: Command, rule: CodeRule) -> None:
 def _arc_feed(run: WinCncRun, line: Command, moved: set[int]) -> None:
     """F of arcs is kept apart from that of lines (Feed Velocity); without one of either kind, where both agree."""
     s = run.modal
-    share = run.machine.controller.controls.arcs_share_feed
+    share = wincnc_settings(run.machine).arcs_share_feed
     value = line.values.get("F")
     if share:
         feed_word(run, line, moved)
@@ -121,7 +122,7 @@ def _make(
 ) -> None:  # fmt: skip
     s = run.modal
     switch_output(run, line, cutting=True)
-    smallest = run.machine.controller.controls.smallest_arc
+    smallest = wincnc_settings(run.machine).smallest_arc
     if smallest is not None and radius < smallest:
         closed = all(abs(target[axis].value - s.position[axis].value) < SAME for axis in (0, 1))
         hint = "the arc is a full circle, so nothing of it is cut" if closed else ""

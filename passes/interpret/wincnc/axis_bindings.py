@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from gproof.ir import codes
+from gproof.ir.dialects.wincnc_settings import wincnc_settings
 from gproof.ir.finding import FollowedRefusal, Refusal
 from gproof.ir.machine import AXES, AXIS_NAMES
 from gproof.ir.rules import CodeRule
@@ -115,7 +116,7 @@ def lock(run: WinCncRun, line: Command, rule: CodeRule) -> None:
 def guards(run: WinCncRun, line: Command, rule: CodeRule) -> None:
     """L20 and L21: soft limits and boundaries."""
     s = run.modal
-    controls = run.machine.controller.controls
+    controls = wincnc_settings(run.machine)
     which = line.number("X") if rule.function is F.LIMITS_ON else None
     if which not in (None, 1.0, 2.0):
         raise Refusal(codes.PARAMETER_RANGE.at(line.where("X"), code=rule.text, word="X", allowed="1 or 2"))

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from gproof.ir import codes
+from gproof.ir.dialects.wincnc_settings import wincnc_settings
 from gproof.ir.finding import FollowedRefusal, Refusal
 from gproof.ir.machine import AXIS_NAMES
 from gproof.ir.rules import CodeRule
@@ -54,7 +55,7 @@ def knife(run: WinCncRun, line: Command, rule: CodeRule) -> None:
         s.own = s.own.but(flags=s.own.flags - {LEANING})
         run.state_changed()
         return
-    mode = run.machine.controller.controls.knife
+    mode = wincnc_settings(run.machine).knife
     if run.machine.knife is None:
         problem = "without knifemode=" if mode is None else single_knife.problem_of(run, mode)
         if problem:
@@ -70,7 +71,7 @@ def knife(run: WinCncRun, line: Command, rule: CodeRule) -> None:
 def knife_settings(run: WinCncRun, line: Command, rule: CodeRule) -> None:
     """L30.1: lift angle, lift position and plunge depth, in the unit in force."""
     s = run.modal
-    mode = run.machine.controller.controls.knife
+    mode = wincnc_settings(run.machine).knife
     angle, up, down = (line.number(letter) for letter in "AZP")
     if angle is not None and angle < 0:
         raise Refusal(codes.ILLEGAL_VALUE.at(line.where("A"), word="A", what=f"a lift angle of {angle:g}"))
@@ -104,7 +105,7 @@ def saw(run: WinCncRun, line: Command, rule: CodeRule) -> None:
 def torch(run: WinCncRun, line: Command, rule: CodeRule) -> None:
     """L38 and L39: the torch's output; with height control on, Z goes where the arc's voltage sends it."""
     s = run.modal
-    controls = run.machine.controller.controls
+    controls = wincnc_settings(run.machine)
     on = rule.function is F.TORCH_ON
     if "A" in line.values:
         raise Refusal(codes.UNSUPPORTED_CODE.at(line.span, code=f"{rule.text} with a bevel angle"))
@@ -136,7 +137,7 @@ def burning(run: WinCncRun, line: Command, rule: CodeRule, *, on: bool) -> None:
     s = run.modal
     s.own = s.own.but(flags=s.own.flags | {"torch"} if on else s.own.flags - {"torch"})
     if on and _height_acts(run):
-        control = run.machine.controller.controls.torch
+        control = wincnc_settings(run.machine).torch
         s.position[AXIS_NAMES.index(control.axis) if control is not None and control.axis else 2] = NOWHERE
         run.fail(codes.HEIGHT_CONTROL.at(line.span, code=rule.text))
         s.jumped = True

@@ -10,6 +10,7 @@ import math
 from typing import TYPE_CHECKING
 
 from gproof.ir import codes
+from gproof.ir.dialects.wincnc_settings import wincnc_settings
 from gproof.ir.finding import Refusal
 from gproof.ir.rules import CodeRule
 from gproof.ir.rules import Function as F
@@ -118,7 +119,7 @@ def _doubt_kept(
 def _tell_settings(run: WinCncRun, line: Command, rule: CodeRule, pause: float | None) -> None:
     """GP512, once a job, where two keys of the machine's file speak of one thing, or one of what the code says too."""
     s = run.modal
-    settings = run.machine.controller.controls.drill
+    settings = wincnc_settings(run.machine).drill
     told = []
     both = settings.dwell, settings.other_dwell
     if None not in both and both[0] != both[1] and not (rule.function is F.DRILL_DWELL and pause):
@@ -150,7 +151,7 @@ def _pecks(
     With g81set=L the way back ends so far above R: the top of the hole, from which it counts, is nowhere above R.
     open_: Q is not known, or whether G51 makes other pecks of it is not said: they end anywhere on the way.
     """
-    settings = run.machine.controller.controls.drill
+    settings = wincnc_settings(run.machine).drill
     approach = APPROACH if settings.approach is None else settings.approach
     if lift_word:
         raise Refusal(codes.UNSUPPORTED_CODE.at(line.span, code="L beside R (G83)"))
@@ -201,7 +202,7 @@ def _chips(
 
 def _dwell(run: WinCncRun, line: Command, rule: CodeRule, word: float | None) -> None:
     """At the bottom: P of G82 in milliseconds, else the machine's setting, of two the longer."""
-    settings = run.machine.controller.controls.drill
+    settings = wincnc_settings(run.machine).drill
     stated = [value for value in (settings.dwell, settings.other_dwell) if value]
     seconds = word / 1000.0 if rule.function is F.DRILL_DWELL and word else max(stated, default=0.0)
     if seconds:

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from gproof.ir.dialects.wincnc_settings import wincnc_settings
 from gproof.ir.finding import Span
 from gproof.ir.machine import AXES
 from gproof.ir.modal_groups import OF_FEEDS
@@ -45,7 +46,7 @@ def is_plain(s: WinCncModal) -> bool:
         and not single.scales
         and not single.flags & {"autoaux", "mapped", "compensation", LEANING}
         and not s.cycle_code
-        and not (s.machine.controller.controls.adjust_boundary or s.machine.controller.controls.adjust_vertical)
+        and not (wincnc_settings(s.machine).adjust_boundary or wincnc_settings(s.machine).adjust_vertical)
         and single.absolute_once is None
         and not single.cell_open
         and not single.drift
@@ -73,7 +74,7 @@ class PlainLines:
     """
 
     def __init__(self, run: WinCncRun) -> None:
-        controls = run.machine.controller.controls
+        controls = wincnc_settings(run.machine)
         axes = {
             letter: column
             for letter, column in letters_of(run.machine).items()
@@ -168,7 +169,7 @@ class PlainLines:
     def _packed(self, run: WinCncRun, compiled: bool) -> LineState:
         """The state of ``run_moves``."""
         s = run.modal
-        controls = run.machine.controller.controls
+        controls = wincnc_settings(run.machine)
         offsets = [s.offset(axis) for axis in _ALL]
         known = not any(s.position[axis].minus(s.position[axis]).form for axis in (0, 1))
         if s.line_lost:

@@ -6,6 +6,7 @@ import math
 from typing import TYPE_CHECKING
 
 from gproof.ir import codes
+from gproof.ir.dialects.wincnc_settings import wincnc_settings
 from gproof.ir.finding import Refusal
 from gproof.ir.machine import AXIS_NAMES
 from gproof.ir.rules import CodeRule
@@ -27,7 +28,7 @@ if TYPE_CHECKING:
 
 def _homing_order(run: WinCncRun, axes: list[int]) -> list[int]:
     """Axes as the lines of g28move= have them, others behind."""
-    listed = [AXIS_NAMES.index(name) for line in run.machine.controller.controls.homing for name, _ in line.distances]
+    listed = [AXIS_NAMES.index(name) for line in wincnc_settings(run.machine).homing for name, _ in line.distances]
     return sorted(axes, key=lambda axis: (listed.index(axis) if axis in listed else len(listed), axis))
 
 

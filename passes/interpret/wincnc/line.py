@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 
 from gproof.ir import codes
 from gproof.ir.dialects.accepts import REPEATED_CHANNEL
+from gproof.ir.dialects.wincnc_settings import wincnc_settings
 from gproof.ir.finding import Refusal, Severity, Span
 from gproof.ir.machine import AXES
 from gproof.ir.modal_groups import MOVES, PLACE
@@ -72,7 +73,7 @@ def _run_alone(run: WinCncRun, span: Span, words: Words, texts: Texts, comment: 
     line: Command | None = None
     if run.modal.line_lost:
         refused_lines.settle(run.modal)
-    devices = run.machine.controller.controls.devices
+    devices = wincnc_settings(run.machine).devices
     try:
         has_laser = devices is not None and "laser" in devices
         line = gather(run.program.rules, letters_of(run.machine), span, words, has_laser)
@@ -197,7 +198,7 @@ def _doubt_mapping(run: WinCncRun, line: Command, command: CodeRule) -> None:
 
 def _need_device(run: WinCncRun, line: Command, command: CodeRule) -> None:
     """Refusal GP285 for a command to something that the machine's file does not set up."""
-    controls = run.machine.controller.controls
+    controls = wincnc_settings(run.machine)
     if controls.devices is None:
         return
     devices = {*controls.devices, *(f"atc{changer.number}" for changer in controls.changers)}

@@ -11,8 +11,8 @@ from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING
 
 from gproof.ir import codes
-from gproof.ir.controls import Controls
 from gproof.ir.dialects import accepts
+from gproof.ir.dialects.wincnc_settings import WinCncSettings, wincnc_settings
 from gproof.ir.finding import Refusal, Span
 from gproof.ir.machine import AXES, AXIS_NAMES
 from gproof.ir.modal_groups import MOTION, OF_FEEDS
@@ -50,7 +50,7 @@ MOVES = frozenset((
 def note_assumptions(run: WinCncRun, span: Span | None) -> None:
     """What is taken for granted because neither job nor files say it. span: of the move, None of a code without one."""
     stated = run.modal.stated
-    controls = run.machine.controller.controls
+    controls = wincnc_settings(run.machine)
     if "distance" not in stated and controls.absolute is None:
         run.assumed["the job starts in absolute distances (G90)"] = None
     if run.settings.waiting:
@@ -156,7 +156,7 @@ def spindle_speed(run: WinCncRun, line: Command) -> None:
     if not isinstance(value, Unknown) and value < 0:
         raise Refusal(codes.ILLEGAL_VALUE.at(line.where("S"), word="S", what=f"a speed of {value:g}"))
     spindle_range(run, line)
-    devices = run.machine.controller.controls.devices
+    devices = wincnc_settings(run.machine).devices
     if devices is not None and "spinmac" in devices:
         raise Refusal(codes.UNSUPPORTED_CODE.at(line.where("S"), code="S with spindle=T2, which runs SPIN.MAC,"))
     run.modal.spindle_speed = value
@@ -177,14 +177,14 @@ def feed_word(run: WinCncRun, line: Command, columns: set[int] | None = None) ->
     else:
         rate = value
     feeds = list(s.own.feeds)
-    named = feed_columns(run.machine.controller.controls, columns or set())
+    named = feed_columns(wincnc_settings(run.machine), columns or set())
     for column in named:
         feeds[column] = math.nan if s.unknown_modes & OF_FEEDS else rate * s.scale(column)
     doubt = s.own.feed_doubt and not named & {0, 1}
     s.own = s.own.but(feeds=tuple(feeds), feed_doubt=doubt)
 
 
-def feed_columns(controls: Controls, columns: set[int]) -> set[int]:
+def feed_columns(controls: WinCncSettings, columns: set[int]) -> set[int]:
     """The columns to which an F beside axis words of these columns gives a feed."""
     named = {AXIS_NAMES[column] for column in columns}
     if not named:
@@ -245,7 +245,7 @@ def straight(run: WinCncRun, line: Command, rule: CodeRule) -> None:
 def switch_output(run: WinCncRun, line: Command, *, cutting: bool) -> None:
     """The output that is on during feed moves and off else (autoaux=, L34)."""
     s = run.modal
-    controls = run.machine.controller.controls
+    controls = wincnc_settings(run.machine)
     number = controls.auto_output
     if number is None or "autoaux" not in s.own.flags or ("cutting" in s.own.flags) == cutting:
         return
@@ -261,7 +261,7 @@ def switch_output(run: WinCncRun, line: Command, *, cutting: bool) -> None:
 def adjusted(run: WinCncRun, line: Command, target: list[Position], moved: set[int]) -> list[Position]:
     """The target where the controller goes instead of past a boundary or, of vertical axes, a limit (softlim= B V)."""
     s = run.modal
-    controls = run.machine.controller.controls
+    controls = wincnc_settings(run.machine)
     if not (controls.adjust_boundary or controls.adjust_vertical):
         return target
     target = list(target)
@@ -360,7 +360,7 @@ def stored_place(run: WinCncRun, line: Command, op: Op, *, machine: bool = False
         what = f"{letter}{number} beside axes in a line without G53 (what counts is not said)"
         raise Refusal(codes.UNSUPPORTED_CODE.at(line.where(letter), code=what))
     s = run.modal
-    controls = run.machine.controller.controls
+    controls = wincnc_settings(run.machine)
     most = {"P": controls.positions, "H": controls.homes, "T": controls.tool_positions}[letter]
     if number < 0 or (most is not None and number > most):
         raise Refusal(codes.STORED_POSITION_MISSING.at(line.where(letter), word=f"{letter}{number}"))

@@ -10,6 +10,7 @@ import math
 from typing import TYPE_CHECKING
 
 from gproof.ir import codes
+from gproof.ir.dialects.wincnc_settings import wincnc_settings
 from gproof.ir.finding import Refusal, Span
 from gproof.ir.machine import AXIS_NAMES
 from gproof.ir.rules import CodeRule
@@ -61,7 +62,7 @@ def channel(run: WinCncRun, line: Command, rule: CodeRule, known: tuple[int, ...
     """The channel in C; Refusal GP128 for one that is not there."""
     number = line.whole("C", run.program.rules.integer_tolerance)
     assert number is not None
-    stated = run.machine.controller.controls.highest_channel
+    stated = wincnc_settings(run.machine).highest_channel
     highest = math.inf if stated is None else stated
     if number < 0 or number > highest or (known is not None and number not in known):
         allowed = (
@@ -74,7 +75,7 @@ def channel(run: WinCncRun, line: Command, rule: CodeRule, known: tuple[int, ...
 def output(run: WinCncRun, line: Command, rule: CodeRule) -> None:
     """M11 to M14: an output on or off; M13 and M14 without a stop."""
     s = run.modal
-    controls = run.machine.controller.controls
+    controls = wincnc_settings(run.machine)
     on = rule.function in (F.OUTPUT_ON, F.OUTPUT_ON_MOVING)
     if "C" not in line.values:
         if "D" not in line.values:
@@ -92,7 +93,7 @@ def output(run: WinCncRun, line: Command, rule: CodeRule) -> None:
 
 def _bank(run: WinCncRun, line: Command, rule: CodeRule, on: bool) -> None:
     """M11 D: drills of a bank by the bits of a number."""
-    banks = run.machine.controller.controls.drill_banks
+    banks = wincnc_settings(run.machine).drill_banks
     run.settings.meet("drills", line.span)
     if len(banks) != 1:
         raise Refusal(codes.UNSUPPORTED_CODE.at(line.span, code=f"{rule.text} with D, and not one drillbank="))
@@ -120,7 +121,7 @@ def analog(run: WinCncRun, line: Command, rule: CodeRule) -> None:
 
 def wait(run: WinCncRun, line: Command, rule: CodeRule) -> None:
     """M17 and M18: until an input is on or off."""
-    number = channel(run, line, rule, run.machine.controller.controls.inputs, "input")
+    number = channel(run, line, rule, wincnc_settings(run.machine).inputs, "input")
     run.event(Op.INPUT_WAIT, line.span, arg=(float(number), float(rule.function is F.WAIT_ON)))
     run.end_section(Wait.INPUT, "come", None, line.span)
 
@@ -131,7 +132,7 @@ def virtual(run: WinCncRun, line: Command, rule: CodeRule) -> None:
     if number is None or not 1 <= number <= 64:
         raise Refusal(codes.PARAMETER_RANGE.at(line.where("C"), code=rule.text, word="C", allowed="1 to 64"))
     s = run.modal
-    swapped = run.machine.controller.controls.virtual_on == 60
+    swapped = wincnc_settings(run.machine).virtual_on == 60
     on = float((rule.function is F.VIRTUAL_ON) != swapped)
     s.own = s.own.but(virtual=with_pair(s.own.virtual, number, on))
 
@@ -203,7 +204,7 @@ def measured(run: WinCncRun, line: Command, rule: CodeRule) -> None:
     the probe rises again is not said: between the surface and where it came from.
     """
     s = run.modal
-    controls = run.machine.controller.controls
+    controls = wincnc_settings(run.machine)
     axis = AXIS_NAMES.index(controls.probe_axis)
     contact = run.setup.contacts.get(controls.probe_axis)
     if axis in s.own.locked or any(axis in pair for pair in s.own.slaves):
@@ -255,7 +256,7 @@ def _surface(run: WinCncRun, line: Command, axis: int, contact: Interval) -> Non
 
 def map_adjustment(run: WinCncRun, line: Command, rule: CodeRule) -> None:
     """L600, L601: adjustments of axismap= off and on: nothing on a machine that has no map."""
-    devices = run.machine.controller.controls.devices
+    devices = wincnc_settings(run.machine).devices
     if devices is not None and "axismap" not in devices:
         note(run, line, rule)
         return
@@ -279,7 +280,7 @@ def feed_override(run: WinCncRun, line: Command, rule: CodeRule) -> None:
     Where override= E0 switches overrides off, or nobody knows P, feeds are not known any more (GP270).
     """
     s = run.modal
-    controls = run.machine.controller.controls
+    controls = wincnc_settings(run.machine)
     percent = line.values.get("P", 0.0)
     low, high = controls.override or (None, None)
     low, high = 1.0 if low is None else low, 200.0 if high is None else high
@@ -337,7 +338,7 @@ def backlash(run: WinCncRun, line: Command, rule: CodeRule) -> None:
     a motor goes back when it is switched off, is not said.
     """
     s = run.modal
-    controls = run.machine.controller.controls
+    controls = wincnc_settings(run.machine)
     stated = {AXIS_NAMES.index(name): amount for name, amount in controls.backlash}
     most = dict(s.own.backlash)
     if rule.text == "L9":

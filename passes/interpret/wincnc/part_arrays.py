@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from gproof.ir import codes
+from gproof.ir.dialects.wincnc_settings import wincnc_settings
 from gproof.ir.finding import Refusal, Severity
 from gproof.ir.program import FLAG_BARE, FLAG_DELETE, Array, Block, BlockTable
 from gproof.ir.symbolic import NOWHERE, Unknown
@@ -78,7 +79,7 @@ def _cells(run: WinCncRun, node: Array) -> Cells:
             what = f"{letter} is {count:g}, not a number of rows or columns"
             raise Refusal(codes.ARRAY_PARAMETERS.at(node.span, code="L10", what=what))
     x, y = values.get("X", 0.0) * s.scale(0), values.get("Y", 0.0) * s.scale(1)
-    order = run.machine.controller.controls.array_order
+    order = wincnc_settings(run.machine).array_order
     if order:
         where = s.position[0], s.position[1]
         return Cells(int(rows), int(columns), (x, y), where, goes_back="E" not in values, by_rows=order == "rows")

@@ -6,6 +6,7 @@ import math
 from typing import TYPE_CHECKING
 
 from gproof.ir import codes
+from gproof.ir.dialects.wincnc_settings import wincnc_settings
 from gproof.ir.finding import Refusal
 from gproof.ir.program import Input, Named
 from gproof.ir.symbolic import NOWHERE, Position, Unknown, Value, between, bounds
@@ -52,7 +53,7 @@ def _turns(run: WinCncRun, name: str) -> bool:
 def _internal(run: WinCncRun, name: str) -> Value:
     """The value of a variable of the controller, lengths in the program's unit."""
     s = run.modal
-    controls = run.machine.controller.controls
+    controls = wincnc_settings(run.machine)
     if name in ("TP1", "TP2"):
         return s.own.tools[int(name[2]) - 1]
     if name in ("TN1", "TN2"):
@@ -78,7 +79,7 @@ def _internal(run: WinCncRun, name: str) -> Value:
 def _tool_height(run: WinCncRun, number: int) -> Value:
     """TH1, TH2: the height of atc1= or that of the tool in the library; a number where the two agree."""
     s = run.modal
-    changer = next((c for c in run.machine.controller.controls.changers if c.number == number), None)
+    changer = next((c for c in wincnc_settings(run.machine).changers if c.number == number), None)
     tool = s.own.tools[number - 1]
     name = f"TH{number}"
     if changer is None or changer.height is None or isinstance(tool, Unknown):
@@ -102,7 +103,7 @@ def read_input(run: WinCncRun, node: Input, evaluator: Evaluator) -> Value:
             raise Refusal(codes.PARAMETER_RANGE.at(node.span, code="a condition", word="C", allowed="0 or 1"))
         return value
     number = round(value)
-    controls = run.machine.controller.controls
+    controls = wincnc_settings(run.machine)
     there = {"input": controls.inputs, "output": controls.outputs, "virtual": range(1, 65)}.get(node.kind)
     highest = math.inf if controls.highest_channel is None else controls.highest_channel
     beyond = node.kind in ("input", "output") and number > highest

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
 
+from gproof.ir.dialects.wincnc_settings import wincnc_settings
 from gproof.ir.finding import Span
 from gproof.ir.machine import Machine
 from gproof.ir.program import Array, Block, Call, Input, Named, Program, Unsupported
@@ -52,7 +53,7 @@ class WinCncDialect(Dialect[WinCncRun]):
 
     def nesting(self, machine: Machine) -> int:
         """How deep calls may be within calls (nesting=)."""
-        own = machine.controller.controls.nesting
+        own = wincnc_settings(machine).nesting
         return super().nesting(machine) if own is None else own
 
     def letters(self, machine: Machine) -> dict[str, int]:

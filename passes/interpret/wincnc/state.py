@@ -11,10 +11,11 @@ from dataclasses import replace
 from typing import Any
 
 from gproof.ir import modal_groups as g
-from gproof.ir.controls import Workspace
+from gproof.ir.dialects.wincnc_settings import wincnc_settings
 from gproof.ir.machine import AXES, AXIS_NAMES, Machine
 from gproof.ir.record import record
 from gproof.ir.rules import LanguageRules
+from gproof.ir.settings import Workspace
 from gproof.ir.setup import Setup
 from gproof.ir.symbolic import NOWHERE, Position, Unknown, Value
 from gproof.ir.trace import UNMEASURED, Boundary, TipOffset, ToolDiameter
@@ -280,7 +281,7 @@ class WinCncModal(Modal):
 
     def arc_tolerance(self) -> float:
         """mm by which the radii at start and end of an arc may differ (arc_err=)."""
-        stated = self.machine.controller.controls.arc_tolerance
+        stated = wincnc_settings(self.machine).arc_tolerance
         return super().arc_tolerance() if stated is None else stated * self.transform.arc_tolerance
 
     @property
@@ -313,7 +314,7 @@ class WinCncRun(Run):
 def prepare(modal: WinCncModal) -> None:
     """The start of a job on such a controller."""
     machine, setup = modal.machine, modal.setup
-    controls = machine.controller.controls
+    controls = wincnc_settings(machine)
     modal.unit = machine.unit
     modal.absolute = controls.absolute is not False
     zero = Position(0.0)

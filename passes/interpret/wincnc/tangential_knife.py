@@ -13,9 +13,10 @@ import math
 from typing import TYPE_CHECKING
 
 from gproof.ir import codes
-from gproof.ir.controls import KnifeMode
+from gproof.ir.dialects.wincnc_settings import wincnc_settings
 from gproof.ir.finding import Span
 from gproof.ir.machine import AXES, AXIS_NAMES
+from gproof.ir.settings import KnifeMode
 from gproof.ir.symbolic import NOWHERE, Position
 from gproof.ir.trace import KNIFE, Affine, Op
 from gproof.passes.interpret.wincnc.coupling import go
@@ -97,7 +98,7 @@ class Turning:
         if value is None:
             return self._tell(self.up, f"{what} is not said (knifemode=, L30.1)")
         s = self.run.modal
-        said = self.run.machine.controller.controls.knife_positions
+        said = wincnc_settings(self.run.machine).knife_positions
         machine, work = machine_zero(s.own, self.up).moved(value), s.offset(self.up).moved(value)
         if said is not None:
             return work if said == "work" else machine
@@ -317,7 +318,7 @@ _KEPT = 64
 
 def follows(run: WinCncRun) -> KnifeMode | None:
     """How the knife turns, where ``turn_before`` makes its rows: gproof's own [knife] is that of ``knife_axis.py``."""
-    return run.machine.controller.controls.knife if run.machine.knife is None else None
+    return wincnc_settings(run.machine).knife if run.machine.knife is None else None
 
 
 def problem_of(run: WinCncRun, mode: KnifeMode) -> str:

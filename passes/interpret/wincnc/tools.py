@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from gproof.ir import codes
+from gproof.ir.dialects.wincnc_settings import wincnc_settings
 from gproof.ir.finding import Refusal
 from gproof.ir.machine import AXES, AXIS_NAMES
 from gproof.ir.rules import CodeRule
@@ -37,7 +38,7 @@ def tool_number(run: WinCncRun, line: Command, rule: CodeRule) -> None:
     if rule.value == 1 and s.tool != number and s.own.reference is None:
         s.lengths_used = True
         s.own = s.own.but(reference=tuple(s.beside_tip(axis) for axis in range(AXES)))
-    changers = {changer.number: changer for changer in run.machine.controller.controls.changers}
+    changers = {changer.number: changer for changer in wincnc_settings(run.machine).changers}
     changer = changers.get(rule.value)
     axis = AXIS_NAMES.index(changer.axis) if changer is not None else 2
     register = line.whole("R", run.program.rules.integer_tolerance) if "R" in line.values else number
@@ -104,7 +105,7 @@ def compensation(run: WinCncRun, line: Command, rule: CodeRule) -> None:
     if rule.function is F.COMPENSATION_OFF:
         s.own = s.own.but(flags=s.own.flags - {"compensation"})
         return
-    controls = run.machine.controller.controls
+    controls = wincnc_settings(run.machine)
     amount = line.number("O")
     if not controls.changers and amount == 0.0:
         if controls.devices is None:

@@ -11,11 +11,12 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, NoReturn
 
 from gproof.ir import codes
-from gproof.ir.controls import Workspace
+from gproof.ir.dialects.wincnc_settings import wincnc_settings
 from gproof.ir.finding import FollowedRefusal, Refusal
 from gproof.ir.machine import AXES
 from gproof.ir.rules import CodeRule
 from gproof.ir.rules import Function as F
+from gproof.ir.settings import Workspace
 from gproof.ir.symbolic import NOWHERE, Position, Unknown, Value
 from gproof.ir.trace import Op
 from gproof.passes.interpret.core.modal_state import INCH, ZERO
@@ -221,7 +222,7 @@ def keep_local(run: WinCncRun, line: Command, rule: CodeRule) -> None:
 def workspace(run: WinCncRun, line: Command, rule: CodeRule) -> None:
     """G54 to G59 of type 0: another head, at the same X and Y of the program; of others see ``_turn``."""
     s = run.modal
-    controls = run.machine.controller.controls
+    controls = wincnc_settings(run.machine)
     run.settings.meet(f"workspaces.{rule.value + 53}", line.span)
     spaces = {space.number: space for space in controls.workspaces}
     space = spaces.get(rule.value + 53)
@@ -377,7 +378,7 @@ def scaling(run: WinCncRun, line: Command, rule: CodeRule) -> None:
 def rotation(run: WinCncRun, line: Command, rule: CodeRule) -> None:
     """G52: by A degrees about I and J, counter-clockwise unless the machine's file says otherwise."""
     s = run.modal
-    angle = (line.number("A") or 0.0) * run.machine.controller.controls.rotation_sign
+    angle = (line.number("A") or 0.0) * wincnc_settings(run.machine).rotation_sign
     center = ((line.number("I") or 0.0) * s.unit, (line.number("J") or 0.0) * s.unit)
     origin = s.offset(0), s.offset(1)
     _begin_turn(run, line, rule, Transform(rotated=True, angle=angle, center=center, origin=origin))

@@ -11,6 +11,7 @@ import pytest
 
 from gproof.driver.dialects import load_machine, load_setup
 from gproof.frontend.eding.prepare import FUNCTIONS
+from gproof.ir.dialects.wincnc_settings import wincnc_settings
 from gproof.ir.finding import Findings
 from gproof.ir.rules import UNARY
 
@@ -34,6 +35,17 @@ def test_examples_are_read(tmp_path: Path, page: str, load: Any) -> None:
     value, _ = load(path, findings)
     assert [f.message for f in findings.kept] == []
     assert value is not None
+
+
+def test_the_example_of_wincnc_is_read(tmp_path: Path) -> None:
+    path = tmp_path / "router.toml"
+    text = next(text for text in examples("machine-files.md") if "\n[controls]" in text)
+    path.write_text(text.replace('base = "WINCNC.INI"\n', ""), encoding="utf-8")
+    findings = Findings()
+    machine, _ = load_machine(path, findings)
+    assert not findings.kept
+    assert machine is not None
+    assert wincnc_settings(machine).nesting == 8
 
 
 def test_the_example_of_mcuwin_is_read(tmp_path: Path) -> None:

@@ -15,8 +15,12 @@ from support.campaigns import examples
 
 from gproof.driver.dialects import load_machine
 from gproof.frontend.common.exact_numbers import exact_ratio
+from gproof.ir.dialects.eding_settings import EdingSettings, eding_settings
+from gproof.ir.dialects.mcuwin_settings import McuWinSettings
+from gproof.ir.dialects.wincnc_settings import WinCncSettings
 from gproof.ir.finding import Findings
 from gproof.ir.machine import AxisKind, Board, Controller, Knife, Machine, PitchTable, Slave
+from gproof.ir.settings import Settings
 from gproof.ir.text import parse_ir, print_ir
 
 HEAD = 'schema = "gproof-machine/1"\nunits = "mm"\n'
@@ -394,7 +398,8 @@ def test_motors_knife_and_the_other_set_up_pages(tmp_path: Path) -> None:
     ]  # fmt: skip
     assert machine.knife == Knife(axis="b", angle=20.0, lift=4.0)
     controller = machine.controller
-    assert (controller.macro_file, controller.homing_mandatory, controller.turning) == ("mine.cnc", False, True)
+    assert (controller.homing_mandatory, controller.turning) == (False, True)
+    assert eding_settings(machine).macro_file == "mine.cnc"
     assert (controller.safety_feed, controller.home_is_stop, machine.z_down_tool_length) == (12.5, True, 30.0)
 
 
@@ -441,3 +446,41 @@ def test_a_key_that_is_nearly_one_says_which(tmp_path: Path, text: str, hint: st
     findings = Findings()
     load_machine(file, findings)
     assert [f.hint for f in findings.kept if f.code.label == "GP611"] == [hint]
+
+
+@pytest.mark.parametrize(
+    ("text", "kind"),
+    [
+        ("", Settings), ('[controller]\ndialect = "eding"', EdingSettings), ("[controls]\nnesting = 3", WinCncSettings),
+        ('[controller]\nthread_peak = "offset"', EdingSettings), ('[controller]\ndialect = "wincnc"', WinCncSettings),
+        ('[controller]\ndialect = "wincnc"\nmacro_file = "m.cnc"', WinCncSettings), ("[din]", McuWinSettings),
+        ('[controller]\ndialect = "eding"\n[controls]\nnesting = 3', WinCncSettings),
+        ('[controller]\ndialect = "mcuwin"', McuWinSettings), ("[controls]\nnesting = 3\n[din]", McuWinSettings),
+    ],
+)  # fmt: skip
+def test_a_machine_has_the_settings_of_its_controller(text: str, kind: type, tmp_path: Path) -> None:
+    (tmp_path / "m.toml").write_text(f'schema = "gproof-machine/1"\nunits = "mm"\n{text}\n')
+    machine, _ = load_machine(tmp_path / "m.toml", Findings())
+    assert machine is not None
+    assert type(machine.settings) is kind
+    foreign = machine.settings.foreign if isinstance(machine.settings, McuWinSettings) else ()
+    assert foreign == (("controls",) if kind is McuWinSettings and "[controls]" in text else ())
+
+
+@pytest.mark.parametrize("stated", ["super_long_file = 3", 'thread_peak = "offset"', 'macro_file = "m.cnc"'])
+def test_settings_of_two_controllers_are_an_error(stated: str, tmp_path: Path) -> None:
+    text = f'schema = "gproof-machine/1"\nunits = "mm"\n[controller]\n{stated}\n[controls]\nnesting = 3\n'
+    (tmp_path / "m.toml").write_text(text)
+    machine, _ = load_machine(tmp_path / "m.toml", findings := Findings())
+    assert machine is None
+    assert [(f.code.label, f.span.line) for f in findings.kept] == [("GP603", 5)]
+
+
+@pytest.mark.parametrize(("base", "kind"), [("WINCNC.INI", WinCncSettings), ("McuWIN.ini", McuWinSettings)])
+def test_settings_of_the_base_stay_whatever_the_dialect(base: str, kind: type, tmp_path: Path) -> None:
+    (tmp_path / base).write_text("[MCU]\nMessageTask0Continue=1\n" if base == "McuWIN.ini" else "axischar=XYZ\n")
+    text = f'schema = "gproof-machine/1"\nunits = "mm"\nbase = "{base}"\n[controller]\ndialect = "eding"\n'
+    (tmp_path / "m.toml").write_text(text)
+    machine, _ = load_machine(tmp_path / "m.toml", Findings())
+    assert machine is not None
+    assert type(machine.settings) is kind

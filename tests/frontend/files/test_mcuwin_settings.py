@@ -12,7 +12,8 @@ from hypothesis import strategies as st
 from support.campaigns import examples
 
 from gproof.driver.dialects import load_machine
-from gproof.ir.din import ACTIONS, Din, RadiusTool, TaskCode
+from gproof.ir.dialects.eding_settings import EdingSettings
+from gproof.ir.dialects.mcuwin_settings import ACTIONS, McuWinSettings, RadiusTool, TaskCode, mcuwin_settings
 from gproof.ir.finding import Findings
 from gproof.ir.machine import Machine
 from gproof.ir.text import parse_ir, print_ir
@@ -30,13 +31,12 @@ def load(text: str, tmp_path: Path, head: str = HEAD) -> tuple[Machine | None, F
     return machine, findings
 
 
-def din_of(text: str, tmp_path: Path, head: str = HEAD) -> Din:
+def din_of(text: str, tmp_path: Path, head: str = HEAD) -> McuWinSettings:
     machine, findings = load(text, tmp_path, head)
     assert machine is not None, findings.kept
     assert not findings.kept
     assert parse_ir(print_ir(machine)) == machine
-    assert machine.controller.din is not None
-    return machine.controller.din
+    return mcuwin_settings(machine)
 
 
 def messages(text: str, tmp_path: Path, head: str = HEAD) -> list[str]:
@@ -72,7 +72,7 @@ t = { does = "tool_select", breaks = true, parameters = 1 }
 G210 = { parameters = 2 }
 """
     )
-    assert din_of(text, tmp_path) == Din(
+    assert din_of(text, tmp_path) == McuWinSettings(
         version="2.5.3.32", case_sensitive=False, line_numbers=True, position_unit=25.4, time_unit=1.0,
         absolute_centers=True, interpolation_axes="XYC",
         zero_offsets=((1.0, 2.0, 3.0, 0.0, 0.0, 90.0), (-4.5, 0.0, 0.0, 0.0, 0.0, 0.0)),
@@ -101,11 +101,11 @@ def test_the_table_makes_it_a_machine_of_this_dialect(tmp_path: Path) -> None:
     assert len(machine.axes) == 6
     machine, _ = load('[controller]\ndialect = "mcuwin"\n[axes.x]\n', tmp_path)
     assert machine is not None
-    assert machine.controller.din == Din(tools=())
+    assert machine.settings == McuWinSettings(tools=())
     assert [axis.name for axis in machine.axes] == ["x"]
     machine, _ = load('[controller]\ndialect = "eding"\n', tmp_path)
     assert machine is not None
-    assert machine.controller.din is None
+    assert machine.settings == EdingSettings()
 
 
 @pytest.mark.parametrize("action", ACTIONS)
@@ -227,12 +227,11 @@ def test_a_file_refines_mcuwin_ini(tmp_path: Path) -> None:
     assert not findings.kept
     assert [axis.name for axis in machine.axes] == ["x", "z"]
     left = ("pre_include", "post_include", "shortest_path", "error_compensation")
-    assert machine.controller.din == Din(tools=(RadiusTool(plane="xy", number=1, radius=2.0),), unstated=left)
+    assert machine.settings == McuWinSettings(tools=(RadiusTool(plane="xy", number=1, radius=2.0),), unstated=left)
     assert machine.kept == (("[MCU] MessageTask1Continue", "1"),)
     machine, _ = load('[din]\ntool_file = "ctrl/ToolComp.INI"\nposition_unit = "inch"\n', tmp_path, BASE)
     assert machine is not None
-    assert machine.controller.din is not None
-    assert machine.controller.din.tools == (RadiusTool(plane="xy", number=1),)
+    assert mcuwin_settings(machine).tools == (RadiusTool(plane="xy", number=1),)
 
 
 def test_what_the_refining_file_states_is_no_longer_open(tmp_path: Path) -> None:

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from gproof.driver.dialects import load_machine
-from gproof.ir.controls import Controls
+from gproof.ir.dialects.wincnc_settings import WinCncSettings
 from gproof.ir.finding import Findings
 from gproof.ir.machine import Machine
 
@@ -73,7 +73,7 @@ arc_tolerance = 0.05
     assert (a.word, a.vertical, a.boundary_lower) == ("U", False, 0.0)
     assert machine.controller.dialect == "wincnc"
     assert machine.unit == 25.4
-    assert machine.controller.controls == Controls(
+    assert machine.settings == WinCncSettings(
         arc_tolerance=0.05, smallest_arc=0.0508, soft_limits=True, shift_sign=-1, helical_arcs=False,
         arcs_share_feed=True, nesting=9,
         start="M98 ON.TAP", inputs=(1, 4), outputs=(), devices=("knife", "thc"), feed_groups=("xy", "z"),
@@ -87,7 +87,7 @@ def test_every_switch(tmp_path: Path) -> None:
             machine, findings = load(f"[controls]\n{key} = {str(value).lower()}\n", tmp_path)
             assert findings.kept == []
             assert machine is not None
-            assert getattr(machine.controller.controls, key) is value
+            assert getattr(machine.settings, key) is value
 
 
 @pytest.mark.parametrize(

@@ -8,6 +8,7 @@ from typing import Any
 
 from gproof.frontend.mcuwin.load import load_program
 from gproof.frontend.mcuwin.machine import NO_MCUWIN
+from gproof.ir.dialects.mcuwin_settings import NO_MCUWIN_SETTINGS
 from gproof.ir.finding import Findings
 from gproof.ir.machine import Machine
 from gproof.ir.program import (
@@ -38,9 +39,7 @@ from gproof.ir.program import (
 
 def machine(**din: Any) -> Machine:
     """Six axes of which nothing is known, with these settings of ``[din]``."""
-    controller = NO_MCUWIN.controller
-    settings = dataclasses.replace(controller.din, **din) if controller.din is not None else None
-    return dataclasses.replace(NO_MCUWIN, controller=dataclasses.replace(controller, din=settings))
+    return dataclasses.replace(NO_MCUWIN, settings=dataclasses.replace(NO_MCUWIN_SETTINGS, **din))
 
 
 OLD = machine(version="2.5.3.32")

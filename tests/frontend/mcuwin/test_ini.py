@@ -15,7 +15,7 @@ from gproof.driver.dialects import load_machine
 from gproof.frontend.mcuwin.ini_text import IniText, decimal
 from gproof.frontend.mcuwin.machine import NO_MCUWIN
 from gproof.frontend.mcuwin.tool_comp import load_tools
-from gproof.ir.din import NO_DIN, RadiusTool
+from gproof.ir.dialects.mcuwin_settings import NO_MCUWIN_SETTINGS, RadiusTool, mcuwin_settings
 from gproof.ir.finding import Finding, Findings
 from gproof.ir.machine import AXIS_NAMES, Machine
 from gproof.ir.text import parse_ir, print_ir
@@ -163,7 +163,7 @@ def test_a_table_that_is_no_text_is_refused(tmp_path: Path) -> None:
 def test_without_a_file_six_axes_have_their_places_and_nothing_is_known_of_them() -> None:
     assert tuple(axis.name for axis in NO_MCUWIN.axes) == AXIS_NAMES
     assert all(axis.lower is None and axis.position_unit is None for axis in NO_MCUWIN.axes)
-    assert (NO_MCUWIN.controller.dialect, NO_MCUWIN.controller.din) == ("mcuwin", NO_DIN)
+    assert (NO_MCUWIN.controller.dialect, NO_MCUWIN.settings) == ("mcuwin", NO_MCUWIN_SETTINGS)
     NO_MCUWIN.verify()
     assert parse_ir(print_ir(NO_MCUWIN)) == NO_MCUWIN
 
@@ -173,7 +173,7 @@ def test_keys_that_the_manual_names_are_kept(tmp_path: Path) -> None:
     assert machine is not None
     assert not said
     assert machine.axes == NO_MCUWIN.axes
-    assert machine.controller.din == replace(NO_DIN, tools=())
+    assert machine.settings == replace(NO_MCUWIN_SETTINGS, tools=())
     assert ("[MCU] ProtocolFileName", "C:\\Logs\\mcu.txt") in machine.kept
     assert ("[FEHLERTEXTE_EXT] 8", "Achse prüfen") in machine.kept
     assert len(machine.kept) == 6
@@ -187,8 +187,7 @@ def test_settings_that_are_not_known_when_nobody_states_them_are_kept(tmp_path: 
     assert not said
     assert len(machine.kept) == 4
     assert not machine.not_modelled
-    assert machine.controller.din is not None
-    assert machine.controller.din.case_sensitive is None
+    assert mcuwin_settings(machine).case_sensitive is None
 
 
 @pytest.mark.parametrize(
@@ -226,8 +225,7 @@ def test_the_tool_table_lies_beside_the_file(tmp_path: Path) -> None:
     (tmp_path / "toolcomp.ini").write_text("[ToolsXY]\nR1=2\n")
     machine, said = own(OWN, tmp_path)
     assert machine is not None
-    assert machine.controller.din is not None
-    assert machine.controller.din.tools == (tool("xy", 1, 2.0, None),)
+    assert mcuwin_settings(machine).tools == (tool("xy", 1, 2.0, None),)
     assert not said
     (tmp_path / "toolcomp.ini").write_text("[ToolsXY]\nR1=-2\n")
     assert own(OWN, tmp_path)[0] is None

@@ -21,7 +21,7 @@ from gproof.frontend.mcuwin.pascal import Symbols
 from gproof.frontend.mcuwin.scan import Scanner
 from gproof.ir.dialects import rules_named
 from gproof.ir.dialects.mcuwin_persistence import Persistence
-from gproof.ir.din import NO_DIN
+from gproof.ir.dialects.mcuwin_settings import NO_MCUWIN_SETTINGS, mcuwin_settings
 from gproof.ir.finding import Findings, Refusal
 from gproof.ir.machine import Machine
 from gproof.ir.notes import NoteKind
@@ -36,7 +36,7 @@ def bits(value: float) -> bytes:
 
 
 def reader(small: bool) -> LineReader:
-    din = NO_DIN if small else machine(case_sensitive=True).controller.din
+    din = NO_MCUWIN_SETTINGS if small else mcuwin_settings(machine(case_sensitive=True))
     assert din is not None
     expressions = Expressions(Symbols(Findings(), axes="XYZABC"))
     language = Language(rules=rules_named("mcuwin"), din=din, axes="XYZABC", expressions=expressions)
@@ -283,7 +283,7 @@ def test_both_speeds(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, on: Machin
     from gproof.ir.notes import NOTE
 
     text = random_text(random.Random(7), 300).encode()
-    how = Scanner(small=not on.controller.din.case_sensitive, numbered=on.controller.din.line_numbers)  # type: ignore[union-attr]
+    how = Scanner(small=not mcuwin_settings(on).case_sensitive, numbered=mcuwin_settings(on).line_numbers)
     plain = b"".join(line for line in text.splitlines(keepends=True) if is_plain(line, how))
     results = []
     for speed in ("python", "numba"):

@@ -14,21 +14,18 @@ from gproof.driver.dialects import load_machine
 from gproof.frontend.wincnc.ini_check import columns_of
 from gproof.frontend.wincnc.ini_file import without_comments
 from gproof.frontend.wincnc.ini_keys import KEYS
-from gproof.ir.controls import (
+from gproof.ir.dialects.wincnc_keys import KEYS as NAMED
+from gproof.ir.dialects.wincnc_settings import (
     Changer,
-    Controls,
     DrillSettings,
-    HomingLine,
-    KnifeMode,
     Lexical,
     MeasureSwitch,
-    SawMode,
-    TorchControl,
-    Workspace,
+    WinCncSettings,
+    wincnc_settings,
 )
-from gproof.ir.dialects.wincnc_keys import KEYS as NAMED
 from gproof.ir.finding import Finding, Findings
 from gproof.ir.machine import Axis, AxisKind, Machine, Slave
+from gproof.ir.settings import HomingLine, KnifeMode, SawMode, TorchControl, Workspace
 from gproof.ir.text import parse_ir, print_ir
 
 ROUTER = """\
@@ -83,8 +80,8 @@ def machine_of(text: str | bytes, tmp_path: Path) -> Machine:
     return machine
 
 
-def controls_of(lines: str, tmp_path: Path) -> Controls:
-    return machine_of(BASE + lines, tmp_path).controller.controls
+def controls_of(lines: str, tmp_path: Path) -> WinCncSettings:
+    return wincnc_settings(machine_of(BASE + lines, tmp_path))
 
 
 def axis(machine: Machine, name: str) -> Axis:
@@ -124,7 +121,7 @@ def test_axes_of_a_router_in_inches(tmp_path: Path) -> None:
     assert (z.vertical, w.vertical, x.vertical) == (True, True, False)
     assert (w.letter, w.word, w.kind) == ("W", "W", AxisKind.LINEAR)
     assert all(a.home_place == 0.0 for a in machine.axes)
-    assert machine.controller.controls.axis_order == "xyza"
+    assert wincnc_settings(machine).axis_order == "xyza"
     assert ("axislo", "p2 b6 o1") in machine.kept
 
 
@@ -195,7 +192,7 @@ def test_backlash_counts_unless_it_is_switched_off(tmp_path: Path) -> None:
 def test_places_behind_homing(tmp_path: Path) -> None:
     machine = machine_of(BASE + "g28coord=x-5z100\ng28move=z-2w-2f600t60r5\ng28move=x10y-10f1200m1l2000\n", tmp_path)
     assert [a.home_place for a in machine.axes] == [-5.0, 0.0, 100.0, 0.0, 0.0]
-    assert machine.controller.controls.homing == (
+    assert machine.settings.homing == (
         HomingLine(distances=(("z", -2.0), ("a", -2.0)), retreat=5.0, feed=10.0, second_feed=1.0),
         HomingLine(distances=(("x", 10.0), ("y", -10.0)), feed=20.0, longest=2000.0, singly=True),
     )
@@ -352,7 +349,7 @@ def test_no_text(tmp_path: Path) -> None:
 def test_windows_1252_a_mark_and_a_dos_end(tmp_path: Path) -> None:
     text = BASE.replace("\n", "\r\n").encode() + b"[f\xfcr T\xfcr]\r\nauxin=c1m\x93T\xfcr offen\x94\r\n\x1a"
     assert machine_of(b"\xef\xbb\xbf" + BASE.encode(), tmp_path) == machine_of(BASE, tmp_path)
-    assert machine_of(text, tmp_path).controller.controls.inputs == (1,)
+    assert wincnc_settings(machine_of(text, tmp_path)).inputs == (1,)
 
 
 def test_which_ini_files_are_of_this_controller(tmp_path: Path) -> None:
@@ -372,7 +369,7 @@ def test_which_ini_files_are_of_this_controller(tmp_path: Path) -> None:
 
 def test_what_is_not_stated(tmp_path: Path) -> None:
     controls = controls_of("", tmp_path)
-    assert controls == Controls(
+    assert controls == WinCncSettings(
         arc_tolerance=0.01, smallest_arc=0.002, inputs=(), outputs=(), devices=(), axis_order="xyzac",
         highest_channel=64,
     )  # fmt: skip
@@ -384,9 +381,9 @@ def test_what_is_not_stated(tmp_path: Path) -> None:
 
 def test_arc_settings_are_in_the_unit_of_the_file(tmp_path: Path) -> None:
     inches = BASE.replace("unit=mm", "unit=in")
-    controls = machine_of(inches, tmp_path).controller.controls
+    controls = wincnc_settings(machine_of(inches, tmp_path))
     assert (controls.arc_tolerance, controls.smallest_arc) == (pytest.approx(0.254), pytest.approx(0.0508))
-    controls = machine_of(inches + "arc_err=.02\narc_min=0\n", tmp_path).controller.controls
+    controls = wincnc_settings(machine_of(inches + "arc_err=.02\narc_min=0\n", tmp_path))
     assert (controls.arc_tolerance, controls.smallest_arc) == (pytest.approx(0.508), 0.0)
 
 
@@ -456,8 +453,8 @@ def test_a_setting(line: str, values: dict[str, object], tmp_path: Path) -> None
 
 
 def test_lowest_velocity_in_corners(tmp_path: Path) -> None:
-    assert machine_of(BASE.replace("f1200", "f1200c60"), tmp_path).controller.controls.smoothing
-    assert not machine_of(BASE.replace("f1200", "f1200c0"), tmp_path).controller.controls.smoothing
+    assert machine_of(BASE.replace("f1200", "f1200c60"), tmp_path).settings.smoothing
+    assert not machine_of(BASE.replace("f1200", "f1200c0"), tmp_path).settings.smoothing
 
 
 def test_settings_of_the_controller_and_the_board(tmp_path: Path) -> None:

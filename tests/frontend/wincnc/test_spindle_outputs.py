@@ -12,21 +12,19 @@ import pytest
 
 from gproof.frontend.wincnc.load import load_program
 from gproof.frontend.wincnc.machine import NO_SHOP
-from gproof.ir.controls import Controls
+from gproof.ir.dialects.wincnc_settings import WinCncSettings
 from gproof.ir.finding import Findings
 from gproof.ir.program import SpindleOutputs
 
 SPIN = "M11C1   [spindle]\n\nM17C5   [until it has its speed]\n"
 
 
-def outputs(folder: Path, definitions: str, controls: Controls | None = None, **files: str) -> SpindleOutputs:
+def outputs(folder: Path, definitions: str, controls: WinCncSettings | None = None, **files: str) -> SpindleOutputs:
     (folder / "CNC.MAC").write_text(definitions, encoding="ascii")
     for name, text in files.items():
         (folder / f"{name}.MAC").write_text(text, encoding="ascii")
     (folder / "job.tap").write_text("G0 X1\n", encoding="ascii")
-    machine = dataclasses.replace(
-        NO_SHOP, controller=dataclasses.replace(NO_SHOP.controller, controls=controls or Controls())
-    )
+    machine = dataclasses.replace(NO_SHOP, settings=controls or WinCncSettings())
     program = load_program(folder / "job.tap", Findings(), machine)
     assert program is not None
     assert not program.subprograms  # what the job does not call is no part of it
@@ -84,11 +82,11 @@ def test_definitions(definitions: str, forward: tuple[int, ...], backward: tuple
 
 @pytest.mark.parametrize("device", ["thc", "laser", "knife", "saw", "bevel", "pump"])
 def test_another_tool_may_be_what_m3_starts(device: str, tmp_path: Path) -> None:
-    assert outputs(tmp_path, "M3=M11C1\nM5=M12C1\n", Controls(devices=("spindle", device))) == SpindleOutputs()
+    assert outputs(tmp_path, "M3=M11C1\nM5=M12C1\n", WinCncSettings(devices=("spindle", device))) == SpindleOutputs()
 
 
 def test_the_output_of_feed_moves_is_no_spindle(tmp_path: Path) -> None:
-    controls = Controls(devices=("autoaux",), auto_output=1)
+    controls = WinCncSettings(devices=("autoaux",), auto_output=1)
     assert outputs(tmp_path, "M3=M11C1\nM5=M12C1\n", controls) == SpindleOutputs()
 
 

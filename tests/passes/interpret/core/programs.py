@@ -9,15 +9,16 @@ from typing import Any
 
 from gproof.driver.running import execute
 from gproof.frontend.eding.load import load_program
+from gproof.ir.dialects.eding_settings import EdingSettings
 from gproof.ir.finding import Findings
-from gproof.ir.machine import NO_MACHINE, Controller, Machine
+from gproof.ir.machine import NO_MACHINE, Machine
 from gproof.ir.setup import ZERO, Setup
 from gproof.ir.trace import Op, Trace
 
 HEAD = "G21 G17 G90 G94 G54 G40 G49 G80 G98\n"
 LATHE = "G21 G18 G90 G94 G54 G40 G49 G80 G98\n"
-OFFSET = dataclasses.replace(NO_MACHINE, controller=Controller(thread_peak="offset"))
-POSITION = dataclasses.replace(NO_MACHINE, controller=Controller(thread_peak="position"))
+OFFSET = dataclasses.replace(NO_MACHINE, settings=EdingSettings(thread_peak="offset"))
+POSITION = dataclasses.replace(NO_MACHINE, settings=EdingSettings(thread_peak="position"))
 
 Row = tuple[str | float | None, ...]
 

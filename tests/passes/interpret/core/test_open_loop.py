@@ -9,6 +9,7 @@ import pytest
 from passes.interpret.core.programs import HEAD, run_whole
 
 from gproof.driver.dialects import load_machine
+from gproof.ir.dialects.eding_settings import EdingSettings
 from gproof.ir.finding import Findings
 from gproof.ir.machine import Machine, Spindle
 from gproof.passes.motion.plan import plan
@@ -20,9 +21,9 @@ ROOT = Path(__file__).parents[4]
 def bench_mill() -> Machine:
     machine, _ = load_machine(ROOT / "corpus" / "eding" / "bored-and-reamed" / "machine.toml", Findings())
     assert machine is not None
-    controller = dataclasses.replace(machine.controller, thread_peak="offset")
+    settings = EdingSettings(thread_peak="offset")
     head = Spindle(number=1, offset=(3.0, 0.0, 0.0))
-    return dataclasses.replace(machine, controller=controller, spindles=(head,))
+    return dataclasses.replace(machine, settings=settings, spindles=(head,))
 
 
 def lowered(folder: Path, text: str) -> list[str]:

@@ -57,7 +57,7 @@ CASES: dict[str, tuple[World, str, Corners, list[tuple[str, Any]]]] = {
     "backlash of Z": (LOW, OVER, FLOOR, [("machine.axes.2.backlash", 1.5)]),
     "backlash that the job sets (L8)": (W, "G22; G53 X196; G53 Y100", WALL, [("state.backlash", ((0, 1.5),))]),
     "backlash that nothing compensates": (
-        W, "G22; G53 X196; G53 Y100", WALL, [("machine.controller.controls.backlash", (("x", 1.5),))]
+        W, "G22; G53 X196; G53 Y100", WALL, [("machine.settings.backlash", (("x", 1.5),))]
     ),
     "corners that are rounded (P)": (E, "G64 P0.001; " + BESIDE, WALL, [("state.path_tolerance", 1.5)]),
     "lines that are joined (Q)": (E, BESIDE, WALL, [("state.simplify", 1.5)]),

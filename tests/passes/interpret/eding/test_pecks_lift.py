@@ -14,7 +14,7 @@ import pytest
 from gproof.driver.dialects import load_machine, load_setup
 from gproof.driver.running import execute
 from gproof.frontend.wincnc.load import load_program
-from gproof.ir.controls import DrillSettings
+from gproof.ir.dialects.wincnc_settings import DrillSettings, wincnc_settings
 from gproof.ir.finding import Findings
 from gproof.ir.trace import Op
 
@@ -28,8 +28,8 @@ def test_way_back_between_pecks(tmp_path: Path, lift: float | None, tops: list[f
     findings = Findings()
     machine, _ = load_machine(SHOP / "WINCNC.INI", findings)
     assert machine is not None
-    controls = replace(machine.controller.controls, drill=DrillSettings(approach=1.27, lift=lift))
-    machine = replace(machine, controller=replace(machine.controller, controls=controls))
+    settings = replace(wincnc_settings(machine), drill=DrillSettings(approach=1.27, lift=lift))
+    machine = replace(machine, settings=settings)
     setup, _ = load_setup(SHOP / "setup.toml", findings, machine)
     program = load_program(job, findings, machine, SHOP / "WINCNC.INI")
     assert program is not None

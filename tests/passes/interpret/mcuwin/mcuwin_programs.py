@@ -15,7 +15,7 @@ from typing import Any
 from gproof.driver.running import execute
 from gproof.ir.codes import POSITION_UNKNOWN
 from gproof.ir.dialects.mcuwin import MCUWIN
-from gproof.ir.din import USUAL, Din, TaskCode
+from gproof.ir.dialects.mcuwin_settings import USUAL, McuWinSettings, TaskCode
 from gproof.ir.finding import Findings, Span
 from gproof.ir.machine import NO_MACHINE, Controller, Machine
 from gproof.ir.program import (
@@ -54,7 +54,7 @@ TASKS = tuple(
         ("S", "spindle_speed"), ("M8", "coolant_on"), ("M9", "coolant_off"), ("G74", "home"),
     )
 )  # fmt: skip
-DIN = Din(
+DIN = McuWinSettings(
     position_unit=1.0, time_unit=60.0, absolute_centers=False, interpolation_axes="XYZABC", tasks=TASKS, tools=(),
     unstated=tuple(key for key in USUAL if key != "tool_file"),
     zero_offsets=((10.0, 20.0, 30.0, 0.0, 0.0, 0.0), (1.0, 2.0, 3.0, 0.0, 0.0, 0.0)),
@@ -67,10 +67,9 @@ _OPERATORS: dict[type, str] = {
 
 
 def machine(**changes: Any) -> Machine:
-    """The usual machine; changes: of its ``Din``."""
-    return dataclasses.replace(
-        NO_MACHINE, controller=Controller(dialect="mcuwin", din=dataclasses.replace(DIN, **changes))
-    )
+    """The usual machine; changes: of its settings."""
+    settings = dataclasses.replace(DIN, **changes)
+    return dataclasses.replace(NO_MACHINE, controller=Controller(dialect="mcuwin"), settings=settings)
 
 
 def expr(text: str, line: int = 1) -> Expr:

@@ -11,7 +11,6 @@ from typing import Any
 import pytest
 from passes.interpret.mcuwin.mcuwin_programs import labels, machine, moves, run
 
-from gproof.ir.controls import Controls
 from gproof.ir.machine import Machine
 from gproof.ir.setup import ZERO, CylinderMap, HeightMap, InForce, Interval, Setup
 
@@ -76,11 +75,11 @@ def test_what_is_neutral_or_known_here_is_accepted(facts: dict[str, Any]) -> Non
 
 
 def test_of_the_machine_file_too() -> None:
-    for change in ({"diameter_programming": True}, {"absolute_arc_centers": True}, {"turning": True},
-                   {"controls": Controls(arc_tolerance=1.0)}):  # fmt: skip
+    for change in ({"diameter_programming": True}, {"absolute_arc_centers": True}, {"turning": True}):
         on = machine()
         other: Machine = dataclasses.replace(on, controller=dataclasses.replace(on.controller, **change))
         assert "GP630" in labels(run(["G00 X1"], on=other)[1])
+    assert "GP630" in labels(run(["G00 X1"], on=machine(foreign=("controls",)))[1])
 
 
 def test_a_record_of_the_setup_is_before_that_of_the_machine_file() -> None:

@@ -18,10 +18,11 @@ from support.campaigns import examples, seeds
 from gproof.driver.running import begin, collect
 from gproof.frontend.wincnc.load import load_program
 from gproof.frontend.wincnc.machine import NO_SHOP
-from gproof.ir.controls import Controls, Workspace
+from gproof.ir.dialects.wincnc_settings import WinCncSettings
 from gproof.ir.finding import Findings
 from gproof.ir.machine import Axis, AxisKind, Controller, Machine
 from gproof.ir.program import FLAG_BARE
+from gproof.ir.settings import Workspace
 from gproof.ir.setup import NOTHING, ZERO, Setup
 from gproof.ir.text import print_ir
 from gproof.passes.interpret.core.run import Run
@@ -91,7 +92,7 @@ def machines(draw: st.DrawFn) -> Machine:
     if draw(st.integers(0, 5)) == 0:
         axes.pop(2)
     groups = [("xy",), ("xy", "z"), ("xyz",), (), ("xy", "zab"), ("x", "y", "z", "a", "b", "c")]
-    controls = Controls(
+    controls = WinCncSettings(
         feed_groups=draw(st.sampled_from(groups)),
         command_group=draw(st.sampled_from(["", "xy", "xyz", "z", "xa"])),
         arcs_modal=draw(st.booleans()),
@@ -111,7 +112,8 @@ def machines(draw: st.DrawFn) -> Machine:
     return dataclasses.replace(
         NO_SHOP,
         axes=tuple(axes),
-        controller=Controller(dialect="wincnc", controls=controls, absolute_arc_centers=absolute),
+        controller=Controller(dialect="wincnc", absolute_arc_centers=absolute),
+        settings=controls,
         unit=draw(st.sampled_from([1.0, 10.0, 25.4])),
     )
 
@@ -159,7 +161,7 @@ def test_kernel_and_python_path_agree_bit_for_bit(text: str, machine: Machine, s
 
 SHOP = dataclasses.replace(
     NO_SHOP, unit=1.0,
-    controller=Controller(dialect="wincnc", controls=Controls(feed_groups=("xy", "z"), smallest_arc=0.254)),
+    controller=Controller(dialect="wincnc"), settings=WinCncSettings(feed_groups=("xy", "z"), smallest_arc=0.254),
 )  # fmt: skip
 
 
@@ -214,7 +216,7 @@ def test_long_jobs_agree_bit_for_bit(seed: int) -> None:
         for name, letter in zip("abc", more, strict=False):
             kind = ROTARY if letter in "AC" else LINEAR
             axes.append(Axis(name=name, kind=kind, letter=letter, feed_velocity=rng.choice([8.0, None])))
-        controls = Controls(
+        controls = WinCncSettings(
             feed_groups=rng.choice([("xy",), ("xy", "z"), ("xyz",), ("xy", "za")]),
             command_group=rng.choice(["", "xyz"]),
             arcs_modal=rng.random() < 0.3, helical_arcs=rng.random() < 0.9,
@@ -223,7 +225,8 @@ def test_long_jobs_agree_bit_for_bit(seed: int) -> None:
         )  # fmt: skip
         machine = dataclasses.replace(
             NO_SHOP, axes=tuple(axes), unit=rng.choice([1.0, 25.4]),
-            controller=Controller(dialect="wincnc", controls=controls, absolute_arc_centers=rng.random() < 0.2),
+            controller=Controller(dialect="wincnc", absolute_arc_centers=rng.random() < 0.2),
+        settings=controls,
         )  # fmt: skip
         lines = [rng.choice(["G90", "G91"]), "G92 X1 Y-2 Z.5", "F300 Z", "F100 X"]
         letters = [axis.word for axis in axes]
@@ -313,8 +316,8 @@ def test_a_line_that_is_handed_back_leaves_no_trace(line: str) -> None:
 
 
 def test_a_forgotten_helix_is_handed_back() -> None:
-    controls = Controls(helical_arcs=False)
-    refused("G2 X5 Z2 I1 J1 F50", controller=Controller(dialect="wincnc", controls=controls))
+    controls = WinCncSettings(helical_arcs=False)
+    refused("G2 X5 Z2 I1 J1 F50", controller=Controller(dialect="wincnc"), settings=controls)
 
 
 def test_feed_of_the_axes_that_move() -> None:

@@ -1,12 +1,17 @@
-"""Din: settings of controllers that run DIN 66025 blocks with Pascal inside (McuWIN), where they change a job.
+"""McuWinSettings: what a McuWIN controller is set up to do, where it changes a job. Units as of ``ir/settings.py``.
 
-Lengths are millimetres, angles degrees, times seconds, whatever the file used; ``None`` is "not stated". Sections are
-those of the APCI-8001 G-code manual, McuWIN V 2.5.3.133.
+Sections are those of the APCI-8001 G-code manual, McuWIN V 2.5.3.133.
 """
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 from gproof.ir.record import record
+from gproof.ir.settings import Settings
+
+if TYPE_CHECKING:
+    from gproof.ir.machine import Machine
 
 VERSIONS = ("2.5.3.133", "2.5.3.32")
 """Versions of McuWIN that gproof knows, the default first."""
@@ -56,33 +61,37 @@ class RadiusTool:
 
 
 @record(frozen=True, slots=True, kw_only=True)
-class Din:
+class McuWinSettings(Settings):
     """See the module's text.
 
-    version: one of VERSIONS. case_sensitive: names and words (14, 2.5.3.30), None: not stated; line_numbers: every
-    line needs one. position_unit: mm in one interpolation unit, None: not stated, usually mm (3.22); time_unit:
-    seconds in the unit of feeds, 60 or 1 (IniCfg). absolute_centers: what IniCfg has for centres in G90 (3.3, 3.35).
-    interpolation_axes: letters at the start, as programs have them, ``XYZ`` (3.20). zero_offsets: the table of mcfg,
-    G54 first, six columns X to C of mm or degrees, those of axes that the machine does not have 0 (3.19). tools: of
-    ToolComp.INI; None: no machine file is given; (): there is none, or none with tools: no T, no G41 (2.7, 5.5).
-    tasks: what Task 0 does; None: nothing is stated. angle_unit: ``radians`` or ``degrees`` of the functions of
-    rw_SymPas; wait_unit: seconds in the unit of wt. arc_tolerance: mm by which the radii at start and end of an arc
-    may differ. program_size: bytes that a compiled program may have (SZTSK3, 13.1.1.13). pre_include, post_include:
-    files that are compiled before and behind each job, relative to the machine file. keeps_over_codes: a bare line
-    goes on with the last motion even behind another G code or a ``$`` line. g60: a second G60, and one behind moves,
-    counts where it runs, ``run``, or not at all, ``once`` (3.20, 14 (2.5.3.78)); empty: not stated. channels: axis
-    channels of the board, which M26 and M27 number (4.11), None: not stated. unstated: those of ``USUAL`` that no file
-    states.
+    version: one of VERSIONS.
+    case_sensitive: names and words (14, 2.5.3.30), None: not stated.
+    line_numbers: every line needs one.
+    time_unit: seconds in the unit of feeds, 60 or 1 (IniCfg).
+    absolute_centers: what IniCfg has for centres in G90 (3.3, 3.35).
+    interpolation_axes: letters at the start, as programs have them, ``XYZ`` (3.20).
+    tools: of ToolComp.INI; None: no machine file is given; (): there is none, or none with tools: no T, no G41 (2.7,
+    5.5).
+    tasks: what Task 0 does; None: nothing is stated.
+    angle_unit: ``radians`` or ``degrees`` of the functions of rw_SymPas; wait_unit: seconds in the unit of wt.
+    program_size: bytes that a compiled program may have (SZTSK3, 13.1.1.13).
+    pre_include, post_include: files that are compiled before and after each job, relative to the machine file.
+    keeps_over_codes: a bare line goes on with the last motion even after another G code or a ``$`` line.
+    g60: a second G60, and one after moves, counts where it runs, ``run``, or not at all, ``once`` (3.20, 14
+    (2.5.3.78)); empty: not stated.
+    channels: axis channels of the board, which M26 and M27 number (4.11), None: not stated.
+    unstated: those of ``USUAL`` that no file states.
+    foreign: tables of the machine file that state settings of another controller.
+    Of ``Settings``: position_unit is mm in one interpolation unit, usually 1 (3.22); zero_offsets the table of mcfg,
+    columns of axes that the machine does not have 0 (3.19); arc_tolerance is always known.
     """
 
     version: str = VERSIONS[0]
     case_sensitive: bool | None = None
     line_numbers: bool = False
-    position_unit: float | None = None
     time_unit: float | None = None
     absolute_centers: bool | None = None
     interpolation_axes: str | None = None
-    zero_offsets: tuple[tuple[float, ...], ...] | None = None
     tools: tuple[RadiusTool, ...] | None = None
     tasks: tuple[TaskCode, ...] | None = None
     angle_unit: str = "radians"
@@ -95,10 +104,17 @@ class Din:
     channels: int | None = None
     g60: str = ""
     unstated: tuple[str, ...] = tuple(USUAL)
+    foreign: tuple[str, ...] = ()
 
     def task(self, code: str) -> TaskCode | None:
         """What is stated of a code."""
         return next((task for task in self.tasks or () if task.code == code), None)
 
 
-NO_DIN = Din()
+NO_MCUWIN_SETTINGS = McuWinSettings()
+
+
+def mcuwin_settings(machine: Machine) -> McuWinSettings:
+    """The settings of a McuWIN machine; the usual ones where the machine's files state those of none."""
+    own = machine.settings
+    return own if isinstance(own, McuWinSettings) else NO_MCUWIN_SETTINGS
