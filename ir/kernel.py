@@ -21,7 +21,9 @@ import functools
 import os
 import sys
 from collections.abc import Callable
-from typing import Generic, ParamSpec, TypeVar
+from typing import ParamSpec, TypeVar
+
+from gproof.ir.kernel_declared import Declared
 
 P = ParamSpec("P")
 R = TypeVar("R")
@@ -33,15 +35,11 @@ _NOTED_SECONDS = 0.02
 noted: a loss smaller than this is not worth a file."""
 
 
-class Kernel(Generic[P, R]):
+class Kernel(Declared[P, R]):
     """A function in two speeds.
 
     seconds_per_unit: cost in plain Python of one unit of the caller's ``work``.
     compile_seconds: what numba needs for it without a cache, about.
-    inline: put into every kernel that calls it, before compiling: a call costs more than it does.
-    borrows: it makes and returns no array, nor does a kernel that it calls, so its arrays stay its caller's and numba
-    need not count who holds them, which it does otherwise at every call and for every name, in the loop too.
-    digest: the name of what it compiles to, once that is known.
     """
 
     _forecast = 0.0
@@ -54,16 +52,13 @@ class Kernel(Generic[P, R]):
         inline: bool = False,
         borrows: bool = False,
     ) -> None:
-        self.python = function
-        self.inline = inline
-        self.borrows = borrows
+        super().__init__(function, inline, borrows)
+        functools.update_wrapper(self, function)
         self.seconds_per_unit = seconds_per_unit
         self.compile_seconds = compile_seconds
         self._compiled: Callable[P, R] | None = None
         self._spent = 0.0
         self._lost_before: float | None = None
-        self.digest = ""
-        functools.update_wrapper(self, function)
 
     @classmethod
     def forecast(cls, seconds: float) -> None:

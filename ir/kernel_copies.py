@@ -8,8 +8,8 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any, ParamSpec, TypeVar
 
-from gproof.ir.kernel import Kernel
 from gproof.ir.kernel_cache import FileCache, code_digest, write_whole
+from gproof.ir.kernel_declared import Declared
 from gproof.ir.private_folder import private_or_other
 from gproof.ir.uninterrupted import uninterrupted
 
@@ -26,19 +26,19 @@ def cache_root() -> Path:
     return private_or_other(named)
 
 
-def folder_of(kernel: Kernel[P, R]) -> Path:
+def folder_of(kernel: Declared[P, R]) -> Path:
     """Where its compiled copies lie: another folder for other code, constants, callees, or options."""
     if not kernel.digest:
         kernel.digest = code_digest(kernel, _behind)
     return cache_root() / "kernels" / f"{kernel.python.__name__}-{kernel.digest}"
 
 
-def is_ready(kernel: Kernel[P, R]) -> bool:
+def is_ready(kernel: Declared[P, R]) -> bool:
     """True when a compiled copy for its source is on disk."""
     return _marker(kernel).exists()
 
 
-def lost_before(kernel: Kernel[P, R]) -> float:
+def lost_before(kernel: Declared[P, R]) -> float:
     """Seconds that earlier processes lost in plain Python while there was no compiled copy."""
     try:
         return float((folder_of(kernel) / "lost").read_text(encoding="ascii"))
@@ -46,12 +46,12 @@ def lost_before(kernel: Kernel[P, R]) -> float:
         return 0.0
 
 
-def note_loss(kernel: Kernel[P, R], seconds: float) -> None:
+def note_loss(kernel: Declared[P, R], seconds: float) -> None:
     """Keep them for later ones."""
     write_whole(folder_of(kernel) / "lost", f"{seconds:.3f}".encode("ascii"))
 
 
-def compiled(kernel: Kernel[P, R], take: Callable[[Callable[P, R]], None]) -> Callable[P, R]:
+def compiled(kernel: Declared[P, R], take: Callable[[Callable[P, R]], None]) -> Callable[P, R]:
     """The numba version; take: is given what to call instead once there is a copy on disk."""
     with uninterrupted():
         made = dispatcher(kernel, {})
@@ -66,11 +66,11 @@ def compiled(kernel: Kernel[P, R], take: Callable[[Callable[P, R]], None]) -> Ca
     return made if marker.exists() else first
 
 
-def _marker(kernel: Kernel[P, R]) -> Path:
+def _marker(kernel: Declared[P, R]) -> Path:
     return folder_of(kernel) / "ready"
 
 
-def dispatcher(kernel: Kernel[Any, Any], done: dict[Kernel[Any, Any], Any]) -> Any:
+def dispatcher(kernel: Declared[Any, Any], done: dict[Declared[Any, Any], Any]) -> Any:
     """What numba makes of a kernel and of those that it calls; done: those that are made already."""
     import numba
 
@@ -80,7 +80,7 @@ def dispatcher(kernel: Kernel[Any, Any], done: dict[Kernel[Any, Any], Any]) -> A
     scope = dict(function.__globals__)
     for used in function.__code__.co_names:
         value = scope.get(used)
-        if isinstance(value, Kernel):
+        if isinstance(value, Declared):
             scope[used] = dispatcher(value, done)
     # The copy sees compiled callees; the original keeps the plain ones.
     copy = types.FunctionType(function.__code__, scope, function.__name__, function.__defaults__)
@@ -96,6 +96,6 @@ def dispatcher(kernel: Kernel[Any, Any], done: dict[Kernel[Any, Any], Any]) -> A
 
 
 def _behind(value: object) -> tuple[Any, str] | None:
-    if not isinstance(value, Kernel):
+    if not isinstance(value, Declared):
         return None
     return value.python, f"{'inline' if value.inline else ''} {'borrows' if value.borrows else ''}"

@@ -13,20 +13,9 @@ FOLDERS = sorted(path.name for path in (ROOT / ".typing" / "gproof").iterdir() i
 CORE = "gproof.passes.interpret.core."
 """Files that may be in one circle: control flow, the stack and the writer of the Trace are one machine."""
 
-FILES_IN_CIRCLES = """
-gproof.passes.interpret.eding: canned_cycles commands compensation_codes cycle_motions device_commands dialogs heads
-    line_order moves outputs_and_waits overrides probing spindle spindle_synchronised threading transform_codes
-    work_offsets
-gproof.passes.interpret.mcuwin: fast_path line modes moves outputs_and_waits radius_correction semantics state
-    zero_offsets
-gproof.passes.interpret.wincnc: drilling fast_path line moves outputs_and_waits part_arrays semantics state
-    tangential_knife work_offsets
-"""
+FILES_IN_CIRCLES = ""
 """Beside those of the core. These lists only get shorter: what is in no circle any more has to go from them."""
-FOLDERS_IN_CIRCLES = {
-    "gproof.passes.interpret.core", "gproof.passes.interpret.eding", "gproof.passes.interpret.mcuwin",
-    "gproof.passes.interpret.wincnc",
-}  # fmt: skip
+FOLDERS_IN_CIRCLES: set[str] = set()
 
 
 @cache

@@ -8,8 +8,8 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection
 
-from gproof.ir.drives import drives_of
 from gproof.ir.machine import Machine
+from gproof.ir.machine_drives import drives_of
 from gproof.ir.setup import Setup
 from gproof.ir.stream import StepStream
 from gproof.ir.trace import Trace

@@ -12,8 +12,8 @@ from collections.abc import Callable, Iterable
 import pytest
 from verify.reference_stepper import Job, machine, step, stream_of
 
-from gproof.ir.drives import drives_of
 from gproof.ir.machine import Machine
+from gproof.ir.machine_drives import drives_of
 from gproof.ir.setup import NOTHING, HeightMap, Setup
 from gproof.ir.stream import StepStream
 from gproof.ir.trace import HEIGHT_MAP, Edge, Op, State, Trace, TraceSection, Wait

@@ -26,8 +26,9 @@ from verify.jobs import JOBS
 from verify.reference_stepper import machine, step, stream_of
 from verify.trusted_base import Proved, count
 
-from gproof.ir.drives import Drives, drives_of
+from gproof.ir.drives import Drives
 from gproof.ir.machine import Machine, Slave
+from gproof.ir.machine_drives import drives_of
 from gproof.ir.setup import NOTHING, Setup
 from gproof.ir.stream import StepStream
 from gproof.ir.trace import Trace
@@ -46,7 +47,7 @@ CODE, LINES = 3300, 4450
 LOADER = 350
 """Lines of code that come to that with numba."""
 
-READS = {"columns", "stream", "trace", "drives", "verdict", "record", "kernel"}
+READS = {"columns", "stream", "trace", "drives", "verdict", "record", "kernel", "kernel_declared"}
 """What the kernel is made of in ir/: the stages, Drives, verdicts, and how records and kernels are declared."""
 
 Job = tuple[StepStream, Trace, Machine, Setup]
