@@ -178,12 +178,12 @@ class DeferredBlock(Block):
     make: (raw, file, line) -> the block; raw: the bytes of its line, without the end.
     """
 
-    __slots__ = ("_file", "_line", "_make", "_raw")
+    __slots__ = ("_file", "_line", "_make", "raw")
 
     def __init__(self, make: Callable[[bytes, str, int], Block], raw: bytes, file: str, line: int) -> None:
         keep = object.__setattr__
         keep(self, "_make", make)
-        keep(self, "_raw", raw)
+        keep(self, "raw", raw)
         keep(self, "_file", file)
         keep(self, "_line", line)
 
@@ -194,11 +194,11 @@ class DeferredBlock(Block):
 
     def has_letter(self, letter: str) -> bool:
         """Whether its line has this letter anywhere, without making the block."""
-        return letter.encode() in self._raw.upper()
+        return letter.encode() in self.raw.upper()
 
     def made(self) -> Block:
         """The block itself."""
-        block: Block = self._make(self._raw, self._file, self._line)
+        block: Block = self._make(self.raw, self._file, self._line)
         return block
 
     def __getattr__(self, name: str) -> Any:

@@ -59,7 +59,7 @@ class LinePrinter:
         """The lines before ``line``: they have notes or nothing. indent: blanks before each of them."""
         while self.next < line:
             last = min(line - 1, self.next + PIECE_LINES - 1)
-            yield self._plain(self.next, last, Columns(WORD), indent)
+            yield self.plain(self.next, last, Columns(WORD), indent)
 
     def table(self, table: BlockTable, indent: int = 0) -> Iterator[bytes]:
         """The lines before a table, and its own."""
@@ -68,10 +68,10 @@ class LinePrinter:
         while line <= table.last_line:
             words, after, next_line = self.program.load(table, begin, line, PIECE_BYTES)
             self.written.go_on(line, begin)
-            yield self._plain(line, next_line - 1, words, indent)
+            yield self.plain(line, next_line - 1, words, indent)
             begin, line = after, next_line
 
-    def _plain(self, first: int, last: int, words: Columns, indent: int, notes: Notes | None = None) -> bytes:
+    def plain(self, first: int, last: int, words: Columns, indent: int, notes: Notes | None = None) -> bytes:
         """Lines of literal words and notes; notes: theirs, when they are taken already."""
         notes = self.notes.take(first, last) if notes is None else notes
         self.next = last + 1

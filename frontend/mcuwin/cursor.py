@@ -40,34 +40,38 @@ class LineCursor:
         self.items = 0
         self._last_sign = text.rfind(":=")
 
-    def _blanks(self) -> None:
+    def blanks(self) -> None:
+        """Go on behind blanks and comments."""
         self.at = self._behind_blanks(self.at)
 
-    def _span(self, begin: int, end: int | None = None) -> Span:
+    def span(self, begin: int, end: int | None = None) -> Span:
+        """The place from a column (0 is the first) to another one, None: to here."""
         return Span(self.file, self.line, begin + 1, (self.at if end is None else end) + 1)
 
-    def _error(self, code: Code, begin: int, end: int, /, *, hint: str = "", **values: Any) -> Refusal:
+    def error(self, code: Code, begin: int, end: int, /, *, hint: str = "", **values: Any) -> Refusal:
+        """A refusal at these columns."""
         end = max(begin + 1, begin + len(self.text[begin:end].rstrip()))
-        return Refusal(code.at(self._span(begin, end), hint=hint, **values))
+        return Refusal(code.at(self.span(begin, end), hint=hint, **values))
 
-    def _note(self, kind: NoteKind, begin: int, text: str) -> None:
+    def note(self, kind: NoteKind, begin: int, text: str) -> None:
+        """Keep a text for the printer: what it is, where it begins."""
         self.found.notes.append((self.items, kind, begin, text))
 
-    def _comments(self) -> bool:
+    def comments(self) -> bool:
         """Pass blanks and comments; True when something follows."""
         while True:
-            self._blanks()
+            self.blanks()
             if self.at >= len(self.text):
                 return False
             sign = self.text[self.at]
             if sign == QUOTE or (self.language.old and self.text.startswith("//", self.at)):
                 self.comment = self.text[self.at + (1 if sign == QUOTE else 2) :].strip()
-                self._note(NoteKind.SIGNED, self.at, self.text[self.at :].rstrip(" \t"))
+                self.note(NoteKind.SIGNED, self.at, self.text[self.at :].rstrip(" \t"))
                 self.at = len(self.text)
             elif sign == "(" and not self._is_parameter():
                 end = round_comment(self.text, self.at, self.file, self.line, nests=self.language.old)
                 self.comment = self.text[self.at + 1 : end - 1].strip()
-                self._note(NoteKind.SIGNED, self.at, self.text[self.at : end])
+                self.note(NoteKind.SIGNED, self.at, self.text[self.at : end])
                 self.at = end
             else:
                 return True
@@ -82,7 +86,7 @@ class LineCursor:
         has_one = bool(self.words) and self.words[-1].letter == PARAMETER
         return (number == 4 and not has_one) or FIRST_USER_CODE <= number <= LAST_USER_CODE
 
-    def _behind_comments(self) -> int:
+    def behind_comments(self) -> int:
         """Where the line goes on; only the older version has comments in brackets behind codes (7 of its manual)."""
         at = self._behind_blanks(self.at)
         while self.language.old and self.text.startswith("(", at):
@@ -94,36 +98,36 @@ class LineCursor:
         assert found is not None
         return found.end()
 
-    def _assigned(self, at: int) -> re.Match[str] | None:
+    def assigned(self, at: int) -> re.Match[str] | None:
         """The name that begins at ``at`` and is assigned to; no name is looked for behind the last ``:=``."""
         return _ASSIGNED.match(self.text, at) if at < self._last_sign else None
 
-    def _begins_value(self, at: int) -> bool:
+    def begins_value(self, at: int) -> bool:
         """Whether a value begins at ``at``, not the next word."""
         at = self._behind_blanks(at)
         char = self.text[at : at + 1]
         if char and (char in "0123456789+-(" or (char == "." and self.text[at + 1 : at + 2].isdigit())):
             return True
-        if self._assigned(at):
+        if self.assigned(at):
             return False
         if QUALIFIER.match(self.text, at):
             return True
         return self.language.expressions.begins(self.text, at)
 
-    def _value(self) -> Expr:
+    def value(self) -> Expr:
         """The expression at the next character that is not blank."""
-        self._blanks()
+        self.blanks()
         literal = _LITERAL.match(self.text, self.at)
         begin = self.at
         if literal is not None:
             self.at = literal.end()
             point = literal["point"] is not None or literal["bare"] is not None
-            return Number(float(literal[0]), self._span(begin), point)
+            return Number(float(literal[0]), self.span(begin), point)
         value, self.at = self.language.expressions.number(self.text, begin, self.file, self.line)
         return value
 
-    def _no_comment(self, code: str) -> None:
+    def no_comment(self, code: str) -> None:
         """A bracket where a parameter may stand must hold an expression (6)."""
         if self.text[self.at : self.at + 1] == "(" and not self.language.expressions.fits(self.text, self.at):
             hint = "a comment here begins with a single quote"
-            raise self._error(codes.BRACKET_PARAMETER, self.at, len(self.text), code=code, hint=hint)
+            raise self.error(codes.BRACKET_PARAMETER, self.at, len(self.text), code=code, hint=hint)

@@ -64,9 +64,9 @@ class _Line(LineCursor):
         self.persistence = persistence
 
     def read(self) -> DinLine:
-        self._blanks()
+        self.blanks()
         self._line_number()
-        self._blanks()
+        self.blanks()
         first = self.text[self.at : self.at + 1]
         if first == "%":
             self._module()
@@ -78,13 +78,13 @@ class _Line(LineCursor):
             if found is None:
                 hint = comment_hint(COMMENTS, self.text, self.at)
                 what = "braces belong to lines of rw_SymPas"
-                raise self._error(codes.SYNTAX, self.at, len(self.text), what=what, hint=hint)
+                raise self.error(codes.SYNTAX, self.at, len(self.text), what=what, hint=hint)
             self.found.says, self.found.starts = True, found.span()
             return self.found
-        while self._comments():
+        while self.comments():
             self.found.says = True
             if self.found.module is not None:
-                raise self._error(codes.SYNTAX, self.at, len(self.text), what="text behind a percent sign and its name")
+                raise self.error(codes.SYNTAX, self.at, len(self.text), what="text behind a percent sign and its name")
             self._item()
             self.items += 1
         self._flush()
@@ -92,32 +92,32 @@ class _Line(LineCursor):
 
     def _line_number(self) -> None:
         found = _LINE_NUMBER.match(self.text, self.at)
-        if found is None or self._assigned(self.at):
+        if found is None or self.assigned(self.at):
             return
         if not found[1]:
-            raise self._error(codes.SYNTAX, self.at, found.end(), what="a line number is N and digits")
+            raise self.error(codes.SYNTAX, self.at, found.end(), what="a line number is N and digits")
         self.found.number, self.at = found[1], found.end()
-        self._note(NoteKind.LINE_NUMBER, found.start(), found[1])
+        self.note(NoteKind.LINE_NUMBER, found.start(), found[1])
 
     def _module(self) -> None:
         begin = self.at
         self.at += 1
-        self._blanks()
+        self.blanks()
         name = NAME.match(self.text, self.at)
         self.found.says = True
         self.found.module = ""
         if name is not None:
             self.found.module, self.at = name[0], name.end()
-        self.found.module_span = self._span(begin)
-        self._note(NoteKind.MARK, begin, self.found.module)
+        self.found.module_span = self.span(begin)
+        self.note(NoteKind.MARK, begin, self.found.module)
 
     def _item(self) -> None:
         char = self.text[self.at]
-        if self._assigned(self.at):
+        if self.assigned(self.at):
             self._assignment()
         elif _WRITE.match(self.text, self.at):
             self._message()
-        elif self.code is not None and self._begins_value(self.at):
+        elif self.code is not None and self.begins_value(self.at):
             self._parameter()
         elif char.isascii() and char.isalpha():
             self._word(char)
@@ -127,7 +127,7 @@ class _Line(LineCursor):
             if self.text.startswith("//", self.at):
                 what = "two slashes begin a comment in lines of rw_SymPas only"
             hint = comment_hint(COMMENTS, self.text, self.at)
-            raise self._error(codes.SYNTAX, self.at, end, what=what, hint=hint)
+            raise self.error(codes.SYNTAX, self.at, end, what=what, hint=hint)
 
     def _flush(self, behind: Statement | None = None) -> None:
         """End the block of the words so far; then ``behind``."""
@@ -179,64 +179,64 @@ class _Line(LineCursor):
     def _axis_assignment(self) -> None:
         """To a variable of an axis, such as X.zerooffset (3.26): what it does, the manual does not say."""
         begin = self.at
-        name = self._assigned(begin)
+        name = self.assigned(begin)
         assert name is not None
         self.at = self.text.index(":=", begin) + 2
-        self._value()
+        self.value()
         what = f"the assignment to {name[0]}"
-        self._flush(Unsupported(what=what, span=self._span(begin), text=self.text[begin : self.at]))
+        self._flush(Unsupported(what=what, span=self.span(begin), text=self.text[begin : self.at]))
 
     def _message(self) -> None:
         """WRITE and WRITELN (5.7): texts in double quotes and values, behind one another."""
         begin = self.at
         if self.language.old:
-            raise self._error(codes.SYNTAX, begin, len(self.text), what="WRITE and WRITELN came with version 2.5.3.38")
+            raise self.error(codes.SYNTAX, begin, len(self.text), what="WRITE and WRITELN came with version 2.5.3.38")
         self._flush()
         kind = _WRITE.match(self.text, self.at)
         assert kind is not None
         self.at = kind.end()
         parts: list[Expr] = []
         while True:
-            self._blanks()
+            self.blanks()
             text = _STRING.match(self.text, self.at)
             if text is not None:
                 start, self.at = self.at, text.end()
-                parts.append(Text(text[1], self._span(start)))
+                parts.append(Text(text[1], self.span(start)))
             elif parts and self.text[self.at : self.at + 1] == ",":
                 self.at += 1
-            elif self._begins_value(self.at):
-                self._no_comment(kind[0].upper())
+            elif self.begins_value(self.at):
+                self.no_comment(kind[0].upper())
                 value, self.at = self.language.expressions.any(self.text, self.at, self.file, self.line)
                 parts.append(value)
             else:
                 break
-        self._flush(Message(kind=kind[0].lower(), parts=tuple(parts), span=self._span(begin)))
+        self._flush(Message(kind=kind[0].lower(), parts=tuple(parts), span=self.span(begin)))
         self.persistence.doubt()
 
     def _parameter(self) -> None:
         assert self.code is not None
         begin = self.at
         letter, number = self.code
-        self._no_comment(f"{letter}{number:02d}")
-        value = self._value()
+        self.no_comment(f"{letter}{number:02d}")
+        value = self.value()
         takes = (letter == "M" and number not in (17, 96, 98)) or number == 4
         if not takes and not FIRST_USER_CODE <= number <= LAST_USER_CODE:
-            raise self._error(codes.UNUSED_WORD, begin, self.at, word=self.text[begin : self.at])
+            raise self.error(codes.UNUSED_WORD, begin, self.at, word=self.text[begin : self.at])
         if self.language.old and (letter, number) == ("G", 4) and not isinstance(value, Number):
             what = "this version takes only a number behind G04"
-            raise self._error(codes.BAD_EXPRESSION, begin, self.at, what=what)
-        self.words.append(Word(PARAMETER, value, self._span(begin)))
+            raise self.error(codes.BAD_EXPRESSION, begin, self.at, what=what)
+        self.words.append(Word(PARAMETER, value, self.span(begin)))
 
     def _word(self, char: str) -> None:
         begin = self.at
         letter = char.upper()
         if char != letter and self.language.din.case_sensitive:
             what = f"{char!r} is no word of a machine that tells small letters from capital ones"
-            raise self._error(codes.SYNTAX, begin, begin + 1, what=what)
+            raise self.error(codes.SYNTAX, begin, begin + 1, what=what)
         if _CALCULATION.match(self.text, begin):
-            raise self._error(codes.SYNTAX, begin, len(self.text), what="a calculation parameter without := behind it")
+            raise self.error(codes.SYNTAX, begin, len(self.text), what="a calculation parameter without := behind it")
         if QUALIFIER.match(self.text, begin):
-            raise self._error(codes.SYNTAX, begin, len(self.text), what="a value without a word before it")
+            raise self.error(codes.SYNTAX, begin, len(self.text), what="a value without a word before it")
         if letter in "GM":
             self._code(letter)
         elif letter == "L":
@@ -248,48 +248,48 @@ class _Line(LineCursor):
             name = _NAME.match(self.text, begin)
             end = name.end() if name is not None else begin + 1
             if letter in "ABCUVW":
-                raise self._error(codes.AXIS_NOT_THERE, begin, end, axis=letter)
+                raise self.error(codes.AXIS_NOT_THERE, begin, end, axis=letter)
             what = f"{self.text[begin:end]!r} is no word of this controller"
-            raise self._error(codes.SYNTAX, begin, end, what=what)
+            raise self.error(codes.SYNTAX, begin, end, what=what)
 
     def _axis_or_value(self, letter: str, begin: int) -> None:
         self.code = None
-        if self._begins_value(self.at):
-            value = self._value()
+        if self.begins_value(self.at):
+            value = self.value()
             if letter == "T" and self.language.old and not isinstance(value, Number):
                 what = "this version takes only a number behind T (14, 2.5.3.108)"
-                raise self._error(codes.BAD_EXPRESSION, begin, self.at, what=what)
-            self.words.append(Word(letter, value, self._span(begin)))
+                raise self.error(codes.BAD_EXPRESSION, begin, self.at, what=what)
+            self.words.append(Word(letter, value, self.span(begin)))
             return
         if letter not in self.language.axes:
-            raise self._error(codes.MISSING_VALUE, begin, begin + 1, letter=letter)
-        span = self._span(begin, begin + 1)
+            raise self.error(codes.MISSING_VALUE, begin, begin + 1, letter=letter)
+        span = self.span(begin, begin + 1)
         self.words.append(Word(letter, Number(0.0, span), span, bare=True))
 
     def _code(self, letter: str) -> None:
         begin = self.at
         self.at += 1
-        self._blanks()
+        self.blanks()
         digits = _DIGITS.match(self.text, self.at)
         if digits is None:
-            raise self._error(codes.MISSING_VALUE, begin, begin + 1, letter=letter)
-        span = self._span(self.at, digits.end())
+            raise self.error(codes.MISSING_VALUE, begin, begin + 1, letter=letter)
+        span = self.span(self.at, digits.end())
         self.at = digits.end()
         number = int(digits[0]) if len(digits[0]) < 1000 else 10**9
         name = self.text[begin : self.at]
         if self.text[self.at : self.at + 1] == ".":
             end = _DIGITS.match(self.text, self.at + 1)
             name = self.text[begin : end.end() if end else self.at + 1]
-            raise self._error(codes.UNKNOWN_CODE, begin, begin + len(name), code=name)
+            raise self.error(codes.UNKNOWN_CODE, begin, begin + len(name), code=name)
         self._known(letter, number, name, begin)
         if letter == "M" and number in (17, 96, 98):
             self._flow(number, begin)
             return
-        self.words.append(Word(letter, Number(float(number), span), self._span(begin)))
+        self.words.append(Word(letter, Number(float(number), span), self.span(begin)))
         self.code = (letter, number)
-        if self.code == ("G", 4) and not self._begins_value(self._behind_comments()):
+        if self.code == ("G", 4) and not self.begins_value(self.behind_comments()):
             needed = "its time (compiler error 2075)"
-            raise self._error(codes.WORD_MISSING, begin, self.at, code=name, needed=needed)
+            raise self.error(codes.WORD_MISSING, begin, self.at, code=name, needed=needed)
 
     def _known(self, letter: str, number: int, name: str, begin: int) -> None:
         """Error 1 of the manual (13.1.1.1) for a code that neither it nor the machine file has."""
@@ -297,7 +297,7 @@ class _Line(LineCursor):
         known = has_code(letter, number, din.version) or FIRST_USER_CODE <= number <= LAST_USER_CODE
         if not known and din.task(f"{letter}{number}") is None:
             hint = "error 1, unless the machine's own Task 0 has it: state that in [din.task0]"
-            raise self._error(codes.UNKNOWN_CODE, begin, self.at, code=name, hint=hint)
+            raise self.error(codes.UNKNOWN_CODE, begin, self.at, code=name, hint=hint)
 
     def _label(self) -> None:
         begin = self.at
@@ -305,41 +305,41 @@ class _Line(LineCursor):
         if found is None:
             name = _NAME.match(self.text, begin)
             end = name.end() if name is not None else begin + 1
-            raise self._error(codes.SYNTAX, begin, end, what="a label is L and digits")
+            raise self.error(codes.SYNTAX, begin, end, what="a label is L and digits")
         if self.words or any(not isinstance(node, Label) for node in self.found.statements):
-            raise self._error(codes.SYNTAX, begin, found.end(), what="a label stands before what it is a label of")
+            raise self.error(codes.SYNTAX, begin, found.end(), what="a label stands before what it is a label of")
         self.at = found.end()
-        self._flush(Label(name=label_name(found[1]), span=self._span(begin)))
+        self._flush(Label(name=label_name(found[1]), span=self.span(begin)))
 
     def _target(self, code: str, begin: int) -> str:
         """The label or module that M96 or M98 names."""
-        self._blanks()
+        self.blanks()
         label = LABEL.match(self.text, self.at)
         if label is not None:
             self.at = label.end()
             return label_name(label[1])
         name = _NAME.match(self.text, self.at)
         if name is None:
-            raise self._error(codes.WORD_MISSING, begin, self.at, code=code, needed="a label behind it")
+            raise self.error(codes.WORD_MISSING, begin, self.at, code=code, needed="a label behind it")
         self.at = name.end()
         return label_name(name[0])
 
     def _flow(self, number: int, begin: int) -> None:
         self._flush()
         if number == 17:
-            self._flush(Return(span=self._span(begin), code="M17"))
+            self._flush(Return(span=self.span(begin), code="M17"))
         elif number == 96:
             name = self._target("M96", begin)
-            self._flush(Jump(name=name, span=self._span(begin)))
+            self._flush(Jump(name=name, span=self.span(begin)))
         else:
             name, count = self._target("M98", begin), None
-            self._blanks()
-            if self.text[self.at : self.at + 1] in ("O", "o") and not self._assigned(self.at):
+            self.blanks()
+            if self.text[self.at : self.at + 1] in ("O", "o") and not self.assigned(self.at):
                 start = self.at
                 self.at += 1
-                if not self._begins_value(self.at):
-                    raise self._error(codes.MISSING_VALUE, start, start + 1, letter="O")
-                count = self._value()
-            self._flush(Call(name=name, span=self._span(begin), count=count))
+                if not self.begins_value(self.at):
+                    raise self.error(codes.MISSING_VALUE, start, start + 1, letter="O")
+                count = self.value()
+            self._flush(Call(name=name, span=self.span(begin), count=count))
         self.persistence.code("M", number)
         self.code = ("M", number)

@@ -82,10 +82,11 @@ class CommandParser(ExpressionParser):
         span = self.lexer.span(token)
         return Variable(Number(float(symbol.number), span), span, symbol.name), symbol.type
 
-    def _assignment(self) -> Statements:
+    def assignment_statement(self) -> Statements:
+        """variable := expression, as a statement."""
         first = self.lexer.peek()
         if not COMMON.match(first.low) and self.symbols.lookup(first.text) is None and first.low in SYSTEM_NAMES:
-            return self._unknown(f"writing the system's {first.text!r}")
+            return self.unknown(f"writing the system's {first.text!r}")
         assign = self.assignment()
         if assign is None:
             return ()
@@ -104,7 +105,8 @@ class CommandParser(ExpressionParser):
         span = self.lexer.span(first, self.lexer.last)
         return None if variable is None else Assign(variable, value, span)
 
-    def _write(self) -> Statements:
+    def write(self) -> Statements:
+        """``write`` and ``writeln``: a message."""
         first = self.lexer.take()
         parts: list[Expr] = []
         if self._is_list():
@@ -145,7 +147,7 @@ class CommandParser(ExpressionParser):
             return True
         return token.kind == "name" and (token.low not in KEYWORDS or token.low in ("true", "false", "boolean"))
 
-    def _command(self) -> Statements:
+    def command(self) -> Statements:
         """A call of a procedure, wt, or what the manual does not know."""
         token = self.lexer.peek()
         symbol = None if COMMON.match(token.low) else self.symbols.resolve(token.text, self.lexer.span(token))
@@ -160,7 +162,7 @@ class CommandParser(ExpressionParser):
             value, _ = self.number("a time")
             self.closing(opening)
             return (Device(name="wait", arguments=(value,), span=self.lexer.span(token, self.lexer.last)),)
-        return self._unknown(f"the command {token.text!r}")
+        return self.unknown(f"the command {token.text!r}")
 
     def _call_procedure(self, symbol: Symbol) -> Statements:
         token = self.lexer.take()
@@ -212,7 +214,7 @@ class CommandParser(ExpressionParser):
             self.report(codes.TYPE_MISMATCH, first, self.lexer.last, what=what, hint=hint)
         return Word(parameter.name, value, span)
 
-    def _unknown(self, what: str) -> Statements:
+    def unknown(self, what: str) -> Statements:
         """A command that is not in the manual, up to the semicolon."""
         first = self.lexer.take()
         words, depth, previous = [first.text], 0, first

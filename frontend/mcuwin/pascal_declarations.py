@@ -86,7 +86,7 @@ class SectionParser(StatementParser):
                 self._procedure(subprograms)
         except PascalError as error:
             self.symbols.report(error.finding)
-            self._pass_mistake(before, DECLARING)
+            self.pass_mistake(before, DECLARING)
         return found
 
     def _name_to_declare(self) -> Token:
@@ -143,7 +143,7 @@ class SectionParser(StatementParser):
                 self.separator(())
             except PascalError as error:
                 self.symbols.report(error.finding)
-                self._pass_mistake(before, DECLARING)
+                self.pass_mistake(before, DECLARING)
             word = None
         return found
 

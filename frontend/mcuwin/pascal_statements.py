@@ -52,7 +52,7 @@ class StatementParser(CommandParser):
                 self.separator(ends)
             except PascalError as error:
                 self.symbols.report(error.finding)
-                self._pass_mistake(before, ends)
+                self.pass_mistake(before, ends)
 
     def line_statements(self) -> Statements:
         """Statements up to the end of the text; the first mistake is raised."""
@@ -73,7 +73,7 @@ class StatementParser(CommandParser):
                 what = "this is not closed"
             raise self.lexer.error(codes.SYNTAX, token, what=what)
 
-    def _pass_mistake(self, before: int, ends: tuple[str, ...]) -> None:
+    def pass_mistake(self, before: int, ends: tuple[str, ...]) -> None:
         """Goes on behind the next semicolon, or before what may close the block."""
         if self.lexer.index == before:
             self.lexer.take()
@@ -105,22 +105,22 @@ class StatementParser(CommandParser):
             "for": self._for,
             "goto": self._goto,
             "case": self._case,
-            "write": self._write,
-            "writeln": self._write,
+            "write": self.write,
+            "writeln": self.write,
         }
         if token.low in readers and token.kind == "name":
             return readers[token.low]()
         after = self.lexer.peek(1)
         if token.kind == "name" and after.text == ":=" and token.low not in KEYWORDS:
-            return self._assignment()
+            return self.assignment_statement()
         if token.kind == "axis":  # in any case of letters it is the same one
-            return self._unknown(f"the command '{token.text[0].upper()}{token.low[1:]}'")
+            return self.unknown(f"the command '{token.text[0].upper()}{token.low[1:]}'")
         if token.kind == "name" and after.text == "[" and token.low not in KEYWORDS:
-            return self._unknown(f"an element of {token.text!r}")
+            return self.unknown(f"an element of {token.text!r}")
         if token.kind in ("name", "number") and after.text == ":" and token.low not in KEYWORDS:
             return self._label()
         if token.kind == "name" and token.low not in KEYWORDS:
-            return self._command()
+            return self.command()
         if token.text == ";" or token.low in ENDS or token.kind == "end":
             return ()
         what = "this is not closed" if token.text[0] in "\"'{" else f"{token.text!r} does not begin a statement"

@@ -136,7 +136,7 @@ class _Printer(LinePrinter):
         found = notes.lines(self.next, last)
         if (found.table["kind"] == NoteKind.MARK).any():
             self.depth = 0
-        yield self._plain(self.next, last, Columns(WORD), len(INDENT) * self.depth, found)
+        yield self.plain(self.next, last, Columns(WORD), len(INDENT) * self.depth, found)
 
     def _line(self, nodes: Sequence[Statement]) -> Iterator[bytes]:
         """One line of words, after the lines before it."""

@@ -63,7 +63,7 @@ def _all(body: Iterable[Statement]) -> Iterator[Statement]:
 def _of(program: Program, node: Statement, wanted: frozenset[Code]) -> Iterator[Code]:
     """Codes of one statement."""
     if isinstance(node, DeferredBlock):
-        if not _pattern(wanted).search(node._raw):
+        if not _pattern(wanted).search(node.raw):
             return
         node = node.made()
     if isinstance(node, Block):
