@@ -7,8 +7,8 @@ digest and its signature first; whatever does not fit counts as not there and is
 
 Machine code from here becomes the checker, so it is read and kept in private folders alone (``private_folder``).
 
-The folder of a kernel is named by its code and by all that numba freezes into it: constants, wherever they were
-imported from, and callees. The source file does not decide, it may have changed since it was imported.
+The folder of a kernel is named by its code and by all that numba freezes into it, of whatever files: constants, and the
+kernels that it calls, with theirs. The source file does not decide, it may have changed since it was imported.
 """
 
 from __future__ import annotations
@@ -40,13 +40,14 @@ def code_digest(kernel: Any, follow: Callable[[Any], tuple[Any, str] | None]) ->
     return digest.hexdigest()
 
 
-def _function(kernel: Any, follow: Callable[[Any], tuple[Any, str] | None], seen: set[types.CodeType]) -> Iterator[str]:
+def _function(kernel: Any, follow: Callable[[Any], tuple[Any, str] | None], seen: set[object]) -> Iterator[str]:
     function, how = follow(kernel) or (kernel, "")
     code = function.__code__
     yield f"{function.__qualname__} {how}"
-    if code in seen:
+    # By the function: two of different files can have equal code and read different constants.
+    if function in seen:
         return
-    seen.add(code)
+    seen.add(function)
     yield from _code(code)
     yield from _value(function.__defaults__)
     for name in code.co_names:

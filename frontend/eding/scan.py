@@ -1,4 +1,4 @@
-"""Plain lines: the automaton that recognises them, and the kernels behind plain functions.
+"""Plain lines of Eding: the automaton that recognises them, and what each byte is to the scanner of their words.
 
 The automaton stands on the line format of the Eding manual, 3.2: what may follow what in a line of literal
 words. Each character class, each state and each step is in the tables below.
@@ -7,21 +7,12 @@ words. Each character class, each state and each step is in the tables below.
 from __future__ import annotations
 
 import functools
-import re
-from typing import Any
 
-import numpy as np
-import numpy.typing as npt
-
+from gproof.frontend.common import number_kernels as k
+from gproof.frontend.common import words
 from gproof.frontend.common.lines import Automata, LineIndex, automata, index_lines
-from gproof.frontend.eding import scan_kernels as k
+from gproof.frontend.common.words import WordBytes, word_bytes
 from gproof.ir.columns import Columns
-from gproof.ir.program import FLAG_DELETE, FLAG_POINT, WORD
-
-Ints = npt.NDArray[Any]
-
-LONGEST_LINE = 1024
-"""More bytes than a plain line can have; the line limit of any dialect's rules lies below."""
 
 WORD_LETTERS = "ABCDEFGHIJKLMPQRSTXYZ"
 """Table 3-2 of the manual without N, and E, which M54, M55, M56 (3.5.9) and G76 (3.4.19) use."""
@@ -138,36 +129,24 @@ def index(data: bytes, begin: int, limit: int, end: int | None = None) -> LineIn
     return index_lines(_tables(), data, begin, limit, end)
 
 
-_POWERS = [10.0**n for n in range(k.DECIMALS_LIMIT + 1)]
+_KINDS = {
+    "N": k.NUMBER, "digit": k.DIGIT, "point": k.POINT, "feed": k.FEED, "semicolon": k.COMMENT, "open": k.ROUND,
+    "slash": k.DELETE,
+}  # fmt: skip
+
+
+def _kind(byte: int) -> int:
+    name = _class_of(byte)
+    if name in _LETTERS:
+        return ord(chr(byte).upper())
+    return _KINDS.get(name, k.MINUS if byte == ord("-") else k.OTHER)
+
+
+@functools.cache
+def _word_bytes() -> WordBytes:
+    return word_bytes([_kind(byte) for byte in range(256)], 2)
 
 
 def scan(data: bytes, begin: int, end: int, line: int, limit: int) -> tuple[Columns, int, int]:
-    """Words of the plain lines data[begin:end] whose first has number ``line``; see ``Program.load``.
-
-    Stops at the first line end at or behind ``begin + limit``. Returns (WORD columns with offsets from
-    ``begin``, next byte, number of the next line).
-    """
-    room = (min(end - begin, limit + LONGEST_LINE)) // 2 + 1
-    columns = {c.name: np.empty(room, np.dtype(c.dtype)) for c in WORD.columns}
-    run = k.scan_words.pick(min(end - begin, limit))
-    source: Any = data
-    powers: Any = _POWERS
-    if run is not k.scan_words.python:
-        source, powers = np.frombuffer(data, np.uint8), np.array(_POWERS)
-    count, after, next_line = run(source, begin, end, line, limit, powers, *columns.values())
-    columns = {name: column[:count] for name, column in columns.items()}
-    _fix_inexact(data, begin, columns)
-    return Columns(WORD, columns), after, next_line
-
-
-_NUMBER = re.compile(rb"[-+0-9. \t]*")
-
-
-def _fix_inexact(data: bytes, begin: int, columns: dict[str, Ints]) -> None:
-    """Give the values that the kernel's exact path does not cover the value of float(text)."""
-    flags = columns["flags"]
-    for row in np.flatnonzero(flags & k.FLAG_INEXACT).tolist():
-        found = _NUMBER.match(data, begin + int(columns["offset"][row]) + 1)
-        assert found is not None
-        columns["value"][row] = float(found.group().translate(None, b" \t"))
-        flags[row] &= FLAG_POINT | FLAG_DELETE
+    """Words of the plain lines data[begin:end] whose first has number ``line``; see ``Program.load``."""
+    return words.scan(_word_bytes(), data, begin, end, line, limit)

@@ -8,20 +8,14 @@ is each machine's.
 from __future__ import annotations
 
 import functools
-import re
-from typing import Any
 
-import numpy as np
-import numpy.typing as npt
-
+from gproof.frontend.common import number_kernels as k
+from gproof.frontend.common import words
 from gproof.frontend.common.lines import Automata, LineIndex, automata, index_lines
-from gproof.frontend.mcuwin import scan_kernels as k
+from gproof.frontend.common.words import WordBytes, word_bytes
 from gproof.ir.columns import Columns
-from gproof.ir.program import FLAG_POINT, WORD
 from gproof.ir.record import record
 
-LONGEST_LINE = 1024
-"""More bytes than a plain line has; longer ones are read one by one."""
 LINE_LIMIT = 1000
 """Characters of a plain line at most."""
 
@@ -48,17 +42,7 @@ class Scanner:
 
     def scan(self, data: bytes, begin: int, end: int, line: int, limit: int) -> tuple[Columns, int, int]:
         """Words of the plain lines data[begin:end] whose first has number ``line``; see ``Program.load``."""
-        room = min(end - begin, limit + LONGEST_LINE) // 2 + 1
-        columns = {c.name: np.empty(room, np.dtype(c.dtype)) for c in WORD.columns}
-        run = k.scan_words.pick(min(end - begin, limit))
-        source: Any = data
-        powers: Any = _POWERS
-        if run is not k.scan_words.python:
-            source, powers = np.frombuffer(data, np.uint8), np.array(powers)
-        count, after, next_line = run(source, begin, end, line, limit, powers, *columns.values())
-        columns = {name: column[:count].copy() for name, column in columns.items()}
-        _fix_inexact(data, begin, columns)
-        return Columns(WORD, columns), after, next_line
+        return words.scan(_word_bytes(self), data, begin, end, line, limit)
 
 
 def _class_of(byte: int, scanner: Scanner) -> str:
@@ -127,15 +111,18 @@ def _automata(scanner: Scanner) -> Automata:
     )  # fmt: skip
 
 
-_POWERS = [10.0**n for n in range(k.DECIMALS_LIMIT + 1)]
-_NUMBER = re.compile(rb"[-+0-9. \t]*")
+_KINDS = {
+    "N": k.NUMBER, "zero": k.DIGIT, "low": k.DIGIT, "digit": k.DIGIT, "point": k.POINT, "minus": k.MINUS,
+    "feed": k.FEED, "quote": k.COMMENT, "open": k.COMMENT,
+}  # fmt: skip
+"""Nothing but comments stands after a comment in brackets."""
 
 
-def _fix_inexact(data: bytes, begin: int, columns: dict[str, npt.NDArray[Any]]) -> None:
-    """Give the values that the kernel's exact path does not cover the value of float(text)."""
-    flags = columns["flags"]
-    for row in np.flatnonzero(flags & k.FLAG_INEXACT).tolist():
-        found = _NUMBER.match(data, begin + int(columns["offset"][row]) + 1)
-        assert found is not None
-        columns["value"][row] = float(found.group().translate(None, b" \t"))
-        flags[row] &= FLAG_POINT
+def _kind(byte: int, scanner: Scanner) -> int:
+    name = _class_of(byte, scanner)
+    return ord(chr(byte).upper()) if name in ("letter", "G") else _KINDS.get(name, k.OTHER)
+
+
+@functools.cache
+def _word_bytes(scanner: Scanner) -> WordBytes:
+    return word_bytes([_kind(byte, scanner) for byte in range(256)], 2)

@@ -1,102 +1,19 @@
-"""The words and notes of plain lines of McuWIN: axis letters, I J K and F with numbers, G0 to G3, line numbers.
+"""The notes of plain lines of McuWIN: line numbers, and comments at the end.
 
-Takes ``bytes`` (or a memory map) and Python lists in plain Python, and arrays when compiled; ``scan.py`` and
-``notes.py`` choose. The range holds plain lines only, so nothing is checked here.
+Takes ``bytes`` (or a memory map) and a ``bytearray`` in plain Python, and uint8 arrays when compiled; ``notes.py``
+chooses. The range holds plain lines only, so nothing is checked here.
 """
 
 from __future__ import annotations
 
 from typing import Any
 
+from gproof.frontend.common.number_kernels import note_column
 from gproof.ir.kernel import kernel
-from gproof.ir.program import FLAG_POINT
-
-FLAG_INEXACT = 128
-"""Set where integer / power of ten may differ from float(text); the caller then sets the value."""
-
-MANTISSA_LIMIT = 9007199254740992
-DECIMALS_LIMIT = 22
-"""2**53 and the largest exact power of ten: below both, integer / power is correctly rounded."""
 
 LINE_NUMBER = 1
 SIGNED = 7
 """Kinds of notes; equal to those of ``ir/notes.py``."""
-
-
-@kernel(seconds_per_unit=1.8e-7, compile_seconds=0.6)
-def scan_words(
-    data: Any,
-    begin: int,
-    end: int,
-    line: int,
-    limit: int,
-    powers: Any,
-    at_line: Any,
-    at_offset: Any,
-    at_letter: Any,
-    at_flags: Any,
-    at_value: Any,
-) -> tuple[int, int, int]:
-    """Read the words of the plain lines data[begin:end]; ``begin`` starts line number ``line``.
-
-    powers: 10**0 .. 10**22; at_*: columns of WORD, offsets from ``begin``, room for half the bytes. Stops at the first
-    line end at or behind ``begin + limit``.
-    Returns (words read, next byte, its line number).
-    """
-    stop = begin + limit
-    count = 0
-    i = begin
-    while i < end:
-        c = int(data[i])
-        i += 1
-        if c >= 65:  # a letter: nothing else of a plain line outside comments lies here
-            at = i - 1
-            mantissa = 0
-            decimals = 0
-            negative = False
-            flags = 0
-            while i < end:
-                b = int(data[i])
-                digit = b - 48
-                if 0 <= digit <= 9:
-                    if mantissa < MANTISSA_LIMIT:
-                        mantissa = mantissa * 10 + digit
-                    else:
-                        flags |= FLAG_INEXACT
-                    if flags & FLAG_POINT:
-                        decimals += 1
-                elif b == 46:
-                    flags |= FLAG_POINT
-                elif b == 45:
-                    negative = True
-                elif b not in (32, 9, 43):  # blank, tab, plus
-                    break
-                i += 1
-            letter = c & 0xDF
-            if letter == 78:  # a line number
-                continue
-            if mantissa > MANTISSA_LIMIT or decimals > DECIMALS_LIMIT:
-                flags |= FLAG_INEXACT
-                decimals = 0
-            value = mantissa / powers[decimals]
-            if negative:
-                value = -value
-            at_line[count] = line
-            at_offset[count] = at - begin
-            at_letter[count] = letter
-            at_flags[count] = flags
-            at_value[count] = value
-            count += 1
-        elif c == 10:
-            line += 1
-            if i >= stop:
-                return count, i, line
-        elif c in (39, 40):  # comments end a plain line
-            while i < end and data[i] != 10:
-                i += 1
-    if end > begin and data[end - 1] != 10:
-        line += 1
-    return count, i, line
 
 
 @kernel(seconds_per_unit=1.6e-7, compile_seconds=0.6)
@@ -160,22 +77,10 @@ def scan_notes(
                 used -= 1
         else:
             continue
-        column = 0
-        if place > 0:
-            behind = at
-            while behind > start and data[behind - 1] in (32, 9):
-                behind -= 1
-            before = 0
-            for t in range(start, at):
-                if t == behind:
-                    before = column
-                column += 8 - column % 8 if data[t] == 9 else 1
-            if behind == at or column - before < 2:
-                column = 0
         at_line[count] = line
         at_place[count] = place
         at_kind[count] = kind
-        at_column[count] = column
+        at_column[count] = note_column(data, start, at) if place > 0 else 0
         at_begin[count] = first
         at_size[count] = used - first
         count += 1

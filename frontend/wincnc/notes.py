@@ -12,9 +12,10 @@ from typing import Any
 import numpy as np
 
 from gproof.frontend.common.source import UTF8_MARK, encoding_of
+from gproof.frontend.common.words import WordBytes
 from gproof.frontend.wincnc import scan_kernels as k
 from gproof.frontend.wincnc.line import LineError, LineReader, line_number
-from gproof.frontend.wincnc.scan import CLOSING, Scanner, kinds_of
+from gproof.frontend.wincnc.scan import CLOSING, Scanner, word_bytes_of
 from gproof.ir.columns import Columns
 from gproof.ir.dialects.wincnc_settings import Lexical
 from gproof.ir.notes import NOTE, NoteKind, Notes
@@ -48,7 +49,7 @@ class Annotator:
         at = data.find(b"\n", begin + max(limit, 1) - 1)
         end = len(data) if at < 0 else at + 1
         found = self.scanner.index(data, begin, self.limit, end)
-        collector = _Collector(data, end - begin, kinds_of(self.scanner.lexical))
+        collector = _Collector(data, end - begin, word_bytes_of(self.scanner.lexical))
         number, first_line, after_line = line, line, line + found.line_count
         for offset, first, after, _ in found.rows():
             if first < begin:
@@ -120,7 +121,7 @@ def _left_out(collector: _Collector, data: bytes, begin: int, line: int) -> int:
 class _Collector:
     """Columns and text that fill up, line after line. size: bytes of the range."""
 
-    def __init__(self, data: bytes, size: int, kinds: list[int]) -> None:
+    def __init__(self, data: bytes, size: int, table: WordBytes) -> None:
         self.columns = {c.name: np.empty(size // 2 + 2, np.dtype(c.dtype)) for c in NOTE.columns}
         self.text: Any = bytearray(size + 1)
         self.count = 0
@@ -130,10 +131,10 @@ class _Collector:
         self.run = k.scan_notes.pick(size)
         self.data: Any = data
         self.out: Any = self.text
-        self.kinds: Any = kinds
+        self.kinds: Any = table.kinds
         if self.run is not k.scan_notes.python:
             self.data, self.out = np.frombuffer(data, np.uint8), np.frombuffer(self.text, np.uint8)
-            self.kinds = np.array(kinds, np.uint8)
+            self.kinds = table.array
 
     def plain(self, begin: int, end: int, line: int) -> None:
         """The lines data[begin:end], all plain."""

@@ -10,20 +10,14 @@ from __future__ import annotations
 import functools
 import re
 from collections.abc import Iterable
-from typing import Any
 
-import numpy as np
-import numpy.typing as npt
-
+from gproof.frontend.common import number_kernels as k
+from gproof.frontend.common import words
 from gproof.frontend.common.lines import Automata, LineIndex, automata, index_lines
-from gproof.frontend.wincnc import scan_kernels as k
+from gproof.frontend.common.words import WordBytes, word_bytes
 from gproof.ir.columns import Columns
 from gproof.ir.dialects.wincnc_settings import Lexical
-from gproof.ir.program import FLAG_POINT, WORD
 from gproof.ir.record import record
-
-LONGEST_LINE = 1024
-"""More bytes than a plain line can have."""
 
 AXIS_LETTERS = "XYZWUVABC"
 PLAIN_LETTERS = AXIS_LETTERS + "IJKRF"
@@ -128,18 +122,7 @@ class Scanner:
 
     def scan(self, data: bytes, begin: int, end: int, line: int, limit: int) -> tuple[Columns, int, int]:
         """Words of the plain lines data[begin:end] whose first has number ``line``; see ``Program.load``."""
-        room = min(end - begin, limit + LONGEST_LINE) + 1
-        columns = {c.name: np.empty(room, np.dtype(c.dtype)) for c in WORD.columns}
-        run = k.scan_words.pick(min(end - begin, limit))
-        source: Any = data
-        kinds: Any = kinds_of(self.lexical)
-        powers: Any = _POWERS
-        if run is not k.scan_words.python:
-            source, kinds, powers = np.frombuffer(data, np.uint8), np.array(kinds, np.uint8), np.array(powers)
-        count, after, next_line = run(source, begin, end, line, limit, kinds, powers, *columns.values())
-        columns = {name: column[:count].copy() for name, column in columns.items()}
-        _fix_inexact(data, begin, columns)
-        return Columns(WORD, columns), after, next_line
+        return words.scan(word_bytes_of(self.lexical), data, begin, end, line, limit)
 
 
 def scanner(lexical: Lexical, macros: Iterable[str]) -> Scanner:
@@ -160,33 +143,21 @@ def _automata(scanner: Scanner) -> Automata:
     )  # fmt: skip
 
 
+_KINDS = dict.fromkeys(_DIGITS, k.DIGIT) | {"point": k.POINT, "minus": k.MINUS, "feed": k.FEED} | dict.fromkeys(
+    ("square", "round", "comment"), k.COMMENT
+)  # fmt: skip
+"""Nothing but comments stands after a comment, whatever begins it."""
+
+
+def _kind(byte: int, lexical: Lexical) -> int:
+    name = _class_of(byte, lexical, "")
+    return ord(chr(byte).upper()) if name in ("letter", "G") else _KINDS.get(name, k.OTHER)
+
+
 @functools.cache
-def kinds_of(lexical: Lexical) -> list[int]:
-    """What each byte is to ``scan_words``."""
-    kinds = []
-    for byte in range(256):
-        name = _class_of(byte, lexical, "")
-        if name in ("letter", "G"):
-            kinds.append(ord(chr(byte).upper()))
-        elif name in _DIGITS:
-            kinds.append(k.DIGIT)
-        elif name in ("square", "round", "comment"):
-            kinds.append(k.COMMENT)
-        else:
-            kinds.append({"point": k.POINT, "feed": k.FEED}.get(name, k.MINUS if byte == ord("-") else k.OTHER))
-    return kinds
+def word_bytes_of(lexical: Lexical) -> WordBytes:
+    """What each byte is to ``scan_words``; a word may be its letter alone."""
+    return word_bytes([_kind(byte, lexical) for byte in range(256)], 1)
 
 
 _OWN_CODE = re.compile(r"G0*[0-3](?![0-9.])")
-_POWERS = [10.0**n for n in range(k.DECIMALS_LIMIT + 1)]
-_NUMBER = re.compile(rb"[-+0-9., \t]*")
-
-
-def _fix_inexact(data: bytes, begin: int, columns: dict[str, npt.NDArray[Any]]) -> None:
-    """Give the values that the kernel's exact path does not cover the value of float(text)."""
-    flags = columns["flags"]
-    for row in np.flatnonzero(flags & k.FLAG_INEXACT).tolist():
-        found = _NUMBER.match(data, begin + int(columns["offset"][row]) + 1)
-        assert found is not None
-        columns["value"][row] = float(found.group().translate(None, b" \t").replace(b",", b"."))
-        flags[row] &= FLAG_POINT

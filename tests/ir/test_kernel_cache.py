@@ -152,6 +152,33 @@ def test_constants_and_callees_from_another_file(start: Start, tmp_path: Path) -
     assert len(compiled(tmp_path)) == 3
 
 
+def test_callees_of_callees(start: Start, tmp_path: Path) -> None:
+    """A kernel two files away, whose constant changes; and two with the same code and constants of their own."""
+    (tmp_path / "go").touch()
+    inner = """
+from gproof.ir.kernel import kernel
+from {left} import shifted as left
+from {right} import shifted as right
+
+FACTOR = 1.0
+
+@kernel()
+def shifted(value):
+    return left(value) - right(value)
+"""
+    leaf = INNER.replace("return value + {shift}", "return value * FACTOR")
+
+    def put(left: float, right: float) -> None:
+        (tmp_path / "inner_kernels.py").write_text(inner.format(left="left_kernels", right="right_kernels"))
+        (tmp_path / "left_kernels.py").write_text(leaf.format(factor=left))
+        (tmp_path / "right_kernels.py").write_text(leaf.format(factor=right))
+
+    for left, right in ((3.0, 1.0), (3.0, 2.0), (4.0, 2.0), (3.0, 1.0)):
+        put(left, right)
+        assert answer(start("float64")) == 7.0 * (left - right)
+    assert len(compiled(tmp_path)) == 3
+
+
 def test_a_source_that_changes_while_its_old_code_runs(start: Start, tmp_path: Path) -> None:
     old = start("float64")
     while not list(tmp_path.glob("ready-*")):

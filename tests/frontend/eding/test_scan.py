@@ -16,6 +16,7 @@ from hypothesis import strategies as st
 from support.campaigns import examples, seeds
 
 from gproof.frontend.common import lines
+from gproof.frontend.common.words import LONGEST_LINE
 from gproof.frontend.eding import scan
 from gproof.frontend.eding.parse import parse_line
 from gproof.frontend.eding.prepare import LineError
@@ -328,7 +329,7 @@ def test_chunks_are_bounded_and_join() -> None:
     begin, line, rows = 0, 1, 0
     while begin < len(data):
         columns, after, line = scan.scan(data, begin, len(data), line, 4096)
-        assert after - begin <= 4096 + scan.LONGEST_LINE
+        assert after - begin <= 4096 + LONGEST_LINE
         rows += len(columns)
         begin = after
     assert (rows, line) == (15_000, 5001)

@@ -277,27 +277,22 @@ def test_large_tables_are_read_when_they_run(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("on", [machine(), machine(case_sensitive=True), machine(line_numbers=True)])
-def test_both_speeds(tmp_path: Path, on: Machine) -> None:
+def test_both_speeds(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, on: Machine) -> None:
     """Plain Python and compiled code give the same words and notes, bit for bit."""
     from gproof.frontend.mcuwin import scan_kernels as k
-    from gproof.frontend.mcuwin.scan import _POWERS
     from gproof.ir.notes import NOTE
-    from gproof.ir.program import WORD
 
     text = random_text(random.Random(7), 300).encode()
     how = Scanner(small=not mcuwin_settings(on).case_sensitive, numbered=mcuwin_settings(on).line_numbers)
     plain = b"".join(line for line in text.splitlines(keepends=True) if is_plain(line, how))
     results = []
-    for compiled in (False, True):
-        words = {c.name: np.zeros(len(plain), np.dtype(c.dtype)) for c in WORD.columns}
+    for speed in ("python", "numba"):
+        monkeypatch.setenv("GPROOF_KERNELS", speed)
+        words, *ended = how.scan(plain, 0, len(plain), 1, len(plain))
         notes = {c.name: np.zeros(len(plain), np.dtype(c.dtype)) for c in NOTE.columns}
         out = np.zeros(len(plain), np.uint8)
-        data = np.frombuffer(plain, np.uint8) if compiled else plain
-        powers = np.array(_POWERS) if compiled else _POWERS
-        scan = k.scan_words.compiled() if compiled else k.scan_words.python
-        note = k.scan_notes.compiled() if compiled else k.scan_notes.python
-        ended = scan(data, 0, len(plain), 1, len(plain), powers, *words.values())
-        noted = note(data, 0, len(plain), 1, 0, 0, *notes.values(), out)
-        columns = [column.tobytes() for column in (*words.values(), *notes.values(), out)]
-        results.append((tuple(ended), tuple(noted), columns))
+        data = plain if speed == "python" else np.frombuffer(plain, np.uint8)
+        noted = k.scan_notes.pick(len(plain))(data, 0, len(plain), 1, 0, 0, *notes.values(), out)
+        columns = [column.tobytes() for column in (*notes.values(), out)]
+        results.append((list(words.rows()), ended, tuple(noted), columns))
     assert results[0] == results[1]
