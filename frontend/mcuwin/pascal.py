@@ -22,7 +22,7 @@ from gproof.ir.program import Assign, Expr, Statement, Unsupported, Variable
 __all__ = [
     "Dollar", "Else", "ElseIf", "End", "ForHead", "IfHead", "PascalError", "Place", "RepeatHead", "Section",
     "Simple", "Symbol", "Symbols", "Type", "Until", "WhileHead", "begins_expression", "parse_assignment",
-    "parse_dollar", "parse_expression", "parse_section", "parse_statement",
+    "parse_dollar", "parse_expression", "parse_section",
 ]  # fmt: skip
 
 
@@ -107,15 +107,6 @@ def parse_assignment(text: str, at: int, place: Place, symbols: Symbols) -> tupl
     parser = _parser([text], place, symbols, at)
     assign = parser.assignment()
     return assign, parser.lexer.last.end
-
-
-def parse_statement(text: str, at: int, place: Place, symbols: Symbols) -> tuple[tuple[Statement, ...], int]:
-    """One statement from character ``at``, and a semicolon behind it if there is one; with its end."""
-    parser = _parser([text], place, symbols, at)
-    found = parser.statement()
-    if parser.lexer.peek().text == ";":
-        parser.lexer.take()
-    return found, parser.lexer.last.end
 
 
 def parse_section(lines: Sequence[str], place: Place, symbols: Symbols) -> Section:

@@ -118,12 +118,6 @@ class Symbols:
         """A label of ``goto``."""
         return self._add(Symbol(name, "label", span))
 
-    def add_procedure(
-        self, name: str, parameters: tuple[Parameter, ...], span: Span, kind: str = "procedure"
-    ) -> Symbol:
-        """A procedure, or a ``function``."""
-        return self._add(Symbol(name, kind, span, parameters=parameters))
-
     def declare_around(self, name: str, parameters: tuple[Parameter, ...], span: Span, kind: str = "procedure") -> bool:
         """Declares the procedure whose scope is entered, in the scope around it; False when it was declared before."""
         inner = self._scopes.pop()

@@ -27,7 +27,6 @@ from gproof.frontend.mcuwin.pascal import (
     parse_dollar,
     parse_expression,
     parse_section,
-    parse_statement,
 )
 from gproof.ir import program as p
 from gproof.ir.finding import Findings
@@ -248,8 +247,7 @@ def test_statements() -> None:
 )  # fmt: skip
 def test_text_output(text: str, kinds: list[str]) -> None:
     """5.7: values apart by blanks; commas and brackets, as in Pascal, are taken too."""
-    found, _ = parse_statement(text, 0, Place("job", 1), symbols())
-    (message,) = found
+    message = read(text)
     assert isinstance(message, p.Message)
     assert [type(part).__name__ for part in message.parts] == kinds
     assert message.kind == text.partition(" ")[0].partition("(")[0].lower()
