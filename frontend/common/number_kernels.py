@@ -123,7 +123,7 @@ def scan_words(
     delete = 0
     i = begin
     while i < end:
-        kind = int(kinds[data[i]])
+        kind = kinds[data[i]]
         i += 1
         if kind >= 65:
             at_line[count] = line
@@ -135,11 +135,11 @@ def scan_words(
             negative = False
             flags = delete
             while i < end:
-                kind = int(kinds[data[i]])
+                kind = kinds[data[i]]
                 if kind == DIGIT:
                     digits += 1
                     if mantissa < MANTISSA_LIMIT:
-                        mantissa = mantissa * 10 + (int(data[i]) - 48)
+                        mantissa = mantissa * 10 + (data[i] - 48)
                     else:
                         flags |= FLAG_INEXACT
                     if flags & FLAG_POINT:
