@@ -78,7 +78,8 @@ class Frontend:
     load_machine: reads the controller's own machine file: (path, findings, whether no other file refines it, the keys
     that such a file states anew). machine_files: names of it; knows_machine: whether a file of another name is one,
     None: whatever nobody else knows. completed: what a machine of this dialect has that no file names.
-    setup_fields: fields of a Setup that tables of setup files state which only this dialect has.
+    setup_table: a table of setup files that only this dialect has, "" for none; setup_fields: what it states, as fields
+    of a Setup.
     """
 
     name: str
@@ -100,4 +101,5 @@ class Frontend:
     machine_files: tuple[str, ...] = ()
     knows_machine: Callable[[Path], bool] | None = None
     completed: Callable[[Machine], Machine] = lambda machine: machine
+    setup_table: str = ""
     setup_fields: Callable[[TomlTable], dict[str, Any]] = lambda root: {}

@@ -63,5 +63,6 @@ FRONTEND = Frontend(
     alone=_alone,
     lines_of_machine=False,
     load_machine=_load_machine,
+    setup_table="parameters",
     setup_fields=_setup_fields,
 )

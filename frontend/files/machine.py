@@ -67,7 +67,8 @@ def load_machine(path: Path, findings: Findings, frontends: Frontends) -> tuple[
     if machine is None:
         return None, files
     for frontend in frontends:
-        machine = frontend.completed(machine)
+        if machine.controller.dialect == frontend.name:
+            machine = frontend.completed(machine)
     return in_range(machine, path, findings), files
 
 

@@ -53,7 +53,8 @@ def load_setup(
     in_force = root.interval("tool_length", unit=unit)
     if in_force is not None:
         lengths[0] = Interval(*in_force)
-    of_dialects = {name: value for one in frontends for name, value in one.setup_fields(root).items()}
+    tables = [one for one in frontends if one.setup_table in root.values]
+    of_dialects = {name: value for one in tables for name, value in one.setup_fields(root).items()}
     heads: dict[tuple[int, str], Interval] = {}
     for number, table in root.numbered("heads", 1, HIGHEST_HEAD):
         heads |= {(number, axis): value for axis, value in axes_of(table, unit, _LINEAR).items()}

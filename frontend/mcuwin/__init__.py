@@ -77,6 +77,7 @@ FRONTEND = Frontend(
     load_program=_load_program,
     alone=_alone,
     load_machine=_load_machine,
+    setup_table="resident",
     setup_fields=_setup_fields,
     machine_files=("mcuwin.ini",),
     knows_machine=_knows_machine,
