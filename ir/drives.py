@@ -1,8 +1,8 @@
 """Drives: what proving a stream needs of a Machine and a Setup, and nothing else of them.
 
 The trusted base reads this, not the Machine: motors with all that bounds them, the board's and the controller's times,
-where the job begins, a height map, a mapping onto a cylinder. ``drives_of`` takes them out. Lengths are millimetres,
-angles degrees, times seconds; ``None`` is "not stated", never zero.
+where the job begins, a height map, a mapping onto a cylinder. ``ir/machine_drives.py`` takes them out. Lengths are
+millimetres, angles degrees, times seconds; ``None`` is "not stated", never zero.
 """
 
 from __future__ import annotations
@@ -10,12 +10,9 @@ from __future__ import annotations
 import itertools
 import math
 from fractions import Fraction
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 from gproof.ir.record import record
-
-if TYPE_CHECKING:
-    pass
 
 AXIS_NAMES = ("x", "y", "z", "a", "b", "c")
 AXES = len(AXIS_NAMES)

@@ -77,7 +77,7 @@ JOBS = (
 def make(job: Job, into: Path) -> None:
     """Compile a job into ``into / NAME.gpx``, with names of files as they are here; RuntimeError where that fails."""
     from gproof.cli.main import main
-    from gproof.verify.certificate import load_or_create_key
+    from gproof.verify.certificate.keys import load_or_create_key
 
     with tempfile.TemporaryDirectory() as folder:
         for name, text in job.files.items():
