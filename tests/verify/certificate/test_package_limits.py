@@ -21,7 +21,7 @@ from gproof.verify.certificate.keys import load_or_create_key
 from gproof.verify.certificate.package import canonical, read_package, write_members
 from gproof.verify.certificate.package_zip import FREE, RATIO, Sealed
 
-PACKAGES = Path(__file__).parents[1] / "packages"
+PACKAGES = Path(__file__).parent / "packages"
 Members = dict[str, bytes]
 
 
