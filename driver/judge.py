@@ -213,7 +213,9 @@ class _Checks:
         )  # fmt: skip
         self.arcs = ArcRadius(machine, setup, findings)
         self.edges = Boundaries(machine, setup, findings)
-        self.added = added_checks(properties, session.program, machine, setup, findings)
+        # Of a state of its own, which the run does not change.
+        start = run.dialect.first_state(session.program, setup, machine)
+        self.added = added_checks(properties, session.program, machine, setup, findings, start.zero_at_start)
 
     def feed(self, chunk: Chunk) -> None:
         """Some successive rows."""

@@ -291,11 +291,12 @@ class LanguageRules:
 
     argument_base: number of the variable that holds the A word of a code which a subprogram replaces, B to Z follow;
     argument_missing: what the variable of a letter holds that the line does not have.
-    code_letters: letters of codes; variables: the named ones and what they are. workspaces_select_heads: a workspace
-    beside the first has a head and a spindle of its own; arcs_keep_feed: the F of arcs may be kept apart from that of
-    lines (``Settings.arcs_share_feed``). straight_traverse: a traverse of several axes is a straight line, None: the
-    manual does not say; measured_tools: what is stored of a tool is no length, but the machine position at which its
-    tip is at the work's zero. later: codes that the manual lacks and other versions of the controller have.
+    code_letters: letters of codes; variables: the named ones and what they are. unit_of_machine: the controller's own
+    file says in what numbers count where no code does. workspaces_select_heads: a workspace beside the first has a
+    head and a spindle of its own; arcs_keep_feed: the F of arcs may be kept apart from that of lines
+    (``Settings.arcs_share_feed``). straight_traverse: a traverse of several axes is a straight line, None: the manual
+    does not say; measured_tools: what is stored of a tool is no length, but the machine position at which its tip is
+    at the work's zero. later: codes that the manual lacks and other versions of the controller have.
     """
 
     name: str
@@ -314,6 +315,7 @@ class LanguageRules:
     argument_missing: float = -1e10
     code_letters: frozenset[str] = frozenset("GM")
     workspaces_select_heads: bool = False
+    unit_of_machine: bool = False
     arcs_keep_feed: bool = False
     straight_traverse: bool | None = None
     measured_tools: bool = False

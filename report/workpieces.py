@@ -8,6 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from gproof.driver.dialects import semantics_of
 from gproof.driver.session import Session
 from gproof.ir.record import record
 from gproof.ir.symbolic import add_forms
@@ -127,7 +128,8 @@ def drawn(session: Session, forms: tuple[Affine, ...], tip: tuple[TipOffset, ...
     workpiece = session.setup.workpiece
     if workpiece is None or session.program is None:
         return []
-    placing = Placing(session.program, session.machine, session.setup)
+    start = semantics_of(session.program).first_state(session.program, session.setup, session.machine)
+    placing = Placing(session.machine, session.setup, start.zero_at_start)
     found = []
     for role in ROLES:
         for number, placed in enumerate(getattr(workpiece, role)):

@@ -29,7 +29,9 @@ def parser(grammar: Path, start: Sequence[str], transformer: Any) -> Lark:
     import lark
 
     text = grammar.read_text("utf-8")
-    made_from = repr((text, tuple(start), lark.__version__, sys.version))
+    # What is kept names the class of the actions by its module.
+    actions = f"{type(transformer).__module__}.{type(transformer).__qualname__}"
+    made_from = repr((text, tuple(start), actions, lark.__version__, sys.version))
     kept = cache_root() / "grammars" / f"{hashlib.sha256(made_from.encode()).hexdigest()[:32]}.lark"
     content = _read(kept)
     if content is not None:

@@ -252,6 +252,7 @@ WINCNC = LanguageRules(
     peck_clearance_mm=1.27,  # G Codes: G73, G83
     call_depth=20,
     workspaces_select_heads=True,
+    unit_of_machine=True,
     code_letters=frozenset("GLM"),
     measured_tools=True,  # M37
     straight_traverse=None,  # G0: the manual names the place and the velocity, not the way

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from typing import TypedDict
 
 import numpy as np
@@ -15,6 +15,7 @@ from gproof.ir.finding import Finding, Findings, Related, Span
 from gproof.ir.machine import AXES, Machine
 from gproof.ir.record import record
 from gproof.ir.setup import Interval, Setup
+from gproof.ir.symbolic import Position
 from gproof.ir.symbols import describe
 from gproof.ir.trace import Affine, Chunk, Trace
 from gproof.ir.trace_rows import split_form
@@ -44,6 +45,10 @@ class Remains:
     grid: npt.NDArray[np.float64]
     upper: npt.NDArray[np.float64]
     before: npt.NDArray[np.float64]
+
+
+ZeroAt = Callable[[int, int], Position]
+"""(coordinate system, 0 for the one in force; column) -> its zero when the job begins, in machine coordinates."""
 
 
 class Check(ABC):

@@ -14,46 +14,46 @@ if TYPE_CHECKING:
     from gproof.ir.machine import Machine
     from gproof.ir.program import Program
     from gproof.ir.setup import Setup
-    from gproof.passes.checks.base import Check
+    from gproof.passes.checks.base import Check, ZeroAt
 
-Maker = Callable[["Program", "Machine", "Setup", "Findings"], "Check"]
-"""Makes a new check of a job."""
+Maker = Callable[["Program", "Machine", "Setup", "Findings", "ZeroAt"], "Check"]
+"""Makes a new check of a job; the last: where zeros lie when it begins, as the language has it."""
 
 
-def _feeds(program: Program, machine: Machine, setup: Setup, findings: Findings) -> Check:
+def _feeds(program: Program, machine: Machine, setup: Setup, findings: Findings, zero: ZeroAt) -> Check:
     from gproof.passes.checks.cutting.feeds import Feeds
 
     return Feeds(program, machine, setup, findings)
 
 
-def _cutting(program: Program, machine: Machine, setup: Setup, findings: Findings) -> Check:
+def _cutting(program: Program, machine: Machine, setup: Setup, findings: Findings, zero: ZeroAt) -> Check:
     from gproof.passes.checks.cutting.cutting import Cutting
 
     return Cutting(program, machine, setup, findings)
 
 
-def _sense(program: Program, machine: Machine, setup: Setup, findings: Findings) -> Check:
+def _sense(program: Program, machine: Machine, setup: Setup, findings: Findings, zero: ZeroAt) -> Check:
     from gproof.passes.checks.lint.lint import Sense
 
     return Sense(program, machine, setup, findings)
 
 
-def _cutter_and_part(program: Program, machine: Machine, setup: Setup, findings: Findings) -> Check:
+def _cutter_and_part(program: Program, machine: Machine, setup: Setup, findings: Findings, zero: ZeroAt) -> Check:
     from gproof.passes.checks.collisions.collisions import Distance
 
-    return Distance("gouges", program, machine, setup, findings)
+    return Distance("gouges", program, machine, setup, findings, zero)
 
 
-def _tool_and_bodies(program: Program, machine: Machine, setup: Setup, findings: Findings) -> Check:
+def _tool_and_bodies(program: Program, machine: Machine, setup: Setup, findings: Findings, zero: ZeroAt) -> Check:
     from gproof.passes.checks.collisions.collisions import Distance
 
-    return Distance("collisions", program, machine, setup, findings)
+    return Distance("collisions", program, machine, setup, findings, zero)
 
 
-def _stock_left(program: Program, machine: Machine, setup: Setup, findings: Findings) -> Check:
+def _stock_left(program: Program, machine: Machine, setup: Setup, findings: Findings, zero: ZeroAt) -> Check:
     from gproof.passes.checks.stock.stock import StockLeft
 
-    return StockLeft(program, machine, setup, findings)
+    return StockLeft(program, machine, setup, findings, zero)
 
 
 CHECKS: dict[str, tuple[Maker, ...]] = {
@@ -92,8 +92,12 @@ def not_judged(judged: Iterable[str]) -> tuple[str, ...]:
 
 
 def added_checks(
-    wanted: Iterable[str], program: Program, machine: Machine, setup: Setup, findings: Findings
+    wanted: Iterable[str], program: Program, machine: Machine, setup: Setup, findings: Findings, zero: ZeroAt
 ) -> list[Check]:
-    """A new check of each kind that the properties ``wanted`` need beyond those of the default policy."""
+    """A new check of each kind that the properties ``wanted`` need beyond those of the default policy.
+
+    zero: where zeros lie when the job begins, see ``base.ZeroAt``.
+    """
     names = set(wanted)
-    return [make(program, machine, setup, findings) for name in CHECKS if name in names for make in CHECKS[name]]
+    made = [make for name in CHECKS if name in names for make in CHECKS[name]]
+    return [make(program, machine, setup, findings, zero) for make in made]

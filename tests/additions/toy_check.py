@@ -13,7 +13,7 @@ from gproof.ir.trace import Chunk, Op
 from gproof.ir.trace_rows import row_span
 from gproof.ir.verdict import PropertyResult, Verdict
 from gproof.passes.checks import registry
-from gproof.passes.checks.base import Check
+from gproof.passes.checks.base import Check, ZeroAt
 
 FILES = (
     "passes/checks/lint/toy.py",
@@ -40,7 +40,7 @@ class Toy(Check):
         return PropertyResult(name="toy", verdict=Verdict.SAFE)
 
 
-def make(program: Program, machine: Machine, setup: Setup, findings: Findings) -> Check:
+def make(program: Program, machine: Machine, setup: Setup, findings: Findings, zero: ZeroAt) -> Check:
     return Toy(machine, setup, findings)
 
 

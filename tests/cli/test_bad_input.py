@@ -688,7 +688,7 @@ def test_streams_that_are_closed_or_full(name: str, folder: Path, gproof: Run) -
     ("words", "where"),
     [
         (["check", "job.cnc"], "gproof.driver.conclude.judge"),
-        (["dump", "job.cnc", "--stage", "trace"], "gproof.passes.interpret.core.executor.execute"),
+        (["dump", "job.cnc", "--stage", "trace"], "gproof.driver.running.execute"),
         (["compile", "job.cnc", *WITH_MACHINE, "--unsigned", "-o", "new.gpx"], "gproof.passes.motion.step.step"),
         (["compile", "job.cnc", *WITH_MACHINE, "--unsigned", "-o", "new.gpx"], "os.replace"),
         (["check", "job.cnc", "--picture", "new.svg"], "os.replace"),

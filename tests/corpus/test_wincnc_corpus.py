@@ -10,7 +10,7 @@ import pytest
 from corpus.expectations import JUDGED, ROOT, false_alarms, findings, markers, misplaced, readme_tables, report_of
 from support.command import in_own_process, in_this_process
 
-from gproof.driver.dialects import load_machine
+from gproof.driver.dialects import load_machine, semantics_of
 from gproof.frontend.wincnc.load import load_alone
 from gproof.frontend.wincnc.mac_program import load_macro_file
 from gproof.ir.finding import Findings, Severity
@@ -118,7 +118,7 @@ def test_every_file_of_a_machine_is_read(macro: Path) -> None:
     assert program is not None
     assert [one for one in findings.kept if one.severity in (Severity.ERROR, Severity.UNKNOWN)] == []
     if macro.name.lower() != "cnc.mac":
-        assert doubtful_lines(program, machine) == IDIOMS.get(macro.name, frozenset())
+        assert doubtful_lines(program, machine, semantics_of(program)) == IDIOMS.get(macro.name, frozenset())
 
 
 IDIOMS = {"puttool.mac": {4, 5, 10}, "gettool.mac": {3, 6}, "park.mac": {2}, "front.mac": {2}}

@@ -22,7 +22,7 @@ from gproof.ir.trace import Chunk, Op, State
 from gproof.ir.trace_rows import row_span
 from gproof.ir.verdict import PropertyResult, Verdict
 from gproof.ir.workpiece import Mesh, Placed, Workpiece
-from gproof.passes.checks.base import Check
+from gproof.passes.checks.base import Check, ZeroAt
 from gproof.passes.checks.collisions.facets import surface_of
 from gproof.passes.checks.collisions.scene import CHORD, Scene, Stretch
 from gproof.passes.checks.collisions.sweep_kernels import chords
@@ -51,11 +51,13 @@ _BODIES = "[stock], [[part]] and [[fixtures]] in the setup file"
 class Distance(Check):
     """The properties ``gouges`` and ``collisions`` as far as part and fixtures are concerned."""
 
-    def __init__(self, name: str, program: Program, machine: Machine, setup: Setup, findings: Findings) -> None:
+    def __init__(
+        self, name: str, program: Program, machine: Machine, setup: Setup, findings: Findings, zero: ZeroAt
+    ) -> None:
         super().__init__(machine, setup, findings)
         self.name = name
         self.unknown = codes.GOUGE_UNKNOWN if name == "gouges" else codes.COLLISION_UNKNOWN
-        self.placing = Placing(program, machine, setup)
+        self.placing = Placing(machine, setup, zero)
         given = setup.workpiece or Workpiece()
         self.given = given
         part: tuple[int, ...] = (CUTTER,) if name == "gouges" else (SHANK, HOLDER, UNSTATED)

@@ -93,7 +93,7 @@ class Sense(Check):
 
     def _may_state_units(self) -> bool:
         """Whether the language has codes of units, and no file of the machine says in what its numbers count."""
-        if self.machine.settings.unit_stated:
+        if self._program.rules.unit_of_machine and self.machine.settings.unit_stated:
             return False  # unit= of the machine's own file says it
         known = {rule.function for rule in self._program.rules.codes.values()}
         return bool(known & _UNITS) and self.machine.settings.position_unit is None

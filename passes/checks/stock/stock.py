@@ -26,7 +26,7 @@ from gproof.ir.trace import Chunk, Op
 from gproof.ir.trace_rows import row_span
 from gproof.ir.verdict import PropertyResult, Verdict
 from gproof.ir.workpiece import Mesh, Placed
-from gproof.passes.checks.base import Check, Remains
+from gproof.passes.checks.base import Check, Remains, ZeroAt
 from gproof.passes.checks.stock.entry_kernels import (
     DEPTH,
     FLUTES,
@@ -117,10 +117,10 @@ class StockLeft(Check):
 
     name = "collisions"
 
-    def __init__(self, program: Program, machine: Machine, setup: Setup, findings: Findings) -> None:
+    def __init__(self, program: Program, machine: Machine, setup: Setup, findings: Findings, zero: ZeroAt) -> None:
         super().__init__(machine, setup, findings)
         self._job = program.files[0].name if program.files else ""
-        self.placing = Placing(program, machine, setup)
+        self.placing = Placing(machine, setup, zero)
         self.bodies: tuple[Placed, ...] = () if setup.workpiece is None else setup.workpiece.stock
         self._left: list[_Left] = []
         self._ended: list[_Left] = []

@@ -21,7 +21,6 @@ import numpy.typing as npt
 
 from gproof.ir.columns import occurring
 from gproof.ir.machine import AXIS_NAMES, AxisKind, Machine
-from gproof.ir.program import Program
 from gproof.ir.record import record
 from gproof.ir.setup import Setup
 from gproof.ir.symbolic import Position, add_forms
@@ -29,9 +28,9 @@ from gproof.ir.symbols import describe
 from gproof.ir.trace import HEIGHT_MAP, UNKNOWN, Affine, Chunk, Op, State, TipOffset, Trace
 from gproof.ir.trace_rows import form_interval
 from gproof.ir.workpiece import ACTIVE, MACHINE
+from gproof.passes.checks.base import ZeroAt
 from gproof.passes.checks.tooling.spindle_tool import SpindleTools
 from gproof.passes.checks.tooling.tip_ranges import EVERYWHERE, NOWHERE_KNOWN, Span
-from gproof.passes.interpret.core.modal_state import Modal
 
 Floats = npt.NDArray[np.float64]
 Bools = npt.NDArray[np.bool_]
@@ -94,13 +93,14 @@ class Tips:
 class Placing:
     """``tips`` of one chunk after the other, for as many coordinate systems as bodies count from.
 
-    ``tips`` may be asked several times of a chunk, and of systems ``MACHINE``, ``ACTIVE`` and 1 to 9.
+    ``tips`` may be asked several times of a chunk, and of systems ``MACHINE``, ``ACTIVE`` and 1 to 9. zero: see
+    ``base.ZeroAt``.
     """
 
-    def __init__(self, program: Program, machine: Machine, setup: Setup) -> None:
+    def __init__(self, machine: Machine, setup: Setup, zero: ZeroAt) -> None:
         self.machine = machine
         self.setup = setup
-        self._modal = Modal(program.rules, setup, machine)
+        self._zero_at = zero
         self._zeros: dict[int, tuple[Position, ...]] = {}
         self.tools = SpindleTools(machine)
         self._turning = rotary_axes(machine)
@@ -136,7 +136,7 @@ class Placing:
                 self._zeros[work] = (Position(0.0),) * 3
             else:
                 number = 0 if work == ACTIVE else work
-                self._zeros[work] = tuple(self._modal.zero_at_start(number, axis) for axis in range(3))
+                self._zeros[work] = tuple(self._zero_at(number, axis) for axis in range(3))
         return self._zeros[work]
 
     def tips(self, chunk: Chunk, work: int) -> Tips:

@@ -87,6 +87,7 @@ class ControlFlow:
         self.joins: dict[object, int] = {}
         self.waiting: list[Path] = []
         self.is_parked = False
+        self._has_begun = False
         # What ran to its end last.
         self._last: tuple[Statement, ...] | None = None
         self._around: dict[str, tuple[Statement, ...]] = {}
@@ -115,6 +116,9 @@ class ControlFlow:
     def _path(self) -> Iterator[Chunk]:
         """Run what is on the stack to its end."""
         try:
+            if not self._has_begun:
+                self._has_begun = True
+                self.run.dialect.begin(self.run)
             while self.stack:
                 self._step()
                 if self.run.rows.ready:

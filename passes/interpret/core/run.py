@@ -114,7 +114,6 @@ class Run:
         # Where cycles rise to from a place whose height beside their R is not known, by place and R.
         self.risen: dict[tuple[Position, Position], Position] = {}
         self._start_system(setup)
-        dialect.begin(self)
         self.asked: dict[int, Asked] = {}
         self.ahead = Ahead(program)
         self.rows = RowBuffer(

@@ -11,6 +11,7 @@ from pathlib import Path
 import pytest
 
 from gproof.driver.dialects import load_machine
+from gproof.ir.dialects.eding_settings import eding_settings
 from gproof.ir.finding import Findings
 from gproof.ir.machine import AxisKind, Knife, Machine, PitchTable, Slave
 from gproof.ir.text import parse_ir, print_ir
@@ -288,7 +289,11 @@ storeProbePoints = 1
     controller = machine.controller
     assert machine.knife == Knife(axis="c", angle=20.0, lift=4.5, blend_angle=6.0, blend_distance=0.5)
     assert (controller.homing_mandatory, controller.home_is_stop, controller.safety_feed) == (True, True, 25.0)
-    assert (controller.macro_file, controller.turning, machine.z_down_tool_length) == ("mine.cnc", True, 35.5)
+    assert (eding_settings(machine).macro_file, controller.turning, machine.z_down_tool_length) == (
+        "mine.cnc",
+        True,
+        35.5,
+    )
     assert machine.kept == (
         ("[USERINTERFACE] invertJogKeys", "1"),
         ("[SAFETY] homeSensorIsEStop", "1"),

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from gproof.driver.dialects import load_machine
-from gproof.frontend.wincnc import replaced
+from gproof.frontend.common.own_keys import key_paths
 from gproof.ir.finding import Findings, Severity
 
 INI = """\
@@ -75,5 +75,5 @@ def test_what_is_stated_anew_is_not_judged(what: str, tmp_path: Path) -> None:
 
 
 def test_paths() -> None:
-    found = set(replaced.paths({"schema": "x", "axes": {"x": {"min": 1, "max-velocity": 2}}}))
+    found = set(key_paths({"schema": "x", "axes": {"x": {"min": 1, "max-velocity": 2}}}))
     assert found == {("schema",), ("axes", "x", "min"), ("axes", "x", "max_velocity")}

@@ -26,6 +26,7 @@ from gproof.ir.setup import NOTHING
 from gproof.ir.stream import RUN, StepStream
 from gproof.ir.trace import Op, Trace, chunks
 from gproof.ir.verdict import Verdict
+from gproof.passes.motion import run_kernels
 from gproof.passes.motion import step as module
 from gproof.passes.motion.plan import MotionEstimate, plan
 from gproof.passes.motion.step import step
@@ -184,7 +185,7 @@ def test_a_small_buffer_gives_a_stream_as_good(trace: Trace, size: int) -> None:
     _, whole = lowered(trace, on)
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(module, "BUFFER", size)
-        patch.setattr(module.k, "MOST_COUNT", 64)
+        patch.setattr(run_kernels, "MOST_COUNT", 64)
         _, pieces = lowered(trace, on)
     for number in range(len(whole.motors)):
         assert [d for _, d in expand(whole, 0, number)] == [d for _, d in expand(pieces, 0, number)]

@@ -22,6 +22,7 @@ from gproof.ir.plan import Plan
 from gproof.ir.setup import NOTHING
 from gproof.ir.stream import StepStream
 from gproof.ir.trace import Op, Plane, Trace
+from gproof.passes.motion import run_kernels
 from gproof.passes.motion import step as module
 from gproof.passes.motion.plan import plan, shortest_interval
 from gproof.passes.motion.step import nearest_count, nearest_counts, step
@@ -321,7 +322,7 @@ def test_a_small_buffer_gives_a_stream_as_good(trace: Trace, size: int) -> None:
     _, whole = lowered(trace)
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(module, "BUFFER", size)
-        patch.setattr(module.k, "MOST_COUNT", 64)
+        patch.setattr(run_kernels, "MOST_COUNT", 64)
         _, pieces = lowered(trace)
     for number in range(len(whole.motors)):
         a, b = expand(whole, 0, number), expand(pieces, 0, number)
@@ -342,7 +343,7 @@ def test_one_row_may_be_longer_than_the_buffer(monkeypatch: pytest.MonkeyPatch) 
     trace = Path().feed(6000, x=30).arc(6000, -7, (30, 10.0004), x=30, z=5).feed(6000, y=-10).done()
     _, whole = lowered(trace)
     monkeypatch.setattr(module, "BUFFER", 1000)
-    monkeypatch.setattr(module.k, "MOST_COUNT", 100)
+    monkeypatch.setattr(run_kernels, "MOST_COUNT", 100)
     _, pieces = lowered(trace)
     for number in range(3):
         a, b = expand(whole, 0, number), expand(pieces, 0, number)

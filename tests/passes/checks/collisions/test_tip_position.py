@@ -46,7 +46,7 @@ class Placed:
         executor = begin(
             session.program, session.setup, session.machine, session.findings, **session.options(Running())
         )
-        self.placing = Placing(session.program, session.machine, session.setup)
+        self.placing = Placing(session.machine, session.setup, executor.modal.copy().zero_at_start)
         self.chunks: list[Chunk] = list(executor.chunks())
 
     def tips(self, work: int = 1) -> list[Tips]:

@@ -46,7 +46,7 @@ class Judged:
         given = dataclasses.replace(session.setup, workpiece=around)
         self.findings = Findings(limit=1000)
         executor = begin(session.program, given, armed, session.findings, **session.options(Running()))
-        self.check = StockLeft(session.program, armed, given, self.findings)
+        self.check = StockLeft(session.program, armed, given, self.findings, executor.modal.copy().zero_at_start)
         for chunk in executor.chunks():
             for piece in split(chunk, pieces):
                 self.check.feed(piece)
