@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from types import ModuleType
 
 from gproof.ir.rules import LanguageRules
 
@@ -34,3 +35,10 @@ def rules_named(name: str) -> LanguageRules:
     if name not in RULES:
         raise ValueError(f"no dialect is named {name!r}")
     return RULES[name]()
+
+
+def settings_modules() -> tuple[ModuleType, ...]:
+    """Where the settings of each controller are (``ir/settings.py``), for who looks for types by name."""
+    from gproof.ir.dialects import eding_settings, mcuwin_settings, wincnc_settings
+
+    return eding_settings, mcuwin_settings, wincnc_settings

@@ -6,8 +6,12 @@ findings as JSON, text and SARIF, the text of each stage, where the zero may go,
 package.
 Both revisions read the programs of the tree at hand.
 
-Exit code 0: the same bytes everywhere; 1: something differs; 3: could not compare, which includes that a language has
-no program that gives a package.
+``--mapping FILE``: a change of form that was announced. The file has a class ``Mapping``, made with the folder of the
+other revision's packages, whose ``common(before, now)`` brings the texts of a program, by aspect, to one form: what is
+the same then is explained.
+
+Exit code 0: the same bytes everywhere, or explained; 1: something differs; 3: could not compare, which includes that a
+language has no program that gives a package.
 """
 
 from __future__ import annotations
@@ -15,6 +19,7 @@ from __future__ import annotations
 import argparse
 import difflib
 import os
+import runpy
 import sys
 from collections import Counter
 from collections.abc import Iterator
@@ -22,11 +27,11 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
 from queue import SimpleQueue
-from typing import Any
+from typing import Any, Protocol
 
 from cases import SUFFIXES, Case, all_cases
 from revisions import NotComparable, Runner, site_of_revision
-from worker import FAILED
+from worker import FAILED, came_to_nothing
 
 
 def question(case: Case, *, whole: bool) -> dict[str, Any]:
@@ -45,30 +50,58 @@ NEEDED += ("dump, stream", "dump, jsonl", "fit", "fmt", "compile", "compile, bod
 
 @dataclass(frozen=True)
 class Result:
-    """Of one case: by aspect that differs both texts; ran: aspects in which both did their work."""
+    """Of one case: by aspect that differs both texts; ran: aspects in which both did their work; explained: those that
+    a mapping makes the same.
+    """
 
     case: Case
     differing: dict[str, tuple[str, str]]
     ran: list[str]
+    explained: list[str]
+
+
+class Mapping(Protocol):
+    """What explains an announced change of form."""
+
+    def common(self, before: dict[str, str], now: dict[str, str]) -> tuple[dict[str, str], dict[str, str]]:
+        """Both sides of one program, by aspect, in one form."""
+        ...
+
+
+def mapping_of(file: Path, base: Path) -> Mapping:
+    """The mapping of a file, for a revision's packages."""
+    found: Mapping = runpy.run_path(str(file))["Mapping"](base)
+    return found
 
 
 class Pair:
     """Both revisions, each in a process."""
 
-    def __init__(self, base: Path) -> None:
+    def __init__(self, base: Path, mapping: Mapping | None) -> None:
         self._both = Runner(base), Runner(None)
+        self._mapping = mapping
 
     def compare(self, case: Case) -> Result:
-        """Hashes first; the texts only of what differs."""
+        """Hashes first; the texts only of what differs. With a mapping all texts, for all may differ."""
+        if self._mapping is not None:
+            return self._mapped(case, self._mapping)
         before, now = self._ask(question(case, whole=False))
         names = [name for name in before | now if before.get(name) != now.get(name)]
         differing = {}
         if names:
             first, second = self._ask(question(case, whole=True))
             differing = {name: (first.get(name, ""), second.get(name, "")) for name in names}
-        return Result(
-            case, differing, [name for name in now if FAILED not in (before.get(name, FAILED)[0], now[name][0])]
-        )
+        ran = [name for name in now if FAILED not in (before.get(name, FAILED)[0], now[name][0])]
+        return Result(case, differing, ran, [])
+
+    def _mapped(self, case: Case, mapping: Mapping) -> Result:
+        first, second = self._ask(question(case, whole=True))
+        names = [name for name in first | second if first.get(name) != second.get(name)]
+        nothing = {name for side in (first, second) for name, text in side.items() if came_to_nothing(text.encode())}
+        ran = [name for name in second if name in first and name not in nothing]
+        one, other = mapping.common(first, second)
+        differing = {n: (one.get(n, ""), other.get(n, "")) for n in names if one.get(n) != other.get(n)}
+        return Result(case, differing, ran, [name for name in names if name not in differing])
 
     def _ask(self, asked: dict[str, Any]) -> tuple[dict[str, str], dict[str, str]]:
         for runner in self._both:
@@ -80,11 +113,11 @@ class Pair:
             runner.close()
 
 
-def compared(cases: list[Case], base: Path) -> Iterator[Result]:
+def compared(cases: list[Case], base: Path, mapping: Mapping | None) -> Iterator[Result]:
     """Results in the order of the cases; a pair of processes for each two processors."""
     count = max(1, (os.cpu_count() or 2) // 2)
     free: SimpleQueue[Pair] = SimpleQueue()
-    pairs = [Pair(base) for _ in range(count)]
+    pairs = [Pair(base, mapping) for _ in range(count)]
     for pair in pairs:
         free.put(pair)
 
@@ -116,16 +149,20 @@ def main(words: list[str] | None = None) -> int:
     parser.add_argument("base", help="git revision, or a folder of installed packages")
     parser.add_argument("--only", action="append", default=[], help="cases whose name has this text; repeatable")
     parser.add_argument("--lines", type=int, default=12, help="lines of each difference [12]")
+    parser.add_argument("--mapping", type=Path, help="a file that explains an announced change of form")
     asked = parser.parse_args(words)
     cases = [case for case in all_cases() if not asked.only or any(part in case.name for part in asked.only)]
     programs: Counter[str] = Counter()
     differing: Counter[str] = Counter()
     ran: Counter[tuple[str, str]] = Counter()
+    explained: Counter[str] = Counter()
     try:
         base = Path(asked.base) if (Path(asked.base) / "gproof").is_dir() else site_of_revision(asked.base)
-        for done, result in enumerate(compared(cases, base.resolve()), 1):
+        mapping = None if asked.mapping is None else mapping_of(asked.mapping, base.resolve())
+        for done, result in enumerate(compared(cases, base.resolve(), mapping), 1):
             programs[result.case.dialect] += 1
             differing.update(result.differing.keys())
+            explained.update(result.explained)
             ran.update((result.case.dialect, name) for name in result.ran)
             for name, texts in result.differing.items():
                 print(f"{result.case.name}: {name} differs", *shown(texts, asked.lines), sep="\n", flush=True)
@@ -138,7 +175,13 @@ def main(words: list[str] | None = None) -> int:
         print(f"{dialect}: {programs[dialect]} programs, {ran[dialect, 'compile, body']} gave a package on both sides")
     for name, count in differing.most_common():
         print(f"{name}: {count} differ")
-    print(f"replay: {sum(programs.values())} programs, {sum(differing.values())} differences")
+    for name, count in explained.most_common():
+        print(f"{name}: {count} explained")
+    if asked.mapping is None:
+        print(f"replay: {sum(programs.values())} programs, {sum(differing.values())} differences")
+    else:
+        of = f"{sum(explained.values())} differences explained, {sum(differing.values())} unexplained"
+        print(f"replay: {sum(programs.values())} programs, {of}")
     empty = [f"{name} of {dialect}" for dialect in SUFFIXES for name in NEEDED if not ran[dialect, name]]
     ran_at_all = {name for _, name in ran}
     if not differing and (not ran_at_all or (empty and not asked.only)):

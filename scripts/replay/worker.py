@@ -71,6 +71,7 @@ def aspects(main: Main, case: dict[str, Any], scratch: Path) -> dict[str, bytes]
     if package.is_file():
         with zipfile.ZipFile(package) as archive:
             found["compile, body"] = archive.read("body.json")
+            found |= {f"compile, {name}": archive.read(name) for name in archive.namelist() if name.endswith(".ir")}
     for path in (*reports.values(), package):
         path.unlink(missing_ok=True)
     return found
@@ -81,10 +82,14 @@ def answer(found: dict[str, bytes], whole: bool, scratch: Path) -> dict[str, str
     plain = {name: text.replace(str(scratch).encode(), b"SCRATCH") for name, text in found.items()}
     if whole:
         return {name: text.decode("utf-8", "backslashreplace") for name, text in plain.items()}
-    failed = {
-        name for name, text in plain.items() if text.endswith(COULD_NOT_RUN) or text in (b"", NO_REPORT, NO_PACKAGE)
+    return {
+        name: FAILED * came_to_nothing(text) + hashlib.sha256(text).hexdigest()[:16] for name, text in plain.items()
     }
-    return {name: FAILED * (name in failed) + hashlib.sha256(text).hexdigest()[:16] for name, text in plain.items()}
+
+
+def came_to_nothing(text: bytes) -> bool:
+    """Whether the command could not run, or wrote nothing."""
+    return text.endswith(COULD_NOT_RUN) or text in (b"", NO_REPORT, NO_PACKAGE)
 
 
 def start(entry: str, folder: str | None) -> Main:

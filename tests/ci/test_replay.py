@@ -14,6 +14,7 @@ FOLDER = ROOT / "scripts" / "replay"
 sys.path.insert(0, str(FOLDER))
 
 from cases import all_cases  # noqa: E402  (scripts/replay is no package)
+from named_fields import Mapping  # noqa: E402
 from revisions import site_of  # noqa: E402
 from worker import FAILED, answer, aspects  # noqa: E402
 
@@ -84,3 +85,32 @@ def test_a_command_that_breaks_has_not_run(tmp_path: Path) -> None:
     case = {"words": [], "check": ["--also", "all"], "fmt": [], "program": "job.cnc"}
     found = answer(aspects(broken, case, tmp_path), False, tmp_path)
     assert {name for name, text in found.items() if not text.startswith(FAILED)} == set()
+
+
+def test_a_mapping_explains_form_and_nothing_else() -> None:
+    """Texts of before with all fields in order, of now with names; a value that differs is left."""
+    mapping = Mapping.__new__(Mapping)
+    mapping._fields = {
+        "Machine": [("name", None), ("controller", "(Controller none 0.25 none none (Controls none []) none)"),
+                    ("unit", "1.0")],
+        "Controller": [("dialect", "none"), ("fifo_time", "0.25"), ("macro_file", "none"), ("thread_peak", "none"),
+                       ("controls", "(Controls none [])"), ("din", "none")],
+        "Controls": [("nesting", "none"), ("feed_groups", "[]")],
+    }  # fmt: skip
+    plain = mapping.plain
+    before = '(Machine "m" (Controller "wincnc" 0.25 none none (Controls 3 ["xy"]) none) 25.4)'
+    now = (
+        '(Machine name: "m"\n controller: (Controller dialect: "wincnc")\n'
+        ' settings: (WinCncSettings feed_groups: ["xy"] nesting: 3) unit: 25.4)'
+    )
+    assert plain(before, named=False) == plain(now, named=True)
+    for there, planted in (("3", "4"), ('"xy"', '"xyz"'), ("25.4", "1.0"), ('"m"', '"n"')):
+        assert plain(before, named=False) != plain(now.replace(there, planted), named=True)
+    before = '(Machine "m" (Controller "eding" 0.5 "a.cnc" none (Controls none []) none) 1.0)'
+    now = (
+        '(Machine name: "m" controller: (Controller dialect: "eding" fifo_time: 0.5)'
+        ' settings: (EdingSettings macro_file: "a.cnc"))'
+    )
+    assert plain(before, named=False) == plain(now, named=True)
+    table = "(columns trace 1\n ; a b\n 1 2\n)"
+    assert plain(table, named=False) == plain(table.replace(" 1 ", "  1  "), named=True) != plain("", named=True)

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-import dataclasses
 import math
+import re
 from fractions import Fraction
 
 import numpy as np
@@ -16,11 +16,12 @@ from gproof.ir import plan, stream, trace, workpiece
 from gproof.ir import program as p
 from gproof.ir.columns import Columns, Schema
 from gproof.ir.dialects import rules_named
+from gproof.ir.dialects.eding_settings import EdingSettings
 from gproof.ir.finding import Span
 from gproof.ir.notes import NOTE, Notes
 from gproof.ir.rules import BINARY, UNARY
 from gproof.ir.setup import CylinderMap, Interval, Setup
-from gproof.ir.text import parse_ir, print_ir
+from gproof.ir.text import WIDTH, NotKnown, parse_ir, print_ir
 from gproof.ir.verdict import Condition, PropertyResult, Verdict
 
 floats = st.floats(allow_nan=False)
@@ -230,10 +231,67 @@ def test_broken_text_is_a_value_error(text: str) -> None:
         assert str(error)
 
 
-def test_a_field_too_many_is_refused() -> None:
-    assert dataclasses.is_dataclass(Span)
-    with pytest.raises(ValueError, match="Span has 4 fields"):
-        parse_ir('(Span "a" 1 2 3 4)')
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ('(Span file: "a" line: 1 column: 2 end_column: 3 more: 4)', "Span.more: no such field"),
+        ('(Spam file: "a")', "Spam: no such type"), ("(Edge wait: Wait.LUNCH)", "Wait.LUNCH: no such value"),
+        ("Weight.END", "Weight.END: no such value"), ("(columns nothing 0)", "nothing: no such table"),
+    ],
+)  # fmt: skip
+def test_names_that_are_none_here_are_those_of_another_version(text: str, said: str) -> None:
+    with pytest.raises(NotKnown, match=re.escape(said)):
+        parse_ir(text)
+
+
+@pytest.mark.parametrize(
+    "text",
+    ['(Span "a" 1 2 3)', '(Span file: "a" "b" line: 1)', '(Span file: "a" file: "b" line: 1)', "(Span line: 1)",
+     "(Span file:", "(Span file:)", '(Span file: "a" line: 1', '(Span File: "a" line: 1)', "(LanguageRules)",
+     '(LanguageRules name: "eding")', '{"a" 1 "a" 2}', '{"a"}', '(Span file: "a" line: 1) 2'],
+)  # fmt: skip
+def test_fields_that_are_not_as_they_are_printed(text: str) -> None:
+    with pytest.raises(ValueError, match=r".") as caught:
+        parse_ir(text)
+    assert type(caught.value) is ValueError
+
+
+def test_what_has_its_default_is_left_out() -> None:
+    assert print_ir(trace.State()) == "(State)\n"
+    assert print_ir(trace.State(tool=3)) == "(State tool: 3)\n"
+    assert print_ir(m.Board(step_pulse=1e-6)) == "(Board step_pulse: 1e-06)\n"
+
+
+@pytest.mark.parametrize(
+    ("value", "text"),
+    [
+        (m.Axis(name="x", kind=m.AxisKind.LINEAR, backlash=0), "backlash: 0"),
+        (m.Axis(name="x", kind=m.AxisKind.LINEAR, backlash=-0.0), "backlash: -0.0"),
+        (m.Axis(name="x", kind=m.AxisKind.LINEAR, tip_feed=0), "tip_feed: 0"),  # type: ignore[arg-type]
+        (m.Axis(name="x", kind=m.AxisKind.LINEAR, slaves=(m.Slave(),)), "slaves: [(Slave)]"),
+        (m.Machine(name="", axes=(), settings=EdingSettings()), "settings: (EdingSettings)"),
+        (m.Machine(name="", axes=(), controller=m.Controller(fifo_time=1)), "controller: (Controller fifo_time: 1)"),
+        (trace.Trace(calls=[]), "calls: []"),
+    ],
+)  # fmt: skip
+def test_what_is_only_like_the_default_is_printed(value: object, text: str) -> None:
+    printed = print_ir(value)
+    assert text in printed
+    assert print_ir(parse_ir(printed)) == printed
+
+
+def test_numbers_of_numpy_are_printed_as_they_are_read() -> None:
+    for value in (np.float64(0.0), np.float64(2.5)):
+        printed = print_ir(m.Axis(name="x", kind=m.AxisKind.LINEAR, backlash=value))
+        assert printed == print_ir(m.Axis(name="x", kind=m.AxisKind.LINEAR, backlash=float(value)))
+
+
+def test_lines_are_no_longer_than_they_have_to_be() -> None:
+    names = [f"{'n' * k}" for k in range(1, 130)]
+    for line in print_ir(tuple((tuple(names[:k]),) for k in range(16))).splitlines():
+        assert len(line) <= WIDTH or line.strip().startswith('"')
+    for name in names:
+        assert max(map(len, print_ir(m.Board(name=name)).splitlines())) <= max(WIDTH, len(name) + 10)
 
 
 def test_rationals_are_exact() -> None:

@@ -1,8 +1,8 @@
-"""Makes the packages of ``tests/verify/packages``, which later versions read, or refuse as older: never UNSAFE.
+"""Makes the packages beside this file, which later versions read, or refuse as older: never UNSAFE.
 
-``python tests/verify/fixture_packages.py FOLDER`` compiles each job of ``JOBS`` with the gproof at hand into FOLDER.
-It was run for each format when that was new; a folder that is there is never made anew. Random in a package are
-the key and the date of its signature.
+``python tests/verify/fixture_packages.py FOLDER`` compiles each job of ``JOBS`` with the gproof at hand into
+FOLDER. It was run for each format when that was new; a folder that is there is never made anew. Random in a
+package are the key and the date of its signature.
 """
 
 from __future__ import annotations

@@ -15,6 +15,7 @@ import functools
 import hashlib
 import itertools
 import json
+import re
 import struct
 import zipfile
 import zlib
@@ -31,20 +32,26 @@ from gproof.ir.number_ranges import LONGEST_TABLE, number_problem
 from gproof.ir.record import record
 from gproof.ir.setup import Setup
 from gproof.ir.stream import EVENT, RUN, StepStream
-from gproof.ir.text import TOKENS, parse_texts, print_ir, words_of
+from gproof.ir.text import TOKENS, NotKnown, parse_texts, print_ir, words_of
 from gproof.ir.trace import TRACE_ROW, Trace
 from gproof.verify.certificate.conform import misfit
 from gproof.verify.certificate.package_zip import FILE_LIMIT, CertificateError, Sealed, open_sealed, seal, write_members
 from gproof.verify.certificate.signature import fits
 
 __all__ = [
-    "BODY", "FORMAT", "SIGNATURE", "CertificateError", "Package", "TooLarge", "beyond_reading", "canonical", "parts_of",
-    "read_package", "seal", "write_members",
+    "BODY", "FORMAT", "SCHEMAS", "SIGNATURE", "CertificateError", "Package", "TooLarge", "beyond_reading", "canonical",
+    "parts_of", "read_package", "seal", "write_members",
 ]  # fmt: skip
 
 BODY, SIGNATURE = "body.json", "signature.json"
 TEXTS = ("machine.ir", "setup.ir", "trace.ir", "stream.ir")
-FORMAT = "gproof-certificate/3"
+FORMAT = "gproof-certificate/4"
+SCHEMAS = {"machine": 1, "setup": 1, "stream": 1, "trace": 1}
+"""By part the number of its schema: the types of its text with their fields and defaults, the columns of its tables.
+
+It rises when an older text would say something else, or nothing, to this version; a field that is added with a default
+raises none. tests/ir/schemas has what each number stands for.
+"""
 MEMBER_LIMIT = FILE_LIMIT
 """Bytes of one kind of table at most; below, of a text, of the body, of the signature: more is refused unread."""
 TEXT_LIMIT = 64 << 20
@@ -192,12 +199,11 @@ def read_package(path: Path) -> Package:
 
 def _read(path: Path) -> Package:
     with open_sealed(path) as sealed:
-        for needed in (BODY, *TEXTS):
-            if needed not in sealed.names:
-                raise sealed.refused(f"{needed} is missing")
+        _there(sealed, BODY)
         body_bytes = sealed.small(BODY, BODY_LIMIT)
         body = _json(path, BODY, body_bytes)
-        _check_format(path, body.get("format"))
+        _check_format(path, body)
+        _there(sealed, *TEXTS)
         signature = None
         if SIGNATURE in sealed.names:
             signature = _json(path, SIGNATURE, sealed.small(SIGNATURE, SIGNATURE_LIMIT))
@@ -205,7 +211,10 @@ def _read(path: Path) -> Package:
                 what = "the signature does not fit the certificate"
                 raise CertificateError(codes.CERTIFICATE_SIGNATURE, str(path), what)
         parts = _Parts(path, sealed, body)
-        machine, setup, trace, stream = parse_texts(parts.take(name).decode() for name in TEXTS)
+        try:
+            machine, setup, trace, stream = parse_texts(parts.take(name).decode() for name in TEXTS)
+        except NotKnown as strange:
+            raise _other_version(path, body, f"another version ({strange} here)") from None
         _fill(path, trace, stream, parts)
         for value, kind in ((machine, Machine), (setup, Setup), (trace, Trace), (stream, StepStream)):
             wrong = misfit(value, kind, kind.__name__)
@@ -224,6 +233,12 @@ def _read(path: Path) -> Package:
     )  # fmt: skip
 
 
+def _there(sealed: Sealed, *names: str) -> None:
+    for name in names:
+        if name not in sealed.names:
+            raise sealed.refused(f"{name} is missing")
+
+
 def _check_numbers(path: Path, name: str, value: object, *, tables: bool) -> None:
     wrong = number_problem(value, tables=tables)
     if wrong is not None:
@@ -231,14 +246,35 @@ def _check_numbers(path: Path, name: str, value: object, *, tables: bool) -> Non
         raise CertificateError(codes.CERTIFICATE_MALFORMED, str(path), what)
 
 
-def _check_format(path: Path, said: object) -> None:
-    if said == FORMAT:
-        return
+def _check_format(path: Path, body: dict[str, Any]) -> None:
+    """Format and schemas are those that this version writes; GP857 for others of their form."""
+    said = body.get("format")
     family, _, number = str(said).partition("/")
-    if family != FORMAT.partition("/")[0] or not number.isdecimal() or len(number) > 4:
+    mine, _, current = FORMAT.partition("/")
+    if family != mine or not number.isdecimal() or len(number) > 4 or str(int(number)) != number:
         raise CertificateError(codes.CERTIFICATE_MALFORMED, str(path), f"format {said!r} is not {FORMAT}")
-    age = "an older" if int(number) < int(FORMAT.partition("/")[2]) else "a newer"
-    raise CertificateError(codes.CERTIFICATE_FORMAT, str(path), f"made by {age} gproof ({said}; this one has {FORMAT})")
+    if said != FORMAT:
+        age = "an older" if int(number) < int(current) else "a newer"
+        raise _other_version(path, body, f"{age} version ({said}; this one reads {FORMAT})")
+    schemas = body.get("schemas")
+    if not isinstance(schemas, dict) or not all(type(n) is int and 0 < n < 10_000 for n in schemas.values()):
+        raise CertificateError(codes.CERTIFICATE_MALFORMED, str(path), "the numbers of its schemas are not there")
+    for part in sorted(SCHEMAS.keys() | schemas.keys()):
+        there, here = schemas.get(part, 0), SCHEMAS.get(part, 0)
+        if there != here:
+            age = "an older" if there < here else "a newer"
+            what = f"{age} version (schema {there} of {part[:40]}; this one reads {here})"
+            raise _other_version(path, body, what)
+
+
+_VERSION = re.compile(r"[0-9A-Za-z][0-9A-Za-z.+-]{0,39}", re.ASCII)
+
+
+def _other_version(path: Path, body: dict[str, Any], what: str) -> CertificateError:
+    """The error for a package that another version made; what it says of itself is not believed, only told."""
+    version = body.get("gproof")
+    maker = f"gproof {version}" if isinstance(version, str) and _VERSION.fullmatch(version) else "gproof"
+    return CertificateError(codes.CERTIFICATE_FORMAT, str(path), f"made by {maker}, {what}")
 
 
 class _Parts:

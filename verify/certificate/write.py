@@ -20,6 +20,7 @@ from gproof.verify.certificate.measured import Open, written
 from gproof.verify.certificate.package import (
     BODY,
     FORMAT,
+    SCHEMAS,
     SIGNATURE,
     TooLarge,
     beyond_reading,
@@ -58,6 +59,7 @@ def write_package(
         of_stream = tuple(replace(p, conditions=asked) if p.name == PLACED else p for p in of_stream)
     body: dict[str, Any] = {
         "format": FORMAT,
+        "schemas": SCHEMAS,
         "gproof": version,
         "job": job,
         "policy": list(DEFAULT_POLICY),

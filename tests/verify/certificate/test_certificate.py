@@ -91,7 +91,8 @@ def test_everything_is_read_back_bit_for_bit(name: str, tmp_path: Path) -> None:
 def test_body_says_what_was_proved(signed: Path) -> None:
     package = read_package(signed)
     body = package.body
-    assert body["format"] == "gproof-certificate/3"
+    assert body["format"] == "gproof-certificate/4"
+    assert body["schemas"] == {"machine": 1, "setup": 1, "stream": 1, "trace": 1}
     assert body["gproof"] == "1.2.3"
     assert [p["name"] for p in body["properties"]][:4] == list(DEFAULT_POLICY)
     assert {p["name"] for p in body["properties"]} > {"stream-position", "stream-velocity", "stream-event"}
@@ -391,7 +392,7 @@ def fuzz_sealed(source: Path, path: Path, seeds: range) -> int:
         try:
             package = read_package(path)
         except CertificateError as error:
-            assert error.finding.code.label in ("GP820", "GP821", "GP822"), seed
+            assert error.finding.code.label in ("GP820", "GP821", "GP822", "GP857"), seed
             continue
         readable += 1
         check = check_package(package)
@@ -423,7 +424,7 @@ def counted(change: Callable[[list[int]], object]) -> Callable[[Members], None]:
 
     def apply(members: Members) -> None:
         text = members["stream.ir"].decode()
-        found = re.search(r"(\(StreamSection 0 \[[^\]]*\] \[)([0-9 ]+)\]", text)
+        found = re.search(r"(\(StreamSection\s+number: 0\s+start: \[[^\]]*\]\s+runs: \[)([0-9 ]+)\]", text)
         assert found is not None, text
         counts = [int(word) for word in found[2].split()]
         change(counts)
@@ -530,12 +531,18 @@ MALFORMED: dict[str, tuple[Callable[[Members], object], str]] = {
     "machine no text form": (lambda m: m.update({"machine.ir": b"(("}), "GP820"),
     "machine deep": (lambda m: m.update({"machine.ir": b"[" * 100_000}), "GP820"),
     "field of the wrong type": (edit("machine.ir", "AxisKind.LINEAR", '"linear"'), "GP820"),
-    "an unknown enumeration": (edit("machine.ir", "AxisKind.LINEAR", "AxisKind.SPIRAL"), "GP820"),
+    "an unknown enumeration": (edit("machine.ir", "AxisKind.LINEAR", "AxisKind.SPIRAL"), "GP857"),
     "division by zero": (edit("machine.ir", "80/1", "80/0"), "GP820"),
-    "too few fields": (edit("machine.ir", "none", ""), "GP820"),
-    "sections of numbers": (lambda m: m.update({"trace.ir": b'(Trace ["f"] [""] [] [] [] [1 2 3])'}), "GP820"),
+    "a field that has to be there": (edit("machine.ir", "kind: AxisKind.LINEAR", ""), "GP820"),
+    "a field twice": (edit("machine.ir", "kind:", "kind: AxisKind.LINEAR kind:"), "GP820"),
+    "a field without a name": (edit("machine.ir", "kind:", ""), "GP820"),
+    "a field that is none": (edit("machine.ir", "kind:", "sort:"), "GP857"),
+    "a type that is none": (edit("machine.ir", "(Axis", "(Achse"), "GP857"),
+    "sections of numbers": (lambda m: m.update({"trace.ir": b'(Trace files: ["f"] sections: [1 2 3])'}), "GP820"),
     **{
-        f"{what} for a table": (edit("trace.ir", "] 0 16 [", f"] 0 {what} ["), "GP820")
+        f"{what} for a table": (
+            edit("trace.ir", "rows: 16", f"rows: {what}"), "GP857" if "nothing" in what else "GP820"
+        )
         for what in (
             "(columns trace 99999999999)", "(columns nothing 0)", "(columns trace 0)", "15", "17", "0", "-16", "none",
             "16.0", "true", '"16"', "[16]", "99999999999", "9" * 600,

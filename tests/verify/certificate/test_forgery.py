@@ -52,7 +52,6 @@ WITHIN: dict[str, str] = {
     r"setup: (work|tool_lengths)\..*\.(high (half more|inf|1e308|tiny)|low (negated|zero|tiny))":
         "the package was judged for more than is at hand",
     r"setup: work first lost|setup: block_delete lost": "what is not stated stands for what is at hand",
-    r"machine: controller\.controls\.places .*": "lines of the machine's file, for messages; not in the package",
     # docs/certificate.md, "body.json": whoever signs says it; the runtime decides by the parts.
     r"body: (job|inputs|assumptions|not_judged)\b.*|body: with a key more|body: without "
     r"(job|inputs|assumptions|not_judged)":

@@ -202,9 +202,9 @@ def allowed(name: str, sign: str) -> bool:
 
 
 def test_the_tables_name_fields_that_are_there() -> None:
-    from gproof.ir.text import _registry
+    from gproof.ir.text import types
 
-    classes = _registry()[0]
+    classes = types().classes
     for name, field in {*FIELDS, *INHERITED}:
         assert field in {f.name for f in dataclasses.fields(classes[name])}, (name, field)
 
