@@ -448,7 +448,8 @@ def _read_fields(cls: type) -> dict[str, tuple[str, bool]]:
 
 @functools.cache
 def _hints(cls: type) -> dict[str, Any]:
-    return typing.get_type_hints(cls)
+    # Some modules import a type for its name alone.
+    return typing.get_type_hints(cls, localns=dict(types().classes))
 
 
 _NAMED = {

@@ -106,6 +106,19 @@ def test_an_arc_that_no_controller_takes_ends_the_trace(tmp_path: Path, capsys: 
     assert rows[-1]["code"] == "GP401"
 
 
+def test_what_the_language_does_not_have_ends_the_trace(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """A setup with a statement of another controller is a line of the trace (GP630): it was an internal error."""
+    (tmp_path / "machine.toml").write_text(MACHINE)
+    (tmp_path / "job.src").write_text("G00 X1\nM30\n")
+    (tmp_path / "turned.toml").write_text(
+        'schema = "gproof-setup/1"\nhomed = ["x", "y", "z"]\n[transform]\nangle = 30\nx = 0\ny = 0\n'
+    )
+    stated = ["--machine", str(tmp_path / "machine.toml"), "--setup", str(tmp_path / "turned.toml")]
+    code = main(["dump", str(tmp_path / "job.src"), *stated, "--stage", "trace", "--format", "jsonl"])
+    rows = [json.loads(line) for line in capsys.readouterr().out.splitlines()]
+    assert (code, [row["op"] for row in rows], rows[-1]["code"]) == (2, ["branch", "error"], "GP630")
+
+
 JOBS_TO_DUMP = {
     "all is well": "G0 X20\nM30\n",
     "arc": "G0 X20 Y20\nG2 X40 Y20 I7 J0 F100\nG0 X0\nM30\n",
