@@ -66,7 +66,7 @@ def test_the_list_has_no_more_than_is_true() -> None:
 @pytest.mark.parametrize(
     ("text", "found"),
     [
-        ("from gproof.ir.dialects.eding import EDING\n", {"eding", "EDING"}),
+        ("from gproof.ir.dialects.eding.rules import EDING\n", {"eding", "EDING"}),
         ('"""Eding CNC manual 4.01."""\nx = 1  # WinCNC\n', set()),
         ('if dialect == "mcuwin":\n    pass\n', {'"mcuwin"'}),
         ('x = "the settings of WinCNC"\n', set()),

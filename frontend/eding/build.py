@@ -17,7 +17,7 @@ from gproof.frontend.eding.prepare import Line, LineError
 from gproof.frontend.eding.scan import WORD_LETTERS
 from gproof.ir import codes
 from gproof.ir.dialects.accepts import LONG_DIALOGS
-from gproof.ir.dialects.eding_operators import LEVEL, SIGN, Tree, groupings, is_doubtful
+from gproof.ir.dialects.eding.operators import LEVEL, SIGN, Tree, groupings, is_doubtful
 from gproof.ir.finding import Code, Span
 from gproof.ir.program import (
     Assign,

@@ -14,7 +14,7 @@ import re
 from gproof.frontend.eding.build import Parsed, Part, Structural, grouped
 from gproof.frontend.eding.prepare import FUNCTIONS
 from gproof.frontend.eding.scan import WORD_LETTERS
-from gproof.ir.dialects.eding_operators import LEVEL, SIGN
+from gproof.ir.dialects.eding.operators import LEVEL, SIGN
 from gproof.ir.finding import Span
 from gproof.ir.program import Assign, Binary, Block, Expr, Number, Unary, Variable, Word
 

@@ -10,7 +10,7 @@ from gproof.frontend.common.paths import is_file
 from gproof.frontend.eding.load import MACRO_FILE, load_program, own_macros
 from gproof.frontend.eding.long_file import judge_length
 from gproof.ir.dialects.accepts import USER_MACRO_FILE
-from gproof.ir.dialects.eding_settings import eding_settings
+from gproof.ir.dialects.eding.settings import eding_settings
 from gproof.ir.machine import Machine, Unmodelled
 
 

@@ -22,7 +22,7 @@ from gproof.frontend.eding.correction_table import load_table
 from gproof.frontend.eding.ini_file import NUMBERED, Ini
 from gproof.frontend.eding.spindles_ini import read_spindles
 from gproof.ir import codes
-from gproof.ir.dialects.eding_settings import EdingSettings
+from gproof.ir.dialects.eding.settings import EdingSettings
 from gproof.ir.finding import Findings, Span
 from gproof.ir.machine import (
     AXIS_NAMES,

@@ -16,7 +16,7 @@ from gproof.frontend.eding import scan_kernels as k
 from gproof.frontend.eding.prepare import FUNCTIONS, PIECE, LineError, prepare
 from gproof.frontend.eding.scan import index
 from gproof.ir.columns import Columns
-from gproof.ir.dialects.eding import EDING
+from gproof.ir.dialects.eding.rules import EDING
 from gproof.ir.notes import NOTE, NoteKind, Notes
 
 _PREFIX = re.compile(r"(/?)(?:[nN]([0-9]+))?")

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from gproof.frontend.common.toml_table import TomlTable, small_number
-from gproof.ir.dialects.eding import EDING
+from gproof.ir.dialects.eding.rules import EDING
 from gproof.ir.setup import Interval
 
 

@@ -23,9 +23,9 @@ from gproof.frontend.files.areas_table import areas_from
 from gproof.frontend.files.tool_table import check_shape, shape_keys
 from gproof.frontend.files.wincnc_settings import controls_from
 from gproof.ir.dialects.accepts import ACCEPTS, LINE_NUMBERS, TEXT_AFTER_COMMENT, names_of
-from gproof.ir.dialects.eding_settings import NO_EDING_SETTINGS, eding_settings
-from gproof.ir.dialects.mcuwin_settings import McuWinSettings
-from gproof.ir.dialects.wincnc_settings import NO_WINCNC_SETTINGS, WinCncSettings, wincnc_settings
+from gproof.ir.dialects.eding.settings import NO_EDING_SETTINGS, eding_settings
+from gproof.ir.dialects.mcuwin.settings import McuWinSettings
+from gproof.ir.dialects.wincnc.settings import NO_WINCNC_SETTINGS, WinCncSettings, wincnc_settings
 from gproof.ir.finding import Findings
 from gproof.ir.machine import (
     AXIS_NAMES,

@@ -18,7 +18,7 @@ from gproof.frontend.common.toml_table import TomlTable, show
 from gproof.frontend.mcuwin.machine_ini import without_stated
 from gproof.frontend.mcuwin.tool_comp import DEFAULT_NAME, beside, load_tools
 from gproof.ir import codes
-from gproof.ir.dialects.mcuwin_settings import (
+from gproof.ir.dialects.mcuwin.settings import (
     ACTIONS,
     VERSIONS,
     McuWinSettings,

@@ -1,6 +1,6 @@
 """``[controls]`` of gproof's own machine file: what no file of a WinCNC machine says, or a job needs otherwise.
 
-docs/machine-files.md lists the keys; they have the names of ``ir/dialects/wincnc_settings.py``.
+docs/machine-files.md lists the keys; they have the names of ``ir/dialects/wincnc/settings.py``.
 """
 
 from __future__ import annotations
@@ -11,7 +11,7 @@ from typing import Any
 
 from gproof.frontend.common.exact_numbers import exact_number
 from gproof.frontend.common.toml_table import TomlTable, show
-from gproof.ir.dialects.wincnc_settings import DEVICES, HIGHEST_CHANNEL, WinCncSettings
+from gproof.ir.dialects.wincnc.settings import DEVICES, HIGHEST_CHANNEL, WinCncSettings
 from gproof.ir.machine import AXIS_NAMES
 
 DEEPEST = 1000

@@ -8,7 +8,7 @@ from typing import Any
 from gproof.frontend.mcuwin.comments import QUOTE, round_comment
 from gproof.frontend.mcuwin.language import DinLine, Language
 from gproof.ir import codes
-from gproof.ir.dialects.mcuwin_settings import FIRST_USER_CODE, LAST_USER_CODE
+from gproof.ir.dialects.mcuwin.settings import FIRST_USER_CODE, LAST_USER_CODE
 from gproof.ir.finding import Code, Refusal, Span
 from gproof.ir.notes import NoteKind
 from gproof.ir.program import PARAMETER, Expr, Number, Word

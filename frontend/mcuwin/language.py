@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from gproof.frontend.mcuwin.expressions import Expressions
 from gproof.frontend.mcuwin.notes import Found
-from gproof.ir.dialects.mcuwin_settings import VERSIONS, McuWinSettings
+from gproof.ir.dialects.mcuwin.settings import VERSIONS, McuWinSettings
 from gproof.ir.finding import Span
 from gproof.ir.program import Statement
 from gproof.ir.record import field, record

@@ -22,7 +22,7 @@ from gproof.frontend.mcuwin.notes import Found
 from gproof.frontend.mcuwin.pascal import Dollar, Place, Simple, Symbols, parse_dollar
 from gproof.frontend.mcuwin.patterns import Pattern, UnfitError, lengths, pattern_of, place_of
 from gproof.frontend.mcuwin.size import size_of
-from gproof.ir.dialects.mcuwin_persistence import Persistence
+from gproof.ir.dialects.mcuwin.persistence import Persistence
 from gproof.ir.finding import Findings
 from gproof.ir.notes import NoteKind
 from gproof.ir.program import Block, DeferredBlock, Number, Statement
@@ -38,7 +38,7 @@ LONGEST_RUN = 9
 """Digits of a number that is surely one of 32 bits."""
 
 State = tuple[str, str]
-"""What the source has in force before or behind a line: code and distances, see ``mcuwin_persistence.py``."""
+"""What the source has in force before or behind a line: code and distances (``ir/dialects/mcuwin/persistence.py``)."""
 
 _RUN = re.compile(r"([0-9]+)")
 _COMMENT = re.compile(r"'|//")

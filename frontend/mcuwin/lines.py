@@ -15,9 +15,9 @@ from gproof.frontend.mcuwin.language import DinLine, Language
 from gproof.frontend.mcuwin.names import LABEL, NAME, label_name
 from gproof.frontend.mcuwin.pascal_text import MODE
 from gproof.ir import codes
-from gproof.ir.dialects.mcuwin import has_code
-from gproof.ir.dialects.mcuwin_persistence import Persistence
-from gproof.ir.dialects.mcuwin_settings import FIRST_USER_CODE, LAST_USER_CODE
+from gproof.ir.dialects.mcuwin.persistence import Persistence
+from gproof.ir.dialects.mcuwin.rules import has_code
+from gproof.ir.dialects.mcuwin.settings import FIRST_USER_CODE, LAST_USER_CODE
 from gproof.ir.finding import Span
 from gproof.ir.notes import NoteKind
 from gproof.ir.program import (

@@ -22,7 +22,7 @@ from gproof.frontend.mcuwin.text import HELD_BLOCKS, Text
 from gproof.ir import codes
 from gproof.ir.columns import Columns
 from gproof.ir.dialects import rules_named
-from gproof.ir.dialects.mcuwin_settings import mcuwin_settings
+from gproof.ir.dialects.mcuwin.settings import mcuwin_settings
 from gproof.ir.finding import Finding, Findings, Refusal, Span
 from gproof.ir.machine import Machine
 from gproof.ir.program import BlockTable, Mistake, Program, SourceFile, Statement, Unsupported

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from gproof.ir.dialects.mcuwin_settings import NO_MCUWIN_SETTINGS, mcuwin_settings
+from gproof.ir.dialects.mcuwin.settings import NO_MCUWIN_SETTINGS, mcuwin_settings
 from gproof.ir.machine import NO_MACHINE, Controller, Machine
 
 NO_MCUWIN: Machine = replace(NO_MACHINE, controller=Controller(dialect="mcuwin"), settings=NO_MCUWIN_SETTINGS)

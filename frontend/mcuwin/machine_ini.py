@@ -17,7 +17,7 @@ from gproof.frontend.mcuwin.ini_keys import SETTINGS, IniSetting, kept, setting_
 from gproof.frontend.mcuwin.ini_text import Entry, IniText
 from gproof.frontend.mcuwin.tool_comp import DEFAULT_NAME, beside, load_tools
 from gproof.ir import codes
-from gproof.ir.dialects.mcuwin_settings import NO_MCUWIN_SETTINGS, McuWinSettings, RadiusTool
+from gproof.ir.dialects.mcuwin.settings import NO_MCUWIN_SETTINGS, McuWinSettings, RadiusTool
 from gproof.ir.finding import Findings
 from gproof.ir.machine import Controller, Machine, Unmodelled
 

@@ -15,7 +15,7 @@ from gproof.frontend.mcuwin.pascal_expressions import COMMON, PREDEFINED
 from gproof.frontend.mcuwin.pascal_lexer import Lexer, PascalError, Place, Token
 from gproof.frontend.mcuwin.pascal_types import Symbol, Symbols, Type
 from gproof.ir import codes
-from gproof.ir.dialects.mcuwin_pascal import FUNCTIONS
+from gproof.ir.dialects.mcuwin.pascal import FUNCTIONS
 from gproof.ir.finding import Span
 from gproof.ir.program import Assign, Expr, Statement, Unsupported, Variable
 

@@ -9,8 +9,8 @@ from gproof.frontend.mcuwin.pascal_expressions import COMMON, ExpressionParser
 from gproof.frontend.mcuwin.pascal_lexer import Token
 from gproof.frontend.mcuwin.pascal_types import Parameter, Symbol, Type, assignable
 from gproof.ir import codes
-from gproof.ir.dialects.mcuwin import OFFSETS_AT, PROTECTED
-from gproof.ir.dialects.mcuwin_pascal import KEYWORDS, SYSTEM_NAMES
+from gproof.ir.dialects.mcuwin.pascal import KEYWORDS, SYSTEM_NAMES
+from gproof.ir.dialects.mcuwin.rules import OFFSETS_AT, PROTECTED
 from gproof.ir.program import (
     Assign,
     Block,

@@ -16,7 +16,7 @@ from gproof.frontend.mcuwin.pascal_lexer import PascalError, Token
 from gproof.frontend.mcuwin.pascal_statements import DECLARING, StatementParser, label_name
 from gproof.frontend.mcuwin.pascal_types import DECLARABLE, Parameter, Symbols, Type
 from gproof.ir import codes
-from gproof.ir.dialects.mcuwin_pascal import KEYWORDS
+from gproof.ir.dialects.mcuwin.pascal import KEYWORDS
 from gproof.ir.finding import Span
 from gproof.ir.program import (
     Binary,

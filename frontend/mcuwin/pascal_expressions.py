@@ -13,7 +13,7 @@ from collections.abc import Callable
 from gproof.frontend.mcuwin.pascal_lexer import Lexer, Token
 from gproof.frontend.mcuwin.pascal_types import Symbols, Type, binary_type, function_type
 from gproof.ir import codes
-from gproof.ir.dialects.mcuwin_pascal import (
+from gproof.ir.dialects.mcuwin.pascal import (
     COMMON_INTEGER,
     FIRST_USER,
     FUNCTIONS,

@@ -12,7 +12,7 @@ from gproof.frontend.mcuwin.pascal_commands import ENDS, CommandParser, Statemen
 from gproof.frontend.mcuwin.pascal_lexer import PascalError, Token
 from gproof.frontend.mcuwin.pascal_types import Type
 from gproof.ir import codes
-from gproof.ir.dialects.mcuwin_pascal import KEYWORDS
+from gproof.ir.dialects.mcuwin.pascal import KEYWORDS
 from gproof.ir.program import (
     Expr,
     For,

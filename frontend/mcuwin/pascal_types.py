@@ -11,7 +11,7 @@ import enum
 from typing import NamedTuple
 
 from gproof.ir import codes
-from gproof.ir.dialects.mcuwin_pascal import ANGULAR, BITWISE, FIRST_DECLARED, FUNCTIONS, PRODUCTS, RELATIONS, SUMS
+from gproof.ir.dialects.mcuwin.pascal import ANGULAR, BITWISE, FIRST_DECLARED, FUNCTIONS, PRODUCTS, RELATIONS, SUMS
 from gproof.ir.finding import Finding, Findings, Related, Span
 from gproof.ir.record import field, record
 

@@ -7,7 +7,7 @@ import re
 from typing import Any
 
 from gproof.frontend.common.toml_table import TomlTable
-from gproof.ir.dialects.mcuwin import COMMON, PROTECTED
+from gproof.ir.dialects.mcuwin.rules import COMMON, PROTECTED
 from gproof.ir.setup import Interval
 
 _RESIDENT = re.compile(r"C([ID])([1-9][0-9]{2})", re.ASCII)

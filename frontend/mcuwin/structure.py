@@ -27,7 +27,7 @@ from gproof.frontend.mcuwin.pascal import (
 )
 from gproof.frontend.mcuwin.pascal_lexer import Lexer
 from gproof.ir import codes
-from gproof.ir.dialects.mcuwin_persistence import Persistence
+from gproof.ir.dialects.mcuwin.persistence import Persistence
 from gproof.ir.finding import Finding, Findings, Refusal, Span
 from gproof.ir.program import (
     Declare,

@@ -20,8 +20,8 @@ from gproof.frontend.mcuwin.pascal import Dollar, Place, Simple, Symbols, parse_
 from gproof.frontend.mcuwin.pascal_text import mode_sign, pascal_notes
 from gproof.frontend.mcuwin.structure import Structure
 from gproof.ir import codes
-from gproof.ir.dialects.mcuwin_persistence import Persistence
-from gproof.ir.dialects.mcuwin_settings import McuWinSettings
+from gproof.ir.dialects.mcuwin.persistence import Persistence
+from gproof.ir.dialects.mcuwin.settings import McuWinSettings
 from gproof.ir.finding import Findings, Refusal, Span
 from gproof.ir.notes import NoteKind
 from gproof.ir.program import Block, Call, Declare, Include, Jump, Mode, Statement, Subprogram

@@ -13,7 +13,7 @@ from pathlib import Path
 
 from gproof.frontend.common.paths import is_file
 from gproof.frontend.mcuwin.ini_text import Entry, IniText
-from gproof.ir.dialects.mcuwin_settings import RadiusTool
+from gproof.ir.dialects.mcuwin.settings import RadiusTool
 from gproof.ir.finding import Findings
 
 DEFAULT_NAME = "ToolComp.INI"

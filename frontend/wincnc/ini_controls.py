@@ -10,7 +10,7 @@ from fractions import Fraction
 from gproof.frontend.wincnc.ini_check import Sheet, number
 from gproof.frontend.wincnc.ini_file import Setting
 from gproof.frontend.wincnc.ini_keys import KEYS
-from gproof.ir.dialects.wincnc_settings import (
+from gproof.ir.dialects.wincnc.settings import (
     HIGHEST_CHANNEL,
     Changer,
     DrillSettings,

@@ -1,6 +1,6 @@
 """What gproof makes of each key of a WINCNC.INI, and what its letters are measured in.
 
-What the manual says of a key (meaning, letters, ranges, defaults) is in ``ir/dialects/wincnc_keys.py``. Both tables
+What the manual says of a key (meaning, letters, ranges, defaults) is in ``ir/dialects/wincnc/keys.py``. Both tables
 drive the reader (``machine_ini``) and the documentation (docs/dialects/wincnc-tables.md).
 
 Kinds of values: ``length`` (in the file's unit), ``feed`` (units a minute), ``acceleration`` (units a minute a
@@ -24,8 +24,8 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from gproof.ir.dialects import wincnc_keys
-from gproof.ir.dialects.wincnc_keys import Key
+from gproof.ir.dialects.wincnc import keys as known
+from gproof.ir.dialects.wincnc.keys import Key
 from gproof.ir.record import field, record
 
 ONCE, EACH_AXIS, MANY = "once", "each axis", "many"
@@ -52,7 +52,7 @@ class KeyRule:
     @property
     def named(self) -> Key:
         """What the manual says of it."""
-        return wincnc_keys.KEYS[self.key]
+        return known.KEYS[self.key]
 
 
 def _letters(text: str) -> dict[str, str]:
@@ -423,5 +423,5 @@ _RULES = (
 KEYS: dict[str, KeyRule] = {rule.key: rule for rule in _RULES}
 """By key, lower case, in the manual's order."""
 
-OF_AXIS = frozenset(name for name, key in wincnc_keys.KEYS.items() if key.of == "axisspec")
+OF_AXIS = frozenset(name for name, key in known.KEYS.items() if key.of == "axisspec")
 """Keys that belong to the axisspec= above them (the manual marks them with an asterisk)."""

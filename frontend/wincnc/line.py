@@ -15,7 +15,7 @@ from gproof.frontend.wincnc.comment_style import COMMENTS
 from gproof.frontend.wincnc.scan import CLOSING, COMMENT_SIGNS
 from gproof.ir import codes
 from gproof.ir.dialects.accepts import LINE_NUMBERS, TEXT_AFTER_COMMENT
-from gproof.ir.dialects.wincnc_settings import Lexical
+from gproof.ir.dialects.wincnc.settings import Lexical
 from gproof.ir.finding import Code, Finding, Span
 from gproof.ir.program import Binary, Expr, Named, Number, Text, Word
 from gproof.ir.record import field, record

@@ -26,7 +26,7 @@ from gproof.ir import codes
 from gproof.ir.columns import Columns
 from gproof.ir.dialects import rules_named
 from gproof.ir.dialects.accepts import LINE_NUMBERS, TEXT_AFTER_COMMENT
-from gproof.ir.dialects.wincnc_settings import WinCncSettings, wincnc_settings
+from gproof.ir.dialects.wincnc.settings import WinCncSettings, wincnc_settings
 from gproof.ir.finding import Finding, Findings, Refusal, Severity, Span
 from gproof.ir.machine import Machine
 from gproof.ir.notes import NO_NOTES

@@ -16,7 +16,7 @@ from gproof.frontend.common.source import UTF8_MARK, decode
 from gproof.frontend.wincnc.ini_file import ENDS_OF_QUOTES
 from gproof.ir import codes
 from gproof.ir.dialects.accepts import LINE_NUMBERS
-from gproof.ir.dialects.wincnc_settings import Lexical
+from gproof.ir.dialects.wincnc.settings import Lexical
 from gproof.ir.finding import Findings, Related, Span
 from gproof.ir.program import SourceFile
 from gproof.ir.record import record

@@ -28,7 +28,7 @@ from gproof.frontend.wincnc.statements import ArrayLine, FileFinder, Head, Lines
 from gproof.ir import codes
 from gproof.ir.columns import Columns
 from gproof.ir.dialects import rules_named
-from gproof.ir.dialects.wincnc_settings import Lexical, wincnc_settings
+from gproof.ir.dialects.wincnc.settings import Lexical, wincnc_settings
 from gproof.ir.finding import Findings, Refusal, Severity, Span
 from gproof.ir.machine import Machine
 from gproof.ir.notes import NOTE, NoteKind, Notes

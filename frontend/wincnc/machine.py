@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from gproof.ir.dialects.wincnc_settings import WinCncSettings
+from gproof.ir.dialects.wincnc.settings import WinCncSettings
 from gproof.ir.machine import Axis, AxisKind, Controller, Machine
 
 _LINEAR, _ROTARY = AxisKind.LINEAR, AxisKind.ROTARY

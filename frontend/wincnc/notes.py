@@ -17,7 +17,7 @@ from gproof.frontend.wincnc import scan_kernels as k
 from gproof.frontend.wincnc.line import LineError, LineReader, line_number
 from gproof.frontend.wincnc.scan import CLOSING, Scanner, word_bytes_of
 from gproof.ir.columns import Columns
-from gproof.ir.dialects.wincnc_settings import Lexical
+from gproof.ir.dialects.wincnc.settings import Lexical
 from gproof.ir.notes import NOTE, NoteKind, Notes
 from gproof.ir.record import record
 

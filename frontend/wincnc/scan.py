@@ -16,7 +16,7 @@ from gproof.frontend.common import words
 from gproof.frontend.common.lines import Automata, LineIndex, automata, index_lines
 from gproof.frontend.common.words import WordBytes, word_bytes
 from gproof.ir.columns import Columns
-from gproof.ir.dialects.wincnc_settings import Lexical
+from gproof.ir.dialects.wincnc.settings import Lexical
 from gproof.ir.record import record
 
 AXIS_LETTERS = "XYZWUVABC"

@@ -15,7 +15,7 @@ from gproof.frontend.common.source import decode, read_source
 from gproof.frontend.wincnc.line import LineError
 from gproof.frontend.wincnc.notes import skip_count
 from gproof.frontend.wincnc.statements import ArrayLine, Head, Lines, Parsed
-from gproof.ir.dialects.wincnc_settings import WinCncSettings
+from gproof.ir.dialects.wincnc.settings import WinCncSettings
 from gproof.ir.finding import Refusal
 from gproof.ir.program import NO_OUTPUTS, Block, Call, Number, Replaced, SourceFile, SpindleOutputs
 from gproof.ir.record import field, record

@@ -1,7 +1,7 @@
 """Lines of WinCNC as statements: commands, calls, conditions on the next line, arrays, lines that macros replace.
 
 Manual: Command Reference; Macro File Configuration. A line has one command; what may stand beside it is in the table
-of the dialect (``ir/dialects/wincnc.py``).
+of the dialect (``ir/dialects/wincnc/rules.py``).
 """
 
 from __future__ import annotations

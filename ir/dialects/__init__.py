@@ -9,19 +9,19 @@ from gproof.ir.rules import LanguageRules
 
 
 def _eding() -> LanguageRules:
-    from gproof.ir.dialects.eding import EDING
+    from gproof.ir.dialects.eding.rules import EDING
 
     return EDING
 
 
 def _wincnc() -> LanguageRules:
-    from gproof.ir.dialects.wincnc import WINCNC
+    from gproof.ir.dialects.wincnc.rules import WINCNC
 
     return WINCNC
 
 
 def _mcuwin() -> LanguageRules:
-    from gproof.ir.dialects.mcuwin import MCUWIN
+    from gproof.ir.dialects.mcuwin.rules import MCUWIN
 
     return MCUWIN
 
@@ -39,6 +39,8 @@ def rules_named(name: str) -> LanguageRules:
 
 def settings_modules() -> tuple[ModuleType, ...]:
     """Where the settings of each controller are (``ir/settings.py``), for who looks for types by name."""
-    from gproof.ir.dialects import eding_settings, mcuwin_settings, wincnc_settings
+    from gproof.ir.dialects.eding import settings as eding
+    from gproof.ir.dialects.mcuwin import settings as mcuwin
+    from gproof.ir.dialects.wincnc import settings as wincnc
 
-    return eding_settings, mcuwin_settings, wincnc_settings
+    return eding, mcuwin, wincnc

@@ -30,7 +30,7 @@ from gproof.passes.interpret.core.run import ProgramEnd, Run
 from gproof.passes.interpret.core.semantics import Dialect
 
 FILES = (
-    "ir/dialects/toy.py",
+    "ir/dialects/toy/",
     "ir/dialects/__init__.py",
     "frontend/toy/",
     "passes/interpret/toy/",

@@ -22,7 +22,7 @@ from gproof.cli.main import main
 from gproof.driver.dialects import load_machine
 from gproof.frontend.mcuwin.load import load_alone, load_program
 from gproof.frontend.mcuwin.machine import NO_MCUWIN
-from gproof.ir.dialects.mcuwin_settings import NO_MCUWIN_SETTINGS, mcuwin_settings
+from gproof.ir.dialects.mcuwin.settings import NO_MCUWIN_SETTINGS, mcuwin_settings
 from gproof.ir.finding import Findings, Severity, Span
 from gproof.ir.machine import Machine
 from gproof.ir.program import BlockTable, DeferredBlock, Program

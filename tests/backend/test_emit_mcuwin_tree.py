@@ -22,7 +22,7 @@ from gproof.frontend.mcuwin.machine import NO_MCUWIN
 from gproof.ir import codes
 from gproof.ir import program as p
 from gproof.ir.dialects import rules_named
-from gproof.ir.dialects.mcuwin_settings import NO_MCUWIN_SETTINGS, mcuwin_settings
+from gproof.ir.dialects.mcuwin.settings import NO_MCUWIN_SETTINGS, mcuwin_settings
 from gproof.ir.finding import Findings, Refusal, Severity, Span
 from gproof.ir.machine import Machine
 

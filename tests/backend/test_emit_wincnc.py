@@ -17,7 +17,7 @@ from gproof.cli.main import main
 from gproof.driver.dialects import load_machine
 from gproof.frontend.wincnc.load import load_alone
 from gproof.frontend.wincnc.machine import NO_SHOP
-from gproof.ir.dialects.wincnc_settings import Lexical, wincnc_settings
+from gproof.ir.dialects.wincnc.settings import Lexical, wincnc_settings
 from gproof.ir.finding import Findings, Severity, Span
 from gproof.ir.machine import Machine
 from gproof.ir.program import BlockTable, DeferredBlock, Program

@@ -25,7 +25,7 @@ from gproof.frontend.wincnc.load import load_alone
 from gproof.frontend.wincnc.mac_file import read_macros
 from gproof.frontend.wincnc.mac_program import load_macro_file
 from gproof.frontend.wincnc.machine import NO_SHOP
-from gproof.ir.dialects.wincnc_settings import Lexical, wincnc_settings
+from gproof.ir.dialects.wincnc.settings import Lexical, wincnc_settings
 from gproof.ir.finding import Findings, Refusal, Severity, Span
 from gproof.ir.machine import Machine
 from gproof.ir.program import Block, Definition, Message, Program

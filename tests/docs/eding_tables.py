@@ -12,8 +12,8 @@ from docs import eding_manual as manual
 from gproof.driver.dialects import load_machine, load_setup
 from gproof.driver.running import execute
 from gproof.frontend.eding.load import load_program
-from gproof.ir.dialects.eding import EDING, FREE
-from gproof.ir.dialects.eding_operators import LEVELS
+from gproof.ir.dialects.eding.operators import LEVELS
+from gproof.ir.dialects.eding.rules import EDING, FREE
 from gproof.ir.finding import Findings, Severity
 from gproof.ir.rules import CHECKED_ONLY, CodeRule, ParameterRange
 from gproof.passes.interpret.core.shown_variables import SHOWN

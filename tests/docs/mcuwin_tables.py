@@ -19,10 +19,10 @@ from docs.mcuwin_examples import EXAMPLES, OPEN, Example
 from docs import mcuwin_examples as examples
 from gproof.cli.main import main
 from gproof.frontend.mcuwin.ini_keys import KEPT, SETTINGS
-from gproof.ir.dialects.mcuwin import MCUWIN
-from gproof.ir.dialects.mcuwin_messages import MESSAGES, ControllerMessage
-from gproof.ir.dialects.mcuwin_pascal import FUNCTIONS
-from gproof.ir.dialects.mcuwin_words import TABLES, Entry
+from gproof.ir.dialects.mcuwin.messages import MESSAGES, ControllerMessage
+from gproof.ir.dialects.mcuwin.pascal import FUNCTIONS
+from gproof.ir.dialects.mcuwin.rules import MCUWIN
+from gproof.ir.dialects.mcuwin.words import TABLES, Entry
 from gproof.ir.rules import CHECKED_ONLY, CodeRule
 
 ROOT = Path(__file__).resolve().parents[2]

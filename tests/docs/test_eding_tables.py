@@ -10,8 +10,8 @@ from docs.eding_tables import PAGE, is_unknown, page, rule_of
 
 from docs import eding_manual as manual
 from gproof.frontend.eding.prepare import FUNCTIONS
-from gproof.ir.dialects.eding import EDING, FREE
-from gproof.ir.dialects.eding_operators import LEVEL
+from gproof.ir.dialects.eding.operators import LEVEL
+from gproof.ir.dialects.eding.rules import EDING, FREE
 from gproof.ir.rules import BINARY, UNARY, Function
 
 CODES = manual.G_CODES | manual.M_CODES

@@ -11,8 +11,8 @@ from docs.mcuwin_examples import EXAMPLES, OPEN
 from docs.mcuwin_tables import PAGE, ROOT, page, run
 
 from gproof.ir.codes import CODES as FINDINGS
-from gproof.ir.dialects.mcuwin import MCUWIN
-from gproof.ir.dialects.mcuwin_words import G_CODES, M_CODES, TABLES
+from gproof.ir.dialects.mcuwin.rules import MCUWIN
+from gproof.ir.dialects.mcuwin.words import G_CODES, M_CODES, TABLES
 
 DIALECT = ROOT / "docs" / "dialects" / "mcuwin.md"
 

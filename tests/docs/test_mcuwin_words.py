@@ -7,8 +7,8 @@ from pathlib import Path
 import pytest
 
 from gproof.ir.codes import CODES
-from gproof.ir.dialects.mcuwin_messages import MESSAGES, ControllerMessage
-from gproof.ir.dialects.mcuwin_words import TABLES
+from gproof.ir.dialects.mcuwin.messages import MESSAGES, ControllerMessage
+from gproof.ir.dialects.mcuwin.words import TABLES
 
 HERE = Path(__file__).parent
 ENTRIES = [entry for table in TABLES.values() for entry in table]

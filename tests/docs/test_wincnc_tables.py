@@ -13,9 +13,9 @@ from docs import wincnc_examples as examples
 from docs import wincnc_manual as manual
 from gproof.frontend.wincnc.ini_keys import KEYS as RULES
 from gproof.ir.codes import CODES as FINDINGS
-from gproof.ir.dialects.wincnc import WINCNC
-from gproof.ir.dialects.wincnc_keys import KEYS
-from gproof.ir.dialects.wincnc_words import COMMANDS, Axes, Command
+from gproof.ir.dialects.wincnc.keys import KEYS
+from gproof.ir.dialects.wincnc.rules import WINCNC
+from gproof.ir.dialects.wincnc.words import COMMANDS, Axes, Command
 from gproof.ir.rules import Function
 
 CODES = manual.G_CODES | manual.L_CODES | manual.M_CODES

@@ -6,9 +6,9 @@ import pytest
 
 from docs import wincnc_manual as manual
 from gproof.ir.codes import CODES
-from gproof.ir.dialects.wincnc_keys import KEYS, VARIABLES, Key
-from gproof.ir.dialects.wincnc_messages import MESSAGES, ControllerMessage
-from gproof.ir.dialects.wincnc_words import COMMANDS, G_CODES, L_CODES, LETTERS, M_CODES, Axes, Command, Parameter
+from gproof.ir.dialects.wincnc.keys import KEYS, VARIABLES, Key
+from gproof.ir.dialects.wincnc.messages import MESSAGES, ControllerMessage
+from gproof.ir.dialects.wincnc.words import COMMANDS, G_CODES, L_CODES, LETTERS, M_CODES, Axes, Command, Parameter
 
 
 def form(command: Command) -> str:

@@ -17,10 +17,10 @@ from gproof.cli.main import main
 from gproof.frontend.wincnc.ini_keys import KEYS as RULES
 from gproof.frontend.wincnc.ini_keys import KeyRule
 from gproof.ir.codes import UNSUPPORTED_CODE
-from gproof.ir.dialects.wincnc import WINCNC
-from gproof.ir.dialects.wincnc_keys import KEYS, VARIABLES, Key
-from gproof.ir.dialects.wincnc_messages import MESSAGES, ControllerMessage
-from gproof.ir.dialects.wincnc_words import G_CODES, L_CODES, LETTERS, M_CODES, Axes, Command, Parameter
+from gproof.ir.dialects.wincnc.keys import KEYS, VARIABLES, Key
+from gproof.ir.dialects.wincnc.messages import MESSAGES, ControllerMessage
+from gproof.ir.dialects.wincnc.rules import WINCNC
+from gproof.ir.dialects.wincnc.words import G_CODES, L_CODES, LETTERS, M_CODES, Axes, Command, Parameter
 from gproof.ir.machine import TOUCHES
 from gproof.ir.rules import CHECKED_ONLY, CodeRule
 

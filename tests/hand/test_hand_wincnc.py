@@ -15,7 +15,7 @@ from support.campaigns import share
 from gproof.driver.running import begin, execute
 from gproof.driver.session import Session, open_session
 from gproof.ir import codes
-from gproof.ir.dialects.wincnc_settings import wincnc_settings
+from gproof.ir.dialects.wincnc.settings import wincnc_settings
 from gproof.ir.finding import Finding, Findings, Severity
 from gproof.ir.machine import Machine
 from gproof.ir.setup import ZERO, Interval, Setup

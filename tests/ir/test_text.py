@@ -16,7 +16,7 @@ from gproof.ir import plan, stream, trace, workpiece
 from gproof.ir import program as p
 from gproof.ir.columns import Columns, Schema
 from gproof.ir.dialects import rules_named
-from gproof.ir.dialects.eding_settings import EdingSettings
+from gproof.ir.dialects.eding.settings import EdingSettings
 from gproof.ir.finding import Span
 from gproof.ir.notes import NOTE, Notes
 from gproof.ir.rules import BINARY, UNARY

@@ -13,7 +13,7 @@ from gproof.driver.judge import judge
 from gproof.driver.pipeline import lower
 from gproof.driver.session import Running, Session, open_session
 from gproof.ir import codes
-from gproof.ir.dialects.eding_settings import eding_settings
+from gproof.ir.dialects.eding.settings import eding_settings
 from gproof.ir.finding import Findings, Severity
 from gproof.ir.machine import Machine
 from gproof.ir.program import Program

@@ -8,7 +8,7 @@ from reach.scenes import CUT, DEEP, MADE, SPUN, ZONED
 from reach.witness import Witnesses, m
 from reach.worlds import EDING, MCUWIN, WINCNC
 
-from gproof.ir.dialects.mcuwin_settings import TaskCode
+from gproof.ir.dialects.mcuwin.settings import TaskCode
 from gproof.ir.machine import Knife, PitchTable, Slave, Spindle
 
 w = Witnesses()

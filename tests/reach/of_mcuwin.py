@@ -5,7 +5,7 @@ from __future__ import annotations
 from reach.witness import Witnesses, m
 from reach.worlds import MCUWIN, exactly
 
-from gproof.ir.dialects.mcuwin_settings import RadiusTool, TaskCode
+from gproof.ir.dialects.mcuwin.settings import RadiusTool, TaskCode
 from gproof.ir.settings import Settings
 from gproof.ir.setup import Interval
 

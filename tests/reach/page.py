@@ -12,13 +12,13 @@ from corpus.expectations import ROOT
 from reach.answers import TARGETS
 
 from gproof.ir import drives, machine, settings, setup, trace, workpiece
-from gproof.ir.dialects import eding_settings, mcuwin_settings, wincnc_settings
+from gproof.ir.dialects import settings_modules
 from gproof.passes.interpret.mcuwin.state import McuWinState
 from gproof.passes.interpret.wincnc.state import WinCncState
 
 PAGE = ROOT / "docs" / "reach.md"
 STATED: tuple[ModuleType, ...] = (
-    machine, setup, drives, settings, eding_settings, wincnc_settings, mcuwin_settings, workpiece,
+    machine, setup, drives, settings, *settings_modules(), workpiece,
 )  # fmt: skip
 _ROW = re.compile(r"^\| (`.*`) \| (.*) \| (.*) \|$")
 _NAME = re.compile(r"`([\w.]+)`")

@@ -1,7 +1,7 @@
 """Expressions as Eding text: brackets where the same tree needs them, and nowhere else.
 
 A tree is printed so that the frontend builds it again, ``Binary.doubtful`` included: a neighbour whose grouping the
-manual leaves open (``ir/dialects/eding_operators.py``) is bracketed, unless the node says that it was not.
+manual leaves open (``ir/dialects/eding/operators.py``) is bracketed, unless the node says that it was not.
 Source: Eding manual 3.2.2 (values), 3.2.2.3 (operators only inside brackets), 3.2.2.4 (functions), 4.2 (texts).
 """
 
@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from gproof.backend.emit.numbers import number_text
 from gproof.backend.emit.printer import Unprintable
-from gproof.ir.dialects.eding_operators import LEVEL, SIGN, is_doubtful
+from gproof.ir.dialects.eding.operators import LEVEL, SIGN, is_doubtful
 from gproof.ir.program import Assign, Binary, Expr, Number, Text, Unary, Variable, Word
 
 _SIGNS = {"neg": "-", "pos": "+"}

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 def _emit(program: Program, machine: Machine, as_is: frozenset[int]) -> Iterable[bytes]:
     from gproof.backend.emit.mcuwin.program import emit
-    from gproof.ir.dialects.mcuwin_settings import mcuwin_settings
+    from gproof.ir.dialects.mcuwin.settings import mcuwin_settings
 
     return emit(program, mcuwin_settings(machine), as_is=as_is)
 

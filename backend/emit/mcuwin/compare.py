@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from itertools import zip_longest
 
 from gproof.backend.emit.mcuwin.tree import text_of
-from gproof.ir.dialects.mcuwin_settings import mcuwin_settings
+from gproof.ir.dialects.mcuwin.settings import mcuwin_settings
 from gproof.ir.finding import Refusal
 from gproof.ir.machine import Machine
 from gproof.ir.program import Program

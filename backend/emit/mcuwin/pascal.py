@@ -2,7 +2,7 @@
 
 A tree that the frontend made is printed so that it makes the same again, ``Binary.doubtful`` included. Nothing here
 asks for the text that a tree came from: where procedures stand is told by the numbers of their variables.
-Source: McuWIN manual 5.7, 7, 8, 10 to 12; the grouping of operators stands in ``ir/dialects/mcuwin_pascal.py``.
+Source: McuWIN manual 5.7, 7, 8, 10 to 12; the grouping of operators stands in ``ir/dialects/mcuwin/pascal.py``.
 """
 
 from __future__ import annotations

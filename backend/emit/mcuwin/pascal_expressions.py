@@ -1,7 +1,7 @@
 """Expressions of rw_SymPas as text, with the fewest brackets.
 
 A tree that the frontend made is printed so that it makes the same again, ``Binary.doubtful`` included.
-Source: McuWIN manual 7, 10 to 12; the grouping of operators stands in ``ir/dialects/mcuwin_pascal.py``.
+Source: McuWIN manual 7, 10 to 12; the grouping of operators stands in ``ir/dialects/mcuwin/pascal.py``.
 """
 
 from __future__ import annotations
@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 from gproof.backend.emit.numbers import number_text
 from gproof.backend.emit.printer import Unprintable
-from gproof.ir.dialects.mcuwin_pascal import (
+from gproof.ir.dialects.mcuwin.pascal import (
     ANGULAR,
     COMMON_INTEGER,
     FUNCTION_TEXT,

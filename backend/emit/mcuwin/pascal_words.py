@@ -11,7 +11,7 @@ from collections.abc import Collection, Iterator, Mapping, Sequence
 from typing import NamedTuple
 
 from gproof.backend.emit.numbers import number_text
-from gproof.ir.dialects.mcuwin_pascal import FUNCTIONS, KEYWORDS
+from gproof.ir.dialects.mcuwin.pascal import FUNCTIONS, KEYWORDS
 
 _WORD = re.compile(
     r"""[ \t]*(?:

@@ -25,7 +25,7 @@ from gproof.backend.emit.mcuwin.pascal_words import (
 )
 from gproof.backend.emit.printer import Unprintable
 from gproof.ir.columns import Columns
-from gproof.ir.dialects.mcuwin_settings import McuWinSettings
+from gproof.ir.dialects.mcuwin.settings import McuWinSettings
 from gproof.ir.finding import Span
 from gproof.ir.notes import NoteKind, Notes
 from gproof.ir.program import (

@@ -19,8 +19,8 @@ from gproof.backend.emit.plain_lines import plain_lines
 from gproof.backend.emit.printer import Unprintable
 from gproof.ir import codes
 from gproof.ir.columns import Columns
-from gproof.ir.dialects.mcuwin_persistence import MOTIONS, OPEN, Persistence
-from gproof.ir.dialects.mcuwin_settings import VERSIONS, McuWinSettings
+from gproof.ir.dialects.mcuwin.persistence import MOTIONS, OPEN, Persistence
+from gproof.ir.dialects.mcuwin.settings import VERSIONS, McuWinSettings
 from gproof.ir.finding import Refusal, Span
 from gproof.ir.notes import NOTE, Notes
 from gproof.ir.program import (

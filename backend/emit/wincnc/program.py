@@ -11,7 +11,7 @@ from collections.abc import Iterator
 
 from gproof.backend.emit.line_printer import JOB, UTF8_MARK, LinePrinter, Note, padded
 from gproof.backend.emit.numbers import number_text
-from gproof.ir.dialects.wincnc_settings import Lexical
+from gproof.ir.dialects.wincnc.settings import Lexical
 from gproof.ir.finding import Span
 from gproof.ir.notes import NoteKind
 from gproof.ir.program import (

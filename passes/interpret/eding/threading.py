@@ -12,7 +12,7 @@ import math
 from typing import TYPE_CHECKING
 
 from gproof.ir import codes
-from gproof.ir.dialects.eding_settings import eding_settings
+from gproof.ir.dialects.eding.settings import eding_settings
 from gproof.ir.finding import Refusal
 from gproof.ir.machine import AXIS_NAMES
 from gproof.ir.record import record

@@ -6,7 +6,7 @@ import math
 from typing import TYPE_CHECKING
 
 from gproof.ir import codes
-from gproof.ir.dialects.mcuwin import DECLARED
+from gproof.ir.dialects.mcuwin.rules import DECLARED
 from gproof.ir.finding import Refusal, Span
 from gproof.ir.program import Call, Declare, Variable
 from gproof.ir.symbolic import Unknown, Value

@@ -11,8 +11,8 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 
-from gproof.ir.dialects.mcuwin import COMMON, DECLARED
-from gproof.ir.dialects.mcuwin_settings import mcuwin_settings
+from gproof.ir.dialects.mcuwin.rules import COMMON, DECLARED
+from gproof.ir.dialects.mcuwin.settings import mcuwin_settings
 from gproof.ir.machine import AXIS_NAMES, Machine
 from gproof.ir.setup import Interval, Setup
 

@@ -11,7 +11,7 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 from gproof.ir import codes
-from gproof.ir.dialects.mcuwin_settings import USUAL
+from gproof.ir.dialects.mcuwin.settings import USUAL
 from gproof.ir.finding import Refusal, Span
 from gproof.ir.machine import AXES, AXIS_NAMES, AxisKind
 from gproof.ir.rules import CodeRule

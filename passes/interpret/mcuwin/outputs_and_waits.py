@@ -11,8 +11,8 @@ import math
 from typing import TYPE_CHECKING
 
 from gproof.ir import codes
-from gproof.ir.dialects.mcuwin import COMMON, DECLARED, PROTECTED
-from gproof.ir.dialects.mcuwin_settings import VERSIONS, TaskCode
+from gproof.ir.dialects.mcuwin.rules import COMMON, DECLARED, PROTECTED
+from gproof.ir.dialects.mcuwin.settings import VERSIONS, TaskCode
 from gproof.ir.finding import FollowedRefusal, Refusal, Span
 from gproof.ir.modal_groups import OF_FEEDS
 from gproof.ir.program import PARAMETER, Input, Named

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from gproof.ir import codes
-from gproof.ir.dialects.mcuwin import COOLANT, MOTION, SPINDLE, USER, has_code
-from gproof.ir.dialects.mcuwin_settings import FIRST_USER_CODE, LAST_USER_CODE
+from gproof.ir.dialects.mcuwin.rules import COOLANT, MOTION, SPINDLE, USER, has_code
+from gproof.ir.dialects.mcuwin.settings import FIRST_USER_CODE, LAST_USER_CODE
 from gproof.ir.finding import Refusal, Span
 from gproof.ir.machine import Machine
 from gproof.ir.program import PARAMETER

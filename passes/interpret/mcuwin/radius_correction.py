@@ -12,7 +12,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from gproof.ir import codes
-from gproof.ir.dialects.mcuwin_settings import USUAL, VERSIONS
+from gproof.ir.dialects.mcuwin.settings import USUAL, VERSIONS
 from gproof.ir.finding import Refusal
 from gproof.ir.machine import AXIS_NAMES
 from gproof.ir.rules import CodeRule

@@ -9,8 +9,8 @@ from dataclasses import replace
 from typing import Any
 
 from gproof.ir import codes
-from gproof.ir.dialects.mcuwin import COMMON, OFFSETS_AT
-from gproof.ir.dialects.mcuwin_settings import VERSIONS
+from gproof.ir.dialects.mcuwin.rules import COMMON, OFFSETS_AT
+from gproof.ir.dialects.mcuwin.settings import VERSIONS
 from gproof.ir.finding import Refusal, Span
 from gproof.ir.machine import Machine
 from gproof.ir.modal_groups import OF_FEEDS

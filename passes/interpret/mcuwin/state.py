@@ -11,8 +11,8 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from gproof.ir import modal_groups as g
-from gproof.ir.dialects.mcuwin import COMMON, DECLARED
-from gproof.ir.dialects.mcuwin_settings import McuWinSettings, mcuwin_settings
+from gproof.ir.dialects.mcuwin.rules import COMMON, DECLARED
+from gproof.ir.dialects.mcuwin.settings import McuWinSettings, mcuwin_settings
 from gproof.ir.finding import Span
 from gproof.ir.machine import AXES, AXIS_NAMES, Machine
 from gproof.ir.program import Declare, Program

@@ -10,8 +10,8 @@ import math
 from typing import TYPE_CHECKING
 
 from gproof.ir import codes
-from gproof.ir.dialects.mcuwin import OFFSETS_AT
-from gproof.ir.dialects.mcuwin_settings import VERSIONS
+from gproof.ir.dialects.mcuwin.rules import OFFSETS_AT
+from gproof.ir.dialects.mcuwin.settings import VERSIONS
 from gproof.ir.finding import Refusal
 from gproof.ir.machine import AXES, AXIS_NAMES, Axis
 from gproof.ir.rules import CodeRule

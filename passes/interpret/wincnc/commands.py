@@ -1,4 +1,4 @@
-"""Which function executes a command, by what the command does (ir/dialects/wincnc.py has the codes)."""
+"""Which function executes a command, by what the command does (ir/dialects/wincnc/rules.py has the codes)."""
 
 from __future__ import annotations
 

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from gproof.ir.dialects.wincnc_settings import wincnc_settings
+from gproof.ir.dialects.wincnc.settings import wincnc_settings
 from gproof.ir.finding import Span
 from gproof.ir.machine import AXES
 from gproof.ir.modal_groups import OF_FEEDS

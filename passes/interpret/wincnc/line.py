@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 from gproof.ir import codes
 from gproof.ir.dialects.accepts import REPEATED_CHANNEL
-from gproof.ir.dialects.wincnc_settings import wincnc_settings
+from gproof.ir.dialects.wincnc.settings import wincnc_settings
 from gproof.ir.finding import Refusal, Severity, Span
 from gproof.ir.machine import AXES
 from gproof.ir.modal_groups import MOVES, PLACE

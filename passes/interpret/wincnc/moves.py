@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 from gproof.ir import codes
 from gproof.ir.dialects import accepts
-from gproof.ir.dialects.wincnc_settings import WinCncSettings, wincnc_settings
+from gproof.ir.dialects.wincnc.settings import WinCncSettings, wincnc_settings
 from gproof.ir.finding import Refusal, Span
 from gproof.ir.machine import AXES, AXIS_NAMES
 from gproof.ir.modal_groups import MOTION, OF_FEEDS

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from gproof.ir import codes
-from gproof.ir.dialects.wincnc_settings import wincnc_settings
+from gproof.ir.dialects.wincnc.settings import wincnc_settings
 from gproof.ir.finding import Refusal, Severity
 from gproof.ir.program import FLAG_BARE, FLAG_DELETE, Array, Block, BlockTable
 from gproof.ir.symbolic import NOWHERE, Unknown

@@ -6,7 +6,7 @@ import math
 from typing import TYPE_CHECKING
 
 from gproof.ir import codes
-from gproof.ir.dialects.wincnc_settings import wincnc_settings
+from gproof.ir.dialects.wincnc.settings import wincnc_settings
 from gproof.ir.finding import Refusal
 from gproof.ir.program import Input, Named
 from gproof.ir.symbolic import NOWHERE, Position, Unknown, Value, between, bounds

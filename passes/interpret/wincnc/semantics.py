@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
 
-from gproof.ir.dialects.wincnc_settings import wincnc_settings
+from gproof.ir.dialects.wincnc.settings import wincnc_settings
 from gproof.ir.finding import Span
 from gproof.ir.machine import Machine
 from gproof.ir.program import Array, Block, Call, Input, Named, Program, Unsupported

@@ -11,7 +11,7 @@ from dataclasses import replace
 from typing import Any
 
 from gproof.ir import modal_groups as g
-from gproof.ir.dialects.wincnc_settings import wincnc_settings
+from gproof.ir.dialects.wincnc.settings import wincnc_settings
 from gproof.ir.machine import AXES, AXIS_NAMES, Machine
 from gproof.ir.record import record
 from gproof.ir.rules import LanguageRules

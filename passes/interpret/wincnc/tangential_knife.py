@@ -13,7 +13,7 @@ import math
 from typing import TYPE_CHECKING
 
 from gproof.ir import codes
-from gproof.ir.dialects.wincnc_settings import wincnc_settings
+from gproof.ir.dialects.wincnc.settings import wincnc_settings
 from gproof.ir.finding import Span
 from gproof.ir.machine import AXES, AXIS_NAMES
 from gproof.ir.settings import KnifeMode

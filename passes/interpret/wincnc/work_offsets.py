@@ -11,7 +11,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, NoReturn
 
 from gproof.ir import codes
-from gproof.ir.dialects.wincnc_settings import wincnc_settings
+from gproof.ir.dialects.wincnc.settings import wincnc_settings
 from gproof.ir.finding import FollowedRefusal, Refusal
 from gproof.ir.machine import AXES
 from gproof.ir.rules import CodeRule

@@ -18,7 +18,7 @@ from gproof.frontend.eding.fast_reader import DEEPEST, read_line
 from gproof.frontend.eding.line_cache import Reader
 from gproof.frontend.eding.parse import parse_line
 from gproof.frontend.eding.prepare import FUNCTIONS
-from gproof.ir.dialects.eding_operators import LEVEL
+from gproof.ir.dialects.eding.operators import LEVEL
 from gproof.ir.program import Block
 
 LETTERS = "abcdefghijklmnopqrstuvwxyzGXYZNK"

@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 from gproof.driver.dialects import load_machine
-from gproof.ir.dialects.eding_settings import eding_settings
+from gproof.ir.dialects.eding.settings import eding_settings
 from gproof.ir.finding import Findings
 from gproof.ir.machine import AxisKind, Knife, Machine, PitchTable, Slave
 from gproof.ir.text import parse_ir, print_ir

@@ -11,7 +11,7 @@ import pytest
 
 from gproof.driver.dialects import load_machine, load_setup
 from gproof.frontend.eding.prepare import FUNCTIONS
-from gproof.ir.dialects.wincnc_settings import wincnc_settings
+from gproof.ir.dialects.wincnc.settings import wincnc_settings
 from gproof.ir.finding import Findings
 from gproof.ir.rules import UNARY
 

@@ -15,9 +15,9 @@ from support.campaigns import examples
 
 from gproof.driver.dialects import load_machine
 from gproof.frontend.common.exact_numbers import exact_ratio
-from gproof.ir.dialects.eding_settings import EdingSettings, eding_settings
-from gproof.ir.dialects.mcuwin_settings import McuWinSettings
-from gproof.ir.dialects.wincnc_settings import WinCncSettings
+from gproof.ir.dialects.eding.settings import EdingSettings, eding_settings
+from gproof.ir.dialects.mcuwin.settings import McuWinSettings
+from gproof.ir.dialects.wincnc.settings import WinCncSettings
 from gproof.ir.finding import Findings
 from gproof.ir.machine import AxisKind, Board, Controller, Knife, Machine, PitchTable, Slave
 from gproof.ir.settings import Settings

@@ -12,8 +12,8 @@ from hypothesis import strategies as st
 from support.campaigns import examples
 
 from gproof.driver.dialects import load_machine
-from gproof.ir.dialects.eding_settings import EdingSettings
-from gproof.ir.dialects.mcuwin_settings import ACTIONS, McuWinSettings, RadiusTool, TaskCode, mcuwin_settings
+from gproof.ir.dialects.eding.settings import EdingSettings
+from gproof.ir.dialects.mcuwin.settings import ACTIONS, McuWinSettings, RadiusTool, TaskCode, mcuwin_settings
 from gproof.ir.finding import Findings
 from gproof.ir.machine import Machine
 from gproof.ir.text import parse_ir, print_ir

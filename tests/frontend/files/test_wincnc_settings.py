@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from gproof.driver.dialects import load_machine
-from gproof.ir.dialects.wincnc_settings import WinCncSettings
+from gproof.ir.dialects.wincnc.settings import WinCncSettings
 from gproof.ir.finding import Findings
 from gproof.ir.machine import Machine
 

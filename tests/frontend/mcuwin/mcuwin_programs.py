@@ -8,7 +8,7 @@ from typing import Any
 
 from gproof.frontend.mcuwin.load import load_program
 from gproof.frontend.mcuwin.machine import NO_MCUWIN
-from gproof.ir.dialects.mcuwin_settings import NO_MCUWIN_SETTINGS
+from gproof.ir.dialects.mcuwin.settings import NO_MCUWIN_SETTINGS
 from gproof.ir.finding import Findings
 from gproof.ir.machine import Machine
 from gproof.ir.program import (

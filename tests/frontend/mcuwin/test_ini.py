@@ -15,7 +15,7 @@ from gproof.driver.dialects import load_machine
 from gproof.frontend.mcuwin.ini_text import IniText, decimal
 from gproof.frontend.mcuwin.machine import NO_MCUWIN
 from gproof.frontend.mcuwin.tool_comp import load_tools
-from gproof.ir.dialects.mcuwin_settings import NO_MCUWIN_SETTINGS, RadiusTool, mcuwin_settings
+from gproof.ir.dialects.mcuwin.settings import NO_MCUWIN_SETTINGS, RadiusTool, mcuwin_settings
 from gproof.ir.finding import Finding, Findings
 from gproof.ir.machine import AXIS_NAMES, Machine
 from gproof.ir.text import parse_ir, print_ir

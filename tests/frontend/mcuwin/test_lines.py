@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 from frontend.mcuwin.mcuwin_programs import OLD, found, listed, load, machine, program_of
 
-from gproof.ir.dialects.mcuwin_settings import TaskCode
+from gproof.ir.dialects.mcuwin.settings import TaskCode
 from gproof.ir.program import Block
 
 END = "\nM30\n"

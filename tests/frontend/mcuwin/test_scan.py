@@ -20,8 +20,8 @@ from gproof.frontend.mcuwin.lines import LineReader
 from gproof.frontend.mcuwin.pascal import Symbols
 from gproof.frontend.mcuwin.scan import Scanner
 from gproof.ir.dialects import rules_named
-from gproof.ir.dialects.mcuwin_persistence import Persistence
-from gproof.ir.dialects.mcuwin_settings import NO_MCUWIN_SETTINGS, mcuwin_settings
+from gproof.ir.dialects.mcuwin.persistence import Persistence
+from gproof.ir.dialects.mcuwin.settings import NO_MCUWIN_SETTINGS, mcuwin_settings
 from gproof.ir.finding import Findings, Refusal
 from gproof.ir.machine import Machine
 from gproof.ir.notes import NoteKind

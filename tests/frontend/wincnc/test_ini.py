@@ -14,8 +14,8 @@ from gproof.driver.dialects import load_machine
 from gproof.frontend.wincnc.ini_check import columns_of
 from gproof.frontend.wincnc.ini_file import without_comments
 from gproof.frontend.wincnc.ini_keys import KEYS
-from gproof.ir.dialects.wincnc_keys import KEYS as NAMED
-from gproof.ir.dialects.wincnc_settings import (
+from gproof.ir.dialects.wincnc.keys import KEYS as NAMED
+from gproof.ir.dialects.wincnc.settings import (
     Changer,
     DrillSettings,
     Lexical,

@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from gproof.frontend.wincnc.mac_file import Macro, code_name, read_macros
-from gproof.ir.dialects.wincnc_settings import Lexical
+from gproof.ir.dialects.wincnc.settings import Lexical
 from gproof.ir.finding import Finding, Findings
 from gproof.ir.program import SourceFile
 

@@ -15,7 +15,7 @@ import pytest
 from corpus.expectations import shown
 
 from gproof.cli.main import main
-from gproof.ir.dialects.wincnc_messages import MESSAGES
+from gproof.ir.dialects.wincnc.messages import MESSAGES
 
 SHOP = Path(__file__).resolve().parents[3] / "docs" / "codes" / "wincnc"
 

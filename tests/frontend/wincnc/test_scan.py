@@ -17,7 +17,7 @@ from gproof.frontend.wincnc.line import LineError, LineReader
 from gproof.frontend.wincnc.scan import AXIS_LETTERS, NO_LEXICAL, Scanner, scanner
 from gproof.frontend.wincnc.statements import text_codes
 from gproof.ir.dialects import rules_named
-from gproof.ir.dialects.wincnc_settings import Lexical
+from gproof.ir.dialects.wincnc.settings import Lexical
 from gproof.ir.program import FLAG_BARE, FLAG_POINT, Number
 
 LIMIT = 256

@@ -12,7 +12,7 @@ import pytest
 
 from gproof.frontend.wincnc.load import load_program
 from gproof.frontend.wincnc.machine import NO_SHOP
-from gproof.ir.dialects.wincnc_settings import WinCncSettings
+from gproof.ir.dialects.wincnc.settings import WinCncSettings
 from gproof.ir.finding import Findings
 from gproof.ir.program import SpindleOutputs
 

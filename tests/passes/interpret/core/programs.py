@@ -9,7 +9,7 @@ from typing import Any
 
 from gproof.driver.running import execute
 from gproof.frontend.eding.load import load_program
-from gproof.ir.dialects.eding_settings import EdingSettings
+from gproof.ir.dialects.eding.settings import EdingSettings
 from gproof.ir.finding import Findings
 from gproof.ir.machine import NO_MACHINE, Machine
 from gproof.ir.setup import ZERO, Setup

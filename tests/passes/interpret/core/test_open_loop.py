@@ -9,7 +9,7 @@ import pytest
 from passes.interpret.core.programs import HEAD, run_whole
 
 from gproof.driver.dialects import load_machine
-from gproof.ir.dialects.eding_settings import EdingSettings
+from gproof.ir.dialects.eding.settings import EdingSettings
 from gproof.ir.finding import Findings
 from gproof.ir.machine import Machine, Spindle
 from gproof.passes.motion.plan import plan

@@ -14,7 +14,7 @@ import pytest
 from support.command import in_this_process
 
 from gproof.frontend.eding.parse import parse_line
-from gproof.ir.dialects.eding_operators import groupings
+from gproof.ir.dialects.eding.operators import groupings
 from gproof.ir.finding import Findings
 from gproof.ir.program import Block
 from gproof.ir.symbolic import bounds

@@ -14,7 +14,7 @@ import pytest
 from gproof.driver.dialects import load_machine, load_setup
 from gproof.driver.running import execute
 from gproof.frontend.wincnc.load import load_program
-from gproof.ir.dialects.wincnc_settings import DrillSettings, wincnc_settings
+from gproof.ir.dialects.wincnc.settings import DrillSettings, wincnc_settings
 from gproof.ir.finding import Findings
 from gproof.ir.trace import Op
 

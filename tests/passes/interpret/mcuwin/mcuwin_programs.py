@@ -14,8 +14,8 @@ from typing import Any
 
 from gproof.driver.running import execute
 from gproof.ir.codes import POSITION_UNKNOWN
-from gproof.ir.dialects.mcuwin import MCUWIN
-from gproof.ir.dialects.mcuwin_settings import USUAL, McuWinSettings, TaskCode
+from gproof.ir.dialects.mcuwin.rules import MCUWIN
+from gproof.ir.dialects.mcuwin.settings import USUAL, McuWinSettings, TaskCode
 from gproof.ir.finding import Findings, Span
 from gproof.ir.machine import NO_MACHINE, Controller, Machine
 from gproof.ir.program import (

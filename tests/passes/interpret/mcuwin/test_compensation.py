@@ -17,7 +17,7 @@ import pytest
 from passes.interpret.mcuwin.mcuwin_programs import labels, machine, program, run
 
 from gproof.driver.running import begin
-from gproof.ir.dialects.mcuwin_settings import USUAL, RadiusTool
+from gproof.ir.dialects.mcuwin.settings import USUAL, RadiusTool
 from gproof.ir.finding import Findings
 from gproof.ir.machine import Machine
 from gproof.ir.setup import NOTHING, ZERO

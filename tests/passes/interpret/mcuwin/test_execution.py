@@ -7,7 +7,7 @@ import dataclasses
 import pytest
 from passes.interpret.mcuwin.mcuwin_programs import labels, machine, moves, never_homed, run
 
-from gproof.ir.dialects.mcuwin_settings import RadiusTool, TaskCode
+from gproof.ir.dialects.mcuwin.settings import RadiusTool, TaskCode
 from gproof.ir.setup import ZERO
 from gproof.ir.trace import UNKNOWN, Op
 

@@ -9,7 +9,7 @@ import pytest
 from passes.interpret.mcuwin.mcuwin_programs import labels, moves, run
 
 from gproof.ir import intervals as ranges
-from gproof.ir.dialects.mcuwin import MCUWIN
+from gproof.ir.dialects.mcuwin.rules import MCUWIN
 from gproof.ir.finding import Findings, Refusal, Span
 from gproof.ir.program import Binary, Constant, Expr, Number, Unary, Variable
 from gproof.ir.rules import BINARY, UNARY

@@ -10,7 +10,7 @@ import pytest
 from passes.interpret.mcuwin.mcuwin_programs import labels, machine, moves, run
 from support.campaigns import seeds
 
-from gproof.ir.dialects.mcuwin_settings import RadiusTool
+from gproof.ir.dialects.mcuwin.settings import RadiusTool
 from gproof.ir.trace import Op, Trace
 
 TOOLS = tuple(RadiusTool(plane=plane, number=0, radius=0.0, length=0.0) for plane in ("xy", "yz", "zx"))

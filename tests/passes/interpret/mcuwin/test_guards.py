@@ -9,7 +9,7 @@ import pytest
 from passes.interpret.mcuwin.mcuwin_programs import labels, machine, moves, never_homed, program, run
 
 from gproof.driver.running import begin, collect
-from gproof.ir.dialects.mcuwin_settings import RadiusTool, TaskCode
+from gproof.ir.dialects.mcuwin.settings import RadiusTool, TaskCode
 from gproof.ir.finding import Findings
 from gproof.ir.machine import Machine, Spindle
 from gproof.ir.setup import ZERO, Setup

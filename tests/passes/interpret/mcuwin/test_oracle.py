@@ -16,7 +16,7 @@ from support.campaigns import seeds
 
 from gproof.driver.running import begin, collect
 from gproof.frontend.mcuwin.load import load_program
-from gproof.ir.dialects.mcuwin_settings import RadiusTool
+from gproof.ir.dialects.mcuwin.settings import RadiusTool
 from gproof.ir.finding import Findings, Severity
 from gproof.ir.machine import Machine
 from gproof.ir.setup import ZERO

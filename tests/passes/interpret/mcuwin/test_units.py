@@ -7,7 +7,7 @@ import dataclasses
 from passes.interpret.mcuwin.mcuwin_programs import labels, machine, moves, program, run
 
 from gproof.driver.running import begin
-from gproof.ir.dialects.mcuwin_settings import USUAL
+from gproof.ir.dialects.mcuwin.settings import USUAL
 from gproof.ir.finding import Findings
 from gproof.ir.machine import Machine
 from gproof.ir.setup import ZERO

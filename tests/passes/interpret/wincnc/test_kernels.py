@@ -18,7 +18,7 @@ from support.campaigns import examples, seeds
 from gproof.driver.running import begin, collect
 from gproof.frontend.wincnc.load import load_program
 from gproof.frontend.wincnc.machine import NO_SHOP
-from gproof.ir.dialects.wincnc_settings import WinCncSettings
+from gproof.ir.dialects.wincnc.settings import WinCncSettings
 from gproof.ir.finding import Findings
 from gproof.ir.machine import Axis, AxisKind, Controller, Machine
 from gproof.ir.program import FLAG_BARE

@@ -6,7 +6,7 @@ more, of M codes (14, 2.5.3.94). Of other G codes and of ``$`` lines it says not
 
 from __future__ import annotations
 
-from gproof.ir.dialects.mcuwin_settings import VERSIONS, McuWinSettings
+from gproof.ir.dialects.mcuwin.settings import VERSIONS, McuWinSettings
 from gproof.ir.program import Number, Word
 from gproof.ir.record import record
 

@@ -6,7 +6,7 @@ docs/dialects/mcuwin.md says how what the manual leaves open is read. Statements
 
 from __future__ import annotations
 
-from gproof.ir.dialects.mcuwin_settings import VERSIONS
+from gproof.ir.dialects.mcuwin.settings import VERSIONS
 from gproof.ir.program import PARAMETER
 from gproof.ir.rules import CodeRule, LanguageRules, ParameterRange
 from gproof.ir.rules import Function as F

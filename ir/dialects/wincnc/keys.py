@@ -6,7 +6,7 @@ the manual's order; ``default`` is the one that the manual gives, "" where it gi
 
 from __future__ import annotations
 
-from gproof.ir.dialects.wincnc_words import Parameter
+from gproof.ir.dialects.wincnc.words import Parameter
 from gproof.ir.record import record
 
 

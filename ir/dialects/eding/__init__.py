@@ -1,0 +1,1 @@
+"""What is known of Eding CNC: tables and settings."""
