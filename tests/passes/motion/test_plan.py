@@ -363,12 +363,14 @@ def test_axes_keep_their_velocity_and_acceleration(trace: Trace, window: float, 
 
 @RANDOM
 @given(paths())
-def test_passing_corners_never_costs_much_more_than_stopping(trace: Trace) -> None:
+def test_passing_corners_costs_at_most_twice_what_stopping_does(trace: Trace) -> None:
+    """A row that pays for its corners keeps a quarter of its acceleration (docs/plan.md), and so at least half the
+    mean speed. A way there and back over less than a millimetre, passed at 180 degrees, comes near to that."""
     everywhere = Path()
     everywhere.trace = dataclasses.replace(
         trace, states=[dataclasses.replace(s, path_mode=PathMode.EXACT_STOP) for s in trace.states]
     )
-    assert planned(trace).duration <= planned(everywhere.trace).duration * 1.5
+    assert planned(trace).duration <= planned(everywhere.trace).duration * 2 + 1e-9
 
 
 @RANDOM
