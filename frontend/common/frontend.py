@@ -7,6 +7,7 @@ one reads a job.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from fractions import Fraction
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -18,6 +19,7 @@ if TYPE_CHECKING:
     from gproof.ir.finding import Findings
     from gproof.ir.machine import Machine
     from gproof.ir.program import Program
+    from gproof.ir.settings import Settings
 
 Files = list[tuple[str, str]]
 """(name, sha256) of the files that were read, in order."""
@@ -55,6 +57,25 @@ class Reading:
     call: str = ""
 
 
+@record(frozen=True, slots=True, kw_only=True)
+class OwnTable:
+    """What gproof's machine file may state that only one controller has.
+
+    name: its table, "" for none; keys: those of its own of ``[controller]``; read_keys: takes them out of that table.
+    usual: its settings where nothing is stated; read: its settings with what a file states, the machine as the file has
+    it without: (the file's tables, machine, mm in a unit, its keys).
+    whole: the whole machine, of a file that is of this controller wherever it has the table, with the files that were
+    read for it: (the file's tables, machine, mm in a unit, tables that state settings of another controller).
+    """
+
+    name: str = ""
+    keys: tuple[str, ...] = ()
+    read_keys: Callable[[TomlTable], dict[str, Any]] = lambda table: {}
+    usual: Callable[[], Settings]
+    read: Callable[[TomlTable, Machine, Fraction, dict[str, Any]], Settings] | None = None
+    whole: Callable[[TomlTable, Machine, Fraction, tuple[str, ...]], tuple[Machine, Files]] | None = None
+
+
 FileOf = Callable[["Machine", Path | None, Path | None, Path], "Alone"]
 """How a file by itself is read: (machine, its file, the folder that the file stands in or None, the file)."""
 
@@ -77,7 +98,8 @@ class Frontend:
     lines are read; folder_machine: name of its file, which is looked for beside a program then.
     load_machine: reads the controller's own machine file: (path, findings, whether no other file refines it, the keys
     that such a file states anew). machine_files: names of it; knows_machine: whether a file of another name is one,
-    None: whatever nobody else knows. completed: what a machine of this dialect has that no file names.
+    None: whatever nobody else knows. own_table: what gproof's machine file may state for it alone.
+    completed: what a machine of this dialect has that no file names.
     setup_table: a table of setup files that only this dialect has, "" for none; setup_fields: what it states, as fields
     of a Setup.
     """
@@ -100,6 +122,7 @@ class Frontend:
     load_machine: Callable[[Path, Findings, bool, frozenset[tuple[str, ...]]], tuple[Machine | None, Files]]
     machine_files: tuple[str, ...] = ()
     knows_machine: Callable[[Path], bool] | None = None
+    own_table: OwnTable | None = None
     completed: Callable[[Machine], Machine] = lambda machine: machine
     setup_table: str = ""
     setup_fields: Callable[[TomlTable], dict[str, Any]] = lambda root: {}

@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
+from fractions import Fraction
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from gproof.frontend.common.frontend import Files, Frontend, Marker, Read, Reading
+from gproof.frontend.common.frontend import Files, Frontend, Marker, OwnTable, Read, Reading
 
 if TYPE_CHECKING:
     from gproof.frontend.common.alone import Alone
     from gproof.frontend.common.toml_table import TomlTable
     from gproof.ir.finding import Findings
     from gproof.ir.machine import Machine
+    from gproof.ir.settings import Settings
 
 
 def _load_program(job: Reading) -> Read:
@@ -41,6 +43,24 @@ def _setup_fields(root: TomlTable) -> dict[str, Any]:
     return setup_fields(root)
 
 
+def _controller_keys(table: TomlTable) -> dict[str, Any]:
+    from gproof.frontend.eding.machine_table import keys_of
+
+    return keys_of(table)
+
+
+def _usual_settings() -> Settings:
+    from gproof.ir.dialects.eding.settings import NO_EDING_SETTINGS
+
+    return NO_EDING_SETTINGS
+
+
+def _settings_from(root: TomlTable, machine: Machine, unit: Fraction, keys: dict[str, Any]) -> Settings:
+    from gproof.frontend.eding.machine_table import settings_from
+
+    return settings_from(machine, keys)
+
+
 FRONTEND = Frontend(
     name="eding",
     title="Eding CNC",
@@ -63,6 +83,12 @@ FRONTEND = Frontend(
     alone=_alone,
     lines_of_machine=False,
     load_machine=_load_machine,
+    own_table=OwnTable(
+        keys=("macro_file", "super_long_file", "thread_peak"),
+        read_keys=_controller_keys,
+        usual=_usual_settings,
+        read=_settings_from,
+    ),
     setup_table="parameters",
     setup_fields=_setup_fields,
 )

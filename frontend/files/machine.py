@@ -9,23 +9,19 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import fields, replace
 from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
 from gproof.frontend.common.exact_numbers import MILLIMETRES
-from gproof.frontend.common.frontend import Files, Frontend
+from gproof.frontend.common.frontend import Files, Frontend, OwnTable
 from gproof.frontend.common.own_keys import key_paths
 from gproof.frontend.common.paths import is_there
 from gproof.frontend.common.toml_table import TomlFile, TomlTable, in_range, meant
 from gproof.frontend.files.areas_table import areas_from
 from gproof.frontend.files.tool_table import check_shape, shape_keys
-from gproof.frontend.files.wincnc_settings import controls_from
-from gproof.ir.dialects.accepts import ACCEPTS, LINE_NUMBERS, TEXT_AFTER_COMMENT, names_of
-from gproof.ir.dialects.eding.settings import NO_EDING_SETTINGS, eding_settings
-from gproof.ir.dialects.mcuwin.settings import McuWinSettings
-from gproof.ir.dialects.wincnc.settings import NO_WINCNC_SETTINGS, WinCncSettings, wincnc_settings
+from gproof.ir.dialects.accepts import ACCEPTS, names_of
 from gproof.ir.finding import Findings
 from gproof.ir.machine import (
     AXIS_NAMES,
@@ -50,9 +46,6 @@ HIGHEST_HEAD = 5
 HIGHEST_CHANNEL = 9999
 LETTERS = ("W", "U", "V")
 """Letters that an axis of column a, b or c may have in programs in place of its own."""
-THREAD_PEAKS = ("position", "offset")
-OF_EDING = ("macro_file", "super_long_file", "thread_peak")
-"""Keys of ``[controller]`` that only Eding CNC has."""
 LIMITS_HOLD = ("motor", "programmed")
 LENGTH_UNITS = {"mm": 1.0, "cm": 10.0, "m": 1000.0, "um": 0.001, "inch": 25.4}
 ANGLE_UNITS = {"deg": 1.0, "rev": 360.0, "rad": math.degrees(1.0)}
@@ -125,7 +118,7 @@ def _load_toml(
         tools=_tools(root, machine, unit),
         spindles=_spindles(root, machine, unit),
     )
-    machine, foreign = _settings(root, machine, unit, tuple(one.name for one in frontends))
+    machine, foreign, own = _settings(root, machine, unit, frontends)
     machine = replace(
         machine,
         board=_board(root, machine.board),
@@ -140,10 +133,8 @@ def _load_toml(
     change, keep_out = areas_from(root, machine.tool_change_area, machine.keep_out, unit)
     machine = replace(machine, tool_change_area=change, keep_out=keep_out)
     machine = _clearance(root, machine, unit)
-    if "din" in root.values or machine.controller.dialect == "mcuwin":
-        from gproof.frontend.files.mcuwin_settings import with_din
-
-        machine, more = with_din(root, machine, unit, foreign)
+    if own is not None and own.whole is not None:
+        machine, more = own.whole(root, machine, unit, foreign)
         files = files + more
     root.finish()
     if file.errors:
@@ -380,53 +371,62 @@ def _spindles(root: TomlTable, machine: Machine, unit: Fraction) -> tuple[Spindl
 
 
 def _settings(
-    root: TomlTable, machine: Machine, unit: Fraction, dialects: tuple[str, ...]
-) -> tuple[Machine, tuple[str, ...]]:
-    """With what ``[controller]`` and ``[controls]`` state; the names of tables that are another controller's.
+    root: TomlTable, machine: Machine, unit: Fraction, frontends: Frontends
+) -> tuple[Machine, tuple[str, ...], OwnTable | None]:
+    """With what ``[controller]`` and the tables of single controllers state; the names of tables that are another
+    controller's; and who makes the whole machine of the file, if anybody does.
 
-    A machine has the settings of one controller: that of its base, else that of which this file states any, else that
-    of its dialect. ``[controls]`` beside settings of Eding CNC is GP603; on a machine with ``[din]`` a job says that
-    it means nothing there (GP630).
+    A machine has the settings of one controller: the one whose file it is as a whole; else one with a table here, then
+    one without, that has something stated, or was that of the base, or is the dialect's.
     """
-    before = machine.settings
-    controls = controls_from(root, wincnc_settings(machine), unit)
-    controller, of_eding = _controller(root, machine.controller, dialects)
-    controls = _read_so(controls, controller.accepts)
+    controller, keys = _controller(root, machine.controller, frontends)
     machine = replace(machine, controller=controller)
-    stated = controls != NO_WINCNC_SETTINGS
-    foreign = ("controls",) if stated else ()
-    if "din" in root.values or controller.dialect == "mcuwin":
-        return machine, foreign
-    if isinstance(before, McuWinSettings):
-        return replace(machine, settings=replace(before, foreign=foreign or before.foreign)), ()
-    own = replace(eding_settings(machine), **of_eding)
-    if stated and not isinstance(before, WinCncSettings) and own != NO_EDING_SETTINGS:
-        key = next(name for name in OF_EDING if getattr(own, name) is not None)
-        root.bad("controls", f"settings of a WinCNC controller, beside {key}, which Eding CNC alone has")
-    if stated or isinstance(before, WinCncSettings) or controller.dialect == "wincnc":
-        return replace(machine, settings=controls), ()
-    if of_eding or controller.dialect == "eding":
-        return replace(machine, settings=own), ()
-    return machine, ()
+    own = {one.name: one.own_table for one in frontends if one.own_table is not None}
+    titles = {one.name: one.title for one in frontends}
+    of_base = {name for name, table in own.items() if type(table.usual()) is type(machine.settings)}
+    stated = {
+        name: table.read(root, machine, unit, keys[name])
+        for name, table in own.items()
+        if table.read and (name in of_base or _concerns(root, name, table, controller, keys[name]))
+    }
+    told = sorted((name for name in stated if stated[name] != own[name].usual()), key=lambda name: not own[name].name)
+    for name, table in own.items():
+        if table.whole and (table.name in root.values or controller.dialect == name or name in of_base):
+            return machine, tuple(own[other].name for other in told if own[other].name), table
+    if len(told) > 1 and told[0] not in of_base:
+        first, other = told[:2]
+        usual = own[other].usual()
+        key = next(one.name for one in fields(usual) if getattr(usual, one.name) != getattr(stated[other], one.name))
+        what = f"settings of a {titles[first]} controller, beside {key}, which {titles[other]} alone has"
+        root.bad(own[first].name, what)
+    for name in sorted(stated, key=lambda name: not own[name].name):
+        if name in told or name in of_base or controller.dialect == name:
+            return replace(machine, settings=stated[name]), (), None
+    return machine, (), None
 
 
-def _controller(root: TomlTable, before: Controller, dialects: tuple[str, ...]) -> tuple[Controller, dict[str, Any]]:
-    """``[controller]``, and those of its keys that only Eding CNC has."""
+def _concerns(root: TomlTable, name: str, own: OwnTable, controller: Controller, keys: dict[str, Any]) -> bool:
+    """Whether a file can state settings of a dialect: by its table, its keys, as its dialect, or by ``accepts``."""
+    accepted = any(one in ACCEPTS and ACCEPTS[one].dialects == (name,) for one in controller.accepts)
+    return own.name in root.values or bool(keys) or controller.dialect == name or accepted
+
+
+def _controller(
+    root: TomlTable, before: Controller, frontends: Frontends
+) -> tuple[Controller, dict[str, dict[str, Any]]]:
+    """``[controller]``, and what it states that only one controller has, by dialect."""
     table = root.table("controller")
+    owners = {one.name: one.own_table for one in frontends if one.own_table is not None}
     if table is None:
-        return before, {}
-    of_eding = _given(
-        macro_file=table.text("macro_file"),
-        super_long_file=table.positive("super_long_file"),
-        thread_peak=table.text("thread_peak", THREAD_PEAKS),
-    )
+        return before, {name: {} for name in owners}
+    keys = {name: own.read_keys(table) if set(own.keys) & set(table.values) else {} for name, own in owners.items()}
     angle = table.positive("laf_angle", zero=True)
     if angle is not None and angle > 180:
         table.bad("laf_angle", "an angle between two moves is at most 180 degrees")
     controller = replace(
         before,
         **_given(
-            dialect=table.text("dialect", dialects),
+            dialect=table.text("dialect", tuple(one.name for one in frontends)),
             laf_angle=angle,
             interpolation_time=table.positive("interpolation_time"),
             fifo_time=table.positive("fifo_time"),
@@ -448,18 +448,7 @@ def _controller(root: TomlTable, before: Controller, dialects: tuple[str, ...]) 
         ),
     )
     table.finish()
-    return controller, of_eding
-
-
-def _read_so(settings: WinCncSettings, accepts: tuple[str, ...]) -> WinCncSettings:
-    """With what ``accepts`` says of how lines are read."""
-    before = settings.lexical
-    lexical = replace(
-        before,
-        continued=before.continued or TEXT_AFTER_COMMENT.name in accepts,
-        numbered=before.numbered or LINE_NUMBERS.name in accepts,
-    )
-    return settings if lexical == before else replace(settings, lexical=lexical)
+    return controller, keys
 
 
 def _version(table: TomlTable) -> str | None:

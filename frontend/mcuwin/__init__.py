@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+from fractions import Fraction
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from gproof.frontend.common.frontend import Alike, Files, Frontend, Marker, Read, Reading
+from gproof.frontend.common.frontend import Alike, Files, Frontend, Marker, OwnTable, Read, Reading
 from gproof.frontend.mcuwin.names import EXTENSIONS, INCLUDE_FILES
 
 if TYPE_CHECKING:
@@ -13,6 +14,7 @@ if TYPE_CHECKING:
     from gproof.frontend.common.toml_table import TomlTable
     from gproof.ir.finding import Findings
     from gproof.ir.machine import Machine
+    from gproof.ir.settings import Settings
 
 
 def _load_program(job: Reading) -> Read:
@@ -53,6 +55,18 @@ def _setup_fields(root: TomlTable) -> dict[str, Any]:
     return setup_fields(root)
 
 
+def _usual_settings() -> Settings:
+    from gproof.ir.dialects.mcuwin.settings import NO_MCUWIN_SETTINGS
+
+    return NO_MCUWIN_SETTINGS
+
+
+def _machine_from(root: TomlTable, machine: Machine, unit: Fraction, foreign: tuple[str, ...]) -> tuple[Machine, Files]:
+    from gproof.frontend.mcuwin.machine_table import with_din
+
+    return with_din(root, machine, unit, foreign)
+
+
 FRONTEND = Frontend(
     name="mcuwin",
     title="McuWIN",
@@ -77,6 +91,7 @@ FRONTEND = Frontend(
     load_program=_load_program,
     alone=_alone,
     load_machine=_load_machine,
+    own_table=OwnTable(name="din", usual=_usual_settings, whole=_machine_from),
     setup_table="resident",
     setup_fields=_setup_fields,
     machine_files=("mcuwin.ini",),

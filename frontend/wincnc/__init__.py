@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
+from fractions import Fraction
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
-from gproof.frontend.common.frontend import Alike, Files, Frontend, Marker, Read, Reading
+from gproof.frontend.common.frontend import Alike, Files, Frontend, Marker, OwnTable, Read, Reading
 from gproof.frontend.wincnc.file_names import EXTENSIONS, MACRO_FILE, SETTINGS
 
 if TYPE_CHECKING:
     from gproof.frontend.common.alone import Alone
+    from gproof.frontend.common.toml_table import TomlTable
     from gproof.ir.finding import Findings
     from gproof.ir.machine import Machine
+    from gproof.ir.settings import Settings
 
 
 def _load_program(job: Reading) -> Read:
@@ -40,6 +43,18 @@ def _knows_machine(path: Path) -> bool:
     return is_wincnc_ini(path)
 
 
+def _usual_settings() -> Settings:
+    from gproof.ir.dialects.wincnc.settings import NO_WINCNC_SETTINGS
+
+    return NO_WINCNC_SETTINGS
+
+
+def _settings_from(root: TomlTable, machine: Machine, unit: Fraction, keys: dict[str, Any]) -> Settings:
+    from gproof.frontend.wincnc.machine_table import settings_from
+
+    return settings_from(root, machine, unit)
+
+
 FRONTEND = Frontend(
     name="wincnc",
     title="WinCNC",
@@ -60,6 +75,7 @@ FRONTEND = Frontend(
     definitions=MACRO_FILE,
     folder_machine=SETTINGS,
     load_machine=_load_machine,
+    own_table=OwnTable(name="controls", usual=_usual_settings, read=_settings_from),
     machine_files=(SETTINGS,),
     knows_machine=_knows_machine,
 )

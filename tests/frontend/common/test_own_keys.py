@@ -205,7 +205,7 @@ def everything(keys: Keys, path: Path_ = (), without: frozenset[str] = frozenset
 
 BODIES = ("stock", "part", "fixtures")
 SHAPES = {
-    "gproof-machine/1": ["[[keep_out]]\npolygon = 1\n"],
+    "gproof-machine/1": ["[[keep_out]]\npolygon = 1\n", "[controller]\nmacro_file = 1\n"],
     "gproof-setup/1": [
         "[[keep_out]]\npolygon = 1\n",
         '[height_map]\nfile = "none"\n',

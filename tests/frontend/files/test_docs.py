@@ -86,11 +86,11 @@ def test_the_example_of_a_workpiece_is_read(tmp_path: Path) -> None:
 
 def test_every_key_of_the_code_is_on_its_page() -> None:
     for source, page in (
-        ("machine.py", "machine-files.md"), ("mcuwin_settings.py", "machine-files.md"),
-        ("setup.py", "setup-files.md"), ("tool_table.py", "machine-files.md"),
-        ("workpiece.py", "setup-files.md"),
+        ("files/machine.py", "machine-files.md"), ("mcuwin/machine_table.py", "machine-files.md"),
+        ("files/setup.py", "setup-files.md"), ("files/tool_table.py", "machine-files.md"),
+        ("files/workpiece.py", "setup-files.md"),
     ):  # fmt: skip
-        code = (DOCS.parent / "frontend" / "files" / source).read_text(encoding="utf-8")
+        code = (DOCS.parent / "frontend" / source).read_text(encoding="utf-8")
         readers = r"\.(?:text|number|positive|ratio|interval|whole|boolean|table|numbered|take)\(\"(\w+)\""
         keys = set(re.findall(readers, code))
         assert keys - set(re.findall(r"\w+", "\n".join(examples(page)))) == set()

@@ -294,7 +294,7 @@ def test_a_file_refines_another_one(tmp_path: Path) -> None:
 
 KEYS = re.findall(
     r'\.(?:text|positive|whole|boolean|table|grid)\("(\w+)"',
-    (Path(__file__).resolve().parents[3] / "frontend" / "files" / "mcuwin_settings.py").read_text("utf-8"),
+    (Path(__file__).resolve().parents[3] / "frontend" / "mcuwin" / "machine_table.py").read_text("utf-8"),
 )
 VALUES = st.recursive(
     st.sampled_from(

@@ -11,14 +11,20 @@ from typing import Any
 
 from gproof.frontend.common.exact_numbers import exact_number
 from gproof.frontend.common.toml_table import TomlTable, show
-from gproof.ir.dialects.wincnc.settings import DEVICES, HIGHEST_CHANNEL, WinCncSettings
-from gproof.ir.machine import AXIS_NAMES
+from gproof.ir.dialects.accepts import LINE_NUMBERS, TEXT_AFTER_COMMENT
+from gproof.ir.dialects.wincnc.settings import DEVICES, HIGHEST_CHANNEL, WinCncSettings, wincnc_settings
+from gproof.ir.machine import AXIS_NAMES, Machine
 
 DEEPEST = 1000
 MOST_CHANNELS = 1000
 
 
-def controls_from(root: TomlTable, before: WinCncSettings, unit: Fraction) -> WinCncSettings:
+def settings_from(root: TomlTable, machine: Machine, unit: Fraction) -> WinCncSettings:
+    """The machine's settings with what the table and ``accepts`` of ``[controller]`` state."""
+    return _read_so(_controls_from(root, wincnc_settings(machine), unit), machine.controller.accepts)
+
+
+def _controls_from(root: TomlTable, before: WinCncSettings, unit: Fraction) -> WinCncSettings:
     """The controls with what the table states; lengths of the table are in ``unit`` mm."""
     table = root.table("controls")
     if table is None:
@@ -61,6 +67,17 @@ def controls_from(root: TomlTable, before: WinCncSettings, unit: Fraction) -> Wi
     table.finish()
     given = {name: value for name, value in stated.items() if value is not None}
     return replace(before, **given, places=tuple(place for place in before.places if place[0] not in given))
+
+
+def _read_so(settings: WinCncSettings, accepts: tuple[str, ...]) -> WinCncSettings:
+    """With what ``accepts`` says of how lines are read."""
+    before = settings.lexical
+    lexical = replace(
+        before,
+        continued=before.continued or TEXT_AFTER_COMMENT.name in accepts,
+        numbered=before.numbered or LINE_NUMBERS.name in accepts,
+    )
+    return settings if lexical == before else replace(settings, lexical=lexical)
 
 
 def _sign(table: TomlTable, key: str) -> int | None:
