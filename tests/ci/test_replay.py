@@ -28,7 +28,7 @@ PLANTS = [
 
 SHOW = {
     LIMITS: {"check", "check, json", "check, sarif", "dump, stream", "fit", "compile"},
-    POCKET: {"dump, stream", "compile", "compile, body", "fmt"},
+    POCKET: {"dump, stream", "compile", "compile, body", "compile, stream.ir", "fmt"},
 }
 """The aspects in which these programs differ then, and no others."""
 
