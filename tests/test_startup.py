@@ -82,7 +82,7 @@ def test_a_job_of_one_dialect_needs_no_rooms_of_another(dialect: str, job: str, 
     beside = Path(job).parent
     stated = setup if setup == "zero" else str(beside / setup)
     loaded = all_modules_after(RUN, "check", job, "--machine", str(beside / machine), "--setup", stated)
-    rooms = [f"gproof.{room}." for room in ("frontend", "passes.interpret", "backend.emit")]
+    rooms = [f"gproof.{room}." for room in ("frontend", "passes.interpret", "backend.emit", "ir.dialects")]
     others = [f"{room}{name}." for room in rooms for name in DIALECTS if name != dialect]
     assert sorted(name for name in loaded - LISTED if name.startswith(tuple(others))) == []
     assert {f"gproof.frontend.{dialect}.load", f"gproof.passes.interpret.{dialect}.line_order"} & loaded

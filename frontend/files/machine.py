@@ -37,6 +37,7 @@ from gproof.ir.machine import (
     Tool,
     Unmodelled,
 )
+from gproof.ir.settings import Settings
 
 SCHEMA = "gproof-machine/1"
 HIGHEST_TOOL = 99
@@ -379,30 +380,38 @@ def _settings(
     A machine has the settings of one controller: the one whose file it is as a whole; else one with a table here, then
     one without, that has something stated, or was that of the base, or is the dialect's.
     """
+    own = {one.name: one.own_table for one in frontends if one.own_table is not None}
+    of_base = _owner(machine, own)
     controller, keys = _controller(root, machine.controller, frontends)
     machine = replace(machine, controller=controller)
-    own = {one.name: one.own_table for one in frontends if one.own_table is not None}
     titles = {one.name: one.title for one in frontends}
-    of_base = {name for name, table in own.items() if type(table.usual()) is type(machine.settings)}
     stated = {
         name: table.read(root, machine, unit, keys[name])
         for name, table in own.items()
-        if table.read and (name in of_base or _concerns(root, name, table, controller, keys[name]))
+        if table.read and (name == of_base or _concerns(root, name, table, controller, keys[name]))
     }
     told = sorted((name for name in stated if stated[name] != own[name].usual()), key=lambda name: not own[name].name)
     for name, table in own.items():
-        if table.whole and (table.name in root.values or controller.dialect == name or name in of_base):
+        if table.whole and (table.name in root.values or name in (controller.dialect, of_base)):
             return machine, tuple(own[other].name for other in told if own[other].name), table
-    if len(told) > 1 and told[0] not in of_base:
+    if len(told) > 1 and told[0] != of_base:
         first, other = told[:2]
         usual = own[other].usual()
         key = next(one.name for one in fields(usual) if getattr(usual, one.name) != getattr(stated[other], one.name))
         what = f"settings of a {titles[first]} controller, beside {key}, which {titles[other]} alone has"
         root.bad(own[first].name, what)
     for name in sorted(stated, key=lambda name: not own[name].name):
-        if name in told or name in of_base or controller.dialect == name:
+        if name in told or name in (of_base, controller.dialect):
             return replace(machine, settings=stated[name]), (), None
     return machine, (), None
+
+
+def _owner(machine: Machine, own: dict[str, OwnTable]) -> str | None:
+    """The dialect whose settings a machine has; that of its controller is looked at first, which loads no other."""
+    if type(machine.settings) is Settings:
+        return None
+    first = sorted(own, key=lambda name: name != machine.controller.dialect)
+    return next((name for name in first if type(own[name].usual()) is type(machine.settings)), None)
 
 
 def _concerns(root: TomlTable, name: str, own: OwnTable, controller: Controller, keys: dict[str, Any]) -> bool:

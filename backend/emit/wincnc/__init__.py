@@ -6,7 +6,6 @@ from collections.abc import Iterable
 from typing import TYPE_CHECKING
 
 from gproof.backend.emit.printer import Printer
-from gproof.ir.dialects.wincnc.settings import wincnc_settings
 
 if TYPE_CHECKING:
     from gproof.ir.machine import Machine
@@ -15,12 +14,14 @@ if TYPE_CHECKING:
 
 def _emit(program: Program, machine: Machine, as_is: frozenset[int]) -> Iterable[bytes]:
     from gproof.backend.emit.wincnc.program import emit
+    from gproof.ir.dialects.wincnc.settings import wincnc_settings
 
     return emit(program, wincnc_settings(machine).lexical)
 
 
 def _emit_same_length(program: Program, machine: Machine) -> Iterable[bytes]:
     from gproof.backend.emit.wincnc.program import emit
+    from gproof.ir.dialects.wincnc.settings import wincnc_settings
 
     return emit(program, wincnc_settings(machine).lexical, same_length=True)
 
