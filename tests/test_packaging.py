@@ -122,3 +122,12 @@ def test_wheel_works_in_an_empty_venv(wheel: Path, tmp_path: Path) -> None:
     explained = run(commands / "gproof", "explain", "GP301", cwd=tmp_path)
     assert "GP301" in explained
     assert "soft-limit" in explained
+
+    # A drawing of the part needs the extra; without it the command says so, and how to get it.
+    shop = shutil.copytree(ROOT / "corpus" / "eding" / "clamped-bracket", tmp_path / "shop")
+    check = (commands / "gproof", "check", "job.cnc", "--machine", "machine.toml", "--setup", "setup.toml")
+    refused = subprocess.run(check, cwd=shop, capture_output=True, encoding="utf-8", check=False)
+    assert refused.returncode == 3
+    assert "pip install 'gproof[dxf]'" in refused.stdout + refused.stderr
+    run(*install, "-c", tmp_path / "constraints.txt", "gproof[dxf]", cwd=tmp_path)
+    assert "job.cnc: SAFE" in run(*check, cwd=shop)

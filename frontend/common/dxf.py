@@ -39,6 +39,10 @@ MILLIMETRES = {1: 25.4, 2: 304.8, 4: 1.0, 5: 10.0, 6: 1000.0, 8: 25.4e-6, 9: 0.0
 _NAMES = {1: "inch", 4: "mm"}
 
 
+NO_READER = "reading a DXF drawing needs ezdxf, which is not installed: pip install 'gproof[dxf]'"
+"""The one library that only drawings need is an extra of its own."""
+
+
 class DxfError(ValueError):
     """What keeps a drawing from being outlines, in words with the place."""
 
@@ -71,11 +75,14 @@ class Sheet:
 
 
 def open_drawing(path: Path) -> Sheet:
-    """The drawing in a file; DxfError when it is none, or counts in a unit that is no length of ours."""
+    """The drawing in a file; DxfError when it is none, its unit is no length of ours, or ezdxf is not installed."""
     if path.stat().st_size > LARGEST_FILE:
         raise DxfError(f"{path.stat().st_size / 1e6:.0f} MB; drawings are read up to {LARGEST_FILE / 1e6:.0f} MB")
     logging.getLogger("ezdxf").setLevel(logging.CRITICAL)
-    from ezdxf.filemanagement import readfile
+    try:
+        from ezdxf.filemanagement import readfile
+    except ModuleNotFoundError:
+        raise DxfError(NO_READER) from None
 
     try:
         document = readfile(path)
