@@ -23,7 +23,7 @@ def examples(page: str) -> list[str]:
 
 
 def of_any_controller(page: str) -> list[str]:
-    """The complete files of a page that need no file of a controller beside them: a small one, and one with every key."""
+    """The complete files of a page that need no controller file: a small one, and one with every key."""
     return [text for text in examples(page) if text.startswith("schema") and 'base = "' not in text[:80]]
 
 
