@@ -7,9 +7,10 @@ cannot show::
     G0 X1000
     ```
 
-Words: ``crlf`` (lines end so), ``no-end`` (the last line has no end), ``latin-1`` (its bytes), ``base64`` (no text).
-Other blocks and all that stands around is text for people. ``unpacked`` writes a tree of pages as the folders that they
-were packed from, once for each state of the tree, below ``build/``.
+Words: ``crlf`` (lines end so), ``no-end`` (the last line has no end), ``latin-1`` (its bytes), ``base64`` (no text),
+``about`` (JSON Lines whose first row is the text of its section: ``about_row``). Other blocks and all text around them
+are for people. ``unpacked`` writes a tree of pages as the folders that they were packed from, once for each state of
+the tree, below ``build/``: ``mill.md`` holds the folder ``mill``, and ``mill.arcs.md`` a topic of it.
 
 Imports nothing of gproof: ``make replay`` unpacks the same pages for both revisions.
 """
@@ -18,12 +19,16 @@ from __future__ import annotations
 
 import base64
 import hashlib
+import json
 import os
 import re
 import shutil
 import tempfile
+from collections.abc import Iterator
+from dataclasses import dataclass, field
 from functools import cache
 from pathlib import Path
+from typing import Any
 
 ROOT = Path(__file__).resolve().parents[2]
 BUILT = ROOT / "build" / "unpacked"
@@ -32,29 +37,72 @@ LANGUAGES = {
 }  # fmt: skip
 """What a fence says for colours; other files are programs."""
 _OPEN = re.compile(r"(?P<fence>`{3,})(?P<language>[a-z]+) (?P<name>\S+)(?P<words>(?: [a-z0-9-]+)*)")
-_WORDS = {"crlf", "no-end", "latin-1", "base64"}
+_WORDS = {"crlf", "no-end", "latin-1", "base64", "about"}
+MANUAL, SETUP, CODE = "Manual: ", "Setup: ", "Code: "
+"""How the lines of a case begin that say its sections of the manual, its state at the start and gproof's code."""
+
+
+@dataclass
+class Section:
+    """A heading of the second level: its text, line by line without blank lines, and its files by name."""
+
+    heading: str
+    text: list[str] = field(default_factory=list)
+    files: dict[str, bytes] = field(default_factory=dict)
+
+    def said(self, label: str) -> str:
+        """What its line says that begins with a label, or ""."""
+        return next((line.removeprefix(label) for line in self.text if line.startswith(label)), "")
+
+    def about_row(self) -> dict[str, Any]:
+        """The first row of a trace by hand: the manual's headings, how the numbers come about, what is not as usual."""
+        why = " ".join(line for line in self.text if not line.startswith((MANUAL, SETUP, CODE)))
+        row = {"op": "about", "manual": self.said(MANUAL).split("; "), "why": why}
+        setup = self.said(SETUP).strip("`")
+        return row | ({"setup": json.loads(setup)} if setup else {})
+
+
+def sections(text: str) -> list[Section]:
+    """A page's sections; the first is what comes before any. ValueError: a block is not closed or a word is none."""
+    found = [Section("")]
+    lines = iter(text.split("\n"))
+    for line in lines:
+        plain = re.match(r"`{3,}", line)
+        if plain is None:
+            if line.startswith("## "):
+                found.append(Section(line.removeprefix("## ")))
+            elif line.strip():
+                found[-1].text.append(line)
+            continue
+        inside = list(_block(lines, line, plain[0]))
+        opened = _OPEN.fullmatch(line)
+        if opened is None:
+            continue
+        words = set(opened["words"].split())
+        if opened["name"] in found[-1].files:
+            raise ValueError(f"two files are named {opened['name']}")
+        if "about" in words:
+            inside.insert(0, json.dumps(found[-1].about_row(), ensure_ascii=False))
+        found[-1].files[opened["name"]] = _bytes(inside, words)
+    return found
+
+
+def _block(lines: Iterator[str], opened: str, fence: str) -> Iterator[str]:
+    for line in lines:
+        if line == fence:
+            return
+        yield line
+    raise ValueError(f"a block is not closed: {opened}")
 
 
 def files_of(text: str) -> dict[str, bytes]:
     """The files of a page, by name. ValueError: a block is not closed, a name stands twice or a word is none."""
     found: dict[str, bytes] = {}
-    lines = iter(text.split("\n"))
-    for line in lines:
-        opened = _OPEN.fullmatch(line)
-        plain = re.match(r"`{3,}", line)
-        if plain is None:
-            continue
-        inside: list[str] = []
-        for one in lines:
-            if one == plain[0]:
-                break
-            inside.append(one)
-        else:
-            raise ValueError(f"a block is not closed: {line}")
-        if opened is not None:
-            if opened["name"] in found:
-                raise ValueError(f"two files are named {opened['name']}")
-            found[opened["name"]] = _bytes(inside, set(opened["words"].split()))
+    for section in sections(text):
+        for name, content in section.files.items():
+            if name in found:
+                raise ValueError(f"two files are named {name}")
+            found[name] = content
     return found
 
 
@@ -101,9 +149,9 @@ def _lines(content: bytes) -> tuple[list[str], list[str]]:
 @cache
 def unpacked(tree: str) -> Path:
     """The folders of a tree of pages (``docs/codes``): each page's files in a folder of its name, other files as they
-    are."""
+    are, Python left out."""
     source = ROOT / tree
-    files = sorted(path for path in source.rglob("*") if path.is_file() and "__pycache__" not in path.parts)
+    files = sorted(path for path in source.rglob("*") if path.is_file() and path.suffix not in {".py", ".pyc"})
     contents = {path.relative_to(source): path.read_bytes() for path in files}
     digest = hashlib.sha256()
     for name, content in contents.items():
@@ -115,12 +163,11 @@ def unpacked(tree: str) -> Path:
     made = Path(tempfile.mkdtemp(dir=BUILT))
     try:
         for name, content in contents.items():
-            is_page = name.suffix == ".md" and name.name != "README.md"
-            held = files_of(content.decode()) if is_page else {}
-            for inner, data in held.items():
-                _write(made / tree / name.with_suffix("") / inner, data)
-            if not is_page:
+            if name.suffix != ".md" or name.name == "README.md":
                 _write(made / tree / name, content)
+                continue
+            for inner, data in files_of(content.decode()).items():
+                _write(made / tree / name.with_name(name.name.partition(".")[0]) / inner, data)
         try:
             made.rename(BUILT / digest.hexdigest()[:16])
         except OSError:  # another process was first
@@ -131,7 +178,15 @@ def unpacked(tree: str) -> Path:
     return target
 
 
+def pages_of(folder: str) -> list[Path]:
+    """The pages that hold a folder (``tests/hand/wincnc/router``): its own and those of its topics."""
+    found = sorted((ROOT / folder).parent.glob(f"{Path(folder).name}.*md"))
+    return [page for page in found if page.name.partition(".")[0] == Path(folder).name]
+
+
 def _write(path: Path, content: bytes) -> None:
+    if path.exists():
+        raise ValueError(f"two pages hold {path.parent.name}/{path.name}")
     path.parent.mkdir(parents=True, exist_ok=True)
     path.write_bytes(content)
 

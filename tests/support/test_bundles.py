@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from support.bundles import block, files_of, unpacked
+from support import bundles
+from support.bundles import CODE, MANUAL, block, files_of, pages_of, sections, unpacked
 
 TEXTS = st.text(alphabet="GX1 `~#é\n\r\t\x00\x0c", max_size=40).map(str.encode)
 
@@ -37,3 +40,30 @@ def test_a_page_that_is_none(page: str, why: str) -> None:
 
 def test_a_tree_is_unpacked_once() -> None:
     assert unpacked("tests/support") is unpacked("tests/support")
+
+
+def test_a_trace_begins_with_the_text_of_its_section() -> None:
+    page = "# Arcs\n\n## half\n\nTwice the\nradius.\n\n"
+    page += 'Manual: G2; G3\n\nSetup: `{"inputs": {"1": true}}`\n\nCode: GP401\n\n'
+    page += "```gcode half.tap\nG2\n```\n\n```jsonl half.jsonl about\n{}\n```\n"
+    _, half = sections(page)
+    row = b'{"op": "about", "manual": ["G2", "G3"], "why": "Twice the radius.", "setup": {"inputs": {"1": true}}}'
+    assert half.files == {"half.tap": b"G2\n", "half.jsonl": row + b"\n{}\n"}
+    assert (half.heading, half.said(MANUAL), half.said(CODE)) == ("half", "G2; G3", "GP401")
+
+
+def test_pages_of_topics_hold_one_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(bundles, "ROOT", tmp_path)
+    monkeypatch.setattr(bundles, "BUILT", tmp_path / "build")
+    texts = {"mill.md": block("m.toml", b"x"), "mill.arcs.md": block("arc.cnc", b"G2"), "README.md": "", "x.py": ""}
+    for tree in ("first", "second"):
+        tmp_path.joinpath(tree).mkdir()
+        for name, text in texts.items():
+            tmp_path.joinpath(tree, name).write_text(text)
+    made = unpacked("first")
+    found = {path.relative_to(made).as_posix() for path in made.rglob("*") if path.is_file()}
+    assert found == {"README.md", "mill/m.toml", "mill/arc.cnc"}
+    assert [page.name for page in pages_of("first/mill")] == ["mill.arcs.md", "mill.md"]
+    tmp_path.joinpath("second", "mill.lines.md").write_text(block("arc.cnc", b"G1"))
+    with pytest.raises(ValueError, match=r"two pages hold mill/arc\.cnc"):
+        unpacked("second")
