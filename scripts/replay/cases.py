@@ -16,6 +16,8 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "tests"))
 
+from support.bundles import BUILT, unpacked  # noqa: E402
+
 from corpus import pages  # noqa: E402  (tests/ is on the path only now)
 
 SUFFIXES = {"eding": (".cnc",), "wincnc": (".tap", ".nc", ".mac"), "mcuwin": (".src", ".din", ".inc")}
@@ -65,7 +67,9 @@ def dialect_of(program: Path) -> str | None:
 
 
 def _name(program: Path) -> str:
-    return program.relative_to(ROOT).as_posix()
+    """Its path in the tree, or in the folders that pages stand for."""
+    root = BUILT / program.relative_to(BUILT).parts[0] if program.is_relative_to(BUILT) else ROOT
+    return program.relative_to(root).as_posix()
 
 
 def _stated(folder: Path, setup: str) -> str:
@@ -126,7 +130,7 @@ def _divided(options: list[str]) -> tuple[tuple[str, ...], tuple[str, ...]]:
 def of_hand() -> Iterator[Case]:
     """Programs worked out by hand from the manuals, on their shop's machine, homed at zero."""
     for dialect in ("wincnc", "mcuwin"):
-        for program in sorted((ROOT / "tests" / "hand" / dialect).rglob("*")):
+        for program in sorted((unpacked("tests/hand") / dialect).rglob("*")):
             if dialect_of(program) == dialect:
                 machine = _machine_above(program, dialect)
                 yield Case(_name(program), dialect, program, machine, "zero", ("--dialect", dialect))
@@ -134,6 +138,6 @@ def of_hand() -> Iterator[Case]:
 
 def of_differential() -> Iterator[Case]:
     """Programs that are held against LinuxCNC's interpreter, those that it refuses too."""
-    folder = ROOT / "tests" / "differential"
+    folder = unpacked("tests/differential")
     for program in sorted(folder.rglob("*.ngc")):
         yield Case(_name(program), "eding", program, folder / "machine.toml", "zero", ("--dialect", "eding"))

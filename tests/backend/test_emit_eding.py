@@ -15,6 +15,7 @@ import pytest
 from frontend.eding.test_random import random_bytes, random_program
 from frontend.eding.test_tolerance import SAME
 from support import wild
+from support.bundles import unpacked
 from support.campaigns import seeds
 from support.goldens import ROOT
 
@@ -33,9 +34,7 @@ WRONG = ("language-errors-job", "default-macros-macro")
 """Jobs with lines that are mistakes by the manual: the second one machine takes more than it."""
 JOBS = sorted((ROOT / "corpus" / "eding").glob("*/*.cnc"))
 EXAMPLES = sorted((ROOT / "docs" / "codes").glob("GP*/*.cnc"))
-SHARED = sorted((ROOT / "tests" / "differential").glob("*/*.ngc")) + sorted(
-    (ROOT / "tests" / "differential").glob("*/*.cnc")
-)
+SHARED = sorted(unpacked("tests/differential").glob("*/*.ngc"))
 
 
 def read(folder: Path, data: bytes, name: str = "job.cnc") -> Program | None:

@@ -12,6 +12,7 @@ from typing import Any
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from support.bundles import unpacked
 from support.campaigns import share, sizes
 from support.goldens import ROOT
 from support.mcuwin_lines import HEAD, random_line
@@ -33,8 +34,8 @@ JOBS = (".din", ".src")
 SHOPS = sorted(
     {
         path.parent
-        for parent in ("tests/hand/mcuwin", "corpus/mcuwin", "docs/codes")
-        for path in (ROOT / parent).rglob("*")
+        for parent in (unpacked("tests/hand") / "mcuwin", ROOT / "corpus/mcuwin", ROOT / "docs/codes")
+        for path in parent.rglob("*")
         if path.suffix in JOBS
     }
 )

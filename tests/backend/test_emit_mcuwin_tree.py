@@ -11,6 +11,7 @@ from typing import Any
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from support.bundles import unpacked
 from support.campaigns import share
 from support.goldens import ROOT
 from support.mcuwin_lines import HEAD, random_line
@@ -29,8 +30,8 @@ from gproof.ir.machine import Machine
 NOWHERE = Span("", 0)
 JOBS = sorted(
     path
-    for parent in ("tests/hand/mcuwin", "corpus/mcuwin", "docs/codes")
-    for path in (ROOT / parent).rglob("*")
+    for parent in (unpacked("tests/hand") / "mcuwin", ROOT / "corpus/mcuwin", ROOT / "docs/codes")
+    for path in parent.rglob("*")
     if path.suffix.lower() in (".din", ".src", ".inc", ".pim")
 )
 SHOPS = sorted({path.parent for path in JOBS})

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from support.bundles import unpacked
 from support.campaigns import share, sizes
 from support.goldens import ROOT
 
@@ -25,8 +26,8 @@ from gproof.ir.same import difference
 
 SHOPS = [
     folder
-    for parent in ("tests/hand/wincnc", "corpus/wincnc", "docs/codes")
-    for folder in sorted((ROOT / parent).iterdir())
+    for parent in (unpacked("tests/hand") / "wincnc", ROOT / "corpus/wincnc", ROOT / "docs/codes")
+    for folder in sorted(parent.iterdir())
     if any(folder.glob("*.tap")) or any(folder.glob("*/*.tap"))
 ]
 

@@ -13,6 +13,7 @@ from pathlib import Path
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from support.bundles import unpacked
 from support.campaigns import examples, share
 from support.goldens import ROOT
 
@@ -33,9 +34,11 @@ from gproof.ir.same import difference
 from gproof.ir.text import parse_ir, print_ir
 
 MACRO_FILES = sorted(
-    path for parent in ("tests/hand/wincnc", "corpus/wincnc", "docs/codes") for path in (ROOT / parent).rglob("*")
+    path
+    for parent in (unpacked("tests/hand") / "wincnc", ROOT / "corpus/wincnc", ROOT / "docs/codes")
+    for path in parent.rglob("*")
     if path.name.lower() == "cnc.mac"
-)  # fmt: skip
+)
 
 
 def with_lexical(lexical: Lexical) -> Machine:

@@ -11,10 +11,10 @@ from pathlib import Path
 import pytest
 from differential import gproof_side
 from differential.compare import first_difference
-from differential.traces import DIFFERENCES, HERE, gproof_rows, hand_rows, peer_run, report
+from differential.traces import DIFFERENCES, codes, gproof_rows, hand_rows, peer_run, report
+from support.bundles import ROOT
 
-TABLE_ROW = re.compile(r"^\| \[`([a-z0-9-]+)\.ngc`\]\S+ \| [^|]+ \|(?: (GP[^|]+) \|)?", re.MULTILINE)
-CODES = dict(TABLE_ROW.findall((HERE / "differences" / "README.md").read_text()))
+CODES = codes("differences")
 BY_HAND = [path for path in DIFFERENCES if not CODES.get(path.stem)]
 REFUSED = [path for path in DIFFERENCES if CODES.get(path.stem)]
 
@@ -48,12 +48,12 @@ def test_gproof_refuses(program: Path) -> None:
     assert any(code in said.output for code in CODES[program.stem].split(" or ")), f"{program.read_text()}\n{said}"
 
 
-def test_tables_list_every_program() -> None:
+def test_pages_hold_every_program() -> None:
     assert sorted(CODES) == sorted(path.stem for path in DIFFERENCES)
     assert all(path.with_suffix(".jsonl").exists() for path in BY_HAND)
 
 
 def test_page_of_the_dialect_lists_every_program() -> None:
-    page = (HERE.parents[1] / "docs" / "dialects" / "eding.md").read_text().split("\n## Beside LinuxCNC\n")[1]
+    page = (ROOT / "docs" / "dialects" / "eding.md").read_text().split("\n## Beside LinuxCNC\n")[1]
     rows = [row.split("|")[-2] for row in page.splitlines() if row.startswith("| ")][1:]
     assert sorted(re.findall(r"`([a-z0-9-]+)`", "".join(rows))) == sorted(CODES)

@@ -9,11 +9,11 @@ from pathlib import Path
 
 import pytest
 from differential.compare import first_difference
-from differential.traces import EXPECTED, HERE, gproof_rows, hand_rows, peer_run, report
+from differential.traces import EXPECTED, gproof_rows, hand_rows, peer_run, report
 
 
 def program_of(path: Path) -> Path:
-    return HERE / "programs" / f"{path.stem}.ngc"
+    return path.with_suffix(".ngc")
 
 
 @pytest.mark.usefixtures("peer")

@@ -1,4 +1,4 @@
-"""Programs that both refuse: LinuxCNC's interpreter with an error, gproof with the code that the table names."""
+"""Programs that both refuse: LinuxCNC's interpreter with an error, gproof with the code that its page names."""
 
 from __future__ import annotations
 
@@ -7,10 +7,9 @@ from pathlib import Path
 
 import pytest
 from differential import gproof_side, rs274_peer
-from differential.traces import HERE, REJECTED
+from differential.traces import REJECTED, codes
 
-TABLE_ROW = re.compile(r"^\| \[`([a-z0-9-]+)\.ngc`\]\S+ \| [^|]+ \| ([^|]+) \|", re.MULTILINE)
-CODES = dict(TABLE_ROW.findall((HERE / "rejected" / "README.md").read_text()))
+CODES = codes("rejected")
 
 
 @pytest.mark.usefixtures("peer")
@@ -30,6 +29,6 @@ def test_gproof_refuses(program: Path) -> None:
         )
 
 
-def test_table_lists_every_program() -> None:
+def test_pages_hold_every_program() -> None:
     assert sorted(CODES) == sorted(path.stem for path in REJECTED)
-    assert all(re.fullmatch(r"any|GP\d{3}( or GP\d{3})*", codes) for codes in CODES.values())
+    assert all(re.fullmatch(r"any|GP\d{3}( or GP\d{3})*", code) for code in CODES.values())

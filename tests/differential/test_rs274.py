@@ -1,21 +1,18 @@
 """Every program means the same to gproof and to LinuxCNC's interpreter, move by move.
 
-`programs/README.md` says what each exercises and where the manual has it. `compare.py` lists the rules by
+The pages `programs.*.md` say what each exercises and where the manual has it. `compare.py` lists the rules by
 which the two may differ.
 """
 
 from __future__ import annotations
 
-import re
 from pathlib import Path
 
 import pytest
 from differential import gproof_side
 from differential.compare import first_difference, normal
 from differential.rs274_peer import run_peer, situation_of
-from differential.traces import HERE, PROGRAMS, gproof_rows, peer_run, report
-
-TABLE_ROW = re.compile(r"^\| \[?`([a-z0-9-]+)\.ngc`", re.MULTILINE)
+from differential.traces import EXPECTED, PROGRAMS, cases, gproof_rows, peer_run, report
 
 
 @pytest.mark.usefixtures("peer")
@@ -50,7 +47,7 @@ def test_peer_has_full_precision(units: str, factor: float, tmp_path: Path) -> N
 @pytest.mark.parametrize("name", ["long-program", "block-delete-on"])
 def test_command_and_function_say_the_same(name: str) -> None:
     """The other tests call the command's function, which is far faster than to start the command."""
-    program = HERE / "programs" / f"{name}.ngc"
+    program = PROGRAMS[0].with_name(f"{name}.ngc")
     assert gproof_rows(program, by_command=True) == gproof_rows(program)
 
 
@@ -62,13 +59,12 @@ def test_machine_file_names_the_language(tmp_path: Path) -> None:
     assert [row["op"] for row in normal(gproof_side.in_process(arguments).rows())] == ["traverse", "end"]
 
 
-def test_table_lists_every_program() -> None:
-    table = TABLE_ROW.findall((HERE / "programs" / "README.md").read_text())
-    assert sorted(table) == sorted(path.stem for path in PROGRAMS)
-    assert len(table) == len(set(table)) >= 250
+def test_pages_hold_every_program() -> None:
+    assert sorted(cases("programs")) == sorted(path.stem for path in PROGRAMS)
+    assert len(PROGRAMS) >= 300
 
 
 def test_every_setup_and_expectation_has_its_program() -> None:
     stems = {path.stem for path in PROGRAMS}
-    assert {path.name.removesuffix(".setup.toml") for path in (HERE / "programs").glob("*.toml")} <= stems
-    assert {path.stem for path in (HERE / "expected").glob("*.jsonl")} <= stems
+    assert {path.name.removesuffix(".setup.toml") for path in PROGRAMS[0].parent.glob("*.toml")} <= stems
+    assert {path.stem for path in EXPECTED} <= stems

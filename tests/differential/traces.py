@@ -7,13 +7,33 @@ import json
 from pathlib import Path
 
 from differential import compare, gproof_side, rs274_peer
+from support.bundles import CODE, MANUAL, Section, pages_of, sections, unpacked
 
-HERE = Path(__file__).parent
-PROGRAMS = sorted((HERE / "programs").glob("*.ngc"))
-EXPECTED = sorted((HERE / "expected").glob("*.jsonl"))
-DIFFERENCES = sorted((HERE / "differences").glob("*.ngc"))
-REJECTED = sorted((HERE / "rejected").glob("*.ngc"))
+FOLDER = unpacked("tests/differential")
+"""The folders that the pages `programs.*.md`, `differences.*.md` and `rejected.*.md` hold."""
+PROGRAMS = sorted((FOLDER / "programs").glob("*.ngc"))
+EXPECTED = sorted((FOLDER / "programs").glob("*.jsonl"))
+DIFFERENCES = sorted((FOLDER / "differences").glob("*.ngc"))
+REJECTED = sorted((FOLDER / "rejected").glob("*.ngc"))
 BATCH = 10  # neighbouring programs for one process of the peer; a worker of pytest gets neighbouring tests
+
+
+def cases(folder: str) -> dict[str, Section]:
+    """By name of the program what the pages of a folder say: its section of the manual, gproof's code, its files."""
+    found: dict[str, Section] = {}
+    for page in pages_of(f"tests/differential/{folder}"):
+        for case in sections(page.read_text(encoding="utf-8"))[1:]:
+            assert case.heading not in found, f"two cases {case.heading}"
+            assert f"{case.heading}.ngc" in case.files, f"{page.name}: {case.heading} has no program of its name"
+            assert all(name.partition(".")[0] == case.heading for name in case.files), case.heading
+            assert case.said(MANUAL), f"{page.name}: {case.heading} has no section of the manual"
+            found[case.heading] = case
+    return found
+
+
+def codes(folder: str) -> dict[str, str]:
+    """By name of the program the code that gproof refuses it with; "": it does not."""
+    return {name: case.said(CODE) for name, case in cases(folder).items()}
 
 
 def setup_of(program: Path) -> Path | None:

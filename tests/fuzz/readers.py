@@ -17,6 +17,7 @@ from contextlib import redirect_stderr, redirect_stdout, suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from support.bundles import unpacked
 from support.spoiling import spoilt
 from verify.forgery import spoilt_package
 
@@ -47,8 +48,13 @@ SMALL = 6_000
 @functools.cache
 def _files(*patterns: str) -> tuple[bytes, ...]:
     """Right files of the corpus and of the documented programs."""
-    found = (path for pattern in patterns for path in sorted(ROOT.glob(pattern)))
+    found = (path for pattern in patterns for path in sorted(_root(pattern).glob(pattern)))
     return tuple(dict.fromkeys(path.read_bytes() for path in found if 0 < path.stat().st_size < SMALL))
+
+
+def _root(pattern: str) -> Path:
+    """Where its files are: pages as folders (support/bundles.py)."""
+    return unpacked("tests/hand").parents[1] if pattern.startswith("tests/hand/") else ROOT
 
 
 @dataclass(frozen=True)

@@ -9,6 +9,7 @@ from typing import Any
 
 import pytest
 from hand.compare import LISTED, fits, lengthless, open_or_wrong, rows_of
+from support.bundles import unpacked
 from support.campaigns import share
 
 from gproof.driver.running import begin, execute
@@ -20,8 +21,8 @@ from gproof.passes.checks.arc_radius import ArcRadius
 from gproof.passes.checks.limits.soft_limits import Limits
 from gproof.passes.checks.limits.work_boundaries import Boundaries
 
-HERE = Path(__file__).parent
-PROGRAMS = sorted(HERE.glob("mcuwin/*/*.jsonl"))
+HAND = unpacked("tests/hand")
+PROGRAMS = sorted(HAND.glob("mcuwin/*/*.jsonl"))
 UNLISTED = {"units", "setpoint"}
 GO_ON = {"veteran/feed-of-nothing"}
 """Behind the finding of these the program goes on."""

@@ -10,6 +10,7 @@ from typing import Any
 
 import pytest
 from hand.compare import LISTED, fits, lengthless, open_or_wrong, rows_of
+from support.bundles import unpacked
 from support.campaigns import share
 
 from gproof.driver.running import begin, execute
@@ -23,8 +24,8 @@ from gproof.ir.text import parse_ir, print_ir
 from gproof.passes.checks.limits.soft_limits import Limits
 from gproof.passes.checks.limits.work_boundaries import Boundaries
 
-HERE = Path(__file__).parent
-PROGRAMS = sorted(path for path in HERE.glob("wincnc/*/*.jsonl"))
+HAND = unpacked("tests/hand")
+PROGRAMS = sorted(HAND.glob("wincnc/*/*.jsonl"))
 OFF = dict.fromkeys(range(65), 0.0)
 
 

@@ -202,4 +202,4 @@ if __name__ == "__main__":
 
     # The folder of a page, to be looked at or run by hand.
     for page in sys.argv[1:]:
-        print(unpacked(os.path.relpath(Path(page).resolve().parent, ROOT)) / Path(page).stem)
+        print(unpacked(os.path.relpath(Path(page).resolve().parent, ROOT)) / Path(page).name.partition(".")[0])

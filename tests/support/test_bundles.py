@@ -5,14 +5,16 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from hypothesis import given
+from hypothesis import HealthCheck, given
 from hypothesis import strategies as st
 from support import bundles
 from support.bundles import CODE, MANUAL, block, files_of, pages_of, sections, unpacked
+from support.campaigns import examples
 
 TEXTS = st.text(alphabet="GX1 `~#é\n\r\t\x00\x0c", max_size=40).map(str.encode)
 
 
+@examples(100, 5000, suppress_health_check=[HealthCheck.too_slow])
 @given(st.lists(st.one_of(TEXTS, st.binary(max_size=300)), max_size=4), st.text(alphabet="a #\n", max_size=20))
 def test_a_file_comes_out_as_it_went_in(contents: list[bytes], between: str) -> None:
     files = {f"part/{n}.cnc": content for n, content in enumerate(contents)}

@@ -14,6 +14,7 @@ from pathlib import Path
 import pytest
 from corpus.expectations import ROOT
 from frontend.common.test_own_keys import HEADS, header, tables
+from support.bundles import unpacked
 from support.campaigns import seeds
 from support.command import in_this_process
 
@@ -110,8 +111,8 @@ def test_a_key_alone(seed: int, tmp_path: Path) -> None:
 def lines_of(name: str) -> dict[str, tuple[str, int]]:
     """By key, a file of this name that has it, and the line."""
     out: dict[str, tuple[str, int]] = {}
-    for folder in ("corpus", "docs/codes", "tests/hand"):
-        for path in sorted(ROOT.joinpath(folder).rglob("*")):
+    for folder in (ROOT / "corpus", ROOT / "docs/codes", unpacked("tests/hand")):
+        for path in sorted(folder.rglob("*")):
             if path.name.lower() != name.lower() or path.stat().st_size > 20_000:
                 continue
             text = path.read_text("utf-8", "replace")

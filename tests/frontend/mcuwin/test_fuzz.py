@@ -9,6 +9,7 @@ import pytest
 from frontend.mcuwin.mcuwin_programs import OLD, load, machine
 from hypothesis import example, given
 from hypothesis import strategies as st
+from support.bundles import unpacked
 from support.campaigns import examples, seeds
 
 from gproof.frontend.mcuwin.load import load_program
@@ -19,8 +20,8 @@ from gproof.ir.program import Program
 ROOT = Path(__file__).resolve().parents[3]
 PROGRAMS = sorted(
     path
-    for folder in ("tests/hand/mcuwin", "docs/codes", "corpus/mcuwin")
-    for path in (ROOT / folder).glob("**/*")
+    for folder in (unpacked("tests/hand") / "mcuwin", ROOT / "docs/codes", ROOT / "corpus/mcuwin")
+    for path in folder.glob("**/*")
     if path.suffix.lower() in (".din", ".src", ".inc")
 )
 MACHINES = [machine(), machine(case_sensitive=True, line_numbers=True), machine(keeps_over_codes=True), OLD]
