@@ -14,7 +14,7 @@ from support.goldens import ROOT
 from gproof.ir.codes import CODES
 
 PAGES = [
-    *(ROOT / name for name in ("README.md", "CONTRIBUTING.md", "CHANGELOG.md", "corpus/README.md")),
+    *(ROOT / name for name in ("README.md", "CONTRIBUTING.md", "CHANGELOG.md", "SECURITY.md", "corpus/README.md")),
     *sorted(path for path in (ROOT / "docs").glob("**/*.md") if "codes" not in path.parts),
 ]
 _NAMED = re.compile(r"`([a-z_/0-9]+\.py): ([A-Za-z_0-9.]+)`")
