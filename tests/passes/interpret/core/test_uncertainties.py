@@ -71,7 +71,7 @@ CASES: dict[str, tuple[World, str, Corners, list[tuple[str, Any]]]] = {
     "tool length": (LOW, OVER, FLOOR, [("setup.tool_lengths", {0: Interval(0.0, 0.0), 1: Interval(40.0, 41.5)})]),
     "tool diameter": (E, BESIDE, WALL, [("setup.parameter_ranges", {5501: Interval(6.0, 9.0)})]),
     "which tool": (E.but(*m(("machine.tools", (TOOL, Tool(number=2))))), BESIDE, WALL, [("setup.tool", None)]),
-    "traverses that are no lines": (
+    "rapid moves that are no lines": (
         E.with_setup(start=exactly(x=0.0, y=390.0, z=-50.0)), "G53 G0 X230 Y10; M30",
         ((0.0, 0.0, -140.0), (60.0, 180.0, -1.0)), [("machine.controller.straight_traverse", False)],
     ),
