@@ -3,13 +3,18 @@
 from __future__ import annotations
 
 import re
-from importlib import resources
+import sys
 
 import click
 
+from gproof.cli.markdown import show_markdown
 from gproof.driver.errors import UsageError
 from gproof.ir.codes import CODES, RETIRED
 from gproof.ir.finding import Code
+from gproof.report.finding_page import FILES, page_to_read, whole_page, within
+
+WIDTH = 100
+"""Columns, where the terminal has that many."""
 
 _SHAPES = "codes look like GP301 or soft-limit"
 
@@ -18,16 +23,25 @@ SHOWN = 3
 """Codes that are named to somebody who named none."""
 
 
-def run_explain(text: str) -> int:
-    """Print the explanation of a code given as ``GP301``, ``301``, ``soft-limit`` or ``soft limit``."""
+def run_explain(text: str, *, files: bool = False) -> int:
+    """Print the page of a code given as ``GP301``, ``301``, ``soft-limit`` or ``soft limit``; files: all of it."""
     code = _meant(text)
     if code is None and (gone := _retired(text)):
         raise UsageError(gone)
     if code is None:
         raise UsageError(f"there is no finding {text!r}; {_near(text)}")
-    page = resources.files("gproof.docs_codes") / code.label / "explanation.md"
-    click.echo(page.read_text(encoding="utf-8").rstrip())
-    click.echo(f"\n{code.label} [{code.name}], severity {code.severity.value}, property {code.decides}")
+    if files and not sys.stdout.isatty():
+        click.echo(whole_page(code))  # as it is: others read files out of it
+        return 0
+    page = whole_page(code) if files else page_to_read(code)
+    lines = [f"{code.label} [{code.name}], severity {code.severity.value}, property {code.decides}"]
+    if not files and FILES in whole_page(code):
+        lines.insert(0, f"The files that these programs need: `gproof explain {code.label} --files`")
+    text = "\n\n".join([page, *lines])
+    if sys.stdout.isatty():
+        show_markdown(text, WIDTH)
+    else:
+        click.echo(within(text, WIDTH))
     return 0
 
 

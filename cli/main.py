@@ -430,11 +430,12 @@ def fmt(
 
 @cli.command()
 @click.argument("code")
-def explain(code: str) -> int:
-    """Explain a finding, such as GP301."""
+@click.option("--files", is_flag=True, help="Show the machine, setup and other files of the programs too.")
+def explain(code: str, files: bool) -> int:
+    """Explain a finding, such as GP301, with a bad and a good program."""
     from gproof.cli.explain import run_explain
 
-    return run_explain(code)
+    return run_explain(code, files=files)
 
 
 def main(arguments: list[str] | None = None) -> int:

@@ -42,7 +42,7 @@ class Options(TypedDict):
 
 BUDGET = 5_000_000
 """Blocks that loops may add to the lines of a job: at 200,000 a second some 25 seconds, and a hundred times what the
-longest macro of a shop runs (a thousand by a thousand probed points are 4 million). docs/codes/GP233 says so too."""
+longest macro of a shop runs (a thousand by a thousand probed points are 4 million). docs/codes/GP233.md says so too."""
 
 
 @record(slots=True, kw_only=True)

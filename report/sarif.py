@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 from collections.abc import Sequence
-from importlib import resources
 from importlib.metadata import version
 from pathlib import Path, PurePath
 from typing import Any
@@ -15,6 +14,7 @@ from gproof.driver.outcome import Fingerprints, Outcome, exit_code
 from gproof.ir.codes import CODES
 from gproof.ir.finding import Code
 from gproof.report.escape import json_text
+from gproof.report.finding_page import page_to_read
 
 SCHEMA = "https://docs.oasis-open.org/sarif/sarif/v2.1.0/errata01/os/schemas/sarif-schema-2.1.0.json"
 LEVELS = {"error": "error", "unknown": "error", "warning": "warning", "note": "note"}
@@ -68,7 +68,7 @@ def sarif(outcomes: Sequence[Outcome]) -> str:
 
 
 def _rule(code: Code) -> dict[str, Any]:
-    page = (resources.files("gproof.docs_codes") / code.label / "explanation.md").read_text(encoding="utf-8")
+    page = page_to_read(code)
     paragraphs = [" ".join(part.split()) for part in page.split("\n\n")]
     first = next((part for part in paragraphs if part and not part.startswith("#")), code.name)
     return {
@@ -76,7 +76,7 @@ def _rule(code: Code) -> dict[str, Any]:
         "name": "".join(word.capitalize() for word in code.name.split("-")),
         "shortDescription": {"text": code.name.replace("-", " ")},
         "fullDescription": {"text": first},
-        "help": {"text": page.strip(), "markdown": page.strip()},
+        "help": {"text": page, "markdown": page},
         "defaultConfiguration": {"level": LEVELS[code.severity.value]},
         "properties": {"tags": [code.decides], "severity": code.severity.value},
     }

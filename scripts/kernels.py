@@ -13,7 +13,12 @@ import sys
 import tempfile
 from pathlib import Path
 
-CORPUS = Path(__file__).resolve().parents[1] / "corpus"
+ROOT = Path(__file__).resolve().parents[1]
+sys.path.insert(0, str(ROOT / "tests"))
+
+from support.bundles import unpacked  # noqa: E402  (tests/ is on the path only now)
+
+CORPUS = ROOT / "corpus"
 EDING = ("drilled-plate", "pcb-height-map", "cutter-compensation")
 RUN = "drilled-plate"
 SHOPS = {"wincnc": "*/jobs/*.tap", "mcuwin": "*/jobs/*.src"}
@@ -37,10 +42,10 @@ def commands(folder: Path) -> list[list[str]]:
         job = sorted((CORPUS / dialect).glob(jobs))[0]
         out.append(["check", str(job), "--dialect", dialect])
         out.append(["fmt", "--stdout", "--dialect", dialect, str(job)])
-    stock = CORPUS.parent / "docs" / "codes" / "GP435"
+    part = unpacked("docs/codes")
+    stock = part / "GP435"
     around = ["--machine", str(stock / "machine.toml"), "--setup", str(stock / "setup.toml"), "--also", "collisions"]
     out.append(["check", str(stock / "good.cnc"), *around])
-    part = CORPUS.parent / "docs" / "codes"
     around = ["--machine", str(part / "shapes.toml"), "--setup", str(part / "workpiece.toml"), "--also", "gouges"]
     out.append(["check", str(part / "GP420" / "bad.cnc"), *around])
     return out

@@ -107,6 +107,7 @@ def test_wheel_holds_every_file_of_the_packages(wheel: Path) -> None:
         names = {name for name in archive.namelist() if not name.endswith("/")}
     assert {name for name in names if ".dist-info/" not in name} == files_to_ship()
     assert any(name.endswith(".dist-info/licenses/LICENSE") for name in names)
+    assert len(names) <= 600
 
 
 def test_wheel_works_in_an_empty_venv(wheel: Path, tmp_path: Path) -> None:
@@ -122,6 +123,7 @@ def test_wheel_works_in_an_empty_venv(wheel: Path, tmp_path: Path) -> None:
     explained = run(commands / "gproof", "explain", "GP301", cwd=tmp_path)
     assert "GP301" in explained
     assert "soft-limit" in explained
+    assert "```gcode bad.cnc" in explained
 
     # A drawing of the part needs the extra; without it the command says so, and how to get it.
     shop = shutil.copytree(ROOT / "corpus" / "eding" / "clamped-bracket", tmp_path / "shop")

@@ -1,1 +1,1 @@
-"""The explanation of every finding code, with a program that gives it and one that does not."""
+"""The page of every finding code, with programs that give it and programs that do not."""

@@ -1,7 +1,7 @@
 """Every finding code, one file a hundred. Numbers and names are stable and never reused.
 
 1xx language, 2xx meaning, 3xx limits and areas, 4xx geometry, 5xx motion and time, 6xx machine files and
-setup, 7xx translation, 8xx boards and certificates. ``docs/codes/GPnnn/`` explains each with a program
+setup, 7xx translation, 8xx boards and certificates. ``docs/codes/GPnnn.md`` explains each with programs
 that a test runs. The last column is the property that an error or unknown of this code decides.
 """
 

@@ -33,7 +33,7 @@ from gproof.ir.text import parse_ir, print_ir
 WRONG = ("language-errors-job", "default-macros-macro")
 """Jobs with lines that are mistakes by the manual: the second one machine takes more than it."""
 JOBS = sorted((ROOT / "corpus" / "eding").glob("*/*.cnc"))
-EXAMPLES = sorted((ROOT / "docs" / "codes").glob("GP*/*.cnc"))
+EXAMPLES = sorted(unpacked("docs/codes").glob("GP*/*.cnc"))
 SHARED = sorted(unpacked("tests/differential").glob("*/*.ngc"))
 
 

@@ -34,7 +34,7 @@ JOBS = (".din", ".src")
 SHOPS = sorted(
     {
         path.parent
-        for parent in (unpacked("tests/hand") / "mcuwin", ROOT / "corpus/mcuwin", ROOT / "docs/codes")
+        for parent in (unpacked("tests/hand") / "mcuwin", ROOT / "corpus/mcuwin", unpacked("docs/codes"))
         for path in parent.rglob("*")
         if path.suffix in JOBS
     }

@@ -30,7 +30,7 @@ from gproof.ir.machine import Machine
 NOWHERE = Span("", 0)
 JOBS = sorted(
     path
-    for parent in (unpacked("tests/hand") / "mcuwin", ROOT / "corpus/mcuwin", ROOT / "docs/codes")
+    for parent in (unpacked("tests/hand") / "mcuwin", ROOT / "corpus/mcuwin", unpacked("docs/codes"))
     for path in parent.rglob("*")
     if path.suffix.lower() in (".din", ".src", ".inc", ".pim")
 )

@@ -26,7 +26,7 @@ from gproof.ir.same import difference
 
 SHOPS = [
     folder
-    for parent in (unpacked("tests/hand") / "wincnc", ROOT / "corpus/wincnc", ROOT / "docs/codes")
+    for parent in (unpacked("tests/hand") / "wincnc", ROOT / "corpus/wincnc", unpacked("docs/codes"))
     for folder in sorted(parent.iterdir())
     if any(folder.glob("*.tap")) or any(folder.glob("*/*.tap"))
 ]

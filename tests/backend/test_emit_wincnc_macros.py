@@ -35,7 +35,7 @@ from gproof.ir.text import parse_ir, print_ir
 
 MACRO_FILES = sorted(
     path
-    for parent in (unpacked("tests/hand") / "wincnc", ROOT / "corpus/wincnc", ROOT / "docs/codes")
+    for parent in (unpacked("tests/hand") / "wincnc", ROOT / "corpus/wincnc", unpacked("docs/codes"))
     for path in parent.rglob("*")
     if path.name.lower() == "cnc.mac"
 )

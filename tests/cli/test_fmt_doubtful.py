@@ -10,13 +10,13 @@ import random
 from pathlib import Path
 
 import pytest
-from corpus.expectations import ROOT
+from support.bundles import unpacked
 from support.campaigns import share
 from support.command import in_this_process
 
 OF_READING = {"GP101", "GP109", "GP110", "GP111", "GP112", "GP121", "GP127", "GP134", "GP228", "GP275"}
 """What a line has because of its words alone, whatever ran before it."""
-BAD = sorted(path for suffix in ("cnc", "tap", "src") for path in (ROOT / "docs" / "codes").glob(f"*/*bad*.{suffix}"))
+BAD = sorted(path for suffix in ("cnc", "tap", "src") for path in unpacked("docs/codes").glob(f"*/*bad*.{suffix}"))
 SUFFIX = {"eding": "cnc", "wincnc": "tap", "mcuwin": "src"}
 SEEDS = range(2)
 LINES = 40

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-import tomllib
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -19,12 +18,10 @@ from corpus.expectations import (
     strange,
     strange_texts,
 )
-from corpus.pages import FOLDERS, SUFFIX, dialects, settings
+from corpus.pages import FOLDERS, NAMES, dialects, reasons, sentences, settings, table, text_of
 from support.campaigns import share
 
 from gproof.ir.codes import CODES
-
-CELLS = tomllib.loads((Path(__file__).parent / "cells.toml").read_text(encoding="utf-8"))
 
 
 @dataclass(frozen=True)
@@ -83,49 +80,53 @@ def cell_name(value: Path | str) -> str:
     return value.name if isinstance(value, Path) else value
 
 
-def test_every_code_has_a_folder_and_every_folder_a_code() -> None:
+def test_every_code_has_a_page_and_every_page_a_code() -> None:
     assert {folder.name for folder in FOLDERS} == {f"GP{number}" for number in CODES}
 
 
 @pytest.mark.parametrize("folder", FOLDERS, ids=lambda folder: folder.name)
 def test_explanation_starts_with_number_and_name(folder: Path) -> None:
-    text = (folder / "explanation.md").read_text(encoding="utf-8")
+    explanation = text_of(folder).partition("\n## Programs\n")[0]
     number = int(folder.name[2:])
-    assert text.splitlines()[0] == f"# {folder.name} {CODES[number].name}"
-    assert "**Why it matters.**" in text
-    assert "**What to do.**" in text
-
-
-def declared() -> dict[tuple[str, str], str]:
-    """Cells of `cells.toml`, each with the reason."""
-    out: dict[tuple[str, str], str] = {}
-    for row in CELLS["none"]:
-        assert set(row) == {"dialects", "codes", "because"}, row
-        assert row["because"].strip()
-        for dialect in row["dialects"]:
-            for code in row["codes"]:
-                assert (code, dialect) not in out, f"{code} {dialect} is declared twice"
-                out[code, dialect] = row["because"]
-    return out
+    assert explanation.splitlines()[0] == f"# {folder.name} {CODES[number].name}"
+    assert "**Why it matters.**" in explanation
+    assert "**What to do.**" in explanation
 
 
 def test_every_code_has_a_pair_for_each_controller_or_a_reason_why_not() -> None:
-    """Codes of jobs, which are those below 800; the others are of streams, packages and runs."""
-    assert set(CELLS) == {"none"}, "no cell stays open: a program, or a reason why there can be none"
-    told = declared()
-    cells = {(f"GP{number}", dialect) for number in CODES if number < 800 for dialect in SUFFIX}
-    filled = {(folder.name, dialect) for folder, dialect in EXAMPLES}
-    assert sorted(cells - filled - set(told)) == [], "a program, or a line in cells.toml"
-    assert sorted(set(told) & filled) == [], "in cells.toml, and there is a program"
-    assert sorted(set(told) - cells) == [], "in cells.toml, and no such code or controller"
+    """No finding without its programs: where a controller has none, the page says why."""
+    for folder in FOLDERS:
+        filled, why = set(dialects(folder)), set(reasons(text_of(folder)))
+        assert filled | why == set(NAMES), f"{folder.name}: a program, or a line `- WinCNC: why not` under its programs"
+        assert not filled & why, f"{folder.name}: a reason, and there is a program"
+
+
+@pytest.mark.parametrize("folder", FOLDERS, ids=lambda folder: folder.name)
+def test_a_page_says_what_its_programs_run_with(folder: Path) -> None:
+    """Of each controller its heading and what its programs give; below all the files that they take."""
+    _, _, told = text_of(folder).partition("\n## Programs\n")
+    programs, _, files = told.partition("\n## Files\n")
+    sections = re.split(r"^### ", programs, flags=re.MULTILINE)
+    for dialect in dialects(folder):
+        section = next((one for one in sections if one.startswith(f"{NAMES[dialect]}\n")), "")
+        assert section, f"### {NAMES[dialect]}"
+        flat = " ".join(section.split())
+        for sentence in sentences(folder, dialect):
+            assert sentence in flat
+        for side in ("bad", "good"):
+            name = settings(folder, dialect, side)["program"]
+            assert re.search(rf"^`{{3,}}gcode {re.escape(name)}\b", section, re.MULTILINE), name
+    if dialects(folder):
+        assert "\n".join(table(folder)) in files
 
 
 def test_what_a_reason_names_tells_of_that_controller() -> None:
     """A code that a reason calls the one of the like has a pair of programs for the controller itself."""
     filled = {(folder.name, dialect) for folder, dialect in EXAMPLES}
-    for (code, dialect), because in declared().items():
-        for named in re.findall(r"GP\d{3}", because):
-            assert (named, dialect) in filled, f"{code} {dialect}: {because}"
+    for folder in FOLDERS:
+        for dialect, because in reasons(text_of(folder)).items():
+            for named in re.findall(r"GP\d{3}", because):
+                assert (named, dialect) in filled, f"{folder.name} {dialect}: {because}"
 
 
 def test_a_pair_is_whole() -> None:

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from support.bundles import unpacked
 from support.campaigns import share
 from support.goldens import ROOT
 from support.json_schema import violations
@@ -18,7 +19,7 @@ from gproof.cli.main import main
 
 SCHEMA = json.loads((ROOT / "docs" / "check.schema.json").read_text(encoding="utf-8"))
 JOBS = sorted(path.parent for path in ROOT.glob("corpus/*/*/expect.toml"))
-CODES = sorted(path for path in (ROOT / "docs" / "codes").glob("GP[1234]*/bad.cnc"))
+CODES = sorted(unpacked("docs/codes").glob("GP[1234]*/bad.cnc"))
 
 
 def refuse(text: str) -> None:

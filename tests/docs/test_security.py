@@ -32,4 +32,4 @@ def test_the_test_that_a_row_names_exists(row: str) -> None:
 
 def test_codes_of_the_page_are_documented() -> None:
     for code in set(re.findall(r"GP\d{3}", PAGE.read_text("utf-8"))):
-        assert (ROOT / "docs" / "codes" / code).is_dir(), code
+        assert (ROOT / "docs" / "codes" / f"{code}.md").is_file(), code

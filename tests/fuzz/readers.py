@@ -54,7 +54,8 @@ def _files(*patterns: str) -> tuple[bytes, ...]:
 
 def _root(pattern: str) -> Path:
     """Where its files are: pages as folders (support/bundles.py)."""
-    return unpacked("tests/hand").parents[1] if pattern.startswith("tests/hand/") else ROOT
+    trees = [tree for tree in ("tests/hand", "docs/codes") if pattern.startswith(f"{tree}/")]
+    return unpacked(trees[0]).parents[len(Path(trees[0]).parts) - 1] if trees else ROOT
 
 
 @dataclass(frozen=True)

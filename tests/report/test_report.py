@@ -15,6 +15,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+from support.bundles import unpacked
 from support.goldens import ROOT
 
 from gproof.cli.main import main
@@ -27,6 +28,9 @@ JOBS = [
     "drilled-plate", "unknown-offsets", "over-limit-cycle-retract", "magazine-by-hand", "language-errors",
     "unknown-parameter", "rotary-engraving", "inch-bracket", "pitch-table-on",
 ]  # fmt: skip
+UNPACKED = unpacked("docs/codes").parents[1]
+"""Where docs/codes/GP301/bad.cnc is."""
+
 EXAMPLES = ["GP110", "GP301", "GP303", "GP310", "GP401"]
 EXPLAINED = ["GP301", "GP401", "soft-limit"]
 
@@ -42,7 +46,7 @@ def job_words(name: str) -> list[str]:
 
 def example_words(code: str) -> list[str]:
     folder = Path("docs/codes") / code
-    special = ROOT / folder / "run.toml"
+    special = UNPACKED / folder / "run.toml"
     settings = tomllib.loads(special.read_text(encoding="utf-8")) if special.is_file() else {}
     settings |= settings.get("bad", {})
     words = [str(folder / "bad.cnc"), "--machine", str(folder / settings.get("machine", "../machine.toml"))]
@@ -69,7 +73,10 @@ def test_report_of_a_job(name: str, printed: Callable[[list[str]], str], golden:
 
 
 @pytest.mark.parametrize("code", EXAMPLES)
-def test_report_of_an_example(code: str, printed: Callable[[list[str]], str], golden: Golden) -> None:
+def test_report_of_an_example(
+    code: str, printed: Callable[[list[str]], str], golden: Golden, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(UNPACKED)
     golden(GOLDENS / f"check-{code}.txt", printed(["check", *example_words(code)]))
 
 

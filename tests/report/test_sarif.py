@@ -11,6 +11,7 @@ from xml.etree import ElementTree as ET
 
 import pytest
 from jsonschema import Draft202012Validator
+from support.bundles import unpacked
 from support.goldens import ROOT
 
 from gproof.cli.main import main
@@ -21,7 +22,7 @@ from gproof.report.markdown import markdown
 from gproof.report.sarif import sarif
 
 MACHINE = str(ROOT / "docs" / "codes" / "machine.toml")
-BAD = sorted(path for path in (ROOT / "docs" / "codes").glob("GP*/bad.cnc"))
+BAD = sorted(unpacked("docs/codes").glob("GP*/bad.cnc"))
 
 
 @cache

@@ -20,7 +20,7 @@ from gproof.ir.program import Program
 ROOT = Path(__file__).resolve().parents[3]
 PROGRAMS = sorted(
     path
-    for folder in (unpacked("tests/hand") / "mcuwin", ROOT / "docs/codes", ROOT / "corpus/mcuwin")
+    for folder in (unpacked("tests/hand") / "mcuwin", unpacked("docs/codes"), ROOT / "corpus/mcuwin")
     for path in folder.glob("**/*")
     if path.suffix.lower() in (".din", ".src", ".inc")
 )

@@ -1,7 +1,0 @@
-G21 G17 G90 G94 G40 G49 G54
-G0 X20 Y20
-M64 P1                         ; expect: GP113
-F400
-G1 X30
-G0 Z5
-M30

@@ -1,9 +1,0 @@
-G20 G17 G90 G94 G40 G49 G54
-S6000 M3
-G0 X0 Y0 Z0
-G1 Z-0.1 F30                     ; expect: GP151
-G91 G1 X5 F600
-X-5
-G90
-G0 Z2
-M30

@@ -1,6 +1,0 @@
-G21 G17 G94 G40 G49 G54
-S12000 M3
-G0 X10 Y10 Z5                  ; expect: GP159
-G1 Z-2 F200
-G0 Z30
-M30

@@ -1,7 +1,0 @@
-G21 G17 G90 G94 G40 G49 G54
-G0 X0 A0
-G93
-G1 X10 A90 F6
-X20 A180                       ; expect: GP205
-G94 F300
-M30

@@ -1,3 +1,0 @@
-G21 G17 G90 G94 G40 G49 G54
-G10 L2 P12 X50 Y50             ; expect: GP208
-M30

@@ -1,6 +1,0 @@
-G21 G17 G90 G94 G40 G49 G54
-F300
-G0 X0 Y0
-G3 X10 Y10 I0 J10
-G53 X0 Y0                      ; expect: GP210
-M30

@@ -1,6 +1,0 @@
-G21 G17 G90 G94 G40 G49 G54
-F200
-G0 Z5
-G81 X10 Y10 Z-2 R-4            ; expect: GP217
-G80
-M30

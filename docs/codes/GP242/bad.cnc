@@ -1,6 +1,0 @@
-G21 G17 G90 G94 G40 G49 G54
-F200
-G0 Z5
-G82 X10 Y10 Z-4 R2             ; expect: GP242
-G80
-M30

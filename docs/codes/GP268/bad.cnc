@@ -1,7 +1,0 @@
-G21 G18 G90 G94 G40 G49 G54
-G96 S150 M3                    ; expect: GP268
-G0 X20 Z20
-G1 X2 F100
-G97 S500
-M5
-M30

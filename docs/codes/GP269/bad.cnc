@@ -1,5 +1,0 @@
-G21 G18 G90 G94 G40 G49 G54
-G96 S150 D0 M3                 ; expect: GP269
-G0 X20 Z20
-M5
-M30

@@ -1,5 +1,0 @@
-G21 G17 G90 G94 G40 G49 G54
-G0 X20 Y20
-G68 X20 Y20                    ; expect: GP275
-G69
-M30

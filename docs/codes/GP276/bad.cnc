@@ -1,7 +1,0 @@
-G21 G17 G90 G94 G40 G49 G54
-G68 R30 X0 Y0
-G0 X20 Y0
-G55
-G0 X20 Y0                      ; expect: GP276
-G69
-M30

@@ -1,5 +1,0 @@
-G21 G17 G90 G94 G40 G49 G54
-G0 X20 Y20
-G51 P0 I20 J20                 ; expect: GP278
-G0 X30
-M30

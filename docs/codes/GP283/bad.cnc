@@ -1,4 +1,0 @@
-G21 G17 G90 G94 G40 G49 G54
-M54 E1 Q1500                   ; expect: GP283
-G0 X20 Y20
-M30

@@ -1,8 +1,0 @@
-G21 G17 G90 G94 G40 G49 G54
-S500 M3
-G0 X0 Y0 Z5
-G51 P2 I0 J0
-G33 X10 Z-5 K1                 ; expect: GP284
-G50
-M5
-M30

@@ -1,7 +1,0 @@
-G21 G17 G90 G94 G40 G49 G54
-F600
-G0 Z5
-G0 X440 Y100
-G1 Z-2
-G3 X440 Y180 I0 J40            ; reaches X480, the limit is at X500
-M30

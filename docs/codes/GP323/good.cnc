@@ -1,4 +1,0 @@
-G21 G17 G90 G94 G40 G49 G54
-G0 Z-5
-tanknife off
-M30

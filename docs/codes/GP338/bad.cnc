@@ -1,7 +1,0 @@
-G21 G17 G90 G94 G40 G49 G54
-G53 G0 Z-80
-MCAGuard off             ; expect: GP338
-G53 G0 X590 Y330
-G53 G0 X20
-MCAGuard on
-M30

@@ -1,5 +1,0 @@
-G21 G17 G90 G94 G40 G49 G54
-F300
-G0 X10 Y10
-G2 X10 Y10 I0 J0               ; expect: GP402
-M30

@@ -1,9 +1,0 @@
-G21 G17 G90 G94 G54 G40 G49
-M3 S12000
-F600
-G0 Z5
-G0 X20 Y30
-G1 Z-4.5                ; expect: GP438
-G0 Z5
-M5
-M30

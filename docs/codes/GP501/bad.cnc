@@ -1,5 +1,0 @@
-G21 G17 G90 G94 G40 G49 G54
-G0 Z5
-G0 X0 Y0
-G1 X200 F9000                  ; expect: GP501
-M30

@@ -1,7 +1,0 @@
-G21 G17 G90 G94 G40 G49 G54
-S600 M3
-G0 Z5
-G33 Z-10 K1.5                  ; expect: GP511
-G0 Z5
-M5
-M30

@@ -1,7 +1,0 @@
-G21 G17 G90 G94 G40 G49 G54
-S12000 M3
-G0 X10 Y10 Z5
-G1 Z-2 F200                    ; expect: GP548
-X60
-G0 Z30
-M30

@@ -1,5 +1,0 @@
-G21 G17 G90 G94 G40 G49 G54
-G0 X10
-M0 (gproof: allow GP243)       ; expect: GP243 GP608
-G0 X20
-M30
