@@ -10,12 +10,14 @@ from pathlib import Path
 
 import pytest
 from hypothesis import settings
-from support import goldens
+from support import goldens, temporary
 from support.campaigns import SOAK
+from support.temporary import pytest_runtest_makereport, tmp_path  # noqa: F401
 
 ROOT = Path(__file__).resolve().parents[1]
 # `python -m pytest` puts the root on the path, where `passes` and others would shadow the folders of the tests.
 sys.path[:] = [entry for entry in sys.path if Path(entry).resolve() != ROOT]
+temporary.use_memory()
 
 Golden = Callable[[Path, str], None]
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import re
 from collections.abc import Sequence
 from pathlib import Path
@@ -16,13 +17,13 @@ def _shop_file(path: Path, frontends: Sequence[Frontend]) -> tuple[Frontend, Pat
     """A file beside the job or one folder up that only the folder of one controller has, and whose."""
     for folder in (path.parent, path.parent / ".."):
         try:
-            names = {entry.name.lower(): entry for entry in folder.iterdir()}
+            names = {name.lower(): name for name in os.listdir(folder)}
         except OSError:
             continue
         for frontend in frontends:
             for name in frontend.shop_files:
                 if name in names:
-                    return frontend, names[name]
+                    return frontend, folder / names[name]
     return None
 
 
