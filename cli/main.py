@@ -6,9 +6,6 @@ SIGTERM, SIGHUP).
 
 from __future__ import annotations
 
-import contextlib
-import io
-import math
 import os
 import sys
 from functools import partial
@@ -17,15 +14,37 @@ from typing import Any
 
 import click
 
-from gproof.cli.options import ALSO, FileName, OneOf, boards, dialects, documents, once
+from gproof.cli.help import Command, Group, option
+from gproof.cli.options import (
+    AGAIN,
+    ALSO,
+    BOARD,
+    FILE,
+    FORMAT,
+    JOB,
+    MOST,
+    PACKAGE,
+    READ,
+    RECORD,
+    REPORT,
+    REQUIRED,
+    SEVERAL,
+    UNITS,
+    FileName,
+    Finite,
+    OneOf,
+    boards,
+    dialects,
+    documents,
+    job_options,
+    once,
+    package_options,
+)
 from gproof.cli.signals import INTERRUPTED, PROCESS, ended_by_signals
+from gproof.cli.streams import discard, standard_streams
 from gproof.cli.telling import tell_error
 from gproof.driver.errors import COULD_NOT_RUN, UsageError
 from gproof.driver.escape import in_one_line
-
-_STDERR = 2
-MOST = 10**15
-"""Of what is counted: whatever is larger says nothing else."""
 
 
 class _Interrupted(click.ClickException):
@@ -34,11 +53,11 @@ class _Interrupted(click.ClickException):
     exit_code = INTERRUPTED
 
     def show(self, file: Any = None) -> None:
-        """Print the line, on a terminal not behind its ``^C``."""
+        """Print the line; on a terminal not after its ``^C``."""
         click.echo("\n" * sys.stderr.isatty() + self.message, err=True)
 
 
-class _Commands(click.Group):
+class _Commands(Group):
     """The commands; an interrupt of any is an exit code of its own."""
 
     def make_context(self, *args: Any, **extra: Any) -> click.Context:
@@ -56,20 +75,6 @@ class _Commands(click.Group):
             raise _Interrupted("gproof: interrupted") from None
 
 
-class _Finite(click.FloatRange):
-    """A range of numbers, NaN and infinity not among them; a thousand million at most where none is named."""
-
-    def __init__(self, low: float, high: float = 1e9) -> None:
-        super().__init__(low, high)
-
-    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> float:
-        """The number; a usage error for what is none."""
-        with contextlib.suppress(TypeError, ValueError):
-            if not math.isfinite(float(value)):
-                self.fail(f"{value!r} is not a finite number.", param, ctx)
-        return float(super().convert(value, param, ctx))
-
-
 def _version(context: click.Context, _: click.Parameter, wanted: bool) -> None:
     if not wanted or context.resilient_parsing:
         return
@@ -79,76 +84,62 @@ def _version(context: click.Context, _: click.Parameter, wanted: bool) -> None:
     context.exit()
 
 
-@click.group(cls=_Commands, context_settings={"help_option_names": ["-h", "--help"]}, no_args_is_help=True)
-@click.option("--version", is_flag=True, is_eager=True, expose_value=False, callback=_version, help="Show the version.")
+@click.group(
+    cls=_Commands, context_settings={"help_option_names": ["-h", "--help"]}, no_args_is_help=True,
+    examples=("gproof check part.cnc --machine mill.toml --setup vise.toml", "gproof explain GP301"),
+)  # fmt: skip
+@option("--version", is_flag=True, is_eager=True, expose_value=False, callback=_version, help="Show the version")
 def cli() -> None:
-    """Check G-code before a machine sees it, compile it to certified steps, and run those on a board."""
+    """Check G-code before it runs on a machine, compile it to certified steps, and run those on a board."""
 
 
-_JOB = click.argument("job", type=FileName())
-
-
-def _job_options(command: Any, *, machines: bool = False) -> Any:
-    """The options of every command that reads a job; machines: of one that takes several of them."""
-    said = "Machine file (TOML or the controller's)" + ("; repeatable." if machines else ".")
-    several = click.option("--machine", type=FileName(), multiple=True, help=said)
-    for option in reversed(
-        (
-            several if machines else once("--machine", type=FileName(), help=said),
-            once("--setup", help="Setup file, or 'zero': homed, at machine 0, no offsets, tool 0."),
-            click.option("--dialect", type=OneOf(dialects), help="Language; guessed when not given."),
-            click.option(
-                "--max-blocks",
-                type=click.IntRange(1, MOST),
-                help="Blocks to execute at most; 5 million and 4 a line by default.",
-            ),
-            click.option(
-                "--max-branches",
-                type=click.IntRange(0, MOST),
-                default=4096,
-                help="Outcomes of unknown conditions to follow at most; 4096 by default.",
-            ),
-            click.option("--call", help="Judge a subprogram of JOB, such as user_1, as its button runs it."),
-            click.option("--render", is_flag=True, help="As the controller draws it: probes miss, dialogs say OK."),
-        )
-    ):
-        command = option(command)
-    return command
-
-
-@cli.command()
+@cli.command(
+    cls=Command, short_help="Check whether programs are safe to run",
+    examples=(
+        "gproof check part.cnc --machine mill.toml --setup vise.toml",
+        "gproof check part.cnc --machine WINCNC.INI --setup zero --also all",
+        "gproof check jobs/ --machine mill.toml --report junit=report.xml",
+    ),
+)  # fmt: skip
 @click.argument("jobs", metavar="JOB...", nargs=-1, required=True)
-@_job_options
-@click.option(
-    "--format",
-    "form",
-    type=OneOf(documents),
-    default="text",
-    help="Report as text, or for other programs.",
-)
-@click.option("--output", type=FileName(), help="Write the report to this file.")
-@click.option("--report", "reports", multiple=True, metavar="FORM=FILE", help="Write one more report; repeatable.")
-@click.option("-q", "--quiet", is_flag=True, help="Only the verdicts.")
-@click.option("--no-group", "--all", "every", is_flag=True, help="Show repeats of a finding one by one.")
-@click.option(
-    "-j", "--jobs", "workers", type=click.IntRange(1, 1024), help="Jobs judged at once; by default what pays."
-)
+@job_options
 @ALSO
-@once("--policy", type=FileName(), help="What the shop asks of its jobs (TOML).")
-@click.option(
-    "--fail-on", type=click.Choice(["unknown", "warning", "note"]), help="Findings that fail a check; unknown else."
-)
-@click.option("--warnings-as-errors", "warnings_are_errors", is_flag=True, help="Warnings make a job UNSAFE.")
-@once("--baseline", type=FileName(), help="Findings that are known and fail no check.")
-@click.option("--write-baseline", "new_baseline", type=FileName(), help="Write what is found as known.")
-@click.option("--exclude", multiple=True, metavar="PATTERN", help="Jobs to leave out of folders and patterns.")
-@click.option("--strict", is_flag=True, help="Conditional answers count as UNKNOWN.")
-@click.option("--picture", type=FileName(), help="Write a picture of the path (SVG).")
-@click.option(
-    "--units",
-    type=click.Choice(["mm", "inch"]),
-    help="Lengths in reports for people; those of the machine file else.",
-)
+@once("--policy", title=REQUIRED, metavar=FILE, type=FileName(), help="Policy: what the shop requires of jobs (TOML)")
+@option(
+    "--fail-on", title=REQUIRED, metavar="LEVEL", type=click.Choice(["unknown", "warning", "note"]),
+    help="Lowest severity that fails the check: {choices} [default: unknown]",
+)  # fmt: skip
+@option(
+    "--warnings-as-errors", "warnings_are_errors", title=REQUIRED, is_flag=True,
+    help="Count warnings as errors: a job with one is UNSAFE",
+)  # fmt: skip
+@option("--strict", title=REQUIRED, is_flag=True, help="Count SAFE under conditions (SAFE-IF) as UNKNOWN")
+@once("--baseline", title=REQUIRED, metavar=FILE, type=FileName(), help="Known findings, which do not fail the check")
+@option(
+    "--write-baseline", "new_baseline", title=REQUIRED, metavar=FILE, type=FileName(),
+    help="Write what is found to a new baseline",
+)  # fmt: skip
+@option(
+    "--format", "form", title=REPORT, metavar="FORMAT", type=OneOf(documents), default="text",
+    help="Format of the report: {choices} [default: text]",
+)  # fmt: skip
+@option("--output", title=REPORT, metavar=FILE, type=FileName(), help="Write the report to a file")
+@option(
+    "--report", "reports", title=REPORT, multiple=True, metavar="FORMAT=FILE",
+    help="Write one more report; may be repeated",
+)  # fmt: skip
+@option("--picture", title=REPORT, metavar=FILE, type=FileName(), help="Draw the tool path (SVG)")
+@UNITS
+@option("-q", "--quiet", title=REPORT, is_flag=True, help="Print the verdicts only")
+@option("--no-group", "--all", "every", title=REPORT, is_flag=True, help="List every repeat of a finding")
+@option(
+    "-j", "--jobs", "workers", title=SEVERAL, metavar="N", type=click.IntRange(1, 1024),
+    help="Number of worker processes [default: automatic]",
+)  # fmt: skip
+@option(
+    "--exclude", title=SEVERAL, multiple=True, metavar="PATTERN",
+    help="Leave these jobs out of folders and patterns; may be repeated",
+)  # fmt: skip
 def check(
     jobs: tuple[str, ...], machine: Path | None, setup: str | None, dialect: str | None, max_blocks: int | None,
     max_branches: int, call: str | None, render: bool, form: str, strict: bool, picture: Path | None,
@@ -156,9 +147,12 @@ def check(
     policy: Path | None, fail_on: str | None, warnings_are_errors: bool, baseline: Path | None,
     new_baseline: Path | None, also: tuple[str, ...], reports: tuple[str, ...], every: bool,
 ) -> int:  # fmt: skip
-    """Prove or refute that each JOB is safe on a machine.
+    """Check whether each JOB is safe to run on a machine.
 
-    A JOB is a program, a folder of them, a pattern such as "*.cnc", or a job file, which says what to judge with.
+    A JOB is a program, a folder of programs, a pattern such as "*.cnc", or a job file: a TOML file that names
+    programs, each with its machine, setup and policy.
+
+    Exit code: 0 SAFE, 1 UNSAFE, 2 UNKNOWN, 3 the check could not run.
     """
     from gproof.cli.check import run_check
     from gproof.driver.session import Running
@@ -171,25 +165,28 @@ def check(
     )  # fmt: skip
 
 
-@cli.command(short_help="Say where the work zero may go.")
-@_JOB
-@partial(_job_options, machines=True)
-@click.option("--format", "form", type=click.Choice(["text", "json"]), default="text", help="Report as text or JSON.")
-@click.option(
-    "--units",
-    type=click.Choice(["mm", "inch"]),
-    help="Lengths in reports for people; those of the machine file else.",
-)
-@click.option("--picture", type=FileName(), help="Write a picture of where the zero may go (SVG).")
+@cli.command(
+    cls=Command, short_help="Find the work zeros for which a program is safe",
+    examples=(
+        "gproof fit part.cnc --machine mill.toml --setup vise.toml",
+        "gproof fit part.cnc --machine mill.toml --machine router.toml --setup zero",
+    ),
+)  # fmt: skip
+@JOB
+@partial(job_options, machines=True)
+@FORMAT
+@option("--picture", title=REPORT, metavar=FILE, type=FileName(), help="Draw where the work zero can be (SVG)")
+@UNITS
 def fit(
     job: Path, machine: tuple[Path, ...], setup: str | None, dialect: str | None, max_blocks: int | None,
     max_branches: int, call: str | None, render: bool, form: str, units: str | None, picture: Path | None,
 ) -> int:  # fmt: skip
-    """Say for which work offsets JOB is SAFE, what to change now, and how large a machine it needs.
+    """Find the work offsets for which JOB is safe, what to change now, and how large a machine it needs.
 
-    With several machines: which of them take it.
+    With --machine given several times: which of these machines can run it.
 
-    Exit codes: 0 SAFE with the offsets stated, or, where none are, with some; 1 UNSAFE; 2 UNKNOWN.
+    Exit code: 0 SAFE with the offsets of the setup file (or, if it gives none, with some), 1 UNSAFE, 2 UNKNOWN, 3 the
+    command could not run.
     """
     from gproof.cli.fit import run_fit
     from gproof.driver.session import Running
@@ -200,53 +197,66 @@ def fit(
     )  # fmt: skip
 
 
-@cli.command()
-@_JOB
-@_job_options
-@click.option(
-    "--stage", type=click.Choice(["program", "trace", "plan", "stream"]), required=True, help="What to print."
-)
-@click.option("--format", "form", type=click.Choice(["text", "jsonl"]), default="text", help="jsonl: trace only.")
+@cli.command(
+    cls=Command, short_help="Print what gproof makes of a program, by stage",
+    examples=(
+        "gproof dump part.cnc --stage program",
+        "gproof dump part.cnc --machine mill.toml --stage trace --format jsonl",
+    ),
+)  # fmt: skip
+@JOB
+@job_options
+@option(
+    "--stage", title=REPORT, metavar="STAGE", type=click.Choice(["program", "trace", "plan", "stream"]), required=True,
+    help="Stage to print: program (as it is read), trace (its moves), plan (with speeds), stream (motor steps)",
+)  # fmt: skip
+@option(
+    "--format", "form", title=REPORT, metavar="[text|jsonl]", type=click.Choice(["text", "jsonl"]), default="text",
+    help="Text, or JSON Lines (of the trace only) [default: text]",
+)  # fmt: skip
 def dump(
-    job: Path,
-    machine: Path | None,
-    setup: str | None,
-    dialect: str | None,
-    max_blocks: int | None,
-    max_branches: int,
-    call: str | None,
-    render: bool,
-    stage: str,
-    form: str,
-) -> int:
-    """Print JOB as one of the compiler's stages."""
+    job: Path, machine: Path | None, setup: str | None, dialect: str | None, max_blocks: int | None,
+    max_branches: int, call: str | None, render: bool, stage: str, form: str,
+) -> int:  # fmt: skip
+    """Print a stage of JOB on its way to motor steps.
+
+    Findings are printed to standard error.
+    """
     from gproof.cli.dump import run_dump
     from gproof.driver.session import Running
 
     return run_dump(
-        job,
-        machine=machine,
-        setup=setup,
-        dialect=dialect,
-        running=Running(max_blocks, max_branches, render, call),
-        stage=stage,
-        form=form,
-    )
+        job, machine=machine, setup=setup, dialect=dialect, running=Running(max_blocks, max_branches, render, call),
+        stage=stage, form=form,
+    )  # fmt: skip
 
 
-@cli.command(name="compile")
-@_JOB
-@_job_options
-@click.option("-o", "--output", type=FileName(), required=True, help="The .gpx file to write.")
-@click.option("--key", type=FileName(), help="Ed25519 private key (PEM) to sign with.")
-@click.option("--unsigned", is_flag=True, help="Write the certificate without a signature.")
+@cli.command(
+    name="compile", cls=Command, short_help="Compile a program to a certified step stream",
+    examples=("gproof compile part.cnc --machine mill.toml --setup vise.toml -o part.gpx",),
+)  # fmt: skip
+@JOB
+@job_options
 @ALSO
+@option(
+    "-o", "--output", title=PACKAGE, metavar=FILE, type=FileName(), required=True, help="Package to write (.gpx)"
+)  # fmt: skip
+@option(
+    "--key", title=PACKAGE, metavar=FILE, type=FileName(),
+    help="Private key to sign with (Ed25519, PEM) [default: your own key]",
+)  # fmt: skip
+@option("--unsigned", title=PACKAGE, is_flag=True, help="Do not sign the certificate")
 def compile_(
     job: Path, machine: Path | None, setup: str | None, dialect: str | None, max_blocks: int | None,
     max_branches: int, call: str | None, render: bool, output: Path, key: Path | None, unsigned: bool,
     also: tuple[str, ...],
 ) -> int:  # fmt: skip
-    """Compile JOB to a certified step stream."""
+    """Compile JOB to a certified step stream.
+
+    Only a job that is SAFE is compiled. Every step is checked before the package is written.
+
+    Exit code: 0 written, 1 UNSAFE, 2 UNKNOWN, 3 the command could not run.
+    """
     from gproof.cli.compile import run_compile
     from gproof.driver.pipeline import Request
     from gproof.driver.session import Running
@@ -260,55 +270,63 @@ def compile_(
     )  # fmt: skip
 
 
-def _package_options(command: Any) -> Any:
-    """The options of every command that believes, or does not believe, a package."""
-    for option in reversed(
-        (
-            once("--machine", type=FileName(), help="Also require that it was made for this machine."),
-            once("--setup", help="Also require that it was made for this setup: a file, or 'zero'."),
-            once("--source", type=FileName(), help="Also require that it was made of this program."),
-            click.option("--trust", type=FileName(), multiple=True, help="Public key (PEM) to accept; repeatable."),
-        )
-    ):
-        command = option(command)
-    return command
-
-
-@cli.command(short_help="Validate a certified stream, or check a record.")
+@cli.command(
+    cls=Command, short_help="Verify a step stream, or an execution record",
+    examples=(
+        "gproof verify part.gpx --machine mill.toml --setup vise.toml",
+        "gproof verify part.record.json --package part.gpx",
+    ),
+)  # fmt: skip
 @click.argument("package", type=FileName())
-@_package_options
-@click.option("--package", "run_package", type=FileName(), help="Of an execution record: the package that was run.")
-@click.option("--format", "form", type=click.Choice(["text", "json"]), default="text", help="Report as text or JSON.")
-@once("--against", type=FileName(), help="Compile this program anew, and say which part of the package differs.")
-@click.option("--dialect", type=OneOf(dialects), help="Language of --against; guessed when not given.")
-@click.option("--max-blocks", type=click.IntRange(1, MOST), help="As --against was compiled.")
-@click.option("--max-branches", type=click.IntRange(0, MOST), help="As --against was compiled.")
-@click.option("--call", help="The subprogram of --against that was compiled.")
-@click.option("--pure", is_flag=True, help="Prove the steps without compiled code and numba: slow, less to trust.")
+@package_options
+@option(
+    "--package", "run_package", title="Execution record", metavar=FILE, type=FileName(),
+    help="For a record: the package that was run",
+)  # fmt: skip
+@once(
+    "--against", title=AGAIN, metavar=FILE, type=FileName(),
+    help="Compile this program again and report which part of the package differs",
+)  # fmt: skip
+@option(
+    "--dialect", title=AGAIN, metavar="NAME", type=OneOf(dialects),
+    help="Controller of that program: {choices} [default: detected]",
+)  # fmt: skip
+@option("--max-blocks", title=AGAIN, metavar="N", type=click.IntRange(1, MOST), help="As it was compiled")
+@option("--max-branches", title=AGAIN, metavar="N", type=click.IntRange(0, MOST), help="As it was compiled")
+@option("--call", title=AGAIN, metavar="NAME", help="Subprogram that was compiled")
+@option("--pure", is_flag=True, help="Prove the steps without compiled code and numba: slow, but less to trust")
+@FORMAT
 def verify(
     package: Path, machine: Path | None, setup: str | None, source: Path | None, trust: tuple[Path, ...],
     run_package: Path | None, form: str, against: Path | None, dialect: str | None, max_blocks: int | None,
     max_branches: int | None, call: str | None, pure: bool,
 ) -> int:  # fmt: skip
-    """Validate a certified stream again, from its parts alone; or check an execution record."""
+    """Verify a certified step stream, or an execution record.
+
+    PACKAGE is what "gproof compile" wrote: every step is proved again, from the package alone. Or it is the record of
+    a run: its signature is checked and, with --package, whether the record fits what was run.
+
+    Exit code: 0 it holds, 1 it does not, 2 UNKNOWN (for example: signed with a key that you do not trust), 3 the
+    command could not run.
+    """
     from gproof.cli.verify import run_verify
     from gproof.cli.verify_record import is_no_package, run_verify_record
     from gproof.driver.session import Running
 
     if against is None and (max_blocks, max_branches, call) != (None, None, None):
-        raise UsageError("--max-blocks, --max-branches and --call say how the program of --against was compiled")
+        raise UsageError("--max-blocks, --max-branches and --call need --against: they say how it was compiled")
     if is_no_package(package):
         if machine is not None or setup is not None or source is not None:
-            raise UsageError("--machine, --setup and --source are for packages; a record is compared with --package")
+            raise UsageError("--machine, --setup and --source are for packages; use --package to compare a record")
         if against is not None:
-            raise UsageError("--against is for packages; a record is compared with --package")
+            raise UsageError("--against is for packages; use --package to compare a record")
         if form != "text":
-            raise UsageError("--format is for packages; the report of a record is text")
+            raise UsageError("--format is for packages; the report of a record is always text")
         if pure:
             raise UsageError("--pure is for packages; a record has no steps to prove")
         return run_verify_record(package, package=run_package, trust=trust)
     if run_package is not None:
-        raise UsageError("--package says which package a record is of; this is no record")
+        raise UsageError(f"--package is for execution records; {package} is not one")
     branches = Running().max_branches if max_branches is None else max_branches
     return run_verify(
         package, machine=machine, setup=setup, source=source, trust=trust, form=form, against=against, dialect=dialect,
@@ -316,30 +334,46 @@ def verify(
     )  # fmt: skip
 
 
-@cli.command(short_help="Run a certified stream on a board.")
+@cli.command(
+    cls=Command, short_help="Run a certified step stream on a board",
+    examples=(
+        "gproof run part.gpx --board virtual",
+        "gproof run part.gpx --board virtual --ask --record part.record.json",
+    ),
+)  # fmt: skip
 @click.argument("package", type=FileName())
-@click.option("--board", type=OneOf(boards), required=True, help="Where to run it.")
-@_package_options
-@click.option("--allow-untrusted", is_flag=True, help="Whoever has signed it, or nobody; virtual board only.")
-@click.option("--record", type=FileName(), help="Write the execution record (JSON) here.")
-@click.option("--replace-record", is_flag=True, help="Replace a record that is there from an earlier run.")
-@click.option("--runs", type=FileName(), help="Folder for journals and records; the user's own by default.")
-@click.option(
-    "--after-interruption", is_flag=True, help="Run although the last run did not end: the position has been checked."
-)
-@click.option("--real-time", is_flag=True, help="As slow as the real machine.")
-@click.option("--hold-at", type=_Finite(0), help="Feed hold at this second of the first section.")
-@click.option("--estop-at", type=_Finite(0), help="Emergency stop at this second.")
-@click.option("--override", type=_Finite(0.1, 1.0), help="Feed override; 1 is 100 %.")
-@click.option("--ask", is_flag=True, help="Ask at operator stops; a virtual board goes on by itself otherwise.")
+@option("--board", title=BOARD, type=OneOf(boards), required=True, help="Board to run on")
+@option("--ask", title=BOARD, is_flag=True, help="Ask at operator stops [default: the virtual board continues]")
+@option("--real-time", title=BOARD, is_flag=True, help="Virtual board: take as long as the real machine")
+@option("--override", title=BOARD, metavar="FACTOR", type=Finite(0.1, 1.0), help="Feed override, 0.1 to 1")
+@option("--hold-at", title=BOARD, metavar="SECONDS", type=Finite(0), help="Feed hold at this time of the first section")
+@option("--estop-at", title=BOARD, metavar="SECONDS", type=Finite(0), help="Emergency stop at this time")
+@package_options
+@option(
+    "--allow-untrusted", title=REQUIRED, is_flag=True,
+    help="Run a package that no trusted key has signed (virtual board only)",
+)  # fmt: skip
+@option(
+    "--record", title=RECORD, metavar=FILE, type=FileName(), help="Write the execution record (JSON) to a file"
+)  # fmt: skip
+@option("--replace-record", title=RECORD, is_flag=True, help="Replace the record of an earlier run")
+@option(
+    "--runs", title=RECORD, metavar="FOLDER", type=FileName(),
+    help="Folder of journals and records [default: your own, for all runs]",
+)  # fmt: skip
+@option(
+    "--after-interruption", title=RECORD, is_flag=True,
+    help="Run although the last run was interrupted: you have checked the position of the axes",
+)  # fmt: skip
 def run(
     package: Path, board: str, machine: Path | None, setup: str | None, source: Path | None, trust: tuple[Path, ...],
     allow_untrusted: bool, record: Path | None, real_time: bool, hold_at: float | None, estop_at: float | None,
     override: float | None, ask: bool, replace_record: bool, runs: Path | None, after_interruption: bool,
 ) -> int:  # fmt: skip
-    """Run a certified stream on a board; it is validated again before anything moves.
+    """Run a certified step stream on a board.
 
-    It runs when a trusted key has signed it: your own, one of --trust, one of "gproof keys trust".
+    Every step is verified again before anything moves. The package must be signed with a key that you trust: your
+    own, one that --trust names, or one added with "gproof keys trust".
     """
     from gproof.cli.run import run_run
     from gproof.cli.run_journal import alone
@@ -352,73 +386,99 @@ def run(
         )  # fmt: skip
 
 
-@cli.group(no_args_is_help=True)
+@cli.group(
+    cls=Group, no_args_is_help=True, short_help="Manage your signing key and the keys you trust",
+    examples=("gproof keys list", "gproof keys trust colleague.pem"),
+)  # fmt: skip
 def keys() -> None:
-    """Your signing key, and whose signatures are believed."""
+    """Manage your signing key and the keys that you trust."""
 
 
-@keys.command()
-@click.option("-o", "--output", type=FileName(), help="Write the private key here; it is not made your own.")
+@keys.command(cls=Command, short_help="Make a private key", examples=("gproof keys new",))
+@option(
+    "-o", "--output", metavar=FILE, type=FileName(), help="Write the private key to a file; your own key stays as it is"
+)
 def new(output: Path | None) -> int:
-    """Make a private key, readable by you alone; your own one, unless -o names a file."""
+    """Make a private key that only you can read: your own key or, with -o, one in a file."""
     from gproof.cli.keys import run_new
 
     return run_new(output)
 
 
-@keys.command(name="list")
+@keys.command(
+    name="list", cls=Command, short_help="List the keys: name, fingerprint, trusted or not",
+    examples=("gproof keys list",),
+)  # fmt: skip
 def list_() -> int:
-    """Name all keys, with fingerprints and what they are worth."""
+    """List the keys: name, fingerprint, and whether they are trusted."""
     from gproof.cli.keys import run_list
 
     return run_list()
 
 
-@keys.command()
+@keys.command(
+    cls=Command, short_help="Print a public key, to give to others",
+    examples=("gproof keys show > my-key.pem", "gproof keys show colleague"),
+)  # fmt: skip
 @click.argument("name", default="own")
 def show(name: str) -> int:
-    """Print the public key NAME (PEM), to be given away: your own when none is named, or that of a key file."""
+    """Print a public key (PEM), to give to others: your own or that of NAME, a key in the list or a key file."""
     from gproof.cli.keys import run_show
 
     return run_show(name)
 
 
-@keys.command()
+@keys.command(
+    cls=Command, short_help="Trust what a key signs",
+    examples=("gproof keys trust colleague.pem --name colleague --expires 2027-12-31",),
+)  # fmt: skip
 @click.argument("file", type=FileName())
-@click.option("--name", help="What to call it; the name of the file else.")
-@click.option("--expires", metavar="YYYY-MM-DD", help="The last day (UTC) on which it counts.")
+@option("--name", metavar="NAME", help="Name of the key [default: the file's name]")
+@option("--expires", metavar="YYYY-MM-DD", help="Last day (UTC) on which the key is trusted [default: none]")
 def trust(file: Path, name: str | None, expires: str | None) -> int:
-    """Believe what the owner of a public key (PEM) signs."""
+    """Trust what the owner of a public key signs. FILE is the key (PEM)."""
     from gproof.cli.keys import run_trust
 
     return run_trust(file, name, expires)
 
 
-@keys.command()
+@keys.command(
+    cls=Command, short_help="Refuse everything that a key has signed", examples=("gproof keys revoke colleague",)
+)
 @click.argument("name")
-@click.option("--name", "new_name", help="What to call a key that is not known yet; the name of the file else.")
+@option("--name", "new_name", metavar="NAME", help="Name for a key that is not in the list [default: the file's name]")
 def revoke(name: str, new_name: str | None) -> int:
-    """Refuse what a key signed and signs: one of "gproof keys list", a public key file, or "own"."""
+    """Refuse everything that a key signs or has signed. NAME is a key of "gproof keys list", a public key file, or
+    "own" for your own key."""
     from gproof.cli.keys import run_revoke
 
     return run_revoke(name, new_name)
 
 
-@cli.command(short_help="Format programs and macro files.")
+@cli.command(
+    cls=Command, short_help="Format programs and macro files",
+    examples=("gproof fmt part.cnc", "gproof fmt --check --diff jobs/", "gproof fmt - < part.cnc > formatted.cnc"),
+)  # fmt: skip
 @click.argument("files", metavar="FILE...", nargs=-1, required=True, type=FileName(allow_dash=True))
-@click.option("--check", "only_check", is_flag=True, help="Write nothing; exit 1 when a file would change.")
-@click.option("--diff", is_flag=True, help="Write nothing; show what would change.")
-@click.option("--stdout", "to_stdout", is_flag=True, help="Print the formatted text; the file stays as it is.")
-@click.option("--dialect", type=OneOf(dialects), help="Language; guessed when not given.")
-@click.option("--machine", type=FileName(), help="Whose settings say how lines are read (WINCNC.INI).")
-@click.option("--stdin-name", type=FileName(), help="The file that standard input stands for.")
+@option("--check", "only_check", title=REPORT, is_flag=True, help="Write nothing; exit 1 if a file would change")
+@option("--diff", title=REPORT, is_flag=True, help="Write nothing; show the changes")
+@option("--stdout", "to_stdout", title=REPORT, is_flag=True, help="Print the formatted text; do not change the file")
+@option(
+    "--dialect", title=READ, metavar="NAME", type=OneOf(dialects),
+    help="Controller of the files: {choices} [default: detected]",
+)  # fmt: skip
+@option(
+    "--machine", title=READ, metavar=FILE, type=FileName(),
+    help="Machine file whose settings say how lines are read (WINCNC.INI)",
+)  # fmt: skip
+@option("--stdin-name", title=READ, metavar=FILE, type=FileName(), help="File name to assume for standard input")
 def fmt(
     files: tuple[Path, ...], only_check: bool, diff: bool, to_stdout: bool, dialect: str | None, machine: Path | None,
     stdin_name: Path | None,
 ) -> int:  # fmt: skip
-    """Format programs and macro files in place; - reads standard input and prints.
+    """Format programs and macro files in place. "-" reads standard input and prints the result.
 
-    Only the form changes, never the program: every formatted text is read again and compared before it is written.
+    Only the layout changes, never the program: each formatted text is read again and compared before it is written.
     """
     from gproof.cli.fmt import run_fmt
 
@@ -428,11 +488,16 @@ def fmt(
     )  # fmt: skip
 
 
-@cli.command()
+@cli.command(
+    cls=Command, short_help="Explain a finding", examples=("gproof explain GP301", "gproof explain soft-limit")
+)
 @click.argument("code")
-@click.option("--files", is_flag=True, help="Show the machine, setup and other files of the programs too.")
+@option("--files", is_flag=True, help="Show the machine, setup and other files of the programs too")
 def explain(code: str, files: bool) -> int:
-    """Explain a finding, such as GP301, with a bad and a good program."""
+    """Explain a finding: what CODE means, why it matters and what to do, with a bad and a good program.
+
+    CODE is the number or the name of a finding.
+    """
     from gproof.cli.explain import run_explain
 
     return run_explain(code, files=files)
@@ -442,14 +507,14 @@ def main(arguments: list[str] | None = None) -> int:
     """Run the command line; returns the exit code, never raises for anything a user can cause."""
     # numpy's linear algebra is not used; its threads would only spin on the other cores.
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
-    if not _standard_streams():
+    if not standard_streams():
         return COULD_NOT_RUN
     try:
         with ended_by_signals():
             return _run(arguments)
     except OSError:
         # Standard error can not be written: there is nowhere to say so, and a verdict's code would lie.
-        _discard(sys.stderr)
+        discard(sys.stderr)
         return COULD_NOT_RUN
 
 
@@ -483,7 +548,7 @@ def _run(arguments: list[str] | None) -> int:
         # click's answer to a reader that went away (``| head``); its exit code is that of a verdict.
         return COULD_NOT_RUN
     except OSError as error:
-        _discard(sys.stdout)
+        discard(sys.stdout)
         what = f"{error.strerror or error}: {error.filename or ''}".rstrip(": ")
         click.echo(f"gproof: error: {in_one_line(what)}", err=True)
         return COULD_NOT_RUN
@@ -500,36 +565,6 @@ def _run(arguments: list[str] | None) -> int:
         )
         return COULD_NOT_RUN
     return result if isinstance(result, int) else 0
-
-
-def _standard_streams() -> bool:
-    """Make the streams fit for use; False, with a line on standard error, when nothing can be printed."""
-    handle = os.open(os.devnull, os.O_RDWR)
-    while handle <= _STDERR:  # The number of a closed stream must not become that of a job or a package.
-        handle = os.open(os.devnull, os.O_RDWR)
-    os.close(handle)
-    if sys.stderr is None:
-        sys.stderr = os.fdopen(_STDERR, "w", encoding="utf-8", closefd=False)
-    if sys.stdout is None:
-        click.echo("gproof: error: standard output is closed", err=True)
-        return False
-    for stream in (sys.stdout, sys.stderr):
-        if isinstance(stream, io.TextIOWrapper):
-            # File names may hold bytes that are no text, and messages what the terminal can not show.
-            stream.reconfigure(errors="backslashreplace")
-    return True
-
-
-def _discard(stream: Any) -> None:
-    """What a stream still holds and could not write is given up, or the interpreter tries again when it ends."""
-    if isinstance(stream, io.TextIOWrapper):
-        with contextlib.suppress(OSError, ValueError):
-            stream.flush()
-            return
-        with contextlib.suppress(OSError, ValueError):
-            handle = os.open(os.devnull, os.O_WRONLY)
-            os.dup2(handle, stream.fileno())
-            os.close(handle)
 
 
 if __name__ == "__main__":

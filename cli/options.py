@@ -5,12 +5,15 @@ Built on click; a value that does not fit is one line on standard error and exit
 
 from __future__ import annotations
 
+import contextlib
+import math
 from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
 
+from gproof.cli.help import option
 from gproof.passes.checks.registry import added
 
 if TYPE_CHECKING:
@@ -21,6 +24,14 @@ else:
     _NameType = click.ParamType  # which older versions of click do not have as a generic
 
 _Command = TypeVar("_Command", bound=Callable[..., Any])
+
+FILE = "FILE"
+GIVEN, PROGRAM, REQUIRED = "Machine and setup", "Program", "Requirements"
+REPORT, SEVERAL, PACKAGE, RECORD = "Output", "Several jobs", "Package", "Record of the run"
+AGAIN, BOARD, READ = "Compile again", "Run", "Input"
+"""Titles of options in the help."""
+MOST = 10**15
+"""Of what is counted: whatever is larger says nothing else."""
 
 
 class FileName(click.Path):
@@ -34,6 +45,20 @@ class FileName(click.Path):
         if value == "":
             self.fail("an empty name is no file.", param, ctx)
         return super().convert(value, param, ctx)
+
+
+class Finite(click.FloatRange):
+    """A range of numbers, NaN and infinity not among them; a thousand million at most where none is named."""
+
+    def __init__(self, low: float, high: float = 1e9) -> None:
+        super().__init__(low, high)
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> float:
+        """The number; a usage error for what is none."""
+        with contextlib.suppress(TypeError, ValueError):
+            if not math.isfinite(float(value)):
+                self.fail(f"{value!r} is not a finite number.", param, ctx)
+        return float(super().convert(value, param, ctx))
 
 
 class OneOf(_NameType):
@@ -98,7 +123,7 @@ def _one(context: click.Context, parameter: click.Parameter, values: tuple[Any, 
 
 def once(*names: str, **attributes: Any) -> Callable[[_Command], _Command]:
     """An option that decides what a job is judged with: two different ones are a mistake, and no last one counts."""
-    return click.option(*names, multiple=True, callback=_one, **attributes)
+    return option(*names, multiple=True, callback=_one, **attributes)
 
 
 def _properties(context: click.Context, parameter: click.Parameter, values: tuple[str, ...]) -> tuple[str, ...]:
@@ -114,10 +139,84 @@ def _properties(context: click.Context, parameter: click.Parameter, values: tupl
     return names
 
 
-ALSO = click.option(
+ALSO = option(
     "--also",
+    title=REQUIRED,
     multiple=True,
     callback=_properties,
     metavar="PROPERTY,...",
-    help=f"Judge these too: {', '.join(added())}, or all; repeatable.",
+    help=f"Check these properties too: {', '.join(added())}, or all",
 )
+FORMAT = option(
+    "--format", "form", title=REPORT, type=click.Choice(["text", "json"]), default="text",
+    help="Format of the report [default: text]",
+)  # fmt: skip
+UNITS = option(
+    "--units", title=REPORT, type=click.Choice(["mm", "inch"]),
+    help="Unit of lengths in texts [default: that of the machine file]",
+)  # fmt: skip
+JOB = click.argument("job", type=FileName())
+
+
+def job_options(command: Any, *, machines: bool = False) -> Any:
+    """The options of every command that reads a job; machines: of one that takes several of them."""
+    said = {"title": GIVEN, "metavar": FILE, "type": FileName()}
+    text = "Machine file: TOML, or the controller's own"
+    several = option("--machine", multiple=True, help=text + "; may be repeated", **said)
+    for one in reversed(
+        (
+            several if machines else once("--machine", help=text, **said),
+            once(
+                "--setup", title=GIVEN, metavar=FILE,
+                help='Setup file, or "zero": homed, at machine zero, no offsets, tool 0',
+            ),
+            option(
+                "--dialect", title=GIVEN, metavar="NAME", type=OneOf(dialects),
+                help="Controller of the program: {choices} [default: detected]",
+            ),
+            option(
+                "--call", title=PROGRAM, metavar="NAME",
+                help="Take this subprogram of JOB, such as user_1, as its button runs it",
+            ),
+            option(
+                "--render", title=PROGRAM, is_flag=True,
+                help="Run as in the controller's render mode: probes miss, dialogs get OK",
+            ),
+            option(
+                "--max-blocks", title=PROGRAM, metavar="N", type=click.IntRange(1, MOST),
+                help="Blocks to execute at most [default: 5 million and 4 a line]",
+            ),
+            option(
+                "--max-branches", title=PROGRAM, metavar="N", type=click.IntRange(0, MOST), default=4096,
+                help="Branches to explore at most where a condition is unknown [default: 4096]",
+            ),
+        )
+    ):  # fmt: skip
+        command = one(command)
+    return command
+
+
+def package_options(command: Any) -> Any:
+    """The options of every command that believes, or does not believe, a package."""
+    for one in reversed(
+        (
+            once(
+                "--machine", title=REQUIRED, metavar=FILE, type=FileName(),
+                help="Machine file that the package must have been made for",
+            ),
+            once(
+                "--setup", title=REQUIRED, metavar=FILE,
+                help='Setup that it must have been made for: a file, or "zero"',
+            ),
+            once(
+                "--source", title=REQUIRED, metavar=FILE, type=FileName(),
+                help="Program that it must have been made from",
+            ),
+            option(
+                "--trust", title=REQUIRED, metavar=FILE, type=FileName(), multiple=True,
+                help="Public key to trust (PEM); may be repeated",
+            ),
+        )
+    ):  # fmt: skip
+        command = one(command)
+    return command
