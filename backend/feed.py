@@ -40,10 +40,10 @@ class Words:
         interval, count, add = (runs[name].astype(np.int64) for name in ("interval", "count", "add"))
         longest = np.maximum(interval, interval + add * (count - 1))
         if len(longest) and int(longest.max()) > self.interval:
-            return f"an interval of {int(longest.max())} ticks, and the board's words hold {self.interval}"
+            return f"an interval of {int(longest.max())} ticks, and the board can take {self.interval}"
         parts = np.where(np.abs(np.where(count == 1, 0, add)) > self.add, count, count / self.count)
         if float(parts.sum()) > MOST_SPLIT:
-            return f"runs that the board's words cut into more than {MOST_SPLIT}"
+            return f"runs that the board has to cut into more than {MOST_SPLIT}"
         return None
 
 

@@ -87,12 +87,12 @@ class Terminal:
         where = f"{request.file}, " if request.file else ""
         self.tell(f"{where}line {request.line}: {request.text}")
         if len(request.outcomes) == 1:
-            answer = self._read(f"Enter: {request.outcomes[0]}, q: end the job here: ")
+            answer = self._read(f"Press Enter: {request.outcomes[0]}, or q to end the job here: ")
             return None if answer is None else request.outcomes[0]
         for number, outcome in enumerate(request.outcomes, start=1):
             self.tell(f"  {number}: {outcome}")
         while True:
-            answer = self._read("number, q: end the job here: ")
+            answer = self._read("Enter a number, or q to end the job here: ")
             if answer is None:
                 return None
             if answer.isdecimal() and 1 <= int(answer) <= len(request.outcomes):
@@ -100,7 +100,7 @@ class Terminal:
 
     def held(self, request: HoldRequest) -> bool:
         """Enter goes on, q ends the job."""
-        return self._read("feed hold. Enter: go on, q: end the job here: ") is not None
+        return self._read("Feed hold. Press Enter to go on, or q to end the job here: ") is not None
 
     def _read(self, prompt: str) -> str | None:
         """A line, None for q or the end of input."""

@@ -36,7 +36,7 @@ def problems(record: ExecutionRecord, job: Job) -> Iterator[str]:
         yield f"the record is of certificate {record.certificate[:16]}…, not {job.certificate[:16]}…"
         return
     if record.motors != tuple(m.name for m in stream.motors):
-        yield f"motors {list(record.motors)} are not those of the stream"
+        yield f"motors {list(record.motors)} differ from those of the stream"
         return
     if record.board.tick_frequency != stream.tick_frequency:
         yield f"the board counted {record.board.tick_frequency} ticks a second, not {stream.tick_frequency}"
@@ -47,7 +47,7 @@ def problems(record: ExecutionRecord, job: Job) -> Iterator[str]:
         yield "not one count for each motor"
         return
     if record.start != stream.sections[0].start:
-        yield f"started at {list(record.start)}, the stream at {list(stream.sections[0].start)}"
+        yield f"started at {list(record.start)}, but the stream starts at {list(stream.sections[0].start)}"
     yield from _order(record, job)
     at = record.start
     for section in record.sections:
@@ -59,13 +59,13 @@ def problems(record: ExecutionRecord, job: Job) -> Iterator[str]:
         yield f"{list(record.steps)} steps in all, {list(totals)} in the sections"
     if record.position is None:
         if record.result not in (Result.INTERRUPTED, Result.FAULT):
-            yield f"the position is not known although the result is {record.result.value}"
+            yield f"the position is not known, but the result is {record.result.value}"
     elif record.sections and record.sections[-1].outcome is Result.INTERRUPTED:
-        yield f"section {record.sections[-1].number} was interrupted, and the position is claimed to be known"
+        yield f"section {record.sections[-1].number} was interrupted, but the record says that the position is known"
     elif record.position != at:
-        yield f"ended at {list(record.position)}, the last section at {list(at)}"
+        yield f"ended at {list(record.position)}, but the last section ended at {list(at)}"
     if not record.observed.clean:
-        yield f"the board saw pulses or direction changes that came too early: {_seen(record.observed)}"
+        yield f"the board reported pulses or direction changes that came too early: {_seen(record.observed)}"
 
 
 def _seen(observed: Observed) -> str:
@@ -90,14 +90,14 @@ def _order(record: ExecutionRecord, job: Job) -> Iterator[str]:
         if not taken:
             stopped = not section.answer and section.target == -1
             if not stopped or (edges and record.result is Result.COMPLETED):
-                yield f"section {section.number} has no outcome {section.answer!r} to {section.target}"
+                yield f"section {section.number} has no answer {section.answer!r} to section {section.target}"
             over = True
             continue
         expected, over = section.target, section.target < 0
         if over and (taken[0].wait is Wait.END) != (record.result is Result.COMPLETED):
             yield f"the result is {record.result.value}, the last wait was {section.wait}"
     if record.result is Result.COMPLETED and (not record.sections or not over):
-        yield "completed, but the program's end was not reached"
+        yield "completed, but the end of the program was not reached"
 
 
 def _edge(section: SectionRecord) -> tuple[str, str, int]:
@@ -108,7 +108,7 @@ def _section(done: SectionRecord, planned: StreamSection, at: tuple[int, ...], j
     """Steps, position and events of one section."""
     where = f"section {done.number}"
     if at != planned.start:
-        yield f"{where} starts at {list(planned.start)}, the motors were at {list(at)}"
+        yield f"{where} starts at {list(planned.start)}, but the motors were at {list(at)}"
     try:
         section = sent(done, planned, job)
     except ValueError as error:
@@ -116,24 +116,24 @@ def _section(done: SectionRecord, planned: StreamSection, at: tuple[int, ...], j
         return
     complete = done.outcome is Result.COMPLETED
     if complete and done.ticks != section.duration:
-        yield f"{where}: completed after {done.ticks} ticks, it lasts {section.duration}"
+        yield f"{where}: completed after {done.ticks} ticks; it takes {section.duration}"
     broken = done.outcome in (Result.UNDERRUN, Result.FAULT, Result.INTERRUPTED)
     for motor, runs, start, steps, position in zip(
         job.stream.motors, section.runs, section.start, done.steps, done.position, strict=True
     ):
         due = done_by(runs, section.duration if complete else done.ticks)
         if steps > due.steps or (steps < due.steps and not broken):
-            yield f"{where}: motor {motor.name} made {steps} steps, {due.steps} were due"
+            yield f"{where}: motor {motor.name} made {steps} steps instead of {due.steps}"
             continue
         if steps < due.steps:
             _, directions = expand(runs)
             due = Done(steps, int(directions[:steps].sum(dtype="int64")), 0)
         if position != start + due.net:
-            yield f"{where}: motor {motor.name} ended at {position}, its steps lead to {start + due.net}"
+            yield f"{where}: motor {motor.name} ended at {position}; its steps lead to {start + due.net}"
     table = zip(*(section.events[n].tolist() for n in ("tick", "row", "op")), strict=True)
     events = tuple(e for e in table if complete or e[0] <= done.ticks)
     if done.events != events and not (broken and done.events == events[: len(done.events)]):
-        yield f"{where}: {len(done.events)} events were carried out that are not the {len(events)} due"
+        yield f"{where}: {len(done.events)} events were executed, which are not the {len(events)} of the stream"
 
 
 def sent(done: SectionRecord, planned: StreamSection, job: Job) -> StreamSection:
@@ -144,7 +144,7 @@ def sent(done: SectionRecord, planned: StreamSection, job: Job) -> StreamSection
         if change.kind == "override":
             meant = slow_map(section, job.stream.tick_frequency, change.factor_value())
             if meant.source.tolist() != times.source.tolist() or meant.target.tolist() != times.target.tolist():
-                raise ValueError(f"the time map is not that of an override of {change.factor}")
+                raise ValueError(f"the time map does not fit an override of {change.factor}")
         spacing = Spacing.of(job.machine, job.stream.tick_frequency, exact=change.exact)
         section = retime(section, times, spacing)
     return section

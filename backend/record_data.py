@@ -195,8 +195,8 @@ class ExecutionRecord:
             for change in section.retimings:
                 if change.kind == "hold" and change.asked <= section.ticks:
                     what = (
-                        f"section {section.number}: feed hold asked at tick {change.asked}, "
-                        f"at rest from {change.rest_begins} for {change.rest} ticks"
+                        f"section {section.number}: requested at tick {change.asked}, "
+                        f"at rest from tick {change.rest_begins} for {change.rest} ticks"
                     )
                     found.append(codes.FEED_HOLD.at(place, what=what))
         if self.result is Result.INTERRUPTED:
@@ -208,7 +208,7 @@ class ExecutionRecord:
         for motor, name in enumerate(self.motors):
             early = [counts[motor] for counts in (self.observed.overlaps, self.observed.setups) if counts]
             if any(early):
-                what = f"the board saw pulses or direction changes of motor {name} come too early"
+                what = f"pulses or direction changes of motor {name} came too early at the board"
                 found.append(codes.STREAM_PULSE.at(place, what=what))
         return found
 

@@ -38,7 +38,7 @@ def parse_signed(data: bytes) -> tuple[ExecutionRecord, dict[str, str] | None]:
         if not isinstance(value, dict) or value.get("schema") not in (SCHEMA, FIRST_SCHEMA):
             raise ValueError(f"not of schema {SCHEMA}")
         if data.removesuffix(b"\n") != canonical(value):
-            raise ValueError("not in canonical form: keys sorted, none twice, no blanks")
+            raise ValueError("not in canonical form (keys sorted, none twice, no blanks)")
         claimed = value.pop("sha256", None)
         signature = value.pop("signature", None)
         if signature is not None and (
@@ -51,7 +51,7 @@ def parse_signed(data: bytes) -> tuple[ExecutionRecord, dict[str, str] | None]:
     except (KeyError, TypeError, AttributeError, ArithmeticError, RecursionError) as error:
         raise ValueError(f"not an execution record: {error}") from None
     if claimed != record.sha256:
-        raise ValueError("the record's hash does not fit its contents")
+        raise ValueError("the hash of the record does not fit its contents")
     return record, signature
 
 
@@ -74,7 +74,7 @@ def _record(value: dict[str, Any]) -> ExecutionRecord:
     if first:
         value["accepted"] = ANY_SIGNER
     elif value.pop("unproved", None) != list(UNPROVED):
-        raise ValueError("the list of what nothing proves is another one")
+        raise ValueError("the list of what is not proved was changed")
     _only(value, ExecutionRecord)
     position = value["position"]
     return ExecutionRecord(

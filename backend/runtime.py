@@ -240,7 +240,7 @@ class _Walk:
         except OSError as error:
             if kind == "begin":
                 raise
-            self.control.end_at_rest(f"the journal can not be written ({error.strerror or error})")
+            self.control.end_at_rest(f"the journal cannot be written ({error.strerror or error})")
 
     def _begin(self, is_: Capabilities) -> None:
         """Everything that the record says of a run that has not moved yet; OSError when that can not be kept."""
@@ -284,7 +284,7 @@ class _Walk:
         self._write("section", fields, sync=True)
         if self.control.ending:
             self._write("withdrawn", {})
-            self.result, self.reason = Result.STOPPED, f"section {number} was not begun: {self.control.ending}"
+            self.result, self.reason = Result.STOPPED, f"section {number} was not started: {self.control.ending}"
             return -1
         run = SectionRun(
             self.board,
@@ -325,14 +325,14 @@ class _Walk:
         if self.factor != 1 and self._overridable(planned.number):
             made = self.retimer.override(section, self.factor)
             if made is None:
-                return f"at {float(self.factor):g} of its speed it does not pass the validator"
+                return f"at {float(self.factor):g} of its speed the stream does not pass the stream checker"
             section = made.section
             retimings.append(made.retiming)
         while self.holds and self.holds[0].at < self.done_ticks + section.duration:
             hold = self.holds.pop(0)
             made = self.retimer.hold(section, max(0, hold.at - self.done_ticks), hold.rest)
             if made is None:
-                return f"with a feed hold at tick {hold.at - self.done_ticks} it does not pass the validator"
+                return f"with a feed hold at tick {hold.at - self.done_ticks} it does not pass the stream checker"
             section = made.section
             retimings.append(made.retiming)
         return section, retimings
@@ -430,7 +430,7 @@ class _Walk:
             self.result = Result.COMPLETED
             return -1
         if self.control.stop_asked:
-            self.result, self.reason = Result.STOPPED, f"section {number}: ended by a signal, at rest"
+            self.result, self.reason = Result.STOPPED, f"section {number}: stopped by a signal, at rest"
             return -1
         if self.control.hold_asked and not self._go_on(number):
             return -1
@@ -453,7 +453,7 @@ class _Walk:
         if here == there:
             return target
         self.result = Result.REFUSED
-        self.reason = f"section {target} starts at {list(there)}, the motors are at {list(here)}"
+        self.reason = f"section {target} starts at {list(there)}, but the motors are at {list(here)}"
         return -1
 
     def _go_on(self, number: int) -> bool:
@@ -481,7 +481,7 @@ def _request(trace: Trace, section: TraceSection) -> WaitRequest:
             text = trace.texts[int(section.rows["text"][k])]
         elif op == Op.TOOL_CHANGE:
             tool = float(section.rows["arg"][k, 0])
-            text = "change the tool" if math.isnan(tool) else f"put in tool {tool:g}"
+            text = "change the tool" if math.isnan(tool) else f"insert tool {tool:g}"
         elif op == Op.STOP:
             optional = bool(section.rows["arg"][k, 0])
             continue
@@ -504,22 +504,22 @@ def _unfit(job: Job, is_: Capabilities) -> Iterator[Finding]:
     where = Span(job.name, 0)
     if is_.name != VIRTUAL:
         if job.accepted != TRUSTED:
-            what = f"board {is_.name} is not the virtual one: it takes what a trusted key has signed"
+            what = f"board {is_.name} moves a machine: it takes only what a trusted key has signed"
             yield codes.CERTIFICATE_UNTRUSTED.at(where, what=what)
         if not (job.machine_at_hand and job.setup_at_hand):
-            what = f"board {is_.name} is not the virtual one: machine and setup have to be at hand"
+            what = f"board {is_.name} moves a machine: it needs the machine file and the setup (--machine, --setup)"
             yield codes.CERTIFICATE_MACHINE.at(where, what=what)
     board, ticks = job.machine.board, job.stream.tick_frequency
     wanted = (
-        (is_.motors != len(job.stream.motors), f"drives {is_.motors} motors, the stream {len(job.stream.motors)}"),
-        (is_.tick_frequency != ticks, f"counts {is_.tick_frequency} ticks a second, the stream {ticks}"),
+        (is_.motors != len(job.stream.motors), f"drives {is_.motors} motors, the stream has {len(job.stream.motors)}"),
+        (is_.tick_frequency != ticks, f"counts {is_.tick_frequency} ticks per second, the stream {ticks}"),
         (
             is_.step_pulse > ticks_up(board.step_pulse, ticks),
             f"needs step pulses of {is_.step_pulse} ticks, the machine file says {board.step_pulse:g} s",
         ),
         (
             is_.direction_setup > ticks_up(board.direction_setup, ticks),
-            f"needs {is_.direction_setup} ticks to turn round, the machine file says {board.direction_setup:g} s",
+            f"needs {is_.direction_setup} ticks to change direction, the machine file says {board.direction_setup:g} s",
         ),
     )
     for wrong, what in wanted:
@@ -529,9 +529,9 @@ def _unfit(job: Job, is_: Capabilities) -> Iterator[Finding]:
     for part in job.stream.sections:
         for motor, runs in zip(job.stream.motors, part.runs, strict=True):
             if (wide := words.problem(runs)) is not None:
-                what = f"board {is_.name} can not be sent section {part.number}: {motor.name} has {wide}"
+                what = f"board {is_.name} cannot take section {part.number}: {motor.name} has {wide}"
                 yield codes.CERTIFICATE_MACHINE.at(where, what=what)
     for section in job.trace.sections:
         for wait in sorted({edge.wait.value for edge in section.edges if edge.wait in SENSED}):
-            what = f"board {is_.name} has no {wait} switch that it hears, and section {section.number} waits for one"
+            what = f"board {is_.name} cannot read a {wait} switch, and section {section.number} waits for one"
             yield codes.CERTIFICATE_MACHINE.at(Span(job.name, 0), what=what)

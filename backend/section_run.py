@@ -233,7 +233,7 @@ class SectionRun:
             self._unheld = True
             return
         if ready is None:
-            self.ended.reason = "no feed hold passed the validator"
+            self.ended.reason = "no feed hold passed the stream checker"
             self.control.stop()
             return
         self._replace(*ready)
@@ -268,7 +268,7 @@ class SectionRun:
         self.ended.outcome = Result.REFUSED if resume else Result.STOPPED
         self.ended.ticks = begins
         self.ended.reason = f"section {number}: " + (
-            "the rest of the section did not pass the validator"
+            "the rest of the section did not pass the stream checker"
             if resume
             else self.control.ending or "ended in a feed hold"
         )

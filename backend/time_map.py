@@ -36,10 +36,10 @@ class TimeMap:
         if len(self.source) != len(self.target) or not len(self.source):
             raise ValueError("a time map needs breakpoints with two ticks each")
         if self.source[0] != 0 or self.target[0] != 0:
-            raise ValueError("a time map begins at tick 0")
+            raise ValueError("a time map starts at tick 0")
         width, height = np.diff(self.source), np.diff(self.target)
         if (width < 0).any() or (height < width).any():
-            raise ValueError("a time map never goes back, nor faster than planned")
+            raise ValueError("a time map never runs backwards, nor faster than planned")
         if ((width > LONGEST_CELL) & (height > width)).any() or (height - width >= 2**33)[width > 1].any():
             raise ValueError("a cell of the time map is too long")
 

@@ -63,7 +63,7 @@ class Trail:
 
     def _add(self, kind: str, fields: dict[str, Any]) -> None:
         if (self._begun is None) != (kind == "begin") or (kind == "section" and self._open is not None):
-            raise ValueError(f"entry {kind!r} does not follow here")
+            raise ValueError(f"entry {kind!r} cannot follow here")
         if kind == "begin":
             self._board = board_of(fields["board"])
             self._begun = {
@@ -144,7 +144,7 @@ class Trail:
     def record(self) -> ExecutionRecord:
         """The record; ValueError when the run was not even begun."""
         if self._begun is None or self._board is None:
-            raise ValueError("the run was not begun")
+            raise ValueError("the run was not started")
         sections = (*self._sections, *(() if self._open is None else (self._open,)))
         result, reason = self._ending()
         last = sections[-1].position if sections else self._start
@@ -163,17 +163,17 @@ class Trail:
         """The result and its reason: those of the entry ``end``, else what the entries before it make certain."""
         if self.ended:
             return self._result, self._reason
-        why = "the run did not end: gproof was killed, the computer lost its power or found its disk full"
+        why = "gproof was killed, the computer lost power or its disk was full"
         if self.damaged and not self._over:
-            return Result.INTERRUPTED, f"{why}; its journal is damaged: the position is not known"
+            return Result.INTERRUPTED, f"{why}; the journal is damaged: the position is not known"
         if self._open is not None:
-            where = f"section {self._open.number}; the last that the board acknowledged is tick {self._open.ticks}"
+            where = f"section {self._open.number}; the board acknowledged it up to tick {self._open.ticks}"
             return Result.INTERRUPTED, f"{why} in {where}: the position is not known"
         if not self._sections:
-            return Result.INTERRUPTED, f"{why} before anything moved"
+            return Result.INTERRUPTED, f"{why}, before anything moved"
         last = self._sections[-1]
         if last.outcome is not Result.COMPLETED:
             return last.outcome, self._why
         if last.wait == Wait.END.value:
             return Result.COMPLETED, ""
-        return Result.INTERRUPTED, f"{why} at rest, after section {last.number}"
+        return Result.INTERRUPTED, f"{why}, at rest after section {last.number}"

@@ -63,9 +63,9 @@ def run_check(
                 every=every,
             )  # fmt: skip
     if picture is not None:
-        raise UsageError("--picture is drawn of one program, not of several jobs or a report for other programs")
+        raise UsageError("--picture draws one program; it needs one JOB and --format text or json")
     if running.call is not None and is_several(names):
-        raise UsageError("--call judges a subprogram of one program")
+        raise UsageError("--call takes one program, not several jobs")
     how = How(
         running=running, asked=asked, form=form, units=units, quiet=quiet, tty=output is None and coloured(),
         every=every,
@@ -77,9 +77,12 @@ def run_check(
     if new_baseline is None:
         return exit_code(kept)
     if any(outcome.problem for outcome in kept):
-        raise UsageError(f"baseline {new_baseline}: not written, because not all jobs could be judged")
+        raise UsageError(f"baseline {new_baseline}: not written, because some jobs could not be checked")
     count = write_baseline(new_baseline, [outcome.known for outcome in kept])
-    click.echo(f"{in_one_line(str(new_baseline))}: {counted(count, 'finding')} known from now on", err=True)
+    click.echo(
+        f"{in_one_line(str(new_baseline))}: {counted(count, 'finding')} written, known from now on (--baseline)",
+        err=True,
+    )
     return 0
 
 
@@ -108,10 +111,10 @@ def further_reports(names: Sequence[str], output: Path | None) -> list[tuple[str
     for name in names:
         form, _, file = name.partition("=")
         if form not in DOCUMENTS or not file:
-            raise UsageError(f"--report {name}: is FORM=FILE, with FORM one of {', '.join(DOCUMENTS)}")
+            raise UsageError(f"--report {name}: must be FORMAT=FILE; FORMAT is one of {', '.join(DOCUMENTS)}")
         place = Path(file)
         if place == output or any(place == other for _, other in asked):
-            raise UsageError(f"--report {name}: another report goes to this file")
+            raise UsageError(f"--report {name}: another report is written to this file already")
         asked.append((form, place))
     return asked
 

@@ -23,7 +23,7 @@ def run_compile(request: Request) -> int:
     """Compile, print what came of it; returns the exit code."""
     require_place(request.output, "output", (request.job, request.machine, request.setup, request.key))
     if request.key is not None and request.unsigned:
-        raise UsageError("--key and --unsigned exclude each other")
+        raise UsageError("--key and --unsigned cannot be used together")
     if request.key is not None:
         require_file(request.key, "key")
     with progress("reading") as shown:
@@ -80,4 +80,4 @@ def _measured_later(made: Compiled, package: NewPackage) -> Iterator[str]:
             continue
         own = next(axis.unit for axis in machine.axes if axis.index == place.axis)
         at = f"{unit.place(place.start, own)} {unit.named(own)} from {form}"
-        yield f"{form}, and {machine.word(place.axis)} stands {at} when the job begins"
+        yield f"{form}, with {machine.word(place.axis)} {at} at the start of the job"

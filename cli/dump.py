@@ -33,7 +33,7 @@ def run_dump(
 ) -> int:
     """Print the stage; findings go to standard error. Exit 0 when the stage was reached without error."""
     if form == "jsonl" and stage != "trace":
-        raise UsageError("--format jsonl is for --stage trace")
+        raise UsageError("--format jsonl needs --stage trace")
     session = open_session(job, machine=machine, setup=setup, dialect=dialect, call=running.call)
     if session.program is None:
         print_findings(session.findings, err=True)

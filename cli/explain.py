@@ -16,7 +16,7 @@ from gproof.report.finding_page import FILES, page_to_read, whole_page, within
 WIDTH = 100
 """Columns, where the terminal has that many."""
 
-_SHAPES = "codes look like GP301 or soft-limit"
+_SHAPES = "a finding has a code such as GP301 or a name such as soft-limit"
 
 
 SHOWN = 3
@@ -71,7 +71,7 @@ def _near(text: str) -> str:
 
     if number := re.fullmatch(r"(?:gp)?[ -]?0*(\d+)", text.strip(), re.IGNORECASE):
         own = sorted(code for code in CODES if code // 100 == int(number[1]) // 100)
-        return f"codes of its hundred are GP{own[0]} ... GP{own[-1]}" if own else _SHAPES
+        return f"this group has GP{own[0]} to GP{own[-1]}" if own else _SHAPES
     words = [word for word in _name(text).split("-") if len(word) > 2]
     names = {code.name: code for code in CODES.values()}
     found = difflib.get_close_matches(_name(text), names, 3, 0.7)

@@ -30,10 +30,10 @@ def run_fit(
 ) -> int:  # fmt: skip
     """Judge the job with its work offsets open, and as they were stated; print the answer; returns the exit code."""
     if not machines:
-        raise UsageError("fit needs a machine: --machine FILE says what limits there are")
+        raise UsageError("fit needs --machine FILE: the travel limits are in the machine file")
     if picture is not None:
         if len(machines) > 1:
-            raise UsageError("--picture is drawn of one machine")
+            raise UsageError("--picture draws one machine; give --machine once")
         require_place(picture, "picture", (job, machines[0], setup))
         require_picture(picture)
     answers = [_answer(job, machine=machine, setup=setup, dialect=dialect, running=running) for machine in machines]
@@ -72,7 +72,7 @@ def fit_session(session: Session, running: Running, shown: Progress | None = Non
     judged = judge(other, running=running, hears=watch, **seen)
     stated = judge(session, running=running, **seen) if asked.anything and session.program is not None else None
     if shown is not None:
-        shown.phase("looking for places of the zero")
+        shown.phase("searching work zeros")
     fit = fit_of(session.machine, asked, judged, stated, watch)
     if fit.kind == "unknown" and fit.reason:
         again = judge(opened(session)[0], running=running)

@@ -82,7 +82,9 @@ class Forms:
             if path.name.lower() == one.definitions:
                 dialect = dialect or known or one.name
                 if dialect != one.name:
-                    raise UsageError(f"file {path}: holds macros of {one.title}, not of {dialect}")
+                    raise UsageError(
+                        f"file {path}: is a macro file of {one.title}, not of {dialect}; leave out --dialect"
+                    )
             elif dialect is None and known is None and one.definitions in beside:
                 dialect = one.name
         dialect, _ = dialect_of(source, dialect, machine, machine_file)
@@ -108,7 +110,7 @@ class Forms:
             machine, _ = load_machine(path, findings)
             if machine is None:
                 print_findings(findings, err=True)
-                raise UsageError(f"the machine file {path} can not be used")
+                raise UsageError(f"machine file {path}: cannot be used, see the errors above")
             self.machines[path] = machine
         return self.machines[path]
 
@@ -123,9 +125,9 @@ def run_fmt(
     """
     files = tuple(_with_folders(files))
     if stdin_name is not None and files != (STANDARD_INPUT,):
-        raise UsageError("--stdin-name goes with - alone")
+        raise UsageError("--stdin-name needs - (standard input) as the only file")
     if stdin_name is not None and not stdin_name.parent.is_dir():
-        raise UsageError(f"--stdin-name {stdin_name}: there is no folder {stdin_name.parent}")
+        raise UsageError(f"--stdin-name {stdin_name}: no such folder: {stdin_name.parent}")
     forms = Forms(dialect, machine)
     _require(files, forms, only_check=only_check, diff=diff, to_stdout=to_stdout)
     to_stdout = to_stdout or (files == (STANDARD_INPUT,) and not (only_check or diff))
@@ -172,20 +174,20 @@ def _with_folders(files: tuple[Path, ...]) -> Iterator[Path]:
             if file.suffix.lower() in extensions() and file.suffix.lower() != ".txt" and file.is_file()
         ]  # fmt: skip
         if not programs:
-            raise UsageError(f"folder {path}: there is no program in it; folders inside it are not searched")
+            raise UsageError(f"folder {path}: no programs in it; folders inside it are not searched")
         yield from programs
 
 
 def _require(files: tuple[Path, ...], forms: Forms, *, only_check: bool, diff: bool, to_stdout: bool) -> None:
     """UsageError, before anything is done, for what can not be read or written, and for options at odds."""
     if to_stdout and (only_check or diff):
-        raise UsageError(f"--stdout prints the text, {'--check' if only_check else '--diff'} does not: choose one")
+        raise UsageError(f"--stdout and {'--check' if only_check else '--diff'} cannot be used together")
     if STANDARD_INPUT in files and sys.stdin is None:
         raise UsageError("standard input is closed")
     if STANDARD_INPUT in files and len(files) > 1:
-        raise UsageError("- stands for standard input and goes alone")
+        raise UsageError("- (standard input) cannot be combined with other files")
     if to_stdout and len(files) > 1:
-        raise UsageError("--stdout prints one file")
+        raise UsageError("--stdout takes one file")
     for path in files:
         if path == STANDARD_INPUT:
             continue
@@ -193,7 +195,7 @@ def _require(files: tuple[Path, ...], forms: Forms, *, only_check: bool, diff: b
         forms.of(path, path)
         folder = Path(os.path.realpath(path)).parent
         if not (only_check or diff or to_stdout) and not os.access(folder, os.W_OK):
-            raise UsageError(f"file {path}: the folder {folder} can not be written")
+            raise UsageError(f"file {path}: no permission to write in folder {folder}")
 
 
 @contextmanager
@@ -285,7 +287,7 @@ def _printed(
     findings = Findings()
     again = form.alone.load(scratch, findings, name)
     if again is None or findings.has(Severity.ERROR):
-        what = next((f"{f.message} (line {f.span.line})" for f in findings.kept), "it can not be read")
+        what = next((f"{f.message} (line {f.span.line})" for f in findings.kept), "it cannot be read")
     else:
         what = difference(program, again) or form.printer.judge(program, again, form.alone.machine)
     if what:

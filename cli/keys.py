@@ -23,14 +23,16 @@ def run_new(output: Path | None) -> int:
         require_place(output, "output")
     path = output or own_key_path()
     if path.exists():
-        more = "" if output is not None else f"; gproof keys revoke {OWN} ends it first"
-        raise UsageError(f"{path}: there is a key already{more}")
+        more = "" if output is not None else f"; revoke it first: gproof keys revoke {OWN}"
+        raise UsageError(f"{path}: there is already a key{more}")
     raw = raw_public(create_key(path))
     click.echo(f"{shown(str(path))}: a new key, {fingerprint(raw)}")
     said = (
-        "gproof keys show prints its public half" if output is None else "gproof keys show FILE prints its public half"
+        "give others its public half (gproof keys show)"
+        if output is None
+        else "give others its public half (gproof keys show FILE)"
     )
-    click.echo(f"  {said}, which may be given to everybody; the file itself to nobody")
+    click.echo(f"  {said}, never this file")
     return 0
 
 
@@ -42,7 +44,7 @@ def run_list() -> int:
     for name, finger, state in rows:
         click.echo(f"{shown(name):<{width}}  {finger}  {state}")
     if ring.own is None:
-        click.echo("no key of your own yet: gproof keys new, or the first gproof compile, makes it", err=True)
+        click.echo("no key of your own yet: gproof keys new makes it, and so does the first gproof compile", err=True)
     return 0
 
 
@@ -69,9 +71,9 @@ def run_show(name: str) -> int:
         except ValueError as error:
             raise UsageError(str(error)) from None
     elif name == OWN:
-        raise UsageError("there is no key of your own yet: gproof keys new makes it")
+        raise UsageError("you have no key of your own yet; make it with gproof keys new")
     else:
-        raise UsageError(f"there is no key {name!r}; gproof keys list names those there are")
+        raise UsageError(f"there is no key {name!r}; gproof keys list shows all keys")
     click.echo(public_key_text(raw), nl=False)
     click.echo(f"fingerprint {fingerprint(raw)}", err=True)
     return 0
@@ -88,18 +90,18 @@ def run_trust(path: Path, name: str | None, expires: str | None) -> int:
     except ValueError as error:
         raise UsageError(f"--expires: {error}") from None
     if asked is not None and asked < today():
-        raise UsageError(f"--expires: {asked} has passed")
+        raise UsageError(f"--expires {asked}: this day is in the past")
     if given.revoked is not None:
-        raise UsageError(f"key {path}: was revoked on {given.revoked}, as the file says; it is not trusted")
+        raise UsageError(f"key {path}: revoked on {given.revoked} according to the file; it cannot be trusted")
     if given.expires is not None and given.expires < today():
-        raise UsageError(f"key {path}: expired on {given.expires}, as the file says; it is not trusted")
+        raise UsageError(f"key {path}: expired on {given.expires} according to the file; it cannot be trusted")
     last = min((day for day in (asked, given.expires) if day is not None), default=None)
     ring = read_ring()
     _not_otherwise(ring, raw, name)
     write_entry(Signer(raw=raw, name=name, expires=last))
     until = "" if last is None else f" until {last}"
     click.echo(f"{name}: trusted{until}, {fingerprint(raw)}")
-    click.echo("  what it signs runs here: compare this fingerprint with the one that its owner reads out")
+    click.echo("  what it signs can run here: compare this fingerprint with the one that the owner reads to you")
     return 0
 
 
@@ -107,12 +109,12 @@ def _not_otherwise(ring: KeyRing, raw: bytes, name: str) -> None:
     """UsageError where the key is kept already in another way, or the name is another key's."""
     for one in ring.signers:
         if one.raw == raw and one.revoked is not None:
-            raise UsageError(f"this key was revoked on {one.revoked}, as {one.name}; it is not trusted again")
+            raise UsageError(f"this key was revoked on {one.revoked} (as {one.name}); it cannot be trusted again")
     for one in ring.signers:
         if one.raw == raw and one.name != name:
-            raise UsageError(f"this key is trusted already, as {one.name}")
+            raise UsageError(f"this key is already trusted (as {one.name})")
         if one.raw != raw and one.name.lower() == name.lower():
-            raise UsageError(f"name {name}: is that of another key ({fingerprint(one.raw)}); --name takes one")
+            raise UsageError(f"name {name}: another key has it ({fingerprint(one.raw)}); choose one with --name")
 
 
 def run_revoke(name: str, new_name: str | None) -> int:
@@ -121,14 +123,14 @@ def run_revoke(name: str, new_name: str | None) -> int:
     known = next((one for one in ring.signers if one.name == name), None)
     if name == OWN:
         if ring.own is None:
-            raise UsageError("there is no key of your own")
+            raise UsageError("you have no key of your own")
         kept = _revoke_own(ring.own)
         click.echo(f"{kept.name}: revoked, {fingerprint(kept.raw)}; what you signed with it is refused from now on")
         return 0
     if known is None:
         path = Path(name)
         if not path.exists():
-            raise UsageError(f"there is no key {name!r}; gproof keys list names those there are")
+            raise UsageError(f"there is no key {name!r}; gproof keys list shows all keys")
         raw = _public(path)
         known = next((one for one in ring.signers if one.raw == raw), None)
         if known is None:
@@ -137,9 +139,9 @@ def run_revoke(name: str, new_name: str | None) -> int:
             _not_otherwise(ring, raw, new_name)
             known = Signer(raw=raw, name=new_name)
         elif known.name == OWN:
-            raise UsageError(f"this is your own key: gproof keys revoke {OWN}")
+            raise UsageError(f"this is your own key; revoke it with gproof keys revoke {OWN}")
     if known.revoked is not None:
-        raise UsageError(f"{known.name}: was revoked on {known.revoked}")
+        raise UsageError(f"{known.name}: already revoked on {known.revoked}")
     write_entry(replace(known, revoked=today()))
     click.echo(f"{known.name}: revoked, {fingerprint(known.raw)}; what it signed is refused from now on")
     return 0

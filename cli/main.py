@@ -561,7 +561,8 @@ def _run(arguments: list[str] | None) -> int:
             raise
         what = f"{type(error).__name__}: {error}"
         click.echo(
-            f"gproof: internal error: {in_one_line(what)}; please report it (GPROOF_TRACEBACK=1 shows more)", err=True
+            f"gproof: internal error: {in_one_line(what)}; please report it (set GPROOF_TRACEBACK=1 for details)",
+            err=True,
         )
         return COULD_NOT_RUN
     return result if isinstance(result, int) else 0

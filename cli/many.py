@@ -112,7 +112,7 @@ def judge_all(jobs: Sequence[Job], how: How, workers: int | None) -> Iterator[Ou
                 try:
                     yield future.result()
                 except BrokenProcessPool:
-                    problem = f"{job.path}: a process ended before its answer (out of memory?); --jobs 1 uses one"
+                    problem = f"{job.path}: the worker process ended without an answer (out of memory?); try --jobs 1"
                     yield Outcome(job=str(job.path), problem=problem)
         except KeyboardInterrupt:
             for process in list(pool._processes.values()):

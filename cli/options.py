@@ -43,7 +43,7 @@ class FileName(click.Path):
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
         """The path; a usage error for an empty name."""
         if value == "":
-            self.fail("an empty name is no file.", param, ctx)
+            self.fail("the file name is empty.", param, ctx)
         return super().convert(value, param, ctx)
 
 
@@ -113,11 +113,9 @@ def documents() -> Iterable[str]:
 def _one(context: click.Context, parameter: click.Parameter, values: tuple[Any, ...]) -> Any:
     different = list(dict.fromkeys(values))
     if len(different) > 1:
-        raise click.BadParameter(
-            f"given as {different[0]} and as {different[1]}; a job is judged with one.", context, parameter
-        )
+        raise click.BadParameter(f"given twice, as {different[0]} and as {different[1]}; give one.", context, parameter)
     if different and different[0] == "":
-        raise click.BadParameter("an empty name is no file.", context, parameter)
+        raise click.BadParameter("the file name is empty.", context, parameter)
     return different[0] if different else None
 
 

@@ -116,7 +116,7 @@ def _lines(
     yield f"{path}: {done.result.value}" + (f": {done.reason}" if done.reason else "")
     yield f"  board       {done.board.name}, {frequency / 1e6:g} MHz, FIFO of {done.board.fifo_runs} runs"
     yield f"  sections    {len(done.sections)} of {len(package.stream.sections)}"
-    ends = "ends at" if done.position is not None else "position unknown, last acknowledged at"
+    ends = "ends at" if done.position is not None else "position not known, last acknowledged at"
     for name, motor, steps, position in zip(
         done.motors, package.stream.motors, done.steps, done.last_position, strict=True
     ):
@@ -126,7 +126,7 @@ def _lines(
     yield f"  time        {ticks / frequency:.1f} s of motion" + ("" if took is None else f", run in {took:.1f} s")
     yield from (f"  taken       {said}" for said in taken(package, setup))
     if done.accepted == ALLOWED:
-        yield "  trusted     no: nobody trusted has signed it, and --allow-untrusted let it run"
+        yield "  trusted     no: not signed with a trusted key, run with --allow-untrusted"
 
 
 def _say(findings: Findings, lines: list[str]) -> None:
@@ -158,7 +158,7 @@ def _refused(found: list[Finding]) -> int:
     for finding in found:
         findings.add(finding)
     print_findings(findings)
-    click.echo("gproof: nothing was moved: the package is refused", err=True)
+    click.echo("gproof: nothing was moved: the package was refused", err=True)
     errors = any(f.severity is Severity.ERROR for f in found)
     return (Verdict.UNSAFE if errors else Verdict.UNKNOWN).exit_code
 

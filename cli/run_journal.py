@@ -45,8 +45,8 @@ def runs_folder(given: Path | None) -> Path:
     why = not_private(folder)
     if why:
         raise UsageError(
-            f"nothing was moved: journals can not be kept in {folder} ({why}); --runs takes a folder that nobody else "
-            "can write"
+            f"nothing was moved: journals cannot be kept in {folder} ({why}); choose with --runs a folder that only "
+            "you can write"
         )
     return folder
 
@@ -67,9 +67,11 @@ def alone(runs: Path | None, board: str) -> Iterator[None]:
         try:
             mine = stack.enter_context(held(folder, board))
         except OSError as error:
-            raise UsageError(f"board {board}: can not be held in {folder}: {error.strerror or error}") from None
+            raise UsageError(
+                f"board {board}: cannot be locked in {folder}: {error.strerror or error}; nothing was moved"
+            ) from None
         if not mine:
-            raise UsageError(f"board {board}: another run is going on; nothing was moved")
+            raise UsageError(f"board {board}: another run is using it; nothing was moved")
         yield
 
 
@@ -86,13 +88,13 @@ def require_record_place(path: Path, package: Path, replace: bool) -> bool:
     except OSError as error:
         raise UsageError(f"record {path}: {error.strerror}") from None
     if not known:
-        raise UsageError(f"record {path}: is there and is not an execution record; it stays as it is")
+        raise UsageError(f"record {path}: this file exists and is not an execution record; choose another name")
     if replace:
         return True
     if not _somebody_is_there():
-        raise UsageError(f"record {path}: is there; --replace-record replaces it")
+        raise UsageError(f"record {path}: already exists; use --replace-record to replace it")
     if not click.confirm(f"{path} is a record of an earlier run. Replace it?", err=True):
-        raise UsageError(f"record {path}: stays as it is")
+        raise UsageError(f"record {path}: not replaced; nothing was moved")
     return True
 
 
@@ -151,7 +153,7 @@ class Keeper:
     def unusable(self, error: OSError) -> UsageError:
         """What to say when the journal can not be begun."""
         what = error.strerror or error
-        return UsageError(f"the journal of the run can not be written below {self.folder}: {what}; nothing was moved")
+        return UsageError(f"the journal of the run cannot be written in {self.folder}: {what}; nothing was moved")
 
     def __enter__(self) -> Keeper:
         return self
@@ -172,7 +174,7 @@ class Keeper:
             try:
                 self.journal.close(str(where))
             except OSError as error:
-                what = f"the journal {self.journal.path} can not be written ({error.strerror or error})"
+                what = f"the journal {self.journal.path} cannot be written ({error.strerror or error})"
                 lost.append(codes.JOURNAL_LOST.at(Span(str(self.package), 0), what=what))
         return where, lost
 
@@ -217,17 +219,17 @@ def write_record(
                 if place != wanted and place.read_bytes() == record.to_json(signature):
                     return place, lost
                 if place != wanted or not (replace and _is_record(place)):
-                    raise FileExistsError(0, "something is there that was not there before the run")
+                    raise FileExistsError(0, "a file with this name appeared during the run")
             record.write(place, signature)
         except OSError as error:
-            what = f"the record can not be written to {place} ({error.strerror or error})"
+            what = f"the record cannot be written to {place} ({error.strerror or error})"
             lost.append(codes.JOURNAL_LOST.at(Span(record.job, 0), what=what))
             continue
         if lost:
             what = f"the record is in {place}"
             lost.append(codes.JOURNAL_LOST.at(Span(record.job, 0), what=what))
         return place, lost
-    _tell("gproof: no folder takes the record; this is it:")
+    _tell("gproof: the record cannot be written to any folder; this is the record:")
     _tell(record.to_json(signature).decode().rstrip())
     return None, lost
 
@@ -279,8 +281,8 @@ def _settled(lefts: list[Left], board: str, go_on: bool) -> bool:
             return True
         if not go_on and not (_somebody_is_there() and click.confirm("Run the job now?", err=True)):
             _tell(
-                f"gproof: nothing was moved: the last run on board {board} did not end. Home the machine, look at tool "
-                "and part, then run with --after-interruption"
+                f"gproof: nothing was moved: the last run on board {board} was interrupted. Home the machine, check "
+                "tool and part, then run with --after-interruption"
             )
             return False
         for left in unanswered:
@@ -300,7 +302,7 @@ def _tell_of(left: Left, key: Ed25519PrivateKey | None) -> bool:
     trail = found.trail()
     if not trail.begun:
         what = (
-            f"{found.path.name} is damaged from its first line on: what was executed, and the position, are not known"
+            f"{found.path.name} is damaged from its first line: what was executed and where the axes are is not known"
         )
         _print([codes.RUN_INTERRUPTED.at(Span(str(found.path), 0), what=what)])
         return False
@@ -319,9 +321,9 @@ def _tell_of(left: Left, key: Ed25519PrivateKey | None) -> bool:
     if where and not found.recorded:
         with contextlib.suppress(OSError):
             left.note("recorded", {"path": where})
-    _tell(f"gproof: the run of {found.field('package')} of {found.field('time')} left its journal open")
+    _tell(f"gproof: the run of {found.field('package')} at {found.field('time')} did not close its journal")
     _print([*record.findings(), *lost])
-    known = "stands at" if record.position is not None else "position unknown, last acknowledged at"
+    known = "at" if record.position is not None else "position not known, last acknowledged at"
     for name, steps, position in zip(record.motors, record.steps, record.last_position, strict=True):
         _tell(f"  motor {name:<5} {steps} steps acknowledged, {known} step {position}")
     _tell(f"  result      {record.result.value}" + (f", {record.reason}" if record.reason else ""))

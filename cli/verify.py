@@ -49,7 +49,7 @@ def run_verify(
         check = check_package(package, at_hand.machine, at_hand.setup, trusted, bar.done, pure=pure)
     found = (*other_source(package, at_hand), *check.findings)
     if anew is not None:
-        with progress("compiling the source anew"):
+        with progress("compiling the source again"):
             found = (*found, *other_than_anew(package, anew, first_line))
     weighty = [f for f in found if f.severity in (Severity.ERROR, Severity.UNKNOWN) and f not in check.open]
     verdict = Verdict.UNKNOWN if weighty else Verdict.SAFE
@@ -78,11 +78,11 @@ def _against(
     """UsageError for a source that can not be compiled anew."""
     if against is None:
         if dialect is not None:
-            raise UsageError("--dialect is that of the program of --against")
+            raise UsageError("--dialect needs --against: it says how that program is read")
         return None
     require_program(against, "source")
     if machine is None:
-        raise UsageError("--against asks for the machine file that the package was made with (--machine)")
+        raise UsageError("--against needs --machine FILE, the machine file that the package was made with")
     return Against(source=against, machine=machine, setup=setup, dialect=dialect, running=running)
 
 

@@ -46,7 +46,7 @@ def run_verify_record(path: Path, *, package: Path | None, trust: tuple[Path, ..
         require_file(package, "package")
     trusted = trusted_with(trust, warn)
     if path.stat().st_size > LARGEST:
-        return _malformed(path, f"{path.stat().st_size} bytes are more than a record has")
+        return _malformed(path, f"{path.stat().st_size} bytes, more than a record can have")
     try:
         record, signature = parse_signed(path.read_bytes())
     except ValueError as error:
@@ -85,14 +85,14 @@ def _signed(
 
     place = Span(str(path), 0)
     if signature is None:
-        return [codes.RECORD_UNTRUSTED.at(place, what="the record carries no signature")], UNKNOWN
+        return [codes.RECORD_UNTRUSTED.at(place, what="the record has no signature")], UNKNOWN
     try:
         raw = signer_of(record, signature)
     except ValueError as error:
         return [codes.RECORD_SIGNATURE.at(place, what=in_one_line(str(error)))], UNKNOWN
     known = signed_by(raw, trusted)
     if known is None:
-        what = f"signed by {fingerprint(raw)}, which is no trusted key"
+        what = f"signed by {fingerprint(raw)}, which is not a trusted key"
         return [codes.RECORD_UNTRUSTED.at(place, what=what)], UNKNOWN
     if known.revoked is not None:
         what = f"signed by {called(known)}, which was revoked on {known.revoked}"
@@ -115,7 +115,7 @@ def _compared(record: ExecutionRecord, package: Path) -> list[Finding]:
     try:
         return verify_record(record, read)
     except (ValueError, LookupError, TypeError, ArithmeticError) as error:
-        what = f"the record can not be of this package ({type(error).__name__}: {error})"
+        what = f"the record cannot be of this package ({type(error).__name__}: {error})"
         return [codes.RECORD_MISMATCH.at(Span(record.job, 0), what=in_one_line(what))]
 
 
@@ -125,17 +125,17 @@ def _lines(record: ExecutionRecord, signature: dict[str, str] | None, signer: st
     out = [f"  record      {record.sha256}, {record.schema}", f"  certificate {record.certificate}"]
     out.append(f"  signed by   {label['public_key']} ({signer})" if signature else "  signed by   nobody")
     if label.get("created"):
-        out.append(f"  begun       {label['created']}, as the signer says")
+        out.append(f"  started     {label['created']}, according to the signer")
     of = f", signed by {label['package_signer']}" if label.get("package_signer") else ""
     out.append(f"  package     ran as {record.accepted}{of}")
     if package is None:
-        out.append("  compared    with nothing: --package says which package was run")
+        out.append("  compared    with nothing; use --package FILE to compare with the package that was run")
     else:
         out.append(f"  compared    with {package}: sections, steps, positions, events")
     out.append(f"  job         {record.job}, on board {record.board.name}")
     out.append(f"  result      {record.result.value}" + (f": {record.reason}" if record.reason else ""))
-    ends = "ends at" if record.position is not None else "position unknown, last acknowledged at"
+    ends = "ends at" if record.position is not None else "position not known, last acknowledged at"
     for name, steps, position in zip(record.motors, record.steps, record.last_position, strict=False):
         out.append(f"  motor {name:<5} {steps} steps, {ends} step {position}")
-    out.append("  not proved  what the board alone says: that these steps were made, when, and what it measured")
+    out.append("  not proved  what only the board knows: that these steps were made, when, and what it measured")
     return out

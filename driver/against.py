@@ -57,14 +57,16 @@ def other_than_anew(package: Package, of: Against, why: Why) -> list[Finding]:
     made, said = _compiled(package, of, why)
     if isinstance(made, Verdict):
         code = codes.CERTIFICATE_NOT_ANEW if made is Verdict.UNKNOWN else codes.CERTIFICATE_AGAINST
-        return [code.at(where, what=f"{shown(of.source)} does not compile anew, it is {made.value}: {said}")]
+        return [code.at(where, what=f"{shown(of.source)} does not compile now ({made.value}): {said}")]
     difference = _first(package, made)
     if not difference:
         return []
     by, here = str(package.body.get("gproof")), version("gproof")
     if by == here:
-        return [codes.CERTIFICATE_AGAINST.at(where, what=f"{difference}, where {shown(of.source)} is compiled anew")]
-    what = f"{difference}, where {shown(of.source)} is compiled anew, by gproof {here} and not {shown(by)}"
+        return [
+            codes.CERTIFICATE_AGAINST.at(where, what=f"{shown(of.source)} compiles to another package: {difference}")
+        ]
+    what = f"{shown(of.source)} compiles to another package with gproof {here} instead of {shown(by)}: {difference}"
     return [codes.CERTIFICATE_NOT_ANEW.at(where, what=what)]
 
 
@@ -119,8 +121,8 @@ def _line(name: str, said: str, made: str) -> str:
                 (k for k, (a, b) in enumerate(zip(one, other, strict=False)) if a != b), min(len(one), len(other))
             )
             begin = max(0, at - 20)
-            return f"{name} differs in line {number}: {_short(one[begin:])}; it is {_short(other[begin:])}"
-    return f"{name} differs in its ends of lines"
+            return f"{name} differs in line {number}: {_short(one[begin:])}, now {_short(other[begin:])}"
+    return f"{name} differs in its line ends"
 
 
 def _row(name: str, section: int, what: str, said: Columns, made: Columns) -> str:
@@ -134,9 +136,9 @@ def _row(name: str, section: int, what: str, said: Columns, made: Columns) -> st
     if at < rows:
         line = f" (line {int(said['line'][at])})" if "line" in (c.name for c in columns) else ""
         key = columns[column].name
-        return f"{name} differs in {where}{what} {at}{line}: {key} {said[key][at]}; it is {made[key][at]}"
+        return f"{name} differs in {where}{what} {at}{line}: {key} {said[key][at]}, now {made[key][at]}"
     if len(said) != len(made):
-        return f"{name} has {len(said)} {what}s in section {section}; it is {len(made)}"
+        return f"{name} has {len(said)} {what}s in section {section}, now {len(made)}"
     return ""
 
 
@@ -155,10 +157,10 @@ def _body(said: dict[str, Any], made: dict[str, Any]) -> str:
         one, other = (_plain(key, body.get(key)) for body in (said, made))
         if one != other:
             listed = (_short(_unlike_item(a, b)) for a, b in ((one, other), (other, one)))
-            return f"{key} of the body differs: {'; it is '.join(listed)}"
+            return f"{key} of the body differs: {', now '.join(listed)}"
     digests = [sorted({i["sha256"] for i in body["inputs"] if i["role"] == "source"}) for body in (said, made)]
     if digests[0] != digests[1]:
-        return "the sources that the body names have other SHA-256s"
+        return "the source files have other SHA-256s than the body says"
     return ""
 
 

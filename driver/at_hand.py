@@ -59,7 +59,7 @@ def _machine(path: Path | None, findings: Findings) -> Machine | None:
 
     machine, _ = load_machine(path, findings)
     if machine is None:
-        raise UsageError("the machine file can not be used", findings)
+        raise UsageError(f"machine file {path}: cannot be used, see the errors above", findings)
     return machine
 
 
@@ -72,7 +72,7 @@ def _setup(name: str | None, machine: Machine, findings: Findings) -> Setup | No
 
     setup, _ = load_setup(Path(name), findings, machine)
     if setup is None:
-        raise UsageError("the setup file can not be used", findings)
+        raise UsageError(f"setup file {name}: cannot be used, see the errors above", findings)
     return setup
 
 
@@ -85,7 +85,7 @@ def other_source(package: Package, at_hand: AtHand) -> list[Finding]:
     if digest in named:
         return []
     said = f"{named[0][:16]}..." if named and named[0] else "none"
-    what = f"{shown(file)} is not the source: its SHA-256 is {digest[:16]}..., the certificate names {shown(said)}"
+    what = f"the SHA-256 of {shown(file)} is {digest[:16]}..., in the certificate it is {shown(said)}"
     return [codes.CERTIFICATE_SOURCE.at(Span(package.path, 0), what=what)]
 
 

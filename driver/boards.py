@@ -15,15 +15,15 @@ def require_for(
     if board == VIRTUAL:
         return
     if allow_untrusted:
-        raise UsageError(f"--allow-untrusted: is for --board {VIRTUAL} only")
+        raise UsageError(f"--allow-untrusted works with --board {VIRTUAL} only")
     missing = [
         name
         for name, there in (
             ("--machine", machine is not None),
             ("--setup", setup is not None),
-            ("a trusted key (--trust, or gproof keys trust)", trusted),
+            ("a trusted key (--trust or gproof keys trust)", trusted),
         )
         if not there
     ]
     if missing:
-        raise UsageError(f"--board {board}: is a board that moves something, and asks for {' and '.join(missing)} too")
+        raise UsageError(f"--board {board} moves a machine and also needs {' and '.join(missing)}")

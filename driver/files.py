@@ -26,11 +26,11 @@ def require_file(path: Path, what: str) -> None:
     except OSError as error:
         raise UsageError(f"{what} {str(path)[:LONGEST]}: {error.strerror}") from None
     if str(path) == "-" and not path.exists():
-        raise UsageError(f"{what} -: is read from a file, not from standard input")
+        raise UsageError(f"{what} -: give a file; standard input is not read")
     if not path.exists():
         raise UsageError(f"{what} {path}: no such file")
     if path.is_dir():
-        raise UsageError(f"{what} {path}: is a directory")
+        raise UsageError(f"{what} {path}: is a folder, not a file")
     if not path.is_file():
         raise UsageError(f"{what} {path}: is not a regular file")
     try:
@@ -45,27 +45,27 @@ def require_program(path: Path, what: str) -> None:
     require_file(path, what)
     is_settings = settings_files().get(path.name.lower())
     if is_settings is not None:
-        raise UsageError(f"{what} {path}: is no program but {is_settings}")
+        raise UsageError(f"{what} {path}: is not a program but {is_settings}")
     if path.suffix.lower() == ".toml":
-        raise UsageError(f"{what} {path}: is no program; --machine and --setup take files of this kind")
+        raise UsageError(f"{what} {path}: a .toml file is not a program; it may belong to --machine or --setup")
 
 
 def require_picture(path: Path) -> None:
     """UsageError for the extension of another kind of picture: what is written is SVG."""
     if path.suffix.lower() in OTHER_PICTURES:
-        raise UsageError(f"picture {path}: pictures are SVG; {path.with_suffix('.svg').name} can be written")
+        raise UsageError(f"picture {path}: pictures are SVG; name it {path.with_suffix('.svg').name}")
 
 
 def require_place(path: Path, what: str, inputs: tuple[Path | str | None, ...] = ()) -> None:
     """UsageError for where no file can be written: over a folder or an input, in a folder that is not there."""
     if path.is_dir():
-        raise UsageError(f"{what} {path}: is a directory")
+        raise UsageError(f"{what} {path}: is a folder, not a file")
     if not path.parent.is_dir():
-        raise UsageError(f"{what} {path}: there is no folder {path.parent}")
+        raise UsageError(f"{what} {path}: no such folder: {path.parent}")
     if path.exists() and not path.is_file():
         raise UsageError(f"{what} {path}: is not a regular file")
     if not os.access(path.parent, os.W_OK):
-        raise UsageError(f"{what} {path}: the folder {path.parent} can not be written")
+        raise UsageError(f"{what} {path}: no permission to write in folder {path.parent}")
     for name in inputs:
         if name is not None and path.exists() and Path(name).exists() and path.samefile(name):
             raise UsageError(f"{what} {path}: would overwrite an input")

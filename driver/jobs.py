@@ -64,7 +64,7 @@ def find_jobs(
             )
             found.setdefault((job.path.resolve(), job.source), stated)
     if not found:
-        raise UsageError("no job is left: --exclude leaves all of them out")
+        raise UsageError("no jobs left: --exclude leaves out all of them")
     return list(found.values())
 
 
@@ -80,11 +80,11 @@ def is_several(names: Sequence[str]) -> bool:
 def _of_name(name: str, tell: Tell) -> Iterator[Job]:
     path = Path(name)
     if not name:
-        raise UsageError("an empty name is no job")
+        raise UsageError("the name of a job is empty")
     if path.is_dir():
         jobs = sorted(_in_folder(path, tell), key=lambda job: job.path.as_posix())
         if not jobs:
-            raise UsageError(f"{path}: no jobs in this folder ({', '.join(sorted(_extensions()))})")
+            raise UsageError(f"{path}: no programs in this folder ({', '.join(sorted(_extensions()))})")
         yield from jobs
     elif path.exists() or not glob.has_magic(name):
         if _is_job_file(path):
@@ -94,7 +94,7 @@ def _of_name(name: str, tell: Tell) -> Iterator[Job]:
     else:
         files = sorted(Path(one) for one in glob.glob(name, recursive=True) if Path(one).is_file())
         if not files:
-            raise UsageError(f"{name}: no file matches")
+            raise UsageError(f"{name}: no file matches this pattern")
         for file in files:
             yield from read_job_file(file, tell) if _is_job_file(file) else [Job(path=file)]
 
@@ -163,7 +163,7 @@ def read_job_file(path: Path, tell: Tell) -> list[Job]:
         if not jobs and not file.errors:
             root.missing("job")
     if file.errors:
-        raise UsageError(f"the job file {path} can not be used", findings)
+        raise UsageError(f"job file {path}: cannot be used, see the errors above", findings)
     if findings.kept:
         tell(findings)
     return jobs
@@ -173,7 +173,7 @@ def _names(table: TomlTable) -> list[str]:
     value = table.take("job")
     names = value if isinstance(value, list) else [] if value is None else [value]
     if not all(isinstance(name, str) for name in names):
-        table.bad("job", "neither a path nor a list of paths")
+        table.bad("job", "must be a path or a list of paths")
         return []
     return list(names)
 
@@ -182,7 +182,7 @@ def _named(table: TomlTable, key: str, source: Path, name: str, settings: Job) -
     """The files of a path or pattern, seen from the folder of the job file."""
     folder = source.parent
     if "\0" in name:
-        table.bad(key, f"{name!r} is no name of a file")
+        table.bad(key, f"{name!r} is not a file name")
         return []
     if not glob.has_magic(name) or is_there(folder / name):
         return [replace(settings, path=folder / name)]
@@ -206,11 +206,11 @@ def _also(table: TomlTable, base: Job) -> tuple[str, ...]:
     if value is None:
         return base.also
     if not isinstance(value, list) or not all(isinstance(name, str) for name in value):
-        table.bad("also", "not a list of names of properties")
+        table.bad("also", "must be a list of names of properties")
         return base.also
     for name in value:
         if name not in (*added(), "all"):
-            table.bad("also", f"{name!r} is none of {', '.join(added())}, all")
+            table.bad("also", f"{name!r} is not one of {', '.join(added())}, all")
     return tuple(value)
 
 

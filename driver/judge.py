@@ -126,7 +126,7 @@ def judge(
         results = [_both(session, findings, a, b, later) for a, b in zip(results, second, strict=True)]
         findings.join(other)
         assumed += [a for a in more if a not in assumed]
-        assumed.append("judged with block delete off and on")
+        assumed.append("checked with block delete off and on")
     results = _after_language(results, _language(findings))
     conditional = tuple(r.name for r in results if r.conditions and r.verdict is Verdict.SAFE) if strict else ()
     results = [dataclasses.replace(r, verdict=Verdict.UNKNOWN) if r.name in conditional else r for r in results]
@@ -304,7 +304,7 @@ def _taken_as_zero(session: Session, lengths: Iterable[int]) -> list[str]:
         return []
     said = ["setup zero: homed, at machine position 0, no offsets, parameters 0, tool 0"]
     if tools := ", ".join(f"T{number}" for number in sorted(lengths)):
-        said.append(f"setup zero: length 0 of {tools}, which no file describes")
+        said.append(f"setup zero: length 0 for {tools}, which are in no tool table")
     return said
 
 
@@ -323,9 +323,9 @@ def _standing(session: Session, waits: set[Wait]) -> list[str]:
     version = session.machine.controller.version
     manual = MANUALS.get(session.dialect, "")
     if version and not f"{version}.".startswith(f"{manual.rpartition(' ')[2]}."):
-        out.append(f"the controller, version {version}, does what the {manual} says")
+        out.append(f"the controller, version {version}, works as the {manual} says")
     if waits & {Wait.OPERATOR, Wait.TOOL_CHANGE}:
-        out.append("while the job waits for the operator nobody moves the axes")
+        out.append("nobody moves the axes while the job waits for the operator")
     return out
 
 
@@ -369,7 +369,7 @@ def _together(
         asked = [
             f"{what}: {_range(session, c)}" for what, r in (("limits", limits), ("boundaries", edges)) for c in r.needed
         ]
-        hint = "what soft limits and boundaries ask excludes each other; " + ", ".join(asked)
+        hint = "soft limits and boundaries contradict each other: " + ", ".join(asked)
         where, _, related = _apart(session, limits.needed, edges.needed, firsts)
         findings.add(
             codes.NO_SAFE_OFFSET.at(
@@ -380,7 +380,7 @@ def _together(
         return dataclasses.replace(fits, verdict=Verdict.UNSAFE, conditions=())
     if not missed and fits.verdict is Verdict.SAFE and contradiction(fits.conditions):
         names = " and ".join(describe(c.terms, session.machine) for c in fits.conditions)
-        cause = f"{names}: no values of them suit limits and boundaries at once"
+        cause = f"no values of {names} suit both limits and boundaries"
         where, hint, related = _apart(session, limits.conditions, edges.conditions, firsts)
         findings.add(codes.POSITION_UNKNOWN.at(where, axis="the job", cause=cause, hint=hint, related=related))
         return dataclasses.replace(fits, verdict=Verdict.UNKNOWN)
@@ -457,7 +457,7 @@ def _both(
     for c in conditions:
         if c.empty and not refuted:
             both = f"both settings of {what}" if what == "the block delete switch" else f"all of {what}"
-            cause = f"{describe(c.terms, session.machine)}: no value of it suits {both}"
+            cause = f"no value of {describe(c.terms, session.machine)} suits {both}"
             unit = _unit(session, c)
             where, hint, related = apart(c, session.machine, unit, _begins(session, c.terms, firsts))
             if a.name == "areas":

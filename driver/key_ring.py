@@ -72,7 +72,7 @@ def read_ring(warn: Warn | None = None) -> KeyRing:
     try:
         for place in (folder.parent, folder):
             if place.exists() and (why := not_private(place)):
-                raise UsageError(f"folder of keys {place}: others can decide whom you trust: {why}")
+                raise UsageError(f"key folder {place}: others could change whom you trust: {why}")
         if folder.exists():
             others = [_entry(path) for path in sorted(folder.glob("*.pem"))]
         own = _own_key(warn)
@@ -139,7 +139,7 @@ def _days(data: bytes) -> tuple[dict[str, datetime.date], list[tuple[str, str]]]
         if not colon or word not in ("expires", "revoked"):
             others.append((word if colon else "", rest if colon else line))
         elif word in days:
-            raise ValueError(f"{line!r} is no line of a key: there is one before it")
+            raise ValueError(f"{line!r} is there twice")
         else:
             days[word] = date_of(rest.strip())
     return days, others
@@ -154,19 +154,19 @@ def name_of(raw: bytes, signers: tuple[Signer, ...]) -> str:
 def date_of(text: str) -> datetime.date:
     """A day as YYYY-MM-DD; ValueError."""
     if not _DATE.fullmatch(text) or not text.isascii():
-        raise ValueError(f"{text!r} is no date such as 2027-01-31")
+        raise ValueError(f"{text!r} is not a date such as 2027-01-31")
     try:
         return datetime.date.fromisoformat(text)
     except ValueError:
-        raise ValueError(f"there is no day {text}") from None
+        raise ValueError(f"there is no such day: {text}") from None
 
 
 def require_name(name: str) -> None:
     """UsageError for what can not be the name of a key."""
     if not _NAME.fullmatch(name) or not name.isascii():
-        raise UsageError(f"name {name!r}: is made of letters, digits, '.', '_' and '-', 64 at most; --name takes one")
+        raise UsageError(f"name {name!r}: use letters, digits, '.', '_' and '-', at most 64; choose a name with --name")
     if name.lower() == OWN:
-        raise UsageError(f"name {name}: is that of your own key; --name takes another one")
+        raise UsageError(f"name {name}: this is the name of your own key; choose another with --name")
 
 
 def write_entry(signer: Signer) -> Path:
@@ -205,17 +205,17 @@ def _entry(path: Path) -> Signer:
 
     _own(path)
     if path.stat().st_size > _LARGEST:
-        raise UsageError(f"key {path}: is no public key in PEM form")
+        raise UsageError(f"key {path}: not a public key in PEM form")
     if path.stem.lower() == OWN:
-        raise UsageError(f"key {path}: {OWN} is the name of your own key; give the file another one")
+        raise UsageError(f"key {path}: {OWN} is the name of your own key; rename the file")
     try:
         raw = load_public_key(path)
         days, others = _days(path.read_bytes())
         for word, rest in others:
             if word != "fingerprint":
-                raise ValueError(f"{f'{word}:{rest}' if word else rest!r} is no line of a key")
+                raise ValueError(f"{f'{word}:{rest}' if word else rest!r} is not a line of a key file")
             if rest.strip() != fingerprint(raw):
-                raise ValueError("its fingerprint is that of another key")
+                raise ValueError("its fingerprint belongs to another key")
     except ValueError as error:
         raise UsageError(_of(path, error)) from None
     return Signer(raw=raw, name=path.stem, expires=days.get("expires"), revoked=days.get("revoked"))
@@ -229,4 +229,4 @@ def _own(path: Path) -> None:
     if os.name != "posix":
         return
     if found.st_uid not in (0, os.geteuid()) or found.st_mode & 0o022:
-        raise UsageError(f"key {path}: others can write it: chmod go-w it, and see that it is what you left there")
+        raise UsageError(f"key {path}: others can write it; check that it is still your file, then chmod go-w it")

@@ -41,7 +41,7 @@ class Outcome:
     @property
     def word(self) -> str:
         """The verdict in one word, ``SAFE-IF`` for a SAFE with conditions; ``not judged`` without a report."""
-        return "not judged" if self.report is None else word_of_report(self.report)
+        return "not checked" if self.report is None else word_of_report(self.report)
 
     @property
     def shown(self) -> dict[str, Any] | None:
@@ -67,7 +67,7 @@ def counted(number: int, what: str) -> str:
 
 def closing_line(outcomes: list[Outcome]) -> str:
     """``7 jobs: 4 SAFE, 1 SAFE-IF, 1 UNSAFE, 1 UNKNOWN``."""
-    names = ["SAFE", SAFE_IF, "UNSAFE", "UNKNOWN", "not judged"]
+    names = ["SAFE", SAFE_IF, "UNSAFE", "UNKNOWN", "not checked"]
     said = [outcome.word for outcome in outcomes]
     parts = [f"{said.count(name)} {name}" for name in names if name in said]
     return f"{counted(len(outcomes), 'job')}: {', '.join(parts) or 'none'}"

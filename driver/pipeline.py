@@ -103,7 +103,7 @@ def _leave_open(session: Session, lowered: Lowered, conditions: Sequence[Conditi
         lowered.not_placed = str(error)
 
 
-STATED = "state these offsets, lengths and positions in a setup file (--setup) and compile the job with it"
+STATED = "put these offsets, lengths and positions into a setup file and compile with --setup FILE"
 """What to do about a job that can not be put where its offsets are measured later."""
 
 
@@ -156,7 +156,7 @@ def compile_job(request: Request, shown: Watcher) -> Compiled:
     )
     for name, _, role in session.inputs:
         if name.encode("utf-8", "replace").decode("utf-8") != name:
-            raise UsageError(f"{role} {name}: a certificate names its files in UTF-8, which this name is not")
+            raise UsageError(f"{role} {name}: the file name is not UTF-8, which a certificate needs; rename the file")
     judgement = _judged(session, request, shown)
     if judgement.verdict is not Verdict.SAFE:
         return Compiled(session=session, judgement=judgement, verdict=judgement.verdict, why="the job is not SAFE")
@@ -168,7 +168,7 @@ def compile_job(request: Request, shown: Watcher) -> Compiled:
         verdict = Verdict.UNSAFE if findings.has(Severity.ERROR) else Verdict.UNKNOWN
         safe = "SAFE under conditions" if conditions_of(judgement) else "SAFE"
         why = f": {lowered.not_placed}; {STATED}" if lowered.not_placed else ""
-        why = f"the job is {safe}, but no step stream can be made of it{why}"
+        why = f"the job is {safe}, but it cannot be compiled to steps{why}"
         return Compiled(session=session, judgement=judgement, verdict=verdict, why=why)
     from gproof.verify.stream import validate
 
@@ -177,7 +177,7 @@ def compile_job(request: Request, shown: Watcher) -> Compiled:
     for finding in report.findings:
         findings.add(finding)
     if report.verdict is not Verdict.SAFE:
-        why = "the stream checker refuses the stream"
+        why = "the stream checker refused the stream"
         return Compiled(session=session, judgement=judgement, verdict=report.verdict, why=why)
     shown.phase("writing")
     digest, signer = _write(session, judgement, lowered, stream, report, request)

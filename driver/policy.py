@@ -69,7 +69,7 @@ def load_policy(path: Path, tell: Tell) -> Policy:
         policy = _read(file.root, str(path))
         file.root.finish()
     if file.errors:
-        raise UsageError(f"the policy file {path} can not be used", findings)
+        raise UsageError(f"policy file {path}: cannot be used, see the errors above", findings)
     if findings.kept:
         tell(findings)
     return policy
@@ -90,7 +90,7 @@ def _read(root: TomlTable, name: str) -> Policy:
             continue
         own = code.severity
         if own in (Severity.ERROR, Severity.UNKNOWN) and _rank(wanted) < _rank(own.value):
-            what = f"{code.label} is {_an(own.value)} and decides {code.decides}; it can not count less"
+            what = f"{code.label} is {_an(own.value)} and decides {code.decides}; it cannot count less"
             table.bad(key, what)
             continue
         severity[code.number] = wanted
@@ -105,13 +105,13 @@ def _properties(root: TomlTable) -> tuple[str, ...]:
     if value is None:
         return DEFAULT_POLICY
     if not isinstance(value, list) or not value or not all(isinstance(name, str) for name in value):
-        root.bad("properties", "not a list of names of properties")
+        root.bad("properties", "must be a list of names of properties")
         return DEFAULT_POLICY
     for name in value:
         if name not in every_property():
-            root.bad("properties", f"{name!r} is none of {', '.join(every_property())}")
+            root.bad("properties", f"{name!r} is not one of {', '.join(every_property())}")
     if "language" not in value:
-        root.bad("properties", "language is not among them, on which every other answer stands")
+        root.bad("properties", "language is missing; every other answer depends on it")
     return tuple(dict.fromkeys(value))
 
 
@@ -134,8 +134,8 @@ def under(policy: Policy, judgement: Judgement, job: Path) -> Judgement:
     results = [_judged_again(result, findings) for result in judgement.properties]
     for name in policy.properties:
         if not decided(name):
-            what = f"{name}, which this version does not judge"
-            findings.add(codes.UNSUPPORTED_CODE.at(Span(str(job), 1), code=what, hint="the policy asks for it"))
+            what = f"{name}, which this version does not check"
+            findings.add(codes.UNSUPPORTED_CODE.at(Span(str(job), 1), code=what, hint="the policy requires it"))
             results.append(PropertyResult(name=name, verdict=Verdict.UNKNOWN))
     verdict = worst(r.verdict for r in results if r.name in policy.properties)
     left_out = tuple(r.name for r in results if r.name not in policy.properties)

@@ -102,7 +102,7 @@ def open_session(
     elif program is not None and not program.body and program.subprograms:
         inside = (sub.span for sub in program.subprograms.values() if sub.span.file == str(job))
         first = min(inside, key=lambda span: span.line, default=Span(str(job), 1))
-        findings.add(codes.ONLY_SUBPROGRAMS.at(first, hint=f"--call {min(program.subprograms)} judges one of them"))
+        findings.add(codes.ONLY_SUBPROGRAMS.at(first, hint=f"--call {min(program.subprograms)} checks one of them"))
     if program is not None:
         settings = {name for name, _, role in inputs if role == "machine"}
         inputs += [(f.name, f.sha256, "source") for f in program.files if f.name not in settings]
@@ -116,7 +116,7 @@ def _call_only(program: Program, name: str, job: Path) -> None:
     """Make the program one call of a subprogram; UsageError when there is none of that name."""
     if name.lower() not in program.subprograms:
         known = ", ".join(sorted(program.subprograms)) or "none"
-        raise UsageError(f"{job}: no subprogram {name!r}; there are: {known}")
+        raise UsageError(f"{job}: no subprogram {name!r}; it has: {known}")
     sub = program.subprograms[name.lower()]
     program.body = (Call(name=sub.name, span=sub.span),)
 
@@ -129,15 +129,15 @@ def dialect_of(
     UsageError for a language that this version does not read.
     """
     if given is not None:
-        dialect, reason = given, "as given"
+        dialect, reason = given, "given by --dialect"
     elif machine.controller.dialect is not None:
-        dialect, reason = machine.controller.dialect, f"the machine file {machine_file} says so"
+        dialect, reason = machine.controller.dialect, f"from machine file {machine_file}"
     else:
         dialect, guessed = guess_dialect(job)
-        reason = f"guessed: {guessed}"
+        reason = f"detected: {guessed}"
     if dialect not in DIALECTS:
         known = ", ".join(DIALECTS)
-        raise UsageError(f"{job}: is {dialect} ({reason}), and this version reads {known} only; --dialect overrides")
+        raise UsageError(f"{job}: cannot read {dialect} ({reason}); choose one of {known} with --dialect")
     return dialect, reason
 
 

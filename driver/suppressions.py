@@ -200,7 +200,7 @@ def read_baseline(path: Path) -> Baseline:
             for name, found in data["files"].items()
         }
     except (OSError, ValueError, KeyError, TypeError, AttributeError, RecursionError):
-        raise UsageError(f"baseline {path}: is no baseline; --write-baseline writes one") from None
+        raise UsageError(f"baseline {path}: not a baseline; --write-baseline writes one") from None
     return Baseline(path, known)
 
 

@@ -74,8 +74,8 @@ def print_machines(job: Path, machines: Sequence[Path], answers: Sequence[Told],
     """A line for each machine: what it says as it is stated, what is wrong or how much room there is."""
     as_is = sum(told.fit.verdict is Verdict.SAFE for told in answers)
     moved = sum(_takes_moved(told.fit) for told in answers)
-    also = f", {moved} more with the zero moved" if moved else ""
-    click.echo(f"{in_one_line(str(job))}: {as_is} of {len(answers)} machines take it{also}")
+    also = f", {moved} more with another work zero" if moved else ""
+    click.echo(f"{in_one_line(str(job))}: {as_is} of {len(answers)} machines can run it{also}")
     rows = []
     for file, told in zip(machines, answers, strict=True):
         unit = unit_of(told.session.machine.unit) if units is None else CHOICES[units]
@@ -112,7 +112,7 @@ def _in_short(told: Told, unit: LengthUnit) -> str:
         f"{axis} {'open' if math.isinf(size) else unit.place(size, own)}{'' if own == 'mm' else ' deg'}"
         for axis, (size, own) in rooms.items()
     )
-    beside = f", beside {' and '.join(fit.zones[0].place.zones)}" if fit.zones else ""
+    beside = f", clear of {' and '.join(fit.zones[0].place.zones)}" if fit.zones else ""
     if not sizes:
         return headline(fit)
     said = "" if fit.verdict is Verdict.SAFE and fit.now is None else f"{headline(fit)}; "
@@ -123,26 +123,25 @@ def headline(fit: Fit) -> str:
     """What the answer comes to, in some words."""
     moved = [one for one in fit.ranges if one.fits is False]
     if fit.kind == "none":
-        return "and no work offset changes that" if fit.now is not Verdict.SAFE else "with the offsets as stated"
+        return "no work offset changes that" if fit.now is not Verdict.SAFE else "with the offsets of the setup"
     if fit.kind == "unknown":
         if fit.now is Verdict.SAFE:
-            return "with the offsets as stated; where else the zero may be is not known"
-        return "where the zero may be is not known"
+            return "with the offsets of the setup; other work zeros are not known"
+        return "no safe work zero is known"
     if not fit.ranges:
-        return "and no work offset of the setup moves this job"
+        return "no work offset of the setup moves this job"
     if fit.open_sides and fit.verdict is Verdict.UNKNOWN:
-        return "because limits are missing"
+        return "because travel limits are missing"
     if fit.now is None:
         return "with the offsets in these ranges"
     away = [one for one in fit.zones if one.inside is False]
     if away and not moved:
-        return (
-            f"the zero is where moves enter {' and '.join(dict.fromkeys(z for one in away for z in one.place.zones))}"
-        )
+        names = dict.fromkeys(zone for one in away for zone in one.place.zones)
+        return f"with this work zero, moves enter {' and '.join(names)}"
     if moved:
         worst = [f"{abs(one.short):.4g} {one.unit} short on {one.name}" for one in moved]
-        return f"the zero is {', '.join(worst)}"
-    return "the zero can stay where it is" if fit.now is Verdict.SAFE else "with the offsets as stated"
+        return f"the work zero is {', '.join(worst)}"
+    return "the work zero can stay where it is" if fit.now is Verdict.SAFE else "with the offsets of the setup"
 
 
 def blocking_findings(told: Told) -> Findings:
@@ -196,7 +195,7 @@ def _change(one: Range, unit: LengthUnit) -> str:
         return "fits"
     by = unit.inward(abs(one.short), one.unit, up=True)
     if one.move is None:
-        return f"{by} short, and its own range is too wide"
+        return f"{by} short, and the range in the setup is too wide"
     low, high = one.move
     ends = [unit.inward(end, one.unit, up=up) for end, up in ((low, True), (high, False)) if math.isfinite(end)]
     signed = [end if end.startswith("-") else f"+{end}" for end in ends]
@@ -218,11 +217,11 @@ def _zone_lines(one: Beside, unit: LengthUnit, *, is_safe: bool) -> list[str]:
     if hidden:
         out.append(f"and {hidden} smaller boxes")
     if place.region.resolution != 0.0:
-        out.append("and what lies beside moves that are at an angle; the picture and the JSON report have all of it")
+        out.append("and places next to moves at an angle: see --picture or --format json")
     if one.inside is False and one.nearest is not None and one.now is not None:
         goes = [f"{one.names[n]} {unit.place(one.nearest[n], 'mm')}" for n in used]
         out.append(
-            "now beside them, and SAFE there: not all places are known"
+            "now outside them, but SAFE: not all places are known"
             if is_safe
             else f"now outside; the nearest place is {', '.join(goes)}"
         )
@@ -236,23 +235,23 @@ def _end(value: float, unit: LengthUnit, *, up: bool) -> str:
 
 
 def _notes(fit: Fit) -> list[str]:
-    out = [f"{message[0].upper()}{message[1:]}: that side is open here" for message in fit.open_sides]
+    out = [f"{message[0].upper()}{message[1:]}: no limit on that side" for message in fit.open_sides]
     if fit.kind in ("ranges", "regions") and not fit.complete:
-        out.append("there may be further offsets that are SAFE")
+        out.append("other offsets may be SAFE too")
     return out
 
 
 def _travel_lines(travel: tuple[Travel, ...] | None, unit: LengthUnit) -> list[str]:
     """A line for each motor and what it moves with."""
     if travel is None:
-        return ["not known: not all of the path is"]
+        return ["not known: part of the path is not known"]
     rows = []
     for one in travel:
         low, high = one.limits
         size = None if low is None or high is None else high - low
         has = "not given" if size is None else f"{unit.place(size, one.unit)} {unit.named(one.unit)}"
         beside = f"from {describe(one.relative)}" if one.relative else "machine coordinates"
-        more = ", more with its pitch table" if one.bends else ""
+        more = ", longer with its pitch table" if one.bends else ""
         rows.append((
             one.motor, unit.place(one.low, one.unit), unit.place(one.high, one.unit),
             f"{unit.place(one.size, one.unit)} {unit.named(one.unit)}", has, beside + more,

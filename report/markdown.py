@@ -22,7 +22,7 @@ def markdown(outcomes: Sequence[Outcome], *, every: bool = False) -> str:
     rows = [["Job", "Verdict", *names, "Findings"]]
     for outcome in outcomes:
         if outcome.report is None:
-            rows.append([_code(outcome.job), "not judged", *("" for _ in names), _text(outcome.problem)])
+            rows.append([_code(outcome.job), "not checked", *("" for _ in names), _text(outcome.problem)])
             continue
         answers = outcome.report["properties"]
         verdicts = [word_of_report(answers[name]) if name in answers else "" for name in names]

@@ -74,7 +74,7 @@ def _looks_otherwise(session: Session) -> None:
 
     dialect, reason = guess_dialect(session.job)
     if dialect != session.dialect and " in " in reason:
-        _row("", f"the job looks like one for {dialect}: {reason}")
+        _row("", f"the program looks like one for {dialect}: {reason}")
 
 
 def print_summary(
@@ -100,15 +100,15 @@ def print_summary(
         width = max((len(name) for name, _ in parts), default=0)
         said = result.verdict.value if parts else word_of(result)
         first = _shade(said) + " " * (9 - len(said))
-        aside = "the policy leaves it out" if result.name in judgement.left_out else ""
+        aside = "left out by the policy" if result.name in judgement.left_out else ""
         if result.name in judgement.strict:
-            aside = "SAFE under conditions only, which --strict does not take"
+            aside = "SAFE only under conditions, which --strict does not accept"
         for n, detail in enumerate([f"if {name:<{width}} is {bounds}" for name, bounds in parts] or [aside]):
             _row("" if n else result.name, detail, " " * 9 if n else first)
     left = not_judged(result.name for result in judgement.properties)
     if left:
-        _row("not judged", ", ".join(left))
-    starts = tuple(f"{describe(c.terms, session.machine)} lies between" for found in conditions.values() for c in found)
+        _row("not checked", ", ".join(left))
+    starts = tuple(f"{describe(c.terms, session.machine)} is between" for found in conditions.values() for c in found)
     assumed = [*judgement.assumptions, *(a for r in judgement.properties for a in r.assumptions)]
     assumed = [one for one in assumed if not one.startswith(starts)]  # a condition already
     _rows("assuming", [unit.sentence(one) for one in dict.fromkeys(assumed)])
@@ -141,21 +141,25 @@ def _figures(session: Session, judgement: Judgement, unit: LengthUnit) -> None:
 
         _row("workpiece", workpieces.named(session.setup.workpiece, unit))
     blocks, sections = _count(summary.blocks, "block"), _count(summary.sections, "section")
-    ways = f", {summary.branches} outcomes of unknown conditions followed" if summary.branches else ""
+    ways = (
+        f", {summary.branches} branch{'' if summary.branches == 1 else 'es'} explored (unknown conditions)"
+        if summary.branches
+        else ""
+    )
     _row("program", f"{_count(summary.lines, 'line')}, {blocks} executed in {sections}{ways}")
     reaches = [r for r in summary.box if not (r[1].startswith("the start position") and r[2] == r[3])]
     _rows("reaches", _lined_up([_reach(session, unit, *r) for r in reaches]))
     moving = {axis for axis, *_ in summary.box}
-    for label, places in (("begins", summary.begin), ("ends", summary.end)):
+    for label, places in (("starts at", summary.begin), ("ends at", summary.end)):
         shown = [
             f"{axis.upper()} {_place(session, unit, axis, value)}" for axis, value in places.items() if axis in moving
         ]
         if shown:
             _row(label, ", ".join(shown))
     if summary.box:
-        _row("path", f"{unit.path(summary.path_length)}, {unit.path(summary.feed_length)} of it at feed")
+        _row("path", f"{unit.path(summary.path_length)}, of which {unit.path(summary.feed_length)} at feed")
         if summary.branches:
-            _row("time", "not known: the way depends on inputs; the path is that of all outcomes together")
+            _row("time", "not known: the path depends on conditions; its length is that of all branches together")
         else:
             _row("time", duration_text(summary.seconds, summary.at_least, session.machine_given))
 
@@ -163,7 +167,7 @@ def _figures(session: Session, judgement: Judgement, unit: LengthUnit) -> None:
 def _reach(session: Session, length: LengthUnit, axis: str, relative: str, low: float, high: float) -> tuple[str, ...]:
     """The cells of one line: axis, range, what to compare it with."""
     if relative == _NOWHERE:
-        return axis.upper(), "", "", f"{'and ' if low != high else ''}somewhere that is not known"
+        return axis.upper(), "", "", f"{'and ' if low != high else ''}positions that are not known"
     known = _axis(session, axis)
     own = _counts_in(known, axis)
     beside = f"from {relative}" if relative else ""
@@ -212,7 +216,7 @@ def duration_text(seconds: float | None, at_least: bool, machine_given: bool = T
     text = f"{seconds:.1f} s"
     if hours or minutes:
         text = f"{hours} h {minutes} min" if hours else f"{minutes} min {rest} s"
-    return f"{'at least' if at_least else 'about'} {text}, waits not counted"
+    return f"{'at least' if at_least else 'about'} {text}, without waits"
 
 
 def report_json(
@@ -306,7 +310,7 @@ def print_brief(
         click.echo(in_one_line(f"  if {name:<{width}} is {ends} ({prop})"))
 
 
-_WHY_OTHER = {0: " (accepted)", Verdict.UNKNOWN.exit_code: " (accepted, but for what is UNKNOWN)"}
+_WHY_OTHER = {0: " (accepted)", Verdict.UNKNOWN.exit_code: " (accepted, except what is UNKNOWN)"}
 """Why an exit code is not the verdict's."""
 
 

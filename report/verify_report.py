@@ -63,8 +63,11 @@ def print_verified(path: str, of: Verified) -> None:
     label = of.package.signature or {}
     for key, word in (("created", "created"), ("comment", "comment")):
         if label.get(key):
-            _row(word, f"{shown(label[key])}, as the signer says")
-    _row("compared", f"with {', '.join(of.compared)}" if of.compared else "with no machine, setup or source at hand")
+            _row(word, f"{shown(label[key])}, according to the signer")
+    _row(
+        "compared",
+        f"with {', '.join(of.compared)}" if of.compared else "with nothing; use --machine, --setup and --source",
+    )
     frequency = of.package.stream.tick_frequency
     seconds = sum(section.duration for section in of.package.stream.sections) / frequency
     _row("steps", f"{of.check.stream.steps} checked, {seconds:.1f} s")
@@ -72,14 +75,14 @@ def print_verified(path: str, of: Verified) -> None:
         _row("proved", "in plain Python: no compiled code, no numba")
     width = max(len(name) for name in BOUNDS)
     judged = [f"{one.name:<{width}}  {one.verdict.value}" for one in of.check.stream.properties]
-    _rows("judged here", judged)
+    _rows("proved here", judged)
     stated = [one for one in _properties(body) if one["name"] not in BOUNDS]
     for one in stated:
         said = f"{shown(one['name']):<{width}}  {shown(one['verdict'])}"
         _row("stated" if one is stated[0] else "", said)
         for condition in _conditions(one):
             _row("", f"{'':<{width}}  if {shown(condition_of(machine, condition))}")
-    _rows("not judged", [", ".join(map(shown, _texts(body.get("not_judged"))))])
+    _rows("not checked", [", ".join(map(shown, _texts(body.get("not_judged"))))])
     of_each = [text for one in _properties(body) for text in _texts(one.get("assumptions"))]
     _rows("assuming", [shown(one) for one in dict.fromkeys((*_texts(body.get("assumptions")), *of_each))])
 

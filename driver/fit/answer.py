@@ -106,7 +106,7 @@ def fit_of(
         return nothing
     places = watch.places({one.terms: (one.low, one.high) for one in found}, _starts(open_job))
     if places is None:
-        return dataclasses.replace(nothing, reason="moves that no work offset moves may enter a zone")
+        return dataclasses.replace(nothing, reason="moves that do not depend on work offsets may enter a zone")
     taken = [place for place in places if place.region.empty]
     names = " and ".join(dict.fromkeys(zone for place in taken for zone in place.zones))
     if any(place.region.hopeless for place in taken):

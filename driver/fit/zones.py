@@ -103,7 +103,7 @@ class ZoneWatch:
             found = self._rows.places(resolve, ranges)
             if found is not None and all(not place.region.empty for place in found):
                 where = f"between {ends[0]:.4f} and {ends[1]:.4f} mm (machine coordinates)"
-                self.assumed = f"{describe(own)} lies {where}, beside all zones"
+                self.assumed = f"{describe(own)} is {where}, clear of all zones"
                 return found
             starts[own] = before
         return None

@@ -65,7 +65,7 @@ def draw(told: Told, path: Path) -> None:
     y = _lines(root, EDGE + 130, 32, f"{name}: {headline(told.fit)}", 15, _INK, bold=True)
     panels = list(_panels(told))
     front = " and from the front" if any(panel.axes == FRONT for panel in panels) else ""
-    where = f"where the work zero may lie on {told.session.machine.name}, from above{front}"
+    where = f"where the work zero can be on {told.session.machine.name}, from above{front}"
     y = _lines(root, EDGE + 130, y, where, 13, _SOFT)
     top = bottom = max(100.0, y + 28)
     for row in _pairs(panels):
@@ -74,7 +74,7 @@ def draw(told: Told, path: Path) -> None:
             bottom = max(bottom, _panel(root, told, panel, left, top))
         top = bottom + GAP
     if not panels:
-        _say(root, EDGE, top, "There is no region of X and Y to draw.", 14, _SOFT)
+        _say(root, EDGE, top, "There is no region in X and Y to draw.", 14, _SOFT)
         bottom = top + 20
     bottom = _legend(root, bottom + 56)
     for element in (root, page):
@@ -261,10 +261,10 @@ def _box(x: Pair, y: Pair) -> Ring:
 def _legend(root: ET.Element, y: float) -> float:
     x = EDGE
     for said, style in (
-        ("the work zero may lie here", {"stroke": "#a5d6a7", "stroke-width": "10"}),
+        ("work zero can be here", {"stroke": "#a5d6a7", "stroke-width": "10"}),
         ("zones", {"stroke": "#ffcc80", "stroke-width": "10"}),
         ("soft limits", {"stroke": _LIMIT, "stroke-width": "1.6", "stroke-dasharray": "9 4"}),
-        ("where it is, and what the job reaches", {"stroke": _NOW, "stroke-dasharray": "3 3"}),
+        ("work zero now, and what the job reaches", {"stroke": _NOW, "stroke-dasharray": "3 3"}),
         ("the nearest place", {"stroke": _JOB, "stroke-dasharray": "3 3"}),
     ):
         ET.SubElement(root, "path", {"d": f"M{x:.0f} {y - 4:.0f}h26", "fill": "none", **style})

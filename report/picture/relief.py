@@ -71,7 +71,7 @@ def legend(reliefs: Sequence[Relief], mm: float, unit: str) -> list[tuple[str, s
         depths = np.concatenate([one.depth[one.level == level] for one in reliefs]) / mm
         if not len(depths):
             continue
-        text = "as it was" if level == 0 else "nothing left"
+        text = "not cut" if level == 0 else "cut through"
         if 0 < level < THROUGH:
             ends = [f"{float(depths.min()):.3g}", f"{float(depths.max()):.3g}"]
             text = f"{' ... '.join(dict.fromkeys(ends))} {unit} deep"

@@ -522,13 +522,13 @@ class _Sheet:
     def _notes(self) -> list[str]:
         """What the drawing leaves open or leaves out."""
         unknown = [f"{AXIS_NAMES[k].upper()} from {describe(f)}" for k, f in enumerate(self.scene.forms) if f]
-        out = [f"Numbers beside the cut count {', '.join(unknown)}."] if unknown else []
+        out = [f"Numbers next to the cut are {', '.join(unknown)}."] if unknown else []
         if self.scene.tools > 1:
-            beside = ", stock, part and fixtures as for the first tool that cuts" if self.scene.bodies else ""
-            out.append(f"Z is the machine's: under a longer tool the axis stands higher{beside}.")
+            beside = "; stock, part and fixtures as for the first tool that cuts" if self.scene.bodies else ""
+            out.append(f"Z is the machine position: with a longer tool the axis is higher{beside}.")
         turning = sorted({axis.upper() for axis, *_ in self.judgement.summary.box if axis not in "xyz"})
         if turning:
-            out.append(f"The turning of {', '.join(turning)} is not drawn.")
+            out.append(f"Rotation of {', '.join(turning)} is not drawn.")
         return out
 
 
@@ -543,7 +543,7 @@ _LEGEND: tuple[tuple[str, str, dict[str, str]], ...] = (
     ("stock", "stock", {"stroke": "#ffe082", "stroke-width": "10"}),
     ("part", "part", {"stroke": "#80cbc4", "stroke-width": "10"}),
     ("fixtures", "fixture", {"stroke": "#ce93d8", "stroke-width": "10"}),
-    ("zero", "the work zero may lie here", {"stroke": "#c8e6c9", "stroke-width": "10"}),
+    ("zero", "work zero can be here", {"stroke": "#c8e6c9", "stroke-width": "10"}),
     ("finding", "not safe", {"stroke": WEIGHT[Severity.ERROR], "stroke-width": "2.4"}),
     ("open", "not known", {"stroke": WEIGHT[Severity.UNKNOWN], "stroke-width": "2.4"}),
 )

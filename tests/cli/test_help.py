@@ -1,4 +1,4 @@
-"""The help of every command: it fits a terminal, every option says what it is for, and the examples are command lines."""
+"""The help of every command: it fits a terminal, every option says what it is for, its examples are command lines."""
 
 import shlex
 from collections.abc import Iterator

@@ -44,7 +44,7 @@ from gproof.verify.explain import certificate_words as words
 from gproof.verify.explain.stream_report import BOUNDS, StreamReport
 from gproof.verify.stream import validate
 
-COMPILE_AGAIN = "a package holds for the setup that it was made for: gproof compile makes one for the setup at hand"
+COMPILE_AGAIN = "a package is valid for the setup that it was made for: compile the job again with the present setup"
 
 
 @record(frozen=True, slots=True, kw_only=True)
@@ -92,7 +92,8 @@ def check_package(
     if machine is not None and print_ir(machine) != print_ir(package.machine):
         findings.append(
             codes.CERTIFICATE_MACHINE.at(
-                where, what=f"made for machine {package.machine.name!r} in another state than {machine.name!r} is now"
+                where,
+                what=f"made for machine {package.machine.name!r}; {machine.name!r} has other settings now",
             )
         )
     moved: Moved | None = None
@@ -115,7 +116,7 @@ def check_package(
                 for said in differences(package.setup, setup, package.machine, package.trace, measured)
             )
     except (LookupError, ValueError, TypeError, AttributeError, ArithmeticError) as error:
-        findings.append(codes.CERTIFICATE_MALFORMED.at(where, what=f"the body is not of its form ({error})"))
+        findings.append(codes.CERTIFICATE_MALFORMED.at(where, what=f"the body is malformed ({error})"))
     stream, trace = (package.stream, package.trace) if moved is None else (moved.stream, moved.trace)
     report = validate(stream, trace, package.machine, package.setup, beat=beat, pure=pure)
     findings += report.findings
@@ -125,9 +126,9 @@ def check_package(
             placed = [condition_json(c) for c in asked]
             findings += other_claims(package, report, where, {PLACED: placed})
         except (LookupError, ValueError, TypeError, AttributeError) as error:
-            findings.append(codes.CERTIFICATE_MALFORMED.at(where, what=f"the body is not of its form ({error})"))
+            findings.append(codes.CERTIFICATE_MALFORMED.at(where, what=f"the body is malformed ({error})"))
     if report.verdict is not Verdict.SAFE and not report.findings:
-        findings.append(codes.CERTIFICATE_VERDICT.at(where, what="the stream checker could not judge every property"))
+        findings.append(codes.CERTIFICATE_VERDICT.at(where, what="the stream checker could not decide every property"))
     return Check(
         findings=tuple(findings), stream=report, signer=signer, open=tuple(finding for finding, _, _ in left),
         conditions=tuple((name, condition) for _, name, condition in left), moved=moved,
@@ -161,7 +162,7 @@ def _check_signature(package: Package, trusted: Trusted, findings: list[Finding]
     """Who signed, in base64; None for nobody, and for a signature that says nothing."""
     if package.signature is None:
         if trusted is not None:
-            findings.append(codes.CERTIFICATE_UNTRUSTED.at(where, what="unsigned: nobody says where it comes from"))
+            findings.append(codes.CERTIFICATE_UNTRUSTED.at(where, what="it is not signed"))
         else:
             findings.append(codes.CERTIFICATE_UNSIGNED.at(where))
         return None
@@ -207,11 +208,11 @@ def _check_conditions(
             if open_ is not None and prop.get("name") != PLACED:
                 more = slack(open_.places, taken, Condition(terms=terms, low=low, high=high), setup)
             if known is None or not (low + more <= known.low and known.high <= high - more):
-                stated = "not stated" if known is None else words.between(known.low, known.high)
-                stated += f", and {words.number(more)} beside it on whole steps," if more else ""
+                stated = "not in the setup" if known is None else words.between(known.low, known.high)
+                stated += f" ({words.number(more)} more or less on whole steps)" if more else ""
                 names = describe(terms, package.machine)
                 finding = codes.CERTIFICATE_OFFSETS.at(
-                    where, what=f"the certificate holds for {names} {words.between(low, high)}; it is {stated} now"
+                    where, what=f"the certificate is valid for {names} {words.between(low, high)}; now it is {stated}"
                 )
                 findings.append(finding)
                 if known is None:

@@ -41,7 +41,7 @@ def other_claims(
     names = [one["name"] for one in body["properties"]]
     for name in _texts(body["not_judged"], "not_judged"):
         if name in names:
-            yield _malformed(where, f"property {name!r} is judged and not judged")
+            yield _malformed(where, f"property {name!r} is listed as proved and as not checked")
     yield from _versions(body, where)
     proved = {one.name: one for one in report.properties}
     for one in body["properties"]:
@@ -69,15 +69,15 @@ def other_claims(
 def _versions(body: dict[str, Any], where: Span) -> Iterator[Finding]:
     """GP850 once, however many properties of the stream say so."""
     if type(body["gproof"]) is not str:
-        raise TypeError("gproof is no text")
+        raise TypeError("gproof is not a text")
     for said in {one["version"] for one in body["properties"] if one["name"] in BOUNDS} - {CHECKER_VERSION}:
-        what = f"the steps were judged by version {said!r} of {CHECKER}, and version {CHECKER_VERSION} is at hand"
+        what = f"the steps were checked by version {said!r} of {CHECKER}, this is version {CHECKER_VERSION}"
         yield codes.CERTIFICATE_VERSION.at(where, what=what)
 
 
 def _texts(value: object, name: str) -> list[str]:
     if not isinstance(value, list) or not all(isinstance(one, str) for one in value):
-        raise TypeError(f"{name} is no list of texts")
+        raise TypeError(f"{name} is not a list of texts")
     return value
 
 
@@ -87,7 +87,7 @@ def _is(said: object, found: int) -> bool:
 
 def _other(where: Span, name: str, said: object, found: object) -> Finding:
     return codes.CERTIFICATE_VERDICT.at(
-        where, what=f"the body says {name} {_short(said)}; the parts give {_short(found)}"
+        where, what=f"the body says {name} {_short(said)}; its parts give {_short(found)}"
     )
 
 

@@ -105,7 +105,7 @@ def _plain(value: Any, hint: type, where: str) -> str:
     elif hint is Fraction:
         good = isinstance(value, Fraction)
     if not good:
-        return f"{where or 'value'}: {type(value).__name__} where {hint.__name__} belongs"
+        return f"{where or 'value'}: {type(value).__name__} instead of {hint.__name__}"
     if dataclasses.is_dataclass(hint):
         kind: type = type(value)
         for name, inner in _fields(kind):

@@ -27,17 +27,17 @@ def weakness(raw: bytes) -> str:
     number = int.from_bytes(raw, "little")
     y, sign = number & ((1 << 255) - 1), number >> 255
     if y >= P:
-        return "is not in its one spelling"
+        return "is not in its canonical form"
     x = _root_of(y)
     if x is None:
-        return "is no point of the curve"
+        return "is not a point of the curve"
     if x == 0 and sign:
-        return "is not in its one spelling"
+        return "is not in its canonical form"
     if x & 1 != sign:
         x = P - x
     point = (x, y, 1, x * y % P)
     if _is_neutral(_times(8, point)):
-        return "is of small order, so that anybody can write its signatures"
+        return "is of small order: anybody could sign with it"
     return "" if _is_neutral(_times(ORDER, point)) else "is outside the group of the base point"
 
 

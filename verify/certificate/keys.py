@@ -28,9 +28,9 @@ def load_key(path: Path) -> Ed25519PrivateKey:
     try:
         key = load_pem_private_key(path.read_bytes(), password=None)
     except (ValueError, TypeError, UnsupportedAlgorithm):
-        raise ValueError(f"{path} is no private key in PEM form without a password") from None
+        raise ValueError(f"{path}: not a private key in PEM form without a password") from None
     if not isinstance(key, Ed25519PrivateKey):
-        raise ValueError(f"{path} is no Ed25519 key")
+        raise ValueError(f"{path}: not an Ed25519 key")
     return key
 
 
@@ -41,9 +41,9 @@ def load_or_create_key(path: Path) -> Ed25519PrivateKey:
     """
     if path.exists():
         if not path.is_file():
-            raise ValueError(f"{path} is not a regular file")
+            raise ValueError(f"{path}: is not a regular file")
         if os.name == "posix" and path.stat().st_mode & 0o077:
-            raise ValueError(f"{path} can be read or written by others: chmod 600 it, or make a new key")
+            raise ValueError(f"{path}: others can read or write this key; chmod 600 it, or make a new key")
         return load_key(path)
     return create_key(path)
 
@@ -79,15 +79,15 @@ def load_public_key(path: Path) -> bytes:
 
     data = path.read_bytes()
     if b"PRIVATE KEY" in data:
-        raise ValueError(f"{path} is a private key, which is given to nobody; gproof keys show prints its public half")
+        raise ValueError(f"{path}: this is a private key; use its public half (gproof keys show)")
     if data.count(b"-----BEGIN ") > 1:
-        raise ValueError(f"{path} holds more than one key, and which is meant it does not say")
+        raise ValueError(f"{path}: more than one key; keep one in the file")
     try:
         key = load_pem_public_key(data)
     except (ValueError, TypeError, UnsupportedAlgorithm):
-        raise ValueError(f"{path} is no public key in PEM form") from None
+        raise ValueError(f"{path}: not a public key in PEM form") from None
     if not isinstance(key, Ed25519PublicKey):
-        raise ValueError(f"{path} is no Ed25519 key")
+        raise ValueError(f"{path}: not an Ed25519 key")
     raw = key.public_bytes(Encoding.Raw, PublicFormat.Raw)
     if weak := weakness(raw):
         raise ValueError(f"{path}: the key {weak}")

@@ -79,11 +79,11 @@ class Place:
     def nearest(self, value: float) -> Fraction:
         """The nearest value on the grid; NotPlaced where that is more than half a step of some motor away."""
         if not math.isfinite(value) or abs(value) / float(self.step) > _FAR:
-            raise NotPlaced(f"{value} is no place")
+            raise NotPlaced(f"{value} is not a position")
         taken = round(Fraction(value) / self.grid) * self.grid
         if abs(Fraction(value) - taken) > self.step / 2 + self.step * Fraction(_NEAR):
-            what = f"{number(value)} is {number(float(abs(Fraction(value) - taken)))} from the nearest place that is"
-            raise NotPlaced(f"{what} whole steps of all its motors, which is more than half a step")
+            what = f"{number(value)} is {number(float(abs(Fraction(value) - taken)))} from the nearest position on"
+            raise NotPlaced(f"{what} whole steps of all its motors: more than half a step")
         return taken
 
     def conditions(self) -> Iterator[Condition]:
@@ -121,16 +121,16 @@ def places_of(trace: Trace, machine: Machine, setup: Setup) -> dict[int, Place]:
     if not any(place.form for place in found.values()):
         return {}
     if setup.cylinder is not None:
-        raise NotPlaced("Y is mapped onto A, which holds for one place of the job only")
+        raise NotPlaced("Y is mapped onto A, which fixes the position of the job")
     if setup.height_map is not None:
-        raise NotPlaced("the height map holds for one place of the job only")
+        raise NotPlaced("the height map fixes the position of the job")
     for number_, place in found.items():
         if any(drive.pitch is not None for axis in machine.axes if axis.index == number_ for drive in axis.drives()):
-            raise NotPlaced(f"{machine.word(number_)} has a pitch table, which makes other steps of other places")
+            raise NotPlaced(f"{machine.word(number_)} has a pitch table, so the steps depend on the position")
         for symbol, _ in place.form:
             stated = setup.interval(symbol)
             if stated is not None and stated.exact:
-                raise NotPlaced(f"{describe(((symbol, 1),), machine)} is stated and yet open")
+                raise NotPlaced(f"{describe(((symbol, 1),), machine)} is in the setup, and yet open")
     return found
 
 
@@ -139,22 +139,22 @@ def _place(trace: Trace, machine: Machine, axis: int, used: set[Affine]) -> Plac
     begins: Affine = ((f"start.{AXIS_NAMES[axis]}", 1),)
     rests = used - {begins}
     if len(rests) > 1:
-        said = sorted({"a place of the machine" if not form else describe(form, machine) for form in rests})
+        said = sorted({"a machine position" if not form else describe(form, machine) for form in rests})
         said.sort(key=len)
         said[_FEW:] = [f"{len(said) - _FEW} more"] if len(said) > _FEW else []
-        raise NotPlaced(f"{word} rests on {' and on '.join(said)}: the way between them has no length that is known")
+        raise NotPlaced(f"{word} depends on {' and on '.join(said)}: the distance between them is not known")
     form = next(iter(rests), begins)
     for symbol, count in form:
         kind, *rest = symbol.split(".")
         if kind not in MEASURED or rest[-1] != AXIS_NAMES[axis] or count != 1 or symbol in trace.symbols:
             what = describe(((symbol, count),), machine)
-            raise NotPlaced(f"{word} rests on {describe(form, machine)}, and {what} can not be measured later")
+            raise NotPlaced(f"{word} depends on {describe(form, machine)}, and {what} cannot be measured later")
         if kind == "work" and not 1 <= int(rest[0]) <= 9:
-            raise NotPlaced(f"{word} rests on the active offset, and which one is active is not stated")
+            raise NotPlaced(f"{word} depends on the active work offset, and the setup does not say which one is active")
     start = _start(trace, axis, begins, form) if begins in used and form != begins else None
     rates = [d.steps_per_unit for a in machine.axes if a.index == axis for d in a.drives()]
     if any(rate is None or not rate for rate in rates):
-        raise NotPlaced(f"{word} has a motor without steps_per_unit")
+        raise NotPlaced(f"{word} has a motor without steps_per_unit in the machine file")
     known = [abs(Fraction(rate)) for rate in rates if rate is not None]
     grid = Fraction(math.lcm(*(r.denominator for r in known)), math.gcd(*(r.numerator for r in known)))
     return Place(axis=axis, form=form, start=start, grid=grid, step=1 / max(known))
@@ -173,7 +173,7 @@ def _start(trace: Trace, axis: int, begins: Affine, form: Affine) -> float:
         at = np.flatnonzero(rests[1:] & free[:-1])
         if len(at):
             return float(numbers[at[0] + 1] - numbers[at[0]])
-    raise NotPlaced("no section goes from the start to the work")
+    raise NotPlaced("no move leads from the start to the work")
 
 
 def put(trace: Trace, places: Mapping[int, Place], values: Values) -> Trace:
@@ -201,7 +201,7 @@ def _put(section: TraceSection, by_frame: npt.NDArray[np.float64]) -> TraceSecti
     before = by_frame[np.concatenate([[section.start_frame], rows["frame"]])[: len(rows)]]
     arcs = rows["op"] == Op.ARC
     if (more[arcs] != before[arcs]).any():
-        raise NotPlaced("an arc begins where the axes stood before the job")
+        raise NotPlaced("an arc starts at the unknown start position")
     columns = {column.name: rows[column.name] for column in TRACE_ROW.columns}
     columns["to"] = rows["to"] + more
     columns["center"] = rows["center"] + np.where(arcs[:, np.newaxis], more[:, :3], 0.0)
@@ -228,7 +228,9 @@ def _reference(place: Place, conditions: Sequence[Condition], setup: Setup) -> f
             ends = sorted(((condition.low - shift) / count, (condition.high - shift) / count))
             low, high = max(low, ends[0]), min(high, ends[1])
     if low > high:
-        raise NotPlaced(f"what is asked of {describe(place.form)} and of where the axis begins excludes each other")
+        raise NotPlaced(
+            f"the conditions for {describe(place.form)} and for the start of the axis contradict each other"
+        )
     both = math.isfinite(low) and math.isfinite(high)
     middle = (low + high) / 2 if both else low if math.isfinite(low) else high if math.isfinite(high) else 0.0
     if abs(middle) / float(place.step) > _FAR:
@@ -281,10 +283,10 @@ def open_of(body: Mapping[str, Any], trace: Trace, machine: Machine, setup: Setu
         return None
     places = places_of(trace, machine, setup)
     if not isinstance(given, dict) or not places or set(given) != {place.name for place in places.values()}:
-        raise ValueError("the reference is not that of the axes that rest on open offsets")
+        raise ValueError("the reference does not fit the axes that depend on open offsets")
     values = {axis: float(given[place.name]) for axis, place in places.items()}
     if not all(abs(value) / float(places[axis].step) < _FAR for axis, value in values.items()):
-        raise ValueError("a reference is no place")
+        raise ValueError("a reference is not a position")
     return Open(places=places, reference=values)
 
 
@@ -317,7 +319,7 @@ def _value(place: Place, setup: Setup, machine: Machine) -> Fraction:
         if beside > place.step / 2 + place.step * Fraction(_NEAR):
             word, at = machine.word(place.axis), number(float(taken + Fraction(place.start)))
             stood = number(float(stands))
-            raise NotPlaced(f"the job begins with {word} at machine position {at}, and it stands at {stood}")
+            raise NotPlaced(f"the job starts with {word} at machine position {at}, but it is at {stood}")
     return taken
 
 
@@ -325,9 +327,9 @@ def _exact(symbol: str, setup: Setup, machine: Machine) -> Fraction:
     stated: Interval | None = setup.interval(symbol)
     called = describe(((symbol, 1),), machine)
     if stated is None:
-        raise NotStated(f"{called} is not stated, and the steps of the job rest on it", frozenset({symbol}))
+        raise NotStated(f"{called} is not in the setup, and the steps of the job depend on it", frozenset({symbol}))
     if not stated.exact or not math.isfinite(stated.low):
-        raise NotPlaced(f"{called} is not stated exactly, and the steps of the job rest on it")
+        raise NotPlaced(f"the setup does not give an exact {called}, and the steps of the job depend on it")
     return Fraction(stated.low)
 
 
@@ -344,7 +346,7 @@ def taken(package: Package, setup: Setup | None) -> list[str]:
     for axis, place in open_.places.items() if not problems else ():
         if place.form:
             beside = abs(_sum(place.form, setup) - values[axis])
-            more = f", {number(float(beside))} beside what is stated" if beside * 10**4 >= 1 else ""
+            more = f", {number(float(beside))} off the setup" if beside * 10**4 >= 1 else ""
             said.append(f"{describe(place.form, package.machine)} as {number(float(values[axis]))}{more}")
     return said
 

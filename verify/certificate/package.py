@@ -166,7 +166,7 @@ def _decode(schema: Schema, data: bytes | bytearray) -> Columns:
     layout = _layout(schema)
     rows, rest = divmod(len(data), sum(size for _, _, _, size in layout))
     if rest:
-        raise ValueError(f"a {schema.name} table of {len(data)} bytes does not hold whole rows")
+        raise ValueError(f"a {schema.name} table of {len(data)} bytes is not a whole number of rows")
     arrays, at = {}, 0
     for c, little, dtype, size in layout:
         flat = np.frombuffer(data, dtype=little, count=rows * c.width, offset=at).astype(dtype)
@@ -188,9 +188,9 @@ def read_package(path: Path) -> Package:
     except CertificateError:
         raise
     except OSError as error:
-        raise CertificateError(codes.CERTIFICATE_MALFORMED, str(path), error.strerror or "can not be read") from None
+        raise CertificateError(codes.CERTIFICATE_MALFORMED, str(path), error.strerror or "cannot be read") from None
     except (zipfile.BadZipFile, zlib.error, EOFError, NotImplementedError, RuntimeError, struct.error) as error:
-        raise CertificateError(codes.CERTIFICATE_MALFORMED, str(path), f"not a whole zip file ({error})") from None
+        raise CertificateError(codes.CERTIFICATE_MALFORMED, str(path), f"not a complete zip file ({error})") from None
     except (ValueError, LookupError, TypeError, AttributeError, ArithmeticError, MemoryError, AssertionError) as error:
         raise CertificateError(
             codes.CERTIFICATE_MALFORMED, str(path), f"not a certified stream ({type(error).__name__}: {error})"
@@ -223,7 +223,7 @@ def _read(path: Path) -> Package:
             _check_numbers(path, kind.__name__, value, tables=kind is not Trace and kind is not StepStream)
         left = parts.left()
         if left:
-            raise ValueError(f"a table that belongs nowhere: {left}")
+            raise ValueError(f"an unexpected table: {left}")
     machine.verify()
     trace.verify()
     stream.verify()
@@ -258,7 +258,7 @@ def _check_format(path: Path, body: dict[str, Any]) -> None:
         raise _other_version(path, body, f"{age} version ({said}; this one reads {FORMAT})")
     schemas = body.get("schemas")
     if not isinstance(schemas, dict) or not all(type(n) is int and 0 < n < 10_000 for n in schemas.values()):
-        raise CertificateError(codes.CERTIFICATE_MALFORMED, str(path), "the numbers of its schemas are not there")
+        raise CertificateError(codes.CERTIFICATE_MALFORMED, str(path), "the numbers of its schemas are missing")
     for part in sorted(SCHEMAS.keys() | schemas.keys()):
         there, here = schemas.get(part, 0), SCHEMAS.get(part, 0)
         if there != here:
@@ -286,15 +286,17 @@ class _Parts:
         self._digests: dict[str, str] = body["members"]
         self._sizes: dict[str, int] = body["sizes"]
         for odd in sorted(set(self._digests) ^ (sealed.names - {BODY, SIGNATURE})):
-            raise CertificateError(codes.CERTIFICATE_HASH, str(path), f"{odd} is not what the certificate lists")
+            raise CertificateError(
+                codes.CERTIFICATE_HASH, str(path), f"{odd} does not match the list in the certificate"
+            )
         for odd in sorted(set(self._digests) ^ set(self._sizes)):
             raise sealed.refused(f"{odd} has no size")
         for name, size in self._sizes.items():
             limit = MEMBER_LIMIT if name.endswith(".bin") else TEXT_LIMIT
             if type(size) is not int or not 0 <= size <= limit:
-                raise sealed.refused(f"{name} is of {size!r} bytes")
+                raise sealed.refused(f"{name} has {size!r} bytes")
         if sum(self._sizes.values()) > sealed.most:
-            raise sealed.refused(f"its parts are of more bytes than a file of its size may hold ({sealed.most})")
+            raise sealed.refused(f"its parts have more bytes than a file of its size can hold ({sealed.most})")
         self._unused = set(self._digests)
 
     def take(self, name: str) -> bytearray:
@@ -321,7 +323,7 @@ def _json(path: Path, name: str, data: bytes) -> dict[str, Any]:
 def _fill(path: Path, trace: Trace, stream: StepStream, parts: _Parts) -> None:
     """Put the tables where numbers of rows stand, their own numbers judged."""
     if type(trace) is not Trace or type(stream) is not StepStream:
-        raise ValueError("trace.ir or stream.ir is something else")
+        raise ValueError("trace.ir or stream.ir has another content")
     for section, table in zip(
         trace.sections, _cut(path, TRACE_TABLE, TRACE_ROW, [s.rows for s in trace.sections], parts), strict=True
     ):
@@ -343,7 +345,7 @@ def _cut(path: Path, name: str, schema: Schema, counts: Sequence[Any], parts: _P
             raise ValueError(f"section {place} has {str(count)[:40]} rows in {name}")
     whole = _decode(schema, parts.take(name))
     if len(whole) != sum(counts):
-        raise ValueError(f"{name} has {len(whole)} rows, its sections {sum(counts)}")
+        raise ValueError(f"{name} has {len(whole)} rows, but its sections {sum(counts)}")
     wrong = number_problem(whole)
     if wrong is not None:
         what = f"{name}{wrong.where}: {wrong.what}"

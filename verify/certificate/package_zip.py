@@ -51,9 +51,9 @@ class Sealed:
         self._infos: dict[str, zipfile.ZipInfo] = {}
         for info in archive.infolist():
             if info.filename in self._infos:
-                raise self.refused(f"{info.filename!r} is there twice")
+                raise self.refused(f"{info.filename!r} is in it twice")
             if info.compress_type not in (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED):
-                raise self.refused(f"{info.filename!r} is packed otherwise")
+                raise self.refused(f"{info.filename!r} is packed in another way")
             self._infos[info.filename] = info
 
     @property
@@ -75,7 +75,7 @@ class Sealed:
     def member(self, name: str, size: int) -> tuple[bytearray, str]:
         """A member of exactly ``size`` bytes, and its SHA-256."""
         if self._infos[name].file_size != size:
-            raise self.refused(f"{name!r} is not as long as it says")
+            raise self.refused(f"{name!r} does not have the length it says")
         digest = hashlib.sha256()
         data = bytearray(size)
         view = memoryview(data)
@@ -83,12 +83,12 @@ class Sealed:
         with self._archive.open(self._infos[name]) as handle:
             while block := handle.read(min(_BLOCK, size - at + 1)):
                 if at + len(block) > size:
-                    raise self.refused(f"{name!r} is not as long as it says")
+                    raise self.refused(f"{name!r} does not have the length it says")
                 view[at : at + len(block)] = block
                 digest.update(block)
                 at += len(block)
         if at != size:
-            raise self.refused(f"{name!r} is not as long as it says")
+            raise self.refused(f"{name!r} does not have the length it says")
         return data, digest.hexdigest()
 
 
@@ -103,7 +103,9 @@ def open_sealed(path: Path) -> Iterator[Sealed]:
             )
         digest, entries = _digest(file, size - 64)
         if size < 64 or digest != file.read():
-            raise CertificateError(codes.CERTIFICATE_HASH, str(path), "the file is damaged, cut short or not a package")
+            raise CertificateError(
+                codes.CERTIFICATE_HASH, str(path), "the file is damaged, incomplete or not a package"
+            )
         if entries > MEMBERS:
             raise CertificateError(codes.CERTIFICATE_MALFORMED, str(path), f"it has more than {MEMBERS} members")
         with zipfile.ZipFile(file) as archive:

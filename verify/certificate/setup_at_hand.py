@@ -75,7 +75,7 @@ _HOLDS_FOR_NONE = {"block_delete": False, "optional_stop": True}
 
 _ENTRIES = {
     "measures": "the tool measure of {0}", "contacts": "the contact of {0}", "parameters": "variable {0}",
-    "parameter_ranges": "what variable {0} will be given", "resident": "variable {0}, which the job before left,",
+    "parameter_ranges": "the value that variable {0} will get", "resident": "variable {0} from the previous job",
     "positions": "the stored position {0}", "inputs": "input {0}", "outputs": "output {0}",
     "virtual": "virtual input {0}", "answers": "the answer to question {0}",
 }  # fmt: skip
@@ -97,7 +97,7 @@ def differences(
     with these, where ``then`` left them open.
     """
     if type(then) is not type(now):
-        return [f"made for a {type(then).__name__}; it is a {type(now).__name__} now"]
+        return [f"made for a {type(then).__name__}, now a {type(now).__name__}"]
     pair = _Pair(then, now, machine, trace, measured)
     return [said for field in dataclasses.fields(then) for said in pair.field(field.name)]
 
@@ -169,7 +169,7 @@ class _Pair:
             yield from self._in_force()
         elif how is How.FEWER:
             for entry in _added(was, is_):
-                yield f"a keep-out zone is there now that the job was not judged with ({getattr(entry, 'name', '?')!r})"
+                yield f"the job was not checked with a keep-out zone that is there now ({getattr(entry, 'name', '?')!r})"
         elif isinstance(was, dict) and isinstance(is_, dict):
             yield from self.by_field.get(name, self._table)(name)
         elif was is None and is_ is not None and same(_HOLDS_FOR_NONE.get(name), is_):
@@ -183,7 +183,7 @@ class _Pair:
         said, found = words.setting(name, was), words.setting(name, is_)
         if type(was) is type(is_) and dataclasses.is_dataclass(was):
             found = f"another one ({found})"
-        return f"made for {words.SETTINGS.get(name, name)} {said}; it is {found} now"
+        return f"made for {words.SETTINGS.get(name, name)} {said}; now it is {found}"
 
     # -- what a rule of its own compares
 
@@ -192,12 +192,12 @@ class _Pair:
         come = self.then.unhomed(self.machine) - self.now.unhomed(self.machine)
         if self.then.homed is not None and self.now.homed is None:
             said = " ".join(name.upper() for name in self.then.homed) or "none"
-            yield f"made for homed axes {said}; which ones are is not stated now"
+            yield f"made for homed axes {said}; now the setup does not say which axes are homed"
             return
         for axis in sorted(gone):
-            yield f"made for {AXIS_NAMES[axis].upper()} homed; it is not homed now"
+            yield f"made for {AXIS_NAMES[axis].upper()} homed; now it is not homed"
         for axis in sorted(come):
-            yield f"made for {AXIS_NAMES[axis].upper()} not homed; it is homed now"
+            yield f"made for {AXIS_NAMES[axis].upper()} not homed; now it is homed"
 
     def _in_force(self) -> Iterator[str]:
         was, is_ = self.then.transform, self.now.transform
@@ -236,9 +236,9 @@ class _Pair:
     def _entry(self, called: str, was: object, is_: object, within: bool) -> Iterator[str]:
         if within and isinstance(was, Interval) and isinstance(is_, Interval):
             if not was.low <= is_.low <= is_.high <= was.high:
-                yield f"made for {called} {_said(was)}; it is {_said(is_)} now"
+                yield f"made for {called} {_said(was)}; now it is {_said(is_)}"
         elif not same(was, is_) or (was is None and is_ is None):
-            yield f"made for {called} {_said(was)}; it is {_said(is_)} now"
+            yield f"made for {called} {_said(was)}; now it is {_said(is_)}"
 
     def _called(self, name: str, key: object) -> str:
         return _ENTRIES.get(name, f"{name} {{0}}").format(str(key).upper() if name in ("measures", "contacts") else key)
@@ -333,8 +333,8 @@ def _acting(transform: InForce | None) -> InForce:
 
 def _other_workpiece(was: object, is_: object) -> str:
     if not (isinstance(was, Workpiece) and isinstance(is_, Workpiece)):
-        now = "none is stated" if is_ is None else "they are stated"
-        return f"made {'without' if was is None else 'for'} stock, part and fixtures; {now} now"
+        now = "the setup has none" if is_ is None else "the setup has them"
+        return f"made {'without' if was is None else 'for'} stock, part and fixtures; now {now}"
     others = [f.name for f in dataclasses.fields(was) if not _same_field(Workpiece, f.name, was, is_)]
     added = [repr(placed.name) for placed in _added(was.fixtures, is_.fixtures)] if "fixtures" in others else []
     named = f" ({', '.join(added)})" if added else ""
@@ -355,7 +355,7 @@ def _symbol(name: str, key: Any) -> str:
 
 def _said(value: object) -> str:
     if value is None:
-        return "not stated"
+        return "not in the setup"
     if isinstance(value, Interval):
         return words.between(value.low, value.high)
     return words.number(value) if isinstance(value, int | float) else "another one"

@@ -80,7 +80,7 @@ def judge_signer(
         return []
     known = signed_by(raw, signers)
     if known is None:
-        said = f"signed by {fingerprint(raw)}, which is no trusted key"
+        said = f"signed by {fingerprint(raw)}, which is not a trusted key"
         return [codes.CERTIFICATE_UNTRUSTED.at(where, what=said)]
     if known.revoked is not None:
         said = f"signed by {called(known)}, which was revoked on {known.revoked}"
@@ -88,6 +88,6 @@ def judge_signer(
     if known.expires is not None and (day or today()) > known.expires:
         said = f"signed by {called(known)}, which expired on {known.expires}"
         if created:
-            said += f"; that it was signed at {created} is the signer's own word and not believed"
+            said += f" (the date {created} in the package is only the signer's word)"
         return [codes.CERTIFICATE_UNTRUSTED.at(where, what=said)]
     return []

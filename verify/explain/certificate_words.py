@@ -53,17 +53,17 @@ def setting(name: str, value: object) -> str:
     if isinstance(value, InForce):
         return _in_force(value)
     if value is None:
-        return "none" if name in ("cylinder", "height_map") else "not stated"
+        return "none" if name in ("cylinder", "height_map") else "not in the setup"
     if isinstance(value, bool):
         return "on" if value else "off"
     if name == "active_work" and isinstance(value, int) and 0 <= value < len(_NAMES):
         return _NAMES[value]
     if isinstance(value, int | float):
         return number(value)
-    return str(value) if isinstance(value, str) else "stated otherwise"
+    return str(value) if isinstance(value, str) else "another one"
 
 
 def _in_force(value: InForce) -> str:
     parts = {"angle": value.angle, "factor of X": value.factor_x, "factor of Y": value.factor_y}
-    said = [f"{part} {'not stated' if at is None else number(at)}" for part, at in parts.items()]
+    said = [f"{part} {'not given' if at is None else number(at)}" for part, at in parts.items()]
     return f"{', '.join(said)}, about X{number(value.x)} Y{number(value.y)}"

@@ -75,7 +75,7 @@ class Words:
             assert self._seen is not None
             line = span_of(self._trace, section, row).line
             name = self._seen.stream.motors[motor].name
-            return f"{name} passes its soft limit with the guard off in line {line}; its travel is not stated"
+            return f"{name} passes its soft limit with the guard off in line {line}; the machine file gives no travel"
         return REMARKS[remark.kind](*remark.values)
 
     def _noted(self, problem: Problem) -> Noted:
@@ -86,11 +86,11 @@ class Words:
 FORM: dict[str, Callable[..., str]] = {
     "form.part": lambda _, part, why: f"{'Machine' if part == 'Drives' else part}: {why}",
     "form.tick-frequency": lambda _, frequency: f"tick frequency {frequency}",
-    "form.section-place": lambda _, number, place: f"section {number} stands at place {place}",
+    "form.section-place": lambda _, number, place: f"section {number} is at place {place}",
     "form.one-for-each-motor": lambda _, number: (
         f"section {number}: not one start position and one run table for each motor"
     ),
-    "form.table": lambda _, number: f"section {number}: a table is not one of runs or events",
+    "form.table": lambda _, number: f"section {number}: a table has neither runs nor events",
     "form.start": lambda _, number, start, duration: f"section {number}: start {start}, duration {duration}",
     "form.run": lambda _, number, k, motor, run: f"section {number}: run {k} of {motor} is {run}",
     "form.too-long": lambda _, number, motor: f"section {number}: {motor} has more steps or ticks than can be counted",
@@ -100,9 +100,9 @@ FORM: dict[str, Callable[..., str]] = {
     "form.limit": lambda _, drive: f"axis {drive.lower()}: a limit is not a number",
     "form.slaves": lambda _, axis, count: f"axis {axis}: {count} slaves",
     "form.board-frequency": lambda machine, stream, board: (
-        f"the stream counts {stream} ticks a second, the board {machine.board.name} {board}"
+        f"the stream counts {stream} ticks per second, the board {machine.board.name} {board}"
     ),
-    "form.motor-names": lambda _, names: f"two motors of one name: {', '.join(names)}",
+    "form.motor-names": lambda _, names: f"two motors with the same name: {', '.join(names)}",
     "form.no-such-motor": lambda _, motor, axis: f"motor {motor} drives axis {axis}: the machine has no such motor",
     "form.other-steps": lambda _, motor, steps, name, known: (
         f"motor {motor} has {steps} steps per unit, the machine's {name} {known}"
@@ -111,15 +111,15 @@ FORM: dict[str, Callable[..., str]] = {
     "form.motors-of-axis": lambda _, axis, found, wanted: (
         f"axis {axis} has {found} motors in the stream, {wanted} on the machine"
     ),
-    "form.no-height-map": lambda _: "Z follows a height map, and the setup has none",
+    "form.no-height-map": lambda _: "Z follows a height map, but the setup has none",
     "form.height-map": lambda _, problem: f"the height map: {problem}",
-    "form.never-homed": lambda _, axis: f"axis {axis} moves, and the setup says that it has had no reference run",
+    "form.never-homed": lambda _, axis: f"axis {axis} moves, but the setup says that it is not homed",
     "form.tip-feed": lambda _, axis: f"the feed of axis {axis} is that of the tool over the material",
     "cylinder.numbers": lambda _, radius, y, zero: (
         f"Y is mapped onto A with radius {radius}, axis of rotation {y}, zero {zero}"
     ),
-    "cylinder.axes": lambda _: "Y is mapped onto A, and the machine lacks one of them",
-    "cylinder.height-map": lambda _: "a height map is followed on a cylinder",
+    "cylinder.axes": lambda _: "Y is mapped onto A, but the machine lacks one of them",
+    "cylinder.height-map": lambda _: "a height map is used on a cylinder",
     "cylinder.turned": lambda _, number: f"section {number} moves A while Y is mapped onto it",
     "cylinder.start": lambda _, angle, low, high: (
         f"the trace starts with A at {angle:.6f}; the setup says {low:.6f} to {high:.6f}"
@@ -139,37 +139,37 @@ def _waits(waits: tuple[Wait, ...]) -> str:
 
 
 GRAPH: dict[str, Callable[..., str]] = {
-    "graph.no-section": lambda: "there is no section, so nothing to run",
+    "graph.no-section": lambda: "there is no section, so there is nothing to run",
     "graph.no-edge": lambda: "nothing says what follows",
     "graph.two-waits": lambda waits: f"it ends in {_waits(waits)} at once",
-    "graph.undecided": lambda wait: f"nobody who sends steps can decide what follows ({wait.value})",
-    "graph.one-outcome": lambda outcomes: f"two ways on for one outcome: {', '.join(map(repr, outcomes))}",
+    "graph.undecided": lambda wait: f"a step stream cannot decide what follows ({wait.value})",
+    "graph.one-outcome": lambda outcomes: f"two continuations for one outcome: {', '.join(map(repr, outcomes))}",
     "graph.end-goes-on": lambda target: f"the program ends here and goes on with section {target}",
     "graph.goes-on": lambda kind: f"the section goes on after {_waiting(kind)}",
     "graph.other-wait": lambda kind, *waits: f"after {_waiting(kind)} comes {_waits(waits) or 'nothing'}",
     "graph.wait-without-row": lambda wait: f"it ends in {wait.value}, and no row of it says so",
-    "graph.setpoint": lambda name: f"{name[:_SHOWN]!r} is nothing that can be set",
-    "graph.back": lambda target: f"it leads back to section {target}: a stream that never ends has no time",
-    "graph.no-way": lambda: "no way leads here",
+    "graph.setpoint": lambda name: f"{name[:_SHOWN]!r} cannot be set",
+    "graph.back": lambda target: f"it leads back to section {target}: the stream would never end",
+    "graph.no-way": lambda: "nothing leads to this section",
     "graph.synchronised": lambda: "this move follows the turns of the spindle",
     "graph.surface-speed": lambda: "the spindle's speed follows the tool",
     "graph.head": lambda: "another head is selected",
-    "graph.retimed": lambda: "the job has changed what the machine file says of its axes",
+    "graph.retimed": lambda: "the job changes what the machine file says of its axes",
     "graph.knife": lambda: "the knife is turned by the controller, not by these rows",
     "graph.orientation": lambda: "the spindle stops in an orientation",
     "graph.unused-height-map": lambda: (
-        "the setup's height map is on, and no move follows it; "
-        "a setup with on = false is one of a job that switches it off before it moves"
+        "the height map of the setup is on, but no move follows it; "
+        "write on = false if the job switches it off before it moves"
     ),
 }
 """Of the section graph."""
 
 ROWS: dict[str, Callable[..., str]] = {
     "row.start-unknown": lambda: "the section's start depends on something that is not known",
-    "row.table": lambda: "the table is not one of trace rows",
+    "row.table": lambda: "the table has no trace rows",
     "row.start-not-finite": lambda: "the start is not finite",
     "row.unknown": lambda: "the position depends on something that is not known",
-    "row.jump": lambda: "the position jumps in a row that is no motion",
+    "row.jump": lambda: "the position jumps in a row without motion",
     "row.no-motor": lambda: "an axis without a motor moves",
     "row.arc-without-motor": lambda: "an arc in an axis without a motor",
     "row.far": lambda farthest: f"a position of more than {farthest} steps",
@@ -178,11 +178,11 @@ ROWS: dict[str, Callable[..., str]] = {
     "row.far-start": lambda farthest: f"a start of more than {farthest} steps",
     "row.no-radius": lambda: "an arc without a radius",
     "row.long-arc": lambda farthest: f"an arc of more than {farthest} steps",
-    "raised.on-or-off": lambda: "the map is on or off at the section's start, as the way there has it",
+    "raised.on-or-off": lambda: "the map is on or off at the start of the section, depending on what came before",
     "raised.jump": lambda jump: f"the map ends or is switched here, and Z would jump by {jump:.6f} mm",
     "raised.far": lambda farthest: f"Z is raised to more than {farthest} steps",
     "raised.chords": lambda most: f"more than {most} chords are needed",
-    "raised.grid-lines": lambda: "the grid lines that it crosses can not be told",
+    "raised.grid-lines": lambda: "the grid lines that it crosses cannot be determined",
 }
 """Of a row of the trace."""
 
@@ -203,13 +203,13 @@ EVENTS: dict[str, Callable[..., str]] = {
 
 BETWEEN: dict[str, Callable[..., str]] = {
     "start.step": lambda number, motor, steps, at, exact: (
-        f"section {number}: {motor} starts at step {steps}, the trace at {at:.6f}, which is step {exact:.3f}"
+        f"section {number}: {motor} starts at step {steps}, but the trace at {at:.6f}, which is step {exact:.3f}"
     ),
     "start.stated": lambda _, axis, at, low, high: (
         f"the trace starts at {AXIS_NAMES[axis]} {at:.6f}; the setup says {low:.6f} to {high:.6f}"
     ),
     "edge.start": lambda number, final, target, start: (
-        f"section {number} ends at {final}, section {target} starts at {start}"
+        f"section {number} ends at {final}, but section {target} starts at {start}"
     ),
     "edge.setup": lambda number, motor, ticks, target, needed: (
         f"{_gap(number, motor, ticks, target)}; {needed} needed for the new direction"
@@ -225,19 +225,19 @@ def _gap(number: int, motor: str, ticks: int, target: int) -> str:
 
 def _left_to_others(names: tuple[str, ...]) -> str:
     more = f" and {len(names) - _NAMED} more" if len(names) > _NAMED else ""
-    return f"no board carries out {', '.join(names[:_NAMED])}{more}: who runs the stream sees to it"
+    return f"no board executes {', '.join(names[:_NAMED])}{more}: whoever runs the stream has to"
 
 
 REMARKS: dict[str, Callable[..., str]] = {
     "assumed.backlash": lambda motor, backlash: (
-        f"{motor.lower()} stands at the start as when it came from below, with a backlash of {backlash:g}"
+        f"{motor.lower()} reached its start position from below (backlash {backlash:g})"
     ),
-    "assumed.no-limit": lambda motor: f"axis {motor.lower()} needs no limit where the machine file states none",
-    "assumed.no-step-frequency": lambda: "the machine file states no greatest step frequency",
+    "assumed.no-limit": lambda motor: f"axis {motor.lower()} needs no limit: the machine file gives none",
+    "assumed.no-step-frequency": lambda: "the machine file gives no maximum step frequency",
     "assumed.left-to-others": _left_to_others,
-    "assumed.moved-by-others": lambda wait: f"{wait.value} leaves the machine where the trace goes on",
-    "open.no-velocity": lambda motor: f"the machine file states no velocity for {motor.lower()}",
-    "open.no-acceleration": lambda motor: f"the machine file states no acceleration for {motor.lower()}",
+    "assumed.moved-by-others": lambda wait: f"{wait.value} leaves the machine where the trace continues",
+    "open.no-velocity": lambda motor: f"the machine file gives no velocity for {motor.lower()}",
+    "open.no-acceleration": lambda motor: f"the machine file gives no acceleration for {motor.lower()}",
     "open.malformed": lambda: "the stream is malformed",
     "open.section": lambda number: f"section {number} could not be followed",
     "open.section-end": lambda number: f"section {number} was not followed to its end",

@@ -65,11 +65,11 @@ def _unit(axis: int, machine: Machine, setup: Setup) -> str:
 
 
 def _spacing(p: Noted) -> str:
-    return f"{p.name}: {p.a:.0f} ticks after the step before; {p.b:.0f} needed"
+    return f"{p.name} steps {p.a:.0f} ticks after its last step; {p.b:.0f} needed"
 
 
 def _setup(p: Noted) -> str:
-    return f"{p.name} turns round {p.a:.0f} ticks after the step before; {p.b:.0f} needed"
+    return f"{p.name} changes direction {p.a:.0f} ticks after its last step; {p.b:.0f} needed"
 
 
 def _speed(p: Noted) -> str:
@@ -95,7 +95,7 @@ def _acceleration(p: Noted) -> str:
 
 def _feed(p: Noted) -> str:
     window = f"{p.b * p.interpolation * 1000:g} ms" if p.b else "the time since the last rest"
-    return f"the path goes at {p.a:.4f} times its feed in {window}"
+    return f"the path moves at {p.a:.4f} times its feed in {window}"
 
 
 def _limit(p: Noted) -> str:
@@ -114,17 +114,19 @@ def _place(p: Noted) -> str:
 
 WALK: dict[str, Callable[[Noted], str]] = {
     "walk.dense": lambda p: f"more than {WINDOW} pieces of path within one step of {p.name}: too dense to follow",
-    "walk.extra": lambda p: f"{p.name} turned round {p.a:.0f} times since the last rest; the path does {p.b:.0f} times",
+    "walk.extra": lambda p: (
+        f"{p.name} changed direction {p.a:.0f} times since the last rest; the path does {p.b:.0f} times"
+    ),
     "walk.rate": _spacing,
     "walk.pulse": _spacing,
     "walk.setup": _setup,
     "walk.speed": _speed,
     "walk.acceleration": _acceleration,
     "walk.feed": _feed,
-    "walk.early": lambda p: f"the motion before this event has only come to row {p.a:.0f}",
+    "walk.early": lambda p: f"the motion before this event has only reached row {p.a:.0f}",
     "walk.off-place": _place,
     "walk.wait-cut": lambda p: f"{p.name or 'what follows'} comes {p.a:.0f} ticks before the wait is over",
-    "walk.unfinished": lambda p: "the steps end before the path does",
+    "walk.unfinished": lambda p: "the steps end before the path",
     "walk.end": _place,
     "walk.slack": lambda p: (
         f"{p.name} has not taken up its backlash: the motor is at {p.at(p.a)}, its axis at {p.at(p.b)}"
@@ -170,12 +172,12 @@ def left(p: Noted, trace: Trace) -> tuple[bool, str]:
 
     for other in range(at + 1, min(at + NEARBY, len(rows.op))):
         if belongs(other):
-            return True, f"{p.name} at {p.at(p.a)} belongs to {named(other)}; what lies before is missing"
+            return True, f"{p.name} at {p.at(p.a)} belongs to {named(other)}; the path before it is missing"
     for other in range(at - 1, max(-1, at - NEARBY), -1):
         if belongs(other):
             return True, f"{p.name} at {p.at(p.a)} goes back to {named(other)}"
     return False, (
-        f"{p.name} goes to {p.at(p.a)}; that is about {here:.2f} steps from this row's path, "
+        f"{p.name} moves to {p.at(p.a)}; that is about {here:.2f} steps from this row's path, "
         f"or from the part of it that is due; {PATH_TOLERANCE:g} allowed"
     )
 

@@ -32,7 +32,7 @@ def machine_number_problems(drives: Drives, override: float) -> Iterator[Why]:
         ("step pulse", drives.step_pulse, 1.0),
         ("direction set-up", drives.direction_setup, 1.0),
         ("spindle ramp time", drives.spindle_ramp_time, 1e6),
-        ("greatest step frequency", drives.max_step_frequency or 1.0, 1e12),
+        ("maximum step frequency", drives.max_step_frequency or 1.0, 1e12),
         ("feed override", override, 1e3),
     ):
         if not 0 <= value <= most:

@@ -114,7 +114,7 @@ class Areas(Check):
 
     def _assumptions(self, conditions: tuple[Condition, ...]) -> list[str]:
         out = [
-            f"{describe(c.terms, self.machine)} lies between {c.low:.4f} and {c.high:.4f} mm (machine coordinates)"
+            f"{describe(c.terms, self.machine)} is between {c.low:.4f} and {c.high:.4f} mm (machine coordinates)"
             for c in conditions
             if len(c.terms) == 1 and c.terms[0][0].startswith("start.")
         ]
