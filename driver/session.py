@@ -79,7 +79,7 @@ def open_session(
     the_machine, the_setup = NO_MACHINE, NOTHING
     if machine is not None:
         require_file(machine, "machine file")
-        the_machine = _loaded(load_machine(machine, findings), findings, inputs, "machine")
+        the_machine = _loaded(load_machine(machine, findings), findings, inputs, "machine", machine)
     dialect, reason = dialect_of(job, dialect, the_machine, machine)
     if setup == "zero":
         the_setup = ZERO
@@ -87,7 +87,7 @@ def open_session(
         from gproof.driver.dialects import load_setup
 
         require_file(Path(setup), "setup file")
-        the_setup = _loaded(load_setup(Path(setup), findings, the_machine), findings, inputs, "setup")
+        the_setup = _loaded(load_setup(Path(setup), findings, the_machine), findings, inputs, "setup", setup)
     from gproof.ir.kernel import Kernel
 
     Kernel.forecast(job.stat().st_size * PLAIN_SECONDS_A_BYTE)
@@ -142,11 +142,12 @@ def dialect_of(
 
 
 def _loaded(
-    result: tuple[T | None, list[tuple[str, str]]], findings: Findings, inputs: list[tuple[str, str, str]], role: str
-) -> T:
+    result: tuple[T | None, list[tuple[str, str]]], findings: Findings, inputs: list[tuple[str, str, str]], role: str,
+    name: Path | str,
+) -> T:  # fmt: skip
     """Unpack (value or None, files); a file with errors stops the command with its findings."""
     value, files = result
     inputs += [(name, digest, role) for name, digest in files]
     if value is None:
-        raise UsageError(f"the {role} file can not be used", findings)
+        raise UsageError(f"{role} file {name}: cannot be used, see the errors above", findings)
     return value

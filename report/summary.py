@@ -107,7 +107,7 @@ def print_summary(
             _row("" if n else result.name, detail, " " * 9 if n else first)
     left = not_judged(result.name for result in judgement.properties)
     if left:
-        _row("not checked", ", ".join(left))
+        _row("unchecked", ", ".join(left))
     starts = tuple(f"{describe(c.terms, session.machine)} is between" for found in conditions.values() for c in found)
     assumed = [*judgement.assumptions, *(a for r in judgement.properties for a in r.assumptions)]
     assumed = [one for one in assumed if not one.startswith(starts)]  # a condition already

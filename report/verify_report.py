@@ -82,7 +82,7 @@ def print_verified(path: str, of: Verified) -> None:
         _row("stated" if one is stated[0] else "", said)
         for condition in _conditions(one):
             _row("", f"{'':<{width}}  if {shown(condition_of(machine, condition))}")
-    _rows("not checked", [", ".join(map(shown, _texts(body.get("not_judged"))))])
+    _rows("unchecked", [", ".join(map(shown, _texts(body.get("not_judged"))))])
     of_each = [text for one in _properties(body) for text in _texts(one.get("assumptions"))]
     _rows("assuming", [shown(one) for one in dict.fromkeys((*_texts(body.get("assumptions")), *of_each))])
 

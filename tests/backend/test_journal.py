@@ -357,7 +357,7 @@ def test_where_no_feed_hold_is_possible_the_section_goes_on_to_its_end(
 
 def test_the_first_interrupt_during_such_a_hold_is_no_emergency_stop() -> None:
     control = Control()
-    control.end_at_rest("the journal can not be written")
+    control.end_at_rest("the journal cannot be written")
     control.interrupt()
     assert not control.stop_asked
     control.interrupt()

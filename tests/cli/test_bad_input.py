@@ -94,7 +94,7 @@ def bad_file(done: Done, role: str, *words: str) -> None:
     assert done.exit == 3, done
     assert done.out == ""
     lines = done.err.splitlines()
-    assert lines[-1] == f"gproof: error: the {role} file can not be used"
+    assert re.fullmatch(rf"gproof: error: {role} file .+: cannot be used, see the errors above", lines[-1]), lines[-1]
     assert re.match(r".+?:.* error GP6[01]\d \[[-a-z]+\] ", lines[0]), done.err
     for word in words:
         assert word in done.err, done.err
@@ -180,7 +180,9 @@ def test_a_job_that_can_not_be_read(command: str, folder: Path, gproof: Run) -> 
     more = {"check": [], "compile": ["-o", "job.gpx"], "dump": ["--stage", "trace"]}[command]
     refused(gproof(command, "nothere.cnc", *more), "nothere.cnc", "no such file")
     refused(
-        gproof(command, "folder", *more), "folder", "no jobs in this folder" if command == "check" else "is a directory"
+        gproof(command, "folder", *more),
+        "folder",
+        "no programs in this folder" if command == "check" else "is a folder",
     )
     refused(gproof(command, "folder/job.cnc", *more), "no such file")
     refused(gproof(command, "job.cnc/job.cnc", *more), "no such file")
@@ -340,8 +342,8 @@ def test_an_unknown_key_of_an_own_file_is_an_error(folder: Path, gproof: Run) ->
 
 def test_a_machine_file_that_can_not_be_read(folder: Path, gproof: Run) -> None:
     refused(gproof("check", "job.cnc", "--machine", "nothere.toml"), "machine file nothere.toml: no such file")
-    refused(gproof("check", "job.cnc", "--machine", "."), "is a directory")
-    refused(gproof("check", "job.cnc", "--machine", ""), "an empty name is no file")
+    refused(gproof("check", "job.cnc", "--machine", "."), "is a folder")
+    refused(gproof("check", "job.cnc", "--machine", ""), "the file name is empty")
     refused(gproof("check", "job.cnc", "--machine", "/dev/null"), "is not a regular file")
 
 
@@ -381,7 +383,7 @@ def test_a_setup_file_that_makes_no_sense(name: str, folder: Path, gproof: Run) 
 
 def test_a_setup_file_that_can_not_be_read(folder: Path, gproof: Run) -> None:
     refused(gproof("check", "job.cnc", "--setup", "nothere.toml"), "setup file nothere.toml: no such file")
-    refused(gproof("check", "job.cnc", "--setup", "."), "is a directory")
+    refused(gproof("check", "job.cnc", "--setup", "."), "is a folder")
     refused(gproof("check", "job.cnc", "--setup", "Zero"), "no such file")
     bad_file(gproof("check", "job.cnc", "--setup", "machine.toml"), "setup", "gproof-machine/1")
     bad_file(gproof("check", "job.cnc", "--machine", "setup.toml"), "machine", "gproof-setup/1")
@@ -407,12 +409,12 @@ def test_settings_are_no_program(words: list[str], name: str, folder: Path, gpro
     """One line, and not a finding for each of theirs."""
     if not (folder / name).exists():
         (folder / name).write_text("[GENERAL]\nunit=IN\n")
-    refused(gproof(*words, name), f"{name}: is no program")
+    refused(gproof(*words, name), f"{name}: is not a program")
 
 
 def test_a_job_for_another_controller(folder: Path, gproof: Run) -> None:
-    """Only where it has lines that can not be read, and says itself whose it is."""
-    hint = "the job looks like one for mcuwin: DIN section in line 2"
+    """Only where it has lines that cannot be read, and says itself whose it is."""
+    hint = "the program looks like one for mcuwin: DIN section in line 2"
     (folder / "job.src").write_text("x = ;\n{$DINSTART}\nN10 G00 X1\nN20 M30\n")
     assert hint in gproof("check", "job.src", "--dialect", "eding").out
     assert "looks like" not in gproof("check", "job.src", "--dialect", "mcuwin").out
@@ -422,7 +424,7 @@ def test_a_job_for_another_controller(folder: Path, gproof: Run) -> None:
 
 
 def test_standard_input_is_no_job(folder: Path, gproof: Run) -> None:
-    refused(gproof("check", "-"), "job -: is read from a file, not from standard input")
+    refused(gproof("check", "-"), "job -: give a file; standard input is not read")
     (folder / "-").write_text(JOB)
     assert judged(gproof, "-")[0] == "UNKNOWN"
 
@@ -456,7 +458,7 @@ def test_a_picture_is_svg(folder: Path, gproof: Run) -> None:
         (["compile", "job.cnc", "-o", "x.gpx", "--unsigned", "--key", "k.pem"], "--key"),
         (["verify"], "PACKAGE"),
         (["verify", "nothere.gpx"], "no such file"),
-        (["verify", "."], "is a directory"),
+        (["verify", "."], "is a folder"),
         (["verify", "job.cnc", "--trust", "nothere.pem"], "nothere.pem"),
         (["verify", "job.cnc", "--machine", "nothere.toml"], "nothere.toml"),
         (["run", "job.cnc"], "--board"),
@@ -468,8 +470,8 @@ def test_a_picture_is_svg(folder: Path, gproof: Run) -> None:
         (["run", "job.cnc", "--board", "virtual", "--hold-at", "nan"], "'nan' is not a finite number"),
         (["run", "job.cnc", "--board", "virtual", "--estop-at", "inf"], "'inf' is not a finite number"),
         (["run", "job.cnc", "--board", "virtual", "--override", "nan"], "'nan' is not a finite number"),
-        (["verify", "job.cnc", "--trust", "."], "trusted key .: is a directory"),
-        (["compile", "job.cnc", "-o", "x.gpx", "--key", "."], "key .: is a directory"),
+        (["verify", "job.cnc", "--trust", "."], "trusted key .: is a folder, not a file"),
+        (["compile", "job.cnc", "-o", "x.gpx", "--key", "."], "key .: is a folder, not a file"),
         (["compile", "job.cnc", "-o", "x.gpx", "--key", "nothere.pem"], "key nothere.pem: no such file"),
         (["explain"], "CODE"),
         (["explain", "GP999"], "GP999"),
@@ -552,10 +554,10 @@ def outputs(folder: Path, gproof: Run) -> list[tuple[Callable[[str], Done], str]
 def test_an_output_that_can_not_be_written(folder: Path, gproof: Run) -> None:
     (folder / "folder").mkdir()
     for write, what in outputs(folder, gproof):
-        refused(write("missing/out"), f"{what} missing/out", "no folder")
-        refused(write("job.cnc/out"), "no folder")
-        refused(write("folder"), "is a directory")
-        refused(write("."), "is a directory")
+        refused(write("missing/out"), f"{what} missing/out", "no such folder")
+        refused(write("job.cnc/out"), "no such folder")
+        refused(write("folder"), "is a folder")
+        refused(write("."), "is a folder")
         refused(write("/dev/null"), "is not a regular file")
         refused(write("/proc/self/out"))
         refused(write(f"{'n' * 300}.out"))
@@ -575,7 +577,7 @@ def test_an_output_replaces_an_older_one(folder: Path, gproof: Run) -> None:
     for write, what in outputs(folder, gproof):
         (folder / "out").write_text("old")
         if what == "record":  # of what was executed there is one only: it replaces nothing but a record, when asked to
-            refused(write("out"), "is not an execution record; it stays as it is")
+            refused(write("out"), "is not an execution record; choose another name")
             continue
         assert write("out").exit == 0
         assert (folder / "out").read_bytes()[:3] != b"old"
@@ -761,10 +763,10 @@ def test_exit_code_agrees_with_the_verdict(options: list[str], folder: Path, gpr
         (("fit", "job.cnc", "--machine", "machine.toml", "--setup", "a", "--setup", "b"), "given as a and as b"),
         (("check", "job.cnc", "--policy", "a", "--policy", "b"), "given as a and as b"),
         (("check", "job.cnc", "--baseline", "a", "--baseline", "b"), "given as a and as b"),
-        (("check", "job.cnc", "--machine", ""), "'--machine': an empty name is no file"),
-        (("check", "job.cnc", "--setup", ""), "'--setup': an empty name is no file"),
-        (("check", "job.cnc", "--output", ""), "'--output': an empty name is no file"),
-        (("fit", ""), "'JOB': an empty name is no file"),
+        (("check", "job.cnc", "--machine", ""), "'--machine': the file name is empty"),
+        (("check", "job.cnc", "--setup", ""), "'--setup': the file name is empty"),
+        (("check", "job.cnc", "--output", ""), "'--output': the file name is empty"),
+        (("fit", ""), "'JOB': the file name is empty"),
         (("check", "job.cnc", "--also", "gouge"), "Did you mean 'gouges'?"),
         (("check", "job.cnc", "--also", "feeds,,sense"), "'' is not one of 'feeds'"),
         (("check", "job.cnc", "--also", ""), "'' is not one of 'feeds'"),
@@ -807,7 +809,7 @@ def test_a_certificate_names_no_file_that_is_no_utf_8(gproof: Run, folder: Path)
     name = os.fsdecode(b"b\xffd.cnc")
     (folder / name).write_text(JOB)
     done = gproof("compile", name, "--machine", "machine.toml", "--setup", "zero", "-o", "x.gpx", "--unsigned")
-    refused(done, "a certificate names its files in UTF-8")
+    refused(done, "the file name is not UTF-8")
 
 
 @pytest.mark.parametrize("name", ["a\nb.cnc", "a\x1b[31mb.cnc", "a\rb.cnc", "a\u2028b.cnc"])

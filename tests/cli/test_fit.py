@@ -78,7 +78,7 @@ def test_ranges_by_hand(tmp_path: Path) -> None:
 def test_text_says_what_to_type(tmp_path: Path) -> None:
     put(tmp_path, setup=SETUP + "[work.1]\nx = 3.0\ny = 0.0\nz = -20.0\na = 0.0\n")
     lines = fit(tmp_path).out.split("\n")
-    assert lines[0] == "job.cnc: UNSAFE, the zero is 2 mm short on G54 X"
+    assert lines[0] == "job.cnc: UNSAFE, the work zero is 2 mm short on G54 X"
     assert lines[1:5] == [
         "  safe for  G54 X     5.0000 ...  70.0000 mm   now 3.000    2.0000 short: move by +2.0000 ... +67.0000",
         "            G54 Y    -1.5000 ...  57.5000 mm   now 0.000    fits",
@@ -138,7 +138,7 @@ def test_a_path_that_depends_on_the_offset_is_unknown(tmp_path: Path) -> None:
     told = report(tmp_path)
     assert (told["kind"], told["verdict"], told["stated"]) == ("unknown", "SAFE", "SAFE")
     assert fit(tmp_path).exit == 0
-    assert "where else the zero may be is not known" in fit(tmp_path).out
+    assert "other work zeros are not known" in fit(tmp_path).out
 
 
 def test_a_job_too_long_for_the_machine(tmp_path: Path) -> None:
@@ -146,7 +146,7 @@ def test_a_job_too_long_for_the_machine(tmp_path: Path) -> None:
     told = report(tmp_path)
     assert (told["kind"], told["verdict"], told["exit_code"]) == ("none", "UNSAFE", 1)
     assert told["smallest_machine"]["X"] == 101.0
-    assert "and no work offset changes that" in fit(tmp_path).out
+    assert "no work offset changes that" in fit(tmp_path).out
 
 
 def test_limits_that_are_not_given_are_open_and_named(tmp_path: Path) -> None:
@@ -155,9 +155,9 @@ def test_limits_that_are_not_given_are_open_and_named(tmp_path: Path) -> None:
     x = told["offsets"][0]
     assert (told["verdict"], told["exit_code"], x["low"], x["high"]) == ("UNKNOWN", 2, None, 70.0)
     out = fit(tmp_path).out
-    assert "UNKNOWN, because limits are missing" in out
+    assert "UNKNOWN, because travel limits are missing" in out
     assert re.search(r"G54 X +any \.\.\. +70\.0000 mm", out)
-    assert "No lower limit of X is known: that side is open here" in out
+    assert "No lower limit of X is known: no limit on that side" in out
 
 
 def test_a_switch_that_is_not_stated_is_judged_both_ways(tmp_path: Path) -> None:
@@ -171,25 +171,25 @@ WRONG = [
     (["fit", "job.cnc"], "--machine"),
     (["fit", "missing.cnc", "--machine", "machine.toml"], "missing.cnc"),
     (["fit", "job.cnc", "--machine", "missing.toml"], "missing.toml"),
-    (["fit", "job.cnc", "--machine", "."], "directory"),
+    (["fit", "job.cnc", "--machine", "."], "is a folder"),
     (["fit", "job.cnc", "--machine", "job.cnc"], "job.cnc"),
     (["fit", "job.cnc", "--machine", "machine.toml", "--setup", "nothing.toml"], "nothing.toml"),
-    (["fit", "job.cnc", "--machine", "machine.toml", "--setup", "."], "directory"),
+    (["fit", "job.cnc", "--machine", "machine.toml", "--setup", "."], "is a folder"),
     (["fit", "job.cnc", "--machine", "machine.toml", "--dialect", "fanuc"], "fanuc"),
     (["fit", "job.cnc", "--machine", "machine.toml", "--format", "sarif"], "sarif"),
     (["fit", "job.cnc", "--machine", "machine.toml", "--units", "yards"], "yards"),
     (["fit", "job.cnc", "--machine", "machine.toml", "--max-blocks", "0"], "0"),
     (["fit", "job.cnc", "--machine", "machine.toml", "--call", "nothing"], "nothing"),
-    (["fit", "machine.toml", "--machine", "machine.toml"], "no program"),
+    (["fit", "machine.toml", "--machine", "machine.toml"], "is not a program"),
     (["fit", "--machine", "machine.toml"], "JOB"),
     (["fit", "job.cnc", "job.cnc", "--machine", "machine.toml"], "job.cnc"),
     (["fit", "job.cnc", "--machine", "machine.toml", "--where"], "--where"),
     (["fit", "job.cnc", "--machine", "machine.toml", "--machine", "missing.toml"], "missing.toml"),
     (["fit", "job.cnc", *["--machine", "machine.toml"] * 2, "--picture", "p.svg"], "one machine"),
     (["fit", "job.cnc", "--machine", "machine.toml", "--picture", "job.cnc"], "would overwrite an input"),
-    (["fit", "job.cnc", "--machine", "machine.toml", "--picture", "no/p.svg"], "there is no folder"),
+    (["fit", "job.cnc", "--machine", "machine.toml", "--picture", "no/p.svg"], "no such folder"),
     (["fit", "job.cnc", "--machine", "machine.toml", "--picture", "p.png"], "p.svg"),
-    (["fit", "job.cnc", "--machine", "machine.toml", "--picture", "."], "directory"),
+    (["fit", "job.cnc", "--machine", "machine.toml", "--picture", "."], "is a folder"),
 ]
 
 
@@ -218,10 +218,10 @@ def test_several_machines_in_one_table(tmp_path: Path) -> None:
     done = in_this_process(["fit", "job.cnc", *words, "--setup", "setup.toml", "--dialect", "eding"], tmp_path)
     assert done.exit == 0
     assert done.out.split("\n")[:3] == [
-        "job.cnc: 1 of 3 machines take it, 1 more with the zero moved",
-        "  machine.toml  UNSAFE  the zero is 5 mm short on G54 X; room for the zero: "
+        "job.cnc: 1 of 3 machines can run it, 1 more with another work zero",
+        "  machine.toml  UNSAFE  the work zero is 5 mm short on G54 X; room for the zero: "
         "X 65.000, Y 59.000, Z 44.000, A 180.000 deg",
-        "  long.toml     SAFE    the zero can stay where it is; room for the zero: "
+        "  long.toml     SAFE    the work zero can stay where it is; room for the zero: "
         "X 865.000, Y 59.000, Z 44.000, A 180.000 deg",
     ]
     # The shortest one: 35 mm do not go into 30.
@@ -259,7 +259,7 @@ def test_a_region_by_hand(tmp_path: Path) -> None:
     # 4 up is nearer than 15 to the left.
     assert region["nearest"] == [45.0, 0.0, pytest.approx(-30.999)]
     out = fit(tmp_path).out
-    assert out.startswith("job.cnc: UNSAFE, the zero is where moves enter the tool change area\n")
+    assert out.startswith("job.cnc: UNSAFE, with this work zero, moves enter the tool change area\n")
     assert "now outside; the nearest place is G54 X 45.000, G54 Y 0.000, G54 Z -30.999" in out
 
 
@@ -288,8 +288,8 @@ def test_without_a_start_one_side_of_a_zone_is_told(tmp_path: Path) -> None:
     (box,) = told["regions"][0]["boxes"]
     assert box["x"]["low"] == 5.0
     assert box["x"]["high"] == pytest.approx(39.5, abs=2e-3)
-    (beside,) = [one for one in told["assumptions"] if one.endswith("beside all zones")]
-    assert beside.startswith("the start position of X lies between 0.0000 and 69.5")
+    (beside,) = [one for one in told["assumptions"] if one.endswith("clear of all zones")]
+    assert beside.startswith("the start position of X is between 0.0000 and 69.5")
 
 
 def test_a_zone_that_moves_with_the_work_asks_nothing(tmp_path: Path) -> None:

@@ -115,11 +115,11 @@ def test_stdout_and_standard_input(gproof, monkeypatch: pytest.MonkeyPatch) -> N
         ([], "Missing argument"),
         (["missing.cnc"], "missing.cnc: no such file"),
         (["ugly.cnc", "missing.cnc"], "missing.cnc: no such file"),
-        (["empty"], "there is no program in it; folders inside it are not searched"),
+        (["empty"], "no programs in it; folders inside it are not searched"),
         (["--stdout", "ugly.cnc", "nice.cnc"], "one file"),
         (["--stdout", "--check", "ugly.cnc"], "--check"),
         (["--stdout", "--diff", "ugly.cnc"], "--diff"),
-        (["-", "ugly.cnc"], "goes alone"),
+        (["-", "ugly.cnc"], "cannot be combined"),
         (["--dialect", "heidenhain", "ugly.cnc"], "heidenhain"),
         (["--indent", "8", "ugly.cnc"], "--indent"),
     ],
@@ -280,7 +280,7 @@ def test_a_machine_file_with_mistakes(shop: Path, gproof) -> None:
     (shop / "WinCNC.ini").write_text("axischar=XYZ\ncommatodec=yes\n")
     code, out, err = gproof("shop/job.tap")
     assert (code, out) == (3, "")
-    assert "can not be used" in err
+    assert "cannot be used" in err
     assert gproof("--machine", "none.ini", "nice.cnc")[0] == 3
 
 

@@ -188,7 +188,7 @@ def test_motors_of_one_axis_go_by_steps_that_all_have(rates: tuple[str, str], tm
         assert executed(package, now).result is Result.COMPLETED
     else:
         found = refused(package, now)
-        assert any("whole steps of all its motors, which is more than half a step" in one for one in found), found
+        assert any("whole steps of all its motors: more than half a step" in one for one in found), found
 
 
 HERE = {"x": 10.0, "y": 20.0, "z": -100.0}
@@ -201,22 +201,22 @@ HERE = {"x": 10.0, "y": 20.0, "z": -100.0}
         ({"work": {(1, "x"): at(10.0), (1, "y"): at(20.0)}}, "G54 Z offset"),
         ({"start": {}}, "the start position of X"),
         ({"work": {(1, "x"): at(240.01), (1, "y"): at(20.0), (1, "z"): at(-100.0)}},
-         "the certificate holds for G54 X offset from -100 to 240; it is 240.01"),
+         "the certificate is valid for G54 X offset from -100 to 240; it is 240.01"),
         ({"work": {(1, "x"): at(240.001), (1, "y"): at(20.0), (1, "z"): at(-100.0)}},
-         "the certificate holds for G54 X offset from -100 to 240; it is 240.001"),
+         "the certificate is valid for G54 X offset from -100 to 240; it is 240.001"),
         ({"work": {(1, "x"): at(float("nan")), (1, "y"): at(20.0), (1, "z"): at(-100.0)}}, "G54 X offset"),
         ({"work": {(1, "x"): at(float("inf")), (1, "y"): at(20.0), (1, "z"): at(-100.0)}}, "G54 X offset"),
         ({"work": {(1, "x"): at(1e300), (1, "y"): at(20.0), (1, "z"): at(-100.0)}}, "G54 X offset"),
         ({"work": {(1, "x"): Interval(9.0, 11.0), (1, "y"): at(20.0), (1, "z"): at(-100.0)}},
-         "G54 X offset is not stated exactly, and the steps of the job rest on it"),
+         "the setup does not give an exact G54 X offset, and the steps of the job depend on it"),
         ({"start": {"x": at(10.0), "y": at(20.0), "z": at(-79.9)}},
-         "the job begins with Z at machine position -80, and it stands at -79.9"),
+         "the job starts with Z at machine position -80, but it is at -79.9"),
         ({"start": {"x": at(0.0), "y": at(20.0), "z": at(-80.0)}},
-         "the job begins with X at machine position 10, and it stands at 0"),
-        ({"g92": {"x": at(0.5), "y": at(0.0), "z": at(0.0)}}, "made for G92 X offset 0; it is 0.5 now"),
-        ({"active_work": 2}, "made for the active work offset G54; it is G55 now"),
-        ({"tool_lengths": {0: at(5.0)}}, "made for active tool length 0; it is 5 now"),
-        ({"block_delete": True}, "made for the block delete switch off; it is on now"),
+         "the job starts with X at machine position 10, but it is at 0"),
+        ({"g92": {"x": at(0.5), "y": at(0.0), "z": at(0.0)}}, "made for G92 X offset 0; now it is 0.5"),
+        ({"active_work": 2}, "made for the active work offset G54; now it is G55"),
+        ({"tool_lengths": {0: at(5.0)}}, "made for active tool length 0; now it is 5"),
+        ({"block_delete": True}, "made for the block delete switch off; now it is on"),
     ],
 )  # fmt: skip
 def test_another_setup_is_refused(changes: dict[str, Any], told: str, tmp_path: Path) -> None:
@@ -241,36 +241,36 @@ def test_without_a_setup_at_hand_it_is_refused(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("job", "why"),
     [
-        ("G53 G0 Z0\nG0 X0 Y0\nG0 Z2\nM30\n", "Z rests on G54 Z offset and on a place of the machine"),
-        ("G0 X0 Y0\nG55 G0 X5\nM30\n", "X rests on G54 X offset and on G55 X offset"),
+        ("G53 G0 Z0\nG0 X0 Y0\nG0 Z2\nM30\n", "Z depends on G54 Z offset and on a machine position"),
+        ("G0 X0 Y0\nG55 G0 X5\nM30\n", "X depends on G54 X offset and on G55 X offset"),
         ("G0 X0 Y0 Z5\nG0 X[#100]\nM30\n", ""),
         ("G0 X0 Y0 Z5\nM6 T1\nG43 H1\nG0 Z2\nM30\n", "length of tool 1"),
-        ("M6 T1\nG43 H1\nG0 X0 Y0 Z5\nG1 X5 F100\nM30\n", "length of tool 1 can not be measured later"),
+        ("M6 T1\nG43 H1\nG0 X0 Y0 Z5\nG1 X5 F100\nM30\n", "length of tool 1 cannot be measured later"),
     ],
 )
 def test_a_job_that_goes_from_one_zero_to_another_has_no_one_stream(job: str, why: str, tmp_path: Path) -> None:
     code, said = compiled(tmp_path, HEAD + job)
     assert code == 2, said
     assert why in said
-    assert not why or "state these offsets, lengths and positions in a setup file" in said, "what to do"
+    assert not why or "put these offsets, lengths and positions into a setup file" in said, "what to do"
     assert not (tmp_path / "job.gpx").exists()
 
 
 def test_a_start_in_machine_coordinates_has_no_one_stream(tmp_path: Path) -> None:
     code, said = compiled(tmp_path, JOBS["plain"], setup=SETUP + "start = {x = 0.0, y = 0.0, z = 0.0}\n")
     assert code == 2, said
-    assert "rests on G54 X offset and on a place of the machine: the way between them has no length" in said
+    assert "depends on G54 X offset and on a machine position: the distance between them is not known" in said
 
 
 def test_an_axis_that_is_stated_stands_where_the_job_begins(tmp_path: Path) -> None:
-    """Z's offset is known, those of X and Y are not: Z has to stand at a place of the machine."""
+    """Z's offset is known, those of X and Y are not: Z has to stand at a machine position."""
     package = made(tmp_path, JOBS["plain"], setup=SETUP + "[work.1]\nz = -100.0\n")
     now = stands(package, HERE)
     start = {"x": at(10.0), "y": at(20.0), "z": at(-80.0)}
     now = dataclasses.replace(now, start=start)
     assert executed(package, now).result is Result.COMPLETED
     found = refused(package, dataclasses.replace(now, start={**start, "z": at(-81.0)}))
-    assert "the job begins with Z at machine position -80, and it stands at -81" in found, found
+    assert "the job starts with Z at machine position -80, but it is at -81" in found, found
 
 
 def test_a_range_that_is_stated_is_kept(tmp_path: Path) -> None:
@@ -279,7 +279,7 @@ def test_a_range_that_is_stated_is_kept(tmp_path: Path) -> None:
     now = stands(package, HERE)
     assert executed(package, now).result is Result.COMPLETED
     beyond = dataclasses.replace(now, work={**now.work, (1, "x"): at(15.5)}, start={**now.start, "x": at(15.5)})
-    assert "made for G54 X offset from 5 to 15; it is 15.5 now" in refused(package, beyond)
+    assert "made for G54 X offset from 5 to 15; now it is 15.5" in refused(package, beyond)
 
 
 @pytest.mark.parametrize("tables", ["pitch", "height_map"])
@@ -291,7 +291,7 @@ def test_what_holds_for_one_place_of_the_machine_only(tables: str, tmp_path: Pat
         setup += "[height_map]\nx = 0.0\ny = 0.0\nsize = 10.0\nheights = [[0.0, 0.0], [0.0, 0.1]]\non = false\n"
     code, said = compiled(tmp_path, JOBS["plain"], on, setup)
     assert code == 2, said
-    assert {"pitch": "X has a pitch table", "height_map": "the height map holds for one place"}[tables] in said, said
+    assert {"pitch": "X has a pitch table", "height_map": "the height map fixes the position"}[tables] in said, said
 
 
 @pytest.mark.parametrize(
@@ -318,10 +318,10 @@ def test_a_body_without_its_conditions_asks_for_the_offsets_all_the_same(tmp_pat
     for prop in body["properties"]:
         prop["conditions"] = []
     forged = dataclasses.replace(package, body=body)
-    assert any("is not stated" in one for one in refused(forged, None))
+    assert any("is not in the setup" in one for one in refused(forged, None))
     now = stands(package, HERE)
     wrong = dataclasses.replace(now, start={**now.start, "x": at(11.0)})
-    assert "the job begins with X at machine position 10, and it stands at 11" in refused(forged, wrong)
+    assert "the job starts with X at machine position 10, but it is at 11" in refused(forged, wrong)
 
 
 def test_a_stream_that_is_damaged_is_refused_where_it_is_moved(tmp_path: Path) -> None:
@@ -337,7 +337,7 @@ def test_a_stream_that_is_damaged_is_refused_where_it_is_moved(tmp_path: Path) -
 def test_on_the_command_line(tmp_path: Path) -> None:
     code, said = compiled(tmp_path, JOBS["plain"])
     assert code == 0
-    assert "to measure G54 Z offset, and Z stands 20.000 mm from G54 Z offset when the job begins" in said
+    assert "to measure G54 Z offset, with Z 20.000 mm from G54 Z offset at the start of the job" in said
     words = ["compile", "job.cnc", "--machine", "machine.toml", "--setup", "job.toml", "-o", "signed.gpx"]
     assert in_this_process(words, tmp_path).exit == 0
     done = in_this_process(["verify", "signed.gpx"], tmp_path)
@@ -350,11 +350,11 @@ def test_on_the_command_line(tmp_path: Path) -> None:
     for command in (["verify", "signed.gpx"], ["run", "signed.gpx", "--board", "virtual"]):
         done = in_this_process([*command, "--setup", "now.toml"], tmp_path)
         assert done.exit == 0, done
-        assert "  taken       G54 X offset as 10, 0.001 beside what is stated\n" in done.out
+        assert "  taken       G54 X offset as 10, 0.001 off the setup\n" in done.out
         assert "  taken       G54 Y offset as 20\n" in done.out
         done = in_this_process([*command, "--setup", "beyond.toml"], tmp_path)
         assert done.exit == 1
-        assert "the certificate holds for G54 X offset from -100 to 240; it is 250 now" in done.out
+        assert "the certificate is valid for G54 X offset from -100 to 240; now it is 250" in done.out
     assert in_this_process(["run", "signed.gpx", "--board", "virtual"], tmp_path).exit == 1
 
 

@@ -112,7 +112,7 @@ def test_what_is_no_record_is_never_overwritten(text: str, shop: Path) -> None:
     for more in ([], ["--replace-record"]):
         done = run(shop, "--record", "record.json", *more)
         assert done.exit == 3
-        assert "is not an execution record; it stays as it is" in done.err
+        assert "is not an execution record; choose another name" in done.err
     assert (shop / "record.json").read_text() == text
     assert not runs(shop).exists()
 
@@ -124,7 +124,7 @@ def test_a_record_of_an_earlier_run_is_replaced_when_somebody_says_so(
     before = (shop / "record.json").read_bytes()
     done = run(shop, "--record", "record.json")
     assert (done.exit, done.out) == (3, "")
-    assert "record record.json: is there; --replace-record replaces it" in done.err
+    assert "record record.json: already exists; use --replace-record to replace it" in done.err
     monkeypatch.setattr(run_journal, "_somebody_is_there", lambda: True)
     monkeypatch.setattr(run_journal.click, "confirm", lambda *_, **__: False)
     assert run(shop, "--record", "record.json").exit == 3
@@ -169,7 +169,7 @@ def test_a_record_that_finds_no_room_goes_elsewhere(shop: Path, monkeypatch: pyt
     full(monkeypatch, "/shop/")
     done = run(shop, "--record", "record.json")
     assert done.exit == 0
-    assert "the record can not be written to record.json (No space left on device)" in done.out
+    assert "the record cannot be written to record.json (No space left on device)" in done.out
     assert f", in {only(shop, '.record.json')}\n" in done.out, "whole, however long"
     full(monkeypatch, "/shop/", "/config/")
     done = run(shop, "--record", "record.json")
@@ -191,7 +191,7 @@ def test_a_record_that_no_folder_takes_is_printed(shop: Path, monkeypatch: pytes
     monkeypatch.setenv("XDG_CONFIG_HOME", str(shop.parent / "config"))
     again = run(shop)
     assert again.exit == 0
-    assert "left its journal open" in again.err
+    assert "did not close its journal" in again.err
     assert "result      completed" in again.err
     assert len(list(runs(shop).glob(f"*{ENDED}"))) == 2
 
@@ -210,7 +210,7 @@ def test_a_disk_that_fills_up_during_the_run_ends_it_at_rest(shop: Path, monkeyp
     monkeypatch.undo()
     monkeypatch.setenv("XDG_CONFIG_HOME", str(shop.parent / "config"))
     assert done.exit == 1
-    assert "long.gpx: stopped: section 0: the journal can not be written (No space left on device)" in done.out
+    assert "long.gpx: stopped: section 0: the journal cannot be written (No space left on device)" in done.out
     assert "motor X" in done.out
     record = read_record(only(shop, ".record.json"))
     assert record.result is Result.STOPPED
@@ -249,10 +249,10 @@ def test_the_record_of_a_run_that_found_the_disk_full_is_not_replaced_by_one_tha
     again = run(shop)
     assert kept.read_bytes() == before
     if spoilt:
-        assert (again.exit, "did not end" in again.err) == (2, True)
+        assert (again.exit, "gproof was killed" in again.err) == (2, True)
         return
-    assert f"stands at step {known[0]} " in again.err.replace("\n", " ")
-    assert "did not end" not in again.err
+    assert f", at step {known[0]} " in again.err.replace("\n", " ")
+    assert "gproof was killed" not in again.err
     assert str(kept) in again.err
     assert again.exit == 0, "nobody has to be asked"
     assert not list(runs(shop).glob(f"*{SUFFIX}"))
@@ -273,7 +273,7 @@ def test_journals_that_others_can_write_are_not_used(shop: Path) -> None:
     for place in ("open", "open/deeper", "link"):
         done = run(shop, "--runs", place)
         assert (done.exit, done.out) == (3, "")
-        assert "--runs takes a folder that nobody else can write" in done.err
+        assert "choose with --runs a folder that only you can write" in done.err
     assert list((shop / "open").iterdir()) == []
     assert run(shop, "--runs", "own/deeper").exit == 0
     assert (shop / "own").stat().st_mode & 0o777 == 0o700
@@ -282,13 +282,13 @@ def test_journals_that_others_can_write_are_not_used(shop: Path) -> None:
 def test_a_board_runs_one_job_at_a_time_and_virtual_ones_are_many(shop: Path) -> None:
     folder = shop / "held"
     with run_journal.alone(folder, "port-1"), run_journal.alone(folder, "port-2"):
-        with pytest.raises(UsageError, match="another run is going on"), run_journal.alone(folder, "port-1"):
+        with pytest.raises(UsageError, match="another run is using it"), run_journal.alone(folder, "port-1"):
             raise AssertionError
         with run_journal.alone(folder, "virtual"), run_journal.alone(folder, "virtual"):
             assert run(shop).exit == 0
     with run_journal.alone(folder, "port-1"):
         pass
-    with pytest.raises(UsageError, match="journals can not be kept"), run_journal.alone(shop / "job.gpx", "port-1"):
+    with pytest.raises(UsageError, match="journals cannot be kept"), run_journal.alone(shop / "job.gpx", "port-1"):
         raise AssertionError
 
 
@@ -415,7 +415,7 @@ def test_a_killed_run_is_told_and_asked_about_at_the_next_start(shop: Path, monk
     refused = run(shop)
     assert (refused.exit, refused.out) == (2, "")
     assert "unknown GP837 [run-interrupted]" in refused.err
-    assert "position unknown, last acknowledged at step" in refused.err
+    assert "position not known, last acknowledged at step" in refused.err
     assert "--after-interruption" in refused.err
     record = read_record(shop / "record.json")
     assert record.result is Result.INTERRUPTED
@@ -425,7 +425,7 @@ def test_a_killed_run_is_told_and_asked_about_at_the_next_start(shop: Path, monk
     assert json.loads(written)["signature"]["created"]
     checked = in_this_process(["verify", "record.json", "--package", "long.gpx"], shop)
     assert (checked.exit, checked.err) == (0, "")
-    assert "position unknown" in checked.out
+    assert "position not known" in checked.out
     # It is asked until somebody answers; the record is made once.
     assert run(shop).exit == 2
     monkeypatch.setattr(run_journal, "_somebody_is_there", lambda: True)
@@ -445,7 +445,7 @@ def test_the_record_of_a_killed_run_is_not_overwritten_by_the_next_one(shop: Pat
     process.communicate()
     done = run(shop, "--record", "record.json", "--after-interruption")
     assert done.exit == 0
-    assert "the record can not be written to record.json (something is there" in done.out
+    assert "the record cannot be written to record.json (a file with this name" in done.out
     assert read_record(shop / "record.json").result is Result.INTERRUPTED
     assert read_record(only(shop, ".record.json")).result is Result.COMPLETED
 
@@ -459,7 +459,7 @@ def test_an_answer_beforehand_and_a_damaged_journal(shop: Path) -> None:
     path.write_bytes(data[:30] + b"?" + data[31:])
     refused = run(shop)
     assert refused.exit == 2
-    assert "damaged from its first line on" in refused.err
+    assert "damaged from its first line" in refused.err
     done = run(shop, "--after-interruption")
     assert done.exit == 0
     assert only(shop, DAMAGED).read_bytes() == data[:30] + b"?" + data[31:]
@@ -494,7 +494,7 @@ def test_an_end_that_is_no_line_is_damage(data: bytes, shop: Path) -> None:
     runs(shop).mkdir(parents=True, mode=0o700)
     (runs(shop) / "20260101T000000Z-virtual-0.journal").write_bytes(data)
     done = run(shop)
-    assert (done.exit, "damaged from its first line on" in done.err) == (2, True)
+    assert (done.exit, "damaged from its first line" in done.err) == (2, True)
 
 
 def test_a_start_that_was_killed_before_it_began_leaves_nothing(shop: Path) -> None:

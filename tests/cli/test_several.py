@@ -88,19 +88,19 @@ def test_one_that_can_not_be_judged_does_not_stop_the_others(shop: Shop, capsys:
     assert code == 3
     assert err == "gproof: error: job no-such.cnc: no such file\n"
     assert verdict_lines(out) == ["jobs/b-safe.cnc: SAFE", "jobs/a-unsafe.cnc: UNSAFE"]
-    assert out.splitlines()[-1] == "3 jobs: 1 SAFE, 1 UNSAFE, 1 not judged"
+    assert out.splitlines()[-1] == "3 jobs: 1 SAFE, 1 UNSAFE, 1 not checked"
 
 
 @pytest.mark.parametrize(
     ("words", "said"),
     [
-        (["empty"], "empty: no jobs in this folder (.cnc, "),
-        (["*.tap"], "*.tap: no file matches"),
-        (["jobs", "--exclude", "*"], "no job is left: --exclude leaves all of them out"),
-        (["jobs", "--picture", "out.svg"], "--picture is drawn of one program"),
-        (["jobs", "--call", "one"], "--call judges a subprogram of one program"),
+        (["empty"], "empty: no programs in this folder (.cnc, "),
+        (["*.tap"], "*.tap: no file matches this pattern"),
+        (["jobs", "--exclude", "*"], "no jobs left: --exclude leaves out all of them"),
+        (["jobs", "--picture", "out.svg"], "--picture draws one program"),
+        (["jobs", "--call", "one"], "--call takes one program, not several jobs"),
         (["jobs", "--jobs", "0"], "--jobs"),
-        (["jobs", "--format", "sarif", "--output", "nowhere/report.sarif"], "there is no folder nowhere"),
+        (["jobs", "--format", "sarif", "--output", "nowhere/report.sarif"], "no such folder: nowhere"),
         (["jobs/b-safe.cnc", "--output", "jobs/b-safe.cnc"], "would overwrite an input"),
         (["jobs", "--output", "mill.toml"], "would overwrite an input"),
         ([], "Missing argument 'JOB...'"),
@@ -226,7 +226,7 @@ def test_a_job_file_names_a_policy(shop: Shop, capsys: pytest.CaptureFixture[str
     ("text", "said"),
     [
         ("", "GP612"),
-        ("job = 3\n", "neither a path nor a list of paths"),
+        ("job = 3\n", "must be a path or a list of paths"),
         ('job = "*.tap"\n', "no file matches '*.tap'"),
         ('job = "b-safe.cnc"\nmachin = "x"\n', "machin"),
         ('job = "b-safe.cnc"\ndialect = "fanuc"\n', "'fanuc' is none of"),
@@ -242,7 +242,7 @@ def test_a_bad_job_file_has_its_place(shop: Shop, capsys: pytest.CaptureFixture[
     assert "jobs/all.toml" in err
     if said != "GP612":
         assert said in err
-    assert err.splitlines()[-1] == "gproof: error: the job file jobs/all.toml can not be used"
+    assert err.splitlines()[-1] == "gproof: error: job file jobs/all.toml: cannot be used, see the errors above"
 
 
 def test_json_of_several(shop: Shop, capsys: pytest.CaptureFixture[str]) -> None:

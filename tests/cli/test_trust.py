@@ -109,8 +109,8 @@ def test_a_key_that_expired_counts_no_more_whatever_date_the_signature_says(
     entry.write_text(entry.read_text().replace(shop.day(0), shop.day(-1)))
     for done in both(shop, "made.gpx"):
         assert done.exit == 2
-        assert f"which expired on {shop.day(-1)}; that it was signed at " in done.out
-        assert "is the signer's own word" in done.out
+        assert f"which expired on {shop.day(-1)} (the date " in done.out
+        assert "is only the signer's word" in done.out
     assert f"expired on {shop.day(-1)}" in shop("keys", "list").out
 
 
@@ -148,10 +148,10 @@ def test_only_the_virtual_board_runs_what_nobody_trusted_has_signed_and_the_reco
     for name in ("unsigned.gpx", "strange.gpx"):
         done = shop("run", name, *BOARD, "--allow-untrusted", "--record", f"{name}.json")
         assert done.exit == 0, done
-        assert "--allow-untrusted let it run" in done.out
+        assert "run with --allow-untrusted" in done.out
         assert json.loads((shop.folder / f"{name}.json").read_text())["accepted"] == "allow-untrusted"
     done = shop("run", "strange.gpx", *BOARD, "--allow-untrusted", "--trust", public.name, "--record", "trusted.json")
-    assert "let it run" not in done.out
+    assert "run with --allow" not in done.out
     assert json.loads((shop.folder / "trusted.json").read_text())["accepted"] == "trusted-key"
 
 
@@ -184,7 +184,7 @@ def test_the_next_board_asks_for_machine_setup_and_trusted_keys(shop: Shop) -> N
     refused(shop("run", "made.gpx", "--board", "mill"), "--machine and --setup")
     for option in HAND:
         left = [word for one in HAND.items() if one[0] != option for word in one]
-        refused(shop("run", "made.gpx", "--board", "mill", *left), f"asks for {option} too")
+        refused(shop("run", "made.gpx", "--board", "mill", *left), f"also needs {option}")
     refused(shop("run", "made.gpx", "--board", "mill", *at_hand, "--allow-untrusted"), "virtual only")
     shop.home("nobody")
     refused(shop("run", "made.gpx", "--board", "mill", *at_hand), "a trusted key")
@@ -262,26 +262,26 @@ def test_words_that_do_not_fit_are_one_line_and_exit_3(command: str, shop: Shop)
     more = BOARD if command == "run" else ()
     for words, said in (
         (("--trust", "nothere.pem"), "no such file"),
-        (("--trust", "."), "is a directory"),
-        (("--trust", "rsa.pem"), "is no Ed25519 key"),
-        (("--trust", "garbage.pem"), "is no public key"),
-        (("--trust", "empty.pem"), "is no public key"),
-        (("--trust", "job.cnc"), "is no public key"),
+        (("--trust", "."), "is a folder"),
+        (("--trust", "rsa.pem"), "not an Ed25519 key"),
+        (("--trust", "garbage.pem"), "not a public key"),
+        (("--trust", "empty.pem"), "not a public key"),
+        (("--trust", "job.cnc"), "not a public key"),
         (("--trust", "private.pem"), "is a private key"),
         (("--source", "nothere.cnc"), "no such file"),
-        (("--source", "."), "is a directory"),
+        (("--source", "."), "is a folder"),
         (("--setup", "nothere.toml"), "no such file"),
-        (("--setup", "."), "is a directory"),
-        (("--machine", "."), "is a directory"),
-        (("--machine", "a", "--machine", "b"), "given as a and as b"),
-        (("--setup", "a", "--setup", "b"), "given as a and as b"),
+        (("--setup", "."), "is a folder"),
+        (("--machine", "."), "is a folder"),
+        (("--machine", "a", "--machine", "b"), "given twice, as a and as b"),
+        (("--setup", "a", "--setup", "b"), "given twice, as a and as b"),
     ):
         refused(shop(command, "made.gpx", *more, *words), said)
     for name in ("machine", "setup"):
         (shop.folder / "bad.toml").write_text("schema = 7\n")
         done = shop(command, "made.gpx", *more, f"--{name}", "bad.toml")
         assert done.exit == 3
-        assert "can not be used" in done.err
+        assert "cannot be used" in done.err
     damaged = shop.keys / "keys" / "x.pem"
     damaged.parent.mkdir()
     damaged.write_text("not a key")

@@ -13,7 +13,7 @@ from gproof.ir.finding import Span
     "text",
     [
         "holds for work.1.x in 20 to 100",
-        "made for start.x 3; it is None now",
+        "made for start.x 3; now it is None",
         "Interval(low=0.0, high=1.0)",
         "a limit of inf mm",
         "feed nan",

@@ -45,7 +45,7 @@ PROGRAMS = {
     "another place": (("X4", "X5"), r"trace\.bin differs in section 0, row \d+ \(line 3\): to "),
     "another feed": (
         ("F300", "F301"),
-        r"trace\.bin differs in section 0, row \d+ \(line 3\): feed 300\.0; it is 301\.0",
+        r"trace\.bin differs in section 0, row \d+ \(line 3\): feed 300\.0, now 301\.0",
     ),
     "another speed": (
         ("S1000", "S1001"),
@@ -56,7 +56,7 @@ PROGRAMS = {
         r"trace\.bin (differs in section 0, row \d+ \(line \d+\)|has \d+ rows in section 0)",
     ),
     "no stop": (("M0\n", ""), r"trace\.bin (differs in section 0, row \d+ \(line \d+\)|has \d+ rows in section 0)"),
-    "a comment": (("M3 S1000", "(note) M3 S1000"), "sources that the body names have other SHA-256s"),
+    "a comment": (("M3 S1000", "(note) M3 S1000"), "the source files have other SHA-256s"),
 }
 
 
@@ -79,7 +79,7 @@ def test_another_machine_or_setup_is_named(shop: Shop) -> None:
     done = shop("verify", "made.gpx", "--against", "job.cnc", "--machine", "sister/machine.toml", "--setup", "zero")
     assert done.exit == 1
     assert "GP823" in done.out
-    assert re.search(r"GP851.*machine\.ir differs in line \d+: .*100.*; it is .*200", done.out)
+    assert re.search(r"GP851.*machine\.ir differs in line \d+: .*100.*, now .*200", done.out)
     (shop.folder / "other.toml").write_text('schema = "gproof-setup/1"\nhomed = ["x"]\ntool = 1\n[start]\nx = 0.0\n')
     done = shop("verify", "made.gpx", "--against", "job.cnc", "--machine", "machine.toml", "--setup", "other.toml")
     assert done.exit in (1, 2)
@@ -136,7 +136,7 @@ def test_another_runs_interval_is_named(shop: Shop) -> None:
     )  # fmt: skip
     done = shop("verify", "late.gpx", "--trust", public.name, *AGAINST)
     assert done.exit == 1
-    assert re.search(r"stream/0\.bin differs in section 0, run 2: interval \d+; it is \d+", done.out), done.out
+    assert re.search(r"stream/0\.bin differs in section 0, run 2: interval \d+, now \d+", done.out), done.out
 
 
 def test_another_version_is_unknown_and_said(shop: Shop) -> None:
@@ -170,7 +170,7 @@ def test_words_that_do_not_fit(shop: Shop) -> None:
     for words, said in (
         (("--against", "job.cnc"), "--machine"),
         (("--against", "nothere.cnc", "--machine", "machine.toml"), "no such file"),
-        (("--against", ".", "--machine", "machine.toml"), "is a directory"),
+        (("--against", ".", "--machine", "machine.toml"), "is a folder"),
         (("--against", "machine.toml", "--machine", "machine.toml"), "is no program"),
         (("--dialect", "eding"), "--against"),
         ((*AGAINST, "--dialect", "basic"), "basic"),

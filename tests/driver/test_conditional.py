@@ -73,7 +73,7 @@ def test_text_names_the_properties(folder: Path, capsys: pytest.CaptureFixture[s
     _, out = said(capsys, "unsafe.cnc")
     assert " if " not in "".join(line for line in out.splitlines() if line.startswith("  "))
     _, out = said(capsys, "offset.cnc", "--strict")
-    assert "  limits UNKNOWN SAFE under conditions only, which --strict does not take" in out.splitlines()
+    assert "  limits UNKNOWN SAFE only under conditions, which --strict does not accept" in out.splitlines()
 
 
 def test_every_report_of_several(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -135,7 +135,7 @@ def test_setup_zero_names_the_lengths_it_takes_as_0(folder: Path, capsys: pytest
         machine.write("[tools.1]\nlength = 20.0\n")
     main(["check", "tools.cnc", "--machine", "machine.toml", "--setup", "zero"])
     out = capsys.readouterr().out
-    assert "setup zero: length 0 of T3, which no file describes" in out
+    assert "setup zero: length 0 for T3, which are in no tool table" in out
     assert "T1," not in out
 
 

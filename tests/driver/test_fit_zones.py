@@ -104,7 +104,7 @@ def test_a_start_that_nobody_stated_is_taken_to_be_beside_the_zones(folder: Path
         if not fit.assumed:
             continue
         told += 1
-        found = re.match(r"the start position of (.) lies between (\S+) and (\S+) mm", fit.assumed)
+        found = re.match(r"the start position of (.) is between (\S+) and (\S+) mm", fit.assumed)
         assert found, where
         assert not fit.complete
         for _ in range(3):

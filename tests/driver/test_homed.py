@@ -105,8 +105,8 @@ def test_no_stream_is_made_and_none_is_accepted(dialect: str, tmp_path: Path) ->
     package = read_package(tmp_path / "job.gpx")
     for homed, said, told in (
         (("x", "y", "z"), "", False),
-        (None, "made for homed axes X Y Z; which ones are is not stated now", False),
-        ((), "made for X homed; it is not homed now", True),
+        (None, "made for homed axes X Y Z; now the setup does not say which axes are homed", False),
+        ((), "made for X homed; now it is not homed", True),
     ):
         now = dataclasses.replace(package.setup, homed=homed)
         found = [f.message for f in check_package(package, package.machine, now).findings if f.code.number == 825]

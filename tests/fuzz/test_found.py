@@ -166,7 +166,7 @@ def test_deep_baselines(text: str, tmp_path: Path) -> None:
     (tmp_path / "known.json").write_text(text)
     done = ran(tmp_path, "check", "job.cnc", "--baseline", "known.json")
     assert done.exit == 3
-    assert "is no baseline" in done.err
+    assert "not a baseline" in done.err
 
 
 # -- digits without end

@@ -148,7 +148,7 @@ COMMANDS = [
 def test_machines_setups_and_zones_of_others(words: tuple[str, ...], hostile_shop: Shop) -> None:
     (hostile_shop.folder / "other.toml").write_text((hostile_shop.folder / "machine.toml").read_text())
     done = hostile_shop(*words)
-    assert "can not be used" not in done.err, done
+    assert "cannot be used" not in done.err, done
     harmless(done, seen=False)
     (hostile_shop.folder / "job.cnc").write_text("G21 G90\nG0 X900\nG0 X55\nM30\n")
     harmless(hostile_shop(*words), seen=False)

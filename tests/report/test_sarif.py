@@ -120,8 +120,8 @@ def test_workflow_commands_escape_what_would_end_them() -> None:
         "::notice file=a.cnc,line=3,col=2,endColumn=4,title=GP301 soft-limit::last",
         "::error title=gproof::gone",
         "gproof: a.cnc: UNSAFE",
-        "gproof: \\x3a:error::x: not judged",
-        "2 jobs: 1 UNSAFE, 1 not judged",
+        "gproof: \\x3a:error::x: not checked",
+        "2 jobs: 1 UNSAFE, 1 not checked",
     ]
 
 

@@ -57,9 +57,9 @@ def test_an_inch_shop_reads_inches(shop: Path, capsys: pytest.CaptureFixture[str
     assert ["reaches", "X", "60.0000", "...", "60.0000", "inch", "(limits", "-0.4", "...", "50.4)"] in lines
     assert ["Y", "2.0000", "...", "12.0000", "inch", "(limits", "-0.4", "...", "100.4)"] in lines
     assert ["A", "0.000", "...", "90.000", "deg", "(limits", "not", "given", "...", "not", "given)"] in lines
-    assert ["begins", "X", "1.0000,", "Y", "2.0000,", "A", "0.000"] in lines
-    assert ["ends", "X", "60.0000,", "Y", "12.0000,", "A", "90.000"] in lines
-    assert ["path", "69.00", "inch,", "69.00", "inch", "of", "it", "at", "feed"] in lines
+    assert ["starts", "at", "X", "1.0000,", "Y", "2.0000,", "A", "0.000"] in lines
+    assert ["ends", "at", "X", "60.0000,", "Y", "12.0000,", "A", "90.000"] in lines
+    assert ["path", "69.00", "inch,", "of", "which", "69.00", "inch", "at", "feed"] in lines
     assert " mm" not in shown
 
 
@@ -86,7 +86,7 @@ def test_assumptions_count_like_the_rest(shop: Path, capsys: pytest.CaptureFixtu
     assert re.search(r"if the start position of X is +-0.4000 \.\.\. +50.4000 inch", report(capsys, *words))
     between = r"if the start position of X is +-10.1600 \.\.\. +1280.1600 mm"
     assert re.search(between, report(capsys, *words, "--units", "mm"))
-    said = "the start position of X lies between -10.1600 and 1280.1600 mm (machine"
+    said = "the start position of X is between -10.1600 and 1280.1600 mm (machine"
     assert said in report(capsys, *words, "--format", "json")
 
 

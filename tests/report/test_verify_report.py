@@ -22,7 +22,7 @@ def shop(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Shop:
 def documented() -> list[set[str]]:
     """The keys of the two tables."""
     text = (ROOT / "docs" / "verify-json.md").read_text(encoding="utf-8")
-    first, second = text.split("A package that can not be read has these only")
+    first, second = text.split("A package that cannot be read has these only")
     return [
         {key for row in re.findall(r"^\| (`[^|]*) \|", part, re.M) for key in re.findall(r"`(\w+)`", row)}
         for part in (first, second)
@@ -38,11 +38,11 @@ def test_the_text_names_everything(shop: Shop) -> None:
     assert "  compared    with machine, source" in lines
     for name in (*DEFAULT_POLICY, *BOUNDS):
         assert any(re.search(rf"\b{name} +SAFE$", line) for line in lines), name
-    assert any(line.startswith("  judged here stream-form") for line in lines)
+    assert any(line.startswith("  proved here stream-form") for line in lines)
     assert any(line.startswith("  stated      language") for line in lines)
-    assert any(line.startswith("  not judged  collisions, cutting") for line in lines)
+    assert any(line.startswith("  unchecked   collisions, cutting") for line in lines)
     assert any(line.startswith("  assuming    setup zero") for line in lines)
-    assert "with no machine, setup or source at hand" in shop("verify", "made.gpx").out
+    assert "with nothing; use --machine, --setup and --source" in shop("verify", "made.gpx").out
 
 
 def test_the_json_report_has_the_keys_that_are_documented(shop: Shop) -> None:

@@ -183,7 +183,7 @@ class _Pair:
         said, found = words.setting(name, was), words.setting(name, is_)
         if type(was) is type(is_) and dataclasses.is_dataclass(was):
             found = f"another one ({found})"
-        return f"made for {words.SETTINGS.get(name, name)} {said}; now it is {found}"
+        return f"{_made(words.SETTINGS.get(name, name), was, said)}; now it is {found}"
 
     # -- what a rule of its own compares
 
@@ -236,9 +236,9 @@ class _Pair:
     def _entry(self, called: str, was: object, is_: object, within: bool) -> Iterator[str]:
         if within and isinstance(was, Interval) and isinstance(is_, Interval):
             if not was.low <= is_.low <= is_.high <= was.high:
-                yield f"made for {called} {_said(was)}; now it is {_said(is_)}"
+                yield f"{_made(called, was, _said(was))}; now it is {_said(is_)}"
         elif not same(was, is_) or (was is None and is_ is None):
-            yield f"made for {called} {_said(was)}; now it is {_said(is_)}"
+            yield f"{_made(called, was, _said(was))}; now it is {_said(is_)}"
 
     def _called(self, name: str, key: object) -> str:
         return _ENTRIES.get(name, f"{name} {{0}}").format(str(key).upper() if name in ("measures", "contacts") else key)
@@ -351,6 +351,10 @@ def _symbol(name: str, key: Any) -> str:
     if name == "tool_lengths":
         return f"tool.{key}.z"
     return f"{'head' if name == 'heads' else name}.{key[0]}.{key[1]}"
+
+
+def _made(called: str, value: object, said: str) -> str:
+    return f"made without {called}" if value is None else f"made for {called} {said}"
 
 
 def _said(value: object) -> str:

@@ -227,17 +227,17 @@ def test_conditions_are_held_against_the_setup(tmp_path: Path) -> None:
         (
             Condition(terms=(("work.1.x", 1),), low=20.0, high=100.0),
             {},
-            "the certificate holds for G54 X offset from 20 to 100; it is not stated now",
+            "the certificate is valid for G54 X offset from 20 to 100; now it is not in the setup",
         ),
         (
             Condition(terms=(("g92.x", -1), ("work.1.x", 2)), low=-1.0, high=float("inf")),
             {"work": {(1, "x"): Interval(-4.0, -3.5)}, "g92": {"x": Interval(0.0, 0.0)}},
-            "the certificate holds for 2 x G54 X offset - G92 X offset at least -1; it is from -8 to -7 now",
+            "the certificate is valid for 2 x G54 X offset - G92 X offset at least -1; now it is from -8 to -7",
         ),
         (
             Condition(terms=(("tool.3.z", 1),), low=-1e9, high=40.125),
             {"tool_lengths": {3: Interval(50.0, 50.0)}},
-            "the certificate holds for length of tool 3 from -1000000000 to 40.125; it is 50 now",
+            "the certificate is valid for length of tool 3 from -1000000000 to 40.125; now it is 50",
         ),
     ],
 )
@@ -252,14 +252,14 @@ def test_a_condition_that_does_not_hold_is_told_in_words(
 @pytest.mark.parametrize(
     ("then", "now", "told"),
     [
-        ({"active_work": 1}, {"active_work": 2}, "made for the active work offset G54; it is G55 now"),
-        ({"optional_stop": False}, {"optional_stop": True}, "made for the optional stop switch off; it is on now"),
-        ({"tool": 3}, {"tool": None}, "made for the tool in the spindle 3; it is not stated now"),
-        ({"parameters": {100: 2.5}}, {"parameters": {}}, "made for variable 100 2.5; it is not stated now"),
+        ({"active_work": 1}, {"active_work": 2}, "made for the active work offset G54; now it is G55"),
+        ({"optional_stop": False}, {"optional_stop": True}, "made for the optional stop switch off; now it is on"),
+        ({"tool": 3}, {"tool": None}, "made for the tool in the spindle 3; now it is not in the setup"),
+        ({"parameters": {100: 2.5}}, {"parameters": {}}, "made for variable 100 2.5; now it is not in the setup"),
         (
             {"resident": {5: Interval(1.0, 2.0)}},
             {},
-            "made for variable 5, which the job before left, from 1 to 2; it is not stated now",
+            "made for variable 5 from the previous job from 1 to 2; now it is not in the setup",
         ),
         (
             {"transform": InForce(angle=1.25, x=10.0)},
@@ -267,8 +267,8 @@ def test_a_condition_that_does_not_hold_is_told_in_words(
             "made for the rotation and scaling of X and Y angle 1.25, factor of X not stated, factor of Y not stated, "
             "about X10 Y0; it is not stated now",
         ),
-        ({"cylinder": CylinderMap(radius=5.0)}, {}, "made for the mapping onto a cylinder radius 5; it is none now"),
-        ({"start": {"x": Interval(3.0, 3.0)}}, {}, "made for the start position of X 3; it is not stated now"),
+        ({"cylinder": CylinderMap(radius=5.0)}, {}, "made for the mapping onto a cylinder radius 5; now it is none"),
+        ({"start": {"x": Interval(3.0, 3.0)}}, {}, "made for the start position of X 3; now it is not in the setup"),
     ],
 )
 def test_a_setup_that_differs_is_told_in_words(

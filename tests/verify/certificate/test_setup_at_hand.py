@@ -350,7 +350,7 @@ def test_a_clamp_that_is_there_now() -> None:
 
     two = on(BASE, keep_out=(zone(0.0), zone(5.0)))
     assert told(BASE, two) == [
-        "a keep-out zone is there now that the job was not judged with ('clamp')",
+        "the job was not checked with a keep-out zone that is there now ('clamp')",
     ] * 2  # fmt: skip
     assert not told(two, BASE)
     assert not told(two, on(BASE, keep_out=(zone(5.0, "another name"),)))
@@ -360,8 +360,8 @@ def test_a_clamp_that_is_there_now() -> None:
     assert told(held, on(BASE, workpiece=Workpiece(fixtures=(body(0.0), body(9.0), body(20.0))))) == [
         "made for another workpiece: fixtures differs now ('vise')"
     ]
-    assert told(BASE, held) == ["made without stock, part and fixtures; they are stated now"]
-    assert told(held, BASE) == ["made for stock, part and fixtures; none is stated now"]
+    assert told(BASE, held) == ["made without stock, part and fixtures; now they are stated"]
+    assert told(held, BASE) == ["made for stock, part and fixtures; now none is stated"]
 
 
 def test_values_of_no_declared_type_are_refused_and_nothing_worse() -> None:
@@ -383,12 +383,12 @@ def test_places_and_channels_are_named() -> None:
         contacts={"z": at(-3.0)}, measures={"z": at(-130.0)}, g92={"x": at(0.5)},
     )  # fmt: skip
     assert told(BASE, now) == [
-        "made for G92 X offset not stated; it is 0.5 now",
-        "made for the stored position P4 not stated; it is another one now",
-        "made for input 6 not stated; it is 0 now",
-        "made for the answer to question 1 not stated; it is 1 now",
-        "made for the tool measure of Z not stated; it is -130 now",
-        "made for the contact of Z not stated; it is -3 now",
+        "made without G92 X offset; now it is 0.5",
+        "made without the stored position P4; now it is another one",
+        "made without input 6; now it is 0",
+        "made without the answer to question 1; now it is 1",
+        "made without the tool measure of Z; now it is -130",
+        "made without the contact of Z; now it is -3",
     ]
     assert State().work == 1
 

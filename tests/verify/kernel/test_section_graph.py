@@ -144,10 +144,10 @@ def test_an_end_in_the_middle_is_refused(number: int) -> None:
     edges = line(4)
     edges[number] = (edge(Wait.END, -1, "end"),)
     found = judged(ways(4), edges)
-    assert "no row of it says so" in found and "no way leads here" in found
+    assert "no row of it says so" in found and "nothing leads to this section" in found
     jobs = ways(4)
     jobs[number].rows[-1] |= {"op": Op.END}
-    assert "no way leads here" in judged(jobs, edges)
+    assert "nothing leads to this section" in judged(jobs, edges)
     jobs = ways(4)
     jobs[number].rows[-1] |= {"op": Op.END}
     assert "after the end comes operator" in judged(jobs, line(4))
@@ -177,21 +177,21 @@ def test_a_way_back_is_refused(back: tuple[int, int], wait: Wait) -> None:
 def test_a_section_that_is_jumped_over_is_refused(lost: int) -> None:
     edges = line(5)
     edges[lost - 1] = (edge(Wait.OPERATOR, lost + 1),)
-    assert f"section {lost}: no way leads here" in judged(ways(5), edges)
+    assert f"section {lost}: nothing leads to this section" in judged(ways(5), edges)
 
 
 @pytest.mark.parametrize("wait", [Wait.BRANCH, Wait.UNKNOWN])
 def test_what_nobody_can_decide_is_refused(wait: Wait) -> None:
     jobs = [Job().rapid(x=1).rapid(x=0), *ways(2)]
     edges = [(edge(wait, 1, "yes"), edge(wait, 2, "no")), (edge(Wait.OPERATOR, 2),), (edge(Wait.END, -1, "end"),)]
-    assert "can decide what follows" in judged(jobs, edges)
+    assert "cannot decide what follows" in judged(jobs, edges)
 
 
 def test_two_kinds_or_two_equal_outcomes_are_refused() -> None:
     edges = [(edge(Wait.OPERATOR, 1), edge(Wait.TOOL_CHANGE, 1, "other")), (edge(Wait.END, -1, "end"),)]
     assert "at once" in judged(ways(2), edges)
     edges = [(edge(Wait.OPERATOR, 1), edge(Wait.OPERATOR, 1)), (edge(Wait.END, -1, "end"),)]
-    assert "two ways on for one outcome" in judged(ways(2), edges)
+    assert "two continuations for one outcome" in judged(ways(2), edges)
 
 
 def test_a_probing_move_is_no_feed() -> None:
@@ -208,7 +208,7 @@ def test_no_sections_are_nothing_to_run() -> None:
     stream = dataclasses.replace(made(Job())[0], sections=[])
     report = validate(stream, empty, machine(), NOTHING)
     assert report.verdict is Verdict.UNSAFE
-    assert [f.message for f in report.findings] == ["there is no section, so nothing to run"]
+    assert [f.message for f in report.findings] == ["there is no section, so there is nothing to run"]
 
 
 # --- what passes refuse to lower ----------------------------------------------------------------------------
@@ -238,7 +238,7 @@ def test_commands_that_no_board_carries_out_are_an_assumption() -> None:
     report = validate(stream, trace, machine(), NOTHING)
     assert report.verdict is Verdict.SAFE
     told = [text for p in report.properties if p.name == "stream-event" for text in p.assumptions]
-    assert told == ["no board carries out M210: who runs the stream sees to it"]
+    assert told == ["no board executes M210: whoever runs the stream has to"]
     plain = validate(*made(Job().rapid(x=1)), machine(), NOTHING)
     assert [p.assumptions for p in plain.properties if p.name == "stream-event"] == [()]
 
