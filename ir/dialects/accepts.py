@@ -45,27 +45,27 @@ MOTION_ALONE = Accepted(
     "motion-alone",
     ("eding",),
     "a motion code without axis words sets the mode and moves nothing",
-    "Eding 3.4.1, 3.4.2 ask for an axis word; change_tool of the macro files that come with V4.02 and V4.03 ends so",
+    "Eding 3.4.1, 3.4.2 require an axis word; change_tool of the macro files that come with V4.02 and V4.03 ends so",
     (201,),
 )
 MESSAGE_FORMATS = Accepted(
     "message-formats",
     ("eding",),
-    "a format such as %d after the parts of a message only shapes its text",
+    "a format such as %d after the parts of a message only changes the form of its text",
     "Eding 4.2 has texts and values only",
     (101,),
 )
 DIGIT_NAMES = Accepted(
     "digit-names",
     ("eding",),
-    "names of subprograms may begin with a digit",
-    "Eding 4.1 shows names that begin with a letter",
+    "names of subprograms may start with a digit",
+    "Eding 4.1 shows names that start with a letter",
     (124,),
 )
 USER_MACRO_FILE = Accepted(
     "user-macro-file",
     ("eding",),
-    "user_macro.cnc is loaded with macro.cnc; of two subprograms of one name the one in user_macro.cnc counts",
+    "user_macro.cnc is loaded with macro.cnc; of two subprograms with one name the one in user_macro.cnc counts",
     "Eding 4.3 has macro.cnc only; V4.03 has both",
     (115, 605),
 )
@@ -79,22 +79,22 @@ USUAL_PRECEDENCE = Accepted(
 KEPT_MOTION = Accepted(
     "kept-motion",
     ANY,
-    "axis words before the first motion code go straight, in the mode that the job before left; judged as G0",
-    "Eding 3.3, WinCNC G0 and G1: modes stay, and nothing is said of the next file",
+    "axis words before the first motion code are straight moves, in the mode that the last job left; judged as G0",
+    "Eding 3.3, WinCNC G0 and G1: modes stay; they do not mention the next file",
     (202,),
 )
 SHOWN_TOOLS = Accepted(
     "shown-tools",
     ("eding",),
-    "a dialog that has #5008 or #5011 among its values shows them, and nobody changes them there",
-    "Eding 4.2 has dialogs for free variables; macros of real shops show the number of the tool that is to be put in",
+    "a dialog that has #5008 or #5011 among its values only shows them; the operator does not change them there",
+    "Eding 4.2 has dialogs for free variables; macros of real shops show the number of the tool to insert",
     (113,),
 )
 WRITTEN_TOOLS = Accepted(
     "written-tools",
     ("eding",),
     "a number that is written to #5011 is the new tool, one written to #5008 the tool in the spindle",
-    "Eding 3.1.1 shows both and nothing that writes them; macros of V4.03 do",
+    "Eding 3.1.1 shows both, but no command that writes them; macros of V4.03 write them",
     (113,),
 )
 SCALED_Z = Accepted(
@@ -141,15 +141,15 @@ READINGS_OF_L20 = (
 TOOL_ZERO = Accepted(
     "tool-zero",
     ("eding",),
-    "#5400, #5500, #5600 and #5700 are numbers of tool 0, of which the controller uses none",
+    "#5400, #5500, #5600 and #5700 are numbers of tool 0; the controller uses none of them",
     "Eding 3.1.1 lists the numbers of tools 1 to 99, and says below that the table has tools 0 to 99",
     (113,),
 )
 LONG_DIALOGS = Accepted(
     "long-dialogs",
     ("eding",),
-    "a dialog may ask for more than 12 values",
-    "Eding 4.2 has 12; the macro files that come with V4.03 ask for 15",
+    "a dialog may have more than 12 values",
+    "Eding 4.2 has 12; the macro files that come with V4.03 have 15",
     (113,),
 )
 TOOL_INFO = Accepted(
@@ -162,7 +162,7 @@ TOOL_INFO = Accepted(
 MODBUS = Accepted(
     "modbus",
     ("eding",),
-    "Modbus commands move no axis; what they read from other devices is not known",
+    "Modbus commands move no axis; the values that they read from other devices are unknown",
     "not in Eding 4.2; macro files of V4.03 use them",
     (113,),
 )
@@ -176,7 +176,7 @@ PC_PROGRAMS = Accepted(
 HEIGHT_COMMANDS = Accepted(
     "height-commands",
     ("eding",),
-    "ZHC ON and ZHC OFF switch the height map, ZHCINITEX begins one with two steps, ZHCCHECK only shows it",
+    "ZHC ON and ZHC OFF switch the height map, ZHCINITEX starts one with two steps, ZHCCHECK only shows it",
     "Eding 2.2.5.5 has zhcinit, zhcaddpoint and zhcs; the macro files that come with V4.03 use these, too",
     (113,),
 )
@@ -191,13 +191,13 @@ TEXT_AFTER_COMMENT = Accepted(
     "text-after-comment",
     ("wincnc",),
     "words after a closed comment are executed",
-    "WinCNC, Parameters in [Brackets]: the closing bracket is optional, and nothing is said of what follows it",
+    "WinCNC, Parameters in [Brackets]: the closing bracket is optional; it does not say what happens to the text after it",
     (134,),
 )
 LINE_NUMBERS = Accepted(
     "line-numbers",
     ("wincnc",),
-    "an N with a whole number that begins a line numbers it and does nothing",
+    "an N with a whole number at the start of a line is its number and does nothing",
     "WinCNC has no N of its own; post-processors for it can number each line",
     (113,),
 )
