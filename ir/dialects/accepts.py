@@ -191,7 +191,7 @@ TEXT_AFTER_COMMENT = Accepted(
     "text-after-comment",
     ("wincnc",),
     "words after a closed comment are executed",
-    "WinCNC, Parameters in [Brackets]: the closing bracket is optional; it does not say what happens to the text after it",
+    "WinCNC, Parameters in [Brackets]: the closing bracket is optional; nothing about the text after it",
     (134,),
 )
 LINE_NUMBERS = Accepted(
