@@ -40,10 +40,9 @@ def functions(node: ast.AST, within: str = "") -> Iterator[tuple[str, Function]]
         yield from functions(part, f"{within}{name}." if name else within)
 
 
-def all_functions() -> Iterator[tuple[str, Function]]:
-    for path, text in files().items():
-        for name, node in functions(ast.parse(text)):
-            yield f"{path}: {name}", node
+@cache
+def all_functions() -> list[tuple[str, Function]]:
+    return [(f"{path}: {name}", node) for path, text in files().items() for name, node in functions(ast.parse(text))]
 
 
 def is_kernel(node: Function) -> bool:

@@ -36,7 +36,7 @@ SECONDS = 30
 CHUNKS = 4
 """Of rows that are printed: thousands of pecks are the same lines again."""
 GROUP = 50
-DEFAULT, MORE, SOAK = 150, 1_000, 10_000
+DEFAULT, MORE, SOAK = 100, 1_000, 10_000
 
 MACHINE = """schema = "gproof-machine/1"
 units = "mm"

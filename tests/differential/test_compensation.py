@@ -63,7 +63,7 @@ def job(seed: int) -> str:
 
 
 @pytest.mark.usefixtures("peer", "gproof")
-@pytest.mark.parametrize("batch", seeds(4, 20))
+@pytest.mark.parametrize("batch", seeds(2, 20))
 def test_random_contours(batch: int, tmp_path: Path) -> None:
     first = batch * BATCH
     paths = []

@@ -59,7 +59,7 @@ def check(seeds: range, folder: Path) -> None:
 
 
 @pytest.mark.usefixtures("peer", "gproof")
-@pytest.mark.parametrize("first", range(0, 100, BATCH))
+@pytest.mark.parametrize("first", range(0, 50, BATCH))
 def test_random_programs(first: int, tmp_path: Path) -> None:
     check(range(first, first + BATCH), tmp_path)
 

@@ -140,7 +140,7 @@ except CertificateError as error:
 """
 
 
-@pytest.mark.parametrize("name", share(list(BOMBS), 3))
+@pytest.mark.parametrize("name", share(list(BOMBS), 6))
 def test_bombs_cost_seconds_and_megabytes(name: str, whole: Path, tmp_path: Path) -> None:
     path = BOMBS[name](tmp_path / "bomb.gpx", whole)
     done = subprocess.run([sys.executable, "-c", READ, str(path)], capture_output=True, text=True, check=False)

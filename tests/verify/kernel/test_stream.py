@@ -75,7 +75,7 @@ def test_both_speeds_agree_bit_for_bit(name: str, monkeypatch: pytest.MonkeyPatc
         assert seen[0][1]
 
 
-@pytest.mark.parametrize(("name", "size"), share(list(itertools.product(JOBS, (1, 7, 501))), 2))
+@pytest.mark.parametrize(("name", "size"), share(list(itertools.product(JOBS, (1, 7, 501))), 4))
 def test_slices_change_nothing(name: str, size: int, monkeypatch: pytest.MonkeyPatch) -> None:
     """The walk stops and goes on anywhere: the same findings, and the same bytes left behind at its end."""
     job = JOBS[name]()
@@ -141,7 +141,7 @@ def watch(monkeypatch: pytest.MonkeyPatch, taken: list[bytes]) -> None:
     monkeypatch.setattr(walk_kernels.check_section, "pick", picked)
 
 
-@pytest.mark.parametrize("seed", seeds(12, 40))
+@pytest.mark.parametrize("seed", seeds(6, 40))
 def test_random_right_streams_pass(seed: int) -> None:
     job = random_job(seed)
     assert_safe(check(step(job, machine()), job))
@@ -166,7 +166,7 @@ def shaken(done: Stepped, rng: random.Random, share: float, frequency: int) -> S
     return moved
 
 
-@pytest.mark.parametrize("seed", seeds(4, 12))
+@pytest.mark.parametrize("seed", seeds(2, 12))
 def test_steps_moved_within_the_tolerance_of_run_compression_pass(seed: int) -> None:
     """The very ends of the tolerance: half the local interval, either way. The step rate has room here."""
     on = dataclasses.replace(machine(), controller=Controller(max_step_frequency=None))
@@ -179,7 +179,7 @@ def test_steps_moved_within_the_tolerance_of_run_compression_pass(seed: int) -> 
     }
 
 
-@pytest.mark.parametrize("seed", seeds(4, 300))
+@pytest.mark.parametrize("seed", seeds(2, 300))
 def test_position_check_agrees_with_brute_force(seed: int) -> None:
     """Random damage to random jobs: accepted only if 1.02 steps explain it, always if 0.97 do."""
     rng = random.Random(seed)
@@ -381,7 +381,7 @@ def test_3000_sections_take_no_longer_than_their_steps(tmp_path: Path) -> None:
         assert many < min(3.0, 15 * few + 1.0), took
 
 
-@pytest.mark.parametrize("spoilt", [0, 1, 149, 299, 300])
+@pytest.mark.parametrize("spoilt", [0, 149, 300])
 def test_one_bad_section_of_many_is_named(spoilt: int) -> None:
     """What is looked at together is refused as it is by itself: each table of a section, in its place."""
     stream, trace = many_sections(300)
