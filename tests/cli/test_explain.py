@@ -68,7 +68,7 @@ def test_a_page_fits_a_narrow_terminal(number: int, shown) -> None:  # type: ign
 
 def test_a_terminal_shows_programs_in_colours_and_no_marks(shown, monkeypatch: pytest.MonkeyPatch) -> None:  # type: ignore[no-untyped-def]
     text = shown("explain", "soft-limit")
-    assert "\x1b[" in text
+    assert "\x1b[1;31mG3 X480 Y180" in text
     plain = ESCAPE.sub("", text)
     assert "    G3 X480 Y180 I0 J40            ; expect: GP301" in plain
     assert not re.search(r"```|\*\*|^#", plain, re.MULTILINE)

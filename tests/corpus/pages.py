@@ -16,6 +16,7 @@ Imports nothing of gproof: `make replay` runs the same programs with another rev
 
 from __future__ import annotations
 
+import difflib
 import re
 import tomllib
 from pathlib import Path
@@ -123,8 +124,10 @@ def _with(run: dict, keys: set[str]) -> str:
 def _file(key: str, name: str) -> str:
     if name in ("zero", "none"):
         return "with `--setup zero`" if name == "zero" else "without a setup file"
-    shared = name.removeprefix("../")
-    return f"with the {'shared ' * (name != shared)}{key} file `{shared}`"
+    named = _named(name)
+    if named.startswith("the shared "):
+        return f"with the shared {key} file {named.removeprefix('the shared ')}"
+    return f"with the {key} file {named}"
 
 
 def table(folder: Path) -> list[str]:
@@ -148,3 +151,57 @@ def _linked(name: str) -> str:
     if name in ("zero", "none"):
         return f"`{name}`" if name == "zero" else "none"
     return f"[{shared}]({shared})" if name != shared else f"`{name}`"
+
+
+MOST_CHANGES = 12
+"""Lines of a difference that help a reader; more are a file of their own."""
+
+_HEADING = re.compile(r"\[\[?[\w.-]+\]\]?")
+
+
+def differences(folder: Path, dialect: str) -> list[str]:
+    """Blocks that show what the files of the bad and the good run differ in, where that is little."""
+    bad, good = (settings(folder, dialect, side) for side in ("bad", "good"))
+    out = []
+    for key in ("machine", "setup"):
+        names = (bad[key], good[key])
+        if names[0] == names[1] or {"zero", "none"} & set(names):
+            continue
+        lines = _changes(*(folder / name for name in names))
+        if 0 < len(lines) <= MOST_CHANGES:
+            first, second = (_named(name) for name in names)
+            second = "the shared one" if second == f"the shared {first}" else second
+            out.append("\n".join([f"From {first} to {second} this changes:", "", "```diff", *lines, "```"]))
+    return out
+
+
+def _named(name: str) -> str:
+    """A file as a sentence calls it."""
+    shared = name.removeprefix("../")
+    if other := re.fullmatch(r"(GP\d{3})/(.+)", shared):
+        return f"`{other[2]}` of {other[1]}"
+    return f"{'the shared ' * (name != shared)}`{shared}`"
+
+
+def _changes(*files: Path) -> list[str]:
+    """Lines that go and come, each below the heading of its table; comments and empty lines do not count."""
+    one, other = ([line for line in path.read_text("utf-8", "replace").splitlines() if _counts(line)] for path in files)
+    has_tables = "WINCNC.INI" not in {path.name for path in files}
+    out: list[str] = []
+    heading = said = ""
+    for line in difflib.ndiff(one, other):
+        mark, text = line[0], line[2:]
+        is_heading = has_tables and _HEADING.fullmatch(text)
+        heading = text if is_heading else heading
+        if mark not in "-+":
+            continue
+        if heading != said and not is_heading:
+            out.append(f" {heading}")
+        said = heading
+        out.append(f"{mark}{text}")
+    return out if all(line.isprintable() for line in out) and "\ufffd" not in "".join(out) else []
+
+
+def _counts(line: str) -> bool:
+    """Whether it is more than a comment: those of WINCNC.INI are in brackets, as its headings are."""
+    return bool(line.strip()) and not line.startswith("#") and not (line.startswith("[") and " " in line)

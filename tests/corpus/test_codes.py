@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -18,10 +19,10 @@ from corpus.expectations import (
     strange,
     strange_texts,
 )
-from corpus.pages import FOLDERS, NAMES, dialects, reasons, sentences, settings, table, text_of
+from corpus.pages import FOLDERS, NAMES, PAGES, dialects, differences, reasons, sentences, settings, table, text_of
 from support.campaigns import share
 
-from gproof.ir.codes import CODES
+from gproof.ir.codes import CODES, RETIRED
 
 
 @dataclass(frozen=True)
@@ -73,6 +74,7 @@ def gproof(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> Runner:
     return Runner(capsys, tmp_path)
 
 
+Golden = Callable[[Path, str], None]
 EXAMPLES = [(folder, dialect) for folder in FOLDERS for dialect in dialects(folder)]
 
 
@@ -101,6 +103,37 @@ def test_every_code_has_a_pair_for_each_controller_or_a_reason_why_not() -> None
         assert not filled & why, f"{folder.name}: a reason, and there is a program"
 
 
+def test_the_list_of_pages(golden: Golden) -> None:
+    """docs/codes/README.md, which `make goldens` writes."""
+    golden(PAGES / "README.md", list_of_pages())
+
+
+HUNDREDS = (
+    "", "Language", "Meaning", "Limits and areas", "Geometry", "Motion, time and cutting", "Machine and setup files",
+    "Printing", "Streams, packages and runs",
+)  # fmt: skip
+
+
+def list_of_pages() -> str:
+    """All findings by their hundred, with name, severity and the property that they decide."""
+    lines = ["# The findings of gproof", ""]
+    lines += ["A page for each: what it means, why it matters, what to do, and programs that give it and that do not."]
+    lines += [
+        "`gproof explain GP301` shows the same page on a terminal. `expect: GP301` in a program marks the line that"
+    ]
+    lines += ["gives the finding, `allow: GP304` one that may give another."]
+    hundred = 0
+    for number, code in sorted(CODES.items()):
+        if number // 100 != hundred:
+            hundred = number // 100
+            lines += ["", f"## GP{hundred}xx: {HUNDREDS[hundred]}", "", "| code | name | severity | property |"]
+            lines += ["|---|---|---|---|"]
+        lines += [f"| [{code.label}]({code.label}.md) | {code.name} | {code.severity.value} | {code.decides} |"]
+    lines += ["", "## Retired", ""]
+    lines += [f"- GP{number} {name}: {instead}" for number, (name, instead) in sorted(RETIRED.items())]
+    return "\n".join(lines) + "\n"
+
+
 @pytest.mark.parametrize("folder", FOLDERS, ids=lambda folder: folder.name)
 def test_a_page_says_what_its_programs_run_with(folder: Path) -> None:
     """Of each controller its heading and what its programs give; below all the files that they take."""
@@ -113,6 +146,8 @@ def test_a_page_says_what_its_programs_run_with(folder: Path) -> None:
         flat = " ".join(section.split())
         for sentence in sentences(folder, dialect):
             assert sentence in flat
+        for block in differences(folder, dialect):
+            assert block in section
         for side in ("bad", "good"):
             name = settings(folder, dialect, side)["program"]
             assert re.search(rf"^`{{3,}}gcode {re.escape(name)}\b", section, re.MULTILINE), name
