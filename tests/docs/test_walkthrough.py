@@ -37,6 +37,12 @@ def test_console_blocks_are_read_with_continued_commands() -> None:
     assert [(s.command, s.expected) for s in steps(page)] == [("echo a b", ["a b"]), ("true", [])]
 
 
+def test_a_block_to_save_is_a_file(tmp_path: Path) -> None:
+    page = "Save it as `a.toml`:\n\n```toml\nx = '$A'\n\n```\nNot this:\n```\ny\n```\n```console\n$ cat a.toml\n```\n"
+    shell = Shell(tmp_path)
+    assert [shell.run(step.command) for step in steps(page)] == [[], ["x = '$A'", ""]]
+
+
 def test_shell_remembers_folder_and_exit_code(tmp_path: Path) -> None:
     shell = Shell(tmp_path)
     (tmp_path / "there").mkdir()

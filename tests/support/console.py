@@ -1,4 +1,7 @@
-"""The ```console blocks of the pages: commands after `$ `, below each what it prints; `...` stands for any lines."""
+"""The ```console blocks of the pages: commands after `$ `, below each what it prints; `...` stands for any lines.
+
+A block of another kind after a line that ends in "Save it as `name`:" is a file that the reader saves.
+"""
 
 from __future__ import annotations
 
@@ -13,6 +16,7 @@ from pathlib import Path
 from gproof.ir.kernel_copies import cache_root
 
 ELLIPSIS = "..."
+_SAVED = re.compile(r"[Ss]ave (?:it|this) as `([\w.-]+)`:$")
 
 
 @dataclass(frozen=True)
@@ -26,14 +30,22 @@ class Step:
 
 
 def steps(page: str) -> list[Step]:
-    """All commands of a page, in order."""
+    """All commands of a page, in order; for a file to save, one that writes it."""
     lines = page.split("\n")
     out: list[Step] = []
-    at, inside = 0, False
+    at, inside, text = 0, False, ""
     while at < len(lines):
         line = lines[at]
         if line.startswith("```"):
-            inside = line.strip() == "```console"
+            saved = _SAVED.search(text)
+            if saved and not inside and line.strip() != "```console":
+                end = lines.index("```", at + 1)
+                body = "\n".join(lines[at + 1 : end])
+                out.append(Step(f"cat >{saved[1]} <<'END OF FILE'\n{body}\nEND OF FILE\n", [], end, end))
+                at = end
+            else:
+                inside = line.strip() == "```console"
+            text = ""
         elif inside and line.startswith("$ "):
             command = line[2:]
             while command.endswith("\\"):
@@ -44,6 +56,8 @@ def steps(page: str) -> list[Step]:
                 stop += 1
             out.append(Step(command, lines[first:stop], first, stop))
             at = stop - 1
+        elif line.strip():
+            text = line
         at += 1
     return out
 
