@@ -10,7 +10,11 @@ from support.goldens import ROOT
 from support.old_words import old_words, prose
 
 PAGES = [
-    *(ROOT / name for name in ("CONTRIBUTING.md", "SECURITY.md") if (ROOT / name).is_file()),
+    *(
+        ROOT / name
+        for name in ("README.md", "CHANGELOG.md", "CONTRIBUTING.md", "SECURITY.md")
+        if (ROOT / name).is_file()
+    ),
     *sorted(path for path in (ROOT / "docs").rglob("*.md") if not {"codes", "dialects"} & set(path.parts)),
 ]
 GLOSSARY = re.compile(r"^## Glossary$.*?(?=^## )", re.MULTILINE | re.DOTALL)
