@@ -59,7 +59,7 @@ def run_verify(
         if verdict is Verdict.UNSAFE or finding not in check.open:
             findings.add(finding)
     at_hands = {"machine": at_hand.machine, "setup": at_hand.setup, "source": at_hand.source}
-    compared = tuple(name for name, there in (at_hands | {"source compiled anew": anew}).items() if there is not None)
+    compared = tuple(name for name, there in (at_hands | {"source compiled again": anew}).items() if there is not None)
     of = Verified(
         package=package, check=check, verdict=verdict, findings=tuple(findings.kept), trusted=trusted,
         compared=compared, taken=tuple(taken(package, at_hand.setup)), pure=pure,

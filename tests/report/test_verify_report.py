@@ -22,7 +22,7 @@ def shop(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Shop:
 def documented() -> list[set[str]]:
     """The keys of the two tables."""
     text = (ROOT / "docs" / "verify-json.md").read_text(encoding="utf-8")
-    first, second = text.split("A package that cannot be read has these only")
+    first, second = text.split("A package that cannot be read has only these")
     return [
         {key for row in re.findall(r"^\| (`[^|]*) \|", part, re.M) for key in re.findall(r"`(\w+)`", row)}
         for part in (first, second)

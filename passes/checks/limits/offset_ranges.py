@@ -112,7 +112,7 @@ class OffsetRanges:
                 low, high = low - span.low, high - span.high
             if len(rest) == 1 and rest[0][0].startswith("start."):
                 ends = f"between {low:.4f} and {high:.4f} {offset.axis.unit}"
-                said = f"{describe(rest, self.machine)} lies {ends} (machine coordinates)"
+                said = f"{describe(rest, self.machine)} is {ends} (machine coordinates)"
                 self.assumptions.append(said)
             axes.setdefault(rest, offset.axis)
             asked = Condition(terms=rest, low=low, high=high, places=(offset.low_span, offset.high_span))
