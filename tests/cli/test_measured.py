@@ -188,7 +188,7 @@ def test_motors_of_one_axis_go_by_steps_that_all_have(rates: tuple[str, str], tm
         assert executed(package, now).result is Result.COMPLETED
     else:
         found = refused(package, now)
-        assert any("whole steps of all its motors: more than half a step" in one for one in found), found
+        assert any("that all its motors can reach: more than half a step" in one for one in found), found
 
 
 HERE = {"x": 10.0, "y": 20.0, "z": -100.0}

@@ -209,7 +209,7 @@ def _check_conditions(
                 more = slack(open_.places, taken, Condition(terms=terms, low=low, high=high), setup)
             if known is None or not (low + more <= known.low and known.high <= high - more):
                 stated = "not in the setup" if known is None else words.between(known.low, known.high)
-                stated += f" ({words.number(more)} more or less on whole steps)" if more else ""
+                stated += f" ({words.number(more)} more or less, rounded to motor steps)" if more else ""
                 names = describe(terms, package.machine)
                 finding = codes.CERTIFICATE_OFFSETS.at(
                     where, what=f"the certificate is valid for {names} {words.between(low, high)}; now it is {stated}"

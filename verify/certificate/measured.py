@@ -82,8 +82,8 @@ class Place:
             raise NotPlaced(f"{value} is not a position")
         taken = round(Fraction(value) / self.grid) * self.grid
         if abs(Fraction(value) - taken) > self.step / 2 + self.step * Fraction(_NEAR):
-            what = f"{number(value)} is {number(float(abs(Fraction(value) - taken)))} from the nearest position on"
-            raise NotPlaced(f"{what} whole steps of all its motors: more than half a step")
+            what = f"{number(value)} is {number(float(abs(Fraction(value) - taken)))} from the nearest position that"
+            raise NotPlaced(f"{what} all its motors can reach: more than half a step")
         return taken
 
     def conditions(self) -> Iterator[Condition]:
@@ -393,7 +393,7 @@ def _bases(open_: Open, machine: Machine) -> dict[int, Fraction]:
         found[axis] = round(made_for / place.grid) * place.grid
         if abs(made_for - found[axis]) > place.step * Fraction(_NEAR):
             what = f"{describe(place.form, machine)} {open_.reference[axis]}"
-            raise NotPlaced(f"the stream was made for {what}: no whole steps")
+            raise NotPlaced(f"the stream was made for {what}: between motor steps")
     return found
 
 

@@ -53,7 +53,7 @@ class Sealed:
             if info.filename in self._infos:
                 raise self.refused(f"{info.filename!r} is in it twice")
             if info.compress_type not in (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED):
-                raise self.refused(f"{info.filename!r} is packed in another way")
+                raise self.refused(f"{info.filename!r} is packed differently")
             self._infos[info.filename] = info
 
     @property

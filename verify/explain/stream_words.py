@@ -140,7 +140,7 @@ def _waits(waits: tuple[Wait, ...]) -> str:
 
 GRAPH: dict[str, Callable[..., str]] = {
     "graph.no-section": lambda: "there is no section, so there is nothing to run",
-    "graph.no-edge": lambda: "nothing says what follows",
+    "graph.no-edge": lambda: "what follows is not known",
     "graph.two-waits": lambda waits: f"it ends in {_waits(waits)} at once",
     "graph.undecided": lambda wait: f"a step stream cannot decide what follows ({wait.value})",
     "graph.one-outcome": lambda outcomes: f"two continuations for one outcome: {', '.join(map(repr, outcomes))}",

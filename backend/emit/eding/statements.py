@@ -41,7 +41,7 @@ def _name(node: Expr) -> str:
     """The name of an axis, a switch or a setting."""
     if isinstance(node, Text):
         return node.value
-    raise Unprintable("an expression where a name stands")
+    raise Unprintable("an expression in the place of a name")
 
 
 def _amount(node: Expr) -> str:

@@ -194,7 +194,7 @@ class TreeParts(Parts):
     def _parameter(self, word: Word) -> str:
         text = self.printer.expression(word.value) if self.old else self.printer.grouped(word.value)
         if self.old and text[0] == "(":
-            raise Unprintable("a bracket behind a code, which is a comment in version 2.5.3.32,")
+            raise Unprintable("a bracket after a code, which is a comment in version 2.5.3.32,")
         return text
 
     def _assignment(self, node: Block) -> str:

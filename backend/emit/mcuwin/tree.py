@@ -241,7 +241,7 @@ class _Tree:
     def _declare(self, node: Declare) -> None:
         if not self.pascal:
             if self.marked:
-                raise Unprintable("a declaration behind a percent sign")
+                raise Unprintable("a declaration after a percent sign")
             self.pascal = self.implied = True
         nodes = [node] if self.declared is None else [self.declared, node]
         self._pieces(iter(list(self.printer.pieces(nodes))[len(nodes) - 1 :]))
@@ -320,7 +320,7 @@ class _Tree:
         state = self.persistence.state
         if node.continued != state and _goes_on(node):
             if node.continued not in MOTIONS or any(word.letter == "G" for word in words):
-                raise Unprintable(f"a line that goes on with {node.continued or 'nothing'} behind {state or 'nothing'}")
+                raise Unprintable(f"a line that goes on with {node.continued or 'nothing'} after {state or 'nothing'}")
             words = (Word("G", Number(float(node.continued[1:]), node.span), node.span), *words)
         comment = f" ' {node.comment}" if node.comment else ""
         self._put(" ".join(self.words.words(words)) + comment)

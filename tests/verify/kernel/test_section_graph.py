@@ -156,7 +156,7 @@ def test_an_end_in_the_middle_is_refused(number: int) -> None:
 def test_the_last_section_ends_the_program() -> None:
     assert judged(ways(2), [*line(2)[:1], (edge(Wait.OPERATOR, -1),)]) != ""
     assert "goes on with section 0" in judged(ways(2), [*line(2)[:1], (edge(Wait.END, 0),)])
-    assert "nothing says what follows" in judged(ways(2), [*line(2)[:1], ()])
+    assert "what follows is not known" in judged(ways(2), [*line(2)[:1], ()])
     both = (edge(Wait.END, -1, "end"), edge(Wait.END, -1, "other"))
     assert judged(ways(2), [*line(2)[:1], both]) != ""
 
