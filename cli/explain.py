@@ -11,7 +11,7 @@ from gproof.cli.markdown import show_markdown
 from gproof.driver.errors import UsageError
 from gproof.ir.codes import CODES, RETIRED
 from gproof.ir.finding import Code
-from gproof.report.finding_page import FILES, page_to_read, whole_page, within
+from gproof.report.finding_page import FILES, page_to_read, page_with_files, whole_page, within
 
 WIDTH = 100
 """Columns, where the terminal has that many."""
@@ -31,9 +31,9 @@ def run_explain(text: str, *, files: bool = False) -> int:
     if code is None:
         raise UsageError(f"there is no finding {text!r}; {_near(text)}")
     if files and not sys.stdout.isatty():
-        click.echo(whole_page(code))  # as it is: others read files out of it
+        click.echo(page_with_files(code))  # as it is: others read files out of it
         return 0
-    page = whole_page(code) if files else page_to_read(code)
+    page = page_with_files(code) if files else page_to_read(code)
     lines = [f"{code.label} [{code.name}], severity {code.severity.value}, property {code.decides}"]
     if not files and FILES in whole_page(code):
         lines.insert(0, f"The files that these programs need: `gproof explain {code.label} --files`")

@@ -17,8 +17,28 @@ MORE = "..."
 
 def whole_page(code: Code) -> str:
     """All of a page, as Markdown."""
-    page = resources.files("gproof.docs_codes") / f"{code.label}.md"
-    return page.read_text(encoding="utf-8").rstrip()
+    return _text(f"{code.label}.md").rstrip()
+
+
+def page_with_files(code: Code) -> str:
+    """All of a page, and the files of other pages and of all pages that its programs run with."""
+    page = whole_page(code)
+    parts = [page]
+    names = dict.fromkeys(re.findall(r"\]\(((?:[a-z]+/)?[\w.-]+\.(?:toml|INI))\)", page.partition(FILES)[2]))
+    for name in [*names, *["wincnc/CNC.MAC"] * ("wincnc/WINCNC.INI" in names)]:
+        language = {"toml": "toml", "INI": "ini"}.get(name.rpartition(".")[2], "gcode")
+        parts.append(f"`{name}`, which other pages use too:\n\n```{language} ../{name}\n{_text(name).rstrip()}\n```")
+    return "\n\n".join(parts)
+
+
+def _text(name: str) -> str:
+    """A file of docs/codes: of a checkout, or out of the one file that a wheel has for all (setup.py)."""
+    folder = resources.files("gproof.docs_codes")
+    if (folder / name).is_file():
+        return (folder / name).read_text(encoding="utf-8")
+    start = f"\f{name}\n"
+    found = (folder / "pages.txt").read_text(encoding="utf-8").partition(start)[2]
+    return found.partition("\f")[0]
 
 
 def page_to_read(code: Code) -> str:

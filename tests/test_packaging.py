@@ -32,8 +32,9 @@ def packages_on_disk() -> set[str]:
 
 
 def files_to_ship() -> set[str]:
-    shipped = set()
-    for package, place in PLACES.items():
+    shipped = {"gproof/docs_codes/__init__.py", "gproof/docs_codes/pages.txt"}
+    for package in CODE_PACKAGES:
+        place = PLACES[package]
         for path in (ROOT / place).rglob("*"):
             if path.is_file() and "__pycache__" not in path.parts and path.suffix not in {".pyc", ".pyo"}:
                 shipped.add(f"{package.replace('.', '/')}/{path.relative_to(ROOT / place).as_posix()}")
@@ -124,6 +125,9 @@ def test_wheel_works_in_an_empty_venv(wheel: Path, tmp_path: Path) -> None:
     assert "GP301" in explained
     assert "soft-limit" in explained
     assert "```gcode bad.cnc" in explained
+    for code in ("GP301", "GP603", "GP857"):
+        page = (ROOT / "docs" / "codes" / f"{code}.md").read_text("utf-8")
+        assert run(commands / "gproof", "explain", code, "--files", cwd=tmp_path).startswith(page)
 
     # A drawing of the part needs the extra; without it the command says so, and how to get it.
     shop = shutil.copytree(ROOT / "corpus" / "eding" / "clamped-bracket", tmp_path / "shop")

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import pytest
 from rich.cells import cell_len
+from support.bundles import files_of
 
 from gproof.cli.main import main
 from gproof.ir.codes import CODES
@@ -76,9 +77,16 @@ def test_a_terminal_shows_programs_in_colours_and_no_marks(shown, monkeypatch: p
     assert not re.search(r"\x1b\[[0-9;]*[39][0-7]m", shown("explain", "soft-limit"))
 
 
-def test_files_prints_the_page_as_it_is(capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["explain", "GP603", "--files"]) == 0
-    assert capsys.readouterr().out == (PAGES / "GP603.md").read_text("utf-8")
+@pytest.mark.parametrize("code", ["GP603", "GP436", "GP801"])
+def test_files_prints_the_page_as_it_is(code: str, capsys: pytest.CaptureFixture[str]) -> None:
+    """And then the files that it shares with others, so that somebody with a wheel can run the programs."""
+    assert main(["explain", code, "--files"]) == 0
+    printed = capsys.readouterr().out
+    page = (PAGES / f"{code}.md").read_text("utf-8")
+    assert printed.startswith(page)
+    assert files_of(page).items() <= files_of(printed).items()
+    for name in re.findall(r"\]\(((?:\w+/)?\w+\.(?:toml|INI))\)", page):
+        assert files_of(printed)[f"../{name}"] == (PAGES / name).read_bytes()
 
 
 def test_lines_of_a_page_are_made_anew() -> None:

@@ -118,10 +118,8 @@ def list_of_pages() -> str:
     """All findings by their hundred, with name, severity and the property that they decide."""
     lines = ["# The findings of gproof", ""]
     lines += ["A page for each: what it means, why it matters, what to do, and programs that give it and that do not."]
-    lines += [
-        "`gproof explain GP301` shows the same page on a terminal. `expect: GP301` in a program marks the line that"
-    ]
-    lines += ["gives the finding, `allow: GP304` one that may give another."]
+    lines += ["`gproof explain GP301` shows the same page on a terminal. In a program, `expect: GP301` marks the line"]
+    lines += ["that gives the finding, and `allow: GP304` a line that may give another one."]
     hundred = 0
     for number, code in sorted(CODES.items()):
         if number // 100 != hundred:
