@@ -23,6 +23,14 @@ def copy_of_the_source(folder: Path) -> Path:
     settings = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
     for name in ("scripts", *settings["tool"]["setuptools"]["package-dir"].values()):
         shutil.copytree(ROOT / name, folder / name, ignore=shutil.ignore_patterns("__pycache__"))
-    for name in ("pyproject.toml", "README.md", "LICENSE", "requirements.lock", "action.yml", ".pre-commit-hooks.yaml"):
+    for name in (
+        "pyproject.toml",
+        "setup.py",
+        "README.md",
+        "LICENSE",
+        "requirements.lock",
+        "action.yml",
+        ".pre-commit-hooks.yaml",
+    ):
         shutil.copy(ROOT / name, folder / name)
     return folder
