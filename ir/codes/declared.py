@@ -6,9 +6,9 @@ from gproof.ir.finding import Code, Severity
 
 CODES: dict[int, Code] = {}
 RETIRED: dict[int, tuple[str, str]] = {
-    305: ("offset-box", "for which offsets a job is safe stands behind the verdict, and under conditions of a report"),
-    414: ("arc-too-small", "an arc without a radius is GP402, one that a controller cuts as a line GP407"),
-    516: ("jump-target", "a jump to nowhere is GP143, one into a block GP144"),
+    305: ("offset-box", "the verdict says for which offsets a job is safe, and so do the conditions of a report"),
+    414: ("arc-too-small", "an arc without a radius is GP402, an arc that a controller cuts as a line is GP407"),
+    516: ("jump-target", "a jump to a missing label is GP143, one into a block GP144"),
 }
 """Numbers and names of codes that are no more, which no other code takes: what tells of the like now."""
 
