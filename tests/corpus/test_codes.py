@@ -117,7 +117,7 @@ HUNDREDS = (
 def list_of_pages() -> str:
     """All findings by their hundred, with name, severity and the property that they decide."""
     lines = ["# The findings of gproof", ""]
-    lines += ["Each finding has a page: what it means, why it matters, what to do, a program that gives it and a good one."]
+    lines += ["Each finding has a page: what it means, why it matters, what to do, a bad and a good program."]
     lines += ["`gproof explain GP301` shows the same page on a terminal. In a program, `expect: GP301` marks the line"]
     lines += ["that gives the finding, and `allow: GP304` a line that may give another one."]
     hundred = 0
