@@ -187,6 +187,10 @@ class ExecutionRecord:
         """To a temporary name beside ``path``, on the disk, then renamed; OSError, and nothing written."""
         write_whole(path, self.to_json(signature))
 
+    def _time(self, tick: int) -> str:
+        """A tick of a section, with its seconds."""
+        return f"tick {tick} ({tick / self.board.tick_frequency:.3f} s)"
+
     def findings(self) -> list[Finding]:
         """What the user must hear of the run: underrun, emergency stop, feed holds, what the board saw."""
         place = Span(self.job, 0)
@@ -195,8 +199,8 @@ class ExecutionRecord:
             for change in section.retimings:
                 if change.kind == "hold" and change.asked <= section.ticks:
                     what = (
-                        f"section {section.number}: requested at tick {change.asked}, "
-                        f"at rest from tick {change.rest_begins} for {change.rest} ticks"
+                        f"section {section.number}: requested at {self._time(change.asked)}, at rest from "
+                        f"{self._time(change.rest_begins)} for {change.rest} ticks"
                     )
                     found.append(codes.FEED_HOLD.at(place, what=what))
         if self.result is Result.INTERRUPTED:

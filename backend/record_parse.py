@@ -34,11 +34,11 @@ def parse_record(data: bytes) -> ExecutionRecord:
 def parse_signed(data: bytes) -> tuple[ExecutionRecord, dict[str, str] | None]:
     """The record and its signature, which is not checked (None: unsigned); ValueError as of ``parse_record``."""
     try:
-        value = json.loads(data)
+        value = _json(data)
         if not isinstance(value, dict) or value.get("schema") not in (SCHEMA, FIRST_SCHEMA):
-            raise ValueError(f"not of schema {SCHEMA}")
+            raise ValueError(f"it is not of schema {SCHEMA}")
         if data.removesuffix(b"\n") != canonical(value):
-            raise ValueError("not in canonical form (keys sorted, none twice, no blanks)")
+            raise ValueError("it is not in canonical form (keys sorted, none twice, no blanks)")
         claimed = value.pop("sha256", None)
         signature = value.pop("signature", None)
         if signature is not None and (
@@ -53,6 +53,13 @@ def parse_signed(data: bytes) -> tuple[ExecutionRecord, dict[str, str] | None]:
     if claimed != record.sha256:
         raise ValueError("the hash of the record does not fit its contents")
     return record, signature
+
+
+def _json(data: bytes) -> Any:
+    try:
+        return json.loads(data)
+    except ValueError as error:
+        raise ValueError(f"it is not JSON ({error})") from None
 
 
 def is_record(data: bytes) -> bool:

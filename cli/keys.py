@@ -23,8 +23,9 @@ def run_new(output: Path | None) -> int:
         require_place(output, "output")
     path = output or own_key_path()
     if path.exists():
-        more = "" if output is not None else f"; revoke it first: gproof keys revoke {OWN}"
-        raise UsageError(f"{path}: there is already a key{more}")
+        if output is not None:
+            raise UsageError(f"{path}: already exists; choose another name")
+        raise UsageError(f"{path}: you already have a key; revoke it first: gproof keys revoke {OWN}")
     raw = raw_public(create_key(path))
     click.echo(f"{shown(str(path))}: a new key, {fingerprint(raw)}")
     said = (

@@ -7,6 +7,7 @@ SIGTERM, SIGHUP).
 from __future__ import annotations
 
 import os
+import re
 import sys
 from functools import partial
 from pathlib import Path
@@ -23,6 +24,7 @@ from gproof.cli.options import (
     FORMAT,
     JOB,
     MOST,
+    NO_END,
     PACKAGE,
     READ,
     RECORD,
@@ -519,9 +521,17 @@ def main(arguments: list[str] | None = None) -> int:
 
 
 def _plain(message: str) -> str:
-    """click's message in one line, without its names of types."""
+    """click's message in one line, without its names of types and its way to write a range."""
     words = " ".join(message.split())
-    return words.replace("a valid integer range", "a whole number").replace("a valid float range", "a number")
+    words = words.replace("a valid integer range", "a whole number").replace("a valid float range", "a number")
+    return re.sub(r"(\S+) is not in the range (\S+)<=x<=(\S+)\.$", _range, words)
+
+
+def _range(found: re.Match[str]) -> str:
+    """What a number must be, and what it is; an end that is there only to have one is not named."""
+    value, low, high = (f"{float(text):.12g}" for text in found.groups())
+    ends = f"at least {low}" if float(high) >= NO_END else f"from {low} to {high}"
+    return f"must be {ends}, not {value}."
 
 
 def _run(arguments: list[str] | None) -> int:
@@ -533,7 +543,10 @@ def _run(arguments: list[str] | None) -> int:
             click.echo(error.format_message(), err=True)
             return COULD_NOT_RUN
         where = error.ctx.command_path if error.ctx else "gproof"
-        click.echo(f"{where}: error: {in_one_line(_plain(error.format_message()))}", err=True)
+        words = _plain(error.format_message())
+        if not isinstance(error, click.BadParameter) or isinstance(error, click.MissingParameter):
+            words = f"{words} See {where} --help" if words.endswith("?") else f"{words.rstrip('.')}; see {where} --help"
+        click.echo(f"{where}: error: {in_one_line(words)}", err=True)
         return COULD_NOT_RUN
     except UsageError as error:
         tell_error(error)

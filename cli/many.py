@@ -67,7 +67,8 @@ def judge_one(job: Job, how: How) -> Outcome:
         with contextlib.redirect_stderr(errors):
             tell_findings_of(error)
         told = errors.getvalue().strip()
-        return Outcome(job=str(job.path), problem=error.message, text=tuple(told.splitlines()))
+        named = "" if job.source is None else f" (named in job file {job.source})"
+        return Outcome(job=str(job.path), problem=error.message + named, text=tuple(told.splitlines()))
     return Outcome(
         job=str(job.path), report=report_json(session, judgement, code),
         read=report_for_people(session, judgement, code, how.units), text=tuple(text.getvalue().splitlines()),

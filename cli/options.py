@@ -32,6 +32,8 @@ AGAIN, BOARD, READ = "Compile again", "Run", "Input"
 """Titles of options in the help."""
 MOST = 10**15
 """Of what is counted: whatever is larger says nothing else."""
+NO_END = 10**9
+"""From here on the upper end of a range of numbers is one that nobody meets."""
 
 
 class FileName(click.Path):
@@ -50,7 +52,7 @@ class FileName(click.Path):
 class Finite(click.FloatRange):
     """A range of numbers, NaN and infinity not among them; a thousand million at most where none is named."""
 
-    def __init__(self, low: float, high: float = 1e9) -> None:
+    def __init__(self, low: float, high: float = NO_END) -> None:
         super().__init__(low, high)
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> float:

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 OWN, TRUSTED, UNKNOWN = "your own key", "trusted", "not trusted"
 
-HOLDS = {Verdict.SAFE: "the record holds", Verdict.UNSAFE: "the record does not hold", Verdict.UNKNOWN: "UNKNOWN"}
+HOLDS = {Verdict.SAFE: "the record is valid", Verdict.UNSAFE: "the record is not valid", Verdict.UNKNOWN: "UNKNOWN"}
 
 
 def is_no_package(path: Path) -> bool:

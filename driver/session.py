@@ -86,6 +86,8 @@ def open_session(
     elif setup is not None:
         from gproof.driver.dialects import load_setup
 
+        if setup.lower() == "zero" and not Path(setup).exists():
+            raise UsageError(f"setup file {setup}: no such file; did you mean --setup zero?")
         require_file(Path(setup), "setup file")
         the_setup = _loaded(load_setup(Path(setup), findings, the_machine), findings, inputs, "setup", setup)
     from gproof.ir.kernel import Kernel
@@ -115,8 +117,9 @@ def open_session(
 def _call_only(program: Program, name: str, job: Path) -> None:
     """Make the program one call of a subprogram; UsageError when there is none of that name."""
     if name.lower() not in program.subprograms:
-        known = ", ".join(sorted(program.subprograms)) or "none"
-        raise UsageError(f"{job}: no subprogram {name!r}; it has: {known}")
+        known = ", ".join(sorted(program.subprograms))
+        there = f"it has {known}" if known else "it has no subprograms"
+        raise UsageError(f"{job}: no subprogram {name!r}; {there}")
     sub = program.subprograms[name.lower()]
     program.body = (Call(name=sub.name, span=sub.span),)
 

@@ -188,7 +188,7 @@ def read_baseline(path: Path) -> Baseline:
     try:
         data = json.loads(path.read_text(encoding="utf-8"))
         if data["schema"] != SCHEMA:
-            raise UsageError(f"baseline {path}: schema {brief(repr(data['schema']))}; this gproof reads {SCHEMA!r}")
+            raise UsageError(f"baseline {path}: schema is {brief(repr(data['schema']))}, must be {SCHEMA!r}")
         wrong = [
             f"{'.'.join((*place, key))!r} ({suggestion(key, SCHEMA, (*keys.own, *keys.tables), ())})"
             for place, key, keys in unknown_keys(data, KEYS[SCHEMA], {})

@@ -90,7 +90,9 @@ def _walk(path: str) -> str:
             links += 1
             if found.st_uid not in (0, os.geteuid()) or links > _LINKS:
                 return (
-                    f"{place} is a symbolic link of somebody else" if links <= _LINKS else f"{place}: links in a ring"
+                    f"{place} is a symbolic link that belongs to somebody else"
+                    if links <= _LINKS
+                    else f"{place}: links in a circle"
                 )
             target = os.readlink(place)
             left += [p for p in target.split(os.sep) if p and p != os.curdir][::-1]
@@ -112,7 +114,7 @@ def _above(place: str, found: os.stat_result) -> str:
 
 def _own(place: str, found: os.stat_result) -> str:
     if not stat.S_ISDIR(found.st_mode):
-        return f"{place} is no folder"
+        return f"{place} is not a folder"
     if found.st_uid != os.geteuid():
         return f"{place} belongs to somebody else"
     return f"others can write {place}" if found.st_mode & _OTHERS_WRITE else ""

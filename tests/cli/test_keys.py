@@ -35,7 +35,7 @@ def test_a_new_key_is_private_and_its_public_half_can_be_given_away(shop: Shop) 
     assert stat.S_IMODE(private.stat().st_mode) == 0o600
     assert stat.S_IMODE(shop.keys.stat().st_mode) == 0o700
     before = private.read_bytes()
-    refused(shop("keys", "new"), "there is already a key")
+    refused(shop("keys", "new"), "you already have a key")
     assert private.read_bytes() == before
     shown = shop("keys", "show")
     assert "PRIVATE" not in shown.out
@@ -57,7 +57,7 @@ def test_a_key_for_somewhere_else(shop: Shop) -> None:
     assert not shop.keys.exists()
     shop.compile("--key", "robot.pem")
     assert shop("verify", "made.gpx").exit == 2, "it is not one's own"
-    refused(shop("keys", "new", "-o", "robot.pem"), "there is already a key")
+    refused(shop("keys", "new", "-o", "robot.pem"), "already exists")
     refused(shop("keys", "new", "-o", "no/where.pem"), "no such folder")
     refused(shop("keys", "new", "-o", "."), "is a folder")
 

@@ -531,7 +531,7 @@ def verify(shop: Path, *more: str) -> Done:
 def test_a_record_of_the_own_key_holds(made: Path) -> None:
     done = verify(made)
     assert (done.exit, done.err) == (0, "")
-    assert done.out.startswith("record.json: the record holds\n")
+    assert done.out.startswith("record.json: the record is valid\n")
     assert "(your own key)" in done.out
     assert "compared    with nothing" in done.out
     assert "not proved" in done.out
@@ -543,7 +543,7 @@ def test_a_record_of_another_package_does_not_hold(made: Path) -> None:
     done = verify(made, "--package", "long.gpx")
     assert done.exit == 1
     assert "error GP833" in done.out
-    assert "record.json: the record does not hold" in done.out
+    assert "record.json: the record is not valid" in done.out
 
 
 def test_changed_records_do_not_hold(made: Path) -> None:

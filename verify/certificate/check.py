@@ -90,12 +90,9 @@ def check_package(
     left: list[tuple[Finding, str, Condition]] = []
     signer = _check_signature(package, trusted_keys, findings, where)
     if machine is not None and print_ir(machine) != print_ir(package.machine):
-        findings.append(
-            codes.CERTIFICATE_MACHINE.at(
-                where,
-                what=f"made for machine {package.machine.name!r}; {machine.name!r} has other settings now",
-            )
-        )
+        said = f"not for {machine.name!r}" if machine.name != package.machine.name else "with other settings than now"
+        what = f"made for machine {package.machine.name!r}, {said}"
+        findings.append(codes.CERTIFICATE_MACHINE.at(where, what=what))
     moved: Moved | None = None
     open_: Open | None = None
     try:
