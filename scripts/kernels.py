@@ -16,7 +16,8 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT / "tests"))
 
-from support.bundles import unpacked  # noqa: E402  (tests/ is on the path only now)
+from corpus.expectations import around as around_of  # noqa: E402  (tests/ is on the path only now)
+from support.bundles import unpacked  # noqa: E402
 
 CORPUS = ROOT / "corpus"
 EDING = ("drilled-plate", "pcb-height-map", "cutter-compensation")
@@ -29,9 +30,7 @@ def commands(folder: Path) -> list[list[str]]:
     out = []
     for name in EDING:
         job = CORPUS / "eding" / name
-        machine = next(path for path in (job / "machine.toml", job / "cnc.ini") if path.is_file())
-        setup = job / "setup.toml"
-        around = ["--machine", str(machine), "--setup", str(setup) if setup.is_file() else "zero"]
+        around = around_of(job / "job.cnc")
         out.append(["dump", str(job / "job.cnc"), *around, "--stage", "stream"])
         out.append(["fmt", "--stdout", str(job / "job.cnc")])
         if name == RUN:

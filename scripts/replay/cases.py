@@ -7,7 +7,6 @@ All of ``corpus/``, ``docs/codes``, ``tests/hand`` and ``tests/differential``: j
 from __future__ import annotations
 
 import sys
-import tomllib
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from itertools import pairwise
@@ -16,6 +15,7 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "tests"))
 
+from corpus.expectations import expected  # noqa: E402
 from support.bundles import BUILT, unpacked  # noqa: E402
 
 from corpus import pages  # noqa: E402  (tests/ is on the path only now)
@@ -83,14 +83,11 @@ def of_corpus() -> Iterator[Case]:
         if dialect is None:
             continue
         options = ("--dialect", dialect)
-        for table in (program.with_suffix(".toml"), program.with_name("expect.toml")):
-            if table.is_file():
-                told = tomllib.loads(table.read_text(encoding="utf-8"))
-                setup = _stated(program.parent, told["setup"]) if "setup" in told else None
-                yield Case(_name(program), dialect, program, program.parent / told["machine"], setup, options)
-                break
-        else:
+        told = expected(program)
+        if told is None:
             yield Case(_name(program), dialect, program, _machine_above(program, dialect), "zero", options)
+        else:
+            yield Case(_name(program), dialect, program, Path(told["machine"]), told.get("setup"), options)
 
 
 def _machine_above(program: Path, dialect: str) -> Path | None:

@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from corpus.expectations import expectation
 from support.campaigns import sizes
 from support.paths import Offsets, RandomPath
 from support.wild import ROOT, wild_program
@@ -43,9 +44,9 @@ def commands(folder: Path, step: int) -> list[list[str]]:
         short = folder / f"{job.parent.name}.cnc"
         lines = job.read_bytes()[:LIMIT].splitlines(keepends=True)
         short.write_bytes(b"".join(lines[:-1] if job.stat().st_size > LIMIT else lines))
-        machine = next(p for p in (job.with_name("machine.toml"), job.with_name("cnc.ini")) if p.is_file())
-        jobs.append((short, ["--machine", str(machine), "--setup", "zero"]))
-        jobs.append((short, ["--machine", str(machine)]))
+        machine = expectation(job)["machine"]
+        jobs.append((short, ["--machine", machine, "--setup", "zero"]))
+        jobs.append((short, ["--machine", machine]))
     machine = ROOT / "corpus" / "eding" / "drilled-plate" / "machine.toml"
     for seed in range(20):
         path = RandomPath(random.Random(seed), [0.0, 0.0, 0.0], Offsets())

@@ -3,16 +3,26 @@
 `; expect: GP301` on a line: this line gives GP301. `; allow: GP301`: it may (the way back from outside of a
 limit, say). Several codes are separated by blanks. WinCNC's comments have it in brackets, `[expect: GP301]`,
 McuWIN's behind a quote, `' expect: GP301`, or two slashes.
+
+`expect.toml` has a table for each job: the one of `corpus/eding` by the names of its folders, the one of a workshop of
+the other controllers by the names of its programs. What is above its first table holds for all jobs that do not say
+otherwise. Paths in it are from its own folder.
+
+Imports nothing of gproof: `make replay` runs the same jobs with another revision.
 """
 
 from __future__ import annotations
 
+import functools
 import json
 import re
+import tomllib
 from dataclasses import dataclass
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
+CORPUS = ROOT / "corpus"
+SUFFIX = {"eding": ".cnc", "wincnc": ".tap", "mcuwin": ".src"}
 JUDGED = ("error", "unknown")  # severities that decide a verdict
 
 _MARKER = re.compile(r"(?:; |\[|' |// )(expect|allow): (GP\d{3}(?: GP\d{3})*)")
@@ -44,6 +54,51 @@ class Markers:
     def codes(self) -> set[str]:
         """Codes that at least one line is marked with."""
         return {code for _, code in self.expected}
+
+
+@functools.cache
+def _told(file: Path) -> dict:
+    return tomllib.loads(file.read_text(encoding="utf-8")) if file.is_file() else {}
+
+
+def expected(program: Path) -> dict | None:
+    """What `expect.toml` says of a job, its machine and setup as whole paths; None: the program is no job.
+
+    Other files next to an Eding job count as the job.
+    """
+    folder = program.parents[1]
+    told = _told(folder / "expect.toml")
+    job = told.get(program.parent.name if folder == CORPUS / "eding" else program.stem)
+    if not isinstance(job, dict):
+        return None
+    found = {key: value for key, value in told.items() if not isinstance(value, dict)} | job
+    return found | {key: str(folder / found[key]) for key in ("machine", "setup") if found.get(key, "zero") != "zero"}
+
+
+def expectation(job: Path) -> dict:
+    """What `expect.toml` says of a job."""
+    found = expected(job)
+    assert found is not None, f"{job} is in no expect.toml"
+    return found
+
+
+def jobs(dialect: str) -> list[Path]:
+    """The programs of all jobs of a controller."""
+    if dialect == "eding":
+        return sorted(CORPUS.glob("eding/*/job.cnc"))
+    shops = CORPUS.glob(f"{dialect}/*/expect.toml")
+    return sorted(
+        file.parent / "jobs" / f"{name}{SUFFIX[dialect]}"
+        for file in shops
+        for name, told in _told(file).items()
+        if isinstance(told, dict)
+    )
+
+
+def around(job: Path) -> list[str]:
+    """The options that name the machine and the setup of a job."""
+    told = expectation(job)
+    return ["--machine", told["machine"], *(["--setup", told["setup"]] if "setup" in told else [])]
 
 
 def markers(program: Path) -> Markers:

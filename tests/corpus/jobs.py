@@ -5,10 +5,9 @@ Names are ``eding/drilled-plate``, ``wincnc/plasma/flange`` and ``mcuwin/engrave
 
 from __future__ import annotations
 
-import tomllib
 from pathlib import Path
 
-from corpus.expectations import ROOT
+from corpus.expectations import CORPUS, SUFFIX, expectation, jobs
 
 from gproof.backend.job import Job
 from gproof.driver.pipeline import Lowered, lower
@@ -16,38 +15,30 @@ from gproof.driver.session import Running, Session, open_session
 from gproof.ir.verdict import Verdict
 from gproof.verify.stream import validate
 
-CORPUS = ROOT / "corpus"
-_SUFFIX = {"wincnc": "tap", "mcuwin": "src"}
-
 
 def job_of(name: str) -> tuple[Path, dict]:
-    """The program, and what its ``.toml`` says of it."""
+    """The program, and what ``expect.toml`` says of it."""
     dialect, shop, *job = name.split("/")
-    if dialect == "eding":
-        program = CORPUS / dialect / shop / "job.cnc"
-        told = program.with_name("expect.toml")
-    else:
-        program = CORPUS / dialect / shop / "jobs" / f"{job[0]}.{_SUFFIX[dialect]}"
-        told = program.with_suffix(".toml")
-    return program, tomllib.loads(told.read_text(encoding="utf-8"))
+    inside = f"jobs/{job[0]}{SUFFIX[dialect]}" if job else "job.cnc"
+    program = CORPUS / dialect / shop / inside
+    return program, expectation(program)
 
 
 def all_jobs(verdict: str = "SAFE") -> list[str]:
     """Names of the jobs that are expected to end so."""
-    names = [f"eding/{path.parent.name}" for path in CORPUS.glob("eding/*/expect.toml")]
-    for dialect in _SUFFIX:
-        names += [f"{dialect}/{path.parents[1].name}/{path.stem}" for path in CORPUS.glob(f"{dialect}/*/jobs/*.toml")]
-    return sorted(name for name in names if job_of(name)[1].get("verdict") == verdict)
+    names = [f"eding/{path.parent.name}" for path in jobs("eding")]
+    for dialect in ("wincnc", "mcuwin"):
+        names += [f"{dialect}/{path.parents[1].name}/{path.stem}" for path in jobs(dialect)]
+    return sorted(name for name in names if job_of(name)[1]["verdict"] == verdict)
 
 
 def lowered(name: str) -> tuple[Session, Lowered]:
     """A job's session and stages, as far as it gets."""
     program, expected = job_of(name)
-    setup = expected.get("setup", "zero")
     session = open_session(
         program,
-        machine=program.parent / expected["machine"],
-        setup=setup if setup == "zero" else str(program.parent / setup),
+        machine=Path(expected["machine"]),
+        setup=expected.get("setup", "zero"),
         dialect=name.split("/", maxsplit=1)[0],
     )
     return session, lower(session, Running(1_000_000), "stream")

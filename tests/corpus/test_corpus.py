@@ -3,15 +3,26 @@
 from __future__ import annotations
 
 import importlib.util
-import tomllib
 from pathlib import Path
 
 import pytest
-from corpus.expectations import JUDGED, ROOT, false_alarms, findings, markers, misplaced, readme_tables, report_of
+from corpus.expectations import (
+    CORPUS,
+    JUDGED,
+    ROOT,
+    around,
+    expectation,
+    false_alarms,
+    findings,
+    jobs,
+    markers,
+    misplaced,
+    readme_tables,
+    report_of,
+)
 from support.command import in_own_process, in_this_process
 
-CORPUS = ROOT / "corpus"
-JOBS = sorted(path.parent for path in CORPUS.glob("*/*/job.cnc"))
+JOBS = [job.parent for job in jobs("eding")]
 EXIT = {"SAFE": 0, "UNSAFE": 1, "UNKNOWN": 2}
 
 
@@ -19,23 +30,16 @@ def name_of(folder: Path) -> str:
     return folder.relative_to(CORPUS).as_posix()
 
 
-def expectation(folder: Path) -> dict:
-    return tomllib.loads((folder / "expect.toml").read_text(encoding="utf-8"))
-
-
 def words_for(folder: Path) -> list[str]:
     """The command that judges a job, with a report in JSON."""
-    expect = expectation(folder)
-    words = ["check", str(folder / "job.cnc"), "--machine", str(folder / expect["machine"]), "--format", "json"]
-    if "setup" in expect:
-        setup = expect["setup"]
-        words += ["--setup", setup if setup == "zero" else str(folder / setup)]
-    return words + [word for name in expect.get("also", ()) for word in ("--also", name)]
+    job = folder / "job.cnc"
+    also = [word for name in expectation(job).get("also", ()) for word in ("--also", name)]
+    return ["check", str(job), *around(job), "--format", "json", *also]
 
 
 @pytest.mark.parametrize("folder", JOBS, ids=name_of)
 def test_job_ends_as_expected(folder: Path) -> None:
-    expect = expectation(folder)
+    expect = expectation(folder / "job.cnc")
     done = in_this_process(words_for(folder), ROOT)
     assert "Traceback" not in done.err, done.err
     report = report_of(done.out or done.err)
@@ -51,17 +55,17 @@ def test_job_ends_as_expected(folder: Path) -> None:
 
 @pytest.mark.parametrize("verdict", EXIT)
 def test_a_process_of_its_own_says_the_same(verdict: str) -> None:
-    folder = next(folder for folder in JOBS if expectation(folder)["verdict"] == verdict)
+    folder = next(folder for folder in JOBS if expectation(folder / "job.cnc")["verdict"] == verdict)
     assert in_own_process(words_for(folder), ROOT) == in_this_process(words_for(folder), ROOT)
 
 
 @pytest.mark.parametrize("folder", JOBS, ids=name_of)
 def test_expectation_is_complete(folder: Path) -> None:
-    expect = expectation(folder)
+    expect = expectation(folder / "job.cnc")
     assert expect["title"].strip()
     assert expect["exit"] == EXIT[expect["verdict"]]
-    assert (folder / expect["machine"]).is_file()
-    assert expect.get("setup", "zero") == "zero" or (folder / expect["setup"]).is_file()
+    assert Path(expect["machine"]).is_file()
+    assert expect.get("setup", "zero") == "zero" or Path(expect["setup"]).is_file()
     assert markers(folder / "job.cnc").codes <= set(expect["findings"])
     assert bool(expect["findings"]) == (expect["verdict"] != "SAFE")
 
@@ -82,7 +86,7 @@ def test_readme_lists_every_job_under_its_verdict() -> None:
     for folder in JOBS:
         link = f"[{folder.name}]({name_of(folder)}/job.cnc)"
         holding = [verdict for verdict, body in tables.items() if link in body]
-        assert holding == [expectation(folder)["verdict"]], link
+        assert holding == [expectation(folder / "job.cnc")["verdict"]], link
     assert sum(body.count("\n| [") for body in tables.values()) == len(JOBS)
 
 

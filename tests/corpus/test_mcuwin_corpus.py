@@ -1,16 +1,27 @@
-"""Every job of the McuWIN machines through the command line ends as its `.toml` and its markers say."""
+"""Every job of the McuWIN machines through the command line ends as `expect.toml` and its markers say."""
 
 from __future__ import annotations
 
-import tomllib
 from pathlib import Path
 
 import pytest
-from corpus.expectations import JUDGED, ROOT, false_alarms, findings, markers, misplaced, readme_tables, report_of
+from corpus.expectations import (
+    JUDGED,
+    ROOT,
+    around,
+    expectation,
+    false_alarms,
+    findings,
+    jobs,
+    markers,
+    misplaced,
+    readme_tables,
+    report_of,
+)
 from support.command import in_own_process, in_this_process
 
 SHOPS = ROOT / "corpus" / "mcuwin"
-JOBS = sorted(path.with_suffix(".src") for path in SHOPS.glob("*/jobs/*.toml"))
+JOBS = jobs("mcuwin")
 EXIT = {"SAFE": 0, "UNSAFE": 1, "UNKNOWN": 2}
 
 
@@ -18,18 +29,9 @@ def name_of(job: Path) -> str:
     return f"{job.parent.parent.name}/{job.stem}"
 
 
-def expectation(job: Path) -> dict:
-    return tomllib.loads(job.with_suffix(".toml").read_text(encoding="utf-8"))
-
-
 def words_for(job: Path) -> list[str]:
     """The command that judges a job, with a report in JSON."""
-    expect = expectation(job)
-    words = ["check", str(job), "--machine", str(job.parent / expect["machine"]), "--format", "json"]
-    if "setup" in expect:
-        setup = expect["setup"]
-        words += ["--setup", setup if setup == "zero" else str(job.parent / setup)]
-    return words
+    return ["check", str(job), *around(job), "--format", "json"]
 
 
 @pytest.mark.parametrize("job", JOBS, ids=name_of)
@@ -63,8 +65,8 @@ def test_expectation_is_complete(job: Path) -> None:
     assert job.is_file()
     assert expect["title"].strip()
     assert expect["exit"] == EXIT[expect["verdict"]]
-    assert (job.parent / expect["machine"]).is_file()
-    assert expect.get("setup", "zero") == "zero" or (job.parent / expect["setup"]).is_file()
+    assert Path(expect["machine"]).is_file()
+    assert expect.get("setup", "zero") == "zero" or Path(expect["setup"]).is_file()
     assert markers(job).codes <= set(expect["findings"])
     assert bool(expect["findings"]) == (expect["verdict"] != "SAFE")
 

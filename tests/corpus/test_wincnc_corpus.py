@@ -1,13 +1,24 @@
-"""Every job of the WinCNC workshops through the command line ends as its `.toml` and its markers say."""
+"""Every job of the WinCNC workshops through the command line ends as `expect.toml` and its markers say."""
 
 from __future__ import annotations
 
 import importlib.util
-import tomllib
 from pathlib import Path
 
 import pytest
-from corpus.expectations import JUDGED, ROOT, false_alarms, findings, markers, misplaced, readme_tables, report_of
+from corpus.expectations import (
+    JUDGED,
+    ROOT,
+    around,
+    expectation,
+    false_alarms,
+    findings,
+    jobs,
+    markers,
+    misplaced,
+    readme_tables,
+    report_of,
+)
 from support.command import in_own_process, in_this_process
 
 from gproof.driver.dialects import load_machine, semantics_of
@@ -17,16 +28,12 @@ from gproof.ir.finding import Findings, Severity
 from gproof.passes.interpret.understood_lines import doubtful_lines
 
 SHOPS = ROOT / "corpus" / "wincnc"
-JOBS = sorted(path.with_suffix(".tap") for path in SHOPS.glob("*/jobs/*.toml"))
+JOBS = jobs("wincnc")
 EXIT = {"SAFE": 0, "UNSAFE": 1, "UNKNOWN": 2}
 
 
 def name_of(job: Path) -> str:
     return f"{job.parent.parent.name}/{job.stem}"
-
-
-def expectation(job: Path) -> dict:
-    return tomllib.loads(job.with_suffix(".toml").read_text(encoding="utf-8"))
 
 
 def called(job: Path) -> list[Path]:
@@ -37,12 +44,7 @@ def called(job: Path) -> list[Path]:
 
 def words_for(job: Path) -> list[str]:
     """The command that judges a job, with a report in JSON."""
-    expect = expectation(job)
-    words = ["check", str(job), "--machine", str(job.parent / expect["machine"]), "--dialect", "wincnc"]
-    if "setup" in expect:
-        setup = expect["setup"]
-        words += ["--setup", setup if setup == "zero" else str(job.parent / setup)]
-    return [*words, "--format", "json"]
+    return ["check", str(job), *around(job), "--dialect", "wincnc", "--format", "json"]
 
 
 @pytest.mark.parametrize("job", JOBS, ids=name_of)
@@ -74,8 +76,8 @@ def test_expectation_is_complete(job: Path) -> None:
     assert job.is_file()
     assert expect["title"].strip()
     assert expect["exit"] == EXIT[expect["verdict"]]
-    assert (job.parent / expect["machine"]).is_file()
-    assert expect.get("setup", "zero") == "zero" or (job.parent / expect["setup"]).is_file()
+    assert Path(expect["machine"]).is_file()
+    assert expect.get("setup", "zero") == "zero" or Path(expect["setup"]).is_file()
     assert {code for file in [job, *called(job)] for code in markers(file).codes} <= set(expect["findings"])
     assert bool(expect["findings"]) == (expect["verdict"] != "SAFE")
 

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import json
 import re
-import tomllib
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 import pytest
+from corpus.expectations import around, jobs
 from support.bundles import unpacked
 from support.campaigns import share
 from support.goldens import ROOT
@@ -18,7 +18,7 @@ from support.json_schema import violations
 from gproof.cli.main import main
 
 SCHEMA = json.loads((ROOT / "docs" / "check.schema.json").read_text(encoding="utf-8"))
-JOBS = sorted(path.parent for path in ROOT.glob("corpus/*/*/expect.toml"))
+JOBS = [job.parent for job in jobs("eding")]
 CODES = sorted(unpacked("docs/codes").glob("GP[1234]*/bad.cnc"))
 
 
@@ -36,10 +36,8 @@ def report(words: list[str], capsys: pytest.CaptureFixture[str]) -> tuple[int, d
 
 @pytest.mark.parametrize("folder", JOBS, ids=lambda folder: folder.name)
 def test_reports_of_the_corpus_follow_the_schema(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    expect = tomllib.loads((folder / "expect.toml").read_text(encoding="utf-8"))
-    words = [str(folder / "job.cnc"), "--machine", str(folder / expect["machine"])]
-    if "setup" in expect:
-        words += ["--setup", expect["setup"] if expect["setup"] == "zero" else str(folder / expect["setup"])]
+    job = folder / "job.cnc"
+    words = [str(job), *around(job)]
     code, found = report(words, capsys)
     assert list(violations(found, SCHEMA)) == []
     assert code == {"SAFE": 0, "UNSAFE": 1, "UNKNOWN": 2}[found["verdict"]]

@@ -29,13 +29,12 @@ def words_for(name: str) -> list[str]:
         "fit",
         str(job),
         "--machine",
-        str(job.parent / expect["machine"]),
+        expect["machine"],
         "--dialect",
         name.split("/", maxsplit=1)[0],
     ]
     if "setup" in expect:
-        setup = expect["setup"]
-        words += ["--setup", setup if setup == "zero" else str(job.parent / setup)]
+        words += ["--setup", expect["setup"]]
     return words
 
 

@@ -4,16 +4,16 @@ from __future__ import annotations
 
 import json
 import re
-import tomllib
 from pathlib import Path
 
 import pytest
+from corpus.expectations import around, jobs
 from support.goldens import ROOT
 
 from gproof.cli.main import main
 from gproof.ir.trace import Op
 
-JOBS = [path.parent for path in sorted(ROOT.glob("corpus/*/*/expect.toml")) if path.parent.name != "raster-surface"]
+JOBS = [job.parent for job in jobs("eding") if job.parent.name != "raster-surface"]
 EVERYWHERE = {"op", "line", "file"}
 
 
@@ -30,11 +30,8 @@ def listed() -> dict[str, set[str]]:
 
 @pytest.mark.parametrize("folder", JOBS, ids=lambda folder: folder.name)
 def test_rows_have_the_listed_keys(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    expect = tomllib.loads((folder / "expect.toml").read_text(encoding="utf-8"))
-    words = ["dump", str(folder / "job.cnc"), "--stage", "trace", "--format", "jsonl"]
-    words += ["--machine", str(folder / expect["machine"])]
-    if "setup" in expect:
-        words += ["--setup", expect["setup"] if expect["setup"] == "zero" else str(folder / expect["setup"])]
+    job = folder / "job.cnc"
+    words = ["dump", str(job), "--stage", "trace", "--format", "jsonl", *around(job)]
     code = main(words)
     rows = [json.loads(line) for line in capsys.readouterr().out.splitlines()]
     keys = listed()

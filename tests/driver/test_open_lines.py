@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import random
-import tomllib
 from pathlib import Path
 
 import pytest
-from support.goldens import ROOT
+from corpus.expectations import expectation, jobs
 
 from gproof.driver.judge import Judgement, judge
 from gproof.driver.session import Running, open_session
@@ -17,7 +16,7 @@ from gproof.ir.verdict import Verdict
 MOTION = ("limits", "areas", "arcs")
 SMALL = 12_000
 FLOW = ("sub", "if", "while", "gosub", "endsub", "dlgmsg")
-FOLDERS = {path.parent.name: path.parent for path in sorted(ROOT.glob("corpus/eding/*/expect.toml"))}
+FOLDERS = {job.parent.name: job.parent for job in jobs("eding")}
 
 LINES = [
     # no word, no code, no command of the controller
@@ -35,11 +34,9 @@ LINES = [
 
 def judged(folder: Path, job: Path, *, stated: bool = True) -> Judgement:
     """The corpus job's machine, and its setup where that is to be stated."""
-    expect = tomllib.loads((folder / "expect.toml").read_text(encoding="utf-8"))
+    expect = expectation(folder / "job.cnc")
     setup = expect.get("setup") if stated else None
-    if setup not in {None, "zero"}:
-        setup = str(folder / setup)
-    session = open_session(job, machine=folder / expect["machine"], setup=setup, dialect="eding")
+    session = open_session(job, machine=Path(expect["machine"]), setup=setup, dialect="eding")
     return judge(session, running=Running(max_blocks=20_000))
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
+from corpus.expectations import expectation
 
 from gproof.cli.dump import loaded
 from gproof.driver.pipeline import lower
@@ -17,9 +18,8 @@ JOBS = ["thread-milling", "parametric-bolt-circle", "nested-contours", "operator
 
 @pytest.mark.parametrize("name", JOBS)
 def test_stages_of_a_job_round_trip(name: str) -> None:
-    folder = CORPUS / name
-    machine = next(p for p in (folder / "machine.toml", folder / "cnc.ini") if p.exists())
-    session = open_session(folder / "job.cnc", machine=machine, setup="zero", dialect=None)
+    job = CORPUS / name / "job.cnc"
+    session = open_session(job, machine=Path(expectation(job)["machine"]), setup="zero", dialect=None)
     assert session.program is not None
     lowered = lower(session, Running(10**6), "stream")
     assert lowered.plan is not None and lowered.stream is not None

@@ -5,12 +5,12 @@ from __future__ import annotations
 import dataclasses
 import math
 import re
-import tomllib
 import xml.etree.ElementTree as ET
 from pathlib import Path
 
 import numpy as np
 import pytest
+from corpus.expectations import around, expectation, jobs
 from support.campaigns import seeds, share
 from support.goldens import ROOT
 
@@ -23,7 +23,7 @@ from gproof.report.picture import path_points
 from gproof.report.picture.path_points import PathPoints
 from gproof.report.picture.words import wide, wrapped
 
-JOBS = [path.parent for path in sorted(ROOT.glob("corpus/*/*/expect.toml")) if path.parent.name != "raster-surface"]
+JOBS = [job.parent for job in jobs("eding") if job.parent.name != "raster-surface"]
 SVG = "{http://www.w3.org/2000/svg}"
 MACHINE = str(ROOT / "corpus" / "eding" / "drilled-plate" / "machine.toml")
 HEAD = "G21 G17 G90 G94 G40 G49 G80 G54\n"
@@ -46,10 +46,9 @@ def program(folder: Path, text: str) -> str:
 
 @pytest.mark.parametrize("folder", share(JOBS, 3), ids=lambda folder: folder.name)
 def test_every_corpus_job_can_be_drawn(folder: Path, tmp_path: Path) -> None:
-    expect = tomllib.loads((folder / "expect.toml").read_text(encoding="utf-8"))
-    words = [str(folder / "job.cnc"), "--machine", str(folder / expect["machine"])]
-    if "setup" in expect:
-        words += ["--setup", expect["setup"] if expect["setup"] == "zero" else str(folder / expect["setup"])]
+    job = folder / "job.cnc"
+    expect = expectation(job)
+    words = [str(job), *around(job)]
     root = draw(words, tmp_path / "job.svg")
     said = texts(root)
     assert expect["verdict"] in said
@@ -77,7 +76,7 @@ def test_without_a_machine_only_the_cut_is_drawn(tmp_path: Path) -> None:
 
 def test_an_unknown_zero_is_named_and_placed(tmp_path: Path) -> None:
     folder = ROOT / "corpus" / "eding" / "unknown-offsets"
-    said = texts(draw([str(folder / "job.cnc"), "--machine", str(folder / "machine.toml")], tmp_path / "a.svg"))
+    said = texts(draw([str(folder / "job.cnc"), *around(folder / "job.cnc")], tmp_path / "a.svg"))
     assert "work zero can be here" in said
     assert any("G54 X offset" in line for line in said)
 

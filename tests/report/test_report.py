@@ -15,6 +15,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+from corpus.expectations import around
 from support.bundles import unpacked
 from support.goldens import ROOT
 
@@ -36,12 +37,8 @@ EXPLAINED = ["GP301", "GP401", "soft-limit"]
 
 
 def job_words(name: str) -> list[str]:
-    folder = Path("corpus/eding") / name
-    expect = tomllib.loads((ROOT / folder / "expect.toml").read_text(encoding="utf-8"))
-    words = [str(folder / "job.cnc"), "--machine", str(folder / expect["machine"])]
-    if "setup" in expect:
-        words += ["--setup", expect["setup"] if expect["setup"] == "zero" else str(folder / expect["setup"])]
-    return words
+    job = ROOT / "corpus" / "eding" / name / "job.cnc"
+    return [word.removeprefix(f"{ROOT}/") for word in (str(job), *around(job))]
 
 
 def example_words(code: str) -> list[str]:

@@ -66,7 +66,7 @@ JOBS = (
     *(_own(dialect, files, "zero", "zero") for dialect, files in OWN),
     *(_own(dialect, files, "measured", OPEN) for dialect, files in OWN),
     *(_own(dialect, files, "signed", "zero", signed=True) for dialect, files in OWN),
-    _corpus("eding-stops", "eding/operator-stops", "job.cnc", "machine.toml", "setup.toml"),
+    _corpus("eding-stops", "eding/operator-stops", "job.cnc", "../machines/router.toml", "setup.toml"),
     _corpus("eding-ini", "eding/facing", "job.cnc", "machine.toml", "zero"),
     _corpus("eding-workpiece", "eding/clamped-bracket", "job.cnc", "machine.toml", "setup.toml"),
     _corpus("wincnc-ini", "wincnc/vacuum-router", "jobs/ask-to-stop.tap", "WINCNC.INI", "setup.toml"),

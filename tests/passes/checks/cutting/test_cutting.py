@@ -15,6 +15,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 import pytest
+from corpus.expectations import around, expectation, jobs
 from support.campaigns import share
 from support.command import in_this_process
 from support.goldens import ROOT
@@ -246,27 +247,21 @@ ALLOWED = {
     # Tool 6 of the rack cuts wood without the coolant that the others have.
     "rack-change": {"GP538"},
 }
-EDING = sorted(CORPUS.glob("eding/*/expect.toml"))
 
 
 def corpus_report(folder: Path, text: str | None = None, scratch: Path | None = None) -> dict[str, object]:
-    expected = (folder / "expect.toml").read_text(encoding="utf-8")
-    machine, setup = (re.search(rf'^{key} = "(.*)"', expected, re.M) for key in ("machine", "setup"))
     job = folder / "job.cnc"
+    options = around(job)
     if text is not None:
         assert scratch is not None
         job = scratch / "job.cnc"
         job.write_text(text, encoding="utf-8")
-    words = ["check", str(job), "--also", "feeds", "--also", "cutting", "--format", "json"]
-    if machine is not None:
-        words += ["--machine", str(folder / machine[1])]
-    if setup is not None and setup[1] != "none":
-        words += ["--setup", setup[1] if setup[1] == "zero" else str(folder / setup[1])]
+    words = ["check", str(job), *options, "--also", "feeds", "--also", "cutting", "--format", "json"]
     report: dict[str, object] = json.loads(in_this_process(words, folder).out)
     return report
 
 
-SAFE = [path.parent for path in EDING if 'verdict = "SAFE"' in path.read_text(encoding="utf-8")]
+SAFE = [job.parent for job in jobs("eding") if expectation(job)["verdict"] == "SAFE"]
 
 
 @pytest.mark.parametrize("folder", share(SAFE, 3), ids=lambda folder: folder.name)
@@ -311,13 +306,14 @@ RIGHT = {
 }  # fmt: skip
 
 
-def shop_jobs(shop: Path, suffix: str, starts: str) -> list[Path]:
+def shop_jobs(shop: Path, starts: str) -> list[Path]:
     """Good jobs of a workshop that start a spindle."""
     return [
-        path.with_suffix(suffix)
-        for path in sorted((shop / "jobs").glob("*.toml"))
-        if 'verdict = "SAFE"' in path.read_text(encoding="utf-8")
-        and re.search(starts, path.with_suffix(suffix).read_text(encoding="latin-1"), re.M)
+        job
+        for job in jobs(shop.parent.name)
+        if job.parents[1] == shop
+        and expectation(job)["verdict"] == "SAFE"
+        and re.search(starts, job.read_text(encoding="latin-1"), re.M)
     ]
 
 
@@ -335,23 +331,22 @@ def router(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return shop
 
 
-ROUTED = [job for job in shop_jobs(ROUTER, ".tap", r"^M3\b") if job.stem != "relief"]  # 5000 lines show no more
+ROUTED = [job for job in shop_jobs(ROUTER, r"^M3\b") if job.stem != "relief"]  # 5000 lines show no more
 
 
 @pytest.mark.parametrize("job", share(ROUTED, 3), ids=lambda job: job.stem)
 def test_the_router(job: Path, router: Path) -> None:
     """As it is, and without the M3 of its jobs; the rack, the tool setter and the park position are no cuts."""
     text = job.read_text(encoding="latin-1")
-    setup = re.search(r'^setup = "\.\./(.*)"', job.with_suffix(".toml").read_text(encoding="utf-8"), re.M)
-    assert setup is not None
-    assert in_the_shop(router, job.name, "m.toml", setup[1]) == ("SAFE", RIGHT.get(job.stem, set()))
+    setup = Path(expectation(job)["setup"]).name
+    assert in_the_shop(router, job.name, "m.toml", setup) == ("SAFE", RIGHT.get(job.stem, set()))
     (router / "jobs" / "mutant.tap").write_text(re.sub(r"(?m)^M3\b.*$", "", text), encoding="latin-1")
-    verdict, found = in_the_shop(router, "mutant.tap", "m.toml", setup[1])
+    verdict, found = in_the_shop(router, "mutant.tap", "m.toml", setup)
     assert verdict == "UNSAFE"
     assert "GP530" in found
 
 
-@pytest.mark.parametrize("job", shop_jobs(ENGRAVER, ".src", r"\bM03\b"), ids=lambda job: job.stem)
+@pytest.mark.parametrize("job", shop_jobs(ENGRAVER, r"\bM03\b"), ids=lambda job: job.stem)
 def test_the_engraver(job: Path, tmp_path: Path) -> None:
     shutil.copytree(ENGRAVER, tmp_path / "engraver")
     shop = tmp_path / "engraver"

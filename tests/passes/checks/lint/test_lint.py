@@ -12,6 +12,7 @@ import re
 from pathlib import Path
 
 import pytest
+from corpus.expectations import around, expectation, jobs
 from support.campaigns import seeds, share
 from support.command import in_this_process
 from support.goldens import ROOT
@@ -213,8 +214,8 @@ def test_an_inch_job_read_as_millimetres_and_the_reverse(tmp_path: Path) -> None
         for content, found in ((text, False), (re.sub(old, new, text, flags=re.I), True)):
             job = tmp_path / "job.cnc"
             job.write_text(content, encoding="utf-8")
-            machine = folder / ("machine.toml" if (folder / "machine.toml").is_file() else "cnc.ini")
-            _, ours = told(job, "--machine", str(machine), "--setup", "zero", "--dialect", "eding")
+            machine = expectation(folder / "job.cnc")["machine"]
+            _, ours = told(job, "--machine", machine, "--setup", "zero", "--dialect", "eding")
             assert ("GP151" in {f["code"] for f in ours}) is found, (name, found)
 
 
@@ -222,9 +223,7 @@ def test_an_inch_job_read_as_millimetres_and_the_reverse(tmp_path: Path) -> None
 def test_the_wrong_units_of_the_corpus(job: str) -> None:
     """Both go to X 90 inches, 2286 mm, on machines of 440 and 400 mm."""
     path = CORPUS / job
-    machine = path.parent / "machine.toml"
-    machine = machine if machine.is_file() else path.parent.parent / "machine.toml"
-    _, found = told(path, "--machine", str(machine))
+    _, found = told(path, "--machine", expectation(path)["machine"])
     (message,) = [str(f["message"]) for f in found if f["code"] == "GP151"]
     assert "look like millimetres, and count as inches" in message
     assert "X 22" in message or "X 21" in message
@@ -312,25 +311,11 @@ def test_what_is_read_too_early_is_what_some_run_reads_too_early(seed: int, tmp_
 # ---- the corpus
 
 JOBS = sorted(
-    path
-    for pattern in ("eding/*/expect.toml", "wincnc/*/jobs/*.toml", "mcuwin/*/jobs/*.toml")
-    for path in CORPUS.glob(pattern)
-    if 'verdict = "SAFE"' in path.read_text(encoding="utf-8")
+    job for dialect in ("eding", "wincnc", "mcuwin") for job in jobs(dialect) if expectation(job)["verdict"] == "SAFE"
 )
 
 
-@pytest.mark.parametrize("expected", share(JOBS, 3), ids=lambda path: f"{path.parent.name}-{path.stem}")
-def test_good_jobs_of_the_corpus(expected: Path) -> None:
-    text = expected.read_text(encoding="utf-8")
-    stated = {key: re.search(rf'^{key} = "(.*)"', text, re.M) for key in ("machine", "setup")}
-    job = next(
-        p for p in (expected.with_name("job.cnc"), *(expected.with_suffix(s) for s in (".tap", ".src"))) if p.is_file()
-    )
-    words: list[str] = []
-    if stated["machine"]:
-        words += ["--machine", str(expected.parent / stated["machine"][1])]
-    if stated["setup"] and stated["setup"][1] != "none":
-        name = stated["setup"][1]
-        words += ["--setup", name if name == "zero" else str(expected.parent / name)]
-    verdict, found = told(job, *words)
+@pytest.mark.parametrize("job", share(JOBS, 3), ids=lambda path: f"{path.parent.name}-{path.stem}")
+def test_good_jobs_of_the_corpus(job: Path) -> None:
+    verdict, found = told(job, *around(job))
     assert (verdict, [(f["code"], f["line"]) for f in found]) == ("SAFE", [])

@@ -19,7 +19,7 @@ ROOT = Path(__file__).parents[4]
 
 
 def bench_mill() -> Machine:
-    machine, _ = load_machine(ROOT / "corpus" / "eding" / "bored-and-reamed" / "machine.toml", Findings())
+    machine, _ = load_machine(ROOT / "corpus" / "eding" / "machines" / "bench-mill-centred.toml", Findings())
     assert machine is not None
     settings = EdingSettings(thread_peak="offset")
     head = Spindle(number=1, offset=(3.0, 0.0, 0.0))
