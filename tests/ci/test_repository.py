@@ -96,6 +96,29 @@ def test_targets_that_a_contributor_is_asked_to_run_exist() -> None:
     assert [name for name in targets if f"\n{name}:" not in makefile] == []
 
 
+def test_the_readme_is_one_look() -> None:
+    """A picture, how to install, what SAFE means and the command of the tests, within 150 lines."""
+    text = (ROOT / "README.md").read_text(encoding="utf-8")
+    assert len(text.splitlines()) <= 150
+    for part in ("](docs/images/", "\npipx install ", "](docs/tutorial.md)", "\n## What SAFE means", "`make test`"):
+        assert part in text, part
+    shown = re.findall(r"^(?:job|[\w-]+)\.\w+: (SAFE|UNSAFE)$", text, flags=re.MULTILINE)
+    assert sorted(set(shown)) == ["SAFE", "UNSAFE"]
+
+
+def test_changes_of_a_release_are_short_and_in_groups() -> None:
+    """As keepachangelog.com has it: what is not released yet first, then versions with a day, newest first."""
+    text = (ROOT / "CHANGELOG.md").read_text(encoding="utf-8")
+    heads = re.findall(r"^## (.+)$", text, flags=re.MULTILINE)
+    assert heads[0] == "Unreleased"
+    assert all(re.fullmatch(r"\d+\.\d+\.\d+ - \d{4}-\d\d-\d\d", head) for head in heads[1:])
+    groups = set(re.findall(r"^### (.+)$", text, flags=re.MULTILINE))
+    assert groups <= {"Added", "Changed", "Deprecated", "Removed", "Fixed", "Security"}
+    released = text.split(f"\n## {heads[1]}\n", 1)[1].splitlines()
+    assert [line for line in released if line.startswith(" ")] == [], "an entry of a release is one line"
+    assert [line for line in released if len(line) > 180] == []
+
+
 def test_citation_and_project_say_the_same() -> None:
     cited = read(ROOT / "CITATION.cff")
     assert (cited["version"], cited["license"]) == (PROJECT["version"], PROJECT["license"])
