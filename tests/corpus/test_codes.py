@@ -19,7 +19,19 @@ from corpus.expectations import (
     strange,
     strange_texts,
 )
-from corpus.pages import FOLDERS, NAMES, PAGES, dialects, differences, reasons, sentences, settings, table, text_of
+from corpus.pages import (
+    DOCS,
+    FOLDERS,
+    NAMES,
+    PAGES,
+    dialects,
+    differences,
+    reasons,
+    sentences,
+    settings,
+    table,
+    text_of,
+)
 from support.campaigns import share
 
 from gproof.ir.codes import CODES, RETIRED
@@ -151,6 +163,9 @@ def test_a_page_says_what_its_programs_run_with(folder: Path) -> None:
             assert re.search(rf"^`{{3,}}gcode {re.escape(name)}\b", section, re.MULTILINE), name
     if dialects(folder):
         assert "\n".join(table(folder)) in files
+    macros = (DOCS / "wincnc" / "CNC.MAC").read_bytes()
+    for name in re.findall(r"^`{3,}gcode (\S+)", files, re.MULTILINE):
+        assert (folder / name).read_bytes() == macros, f"{name} is a part of the programs: above"
 
 
 def test_what_a_reason_names_tells_of_that_controller() -> None:
