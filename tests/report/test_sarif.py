@@ -64,6 +64,9 @@ def test_every_code_is_valid_sarif(monkeypatch: pytest.MonkeyPatch, capsys: pyte
         region = location["physicalLocation"].get("region", {})
         assert region.get("endColumn", 1 << 30) > region.get("startColumn", 1)
     assert all(re.fullmatch("[A-Z][A-Za-z0-9]+", rule["name"]) for rule in rules)
+    for rule in rules:
+        page = (ROOT / "docs" / "codes" / f"{rule['id']}.md").read_text("utf-8")
+        assert rule["help"]["markdown"] == rule["help"]["text"] == page.partition("\n## Files\n")[0].rstrip()
 
 
 def test_sarif_of_marks_and_suppressions() -> None:
