@@ -24,6 +24,7 @@ import os
 import re
 import shutil
 import tempfile
+import time
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from functools import cache
@@ -153,12 +154,14 @@ def unpacked(tree: str) -> Path:
     source = ROOT / tree
     files = sorted(path for path in source.rglob("*") if path.is_file() and path.suffix not in {".py", ".pyc"})
     contents = {path.relative_to(source): path.read_bytes() for path in files}
-    digest = hashlib.sha256()
+    digest = hashlib.sha256(tree.encode())
     for name, content in contents.items():
         digest.update(f"{name.as_posix()}\0{len(content)}\0".encode() + content)
     target = BUILT / digest.hexdigest()[:16] / tree
     if target.is_dir():
+        os.utime(target)
         return target
+    _forget(tree)
     BUILT.mkdir(parents=True, exist_ok=True)
     made = Path(tempfile.mkdtemp(dir=BUILT))
     try:
@@ -176,6 +179,17 @@ def unpacked(tree: str) -> Path:
     finally:
         shutil.rmtree(made, ignore_errors=True)
     return target
+
+
+KEPT = 7 * 24 * 3600
+"""Seconds after its last use that a state of a tree is kept."""
+
+
+def _forget(tree: str) -> None:
+    """Remove states of a tree that nothing has used for long: each is some megabytes."""
+    for state in BUILT.glob("*") if BUILT.is_dir() else ():
+        if (state / tree).is_dir() and (state / tree).stat().st_mtime < time.time() - KEPT:
+            shutil.rmtree(state, ignore_errors=True)
 
 
 def pages_of(folder: str) -> list[Path]:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+import time
 from pathlib import Path
 
 import pytest
@@ -69,3 +71,20 @@ def test_pages_of_topics_hold_one_folder(tmp_path: Path, monkeypatch: pytest.Mon
     tmp_path.joinpath("second", "mill.lines.md").write_text(block("arc.cnc", b"G1"))
     with pytest.raises(ValueError, match=r"two pages hold mill/arc\.cnc"):
         unpacked("second")
+
+
+def test_states_that_nothing_uses_are_removed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(bundles, "ROOT", tmp_path)
+    monkeypatch.setattr(bundles, "BUILT", tmp_path / "build")
+    made = {}
+    for age in (8, 1, 0):
+        for tree in ("pages", "others"):
+            tmp_path.joinpath(tree).mkdir(exist_ok=True)
+            tmp_path.joinpath(tree, "a.md").write_text(block("a.cnc", str(age).encode()))
+            unpacked.cache_clear()
+            made[tree, age] = unpacked(tree)
+            used = time.time() - age * 24 * 3600
+            os.utime(made[tree, age], (used, used))
+    unpacked.cache_clear()
+    # A tree forgets its own states, when it makes a new one.
+    assert [key for key, path in made.items() if not path.exists()] == [("pages", 8), ("others", 8)]
