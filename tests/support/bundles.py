@@ -10,7 +10,8 @@ cannot show::
 Words: ``crlf`` (lines end so), ``no-end`` (the last line has no end), ``latin-1`` (its bytes), ``base64`` (no text),
 ``about`` (JSON Lines whose first row is the text of its section: ``about_row``). Other blocks and all text around them
 are for people. ``unpacked`` writes a tree of pages as the folders that they were packed from, once for each state of
-the tree, below ``build/``: ``mill.md`` holds the folder ``mill``, and ``mill.arcs.md`` a topic of it.
+the tree, below ``build/``: ``mill.md`` holds the folder ``mill``, ``mill.arcs.md`` a topic of it, ``_knives.md`` many
+folders, with which its names of files start, and ``format-3.zip`` the folder ``format-3``.
 
 Imports nothing of gproof: ``make replay`` unpacks the same pages for both revisions.
 """
@@ -19,12 +20,14 @@ from __future__ import annotations
 
 import base64
 import hashlib
+import io
 import json
 import os
 import re
 import shutil
 import tempfile
 import time
+import zipfile
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from functools import cache
@@ -166,11 +169,8 @@ def unpacked(tree: str) -> Path:
     made = Path(tempfile.mkdtemp(dir=BUILT))
     try:
         for name, content in contents.items():
-            if name.suffix != ".md" or name.name == "README.md":
-                _write(made / tree / name, content)
-                continue
-            for inner, data in files_of(content.decode()).items():
-                _write(made / tree / name.with_name(name.name.partition(".")[0]) / inner, data)
+            for inner, data in _held(name, content):
+                _write(made / tree / inner, data)
         try:
             made.rename(BUILT / digest.hexdigest()[:16])
         except OSError:  # another process was first
@@ -190,6 +190,18 @@ def _forget(tree: str) -> None:
     for state in BUILT.glob("*") if BUILT.is_dir() else ():
         if (state / tree).is_dir() and (state / tree).stat().st_mtime < time.time() - KEPT:
             shutil.rmtree(state, ignore_errors=True)
+
+
+def _held(name: Path, content: bytes) -> Iterator[tuple[Path, bytes]]:
+    """The files that a file of a tree stands for: those of a page or an archive, or itself."""
+    if name.suffix == ".zip":
+        with zipfile.ZipFile(io.BytesIO(content)) as archive:
+            yield from ((name.with_suffix("") / inner, archive.read(inner)) for inner in archive.namelist())
+    elif name.suffix == ".md" and name.name != "README.md":
+        folder = name.parent if name.name.startswith("_") else name.with_name(name.name.partition(".")[0])
+        yield from ((folder / inner, data) for inner, data in files_of(content.decode()).items())
+    else:
+        yield name, content
 
 
 def pages_of(folder: str) -> list[Path]:
@@ -215,5 +227,6 @@ if __name__ == "__main__":
     import sys
 
     # The folder of a page, to be looked at or run by hand.
-    for page in sys.argv[1:]:
-        print(unpacked(os.path.relpath(Path(page).resolve().parent, ROOT)) / Path(page).name.partition(".")[0])
+    for page in (Path(word).resolve() for word in sys.argv[1:]):
+        tree = unpacked(os.path.relpath(page.parent, ROOT))
+        print(tree if page.name.startswith("_") else tree / page.name.partition(".")[0])

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import time
+import zipfile
 from pathlib import Path
 
 import pytest
@@ -60,13 +61,16 @@ def test_pages_of_topics_hold_one_folder(tmp_path: Path, monkeypatch: pytest.Mon
     monkeypatch.setattr(bundles, "ROOT", tmp_path)
     monkeypatch.setattr(bundles, "BUILT", tmp_path / "build")
     texts = {"mill.md": block("m.toml", b"x"), "mill.arcs.md": block("arc.cnc", b"G2"), "README.md": "", "x.py": ""}
+    texts["_two.md"] = block("saw/s.toml", b"1") + block("spoil/s.toml", b"2")
     for tree in ("first", "second"):
         tmp_path.joinpath(tree).mkdir()
         for name, text in texts.items():
             tmp_path.joinpath(tree, name).write_text(text)
+        with zipfile.ZipFile(tmp_path / tree / "old.zip", "w") as archive:
+            archive.writestr("a.gpx", b"package")
     made = unpacked("first")
     found = {path.relative_to(made).as_posix() for path in made.rglob("*") if path.is_file()}
-    assert found == {"README.md", "mill/m.toml", "mill/arc.cnc"}
+    assert found == {"README.md", "mill/m.toml", "mill/arc.cnc", "saw/s.toml", "spoil/s.toml", "old/a.gpx"}
     assert [page.name for page in pages_of("first/mill")] == ["mill.arcs.md", "mill.md"]
     tmp_path.joinpath("second", "mill.lines.md").write_text(block("arc.cnc", b"G1"))
     with pytest.raises(ValueError, match=r"two pages hold mill/arc\.cnc"):

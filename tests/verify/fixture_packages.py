@@ -1,7 +1,7 @@
 """Makes the packages beside this file, which later versions read, or refuse as older: never UNSAFE.
 
-``python tests/verify/fixture_packages.py FOLDER`` compiles each job of ``JOBS`` with the gproof at hand into
-FOLDER. It was run for each format when that was new; a folder that is there is never made anew. Random in a
+``python tests/verify/fixture_packages.py FILE.zip`` compiles each job of ``JOBS`` with the gproof at hand into an
+archive. It was run for each format when that was new; an archive that is there is never made again. Random in a
 package are the key and the date of its signature.
 """
 
@@ -10,6 +10,7 @@ from __future__ import annotations
 import contextlib
 import sys
 import tempfile
+import zipfile
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -95,7 +96,7 @@ def make(job: Job, into: Path) -> None:
 
 
 if __name__ == "__main__":
-    target = Path(sys.argv[1]).resolve()
-    target.mkdir(parents=True)
-    for one in JOBS:
-        make(one, target)
+    with zipfile.ZipFile(sys.argv[1], "x") as archive, tempfile.TemporaryDirectory() as made:
+        for one in JOBS:
+            make(one, Path(made))
+            archive.write(Path(made, f"{one.name}.gpx"), f"{one.name}.gpx")

@@ -1,6 +1,6 @@
 """Packages of older versions are read, or refused as older with exit 2: never UNSAFE; and so are those of newer ones.
 
-``packages/format-N`` has what the version that wrote format N made of the jobs of fixture_packages.py; it stays for
+``packages/format-N.zip`` has what the version that wrote format N made of the jobs of fixture_packages.py; it stays for
 ever.
 """
 
@@ -17,6 +17,7 @@ from typing import Any
 
 import pytest
 from ir.schema_shapes import ROOTS, classes_of
+from support.bundles import unpacked
 from support.command import in_this_process
 from support.goldens import ROOT
 from verify.certificate.test_certificate import edit, edited_body
@@ -26,7 +27,7 @@ from verify.package_files import members_of, rebuilt
 from gproof.verify.certificate.check import check_package
 from gproof.verify.certificate.package import FORMAT, SCHEMAS, read_package
 
-PACKAGES = Path(__file__).parent / "packages"
+PACKAGES = unpacked("tests/verify/certificate/packages")
 CURRENT = PACKAGES / f"format-{FORMAT.partition('/')[2]}"
 OLDER = [path for path in sorted(PACKAGES.rglob("*.gpx")) if CURRENT not in path.parents]
 READ = sorted(CURRENT.glob("*.gpx"))
