@@ -54,6 +54,6 @@ def test_pages_hold_every_program() -> None:
 
 
 def test_page_of_the_dialect_lists_every_program() -> None:
-    page = (ROOT / "docs" / "dialects" / "eding.md").read_text().split("\n## Beside LinuxCNC\n")[1]
+    page = (ROOT / "docs" / "dialects" / "eding.md").read_text().split("\n## Compared with LinuxCNC\n")[1]
     rows = [row.split("|")[-2] for row in page.splitlines() if row.startswith("| ")][1:]
     assert sorted(re.findall(r"`([a-z0-9-]+)`", "".join(rows))) == sorted(CODES)
