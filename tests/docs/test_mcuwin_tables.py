@@ -45,7 +45,7 @@ def test_what_is_open_of_something_supported_is_never_safe(name: str, tmp_path: 
 def test_the_settings_of_the_page_are_settings_of_machine_files() -> None:
     text = (ROOT / "docs" / "machine-files.md").read_text("utf-8")
     known = set(re.findall(r"^(\w+) = ", text, re.M)) | set(re.findall(r"^\[din\.(\w+)\]", text, re.M))
-    header = r"^\| question \| choice \| setting \| section \|\n"
+    header = r"^\| question \| what gproof does \| setting \| section \|\n"
     tables = re.findall(header + r"(?:\|.*\n?)+", DIALECT.read_text("utf-8"), re.M)
     rows = [line.split(" | ") for table in tables for line in table.splitlines()[2:]]
     assert {len(row) for row in rows} == {4}
