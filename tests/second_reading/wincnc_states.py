@@ -192,7 +192,7 @@ class Model:
         place = dict(words)
         if len(place) == 1:
             if not self.programmed or x is None or y is None:
-                raise Open("one of X and Y alone behind G52, before both were named")
+                raise Open("one of X and Y alone after G52, before both were named")
             u, v = x - self.offset("X") - i, y - self.offset("Y") - j
             place = {"X": i + u * cosine + v * sine, "Y": j - u * sine + v * cosine} | place
         self.programmed = True
@@ -237,7 +237,7 @@ class Model:
         """X and Y of the way from cell to cell go where they are sent."""
         bound = set(self.follower or ()) | self.locked | self.moulded()
         if bound & {"X", "Y"} or self.swaps("XY"):
-            raise Open("the way from cell to cell while")
+            raise Open("the path from cell to cell while")
 
     def swaps(self, letters: str) -> bool:
         return any(self.sends[a] != (a,) or a in self.shared for a in letters)
@@ -308,7 +308,7 @@ def direct(model: Model, words: Words, code: str) -> None:
 def stored(model: Model, words: Words, code: str) -> None:
     """P: Stored Positions."""
     if model.drilling:
-        raise Open("P alone behind a cycle")
+        raise Open("P alone after a cycle")
     place = {axis: value + model.base[axis] for axis, value in POSITIONS[int(code[1:])].items()}
     by_machine(model, place, {a for a in place if not _same(place[a], model.at[a])})
 
@@ -555,7 +555,7 @@ def machine_zero(model: Model, words: Words, code: str) -> None:
 def level(model: Model, words: Words, code: str) -> None:
     """L53: tips at one height, as high as possible; the place of a tip is that of its axis less the measure."""
     if any(model.base[a] for a in VERTICAL):
-        raise Open("L53 behind an L28 of a head")
+        raise Open("L53 after an L28 of a head")
     if any(model.put_aside.values()):
         raise Open("L53 while G49 is in force")
     if any(math.isnan(model.measure[a]) for a in VERTICAL):
