@@ -46,16 +46,16 @@ blend_distance = 0.5
 HEAD = """\
 # Eding CNC: everything the manual names
 
-Generated from the code (`make goldens`) and tested to be complete; the choices behind it are in
-[eding.md](eding.md).
+This page lists every code, operator, command and parameter of the manual, and what gproof does with it. How gproof reads what the
+manual leaves open is in [eding.md](eding.md). The page is generated from the code (`make goldens`) and tested to be complete.
 
-- **supported**: read, checked and executed; what it does is in the Trace, or in what the program computes.
-- **checked-only**: read and checked, and an event of the Trace; what the device then does is not modelled, and no axis
-  depends on it.
-- **UNKNOWN**: read; a program that executes it is UNKNOWN from there on, with a finding that says why.
+- **supported**: gproof reads, checks and executes it. Its effect is in the Trace, or in the values of the program.
+- **checked-only**: gproof reads and checks it, and it is an event of the Trace. gproof does not model what the device then does;
+  no axis depends on it.
+- **UNKNOWN**: gproof reads it. A program that executes it is UNKNOWN from there on, with a finding that says why.
 
 The examples run on the machine of the finding codes' examples (`docs/codes/machine.toml`), with `thread_peak` for
-G76 and a knife on C for its commands. A code may be UNKNOWN on a machine of which the file says less.
+G76 and a knife on C for its commands. A code may be UNKNOWN on a machine whose file says less.
 """
 
 
@@ -124,7 +124,7 @@ def _operators() -> Iterator[str]:
     yield "|---|---|---|"
     stated = {"**", "*", "/", "mod", "+", "-", "and", "or", "xor"}
     for level in reversed(LEVELS):
-        for given, why in ((True, "3.2.2.3"), (False, "a choice: doubt is told (GP230)")):
+        for given, why in ((True, "3.2.2.3"), (False, "not in the manual: doubt is reported (GP230)")):
             names = [o for o in level.split() if (o in stated) is given]
             if names:
                 yield f"| {' '.join(f'`{name}`' for name in names)} | {why} | {SUPPORTED} |"

@@ -238,10 +238,10 @@ EXAMPLES: dict[str, Example] = {
 OPEN: dict[str, tuple[tuple[str, Example], ...]] = {
     "G41": (("sharp corners, inside corners without room", _E("T1\nG41\nG01 X40 Y20 F500\nG01 X60\nG01 X40")),),
     "G42": (("sharp corners, inside corners without room", _E("T1\nG42\nG01 X40 Y20 F500\nG01 X60\nG01 X40")),),
-    "G01": (("words behind G91 without a code", _E("G01 X20 F500\nG91\nX10")),),
+    "G01": (("words after G91 without a code", _E("G01 X20 F500\nG91\nX10")),),
     "G18": (("I in place of K", _E("G18\nG01 X30 F500\nG03 X40 Z15 I10 J0")),),
-    "G22": (("back behind G24 with factors set before", _E("G22\nG39 X2\nG24\nG22\nG01 X20 F500")),),
-    "G53": (("behind G91", _E("G91\nG53\nG01 X20 F500")),),
+    "G22": (("again after G24 with factors set before", _E("G22\nG39 X2\nG24\nG22\nG01 X20 F500")),),
+    "G53": (("after G91", _E("G91\nG53\nG01 X20 F500")),),
     "G200": (("not in `[din.task0]`", _E("G201\nG01 X20 F500")),),
     "M200": (("not in `[din.task0]`", _E("M201\nG01 X20 F500")),),
     "M902": (("what an earlier job has kept", _E("M902 601\nG01 X(CI601) F500")),),

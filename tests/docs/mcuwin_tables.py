@@ -33,17 +33,18 @@ SUPPORTED, CHECKED, UNKNOWN, REFUSED = "supported", "checked-only", "UNKNOWN", "
 HEAD = """\
 # McuWIN: everything the manuals name
 
-Generated from the code (`make goldens`) and tested to be complete against lists made from the two manuals; the choices
-behind it are in [mcuwin.md](mcuwin.md). Sections are those of the manual of V 2.5.3.133, and of V 2.5.3.32
+This page lists every code, statement, variable and message of the two manuals, and what gproof does with it. How gproof reads what the
+manuals leave open is in [mcuwin.md](mcuwin.md). The page is generated from the code (`make goldens`), and a test compares it with
+lists made from the manuals. Sections are those of the manual of V 2.5.3.133, and of V 2.5.3.32
 in the column of that name.
 
-- **supported**: read, checked and executed; what it does is in the Trace, or in what the program computes.
-- **checked-only**: read and checked, and an event of the Trace; what the device then does is not modelled, and no axis
-  depends on it.
-- **UNKNOWN**: read; a program that executes it is UNKNOWN from there on, with a finding that says why.
-- **refused**: an error, as on the controller.
+- **supported**: gproof reads, checks and executes it. Its effect is in the Trace, or in the values of the program.
+- **checked-only**: gproof reads and checks it, and it is an event of the Trace. gproof does not model what the device then does;
+  no axis depends on it.
+- **UNKNOWN**: gproof reads it. A program that executes it is UNKNOWN from there on, with a finding that says why.
+- **refused**: it is an error, as on the controller.
 
-The examples run on a machine whose file states what Task 0 does. With less stated, a code of Task 0 is UNKNOWN.
+The examples run on a machine whose file says what Task 0 does. Without that, a code of Task 0 is UNKNOWN.
 """
 
 
@@ -130,9 +131,9 @@ def _keys() -> Iterator[str]:
     for key in KEPT:
         yield f"| `{key.shown}` | {key.meaning} | {key.source} | {CHECKED} (kept as text) |"
     for row in SETTINGS:
-        stated = f"`{row.stated_by}` of `[din]` states it" if row.stated_by else f"{CHECKED} (kept as text)"
-        usual = f"; {UNKNOWN} (GP605) while a key of an unknown name may hold it" if row.usual else ""
-        yield f"| not told | {row.what} | {row.source} | {stated}{usual} |"
+        stated = f"`{row.stated_by}` of `[din]` gives it" if row.stated_by else f"{CHECKED} (kept as text)"
+        usual = f"; {UNKNOWN} (GP605) while a key with an unknown name may hold it" if row.usual else ""
+        yield f"| unknown | {row.what} | {row.source} | {stated}{usual} |"
 
 
 def _functions() -> str:

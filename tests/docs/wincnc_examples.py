@@ -231,7 +231,7 @@ OPEN = {
         ]
         for name in ("G41", "G42")
     },
-    "G81": [("Z, R or another axis without X and Y on a line behind it", "G81 X120 Y100 Z-20 R-12 F300\nZ-25\nG80")],
+    "G81": [("Z, R or another axis without X and Y on a line after it", "G81 X120 Y100 Z-20 R-12 F300\nZ-25\nG80")],
     **{
         name: [
             ("type 3", name, f"{name.lower()}=X0 Y0 T3 R5\n"),
@@ -240,16 +240,16 @@ OPEN = {
         ]
         for name in ("G54", "G55", "G56", "G57", "G58", "G59")
     },
-    "G52": [("one of X and Y alone behind it, before both were named", "G52 I0 J0 A30\nG1 X110\nG50")],
-    "G52.1": [("one of X and Y alone behind it, before both were named", "G52.1 A1 B2\nG1 X110\nG50")],
+    "G52": [("one of X and Y alone after it, before both were named", "G52 I0 J0 A30\nG1 X110\nG50")],
+    "G52.1": [("one of X and Y alone after it, before both were named", "G52.1 A1 B2\nG1 X110\nG50")],
     "L10": [("with several rows and columns", "L10 R2 C2 X50 Y50 E1\nG92 X0 Y0\nG1 X10\nL10")],
     "L28": [("of an axis that has followed another one", "L13 XY\nG0 X110\nL13\nL28 Y0")],
     "L36": [("with the torch lit", "L36\nL38\nG1 X110\nL39\nL37")],
     "L38": [("before the first L37", "L38\nL39\nL37"), ("with A", "L37\nL38 A5\nL39")],
     "L53": [("while G49 puts a measure aside", "M37 Z3\nG49\nL53")],
-    "M17.1": [("an empty line or a comment behind it", "M17.1 C2\n\nG1 X110")],
-    "M99": [("in the job itself, with lines behind it", "G1 X110\nM99\nG1 X120")],
-    "P": [("a position that no setup states", "P9")],
+    "M17.1": [("an empty line or a comment after it", "M17.1 C2\n\nG1 X110")],
+    "M99": [("in the job itself, with lines after it", "G1 X110\nM99\nG1 X120")],
+    "P": [("a position that is not in the setup file", "P9")],
 }
 """What of a command the manual leaves open: in words, a program that is UNKNOWN, and lines of WINCNC.INI in place of
 those that it usually has for the device."""

@@ -33,16 +33,17 @@ SUPPORTED, CHECKED, UNKNOWN = "supported", "checked-only", "UNKNOWN"
 HEAD = """\
 # WinCNC: everything the manual names
 
-Generated from the code (`make goldens`) and tested to be complete against a list of the manual's headings; the choices
-behind it are in [wincnc.md](wincnc.md).
+This page lists every command, variable, key and message of the manual, and what gproof does with it. How gproof reads what the
+manual leaves open is in [wincnc.md](wincnc.md). The page is generated from the code (`make goldens`), and a test compares it with a
+list of the manual's headings.
 
-- **supported**: read, checked and executed; what it does is in the Trace, or in what the program computes.
-- **checked-only**: read and checked, and an event of the Trace; what the device then does is not modelled, and no axis
-  depends on it.
-- **UNKNOWN**: read; a program that executes it is UNKNOWN from there on, with a finding that says why.
+- **supported**: gproof reads, checks and executes it. Its effect is in the Trace, or in the values of the program.
+- **checked-only**: gproof reads and checks it, and it is an event of the Trace. gproof does not model what the device then does;
+  no axis depends on it.
+- **UNKNOWN**: gproof reads it. A program that executes it is UNKNOWN from there on, with a finding that says why.
 
 The examples run on the machine of `docs/codes/wincnc`, with the device that a command needs. A command may be UNKNOWN
-on a machine, or with a setup, of which less is said.
+on a machine, or with a setup, that is described less completely.
 """
 
 _COMMANDS = {**examples.G_CODES, **examples.L_CODES, **examples.M_CODES, **examples.LETTERS}
@@ -144,7 +145,7 @@ def _range(parameter: Parameter) -> str:
 
 def _parameters(parameters: Iterable[Parameter]) -> Iterator[str]:
     for p in parameters:
-        needed = ", must be there" if p.needed else ""
+        needed = ", required" if p.needed else ""
         yield f"{p.letter}: {p.meaning}{_range(p)}{needed}"
 
 

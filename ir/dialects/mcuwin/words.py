@@ -22,10 +22,10 @@ class Entry:
 _E = Entry
 
 G_CODES = (
-    _E("G00", "rapid move of each axis at its own velocity; goes on in lines without a code", "3.1", "4.1"),
-    _E("G01", "straight feed move of the interpolation axes; goes on", "3.2", "4.2"),
-    _E("G02", "arc or helix, clockwise; I and J its centre; goes on", "3.3", "4.3"),
-    _E("G03", "arc or helix, counter-clockwise; goes on", "3.4", "4.4"),
+    _E("G00", "rapid move of each axis at its own velocity; continues on lines without a code", "3.1", "4.1"),
+    _E("G01", "straight feed move of the interpolation axes; continues", "3.2", "4.2"),
+    _E("G02", "arc or helix, clockwise; I and J its centre; continues", "3.3", "4.3"),
+    _E("G03", "arc or helix, counter-clockwise; continues", "3.4", "4.4"),
     _E("G04", "stand still for so many seconds: a number, a variable or an expression", "3.5", "4.5"),
     _E("G17", "plane X-Y for arcs and tool radius correction, as after the start", "3.6", "4.6"),
     _E("G18", "plane Z-X", "3.7", "4.7"),
@@ -69,7 +69,7 @@ G_CODES = (
 
 M_CODES = (
     _E("M00", "program stop", "4.1", "5.1"),
-    _E("M01", "stop when the operator has asked for it", "4.2", "5.2"),
+    _E("M01", "stop if the operator has requested it", "4.2", "5.2"),
     _E("M02", "program end; outputs stay", "4.3", "5.3"),
     _E("M03", "spindle clockwise, by Task 0", "4.4", "5.4"),
     _E("M04", "spindle anti-clockwise, by Task 0", "4.5", "5.5"),
@@ -80,7 +80,7 @@ M_CODES = (
     _E("M17", "end of a subprogram", "4.10", "5.10"),
     _E("M26", "set an output: axis number and two digits, 00 for all", "4.11", "5.11"),
     _E("M27", "reset an output", "4.12", "5.12"),
-    _E("M30", "program end, back to its beginning, then Task 0", "4.13", "5.13"),
+    _E("M30", "program end, back to its start, then Task 0", "4.13", "5.13"),
     _E("M80", "write the outputs of an axis channel as a word", "4.14"),
     _E("M96", "jump to a label", "4.15", "5.14"),
     _E("M98", "call a subprogram, O times", "4.16", "5.15"),
@@ -90,8 +90,8 @@ M_CODES = (
     _E("M902", "bring an integer variable back", "4.20"),
     _E("M903", "keep a floating point variable", "4.21"),
     _E("M904", "bring a floating point variable back", "4.22"),
-    _E("M910", "switch the PC off behind the program's end", "4.23"),
-    _E("M911", "leave McuWIN behind the program's end", "4.24"),
+    _E("M910", "switch the PC off after the program's end", "4.23"),
+    _E("M911", "leave McuWIN after the program's end", "4.24"),
 )
 
 APPLICATION = (
@@ -102,7 +102,7 @@ APPLICATION = (
 
 LETTERS = (
     _E("N", "number of a line; whether it must be there is a setting", "14 (2.5.3.24)", "1.2"),
-    _E("L", "label; its name behind M96 and M98", "5.1", "6.1"),
+    _E("L", "label; its name after M96 and M98", "5.1", "6.1"),
     _E("O", "how often M98 calls", "4.16", "5.15"),
     _E("I", "centre of an arc, first axis of X-Y", "3.3", "4.3"),
     _E("J", "centre of an arc, second axis of X-Y", "3.3", "4.3"),
@@ -113,13 +113,13 @@ LETTERS = (
 )
 
 STATEMENTS = (
-    _E("%", "begins a module, with or without a name", "4.16, 5.1", "1.2"),
+    _E("%", "starts a module, with or without a name", "4.16, 5.1", "1.2"),
     _E("()", "comment", "6", "7"),
     _E("'", "comment up to the end of the line", "6", "7"),
     _E("(())", "comment within a comment", "6", "7"),
     _E("//", "comment of rw_SymPas up to the end of the line", "7", "8"),
     _E("{}", "comment of rw_SymPas", "7"),
-    _E("$if", "if … then begin … $end", "7", "8"),
+    _E("$if", "if … then `begin` … $end", "7", "8"),
     _E("$end else", "else branch", "7", "8"),
     _E("$end else if", "chain of conditions", "7", "8"),
     _E("$while", "loop, condition first", "8.1", "9.1"),
@@ -127,8 +127,8 @@ STATEMENTS = (
     _E("$for to", "loop that counts up", "8.3", "9.3"),
     _E("$for downto", "loop that counts down", "8.3", "9.3"),
     _E("$I", "another file's text in this place", "9", "10"),
-    _E("$DINEND", "rw_SymPas begins", "10", "11"),
-    _E("{$DINSTART}", "DIN blocks begin again", "10", "11"),
+    _E("$DINEND", "rw_SymPas starts", "10", "11"),
+    _E("{$DINSTART}", "DIN blocks start again", "10", "11"),
     _E("$", "one line of rw_SymPas", "10"),
     _E("var", "declares variables: integer, double, boolean", "10, 12"),
     _E("const", "declares constants", "10, 12"),

@@ -74,7 +74,7 @@ _CHANGER = (
 _WORKSPACE = (
     _P("X", "shift"), _P("Y", "shift"), _P("T", "0 heads, 3 turning spindle, 5 two points of rotation"),
     _P("R", "radius of rotation, type 3"), _P("O", "correction of 0 degrees"),
-    _P("M", "1: axes go to their new places when it is selected", 0, 1),
+    _P("M", "1: axes move to their new positions when it is selected", 0, 1),
 )  # fmt: skip
 _CURVE_ANGLE = _P("A", "degrees below which it does not act")
 _TOP = _P("A", "axis, 0 X, 1 Y, …", 0)
@@ -164,7 +164,7 @@ OTHER_KEYS = (
         _P("E", "seconds after off", 0), _P("T", "0 as M11 and M12, 1 as M13 and M14", 0, 1),
     ),
     _aside("autodir", "folder of files to run by themselves", "screen", form="text"),
-    _aside("autofdir", "folder they go to afterwards", "screen", form="text"),
+    _aside("autofdir", "folder that they are moved to afterwards", "screen", form="text"),
     _aside(
         "autogas", "serial line to a plasma source", "device",
         _P("T", "1 or 2", 1, 2), _P("C", "serial port"), _P("B", "baud"), _P("N", "N2 mix"), _P("G", "G2 mix"),
@@ -191,7 +191,7 @@ OTHER_KEYS = (
     ),
     _aside("bitmapdir", "folder of pictures", "screen", form="text"),
     _aside("bmpeditor", "editor of pictures", "screen", form="text"),
-    _key("bmpend", "command behind each bitmap", "commands", form="command"),
+    _key("bmpend", "command after each bitmap", "commands", form="command"),
     _key("bmpstart", "command before each bitmap", "commands", form="command"),
     _aside(
         "bmpoffset", "shift of bitmap rows", "device",
@@ -200,17 +200,17 @@ OTHER_KEYS = (
     _aside("btnoptions", "0: no menu of buttons", "screen", default="1"),
     _key("cmdabort", "command after an abort", "commands", form="command"),
     _key("cmdend", "command at the end of a file", "commands", form="command"),
-    _key("cmdrestart", "command when a file is begun in its middle", "commands", form="command"),
+    _key("cmdrestart", "command when a file is started in its middle", "commands", form="command"),
     _key("cmdrestartfeed", "the same, before a feed move", "commands", form="command"),
     _key("cmdrestartrapid", "the same, before a rapid move", "commands", form="command"),
     _key("cmdstart", "command at the start of a file", "commands", form="command"),
     _key("commatodec", "1: a comma is a decimal point", "language", default="0"),
-    _key("comchars", "characters that begin a comment", "language", form="text", default="[(%"),
+    _key("comchars", "characters that start a comment", "language", form="text", default="[(%"),
     _aside("comdll", "library for serial lines", "screen", form="text"),
     _aside("contdelay", "seconds before going on after a pause", "screen"),
     _key(
         "cutcomp", "cutter compensation", "tools",
-        _P("T", "1: a move of its own to begin it", 0, 1), _P("D", "negative: left and right exchanged"), default="T0",
+        _P("T", "1: a move of its own to start it", 0, 1), _P("D", "negative: left and right exchanged"), default="T0",
     ),
     *(
         _aside(f"ctrlf{n}", "command of a function key", "screen", form="command") for n in range(1, 9)
@@ -247,7 +247,7 @@ OTHER_KEYS = (
     _aside("g28_lim_cnt", "debounce of limit switches while homing", "homing", default="lim_cnt="),
     _key(
         "g28move", "how axes home; the order of the lines is that of homing", "homing",
-        _P("R", "way off the switch after the first contact", 0), _P("F", "velocity of the first contact", 0),
+        _P("R", "distance off the switch after the first contact", 0), _P("F", "velocity of the first contact", 0),
         _P("T", "velocity of the second contact", 0), _P("A", "other limit switch"), _P("M", "axes home one by one"),
         _P("L", "longest way", 0),
         form="axes", default="T10",
@@ -299,7 +299,7 @@ OTHER_KEYS = (
         _P("W", "readings before a pass", 0), _P("A", "0 X, 1 Y", 0, 1), _P("T", "1 Ethernet, 0 parallel port", 0, 1),
     ),
     _aside("lim_cnt", "debounce of limit switches, up to 30", "limits"),
-    _aside("lim_mode", "0 or 2: any switch aborts, 1 or 3: that in the way", "limits"),
+    _aside("lim_mode", "0 or 2: any switch aborts, 1 or 3: the one in the direction of the move", "limits"),
     _aside("lim_step", "steps of the stop after a switch", "limits"),
     _key("lobound", "low boundaries, in workspaces", "limits", form="axes"),
     _aside("logdir", "folder of the log", "screen", form="text"),
@@ -333,7 +333,7 @@ OTHER_KEYS = (
     _key("quadmode", "1: quadrature in place of steps and directions", "motion"),
     _aside("rapid_lock", "0: the operator may change rapid velocities", "motion", default="1"),
     _aside("rapidjog", "1: jogs at rapid velocity", "screen", default="0"),
-    _aside("restart", "a file begun in its middle", "screen", _P("V", "1: vertical axes too", 0, 1), default="V1"),
+    _aside("restart", "a file started in its middle", "screen", _P("V", "1: vertical axes too", 0, 1), default="V1"),
     _key(
         "sawmode", "rotating saw", "knife",
         _P("T", "kind; 1", 1, 1), _P("A", "axis that turns it, 0 X, 1 Y, …", 0), _P("R", "radius", 0),

@@ -65,7 +65,7 @@ _ARC = (
     _P("K", "distance to the centre on a third axis"), _P("R", "radius, instead of I, J and K", 0), _FEED,
 )  # fmt: skip
 _HOLE = (
-    _P("X", "place of the hole"), _P("Y", "place of the hole"), _P("Z", "bottom of the hole"),
+    _P("X", "position of the hole"), _P("Y", "position of the hole"), _P("Z", "bottom of the hole"),
     _P("R", "height from which the drill feeds"),
 )  # fmt: skip
 _PECK = _P("Q", "depth of one peck", 0)
@@ -78,7 +78,7 @@ _OUTPUT = _P("C", "channel of auxout=", needed=True)
 _INPUT = _P("C", "channel of auxin=", needed=True)
 _VIRTUAL = _P("C", "virtual input", 1, 64, needed=True)
 _BIT = _P("C", "0 or 1", 0, 1, needed=True)
-_SIMULATED = _P("D", "what a simulation takes the condition to be", 0, 1)
+_SIMULATED = _P("D", "value of the condition in a simulation", 0, 1)
 _STORED = (
     _P("P", "store a position, under this number", 0), _P("H", "store a home position", 0),
     _P("T", "store a tool position", 0), _P("L", "1: lift the vertical heads on the way there", 0, 1),
@@ -89,8 +89,8 @@ _MAP_STEP = (_P("N", "next place"), _P("P", "previous place"), _P("S", "first pl
 LETTERS = (
     Command("X", "axis words: a letter without a number counts as 0", _VALUES),
     Command("F", "feed velocity of the groups of the axes on its line, or of the command group", _NAMES),
-    Command("P", "go to a stored position"),
-    Command("H", "go to a stored home position"),
+    Command("P", "move to a stored position"),
+    Command("H", "move to a stored home position"),
     Command("S", "spindle speed"),
     Command("[", "comment; its closing bracket may be missing"),
     Command("{", "a value, computed from the controller's variables, in place of a number or an axis"),
@@ -105,8 +105,8 @@ G_CODES = (
     Command("G1", "feed move, modal", _VALUES, (_POWER, _FEED)),
     Command("G2", "arc, clockwise", _VALUES, _ARC),
     Command("G3", "arc, counter-clockwise", _VALUES, _ARC),
-    Command("G4", "stand still; without a time until the operator goes on", _NO, (_P("X", "seconds", 0),)),
-    Command("G5", "message box, which may ask for an abort or decide about the next line", _NO, (
+    Command("G4", "wait; without a time until the operator continues", _NO, (_P("X", "seconds", 0),)),
+    Command("G5", "message box, which may offer an abort or decide about the next line", _NO, (
         _P("T", "0 tells, 1 yes: abort, 2 yes: go on, 3 yes: run the next line, 4 yes: skip it", 0, 4),
         _P("M", "text in quotes"),
     )),
@@ -170,7 +170,7 @@ L_CODES = (
     Command("L1.1", "save the registers H to a file"),
     Command("L1.2", "load the registers H from a file"),
     Command("L3", "store where the axes are", _NAMES),
-    Command("L4", "go to what L3 stored last", _NAMES),
+    Command("L4", "move to the position that L3 stored last", _NAMES),
     Command("L5", "contouring velocity, units a minute", _VALUES),
     Command("L6", "acceleration, units a minute a second; alone: that of the machine file", _VALUES),
     Command("L7", "acceleration, percent of the present; alone: the original", _NO, (_P("P", "percent", 1, 100),)),
@@ -209,7 +209,7 @@ L_CODES = (
     Command("L37.1", "torch height control keeps the voltage that was set"),
     Command("L38", "torch on", _NO, (_P("A", "degrees of a bevel, with torchbevel="),)),
     Command("L39", "torch off"),
-    Command("L40", "feed override; nothing when outside of override=", _NO, (_P("P", "percent", needed=True),)),
+    Command("L40", "feed override; no effect outside of override=", _NO, (_P("P", "percent", needed=True),)),
     Command("L41", "run a program of the computer", _NO, (_P("text", "path", needed=True),)),
     Command("L48", "take the present voltage as that of laser height control"),
     Command("L51", "D/A output; one letter only", _NO, (
@@ -228,7 +228,7 @@ L_CODES = (
     Command("L82.1", "local coordinates of vertical axes from the probe's calibration"),
     Command("L82.2", "correct the local coordinates of L82.1 by a new measurement"),
     Command("L82.3", "calibrate the probe on the table"),
-    Command("L83", "go to a place, touch it and write it to a file", _NO, (_P("X", "place"), _P("Y", "place"))),
+    Command("L83", "move to a position, touch it and write it to a file", _NO, (_P("X", "place"), _P("Y", "place"))),
     Command("L90", "this line has absolute positions"),
     Command("L91", "this line has relative positions"),
     Command("L92", "local coordinates outlive the file"),
@@ -240,7 +240,7 @@ L_CODES = (
     )),
     Command("L111.1", "run the next line if both spindles have a tool", _NO, (_TOOL,)),
     Command("L112", "skip the next line if a tool is in the spindle", _NO, (_TOOL,)),
-    Command("L113", "skip the next line unless a value lies between two others", _NO, (
+    Command("L113", "skip the next line unless a value is between two others", _NO, (
         _P("L", "low", needed=True), _P("H", "high", needed=True), _P("V", "value", needed=True),
     )),
     Command("L120", "second tool changer holds a tool", _NO, (_TOOL,)),
@@ -265,7 +265,7 @@ L_CODES = (
     Command("L251", "vector laser on", _NO, (
         _P("P", "power, percent", 1, 100), _P("D", "distance of shots"), _P("L", "distance without, when perforating"),
     )),
-    Command("L251.1", "laser stands on one place", _NO, (_P("D", "seconds", 0, needed=True),)),
+    Command("L251.1", "laser stays at one place", _NO, (_P("D", "seconds", 0, needed=True),)),
     Command("L252", "engrave a bitmap"),
     Command("L252.1", "later bitmaps as they are"),
     Command("L253", "engrave a bitmap, turned by 90 degrees clockwise"),
@@ -278,7 +278,7 @@ L_CODES = (
     Command("L300", "axes stay where they are, whatever is commanded", _NAMES),
     Command("L301", "axes move again", _NAMES),
     Command("L400", "write a home file of the present place"),
-    Command("L401", "go to where the axes were before the last file"),
+    Command("L401", "move to the positions before the last file"),
     Command("L402", "write the positions to a file", _NO, (_TEXT_FILE,)),
     Command("L500", "store machine positions under a number", _NAMES, _STORED),
     Command("L500.2", "enter a tool into the tool library", _NO, (
@@ -291,7 +291,7 @@ L_CODES = (
     )),
     Command("L600", "pitch maps of axes off; all without letters", _NAMES),
     Command("L601", "pitch maps of axes on; all without letters", _NAMES),
-    Command("L602", "begin to map an axis: which, and which is corrected; goes to the first place", _NAMES),
+    Command("L602", "start to map an axis: which, and which is corrected; moves to the first place", _NAMES),
     Command("L603", "store the correction of the map and go on", _NO, _MAP_STEP),
     Command("L604", "go on in the map", _NO, _MAP_STEP),
     Command("L605", "store the correction of the map"),
@@ -333,8 +333,8 @@ M_CODES = (
     Command("M18.2", "run the next line if an output is off", _NO, (_OUTPUT,)),
     Command("M18.3", "run the next line if a virtual input is off", _NO, (_VIRTUAL,)),
     Command("M18.4", "run the next line if C is 0", _NO, (_BIT,)),
-    Command("M28", "a limit switch stops its axis in this line, others go on, the job goes on"),
-    Command("M29", "a limit switch stops this line, the job goes on"),
+    Command("M28", "a limit switch stops its axis on this line; the other axes and the job continue"),
+    Command("M29", "a limit switch stops this line; the job continues"),
     Command("M37", "measure the tool: its tip is at the places given", _VALUES, (
         _P("O", "height offset"), _P("H", "tool number, M0 of atc1="), _P("T", "tool number, M1 of atc1="),
     )),
