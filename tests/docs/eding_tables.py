@@ -46,16 +46,19 @@ blend_distance = 0.5
 HEAD = """\
 # Eding CNC: everything the manual names
 
-This page lists every code, operator, command and parameter of the manual, and what gproof does with it. How gproof reads what the
-manual leaves open is in [eding.md](eding.md). The page is generated from the code (`make goldens`) and tested to be complete.
+This page lists every code, operator, command and parameter of the manual, and what gproof does with it. How
+gproof reads what the manual leaves open is in [eding.md](eding.md). The page is generated from the code (`make
+goldens`) and tested to be complete.
 
-- **supported**: gproof reads, checks and executes it. Its effect is in the Trace, or in the values of the program.
-- **checked-only**: gproof reads and checks it, and it is an event of the Trace. gproof does not model what the device then does;
-  no axis depends on it.
-- **UNKNOWN**: gproof reads it. A program that executes it is UNKNOWN from there on, with a finding that says why.
+- **supported**: gproof reads, checks and executes it. Its effect is in the Trace, or in the values of the
+  program.
+- **checked-only**: gproof reads and checks it, and it is an event of the Trace. gproof does not model what the
+  device then does; no axis depends on it.
+- **UNKNOWN**: gproof reads it. A program that executes it is UNKNOWN from there on, with a finding that says
+  why.
 
-The examples run on the machine of the finding codes' examples (`docs/codes/machine.toml`), with `thread_peak` for
-G76 and a knife on C for its commands. A code may be UNKNOWN on a machine whose file says less.
+The examples run on the machine of the finding codes' examples (`docs/codes/machine.toml`), with `thread_peak`
+for G76 and a knife on C for its commands. A code may be UNKNOWN on a machine whose file says less.
 """
 
 

@@ -33,15 +33,17 @@ SUPPORTED, CHECKED, UNKNOWN, REFUSED = "supported", "checked-only", "UNKNOWN", "
 HEAD = """\
 # McuWIN: everything the manuals name
 
-This page lists every code, statement, variable and message of the two manuals, and what gproof does with it. How gproof reads what the
-manuals leave open is in [mcuwin.md](mcuwin.md). The page is generated from the code (`make goldens`), and a test compares it with
-lists made from the manuals. Sections are those of the manual of V 2.5.3.133, and of V 2.5.3.32
-in the column of that name.
+This page lists every code, statement, variable and message of the two manuals, and what gproof does with it.
+How gproof reads what the manuals leave open is in [mcuwin.md](mcuwin.md). The page is generated from the code
+(`make goldens`), and a test compares it with lists made from the manuals. Sections are those of the manual of V
+2.5.3.133, and of V 2.5.3.32 in the column of that name.
 
-- **supported**: gproof reads, checks and executes it. Its effect is in the Trace, or in the values of the program.
-- **checked-only**: gproof reads and checks it, and it is an event of the Trace. gproof does not model what the device then does;
-  no axis depends on it.
-- **UNKNOWN**: gproof reads it. A program that executes it is UNKNOWN from there on, with a finding that says why.
+- **supported**: gproof reads, checks and executes it. Its effect is in the Trace, or in the values of the
+  program.
+- **checked-only**: gproof reads and checks it, and it is an event of the Trace. gproof does not model what the
+  device then does; no axis depends on it.
+- **UNKNOWN**: gproof reads it. A program that executes it is UNKNOWN from there on, with a finding that says
+  why.
 - **refused**: it is an error, as on the controller.
 
 The examples run on a machine whose file says what Task 0 does. Without that, a code of Task 0 is UNKNOWN.

@@ -33,17 +33,19 @@ SUPPORTED, CHECKED, UNKNOWN = "supported", "checked-only", "UNKNOWN"
 HEAD = """\
 # WinCNC: everything the manual names
 
-This page lists every command, variable, key and message of the manual, and what gproof does with it. How gproof reads what the
-manual leaves open is in [wincnc.md](wincnc.md). The page is generated from the code (`make goldens`), and a test compares it with a
-list of the manual's headings.
+This page lists every command, variable, key and message of the manual, and what gproof does with it. How gproof
+reads what the manual leaves open is in [wincnc.md](wincnc.md). The page is generated from the code (`make
+goldens`), and a test compares it with a list of the manual's headings.
 
-- **supported**: gproof reads, checks and executes it. Its effect is in the Trace, or in the values of the program.
-- **checked-only**: gproof reads and checks it, and it is an event of the Trace. gproof does not model what the device then does;
-  no axis depends on it.
-- **UNKNOWN**: gproof reads it. A program that executes it is UNKNOWN from there on, with a finding that says why.
+- **supported**: gproof reads, checks and executes it. Its effect is in the Trace, or in the values of the
+  program.
+- **checked-only**: gproof reads and checks it, and it is an event of the Trace. gproof does not model what the
+  device then does; no axis depends on it.
+- **UNKNOWN**: gproof reads it. A program that executes it is UNKNOWN from there on, with a finding that says
+  why.
 
-The examples run on the machine of `docs/codes/wincnc`, with the device that a command needs. A command may be UNKNOWN
-on a machine, or with a setup, that is described less completely.
+The examples run on the machine of `docs/codes/wincnc`, with the device that a command needs. A command may be
+UNKNOWN on a machine, or with a setup, that is described less completely.
 """
 
 _COMMANDS = {**examples.G_CODES, **examples.L_CODES, **examples.M_CODES, **examples.LETTERS}
