@@ -106,7 +106,7 @@ def test_words_that_do_not_fit_are_one_line_and_change_nothing(shop: Shop) -> No
         (("trust", "other.pem", "--name", "bench"), "another key"),
         (("trust", "other.pem", "--name", "BENCH"), "another key"),
         (("trust", "bench.pem", "--name", "alias"), "already trusted (as bench)"),
-        (("trust", "mine.pem"), "trusted already, as own"),
+        (("trust", "mine.pem"), "already trusted (as own)"),
         (("trust", "other.pem", "--name", "own"), "your own key"),
         (("trust", "other.pem", "--name", "Own"), "your own key"),
         (("trust", "other.pem", "--name", "../up"), "use letters"),
