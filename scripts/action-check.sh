@@ -3,7 +3,7 @@
 #
 # INPUT_…: the inputs, all of them as text; RUNNER_TEMP: where action-install.sh put gproof, and reports go;
 # GITHUB_OUTPUT, GITHUB_STEP_SUMMARY: files that outputs and the summary page are appended to.
-# Jobs are judged once; each report is written from that.
+# Jobs are checked once; each report is written from that.
 set -euo pipefail
 
 fail() {
@@ -30,7 +30,7 @@ yes() {
     false | '') return 1 ;;
     esac
     local name=${1#INPUT_}
-    fail "input $(tr 'A-Z_' 'a-z-' <<<"$name") is true or false"
+    fail "input $(tr 'A-Z_' 'a-z-' <<<"$name") must be true or false"
 }
 
 bin="$RUNNER_TEMP/gproof/bin"
@@ -39,7 +39,7 @@ reports="$RUNNER_TEMP/gproof-reports"
 mkdir -p "$reports"
 rm -f "$reports/check.json" "$reports/check.md"
 sarif=${INPUT_SARIF_FILE:-$reports/gproof.sarif}
-case $sarif in *$'\n'*) fail "input sarif-file is one file" ;; esac
+case $sarif in *$'\n'*) fail "input sarif-file must be one file" ;; esac
 rm -f -- "$sarif"
 
 options=(--report "json=$reports/check.json" --report "sarif=$sarif")
@@ -57,7 +57,7 @@ if yes INPUT_STRICT; then options+=(--strict); fi
 if yes INPUT_ANNOTATIONS; then options+=(--format github); fi
 if yes INPUT_SUMMARY; then options+=(--report "markdown=$reports/check.md"); fi
 lines "$INPUT_JOBS"
-[ ${#words[@]} -gt 0 ] || fail "input jobs names no job"
+[ ${#words[@]} -gt 0 ] || fail "input jobs is empty"
 
 code=0
 "$bin/gproof" check "${options[@]}" -- "${words[@]}" >"$reports/out.txt" 2>"$reports/err.txt" || code=$?

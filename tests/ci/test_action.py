@@ -207,9 +207,9 @@ def test_what_can_not_be_judged_says_why_and_is_no_verdict(runner: Runner) -> No
     assert Path(done.outputs["sarif-file"]).is_file()
     for given, said in (
         ({"jobs": "a.cnc", "fail_on": "never"}, "--fail-on"),
-        ({"jobs": " \n"}, "names no job"),
-        ({"jobs": "a.cnc", "strict": "perhaps"}, "input strict is true or false"),
-        ({"jobs": "a.cnc", "warnings_as_errors": "1"}, "input warnings-as-errors is true or false"),
+        ({"jobs": " \n"}, "input jobs is empty"),
+        ({"jobs": "a.cnc", "strict": "perhaps"}, "input strict must be true or false"),
+        ({"jobs": "a.cnc", "warnings_as_errors": "1"}, "input warnings-as-errors must be true or false"),
     ):
         done = runner("check", **given)
         assert (done.exit, done.outputs["exit-code"], done.outputs["sarif-file"]) == (3, "3", "")

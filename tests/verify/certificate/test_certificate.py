@@ -264,8 +264,8 @@ def test_a_condition_that_does_not_hold_is_told_in_words(
         (
             {"transform": InForce(angle=1.25, x=10.0)},
             {"transform": None},
-            "made for the rotation and scaling of X and Y angle 1.25, factor of X not stated, factor of Y not stated, "
-            "about X10 Y0; it is not stated now",
+            "made for the rotation and scaling of X and Y angle 1.25, factor of X not given, factor of Y not given, "
+            "about X10 Y0; now it is not in the setup",
         ),
         ({"cylinder": CylinderMap(radius=5.0)}, {}, "made for the mapping onto a cylinder radius 5; now it is none"),
         ({"start": {"x": Interval(3.0, 3.0)}}, {}, "made for the start position of X 3; now it is not in the setup"),

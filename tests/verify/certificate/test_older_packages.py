@@ -97,7 +97,7 @@ def test_other_numbers_of_a_schema(part: str, number: Any, said: str, tmp_path: 
 @pytest.mark.parametrize(
     ("change", "exit_", "said"),
     [
-        (lambda body: body.pop("schemas"), 1, "not there"), (lambda body: body.update(schemas=[1]), 1, "not there"),
+        (lambda body: body.pop("schemas"), 1, "are missing"), (lambda body: body.update(schemas=[1]), 1, "are missing"),
         (lambda body: body["schemas"].pop("trace"), 2, "an older version (schema 0 of trace"),
         (lambda body: body["schemas"].update(plan=1), 2, "a newer version (schema 1 of plan"),
         (lambda body: body.update(gproof="9.1", format="gproof-certificate/77"), 2, "gproof 9.1, a newer version"),

@@ -350,7 +350,7 @@ def test_a_clamp_that_is_there_now() -> None:
 
     two = on(BASE, keep_out=(zone(0.0), zone(5.0)))
     assert told(BASE, two) == [
-        "the job was not checked with a keep-out zone that is there now ('clamp')",
+        "the job was not checked with this keep-out zone ('clamp')",
     ] * 2  # fmt: skip
     assert not told(two, BASE)
     assert not told(two, on(BASE, keep_out=(zone(5.0, "another name"),)))
@@ -360,8 +360,8 @@ def test_a_clamp_that_is_there_now() -> None:
     assert told(held, on(BASE, workpiece=Workpiece(fixtures=(body(0.0), body(9.0), body(20.0))))) == [
         "made for another workpiece: fixtures differs now ('vise')"
     ]
-    assert told(BASE, held) == ["made without stock, part and fixtures; now they are stated"]
-    assert told(held, BASE) == ["made for stock, part and fixtures; now none is stated"]
+    assert told(BASE, held) == ["made without stock, part and fixtures; now the setup has them"]
+    assert told(held, BASE) == ["made for stock, part and fixtures; now the setup has none"]
 
 
 def test_values_of_no_declared_type_are_refused_and_nothing_worse() -> None:
