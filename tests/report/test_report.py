@@ -21,7 +21,7 @@ from support.goldens import ROOT
 
 from gproof.cli.main import main
 
-GOLDENS = Path(__file__).parent / "goldens"
+GOLDENS = Path(__file__).parent / "goldens.md"
 Golden = Callable[[Path, str], None]
 ESCAPE = re.compile(r"\x1b\[[0-9;]*m")
 

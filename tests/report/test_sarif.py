@@ -1,4 +1,8 @@
-"""Reports for other programs: SARIF by its public schema, JUnit by its shape, workflow commands by their escapes."""
+"""Reports for other programs: SARIF by its public schema, JUnit by its shape, workflow commands by their escapes.
+
+`sarif/sarif-2.1.0.json` is the public JSON Schema of SARIF 2.1.0 (OASIS), as Microsoft's SARIF SDK ships it (npm
+package `@microsoft/sarif-multitool-linux` 5.7.0, MIT licence), unchanged.
+"""
 
 from __future__ import annotations
 

@@ -37,7 +37,8 @@ from typing import Any
 ROOT = Path(__file__).resolve().parents[2]
 BUILT = ROOT / "build" / "unpacked"
 LANGUAGES = {
-    ".toml": "toml", ".ini": "ini", ".json": "json", ".jsonl": "jsonl", ".py": "python", ".stl": "text", ".md": "md",
+    ".toml": "toml", ".ini": "ini", ".json": "json", ".jsonl": "jsonl", ".py": "python", ".stl": "text", ".txt": "text",
+    ".md": "md",
 }  # fmt: skip
 """What a fence says for colours; other files are programs."""
 _OPEN = re.compile(r"(?P<fence>`{3,})(?P<language>[a-z]+) (?P<name>\S+)(?P<words>(?: [a-z0-9-]+)*)")

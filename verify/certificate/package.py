@@ -50,7 +50,7 @@ SCHEMAS = {"machine": 1, "setup": 1, "stream": 1, "trace": 1}
 """By part the number of its schema: the types of its text with their fields and defaults, the columns of its tables.
 
 It rises when an older text would say something else, or nothing, to this version; a field that is added with a default
-raises none. tests/ir/schemas has what each number stands for.
+raises none. tests/ir/schemas.md has what each number stands for.
 """
 MEMBER_LIMIT = FILE_LIMIT
 """Bytes of one kind of table at most; below, of a text, of the body, of the signature: more is refused unread."""
