@@ -17,8 +17,7 @@ from gproof.driver.escape import shown
 from gproof.driver.files import require_file, require_program
 from gproof.driver.key_ring import trusted_with
 from gproof.driver.session import Running
-from gproof.ir.finding import Finding, Findings, Severity
-from gproof.ir.verdict import Verdict
+from gproof.ir.finding import Finding, Findings, verdict_of
 from gproof.report.text import print_findings
 
 
@@ -28,9 +27,9 @@ def run_verify(
     pure: bool = False,
 ) -> int:  # fmt: skip
     """Print what holds; exit 0 only when the package may run. pure: the steps are proved by no compiled code."""
-    from gproof.report.verify_report import Verified, print_verified, verified_json
+    from gproof.driver.verified import verified
+    from gproof.report.verify_report import print_verified, verified_json
     from gproof.verify.certificate.check import check_package
-    from gproof.verify.certificate.measured import taken
     from gproof.verify.certificate.package import CertificateError, read_package
 
     require_file(path, "package")
@@ -47,29 +46,17 @@ def run_verify(
     with progress("verifying every step") as bar:
         bar.phase("verifying every step", package.stream.steps())
         check = check_package(package, at_hand.machine, at_hand.setup, trusted, bar.done, pure=pure)
-    found = (*other_source(package, at_hand), *check.findings)
+    other = other_source(package, at_hand)
     if anew is not None:
         with progress("compiling the source again"):
-            found = (*found, *other_than_anew(package, anew, first_line))
-    weighty = [f for f in found if f.severity in (Severity.ERROR, Severity.UNKNOWN) and f not in check.open]
-    verdict = Verdict.UNKNOWN if weighty else Verdict.SAFE
-    if any(f.severity is Severity.ERROR for f in weighty):
-        verdict = Verdict.UNSAFE
-    for finding in found:
-        if verdict is Verdict.UNSAFE or finding not in check.open:
-            findings.add(finding)
-    at_hands = {"machine": at_hand.machine, "setup": at_hand.setup, "source": at_hand.source}
-    compared = tuple(name for name, there in (at_hands | {"source compiled again": anew}).items() if there is not None)
-    of = Verified(
-        package=package, check=check, verdict=verdict, findings=tuple(findings.kept), trusted=trusted,
-        compared=compared, taken=tuple(taken(package, at_hand.setup)), pure=pure,
-    )  # fmt: skip
+            other = [*other, *other_than_anew(package, anew, first_line)]
+    of = verified(package, check, at_hand, other, findings, anew=anew is not None, trusted=trusted, pure=pure)
     if form == "json":
         click.echo(json.dumps(verified_json(str(path), of), indent=2, allow_nan=False))
     else:
         print_findings(findings)
         print_verified(str(path), of)
-    return verdict.exit_code
+    return of.verdict.exit_code
 
 
 def _against(
@@ -88,7 +75,7 @@ def _against(
 
 def _unread(path: Path, finding: Finding, form: str) -> int:
     """A package of which nothing can be said but why."""
-    verdict = Verdict.UNKNOWN if finding.severity is Severity.UNKNOWN else Verdict.UNSAFE
+    verdict = verdict_of([finding])
     if form == "json":
         from gproof.report.verify_report import unread_json
 

@@ -10,18 +10,15 @@ import click
 from gproof.cli.telling import warn
 from gproof.driver.escape import in_one_line
 from gproof.driver.files import require_file
-from gproof.driver.key_ring import OWN as OWN_NAME
 from gproof.driver.key_ring import trusted_with
 from gproof.ir import codes
-from gproof.ir.finding import Finding, Findings, Severity, Span
+from gproof.ir.finding import Findings, Span
 from gproof.ir.verdict import Verdict
 from gproof.report.text import print_findings
-from gproof.verify.certificate.signers import Signer, called, fingerprint, signed_by, today
 
 if TYPE_CHECKING:
     from gproof.backend.record_data import ExecutionRecord
-
-OWN, TRUSTED, UNKNOWN = "your own key", "trusted", "not trusted"
+    from gproof.driver.verified_record import VerifiedRecord
 
 HOLDS = {Verdict.SAFE: "the record is valid", Verdict.UNSAFE: "the record is not valid", Verdict.UNKNOWN: "UNKNOWN"}
 
@@ -40,6 +37,7 @@ def is_no_package(path: Path) -> bool:
 def run_verify_record(path: Path, *, package: Path | None, trust: tuple[Path, ...]) -> int:
     """Print what holds of a record; exit 0 only for one that is whole, signed by who is trusted, and fits."""
     from gproof.backend.record_parse import LARGEST, parse_signed
+    from gproof.driver.verified_record import verified_record
 
     require_file(path, "record")
     if package is not None:
@@ -51,22 +49,15 @@ def run_verify_record(path: Path, *, package: Path | None, trust: tuple[Path, ..
         record, signature = parse_signed(path.read_bytes())
     except ValueError as error:
         return _malformed(path, str(error))
-    found, signer = _signed(path, record, signature, trusted)
-    if package is not None:
-        found += _compared(record, package)
+    of = verified_record(path, record, signature, package=package, trusted=trusted)
     findings = Findings()
-    for finding in found:
+    for finding in of.findings:
         findings.add(finding)
     print_findings(findings)
-    verdict = Verdict.SAFE
-    if findings.has(Severity.ERROR):
-        verdict = Verdict.UNSAFE
-    elif findings.has(Severity.UNKNOWN):
-        verdict = Verdict.UNKNOWN
-    click.echo(f"{in_one_line(str(path))}: {HOLDS[verdict]}")
-    for line in _lines(record, signature, signer, package):
+    click.echo(f"{in_one_line(str(path))}: {HOLDS[of.verdict]}")
+    for line in _lines(record, signature, of, package):
         click.echo(in_one_line(line))
-    return verdict.exit_code
+    return of.verdict.exit_code
 
 
 def _malformed(path: Path, what: str) -> int:
@@ -77,59 +68,21 @@ def _malformed(path: Path, what: str) -> int:
     return Verdict.UNSAFE.exit_code
 
 
-def _signed(
-    path: Path, record: ExecutionRecord, signature: dict[str, str] | None, trusted: tuple[Signer, ...]
-) -> tuple[list[Finding], str]:
-    """What is wrong with the signature, and what its key is to the user."""
-    from gproof.backend.record_signature import signer_of
-
-    place = Span(str(path), 0)
-    if signature is None:
-        return [codes.RECORD_UNTRUSTED.at(place, what="the record has no signature")], UNKNOWN
-    try:
-        raw = signer_of(record, signature)
-    except ValueError as error:
-        return [codes.RECORD_SIGNATURE.at(place, what=in_one_line(str(error)))], UNKNOWN
-    known = signed_by(raw, trusted)
-    if known is None:
-        what = f"signed by {fingerprint(raw)}, which is not a trusted key"
-        return [codes.RECORD_UNTRUSTED.at(place, what=what)], UNKNOWN
-    if known.revoked is not None:
-        what = f"signed by {called(known)}, which was revoked on {known.revoked}"
-        return [codes.RECORD_SIGNATURE.at(place, what=what)], UNKNOWN
-    if known.expires is not None and today() > known.expires:
-        what = f"signed by {called(known)}, which expired on {known.expires}"
-        return [codes.RECORD_UNTRUSTED.at(place, what=what)], UNKNOWN
-    return [], OWN if known.name == OWN_NAME else TRUSTED
-
-
-def _compared(record: ExecutionRecord, package: Path) -> list[Finding]:
-    """What does not fit the package."""
-    from gproof.backend.record import verify_record
-    from gproof.verify.certificate.package import CertificateError, read_package
-
-    try:
-        read = read_package(package)
-    except CertificateError as error:
-        return [error.finding]
-    try:
-        return verify_record(record, read)
-    except (ValueError, LookupError, TypeError, ArithmeticError) as error:
-        what = f"the record cannot be of this package ({type(error).__name__}: {error})"
-        return [codes.RECORD_MISMATCH.at(Span(record.job, 0), what=in_one_line(what))]
-
-
-def _lines(record: ExecutionRecord, signature: dict[str, str] | None, signer: str, package: Path | None) -> list[str]:
+def _lines(
+    record: ExecutionRecord, signature: dict[str, str] | None, of: VerifiedRecord, package: Path | None
+) -> list[str]:
     """What the record says, by who vouches for it."""
     label = signature or {}
     out = [f"  record      {record.sha256}, {record.schema}", f"  certificate {record.certificate}"]
-    out.append(f"  signed by   {label['public_key']} ({signer})" if signature else "  signed by   nobody")
+    out.append(f"  signed by   {label['public_key']} ({of.signer})" if signature else "  signed by   nobody")
     if label.get("created"):
         out.append(f"  started     {label['created']}, according to the signer")
-    of = f", signed by {label['package_signer']}" if label.get("package_signer") else ""
-    out.append(f"  package     ran as {record.accepted}{of}")
+    ran = f", signed by {label['package_signer']}" if label.get("package_signer") else ""
+    out.append(f"  package     ran as {record.accepted}{ran}")
     if package is None:
         out.append("  compared    with nothing; use --package FILE to compare with the package that was run")
+    elif not of.compared:
+        out.append(f"  compared    with nothing; {package} cannot be compared with")
     else:
         out.append(f"  compared    with {package}: sections, steps, positions, events")
     out.append(f"  job         {record.job}, on board {record.board.name}")

@@ -10,11 +10,9 @@ import click
 
 from gproof.driver.escape import in_one_line
 from gproof.driver.fit.answer import Fit, Range, Travel, smallest
+from gproof.driver.fit.fitting import Fitted
 from gproof.driver.fit.zones import Beside
-from gproof.driver.judge import Judgement
-from gproof.driver.session import Session
 from gproof.ir.finding import Findings, Severity, distinct
-from gproof.ir.record import record
 from gproof.ir.symbols import describe
 from gproof.ir.trace import Affine
 from gproof.ir.verdict import Verdict
@@ -29,29 +27,18 @@ MOST_BOXES = 6
 _SHADES = {Verdict.SAFE: "green", Verdict.UNSAFE: "red", Verdict.UNKNOWN: "magenta"}
 
 
-@record(frozen=True, slots=True, kw_only=True)
-class Told:
-    """All that a report is made from. judgement: of the job with its offsets open; stated: with those stated."""
-
-    session: Session
-    judgement: Judgement
-    stated: Judgement | None
-    fit: Fit
-    travel: tuple[Travel, ...] | None
-
-
-def print_fit(told: Told, units: str | None) -> None:
+def print_fit(fitted: Fitted, units: str | None) -> None:
     """The answer as text: what is in the way, the ranges, the travel."""
-    fit = told.fit
-    unit = unit_of(told.session.machine.unit) if units is None else CHOICES[units]
-    blocking = blocking_findings(told)
+    fit = fitted.fit
+    unit = unit_of(fitted.session.machine.unit) if units is None else CHOICES[units]
+    blocking = blocking_findings(fitted)
     if blocking.kept:
         print_findings(blocking, unit=unit)
         click.echo()
     verdict = fit.verdict.value
     if coloured():
         verdict = click.style(verdict, fg=_SHADES[fit.verdict], bold=True)
-    click.echo(f"{in_one_line(str(told.session.job))}: {verdict}, {headline(fit)}")
+    click.echo(f"{in_one_line(str(fitted.session.job))}: {verdict}, {headline(fit)}")
     for label, lines in (
         ("safe for", _range_lines(fit, unit)),
         *(
@@ -60,31 +47,31 @@ def print_fit(told: Told, units: str | None) -> None:
         ),
         ("because", [fit.reason] if fit.reason else []),
         ("note", _notes(fit)),
-        ("needs", _travel_lines(told.travel, unit)),
-        ("smallest", _smallest_line(told.travel, unit)),
-        ("assuming", [unit.sentence(line) for line in assumptions(told)]),
-        ("machine", [told.session.machine.name]),
-        ("setup", [told.session.setup.name]),
+        ("needs", _travel_lines(fitted.travel, unit)),
+        ("smallest", _smallest_line(fitted.travel, unit)),
+        ("assuming", [unit.sentence(line) for line in assumptions(fitted)]),
+        ("machine", [fitted.session.machine.name]),
+        ("setup", [fitted.session.setup.name]),
     ):
         for n, line in enumerate(lines):
             click.echo(in_one_line(f"  {'' if n else label:<9} {line}".rstrip()))
 
 
-def print_machines(job: Path, machines: Sequence[Path], answers: Sequence[Told], units: str | None) -> None:
+def print_machines(job: Path, machines: Sequence[Path], answers: Sequence[Fitted], units: str | None) -> None:
     """A line for each machine: what it says as it is stated, what is wrong or how much room there is."""
-    as_is = sum(told.fit.verdict is Verdict.SAFE for told in answers)
-    moved = sum(_takes_moved(told.fit) for told in answers)
+    as_is = sum(fitted.fit.verdict is Verdict.SAFE for fitted in answers)
+    moved = sum(_takes_moved(fitted.fit) for fitted in answers)
     also = f", {moved} more with another work zero" if moved else ""
     click.echo(f"{in_one_line(str(job))}: {as_is} of {len(answers)} machines can run it{also}")
     rows = []
-    for file, told in zip(machines, answers, strict=True):
-        unit = unit_of(told.session.machine.unit) if units is None else CHOICES[units]
-        rows.append((in_one_line(str(file)), told.fit.verdict.value, in_one_line(_in_short(told, unit))))
+    for file, fitted in zip(machines, answers, strict=True):
+        unit = unit_of(fitted.session.machine.unit) if units is None else CHOICES[units]
+        rows.append((in_one_line(str(file)), fitted.fit.verdict.value, in_one_line(_in_short(fitted, unit))))
     wide = [max(len(row[n]) for row in rows) for n in range(2)]
-    for (name, verdict, said), told in zip(rows, answers, strict=True):
-        shown = click.style(verdict, fg=_SHADES[told.fit.verdict], bold=True) if coloured() else verdict
+    for (name, verdict, said), fitted in zip(rows, answers, strict=True):
+        shown = click.style(verdict, fg=_SHADES[fitted.fit.verdict], bold=True) if coloured() else verdict
         click.echo(f"  {name:<{wide[0]}}  {shown}{' ' * (wide[1] - len(verdict))}  {said}".rstrip())
-    needs = next((told for told in answers if told.travel), None)
+    needs = next((fitted for fitted in answers if fitted.travel), None)
     if needs is not None:
         unit = unit_of(needs.session.machine.unit) if units is None else CHOICES[units]
         for line in _smallest_line(needs.travel, unit):
@@ -95,13 +82,13 @@ def _takes_moved(fit: Fit) -> bool:
     return fit.verdict is not Verdict.SAFE and fit.kind in ("ranges", "regions") and not fit.open_sides
 
 
-def _in_short(told: Told, unit: LengthUnit) -> str:
+def _in_short(fitted: Fitted, unit: LengthUnit) -> str:
     """What decides, in a few words: how far the zero can be moved, or the first thing that is wrong."""
-    fit = told.fit
+    fit = fitted.fit
     if fit.kind not in ("ranges", "regions"):
         if fit.reason:
             return fit.reason
-        found = blocking_findings(told).kept
+        found = blocking_findings(fitted).kept
         return f"{found[0].code.label} {unit.message(found[0])}" if found else headline(fit)
     rooms: dict[str, tuple[float, str]] = {}
     for one in fit.ranges:
@@ -144,21 +131,21 @@ def headline(fit: Fit) -> str:
     return "the work zero can stay where it is" if fit.now is Verdict.SAFE else "with the offsets of the setup"
 
 
-def blocking_findings(told: Told) -> Findings:
+def blocking_findings(fitted: Fitted) -> Findings:
     """Errors and unknowns that no offset takes away: those of the job with its offsets open."""
     out = Findings()
-    if told.fit.kind in ("ranges", "regions") and not told.fit.open_sides:
+    if fitted.fit.kind in ("ranges", "regions") and not fitted.fit.open_sides:
         return out
-    for finding in told.judgement.findings.kept if not told.fit.reason else ():
+    for finding in fitted.judgement.findings.kept if not fitted.fit.reason else ():
         if finding.severity in (Severity.ERROR, Severity.UNKNOWN):
             out.add(finding)
     return out
 
 
-def assumptions(told: Told) -> list[str]:
+def assumptions(fitted: Fitted) -> list[str]:
     """What the ranges stand on."""
-    found = [*told.judgement.assumptions, *(a for r in told.judgement.properties for a in r.assumptions)]
-    found += [told.fit.assumed] if told.fit.assumed else []
+    found = [*fitted.judgement.assumptions, *(a for r in fitted.judgement.properties for a in r.assumptions)]
+    found += [fitted.fit.assumed] if fitted.fit.assumed else []
     return list(dict.fromkeys(one for one in found if not one.startswith("setup zero")))
 
 
@@ -274,9 +261,9 @@ def _smallest_line(travel: tuple[Travel, ...] | None, unit: LengthUnit) -> list[
     return [", ".join(part for part in (f"{lengths} {unit.name}" if lengths else "", turns) if part)]
 
 
-def report_json(told: Told) -> dict[str, object]:
+def report_json(fitted: Fitted) -> dict[str, object]:
     """The stable JSON report; docs/fit.md defines it."""
-    session, fit = told.session, told.fit
+    session, fit = fitted.session, fitted.fit
     return {
         "schema": SCHEMA,
         "job": str(session.job),
@@ -292,10 +279,10 @@ def report_json(told: Told) -> dict[str, object]:
         "complete": fit.complete if fit.kind in ("ranges", "regions") else False,
         "offsets": [_range_json(one) for one in fit.ranges],
         "regions": [_zone_json(one) for one in fit.zones],
-        "travel": None if told.travel is None else [_travel_json(one) for one in told.travel],
-        "smallest_machine": {} if told.travel is None else smallest(told.travel),
-        "assumptions": assumptions(told),
-        "findings": [finding_json(f, n) for f, n in distinct(blocking_findings(told))],
+        "travel": None if fitted.travel is None else [_travel_json(one) for one in fitted.travel],
+        "smallest_machine": {} if fitted.travel is None else smallest(fitted.travel),
+        "assumptions": assumptions(fitted),
+        "findings": [finding_json(f, n) for f, n in distinct(blocking_findings(fitted))],
     }
 
 

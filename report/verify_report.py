@@ -15,38 +15,17 @@ import click
 from gproof.driver.conditions import SAFE_IF
 from gproof.driver.escape import shown
 from gproof.driver.key_ring import name_of
+from gproof.driver.verified import Verified
 from gproof.ir.finding import Finding
-from gproof.ir.record import record
 from gproof.ir.verdict import Condition, Verdict
 from gproof.report.summary import condition_of
 from gproof.report.text import finding_json
-from gproof.verify.certificate.check import Check
 from gproof.verify.certificate.package import Package
-from gproof.verify.certificate.signers import Signer, fingerprint
+from gproof.verify.certificate.signers import fingerprint
 from gproof.verify.explain.stream_report import BOUNDS
 
 SCHEMA = "gproof-verify/1"
 """Of the JSON report: docs/verify-json.md."""
-
-
-@record(frozen=True, slots=True, kw_only=True)
-class Verified:
-    """A package with its verdict; findings: with those of the source at hand; compared: what was at hand; taken: what
-    measured offsets are taken for; pure: the steps were proved without compiled code."""
-
-    package: Package
-    check: Check
-    verdict: Verdict
-    findings: tuple[Finding, ...]
-    trusted: tuple[Signer, ...]
-    compared: tuple[str, ...]
-    taken: tuple[str, ...] = ()
-    pure: bool = False
-
-    @property
-    def conditional(self) -> bool:
-        """SAFE, while conditions hold of which no setup states anything."""
-        return self.verdict is Verdict.SAFE and bool(self.check.conditions)
 
 
 def print_verified(path: str, of: Verified) -> None:

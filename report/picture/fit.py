@@ -14,6 +14,7 @@ from pathlib import Path
 
 from gproof.driver.files import write_text
 from gproof.driver.fit.answer import Range
+from gproof.driver.fit.fitting import Fitted
 from gproof.driver.fit.zones import Beside
 from gproof.ir.machine import AXIS_NAMES, Area
 from gproof.ir.record import record
@@ -21,7 +22,7 @@ from gproof.ir.trace import Affine
 from gproof.ir.verdict import Verdict
 from gproof.passes.checks.zones.offset_boxes import outline
 from gproof.passes.checks.zones.offset_regions import FAR
-from gproof.report.fit_report import Told, headline
+from gproof.report.fit_report import headline
 from gproof.report.picture.words import wrapped
 
 Pair = tuple[float, float]
@@ -53,25 +54,25 @@ class _Panel:
     axes: tuple[int, int] = (0, 1)
 
 
-def draw(told: Told, path: Path) -> None:
+def draw(fitted: Fitted, path: Path) -> None:
     """Write the picture, whole or not at all."""
     root = ET.Element("svg", xmlns="http://www.w3.org/2000/svg")
     root.set("font-family", "DejaVu Sans, Verdana, Arial, sans-serif")
     page = ET.SubElement(root, "rect", width="100%", height="100%", fill="#ffffff")
-    verdict = told.fit.verdict
+    verdict = fitted.fit.verdict
     _say(root, EDGE, 40, verdict.value, 21, _BADGE[verdict], bold=True)
-    job = told.session.job
+    job = fitted.session.job
     name = f"{job.parent.name}/{job.name}".lstrip("/")
-    y = _lines(root, EDGE + 130, 32, f"{name}: {headline(told.fit)}", 15, _INK, bold=True)
-    panels = list(_panels(told))
+    y = _lines(root, EDGE + 130, 32, f"{name}: {headline(fitted.fit)}", 15, _INK, bold=True)
+    panels = list(_panels(fitted))
     front = " and from the front" if any(panel.axes == FRONT for panel in panels) else ""
-    where = f"where the work zero can be on {told.session.machine.name}, from above{front}"
+    where = f"where the work zero can be on {fitted.session.machine.name}, from above{front}"
     y = _lines(root, EDGE + 130, y, where, 13, _SOFT)
     top = bottom = max(100.0, y + 28)
     for row in _pairs(panels):
         for column, panel in enumerate(row):
             left = EDGE + RULER + column * (PANEL + RULER + 38)
-            bottom = max(bottom, _panel(root, told, panel, left, top))
+            bottom = max(bottom, _panel(root, fitted, panel, left, top))
         top = bottom + GAP
     if not panels:
         _say(root, EDGE, top, "There is no region in X and Y to draw.", 14, _SOFT)
@@ -92,26 +93,26 @@ def _pairs(panels: list[_Panel]) -> Iterator[tuple[_Panel, ...]]:
         yield tuple(panels[k : k + 2])
 
 
-def _panels(told: Told) -> Iterator[_Panel]:
+def _panels(fitted: Fitted) -> Iterator[_Panel]:
     """Regions layer by layer; then pairs of ranges of X and Y that no region has."""
-    fit = told.fit
+    fit = fitted.fit
     seen: set[Affine] = set()
     for one in fit.zones:
         seen.update(one.place.terms)
-        yield from _layers(told, one)
+        yield from _layers(fitted, one)
     flat = {one.terms: one for one in fit.ranges if one.terms not in seen}
     for terms, x in flat.items():
         partner = tuple((symbol[:-1] + "y", count) for symbol, count in terms)
         y = flat.get(partner)
         if not all(symbol.endswith(".x") for symbol, _ in terms) or y is None:
             continue
-        yield _flat(told, x, y, ABOVE)
+        yield _flat(fitted, x, y, ABOVE)
         z = flat.get(tuple((symbol[:-1] + "z", count) for symbol, count in terms))
         if z is not None and z.fits is False:
-            yield _flat(told, x, z, FRONT)
+            yield _flat(fitted, x, z, FRONT)
 
 
-def _flat(told: Told, right: Range, up: Range, axes: tuple[int, int]) -> _Panel:
+def _flat(fitted: Fitted, right: Range, up: Range, axes: tuple[int, int]) -> _Panel:
     """Two ranges as a rectangle."""
     sides = [(max(r.low, -FAR), min(r.high, FAR)) for r in (right, up)]
     exact = right.now is not None and up.now is not None and right.now.exact and up.now.exact
@@ -120,7 +121,7 @@ def _flat(told: Told, right: Range, up: Range, axes: tuple[int, int]) -> _Panel:
     goal = None if now is None or fits else [min(max(v, a), b) for v, (a, b) in zip(now, sides, strict=True)]
     return _Panel(
         title=_title(right.name, up.name, axes), rings=[_box(*sides)], now=now, fits=fits, axes=axes,
-        reach=_reach(told, right.terms, up.terms, axes), nearest=None if goal is None else (goal[0], goal[1]),
+        reach=_reach(fitted, right.terms, up.terms, axes), nearest=None if goal is None else (goal[0], goal[1]),
     )  # fmt: skip
 
 
@@ -128,11 +129,11 @@ def _title(right: str, up: str, axes: tuple[int, int]) -> str:
     return f"{right}, {up}{', from the front' if axes == FRONT else ''}"
 
 
-def _layers(told: Told, one: Beside) -> Iterator[_Panel]:
+def _layers(fitted: Fitted, one: Beside) -> Iterator[_Panel]:
     terms = one.place.terms
     if not terms[0] or not terms[1]:
         return
-    mm = told.session.machine.unit
+    mm = fitted.session.machine.unit
     layers = sorted(one.place.region.layers, key=lambda layer: -layer.z[1])[:LAYERS]
     for layer in layers:
         said = f"{one.names[0]}, {one.names[1]}"
@@ -143,14 +144,14 @@ def _layers(told: Told, one: Beside) -> Iterator[_Panel]:
         goal = goal if goal is None or not terms[2] or layer.z[0] <= goal[2] <= layer.z[1] else None
         yield _Panel(
             title=said, rings=[ring for polygon in outline(layer) for ring in polygon],
-            reach=_reach(told, terms[0], terms[1], ABOVE), now=None if one.now is None else (one.now[0], one.now[1]),
+            reach=_reach(fitted, terms[0], terms[1], ABOVE), now=None if one.now is None else (one.now[0], one.now[1]),
             fits=one.inside is True, nearest=None if goal is None else (goal[0], goal[1]),
         )  # fmt: skip
     if terms[2] and one.inside is False and one.nearest is not None and one.now is not None:
         x, y, z = one.nearest
         yield _Panel(
             title=f"{_title(one.names[0], one.names[2], FRONT)}, at {one.names[1]} {y / mm:.4g}",
-            rings=list(_slices(one, y)), reach=_reach(told, terms[0], terms[2], FRONT), now=(one.now[0], one.now[2]),
+            rings=list(_slices(one, y)), reach=_reach(fitted, terms[0], terms[2], FRONT), now=(one.now[0], one.now[2]),
             fits=False, nearest=(x, z), axes=FRONT,
         )  # fmt: skip
 
@@ -168,20 +169,20 @@ def _slices(one: Beside, y: float) -> Iterator[Ring]:
                 yield _box((low, high), layer.z)
 
 
-def _reach(told: Told, x: Affine, y: Affine, axes: tuple[int, int]) -> tuple[Pair, Pair] | None:
+def _reach(fitted: Fitted, x: Affine, y: Affine, axes: tuple[int, int]) -> tuple[Pair, Pair] | None:
     """What the job reaches from a zero."""
     sides: list[Pair] = []
     for axis, form in zip(axes, (x, y), strict=True):
-        ends = [(a, b) for index, f, a, b in told.judgement.summary.extents if index == axis and f == form]
+        ends = [(a, b) for index, f, a, b in fitted.judgement.summary.extents if index == axis and f == form]
         if not ends:
             return None
         sides.append((min(a for a, _ in ends), max(b for _, b in ends)))
     return sides[0], sides[1]
 
 
-def _panel(root: ET.Element, told: Told, panel: _Panel, left: float, top: float) -> float:
+def _panel(root: ET.Element, fitted: Fitted, panel: _Panel, left: float, top: float) -> float:
     """Draw one; returns where it ends."""
-    machine = told.session.machine
+    machine = fitted.session.machine
     limits: list[Pair] = []
     shown: list[Pair] = []
     for axis in range(2):
@@ -225,7 +226,7 @@ def _panel(root: ET.Element, told: Told, panel: _Panel, left: float, top: float)
     clip.set("height", f"{tall:.1f}")
     group = ET.SubElement(root, "g")
     group.set("clip-path", f"url(#panel{number})")
-    for area in _areas(told):
+    for area in _areas(fitted):
         rings = [_box(area.box[panel.axes[0]], area.box[panel.axes[1]])]
         if area.rings and panel.axes == ABOVE:
             rings = [[[x, y] for x, y in ring] for ring in area.rings]
@@ -247,9 +248,9 @@ def _panel(root: ET.Element, told: Told, panel: _Panel, left: float, top: float)
     return top + tall
 
 
-def _areas(told: Told) -> list[Area]:
+def _areas(fitted: Fitted) -> list[Area]:
     """Zones that lie still on the machine."""
-    machine, setup = told.session.machine, told.session.setup
+    machine, setup = fitted.session.machine, fitted.session.setup
     change = () if machine.tool_change_area is None else (machine.tool_change_area,)
     return [area for area in (*change, *machine.keep_out, *setup.keep_out) if not area.work]
 

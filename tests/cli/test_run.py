@@ -546,6 +546,13 @@ def test_a_record_of_another_package_does_not_hold(made: Path) -> None:
     assert "record.json: the record is not valid" in done.out
 
 
+def test_a_record_is_compared_with_no_package_that_cannot_be_read(made: Path) -> None:
+    (made / "spoilt.gpx").write_bytes((made / "job.gpx").read_bytes()[:-100])
+    done = verify(made, "--package", "spoilt.gpx")
+    assert done.exit == 1
+    assert "compared    with nothing; spoilt.gpx cannot be compared with" in done.out
+
+
 def test_changed_records_do_not_hold(made: Path) -> None:
     value = json.loads((made / "record.json").read_bytes())
 

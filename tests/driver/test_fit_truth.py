@@ -26,8 +26,8 @@ from metamorphic.wincnc_jobs import run as run_wincnc
 from support import made_jobs
 from support.judging import UNBOUNDED
 
-from gproof.cli.fit import fit_session
 from gproof.driver.fit.answer import Fit, Range
+from gproof.driver.fit.fitting import fit_session
 from gproof.driver.judge import Judgement, judge
 from gproof.driver.session import Running, open_session
 from gproof.ir.verdict import Verdict

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 import shapely
 
-from gproof.cli.fit import fit_session
 from gproof.cli.main import main
+from gproof.driver.fit.fitting import fit_session
 from gproof.driver.judge import judge
 from gproof.driver.session import Running, Session, open_session
 from gproof.ir.verdict import Verdict
