@@ -17,7 +17,7 @@ from gproof.driver.escape import shown
 from gproof.driver.files import require_file, require_program
 from gproof.driver.key_ring import trusted_with
 from gproof.driver.session import Running
-from gproof.ir.finding import Finding, Findings, verdict_of
+from gproof.ir.finding import Finding, Findings
 from gproof.report.text import print_findings
 
 
@@ -75,6 +75,8 @@ def _against(
 
 def _unread(path: Path, finding: Finding, form: str) -> int:
     """A package of which nothing can be said but why."""
+    from gproof.driver.verified import verdict_of
+
     verdict = verdict_of([finding])
     if form == "json":
         from gproof.report.verify_report import unread_json

@@ -5,13 +5,21 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 from gproof.driver.at_hand import AtHand
-from gproof.ir.finding import Finding, Findings, verdict_of
+from gproof.ir.finding import Finding, Findings, Severity
 from gproof.ir.record import record
 from gproof.ir.verdict import Verdict
 from gproof.verify.certificate.check import Check
 from gproof.verify.certificate.measured import taken
 from gproof.verify.certificate.package import Package
 from gproof.verify.certificate.signers import Signer
+
+
+def verdict_of(findings: Iterable[Finding]) -> Verdict:
+    """What findings come to: UNSAFE with an error, UNKNOWN with something that is not known, else SAFE."""
+    severities = {finding.severity for finding in findings}
+    if Severity.ERROR in severities:
+        return Verdict.UNSAFE
+    return Verdict.UNKNOWN if Severity.UNKNOWN in severities else Verdict.SAFE
 
 
 @record(frozen=True, slots=True, kw_only=True)

@@ -7,8 +7,9 @@ from pathlib import Path
 from gproof.backend.record_data import ExecutionRecord
 from gproof.driver.escape import in_one_line
 from gproof.driver.key_ring import OWN as OWN_NAME
+from gproof.driver.verified import verdict_of
 from gproof.ir import codes
-from gproof.ir.finding import Finding, Span, verdict_of
+from gproof.ir.finding import Finding, Span
 from gproof.ir.record import record
 from gproof.ir.verdict import Verdict
 from gproof.verify.certificate.package import CertificateError, Package, read_package

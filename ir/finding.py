@@ -17,7 +17,6 @@ from pathlib import PurePath
 from typing import Any
 
 from gproof.ir.record import field, record
-from gproof.ir.verdict import Verdict
 
 
 class Severity(enum.Enum):
@@ -465,11 +464,3 @@ def sort_key(finding: Finding) -> tuple[str, int, int, int]:
 def distinct(findings: Findings) -> list[tuple[Finding, int]]:
     """The kept findings by place, each once, with how often it came."""
     return [(finding, findings.times[finding]) for finding in sorted(findings.kept, key=sort_key)]
-
-
-def verdict_of(findings: Iterable[Finding]) -> Verdict:
-    """What findings come to: UNSAFE with an error, UNKNOWN with something not known, else SAFE."""
-    severities = {finding.severity for finding in findings}
-    if Severity.ERROR in severities:
-        return Verdict.UNSAFE
-    return Verdict.UNKNOWN if Severity.UNKNOWN in severities else Verdict.SAFE

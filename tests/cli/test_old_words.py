@@ -22,7 +22,7 @@ ALLOWED = {
     "report/picture/sheet.py": {"traverse": "a class of lines, never shown"},
     "report/summary.py": {"begin": "a key of the JSON report"},
     "driver/suppressions.py": {"(?P<whole>-file)": "a group of a regular expression"},
-    "verify/explain/stream_words.py": {"stands at the start as": "certificates have it: it changes with their format"},
+    "verify/explain/earlier_words.py": {"stands at the start as": "certificates of earlier versions have it"},
     "backend/emit/mcuwin/pascal.py": {"begin": "a keyword of the language", "else": "a keyword of the language"},
     "backend/emit/mcuwin/tree.py": {"begin": "a keyword of the language", "else": "a keyword of the language"},
 }

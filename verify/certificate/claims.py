@@ -14,6 +14,7 @@ from gproof.ir import codes
 from gproof.ir.finding import Finding, Span
 from gproof.ir.verdict import DEFAULT_POLICY
 from gproof.verify.certificate.package import Package
+from gproof.verify.explain.earlier_words import in_todays_words
 from gproof.verify.explain.stream_report import BOUNDS, CHECKER, CHECKER_VERSION, StreamReport
 
 TRACE_CHECKER = "gproof.passes"
@@ -57,7 +58,7 @@ def other_claims(
         else:
             bound = BOUNDS[name]
             assumed = list(proved[name].assumptions) if name in proved else []
-            if one["assumptions"] != assumed:
+            if [in_todays_words(text) for text in one["assumptions"]] != assumed:
                 yield _other(where, f"assumptions of {name}", one["assumptions"], assumed)
             conditions = asked.get(name, [])
             if one["conditions"] != conditions:

@@ -225,22 +225,22 @@ def _gap(number: int, motor: str, ticks: int, target: int) -> str:
 
 def _left_to_others(names: tuple[str, ...]) -> str:
     more = f" and {len(names) - _NAMED} more" if len(names) > _NAMED else ""
-    return f"no board carries out {', '.join(names[:_NAMED])}{more}: who runs the stream sees to it"
+    return f"no board executes {', '.join(names[:_NAMED])}{more}: whoever runs the stream has to do it"
 
 
 REMARKS: dict[str, Callable[..., str]] = {
     "assumed.backlash": lambda motor, backlash: (
-        f"{motor.lower()} stands at the start as when it came from below, with a backlash of {backlash:g}"
+        f"{motor.lower()} reached its start position from below (backlash {backlash:g})"
     ),
-    "assumed.no-limit": lambda motor: f"axis {motor.lower()} needs no limit where the machine file states none",
-    "assumed.no-step-frequency": lambda: "the machine file states no greatest step frequency",
+    "assumed.no-limit": lambda motor: f"axis {motor.lower()} needs no limit: the machine file gives none",
+    "assumed.no-step-frequency": lambda: "the machine file gives no maximum step frequency",
     "assumed.left-to-others": _left_to_others,
-    "assumed.moved-by-others": lambda wait: f"{wait.value} leaves the machine where the trace goes on",
+    "assumed.moved-by-others": lambda wait: f"{wait.value} leaves the machine where the trace continues",
     "open.no-velocity": lambda motor: f"the machine file gives no velocity for {motor.lower()}",
     "open.no-acceleration": lambda motor: f"the machine file gives no acceleration for {motor.lower()}",
     "open.malformed": lambda: "the stream is malformed",
     "open.section": lambda number: f"section {number} could not be followed",
     "open.section-end": lambda number: f"section {number} was not followed to its end",
 }
-"""Of what verdicts depend on, and why they are open. Those of ``assumed`` are in certificates, which
-are compared with them: they change with the format of packages only."""
+"""Of what verdicts depend on, and why they are open. Certificates hold those of ``assumed``, and are compared with them:
+a change of their words has a row in earlier_words.py."""

@@ -238,7 +238,7 @@ def test_commands_that_no_board_carries_out_are_an_assumption() -> None:
     report = validate(stream, trace, machine(), NOTHING)
     assert report.verdict is Verdict.SAFE
     told = [text for p in report.properties if p.name == "stream-event" for text in p.assumptions]
-    assert told == ["no board carries out M210: who runs the stream sees to it"]
+    assert told == ["no board executes M210: whoever runs the stream has to do it"]
     plain = validate(*made(Job().rapid(x=1)), machine(), NOTHING)
     assert [p.assumptions for p in plain.properties if p.name == "stream-event"] == [()]
 
