@@ -169,7 +169,8 @@ class _Pair:
             yield from self._in_force()
         elif how is How.FEWER:
             for entry in _added(was, is_):
-                yield f"the job was not checked with this keep-out zone ({getattr(entry, 'name', '?')!r})"
+                zone = getattr(entry, "name", "?")
+                yield f"the job was checked without this keep-out zone of the setup at hand ({zone!r})"
         elif isinstance(was, dict) and isinstance(is_, dict):
             yield from self.by_field.get(name, self._table)(name)
         elif was is None and is_ is not None and same(_HOLDS_FOR_NONE.get(name), is_):

@@ -242,5 +242,5 @@ REMARKS: dict[str, Callable[..., str]] = {
     "open.section": lambda number: f"section {number} could not be followed",
     "open.section-end": lambda number: f"section {number} was not followed to its end",
 }
-"""Of what verdicts depend on, and why they are open. Certificates hold those of ``assumed``, and are compared with them:
-a change of their words has a row in earlier_words.py."""
+"""Of what verdicts depend on, and why they are open. Certificates hold those of ``assumed``: a change of their words
+has a row in earlier_words.py."""

@@ -350,7 +350,7 @@ def test_a_clamp_that_is_there_now() -> None:
 
     two = on(BASE, keep_out=(zone(0.0), zone(5.0)))
     assert told(BASE, two) == [
-        "the job was not checked with this keep-out zone ('clamp')",
+        "the job was checked without this keep-out zone of the setup at hand ('clamp')",
     ] * 2  # fmt: skip
     assert not told(two, BASE)
     assert not told(two, on(BASE, keep_out=(zone(5.0, "another name"),)))

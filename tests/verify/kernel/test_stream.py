@@ -493,7 +493,7 @@ def test_where_an_axis_with_backlash_came_from_is_an_assumption() -> None:
     job.line(x=3.0, y=2.0, feed=600)
     report = check(step(job, on), job, on)
     assert_safe(report)
-    assert "x stands at the start as when it came from below, with a backlash of 0.05" in report.result().assumptions
+    assert "x reached its start position from below (backlash 0.05)" in report.result().assumptions
 
 
 def test_a_path_too_dense_to_follow_is_refused_not_believed() -> None:
