@@ -369,14 +369,11 @@ def _together(
         asked = [
             f"{what}: {_range(session, c)}" for what, r in (("limits", limits), ("boundaries", edges)) for c in r.needed
         ]
-        hint = "soft limits and boundaries contradict each other: " + ", ".join(asked)
+        hint = "change one of them: soft limits and boundaries contradict each other; " + ", ".join(asked)
         where, _, related = _apart(session, limits.needed, edges.needed, firsts)
         findings.add(
-            codes.NO_SAFE_OFFSET.at(
-                where, what=f"no offset {names} makes the job fit: it spans", extent=missed,
-                unit="mm", other="the axis has", room=0.0, hint=hint, related=related,
-            )
-        )  # fmt: skip
+            codes.NO_SAFE_OFFSET.at(where, name=names, extent=missed, unit="mm", room=0.0, hint=hint, related=related)
+        )
         return dataclasses.replace(fits, verdict=Verdict.UNSAFE, conditions=())
     if not missed and fits.verdict is Verdict.SAFE and contradiction(fits.conditions):
         names = " and ".join(describe(c.terms, session.machine) for c in fits.conditions)

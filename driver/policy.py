@@ -135,7 +135,9 @@ def under(policy: Policy, judgement: Judgement, job: Path) -> Judgement:
     for name in policy.properties:
         if not decided(name):
             what = f"{name}, which this version does not check"
-            findings.add(codes.UNSUPPORTED_CODE.at(Span(str(job), 1), code=what, hint="the policy requires it"))
+            findings.add(
+                codes.UNSUPPORTED_CODE.at(Span(str(job), 1), code=what, hint="check the policy that requires it")
+            )
             results.append(PropertyResult(name=name, verdict=Verdict.UNKNOWN))
     verdict = worst(r.verdict for r in results if r.name in policy.properties)
     left_out = tuple(r.name for r in results if r.name not in policy.properties)

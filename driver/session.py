@@ -104,7 +104,7 @@ def open_session(
     elif program is not None and not program.body and program.subprograms:
         inside = (sub.span for sub in program.subprograms.values() if sub.span.file == str(job))
         first = min(inside, key=lambda span: span.line, default=Span(str(job), 1))
-        findings.add(codes.ONLY_SUBPROGRAMS.at(first, hint=f"--call {min(program.subprograms)} checks one of them"))
+        findings.add(codes.ONLY_SUBPROGRAMS.at(first, hint=f"check one of them with --call {min(program.subprograms)}"))
     if program is not None:
         settings = {name for name, _, role in inputs if role == "machine"}
         inputs += [(f.name, f.sha256, "source") for f in program.files if f.name not in settings]

@@ -54,20 +54,21 @@ class _Filler(string.Formatter):
         return super().format_field(value, format_spec) if found is None else fixed(value, int(found[1]))
 
 
-def _seen(name: str, value: object) -> object:
-    """A value as it is printed: no zero has a sign, and below four decimals places x, y and z are noise."""
+def _seen(name: str, value: object, places: int) -> object:
+    """A value as it is printed: no zero has a sign, and below the printed decimals places x, y and z are noise."""
     if not isinstance(value, float):
         return value
-    return (round(value, 4) if name in _PLACES else value) + 0.0
+    return (round(value, places) if name in _PLACES else value) + 0.0
 
 
 _PLACES = ("x", "y", "z")
 
 
-def filled(template: str, values: Mapping[str, object]) -> str:
-    """The message of a template."""
+def filled(template: str, values: Mapping[str, object], places: int = 3) -> str:
+    """The message of a template; places: decimals of positions, three for mm and four for inches."""
     if any(isinstance(value, float) and abs(value) < _LEAST for value in values.values()):
-        return brief(_Filler().vformat(template, (), {name: _seen(name, value) for name, value in values.items()}))
+        seen = {name: _seen(name, value, places) for name, value in values.items()}
+        return brief(_Filler().vformat(template, (), seen))
     return brief(template.format(**values))
 
 
@@ -193,7 +194,7 @@ class Rests:
 
 
 HANDFUL = 4
-"""So many outcomes of a finding are told."""
+"""So many outcomes of a finding are shown."""
 
 
 @record(frozen=True, slots=True)
@@ -249,12 +250,12 @@ UNKNOWN_KEYS = 602
 """The code of keys of a controller's file that are not known. Such a file has hundreds: they are of one kind, and all
 of them are kept."""
 MOST_KEYS = 100_000
-_KEY = re.compile(r"key (?P<mark>['\"])(?P<key>.*)(?P=mark) is not known and was ignored", re.DOTALL)
+_KEY = re.compile(r"unknown key (?P<mark>['\"])(?P<key>.*)(?P=mark): ignored", re.DOTALL)
 
 
 def pattern(message: str) -> str:
     """A message without its numbers; findings of a code with the same one are of a kind."""
-    return "key # is not known and was ignored" if _KEY.fullmatch(message) else _NUMBER.sub(r"\1#", message)
+    return "unknown key #: ignored" if _KEY.fullmatch(message) else _NUMBER.sub(r"\1#", message)
 
 
 def key_of(message: str) -> str:

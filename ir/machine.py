@@ -258,13 +258,13 @@ TOUCHES = {
     "cycles": "jobs with drill cycles",
     "homing": "jobs that home",
     "tools": "jobs that change or measure tools, or switch tool lengths",
-    "workspaces": "jobs that use the workspace of the number behind the dot",
+    "workspaces": "jobs that use the workspace of the number after the dot",
     "compensation": "jobs that compensate a cutter's diameter",
     "knife": "jobs that switch the tangential knife on",
     "saw": "jobs that switch the saw on",
     "torch": "jobs that burn with the torch",
     "probe": "jobs that measure with the probe",
-    "stored": "jobs that go to stored positions",
+    "stored": "jobs that move to stored positions",
     "drills": "jobs that lower drills of a bank",
 }
 """Which jobs a setting that gproof can not follow touches."""

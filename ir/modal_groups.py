@@ -17,7 +17,7 @@ UNITS, DISTANCES, PLANE, FEED_MODE, PATH, RETRACT = (
     "units", "distances", "plane", "feed mode", "path mode", "return of cycles",
 )  # fmt: skip
 WORK, LOCAL, LENGTH, RADIUS = "work offset", "local offset", "tool length", "radius compensation"
-ROTATION, SCALING, REFLECTION, FACTORS = "rotation", "scaling", "reflection", "factors of reflection"
+ROTATION, SCALING, REFLECTION, FACTORS = "rotation", "scaling", "reflection", "mirror factors"
 MAPPING, COUPLING, LOCKS, AXES, CYLINDER, SPLINE, CENTERS = (
     "mapping of axes", "coupling of axes", "locks of axes", "interpolation axes", "effective radius", "spline",
     "arc centres",

@@ -80,7 +80,7 @@ class Notes:
         if np.any(np.diff(order) < 0) or np.any(line < 1) or np.any(place < 0):
             raise ValueError("notes are not in order")
         if np.any(begin < 0) or np.any(size < 0) or np.any(begin + size > len(self.text)):
-            raise ValueError("a note lies outside its text")
+            raise ValueError("a note is outside its text")
 
 
 NO_NOTES = Notes(Columns(NOTE), b"")

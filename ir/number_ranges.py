@@ -213,17 +213,17 @@ def _problems(value: Any, range_: Range, where: str, *, forced: bool, tables: bo
 def _problem(value: Any, range_: Range) -> str:
     if isinstance(value, float) and not math.isfinite(value):
         good = range_.unstated if math.isnan(value) else range_.infinite
-        return "" if good else f"{value} is no number that can stand here"
+        return "" if good else f"{value} is not a possible number here"
     if isinstance(value, Fraction) and max(map(int.bit_length, value.as_integer_ratio())) > FRACTION_BITS:
         return f"a fraction of more than {FRACTION_BITS} bits"
     if 0 < abs(value) < range_.least:
-        return f"{float(value):g} is nearer to 0 than {range_.least:g}"
+        return f"{float(value):g} is closer to 0 than {range_.least:g}"
     if range_.low <= value <= range_.high:
         return ""
     if isinstance(value, int) and value.bit_length() > 64:
         return f"a whole number of {value.bit_length()} bits, outside {range_.low:g} to {range_.high:g}"
     if abs(value) > sys.float_info.max:
-        return f"a number beyond all, outside {range_.low:g} to {range_.high:g}"
+        return f"an infinite number, outside {range_.low:g} to {range_.high:g}"
     return f"{float(value):g} is outside {range_.low:g} to {range_.high:g}"
 
 

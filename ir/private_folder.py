@@ -90,7 +90,7 @@ def _walk(path: str) -> str:
             links += 1
             if found.st_uid not in (0, os.geteuid()) or links > _LINKS:
                 return (
-                    f"{place} is a symbolic link that belongs to somebody else"
+                    f"{place} is a symbolic link that belongs to another user"
                     if links <= _LINKS
                     else f"{place}: links in a circle"
                 )
@@ -106,7 +106,7 @@ def _walk(path: str) -> str:
 
 def _above(place: str, found: os.stat_result) -> str:
     if found.st_uid not in (0, os.geteuid()):
-        return f"{place} belongs to somebody else"
+        return f"{place} belongs to another user"
     if found.st_mode & _OTHERS_WRITE and not found.st_mode & stat.S_ISVTX:
         return f"others can write {place}"
     return ""
@@ -116,7 +116,7 @@ def _own(place: str, found: os.stat_result) -> str:
     if not stat.S_ISDIR(found.st_mode):
         return f"{place} is not a folder"
     if found.st_uid != os.geteuid():
-        return f"{place} belongs to somebody else"
+        return f"{place} belongs to another user"
     return f"others can write {place}" if found.st_mode & _OTHERS_WRITE else ""
 
 

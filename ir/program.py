@@ -255,7 +255,7 @@ class Program:
             _verify_jumps(sub.body)
         for code, name in self.overrides.items():
             if name not in self.subprograms:
-                raise ValueError(f"{code} is replaced by {name!r}, which is no subprogram")
+                raise ValueError(f"{code} is replaced by {name!r}, which is not a subprogram")
         self._verify_body(self.body)
         _verify_jumps(self.body)
         self._verify_definitions()
@@ -264,37 +264,37 @@ class Program:
         """Definitions have names that lines are compared with, and stand among nothing but definitions and mistakes."""
         definitions = [node for node in self.body if isinstance(node, Definition)]
         if definitions and (self.subprograms or not all(isinstance(n, Definition | Mistake) for n in self.body)):
-            raise ValueError("definitions stand beside what is no definition")
+            raise ValueError("definitions are next to what is not a definition")
         for node in definitions:
             if not node.name or node.name != node.name.upper() or not node.label or "=" in node.label:
                 raise ValueError(
-                    f"{node.label!r} is no name of a definition, or {node.name!r} not its name in upper case"
+                    f"{node.label!r} is not a name of a definition, or {node.name!r} not its name in upper case"
                 )
             if any(c in part for c in "\r\n" for part in (node.label, node.written)) or (
                 node.line and not node.written
             ):
-                raise ValueError(f"the definition of {node.name} is no command of one line")
+                raise ValueError(f"the definition of {node.name} is not a command of one line")
 
     def _verify_body(self, body: tuple[Statement, ...]) -> None:
         for node in body:
             if type(node) not in STATEMENTS:
-                raise ValueError(f"{type(node).__name__} is no statement")
+                raise ValueError(f"{type(node).__name__} is not a statement")
             if isinstance(node, Device):
                 least, most, _ = DEVICES.get(node.name, (1, 0, ""))
                 if not least <= len(node.arguments) <= most:
-                    raise ValueError(f"{node.name!r} with {len(node.arguments)} arguments is no command of DEVICES")
+                    raise ValueError(f"{node.name!r} with {len(node.arguments)} arguments is not a command of DEVICES")
             elif isinstance(node, Definition) and body is not self.body:
-                raise ValueError(f"the definition of {node.name} stands within another statement")
+                raise ValueError(f"the definition of {node.name} is within another statement")
             elif isinstance(node, BlockTable):
                 size = len(self.files[node.file].data) or node.end
                 if not (0 <= node.begin <= node.end <= size and 1 <= node.first_line <= node.last_line):
-                    raise ValueError(f"block table {node} lies outside its file")
+                    raise ValueError(f"block table {node} is outside its file")
             elif isinstance(node, Declare):
                 if node.kind not in DECLARED or not node.names or (node.kind == "const") != (node.value is not None):
                     raise ValueError(f"{node} declares nothing")
             elif isinstance(node, Mode):
                 if node.name not in MODES:
-                    raise ValueError(f"{node} is no language")
+                    raise ValueError(f"{node} is not a language")
             elif isinstance(node, For) and not isinstance(node.variable.number, Number):
                 raise ValueError(f"{node.variable} is computed, and a loop counts it")
             for part in parts_of(node):
@@ -304,7 +304,7 @@ class Program:
 def _verify_jumps(body: tuple[Statement, ...]) -> None:
     lost = next(lost_jumps(body), None)
     if lost is not None:
-        raise ValueError(f"{lost} goes to a label that it can not reach")
+        raise ValueError(f"{lost} jumps to a label that it cannot reach")
 
 
 def words_equal(left: Columns, right: Columns) -> bool:

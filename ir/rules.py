@@ -16,7 +16,7 @@ LINE_LETTERS = "XYZWUVABCIJKRFSPHTN"
 
 def only_a_macro(name: str) -> str:
     """What findings call a code or word that the language does not have, and that a file of macros may define."""
-    return f"{name}, which only a macro file would define,"
+    return f"{name}, which only a macro file can define,"
 
 
 class Function(enum.IntEnum):
@@ -367,7 +367,7 @@ DEVICES: dict[str, tuple[int, int, str]] = {
     "knife_off": (0, 0, "tangential knife off"),
     "knife_axis": (1, 1, "axis output of the knife, b or c"),
     "knife_calibrate": (1, 1, "lo or hi: the present height is the knife's lowest or highest"),
-    "height_map_init": (3, 3, "begin a height map: grid size, points in X, points in Y"),
+    "height_map_init": (3, 3, "start a height map: grid size, points in X, points in Y"),
     "height_map_add": (0, 0, "add the last probed point to the height map"),
     "height_map_save": (1, 1, "write the height map to a file"),
     "height_map_load": (1, 1, "read the height map from a file"),

@@ -186,7 +186,7 @@ def _compare_notes(left: Notes, right: Notes) -> str | None:
                 return None
     for one, two in zip(left, right, strict=False):
         if (one[:3], one[4]) != (two[:3], two[4]):
-            return f"{one[4]!r} and {two[4]!r} beside the program (line {min(one[0], two[0])})"
+            return f"{one[4]!r} and {two[4]!r} next to the program (line {min(one[0], two[0])})"
     return None if len(left.table) == len(right.table) else "notes that are missing"
 
 

@@ -37,18 +37,18 @@ class Unknown:
 
 Value = float | Unknown
 
-NOBODY = "which nobody stated"
+NOBODY = "whose value is unknown"
 
 
 def not_known(span: Span, word: str, value: Unknown, hint: str = "") -> Finding:
     """GP225 for a word whose value nobody stated, or of which only bounds are known where one number is needed."""
-    why = "of which bounds are known, and no number" if value.bounded else NOBODY
+    why = "whose limits are known but not its value" if value.bounded else NOBODY
     return codes.UNKNOWN_VALUE.at(span, word=word, cause=value.cause, why=why, hint=hint)
 
 
 def behind_loop(name: str) -> str:
     """The cause of what the variable of a counted loop holds behind it."""
-    return f"{name} behind its loop"
+    return f"{name} after its loop"
 
 
 def bounds(value: Value) -> Range:
@@ -202,5 +202,5 @@ def beyond(letter: str, value: float) -> str:
     """What to say of a word's number that no machine has; letter: ``@`` for one that stands without a letter."""
     name = "the parameter" if letter == "@" else letter
     if not math.isfinite(value):
-        return f"the number of {name} is beyond every machine"
-    return f"{name}{' ' if letter == '@' else ''}{value:g} is beyond every machine"
+        return f"the number of {name} is too large for any machine"
+    return f"{name}{' ' if letter == '@' else ''}{value:g} is too large for any machine"

@@ -48,10 +48,10 @@ def describe(form: Affine, machine: Machine | None = None) -> str:
 ONE_BY_ONE = 3
 """So many unknowns of a kind are named one by one."""
 _SEVERAL = {
-    "probe": "probe contacts in {axis}", "home": "places of {axis} after homing", "tool": "lengths of tools",
+    "probe": "probe contacts in {axis}", "home": "positions of {axis} after homing", "tool": "lengths of tools",
     RISEN: "heights of {axis} that cycles rise to", "length": "tool lengths that are measured or typed",
-    "value": "values of {axis}", UNIFORM: "places of {axis} under G51 P",
-    ACTUAL: "positions of {axis} that G10 L20 takes",
+    "value": "values of {axis}", UNIFORM: "positions of {axis} under G51 P",
+    ACTUAL: "positions of {axis} that G10 L20 uses",
 }  # fmt: skip
 """Kinds of which there may be many in one sum, in words."""
 
@@ -77,16 +77,16 @@ def describe_symbol(symbol: str, machine: Machine | None = None) -> str:
     if kind == "probe":
         return f"the probe contact {rest[0]} in {_word(rest[1], machine)}"
     if kind == UNHOMED:
-        return f"the place of {_word(rest[0], machine)}, which has had no reference run"
+        return f"the start position of {_word(rest[0], machine)}, which has had no reference run"
     if kind == "home":
-        return f"the place of {_word(rest[1], machine)} after homing {rest[0]}"
+        return f"the position of {_word(rest[1], machine)} after homing {rest[0]}"
     if kind == "head":
         return f"head {rest[0]} {_word(rest[1], machine)} offset"
     if kind == "beside":
         tool = "".join(takewhile(str.isdigit, rest[0]))
-        return f"where the corrected tool {tool} is beside its contour in {_word(rest[1], machine)}"
+        return f"the position of the corrected tool {tool} next to its contour in {_word(rest[1], machine)}"
     if kind == MIRRORED:
-        return f"the zero that {_word(rest[1], machine)} is reflected about (the offset's, or the machine's)"
+        return f"the zero that {_word(rest[1], machine)} is mirrored about (of the offset or of the machine)"
     if kind == RISEN:
         return f"the height {rest[0]} of {_word(rest[1], machine)} that a cycle rises to"
     if kind == "length":
@@ -94,9 +94,9 @@ def describe_symbol(symbol: str, machine: Machine | None = None) -> str:
     if kind == STORED:
         return f"#{5211 + AXIS_NAMES.index(rest[1])}, which G92.3 brings back"
     if kind == UNIFORM:
-        return f"what G51 P makes of {_word(rest[1], machine)} (scaled or not, no. {rest[0]})"
+        return f"the position of {_word(rest[1], machine)} under G51 P (scaled or not, no. {rest[0]})"
     if kind == ACTUAL:
-        return f"what G10 L20 takes for the position of {_word(rest[1], machine)} (no. {rest[0]})"
+        return f"the position of {_word(rest[1], machine)} that G10 L20 uses (no. {rest[0]})"
     if kind == "value":
-        return f"a value of {_word(rest[1], machine)} that is only bounded (no. {rest[0]})"
-    return "a value that nobody stated"
+        return f"a value of {_word(rest[1], machine)} with known limits only (no. {rest[0]})"
+    return "an unknown value"

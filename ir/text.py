@@ -339,7 +339,7 @@ class _Reader:
             flat = self.until("}")
             value = dict(zip(flat[::2], flat[1::2], strict=True))
             if 2 * len(value) != len(flat):
-                raise ValueError("text form: a key is there twice")
+                raise ValueError("text form: a key is given twice")
         self.depth -= 1
         return value
 
@@ -370,7 +370,7 @@ class _Reader:
                 raise _no_such("field", f"{name}.{word[:-1]}" if word.endswith(":") else word)
             key, is_list = field
             if key in values:
-                raise ValueError(f"text form: {name}.{key} is there twice")
+                raise ValueError(f"text form: {name}.{key} is given twice")
             value = self.value(self.take())
             # Lists and tuples share brackets in the text: the field's type tells which one it was.
             values[key] = list(value) if is_list and isinstance(value, tuple) else value
@@ -469,7 +469,7 @@ def _no_such(kind: str, name: str) -> ValueError:
     """The error for a name that is none here, or that none can have."""
     if _NAMES[kind].fullmatch(name):
         return NotKnown(f"{name[:80]}: no such {kind}")
-    return ValueError(f"text form: {name[:40]!r} is no name of a {kind}")
+    return ValueError(f"text form: {name[:40]!r} is not a name of a {kind}")
 
 
 @functools.lru_cache(1024)
@@ -489,7 +489,7 @@ def _read_atom(token: str) -> Any:
     if _RATIONAL.fullmatch(token):
         return Fraction(token)
     if not _MEMBER.fullmatch(token):
-        raise ValueError(f"text form: {token[:40]!r} is no value")
+        raise ValueError(f"text form: {token[:40]!r} is not a value")
     head, _, member = token.partition(".")
     found = types().enums.get(head)
     if found is None or member not in found.__members__:

@@ -111,12 +111,12 @@ ARGUMENTS = {
     Op.UNITS: "arg[0]: mm in one program unit",
     Op.PLANE: "arg[0]: Plane",
     Op.OVERRIDE: "arg[0]: 1 when overrides are allowed",
-    Op.ORIENT: "the spindle, which rests, stands in a fixed orientation",
+    Op.ORIENT: "the spindle, which rests, is in a fixed orientation",
     Op.HEAD: "arg[0]: 0 to 2 spindles, 4 probe, 5 camera",
     Op.PATH_MODE: "arg[0]: PathMode; arg[1]: tolerance in mm (infinite: unknown)",
     Op.GUARD: "arg[0]: 1 on, 0 off; text: name",
     Op.MESSAGE: "text: the message",
-    Op.END: "arg[0]: 1 where no code says so: behind the last line; 2 behind what runs after an abort",
+    Op.END: "arg[0]: 1 where no code says so: after the last line; 2 after what runs after an abort",
     Op.DEVICE: "text: a command to a device or a setting that moves nothing, as written",
 }
 
@@ -321,7 +321,7 @@ class Trace:
         for place, section in enumerate(self.sections):
             where = f"section {section.number}"
             if section.number != place:
-                raise ValueError(f"{where}: stands at place {place}")
+                raise ValueError(f"{where}: is at place {place}")
             if len(section.start) != AXES or not 0 <= section.start_frame < len(self.frames):
                 raise ValueError(f"{where}: bad start")
             for edge in section.edges:
@@ -366,7 +366,7 @@ def verify_rows(rows: Columns, trace: Trace, where: str = "rows") -> None:
         raise ValueError(f"{where}: arcs, and only arcs, have turns and a plane")
     feed = rows["feed"]
     if (feed < 0).any() or (feed[op == Op.TRAVERSE] != 0).any():
-        raise ValueError(f"{where}: negative feed, or a traverse with one")
+        raise ValueError(f"{where}: negative feed, or a rapid move with one")
     texts = rows["text"][(op == Op.MESSAGE) | (op == Op.SETPOINT) | (op == Op.DEVICE)]
     if ((texts < 0) | (texts >= len(trace.texts))).any():
         raise ValueError(f"{where}: text index out of range")

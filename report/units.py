@@ -32,6 +32,8 @@ _PLACE = re.compile(rf"(?<!\w)([XYZ])({_NUMBER})(?![\w.])")
 """A place in texts called ``where``."""
 _LITERAL = re.compile(r"(?<=\}) mm\b")
 """The unit behind a number of a template."""
+_FINE = re.compile(r"\.3f\}")
+"""How a template prints a length."""
 
 
 @record(frozen=True, slots=True)
@@ -90,7 +92,8 @@ class LengthUnit:
         told = {name: self._value(name, value, names) for name, value in values.items()}
         if in_mm:
             told["unit"] = self.name
-        return filled(_LITERAL.sub(f" {self.name}", template), told)
+            template = _FINE.sub(f".{self.places}f}}", _LITERAL.sub(f" {self.name}", template))
+        return filled(template, told, self.places)
 
     def _value(self, name: str, value: object, lengths: frozenset[str]) -> object:
         """A value of a message in this unit."""

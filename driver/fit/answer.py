@@ -136,7 +136,7 @@ def _only_limits_missing(judgement: Judgement, verdicts: dict[str, Verdict]) -> 
     if any(verdict is not Verdict.SAFE for name, verdict in verdicts.items() if name != "limits"):
         return ()
     unknown = [f for f in judgement.findings.kept if f.severity is Severity.UNKNOWN]
-    if any(f.code is not codes.LIMIT_UNKNOWN for f in unknown):
+    if any(f.code.number != codes.LIMIT_UNKNOWN.number for f in unknown):
         return ()
     return tuple(dict.fromkeys(f.message for f in unknown))
 

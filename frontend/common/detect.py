@@ -53,7 +53,7 @@ def guess_dialect(path: Path, frontends: Sequence[Frontend]) -> tuple[str, str]:
         return beside[0].name, f"{beside[1].name} in {beside[1].parent}"
     if named is not None:
         return named.name, f"extension {path.suffix.lower()}"
-    return frontends[0].name, "nothing says otherwise"
+    return frontends[0].name, "the default"
 
 
 def _is_alike(reason: str, shop: Frontend | None, named: Frontend | None) -> bool:

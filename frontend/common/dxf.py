@@ -77,7 +77,7 @@ class Sheet:
 def open_drawing(path: Path) -> Sheet:
     """The drawing in a file; DxfError when it is none, its unit is no length of ours, or ezdxf is not installed."""
     if path.stat().st_size > LARGEST_FILE:
-        raise DxfError(f"{path.stat().st_size / 1e6:.0f} MB; drawings are read up to {LARGEST_FILE / 1e6:.0f} MB")
+        raise DxfError(f"{path.stat().st_size / 1e6:.0f} MB; gproof reads drawings up to {LARGEST_FILE / 1e6:.0f} MB")
     logging.getLogger("ezdxf").setLevel(logging.CRITICAL)
     try:
         from ezdxf.filemanagement import readfile
@@ -89,12 +89,12 @@ def open_drawing(path: Path) -> Sheet:
         unit = int(document.header.get("$INSUNITS", 0))
         names = sorted({entity.dxf.layer for entity in document.modelspace() if entity.dxftype() not in _BESIDE})
     except OSError:
-        raise DxfError("this is no DXF file") from None
+        raise DxfError("this is not a DXF file") from None
     except Exception as error:
         # What a broken file makes of a reader of 300 kinds of records is not to be listed.
-        raise DxfError(f"this is no DXF file that can be read: {' '.join(str(error).split())[:200]}") from None
+        raise DxfError(f"this DXF file cannot be read: {' '.join(str(error).split())[:200]}") from None
     if unit and unit not in MILLIMETRES:
-        raise DxfError(f"$INSUNITS is {unit}, which is no unit of a workpiece")
+        raise DxfError(f"$INSUNITS is {unit}, which is not a unit of a workpiece")
     return Sheet(document, MILLIMETRES.get(unit), _NAMES.get(unit, f"$INSUNITS {unit}"), tuple(names))
 
 
@@ -118,7 +118,7 @@ def layers(sheet: Sheet, names: Iterable[str] | None, error: float, join: float)
         raise
     except Exception as failed:
         # As of a file: what a broken entity makes of its reader is not to be listed.
-        raise DxfError(f"an entity can not be read: {' '.join(str(failed).split())[:200]}") from None
+        raise DxfError(f"an entity cannot be read: {' '.join(str(failed).split())[:200]}") from None
     return {name: joined(found, join, name) for name, found in chains.items()}
 
 
@@ -132,7 +132,7 @@ def _chains(
             continue
         if kind == "INSERT":
             if depth >= DEEPEST_BLOCK:
-                raise DxfError("blocks lie in one another too deep")
+                raise DxfError("blocks are nested too deep")
             copies[0] += entity.mcount
             if copies[0] > MOST_COPIES:
                 raise DxfError(f"more than {MOST_COPIES} copies of blocks")
@@ -141,14 +141,16 @@ def _chains(
             continue
         make = _MAKERS.get(kind)
         if make is None:
-            raise DxfError(f"{kind} on layer {layer!r} is no outline that is read; explode it to lines and arcs")
+            raise DxfError(
+                f"{kind} on layer {layer!r} is not an outline that gproof reads; explode it to lines and arcs"
+            )
         try:
             points, closed = make(entity, error)
         except DxfError:
             raise
         except _UNREADABLE as failed:
             said = " ".join(str(failed).split())[:200]
-            raise DxfError(f"{kind} on layer {layer!r} can not be read: {said}; explode it to lines and arcs") from None
+            raise DxfError(f"{kind} on layer {layer!r} cannot be read: {said}; explode it to lines and arcs") from None
         if not all(math.isfinite(value) for point in points for value in point):
             raise DxfError(f"{kind} on layer {layer!r}: a coordinate is not a finite number")
         if len(points) > 1:
@@ -168,7 +170,7 @@ def _world(entity: Any, points: Iterable[tuple[float, float]], height: float) ->
     if tuple(normal) == (0.0, 0.0, 1.0):
         return [(float(x), float(y)) for x, y in points]
     if abs(normal[0]) > 1e-9 or abs(normal[1]) > 1e-9:
-        raise DxfError(f"{entity.dxftype()} on layer {entity.dxf.layer!r} does not lie in the X-Y plane")
+        raise DxfError(f"{entity.dxftype()} on layer {entity.dxf.layer!r} is not in the X-Y plane")
     ocs = entity.ocs()
     return [(float(p.x), float(p.y)) for p in (ocs.to_wcs((x, y, height)) for x, y in points)]
 
@@ -244,7 +246,7 @@ def _lwpolyline(entity: Any, error: float) -> tuple[list[Point], bool]:
 
 def _polyline(entity: Any, error: float) -> tuple[list[Point], bool]:
     if not (entity.is_2d_polyline or entity.is_3d_polyline):
-        raise DxfError(f"POLYLINE on layer {entity.dxf.layer!r} is a mesh, no outline")
+        raise DxfError(f"POLYLINE on layer {entity.dxf.layer!r} is a mesh, not an outline")
     if entity.dxf.flags & 6:
         raise DxfError(f"POLYLINE on layer {entity.dxf.layer!r} is fitted by a curve; explode it to lines and arcs")
     corners = [
@@ -258,7 +260,7 @@ def _polyline(entity: Any, error: float) -> tuple[list[Point], bool]:
 def _ellipse(entity: Any, error: float) -> tuple[list[Point], bool]:
     normal = entity.dxf.extrusion
     if abs(normal.x) > 1e-9 or abs(normal.y) > 1e-9:
-        raise DxfError(f"ELLIPSE on layer {entity.dxf.layer!r} does not lie in the X-Y plane")
+        raise DxfError(f"ELLIPSE on layer {entity.dxf.layer!r} is not in the X-Y plane")
     center, major, minor = entity.dxf.center, entity.dxf.major_axis, entity.minor_axis
     begin, end = entity.dxf.start_param, entity.dxf.end_param
     sweep = math.fmod(end - begin, math.tau)
@@ -281,16 +283,16 @@ def _spline(entity: Any, error: float) -> tuple[list[Point], bool]:
     what = f"SPLINE on layer {entity.dxf.layer!r}"
     if not entity.control_point_count():
         raise DxfError(
-            f"{what} has no control points, and several curves go through others; explode it to lines and arcs"
+            f"{what} has no control points, and several curves pass through others; explode it to lines and arcs"
         )
     knots = [float(knot) for knot in entity.knots]
     if len(knots) != entity.control_point_count() + entity.dxf.degree + 1 or knots != sorted(knots):
-        raise DxfError(f"{what} has knots that are not those of its control points")
+        raise DxfError(f"{what} has knots that do not fit its control points")
     if len(set(knots[: entity.dxf.degree + 1])) > 1 or len(set(knots[-entity.dxf.degree - 1 :])) > 1:
-        raise DxfError(f"{what} does not begin and end at its outer control points; explode it to lines and arcs")
+        raise DxfError(f"{what} does not start and end at its outer control points; explode it to lines and arcs")
     curve = entity.construction_tool()
     if curve.is_rational and len({round(w, 12) for w in curve.weights()}) > 1:
-        raise DxfError(f"{what} has weights, which are not read; explode it to lines and arcs")
+        raise DxfError(f"{what} has weights, which gproof does not read; explode it to lines and arcs")
     points: list[Point] = []
     for piece in curve.bezier_decomposition():
         made = _bezier([(float(p.x), float(p.y)) for p in piece], error)
@@ -364,7 +366,9 @@ def joined(chains: Sequence[Chain], join: float, layer: str) -> Layer:
         if not ring:
             continue
         if number != first or side != 0:
-            raise DxfError(f"layer {layer!r}: pieces meet at {place(*loose[number].points[side])} and make no ring")
+            raise DxfError(
+                f"layer {layer!r}: pieces meet at {place(*loose[number].points[side])} and do not make a closed outline"
+            )
         found.rings.append(ring)
     return found
 
@@ -397,11 +401,13 @@ class _Ends:
         ]
         if not near:
             raise DxfError(
-                f"layer {layer!r} is open at {place(*at)}: nothing goes on within {self.join:g} from the end of "
+                f"layer {layer!r} is open at {place(*at)}: nothing continues within {self.join:g} of the end of "
                 f"{chains[number].what.partition(' on ')[0]}{self._nearest(at, number, side)}"
             )
         if len(near) > 1:
-            raise DxfError(f"layer {layer!r}: {len(near) + 1} ends meet at {place(*at)}; which belong together is open")
+            raise DxfError(
+                f"layer {layer!r}: {len(near) + 1} ends meet at {place(*at)}; it is not clear which belong together"
+            )
         return near[0]
 
     def _nearest(self, at: Point, number: int, side: int) -> str:

@@ -104,14 +104,14 @@ def _checked(ring: Ring) -> Polygon:
     if len(points) > 1 and points[0] == points[-1]:
         points.pop()
     if len(points) < 3:
-        raise OutlineError(f"an outline of {len(points)} corners encloses nothing")
+        raise OutlineError(f"an outline of {len(points)} corners has no area")
     polygon = shapely.Polygon(np.array(points))
     if not all(map(math.isfinite, polygon.bounds)):
         raise OutlineError("a corner of an outline is not a finite number")
     if not polygon.is_valid:
         raise OutlineError(_reason(shapely.is_valid_reason(polygon)))
     if polygon.area <= NARROW:
-        raise OutlineError(f"the outline at {place(*points[0])} encloses nothing")
+        raise OutlineError(f"the outline at {place(*points[0])} has no area")
     return polygon
 
 

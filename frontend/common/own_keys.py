@@ -182,7 +182,7 @@ def suggestion(word: str, schema: str, here: Iterable[str], given: Iterable[str]
     if found:
         return f"did you mean {', or '.join(dict.fromkeys(found[:3]))}?"
     more = f" and {len(known) - LISTED} more" if len(known) > LISTED else ""
-    return f"the keys here are {', '.join(known[:LISTED])}{more}" if known else ""
+    return f"use one of these keys: {', '.join(known[:LISTED])}{more}" if known else ""
 
 
 def _near(word: str, known: Iterable[str], how: float) -> list[str]:

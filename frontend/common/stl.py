@@ -45,7 +45,7 @@ def read_stl(path: Path) -> Triangles:
     raw = path.read_bytes()
     corners = _text(raw) if _is_text(raw) else _binary(raw)
     if not len(corners):
-        raise StlError("no triangle is in it")
+        raise StlError("it has no triangle")
     bad = np.flatnonzero(~np.isfinite(corners).all(axis=(1, 2)))
     if bad.size:
         raise StlError(f"triangle {bad[0] + 1} has a coordinate that is not a finite number")
@@ -64,10 +64,10 @@ def _is_text(raw: bytes) -> bool:
 
 def _binary(raw: bytes) -> Floats:
     if len(raw) < 84:
-        raise StlError(f"{len(raw)} bytes are no STL file")
+        raise StlError(f"{len(raw)} bytes are not an STL file")
     count = int.from_bytes(raw[80:84], "little")
     if count > MOST_TRIANGLES:
-        raise StlError(f"{count} triangles; meshes are read up to {MOST_TRIANGLES}")
+        raise StlError(f"{count} triangles; gproof reads meshes up to {MOST_TRIANGLES} triangles")
     if len(raw) != 84 + 50 * count:
         raise StlError(f"{count} triangles take {84 + 50 * count} bytes, the file has {len(raw)}")
     return np.frombuffer(raw, _BINARY, count, 84)["corners"].astype(np.float64)
@@ -84,29 +84,29 @@ def _text(raw: bytes) -> Floats:
         if kind == b"vertex":
             found = _VERTEX.match(line)
             if found is None:
-                raise StlError("a corner is vertex and three numbers", number)
+                raise StlError("a corner must be vertex and three numbers", number)
             values.append((found[1], found[2], found[3]))
             lines.append(number)
         elif kind == b"endfacet":
             facets += 1
             if len(values) != 3 * facets:
-                raise StlError(f"a facet of {len(values) - 3 * (facets - 1)} corners is no triangle", number)
+                raise StlError(f"a facet of {len(values) - 3 * (facets - 1)} corners is not a triangle", number)
             if facets > MOST_TRIANGLES:
                 raise StlError(f"more than {MOST_TRIANGLES} triangles", number)
         elif kind in _ENDS:
             solids += _ENDS[kind]
             last = number
         elif kind not in _WORDS:
-            raise StlError("no line of a text STL file", number)
+            raise StlError("this is not a line of a text STL file", number)
     if len(values) != 3 * facets:
         raise StlError("it ends within a facet", lines[-1] if lines else 0)
     if solids:
-        raise StlError("a solid has no end: endsolid is missing" if solids > 0 else "endsolid without solid", last)
+        raise StlError("a solid is not closed: endsolid is missing" if solids > 0 else "endsolid without solid", last)
     try:
         corners = np.array(values, dtype="S64").astype(np.float64) if values else np.zeros((0, 3))
     except ValueError:
         number = next(n for n, row in zip(lines, values, strict=True) if not all(_is_number(one) for one in row))
-        raise StlError("a coordinate is no number", number) from None
+        raise StlError("a coordinate is not a number", number) from None
     return corners.reshape(-1, 3, 3)
 
 
@@ -137,7 +137,7 @@ def _closed(corners: Floats) -> Triangles:
     volume = float(np.einsum("ij,ij->i", corners[:, 0], np.cross(corners[:, 1], corners[:, 2])).sum()) / 6.0
     if volume < 0.0:
         corners = corners[:, ::-1]
-    return Triangles(np.ascontiguousarray(corners), "" if volume else "it encloses nothing")
+    return Triangles(np.ascontiguousarray(corners), "" if volume else "it has no volume")
 
 
 def _welded(corners: Floats) -> tuple[Floats, npt.NDArray[np.int64]]:
@@ -163,7 +163,7 @@ def _opening(ways: npt.NDArray[np.int64], points: Floats) -> str:
     if (count > 2).any():
         return f"more than two triangles meet at {_edge(int(edges[count > 2][0]), points)}"
     passed, times = np.unique(ways, return_counts=True)
-    return f"triangles beside one another are turned differently at {_edge(int(passed[times > 1][0]), points)}"
+    return f"neighbouring triangles face different sides at {_edge(int(passed[times > 1][0]), points)}"
 
 
 def _edge(edge: int, points: Floats) -> str:

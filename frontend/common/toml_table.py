@@ -30,8 +30,8 @@ OPTIONS = {"gproof-machine/1": "--machine", "gproof-setup/1": "--setup"}
 _ROLES = {"gproof-machine/1": "machine", "gproof-setup/1": "setup"}
 
 _NO_TOML = {
-    "gproof-machine/1": "a machine file is gproof's (TOML), or the controller's: WINCNC.INI, McuWIN.ini, cnc.ini",
-    "gproof-setup/1": "a setup file is gproof's (TOML)",
+    "gproof-machine/1": "use a machine file of gproof (TOML) or of the controller: WINCNC.INI, McuWIN.ini, cnc.ini",
+    "gproof-setup/1": "use a setup file of gproof (TOML)",
 }
 _HEADER = re.compile(r"\s*+(\[\[?)\s*+([^\[\]]++)\]\]?\s*+(?:#.*)?$")
 _KEY = re.compile(r"""\s*((?:[A-Za-z0-9_-]+|"[^"]*"|'[^']*')(?:\s*\.\s*(?:[A-Za-z0-9_-]+|"[^"]*"|'[^']*'))*)\s*=""")
@@ -110,7 +110,7 @@ class TomlFile:
             return None
         self.sha256 = hashlib.sha256(raw).hexdigest()
         if len(raw) > LARGEST_FILE:
-            what = f"{len(raw)} bytes; a file of settings has {LARGEST_FILE} at most"
+            what = f"{len(raw)} bytes; a settings file has at most {LARGEST_FILE} bytes"
             self.add(codes.FILE_UNREADABLE, "", what=what)
             return None
         try:
@@ -122,7 +122,7 @@ class TomlFile:
             return None
         deep = _DEEP_KEY.search(text)
         if deep is not None:
-            what = f"a key of more than {DEEPEST_KEY} parts is none of ours"
+            what = f"a key of more than {DEEPEST_KEY} parts is not a key of gproof"
             self.add_at(codes.FILE_UNREADABLE, Span(self.name, text.count("\n", 0, deep.start()) + 1), what=what)
             return None
         try:
@@ -146,11 +146,11 @@ class TomlFile:
         assert self.root is not None
         stated = self.root.text("schema")
         if stated is None and "schema" not in self.root.values:
-            self.add(codes.MISSING_KEY, "", key="schema", hint=f'schema = "{schema}"')
+            self.add(codes.MISSING_KEY, "", key="schema", hint=f'add schema = "{schema}"')
         elif stated is not None and stated != schema:
             option = OPTIONS.get(stated, "")
-            hint = f"{option} takes this file" if option else ""
-            what = f"{stated!r}; this gproof reads {schema!r}"
+            hint = f"give this file with {option}" if option else ""
+            what = f"{stated!r}; this version of gproof reads {schema!r}"
             self.add(codes.BAD_VALUE, "schema", key="schema", what=what, hint=hint)
             if option:
                 self.root = None  # none of its keys is one of this kind of file
@@ -202,7 +202,9 @@ class TomlTable:
             key = written if keys is None else keys.spelt(written)
             if key in self.values:
                 name = ".".join((*path, written))
-                file.add(codes.BAD_VALUE, name, key=name, what=f"given as {self._written[key]} too; both are one key")
+                file.add(
+                    codes.BAD_VALUE, name, key=name, what=f"also given as {self._written[key]}; both are the same key"
+                )
                 continue
             self.values[key], self._written[key] = value, written
         self._taken = file.taken.setdefault(path, set())
@@ -234,10 +236,10 @@ class TomlTable:
         if value is None:
             return None
         if not isinstance(value, str):
-            self.bad(key, f"{show(value)} is not a text")
+            self.bad(key, f"{show(value)} is not text")
             return None
         if allowed and value not in allowed:
-            self.bad(key, f"{value!r} is none of {', '.join(allowed)}")
+            self.bad(key, f"{value!r} is not one of {', '.join(allowed)}")
             return None
         return value
 

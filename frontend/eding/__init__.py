@@ -67,7 +67,7 @@ FRONTEND = Frontend(
     extensions=(".cnc", ".ngc", ".nc", ".gcode", ".gc", ".g", ".ncd", ".iso", ".txt", ".eia"),
     no_jobs=(".iso", ".txt"),
     never=("macro.cnc", "user_macro.cnc"),
-    settings=(("cnc.ini", "the settings of Eding CNC; --machine takes it"),),
+    settings=(("cnc.ini", "the settings of Eding CNC; give it with --machine"),),
     markers=(
         Marker(rank=10, reason="nesting line", pattern=rb"(?mi)^[ \t]*%[ \t]*[mdo][ \t]*[xy][ \t]*="),
         Marker(rank=30, reason="flow control", pattern=rb"(?mi)^[ \t]*(?:end[ \t]*(?:if|while|sub)|gosub|sub)\b"),

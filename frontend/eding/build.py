@@ -132,7 +132,7 @@ def _combine(done: list[Part], operator: str, span: Callable[[int, int], Span]) 
     return doubtful
 
 
-ATAN_TAKES_TWO = "'atan' takes two values: atan[y]/[x]"
+ATAN_TAKES_TWO = "'atan' needs two values: atan[y]/[x]"
 
 DIALOG_VALUES = 12  # 4.2
 
@@ -217,7 +217,7 @@ class Builder:
         if letter == "N":
             raise self.error(codes.BAD_LINE_NUMBER, begin, end, text=self.line.code[begin + 1 : end])
         if letter not in WORD_LETTERS:
-            what = f"{letter!r} begins no word of this controller"
+            what = f"{letter!r} is not the letter of a word of this controller"
             raise self.error(codes.SYNTAX, begin, begin + 1, what=what)
         return Word(letter, value, self.span(begin, end))
 
@@ -378,10 +378,10 @@ class Builder:
         side = tokens[2:]
         if str(tokens[1]).lower() == "off":
             if side:
-                raise self.error(codes.SYNTAX, side[0].begin, side[0].end, what="'tanknife off' takes no value")
+                raise self.error(codes.SYNTAX, side[0].begin, side[0].end, what="'tanknife off' must have no value")
             return self._device("knife_off", tokens)
         if side and isinstance(side[0].node, Number) and abs(side[0].node.value) != BENT_KNIFE_DEGREES:
-            what = f"a bent knife is bent to the side {BENT_KNIFE_DEGREES} or -{BENT_KNIFE_DEGREES}"
+            what = f"a bent knife must be bent to {BENT_KNIFE_DEGREES} or -{BENT_KNIFE_DEGREES} degrees"
             raise self.error(codes.SYNTAX, side[0].begin, side[0].end, what=what)
         return self._device("knife_on", tokens, *(part.node for part in side))
 

@@ -5,5 +5,5 @@ from __future__ import annotations
 from gproof.frontend.common.comment_hints import CommentStyle
 
 COMMENTS = CommentStyle(
-    ("(", ";"), "a comment stands in parentheses, or begins with ; and goes to the end of the line"
+    ("(", ";"), "write a comment in parentheses, or from ; to the end of the line"
 )  # fmt: skip

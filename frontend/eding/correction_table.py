@@ -31,12 +31,12 @@ def load_table(path: Path, ini: Ini) -> tuple[Pairs | None, str]:
     for number, row in number_rows(decode(raw.removeprefix(b"\xef\xbb\xbf")), 2):
         if row is None:
             good = False
-            _refuse(path, number, "a correction table has two numbers in a line", ini)
+            _refuse(path, number, "a correction table must have two numbers on each line", ini)
         else:
             pairs.append((row[0], row[1]))
     if good and not pairs:
         good = False
-        _refuse(path, 0, "a correction table without numbers", ini)
+        _refuse(path, 0, "the correction table has no numbers", ini)
     return (pairs if good else None), digest
 
 

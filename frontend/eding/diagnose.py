@@ -84,9 +84,9 @@ def _structure(stop: _Stop) -> LineError | None:
     for found in _STRUCTURE_WORD.finditer(line.text):
         if found.start() <= place <= found.end() and found.start() != line.keyword_at:
             word = re.sub(r"[ \t]", "", found.group()).lower()
-            what = f"{word!r} must stand on a line of its own"
+            what = f"{word!r} must be on a line of its own"
             if word == "then":
-                what = "'then' stands only behind the condition of 'if'"
+                what = "'then' is allowed only after the condition of 'if'"
             structure = "" if line.keyword in STRUCTURE else word
             return LineError(codes.FLOW_WORD_MISPLACED, *found.span(), structure=structure, what=what)
     if line.keyword not in STRUCTURE or not stop.rest or stop.depth:
@@ -94,7 +94,7 @@ def _structure(stop: _Stop) -> LineError | None:
     complete = {"if": "]", "while": "]"}.get(line.keyword, "")
     named = line.keyword not in ("sub", "gosub") or len(stop.before.split()) > 1
     if complete in stop.before and named:
-        what = f"code beside {line.keyword!r}, which must stand on a line of its own"
+        what = f"code next to {line.keyword!r}, which must be on a line of its own"
         return stop.error(codes.FLOW_WORD_MISPLACED, stop.at, len(line.code), what=what)
     return None
 
@@ -146,7 +146,7 @@ def _expression(stop: _Stop) -> LineError | None:
     if calls and (stop.depth or len(tail) == 1 or stop.before.endswith(("=", "#", "-", "+"))):
         return _bad(stop, stop.at, stop.at + len(word), f"{word!r} is not a function")
     if re.search(r"atan\[.*\]/?$", stop.before, _FLAGS) and _atan_is_open(stop.before):
-        return _bad(stop, stop.at, stop.at + 1, "'atan' takes two values: atan[y]/[x]")
+        return _bad(stop, stop.at, stop.at + 1, "'atan' needs two values: atan[y]/[x]")
     if stop.depth <= 0:
         return _outside_brackets(stop)
     if not stop.rest:
@@ -165,7 +165,7 @@ def _outside_brackets(stop: _Stop) -> LineError | None:
     if stop.rest.startswith("]"):
         return _bad(stop, stop.at, stop.at + 1, "']' without '['")
     if keyword in ("if", "while") and "[" not in stop.before:
-        return _bad(stop, stop.at, stop.at + 1, f"the condition of {keyword!r} stands in brackets")
+        return _bad(stop, stop.at, stop.at + 1, f"the condition of {keyword!r} must be in brackets")
     return None
 
 
@@ -200,12 +200,12 @@ def _missing_value(stop: _Stop) -> LineError | None:
     letter = _LETTERS_AT_END.search(stop.before)
     operator = _OPERATOR_WORD.match(stop.line.code, letter.start()) if letter else None
     if letter and operator and re.search(r"[0-9.\]]$", stop.before[: letter.start()]):
-        return _bad(stop, letter.start(), operator.end(), f"{operator.group()!r} stands only inside brackets")
+        return _bad(stop, letter.start(), operator.end(), f"{operator.group()!r} is allowed only inside brackets")
     if letter:
         return stop.error(codes.MISSING_VALUE, stop.at - 1, stop.at, letter=letter.group()[-1].upper())
     setting = re.search(r"#[^#=]*=$", stop.before)
     if setting:
-        return _bad(stop, setting.start(), stop.at, f"{setting.group()[:-1]} is set to nothing")
+        return _bad(stop, setting.start(), stop.at, f"{setting.group()[:-1]} is set without a value")
     return None
 
 
@@ -216,18 +216,18 @@ def _operator(stop: _Stop) -> LineError | None:
         return None
     if operator.group() in ("=", "/"):
         return None
-    return _bad(stop, stop.at, stop.at + operator.end(), f"{operator.group()!r} stands only inside brackets")
+    return _bad(stop, stop.at, stop.at + operator.end(), f"{operator.group()!r} is allowed only inside brackets")
 
 
 _UNEXPECTED = {
     ")": "')' without '('",
-    "/": "a block delete slash stands only at the start of a line",
-    "%": "'%' stands only on a line of its own",
-    "=": "'=' stands only behind a parameter",
-    '"': "a text stands only in a message statement",
-    "“": "a text stands only in a message statement",
-    "”": "a text stands only in a message statement",
-    "[": "a value without a letter",
+    "/": "a block delete slash is allowed only at the start of a line",
+    "%": "'%' is allowed only on a line of its own",
+    "=": "'=' is allowed only after a parameter",
+    '"': "text is allowed only in a message statement",
+    "“": "text is allowed only in a message statement",
+    "”": "text is allowed only in a message statement",
+    "[": "a value has no letter",
 }
 
 
@@ -254,7 +254,7 @@ _TAKES = {
 
 
 def _takes(stop: _Stop) -> str:
-    return f"{stop.line.keyword!r} takes {_TAKES[stop.line.keyword]}"
+    return f"{stop.line.keyword!r} needs {_TAKES[stop.line.keyword]}"
 
 
 def _unexpected(stop: _Stop) -> str:
@@ -263,9 +263,9 @@ def _unexpected(stop: _Stop) -> str:
         if character in _UNEXPECTED:
             return _UNEXPECTED[character]
         if character in "0123456789.+-":
-            return "a number without a letter"
+            return "a number has no letter"
     if stop.line.keyword in ("msg", "warnmsg", "errmsg", "logmsg", "dlgmsg") and character.isalnum():
-        return f"the text of {stop.line.keyword!r} stands in quotes"
+        return f"the text of {stop.line.keyword!r} must be in quotes"
     if stop.line.keyword in _TAKES:
         return _takes(stop)
     shown = repr(character) if character.isascii() else f"{character!r} (U+{ord(character):04X})"
@@ -278,5 +278,5 @@ def _incomplete(stop: _Stop) -> str:
     if stop.line.keyword in _TAKES:
         return _takes(stop)
     if stop.line.rule == "block" and "#" in stop.before:
-        return "a parameter alone is no code: a setting needs '=' and a value"
+        return "a parameter alone is not code: to set it, add '=' and a value"
     return "the line ends too early"

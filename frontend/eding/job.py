@@ -20,7 +20,7 @@ def load_job(job: Reading) -> Read:
     accepts = machine.controller.accepts
     own = own_macros(job.job, macro)
     if own is not None and USER_MACRO_FILE.name not in accepts:
-        why = f"whether this controller loads it is not stated: {USER_MACRO_FILE.hint}"
+        why = f"{USER_MACRO_FILE.hint}: it is unknown whether this controller loads it"
         left_out = Unmodelled(own.name, why)
         machine = dataclasses.replace(machine, not_modelled=(*machine.not_modelled, left_out))
     program = load_program(job.job, job.findings, macro, call=job.call, accepts=accepts)

@@ -318,7 +318,7 @@ class _Loader:
         except LineError as error:
             span = Span(source.name, number, error.begin + 1, error.end + 1)
             if _NAMED_PARAMETER.search(raw) and error.structure == "":
-                what = "a parameter with a name, which the manual does not have,"
+                what = "a parameter with a name, which is not in the manual,"
                 self.assembler.add(Unsupported(what=what, span=span, text=decode(raw).strip()))
                 return
             finding = error.code.at(span, **error.values)
@@ -343,7 +343,7 @@ class _Loader:
         name = statement.name if isinstance(statement, Structural | Call) else ""
         if isinstance(statement, Structural | Call) and name and not _PLAIN_NAME.fullmatch(name):
             inside = name if isinstance(statement, Structural) else self.assembler.subprogram
-            text = f"{name!r} is not a name of the manual: a letter, then letters, digits and _"
+            text = f"{name!r} does not follow the manual: a letter, then letters, digits and _"
             end = statement.span.end_column
             span = Span(statement.span.file, statement.span.line, end - len(name), end)
             what = known.DIGIT_NAMES if _DIGIT_NAME.fullmatch(name) else None

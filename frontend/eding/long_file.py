@@ -29,9 +29,11 @@ def judge_length(program: Program, criterion: float | None, findings: Findings) 
     if not own:
         return
     span, name = min(own, key=lambda place: place[0].line)
-    what = f"{name} in a file of {size:g} kB, which is executed in super long file mode from {allowed:g} kB on (2.1.14)"
+    what = f"{name} in a file of {size:g} kB, which runs in super long file mode from {allowed:g} kB on (2.1.14)"
     hint = (
-        "super_long_file of [controller] says from how many kB" if criterion is None else "lines without flow control"
+        "state super_long_file of [controller]: from how many kB"
+        if criterion is None
+        else "write the lines without flow control"
     )
     findings.add(codes.UNSUPPORTED_CODE.at(span, code=what, hint=hint))
 

@@ -120,21 +120,21 @@ _MODES = {
 """Modes of A, B and C (2.1.3) that gproof follows; SLAVE X, Y and Z besides."""
 
 _OTHER_MODES = {
-    "FOAM CUT": ("A is the other side of the wire, and how it goes with them is not documented", "a"),
-    "2ND Z": ("A is a second Z, and what tool lengths do to it is not documented", "a"),
+    "FOAM CUT": ("A is the other side of the wire, and the manual does not say how it moves with them", "a"),
+    "2ND Z": ("A is a second Z, and the manual does not say what tool lengths do to it", "a"),
     "TANGENTIAL KNIFE": ("only B and C can turn a knife", "a"),
     "TANKNIFE": ("only B and C can turn a knife", "a"),
     "TAN KNIFE": ("only B and C can turn a knife", "a"),
 }
 """Modes of A (2.1.3) that gproof does not follow: why, and the axis whose place rests on it."""
-_NO_MODE = "none of the modes of 2.1.3"
+_NO_MODE = "not one of the modes of 2.1.3"
 
 _WHY = {"is3DPrinter": ("A is the extruder, which words E move", "a")}
 """Of ``_SWITCHES``: why gproof does not follow it, and the axis whose place rests on it."""
 
 _KINEMATICS = {
-    "2": "Y is mapped onto A: [cylinder] of a setup file states it",
-    "3": "virtual C, of which the manual has only the name",
+    "2": "state [cylinder] in a setup file: Y is mapped onto A",
+    "3": "virtual C (the manual gives only its name)",
 }
 """Kinematics by their number (3.1.1, #5150)."""
 
@@ -180,7 +180,7 @@ class _Reader:
         if units not in MILLIMETRES:
             place = self.places["units"]
             assert place is not None
-            ini.bad(*place, f"{units!r} is none of {', '.join(MILLIMETRES)}")
+            ini.bad(*place, f"{units!r} is not one of {', '.join(MILLIMETRES)}")
         self.unit = MILLIMETRES.get(units, Fraction(1))
         self.knife: str | None = None
 
@@ -247,7 +247,7 @@ class _Reader:
             for key, value in values.items():
                 trivial = value.text.lower() in ("", "0", "1", "trivial")
                 if (section.startswith("KIN") or key.startswith("kin")) and not trivial:
-                    why = _KINEMATICS.get(value.text, "no section of the manual describes it")
+                    why = _KINEMATICS.get(value.text, "the manual does not describe it")
                     self._open(section, key, f"{value.key} = {value.text}", why)
                     return value.text
         return "trivial"
@@ -338,7 +338,7 @@ class _Reader:
         upper = slave.upper if slave.upper is not None else axis.upper
         if lower is not None and upper is not None and lower > upper:
             key = "negativeLimit" if slave.lower is not None else "positiveLimit"
-            ini.bad(section, key, "lies above positiveLimit" if slave.lower is not None else "lies below negativeLimit")
+            ini.bad(section, key, "is above positiveLimit" if slave.lower is not None else "is below negativeLimit")
         return slave
 
     def _pitch(self, section: str, axis: Axis, length: Fraction) -> PitchTable | None:
@@ -460,7 +460,7 @@ def _tool_change_area(ini: Ini, unit: Fraction) -> Area | None:
         high = ini.number("TCA", f"{axis}PositiveLimit", unit) or 0.0
         if low > high:
             key = f"{axis}NegativeLimit"
-            ini.bad("TCA", key if ini.text("TCA", key) else f"{axis}PositiveLimit", "the limits are in wrong order")
+            ini.bad("TCA", key if ini.text("TCA", key) else f"{axis}PositiveLimit", "the limits are in the wrong order")
         sides.append((low, high))
     if all(side == (0.0, 0.0) for side in sides):
         return None

@@ -36,7 +36,7 @@ def foreign(line: Line, file: str, number: int) -> Unsupported:
     text = written(line)
     span = Span(file, number, line.keyword_at + 1, max(end, line.keyword_at + 1) + 1)
     deleted = line.text.lstrip(" \t").startswith("/")
-    what = f"{line.keyword!r}, which the manual does not have,"
+    what = f"{line.keyword!r}, which is not in the manual,"
     entry, means = meaning(text, span) or (None, ())
     name = entry.name if entry else ""
     return Unsupported(what=what, span=span, deleted=deleted, text=text, accepted=name, means=means)

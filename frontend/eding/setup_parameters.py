@@ -33,7 +33,7 @@ _ELSEWHERE = {
     "area_upper": "the machine file",
     "kinematics": "[cylinder] and the machine file",
     "height_map": "[height_map]",
-    "simulation": "the way it is run",
+    "simulation": "how the job is run",
     "rendering": "--render",
 }
 """Kinds of parameters that show what is stated in another place."""
@@ -49,18 +49,18 @@ def _mistake(number: int, is_list: bool, low: float) -> str:
     """What is wrong with a stated parameter, "" for nothing."""
     kind = next((e.kind for e in EDING.parameters if e.first <= number <= e.last), "")
     if kind in _ELSEWHERE:
-        return f"#{number} follows from {_ELSEWHERE[kind]}, not from [parameters]"
+        return f"#{number} comes from {_ELSEWHERE[kind]}, not from [parameters]"
     if kind == "probe_machine" and number >= _PROBE_JOINTS:
-        return f"#{number} follows from #{number - _PROBE_JOINTS + 5051}"
+        return f"#{number} comes from #{number - _PROBE_JOINTS + 5051}"
     if kind in _CHANGING and not is_list:
-        return f"#{number} changes while the job runs: state a list of its lower and upper end"
+        return f"#{number} changes while the job runs: state its lower and upper end as a list"
     if kind in ("head", "work_number", "g92") and is_list:
-        return f"#{number} is one number"
+        return f"#{number} must be one number"
     if kind == "head" and low not in (0.0, 1.0, 2.0):
-        return f"#{number} is 0 (M90), 1 (M91) or 2 (M92)"
+        return f"#{number} must be 0 (M90), 1 (M91) or 2 (M92)"
     if kind == "rotation" and (is_list or low != 0.0):
         return (
-            f"#{number} other than 0 turns a coordinate system, which gproof does not model; [transform] states a G68"
+            f"#{number} other than 0 turns a coordinate system, which gproof does not model; state a G68 in [transform]"
         )
     return ""
 

@@ -20,7 +20,7 @@ def read_spindles(ini: Ini, unit: Fraction) -> tuple[Spindle, ...]:
             continue
         low, high = ini.at_least(section, "spindleNmin", 0.0), ini.rate(section, "spindleNmax")
         if low is not None and high is not None and low > high:
-            ini.bad(section, "spindleNmin", "lies above spindleNmax")
+            ini.bad(section, "spindleNmin", "is above spindleNmax")
         x, y, z = (ini.number(section, f"{axis}Offset", unit) if number else 0.0 for axis in "xyz")
         ramp = ini.at_least(section, "spindleRampUpTime", 0.0)
         spindles.append(

@@ -95,7 +95,7 @@ class Assembler:
                 self._unclosed(self._stack[-1], f"before the next 'sub' in line {line.span.line}")
                 self._close()
         if len(self._stack) == NESTING + 1:
-            what = f"{line.keyword!r} within more than {NESTING} others"
+            what = f"{line.keyword!r} inside more than {NESTING} others"
             self._stack[-1].current.append(Unsupported(what=what, span=line.span))
         condition = line.condition if line.condition is not None else Number(0.0, line.span)
         self._stack.append(_Open(line.keyword, line.span, condition, line.name))

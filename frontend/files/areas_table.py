@@ -106,7 +106,7 @@ def _polygon(table: TomlTable, name: str, unit: Fraction) -> Area | None:
     for axis in "xy":
         if axis in table.values:
             table.take(axis)
-            table.bad(axis, "a polygon has its X and Y in its points")
+            table.bad(axis, "a polygon must have its X and Y in its points")
     if "polygon" not in table.values:
         table.missing("polygon")
     whole = [ring for ring in rings if ring is not None]
@@ -124,13 +124,13 @@ def _ring(table: TomlTable, key: str, grid: list[list[Fraction]] | None, unit: F
     if grid is None:
         return None
     if any(len(point) != 2 for point in grid):
-        table.bad(key, "a point of a polygon is a list of its X and Y")
+        table.bad(key, "a point of a polygon must be a list of its X and Y")
         return None
     points = [(float(point[0] * unit), float(point[1] * unit)) for point in grid]
     if len(points) > 1 and points[0] == points[-1]:
         points.pop()
     if len(points) < 3:
-        table.bad(key, "a polygon has at least three points")
+        table.bad(key, "a polygon must have at least three points")
         return None
     return tuple(points)
 
@@ -141,6 +141,6 @@ def _problem(rings: Sequence[Ring]) -> str:
 
     for n, ring in enumerate(rings):
         if any(a == b for a, b in zip(ring, (*ring[1:], ring[0]), strict=True)):
-            return f"{'hole' if n else 'polygon'}: a point stands twice, one behind the other"
+            return f"{'hole' if n else 'polygon'}: a point is given twice in a row"
     whole = shapely.Polygon(rings[0], rings[1:])
     return "" if whole.is_valid and whole.area > 0 else str(shapely.is_valid_reason(whole)).lower()

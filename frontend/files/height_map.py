@@ -81,7 +81,7 @@ def _points(table: TomlTable, name: str) -> tuple[list[Point], list[tuple[str, s
     for number, row in number_rows(raw.decode("latin-1").replace(",", " "), 3):
         if row is None:
             good = False
-            what = "a point of a height map is X, Y and Z"
+            what = "a point of a height map must be X, Y and Z"
             table.file.add_at(codes.FILE_UNREADABLE, Span(str(target), number), what=what)
         else:
             points.append((row[0], row[1], row[2]))
@@ -95,7 +95,7 @@ def _from_points(table: TomlTable, name: str, points: list[Point], unit: Fractio
     """The grid that the points make: the first of their distances that fits all of them."""
     x0, y0 = min(x for x, _, _ in points), min(y for _, y, _ in points)
     sides = sorted({x - x0 for x, _, _ in points} | {y - y0 for _, y, _ in points})
-    problem = "the points make no grid"
+    problem = "the points do not make a grid"
     # No more points than there are stand in a row; what is closer are points beside their places.
     sizes = [size for size in sides if size > 0 and size * len(points) >= sides[-1]]
     for size in sizes[:CANDIDATES]:
@@ -119,9 +119,9 @@ def _cells(
         place = round(u), round(v)
         where = f"the point X{float(x):g} Y{float(y):g}"
         if abs(u - place[0]) > GRID or abs(v - place[1]) > GRID:
-            return None, f"{where} is beside the grid of {float(size):g}"
+            return None, f"{where} is off the grid of {float(size):g} mm"
         if place in cells:
-            return None, f"{where} is there twice"
+            return None, f"{where} is given twice"
         cells[place] = z
     missing = (1 + max(i for i, _ in cells)) * (1 + max(j for _, j in cells)) - len(cells)
     return (None, f"{missing} points of the grid are missing") if missing else (cells, "")

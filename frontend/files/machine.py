@@ -99,7 +99,7 @@ def _load_toml(
     base = root.text("base")
     if base is not None:
         if depth == 0:
-            root.bad("base", "files refer to one another in a circle")
+            root.bad("base", "files refer to each other in a circle")
             file.finish()
             return None, files
         target = path.parent / base
@@ -167,7 +167,7 @@ def _axes(root: TomlTable, machine: Machine, unit: Fraction) -> tuple[Axis, ...]
     for name in outer.values if outer else ():
         assert outer is not None
         if name not in AXIS_NAMES:
-            outer.bad(name, f"{name!r} is no axis; axes are {', '.join(AXIS_NAMES)}")
+            outer.bad(name, f"{name!r} is not an axis; axes are {', '.join(AXIS_NAMES)}")
             continue
         table = outer.table(name)
         if table is not None:
@@ -175,7 +175,7 @@ def _axes(root: TomlTable, machine: Machine, unit: Fraction) -> tuple[Axis, ...]
             letter = axes[name].letter
             others = {axis.letter for other, axis in axes.items() if other != name}
             if name in "abc" and letter in others - {""} and "letter" in table.values:
-                table.bad("letter", f"{letter} moves another axis already")
+                table.bad("letter", f"{letter} already moves another axis")
     return tuple(axes[name] for name in AXIS_NAMES if name in axes)
 
 
@@ -223,19 +223,19 @@ def _axis(table: TomlTable, name: str, before: Axis | None, unit: Fraction) -> A
         if low is not None and high is not None and low > high:
             least, most = (table.as_stated(key, value, length) for key, value in zip(keys, (low, high), strict=True))
             stated = keys[0] if keys[0] in table.values else keys[1]
-            table.bad(stated, f"{keys[0]} lies above {keys[1]} ({least} > {most})")
+            table.bad(stated, f"{keys[0]} is above {keys[1]} ({least} > {most})")
     for drive in axis.drives():
         for side, soft, end in (("min", drive.lower, drive.travel_lower), ("max", drive.upper, drive.travel_upper)):
             if soft is not None and end is not None and (soft < end if side == "min" else soft > end):
                 # An end stop within the soft limits: inside them the axis would still run into it.
                 own = f"travel_{side}" if f"travel_{side}" in table.values else side
                 key = own if drive.name == axis.name.upper() and own in table.values else "slaves"
-                table.bad(key, f"{side} of {drive.name} lies beyond travel_{side}")
+                table.bad(key, f"{side} of {drive.name} is beyond travel_{side}")
     for slave in axis.slaves:
         low = slave.lower if slave.lower is not None else axis.lower
         high = slave.upper if slave.upper is not None else axis.upper
         if low is not None and high is not None and low > high:
-            table.bad("slaves", "the lower limit of a motor lies above the upper one")
+            table.bad("slaves", "the lower limit of a motor is above the upper one")
     table.finish()
     return axis
 
@@ -255,7 +255,7 @@ def _slaves(table: TomlTable, length: Fraction) -> tuple[Slave, ...] | None:
         return None if number is None else tuple(Slave() for _ in range(number))
     if len(stated) > MOST_SLAVES:
         table.take("slaves")
-        table.bad("slaves", f"an axis has at most {MOST_SLAVES} further motors")
+        table.bad("slaves", f"an axis can have at most {MOST_SLAVES} further motors")
         return None
     found = []
     for one in table.tables("slaves"):
@@ -286,7 +286,7 @@ def _pitch(table: TomlTable, length: Fraction) -> PitchTable | None:
     if pairs is None:
         return None
     if any(len(pair) != 2 for pair in pairs):
-        table.bad("pitch", "a pitch table has two positions in a row: machine, calibrated")
+        table.bad("pitch", "a pitch table must have two positions on each row: machine, calibrated")
         return None
     found = PitchTable(
         machine=tuple(float(pair[0] * length) for pair in pairs),
@@ -350,7 +350,7 @@ def _spindles(root: TomlTable, machine: Machine, unit: Fraction) -> tuple[Spindl
         kept = (None, None, None) if before.unsigned and any(v is not None for v in given) else before.offset
         offset = [old if new is None else new for old, new in zip(kept, given, strict=True)]
         if number == 0 and any(offset):
-            table.bad("x", "offsets count from spindle 0, which has none")
+            table.bad("x", "offsets count from spindle 0, which must have none")
         spindles[number] = replace(
             before,
             offset=(offset[0], offset[1], offset[2]),
@@ -366,7 +366,7 @@ def _spindles(root: TomlTable, machine: Machine, unit: Fraction) -> tuple[Spindl
         )
         low, high = spindles[number].min_rpm, spindles[number].max_rpm
         if low is not None and high is not None and low > high:
-            table.bad("min_rpm" if "min_rpm" in table.values else "max_rpm", "min_rpm lies above max_rpm")
+            table.bad("min_rpm" if "min_rpm" in table.values else "max_rpm", "min_rpm is above max_rpm")
         table.finish()
     return tuple(spindles[number] for number in sorted(spindles))
 
@@ -398,7 +398,7 @@ def _settings(
         first, other = told[:2]
         usual = own[other].usual()
         key = next(one.name for one in fields(usual) if getattr(usual, one.name) != getattr(stated[other], one.name))
-        what = f"settings of a {titles[first]} controller, beside {key}, which {titles[other]} alone has"
+        what = f"settings of a {titles[first]} controller, together with {key}, which only {titles[other]} has"
         root.bad(own[first].name, what)
     for name in sorted(stated, key=lambda name: not own[name].name):
         if name in told or name in (of_base, controller.dialect):
@@ -431,7 +431,7 @@ def _controller(
     keys = {name: own.read_keys(table) if set(own.keys) & set(table.values) else {} for name, own in owners.items()}
     angle = table.positive("laf_angle", zero=True)
     if angle is not None and angle > 180:
-        table.bad("laf_angle", "an angle between two moves is at most 180 degrees")
+        table.bad("laf_angle", "an angle between two moves can be at most 180 degrees")
     controller = replace(
         before,
         **_given(
@@ -477,12 +477,12 @@ def _accepts(table: TomlTable, dialect: object) -> tuple[str, ...] | None:
     found = tuple(dict.fromkeys(name.replace("_", "-") for name in names))
     for name in found:
         if name in ACCEPTS and name not in known:
-            table.bad("accepts", f"{name!r} is nothing that {dialect} has: {', '.join(known) or 'no entry is'}")
+            table.bad("accepts", f"{dialect} has no {name!r}; it has: {', '.join(known) or 'no entry is'}")
         elif name not in ACCEPTS:
             near = meant(name, known)
-            table.bad("accepts", f"{name!r} is none of {', '.join(known)}{'; ' * bool(near)}{near}")
+            table.bad("accepts", f"{name!r} is not one of {', '.join(known)}{'; ' * bool(near)}{near}")
         elif ACCEPTS[name].against in found[: found.index(name)]:
-            table.bad("accepts", f"{ACCEPTS[name].against!r} and {name!r} can not both be true")
+            table.bad("accepts", f"{ACCEPTS[name].against!r} and {name!r} cannot both be true")
     return found
 
 

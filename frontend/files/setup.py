@@ -110,16 +110,16 @@ def _transform(table: TomlTable | None, unit: Fraction) -> InForce | None:
     angle, both = table.number("angle"), table.number("factor")
     fx, fy = table.number("factor_x"), table.number("factor_y")
     if both is not None and not (fx is None and fy is None):
-        table.bad("factor", "given beside factor_x or factor_y")
+        table.bad("factor", "given together with factor_x or factor_y")
     fx, fy = (both, both) if both is not None else (fx, fy)
     if (fx is None) != (fy is None):
         table.missing("factor_x" if fx is None else "factor_y")
     for name in ("factor", "factor_x", "factor_y"):
         if table.values.get(name) == 0:
-            table.bad(name, "a factor of 0 puts every point into one")
+            table.bad(name, "a factor of 0 moves every point to one place")
     turns = angle is not None and math.fmod(angle, 360.0) != 0.0
     if turns and fx != fy and math.fmod(angle or 0.0, 180.0) != 0.0:
-        table.bad("factor_x", "different factors under a rotation: no section says which of the two comes first")
+        table.bad("factor_x", "different factors under a rotation: the manual does not say which comes first")
     x, y = table.number("x", unit=unit), table.number("y", unit=unit)
     if turns or (fx, fy) not in ((None, None), (1.0, 1.0)):
         for axis in "xy":

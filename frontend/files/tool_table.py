@@ -41,7 +41,7 @@ def check_shape(table: TomlTable, tool: Tool) -> None:
     shape = tool.shape
     for key, shapes in _KEYS.items():
         if key in table.values and shape is not None and shape not in shapes:
-            table.bad(key, f"a tool of shape {shape!r} has none; it is of {' and '.join(shapes)}")
+            table.bad(key, f"a tool of shape {shape!r} has none; only {' and '.join(shapes)} have it")
     if shape is None:
         if any(key in table.values for key in _KEYS):
             table.missing("shape")
@@ -50,7 +50,7 @@ def check_shape(table: TomlTable, tool: Tool) -> None:
         table.missing("diameter")
         return
     if tool.diameter <= 0.0:
-        table.bad("diameter", f"{tool.diameter:g} mm: a tool that has a shape has a width")
+        table.bad("diameter", f"{tool.diameter:g} mm: a tool with a shape must have a width")
         return
     needed = _NEEDED.get(shape)
     if needed is not None and getattr(tool, needed) is None:
@@ -58,7 +58,7 @@ def check_shape(table: TomlTable, tool: Tool) -> None:
     if tool.corner_radius is not None and tool.corner_radius > tool.diameter / 2.0:
         table.bad("corner_radius", f"more than half of the diameter, {tool.diameter:g} mm")
     if tool.tip_angle is not None and tool.tip_angle >= 180.0:
-        table.bad("tip_angle", "the flanks of a tip enclose less than 180 degrees")
+        table.bad("tip_angle", "the angle of a tip must be less than 180 degrees")
     if tool.tip_diameter is not None and tool.tip_diameter >= tool.diameter:
         table.bad("tip_diameter", f"the flat at the tip is as wide as the tool, {tool.diameter:g} mm")
     if tool.holder and tool.stickout is None:
@@ -71,6 +71,6 @@ def _holder(table: TomlTable, unit: Fraction) -> tuple[tuple[float, float, float
     if rows is None:
         return None
     if any(len(row) != 3 or row[0] < 0 or row[1] < 0 or row[2] <= 0 or not row[0] + row[1] for row in rows):
-        table.bad("holder", "a part of a holder is its diameter below, its diameter above and its height")
+        table.bad("holder", "a part of a holder must have its diameter below, its diameter above and its height")
         return None
     return tuple((float(row[0] * unit), float(row[1] * unit), float(row[2] * unit)) for row in rows)

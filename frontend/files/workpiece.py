@@ -100,7 +100,7 @@ class Reader:
             table.file.add(codes.MISSING_KEY, ".".join(table.path), key=f"{'.'.join(table.path)}.{' or .'.join(KINDS)}")
             bodies: Sequence[Body] = ()
         elif len(kinds) > 1:
-            table.bad(kinds[1], f"given beside {kinds[0]}: a table is one body")
+            table.bad(kinds[1], f"given together with {kinds[0]}: a table is one body")
             bodies = ()
         else:
             bodies = _MAKERS[kinds[0]](self, table, unit, move, stated)
@@ -114,7 +114,7 @@ class Reader:
         if corners is None:
             return ()
         if len(corners) != 2 or any(len(corner) != 3 for corner in corners):
-            table.bad("box", "a box is its lower and its upper corner, X, Y and Z each")
+            table.bad("box", "a box must have its lower and its upper corner, X, Y and Z each")
             return ()
         low, high = ([float(value * unit) for value in corner] for corner in corners)
         for axis, one, other in zip("XYZ", low, high, strict=True):
@@ -243,7 +243,7 @@ class Reader:
             if inner is None:
                 return ()
             if name.lower() not in known:
-                layered.bad(name, f"no outline is on such a layer; there are {', '.join(sheet.names) or 'none'}")
+                layered.bad(name, f"no such layer has an outline; the layers are {', '.join(sheet.names) or 'none'}")
                 return ()
             if "floor" in inner.values:
                 floor = inner.number("floor", unit=unit)
@@ -304,7 +304,7 @@ class Reader:
             table.bad("stl", f"{target.name}: {wrong.strerror or wrong}")
             return ()
         if mesh.opening:
-            hint = "export it as a closed body; gouges and collisions with it are UNKNOWN"
+            hint = "export it as a closed body: until then gouges and collisions with it are UNKNOWN"
             where = table.file.place(table.name_of("stl"))
             table.file.findings.add(codes.OPEN_MESH.at(where, name=target.name, what=mesh.opening, hint=hint))
         corners = mesh.corners * float(unit)
@@ -384,7 +384,7 @@ def _work(table: TomlTable) -> int:
     if isinstance(value, str):
         table.take("work")
         if value not in _WORK:
-            table.bad("work", f'{value!r} is none of 1 to {COORDINATE_SYSTEMS}, "machine" and "active"')
+            table.bad("work", f'{value!r} is not one of 1 to {COORDINATE_SYSTEMS}, "machine" and "active"')
         return _WORK.get(value, 1)
     number = table.whole("work", 1, COORDINATE_SYSTEMS)
     return 1 if number is None else number
@@ -422,7 +422,7 @@ def _within(table: TomlTable, key: str, floor: float, ends: tuple[float, float] 
     """Whether a floor lies below the top and not below the bottom of what it is a floor of."""
     if ends is None or ends[0] <= floor < ends[1]:
         return True
-    table.bad(key, f"it is not from {ends[0]:g} up to {ends[1]:g} mm, the bottom and the top around it")
+    table.bad(key, f"it must be from {ends[0]:g} to {ends[1]:g} mm, the bottom and the top around it")
     return False
 
 
@@ -432,6 +432,6 @@ def _ring(table: TomlTable, key: str, value: Any, unit: Fraction) -> tuple[Point
     if rows is None:
         return None
     if any(len(row) != 2 for row in rows):
-        table.bad(key, "a corner is X and Y")
+        table.bad(key, "a corner must be X and Y")
         return None
     return tuple((float(x * unit), float(y * unit)) for x, y in rows)

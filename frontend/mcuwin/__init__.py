@@ -74,11 +74,11 @@ FRONTEND = Frontend(
     no_jobs=INCLUDE_FILES,
     shop_files=("mcuwin.ini", "toolcomp.ini"),
     settings=(
-        ("mcuwin.ini", "the settings of McuWIN; --machine takes it"),
-        ("toolcomp.ini", "the tool table of McuWIN; tool_file of a machine file names it"),
+        ("mcuwin.ini", "the settings of McuWIN; give it with --machine"),
+        ("toolcomp.ini", "the tool table of McuWIN; name it in tool_file of a machine file"),
     ),
     markers=(
-        Marker(rank=20, reason="program number behind %", pattern=rb"(?m)^[ \t]*%[ \t]*\w+[ \t]*(?:['(]|\r?$)"),
+        Marker(rank=20, reason="program number after %", pattern=rb"(?m)^[ \t]*%[ \t]*\w+[ \t]*(?:['(]|\r?$)"),
         Marker(rank=21, reason="named variable or procedure", pattern=rb"(?mi)^[ \t]*(?:var|procedure|proc)\b"),
         Marker(rank=22, reason="$ statement", pattern=rb"(?mi)^[ \t]*(?:N\d+[ \t]*)?\$[A-Za-z]"),
         Marker(rank=23, reason="DIN section", pattern=rb"(?i)\{[ \t]*\$DINSTART[ \t]*\}"),

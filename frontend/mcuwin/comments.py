@@ -14,7 +14,7 @@ from gproof.ir.finding import Refusal, Span
 
 QUOTE = "'"
 COMMENTS = CommentStyle(
-    ("(", QUOTE), "a comment stands in parentheses, or begins with ' and goes to the end of the line"
+    ("(", QUOTE), "write a comment in parentheses, or from ' to the end of the line"
 )  # fmt: skip
 _REST = re.compile(r"[ \t]*(?:'.*)?\Z", re.DOTALL)
 
@@ -37,7 +37,7 @@ def round_comment(text: str, at: int, file: str, line: int, *, nests: bool = Fal
     one_end = nested == flat and QUOTE not in text[at:flat]
     if one_end or (nested and is_rest(text, flat) and is_rest(text, nested)):
         return nested
-    hint = "the manual leaves open where it ends; a single quote begins a comment that goes to the end of the line"
+    hint = "use a single quote for a comment to the end of the line: the manual does not say where this one ends"
     raise Refusal(codes.NESTED_COMMENT.at(Span(file, line, at + 1, max(flat, nested) + 1), hint=hint))
 
 

@@ -19,7 +19,7 @@ class Expressions:
         """The longest expression from ``at``, which must be a number, and where it ends."""
         value, type_, end = parse_expression(text, at, Place(file, line), self.symbols)
         if not type_.numeric:
-            what = f"the value of a word is a number; this is {type_.value}"
+            what = f"the value of a word must be a number; this is {type_.value}"
             raise Refusal(codes.TYPE_MISMATCH.at(Span(file, line, at + 1, end + 1), what=what))
         return value, end
 

@@ -63,8 +63,8 @@ class IniSetting:
 SETTINGS = (
     IniSetting("the file of the tool table", "tool_file", r"tool_?(?:comp)?_?file", "2.7, 14 (2.5.3.96)", True),
     IniSetting("the file compiled before each job", "pre_include", r"pre_?include", "12, 14 (2.5.3.90)", True),
-    IniSetting("the file compiled behind each job", "post_include", r"post_?include", "12, 14 (2.5.3.90)", True),
-    IniSetting("the way of rotary axes, shortest or not", "shortest_path", r"short", "14 (2.5.3.75)", True),
+    IniSetting("the file compiled after each job", "post_include", r"post_?include", "12, 14 (2.5.3.90)", True),
+    IniSetting("the path of rotary axes, shortest or not", "shortest_path", r"short", "14 (2.5.3.75)", True),
     IniSetting("the need for line numbers", "line_numbers", r"line_?num", "14 (2.5.3.24)", True),
     IniSetting("the unit of positions", "position_unit", r"pos\w*_?unit", "14 (2.5.3.30)", True),
     IniSetting("the unit of time", "time_unit", r"time_?unit", "14 (2.5.3.30)"),

@@ -130,7 +130,7 @@ class IniText:
         known = self.names.setdefault(folded, (name, line))
         self.sections.setdefault(folded, {})
         if known[1] != line:
-            self.add(codes.BAD_VALUE, line, key=f"[{name}]", what=f"the section stands in line {known[1]} already")
+            self.add(codes.BAD_VALUE, line, key=f"[{name}]", what=f"the section is already in line {known[1]}")
         return folded
 
     def _enter(self, section: str, number: int, found: re.Match[str]) -> None:

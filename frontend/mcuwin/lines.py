@@ -77,14 +77,16 @@ class _Line(LineCursor):
             found = MODE.match(self.text, self.at)
             if found is None:
                 hint = comment_hint(COMMENTS, self.text, self.at)
-                what = "braces belong to lines of rw_SymPas"
+                what = "braces are for lines of rw_SymPas"
                 raise self.error(codes.SYNTAX, self.at, len(self.text), what=what, hint=hint)
             self.found.says, self.found.starts = True, found.span()
             return self.found
         while self.comments():
             self.found.says = True
             if self.found.module is not None:
-                raise self.error(codes.SYNTAX, self.at, len(self.text), what="text behind a percent sign and its name")
+                raise self.error(
+                    codes.SYNTAX, self.at, len(self.text), what="there is text after a percent sign and its name"
+                )
             self._item()
             self.items += 1
         self._flush()
@@ -95,7 +97,7 @@ class _Line(LineCursor):
         if found is None or self.assigned(self.at):
             return
         if not found[1]:
-            raise self.error(codes.SYNTAX, self.at, found.end(), what="a line number is N and digits")
+            raise self.error(codes.SYNTAX, self.at, found.end(), what="a line number must be N and digits")
         self.found.number, self.at = found[1], found.end()
         self.note(NoteKind.LINE_NUMBER, found.start(), found[1])
 
@@ -123,9 +125,9 @@ class _Line(LineCursor):
             self._word(char)
         else:
             end = self.at + 1
-            what = f"{char!r} begins neither a word nor a comment"
+            what = f"{char!r} does not start a word or a comment"
             if self.text.startswith("//", self.at):
-                what = "two slashes begin a comment in lines of rw_SymPas only"
+                what = "two slashes start a comment only in lines of rw_SymPas"
             hint = comment_hint(COMMENTS, self.text, self.at)
             raise self.error(codes.SYNTAX, self.at, end, what=what, hint=hint)
 
@@ -148,7 +150,7 @@ class _Line(LineCursor):
             else:
                 # In front of it: behind a jump or a return nobody would come by.
                 text = self.text[span.column - 1 : span.end_column - 1]
-                what = "words behind a jump, a call, a return or other words on their line"
+                what = "words after a jump, call or return, or another word that must be alone"
                 self.found.statements.insert(before, Unsupported(what=what, span=span, text=text))
             for word in words:
                 if word.letter in "GM" and isinstance(word.value, Number):
@@ -223,7 +225,7 @@ class _Line(LineCursor):
         if not takes and not FIRST_USER_CODE <= number <= LAST_USER_CODE:
             raise self.error(codes.UNUSED_WORD, begin, self.at, word=self.text[begin : self.at])
         if self.language.old and (letter, number) == ("G", 4) and not isinstance(value, Number):
-            what = "this version takes only a number behind G04"
+            what = "this version reads only a number after G04"
             raise self.error(codes.BAD_EXPRESSION, begin, self.at, what=what)
         self.words.append(Word(PARAMETER, value, self.span(begin)))
 
@@ -231,12 +233,12 @@ class _Line(LineCursor):
         begin = self.at
         letter = char.upper()
         if char != letter and self.language.din.case_sensitive:
-            what = f"{char!r} is no word of a machine that tells small letters from capital ones"
+            what = f"{char!r} is not a word on a machine that is case-sensitive"
             raise self.error(codes.SYNTAX, begin, begin + 1, what=what)
         if _CALCULATION.match(self.text, begin):
-            raise self.error(codes.SYNTAX, begin, len(self.text), what="a calculation parameter without := behind it")
+            raise self.error(codes.SYNTAX, begin, len(self.text), what="a calculation parameter has no := after it")
         if QUALIFIER.match(self.text, begin):
-            raise self.error(codes.SYNTAX, begin, len(self.text), what="a value without a word before it")
+            raise self.error(codes.SYNTAX, begin, len(self.text), what="a value has no word before it")
         if letter in "GM":
             self._code(letter)
         elif letter == "L":
@@ -249,7 +251,7 @@ class _Line(LineCursor):
             end = name.end() if name is not None else begin + 1
             if letter in "ABCUVW":
                 raise self.error(codes.AXIS_NOT_THERE, begin, end, axis=letter)
-            what = f"{self.text[begin:end]!r} is no word of this controller"
+            what = f"{self.text[begin:end]!r} is not a word of this controller"
             raise self.error(codes.SYNTAX, begin, end, what=what)
 
     def _axis_or_value(self, letter: str, begin: int) -> None:
@@ -257,7 +259,7 @@ class _Line(LineCursor):
         if self.begins_value(self.at):
             value = self.value()
             if letter == "T" and self.language.old and not isinstance(value, Number):
-                what = "this version takes only a number behind T (14, 2.5.3.108)"
+                what = "this version reads only a number after T (14, 2.5.3.108)"
                 raise self.error(codes.BAD_EXPRESSION, begin, self.at, what=what)
             self.words.append(Word(letter, value, self.span(begin)))
             return
@@ -296,7 +298,7 @@ class _Line(LineCursor):
         din = self.language.din
         known = has_code(letter, number, din.version) or FIRST_USER_CODE <= number <= LAST_USER_CODE
         if not known and din.task(f"{letter}{number}") is None:
-            hint = "error 1, unless the machine's own Task 0 has it: state that in [din.task0]"
+            hint = "state it in [din.task0] if the machine's own Task 0 has it; otherwise it is error 1"
             raise self.error(codes.UNKNOWN_CODE, begin, self.at, code=name, hint=hint)
 
     def _label(self) -> None:
@@ -305,9 +307,9 @@ class _Line(LineCursor):
         if found is None:
             name = _NAME.match(self.text, begin)
             end = name.end() if name is not None else begin + 1
-            raise self.error(codes.SYNTAX, begin, end, what="a label is L and digits")
+            raise self.error(codes.SYNTAX, begin, end, what="a label must be L and digits")
         if self.words or any(not isinstance(node, Label) for node in self.found.statements):
-            raise self.error(codes.SYNTAX, begin, found.end(), what="a label stands before what it is a label of")
+            raise self.error(codes.SYNTAX, begin, found.end(), what="a label must come before its line")
         self.at = found.end()
         self._flush(Label(name=label_name(found[1]), span=self.span(begin)))
 
@@ -320,7 +322,7 @@ class _Line(LineCursor):
             return label_name(label[1])
         name = _NAME.match(self.text, self.at)
         if name is None:
-            raise self.error(codes.WORD_MISSING, begin, self.at, code=code, needed="a label behind it")
+            raise self.error(codes.WORD_MISSING, begin, self.at, code=code, needed="a label after it")
         self.at = name.end()
         return label_name(name[0])
 

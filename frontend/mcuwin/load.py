@@ -221,9 +221,9 @@ class _Loader:
         path = found[0]
         if path.resolve() in self.stack or len(self.stack) >= DEEPEST:
             chain = [p.name for p in (*self.stack, path)]
-            what = "is included within itself"
+            what = "includes itself"
             if path.resolve() not in self.stack:
-                what = f"would be the {len(chain) - 1}th include within another, and gproof reads {DEEPEST - 1}"
+                what = f"would be include number {len(chain) - 1} inside another; gproof reads {DEEPEST - 1}"
                 chain = [*chain[:3], "...", *chain[-2:]]
             self._left_out(codes.INCLUDE_CYCLE.at(span, name=name, what=what, chain=" -> ".join(chain)))
             return
@@ -233,9 +233,9 @@ class _Loader:
             return
         what = ""
         if len(found) > 1 and differ(found):
-            what = f"which {name} is meant, {found[0]} or {found[1]}, which differ,"
+            what = f"{name}, which is {found[0]} or {found[1]} (they differ),"
         elif self.text.old and self.machine_file is None:
-            what = f"which {name} is read, that of the folder of McuWIN,"
+            what = f"{name}, which may also be in the folder of McuWIN,"
         if what:
             self.text.structure.add([Unsupported(what=what, span=span)])
         self._read(path)

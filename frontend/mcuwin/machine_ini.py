@@ -47,7 +47,7 @@ def load_mcuwin_ini(path: Path, findings: Findings, *, alone: bool = True) -> tu
     file = IniText(path, findings)
     tools_at = next((file.names[section][1] for section in file.sections if _TOOLS.fullmatch(section)), 0)
     if tools_at:
-        what = "is a tool table; the machine is in McuWIN.ini, or in a TOML file with this one as its tool_file"
+        what = "is a tool table; give McuWIN.ini, or a TOML file with this file as its tool_file"
         file.add(codes.FILE_UNREADABLE, tools_at, what=f"{path.name} {what}")
         return None, file.files
     texts: list[tuple[str, str]] = []
@@ -96,7 +96,7 @@ def _may_hold(file: str, line: int, key: str, settings: tuple[IniSetting, ...]) 
     """A key that may hold a setting: by its name, or because its name is not known."""
     names = " ".join(row.stated_by for row in settings)
     what = ", ".join(row.what for row in settings)
-    why = f"it may hold {what}; {names.replace(' ', ', ')} in [din] of a TOML file would state that"
+    why = f"state {names.replace(' ', ', ')} in [din] of a TOML file: this file may hold {what}"
     return Unmodelled(key, why, "", file, line, names)
 
 

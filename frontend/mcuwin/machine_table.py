@@ -83,7 +83,7 @@ def _moved(din: McuWinSettings, folder: Path) -> McuWinSettings:
 
 def _shortest_path(table: TomlTable, machine: Machine) -> tuple[Unmodelled, ...]:
     """Of each axis that turns: which way it goes to a place, and so which place it has then, is not known."""
-    why = "how often it has turned then is not known"
+    why = "its number of turns is then unknown"
     file, line = table.file.path.name, table.file.line_of("din.shortest_path")
     turning = [axis.name for axis in machine.axes or NO_MACHINE.axes if axis.kind is AxisKind.ROTARY]
     return tuple(Unmodelled("din.shortest_path", why, name, file, line) for name in turning)
@@ -91,7 +91,7 @@ def _shortest_path(table: TomlTable, machine: Machine) -> tuple[Unmodelled, ...]
 
 def _error_compensation(table: TomlTable, machine: Machine) -> tuple[Unmodelled, ...]:
     """Of each axis: where it goes beside its place by a table of spindle or angle errors is not known (2.8)."""
-    why = "what the compensation files add to the axis is not known"
+    why = "what the compensation files add to the axis is unknown"
     file, line = table.file.path.name, table.file.line_of("din.error_compensation")
     moving = [axis.name for axis in machine.axes or NO_MACHINE.axes]
     return tuple(Unmodelled("din.error_compensation", why, name, file, line) for name in moving)
@@ -128,7 +128,7 @@ def _file_name(table: TomlTable, key: str) -> str | None:
     """A name of a file, "" for none."""
     name = table.text(key)
     if name is not None and not name.isprintable():
-        table.bad(key, "a name of a file has no control characters")
+        table.bad(key, "a file name must have no control characters")
         return None
     return name
 
@@ -176,7 +176,7 @@ def _tools(table: TomlTable, din: McuWinSettings, folders: list[Path]) -> tuple[
     if stated is None:
         units = [key for key in ("position_unit", "tool_unit") if key in table.values]
         if din.tools and units:
-            table.bad(units[0], "the tools are those of the base in its unit; tool_file here reads them again")
+            table.bad(units[0], "state tool_file here to read the tools again: they are those of the base, in its unit")
         usual = next(filter(None, (beside(folder, DEFAULT_NAME) for folder in folders)), None)
         if din.tools is not None or "tool_file" in table.values:
             return din.tools, []
@@ -208,7 +208,7 @@ def _tasks(table: TomlTable, before: McuWinSettings) -> tuple[TaskCode, ...] | N
         code = _code_name(key)
         if code is None:
             outer.take(key)
-            outer.bad(key, f"{key!r} is no code that is left to Task 0: S, T, D, G74, G200 to G299, or an M code")
+            outer.bad(key, f"{key!r} is not a code for Task 0: S, T, D, G74, G200 to G299, or an M code")
             continue
         if code in written:
             outer.take(key)

@@ -84,9 +84,9 @@ def _units(sections: Sequence[Section], taken: set[str], job: str, *, old: bool)
         main = _Unit("", first.name, first.span, (*leading.body, *first.body), first.end_span, broken)
         doubt = ""
         if leading.says:
-            doubt = "what stands before the first percent sign and is no declaration"
+            doubt = "text before the first percent sign that is not a declaration"
         elif first.span.file != job:
-            doubt = "which module runs first where an included file has one before those of the job"
+            doubt = "the order of modules where an included file has one before those of the job"
         if doubt:
             main.body = (Unsupported(what=doubt, span=first.span), *main.body)
     units = [main]
@@ -131,7 +131,7 @@ class _Assembly:
         return Modules(main.body, subprograms, frozenset(self.unended))
 
     def _duplicate(self, name: str, span: Span, earlier: Span) -> None:
-        related = (Related(earlier, "it stands here too"),)
+        related = (Related(earlier, "it is here too"),)
         self.findings.add(codes.DUPLICATE_LABEL.at(span, name=name, related=related))
 
     def _name(self, unit: _Unit) -> None:

@@ -140,8 +140,8 @@ def parse_dollar(text: str, at: int, place: Place, symbols: Symbols) -> Dollar:
         parser.lexer.take()
         token = parser.lexer.peek()
     if token.kind != "end":
-        what = "this is not closed" if token.text[0] in "\"'{" else f"{token.text!r} behind a whole $ line"
-        raise parser.lexer.error(codes.SYNTAX, token, what=what, hint="give it its own line")
+        what = "this is not closed" if token.text[0] in "\"'{" else f"{token.text!r} after a complete $ line"
+        raise parser.lexer.error(codes.SYNTAX, token, what=what, hint="put it on its own line")
     return found
 
 
@@ -173,8 +173,8 @@ class _DollarLine:
         if word in ("var", "const", "label"):
             return self._declared()
         if word == "begin" and self.lexer.peek(1).kind == "end":
-            what = "a block without a condition, of the lines behind this one"
-            raise self.lexer.error(codes.PASCAL_OPEN, self.first, what=what, hint="leave it out, and its end")
+            what = "a block without a condition, of the lines after this one"
+            raise self.lexer.error(codes.PASCAL_OPEN, self.first, what=what, hint="remove it, and its end")
         if word in ("if", "while", "for", "repeat") and self._is_head(word):
             return {"if": self._if, "while": self._while, "for": self._for, "repeat": self._repeat}[word]()
         statements = self.parser.line_statements()
@@ -184,7 +184,7 @@ class _DollarLine:
         """Declarations behind one ``$``: the manual has them in sections only (10), so the names alone are taken."""
         text = self.lexer.lines[0][self.first.begin :].rstrip()
         self.parser.section()
-        what = "a declaration behind a single $ (a section between $DINEND and {$DINSTART} has them, 10)"
+        what = "a declaration after a single $ (declare between $DINEND and {$DINSTART}, 10)"
         return Simple((Unsupported(what=what, span=self.span, text=text),), self.span)
 
     def _is_head(self, word: str) -> bool:
@@ -201,21 +201,21 @@ class _DollarLine:
         """``begin`` at the end of a head."""
         token = self.lexer.peek()
         if token.low != "begin":
-            what = "a $ line without begin: whether the next line belongs to it"
-            raise self.lexer.error(codes.PASCAL_OPEN, self.lexer.last, what=what, hint="end the line with begin")
+            what = "a $ line without 'begin', which may or may not include the next line"
+            raise self.lexer.error(codes.PASCAL_OPEN, self.lexer.last, what=what, hint="end the line with 'begin'")
         self.lexer.take()
 
     def _if(self) -> Dollar:
         self.lexer.take()
         condition = self.parser.condition()
-        self.parser.expect("then", "behind the condition")
+        self.parser.expect("then", "after the condition")
         self._begin()
         return IfHead(condition, self.span)
 
     def _while(self) -> Dollar:
         self.lexer.take()
         condition = self.parser.condition()
-        self.parser.expect("do", "behind the condition")
+        self.parser.expect("do", "after the condition")
         self._begin()
         return WhileHead(condition, self.span)
 

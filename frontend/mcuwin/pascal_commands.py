@@ -62,12 +62,12 @@ class CommandParser(ExpressionParser):
         if COMMON.match(token.low):
             node, type_ = self.common(token)
             if isinstance(node, Variable) and type_ is Type.DOUBLE and int(token.text[2:]) in _SYSTEM_POSITIONS:
-                what = f"{token.text.upper()} holds a reference position of the system, and is written"
-                self.report(codes.PASCAL_OPEN, token, what=what, hint="McuWIN manual 14 (2.5.3.40): use CD600 to CD699")
+                what = f"{token.text.upper()} holds a reference position of the system, but is written"
+                self.report(codes.PASCAL_OPEN, token, what=what, hint="use CD600 to CD699 (McuWIN manual 14, 2.5.3.40)")
             elif isinstance(node, Variable) and _is_system(int(token.text[2:]), type_):
-                what = f"{token.text.upper()} is one of the controller's own, and is written"
+                what = f"{token.text.upper()} belongs to the controller, but is written"
                 self.report(
-                    codes.PASCAL_OPEN, token, what=what, hint="McuWIN manual 11: use CI600 to CI699, CD600 to CD699"
+                    codes.PASCAL_OPEN, token, what=what, hint="use CI600 to CI699, CD600 to CD699 (McuWIN manual 11)"
                 )
             return (node, type_) if isinstance(node, Variable) else (None, type_)
         symbol = self.symbols.resolve(token.text, self.lexer.span(token))
@@ -76,7 +76,7 @@ class CommandParser(ExpressionParser):
             return None, Type.UNKNOWN
         if symbol.kind != "var":
             if not (symbol.kind == "function" and symbol.open):  # its value, and its head has a finding
-                wrong = f"the {symbol.kind} {symbol.name!r} is no variable and can not be {what}"
+                wrong = f"the {symbol.kind} {symbol.name!r} is not a variable and cannot be {what}"
                 self.report(codes.TYPE_MISMATCH, token, what=wrong)
             return None, Type.UNKNOWN
         span = self.lexer.span(token)
@@ -96,11 +96,11 @@ class CommandParser(ExpressionParser):
         """variable := expression, from here; None where the variable is none (reported)."""
         first = self.lexer.peek()
         variable, type_ = self.target("assigned to")
-        self.expect(":=", f"behind {first.text!r}")
+        self.expect(":=", f"after {first.text!r}")
         begin = self.lexer.peek()
         value, value_type = self.whole()
         if not assignable(type_, value_type):
-            what = f"{first.text} is {type_.value} and can not hold {value_type.value}"
+            what = f"{first.text} is {type_.value} and cannot hold {value_type.value}"
             self.report(codes.TYPE_MISMATCH, begin, self.lexer.last, what=what, hint=_conversion(type_, value_type))
         span = self.lexer.span(first, self.lexer.last)
         return None if variable is None else Assign(variable, value, span)
@@ -123,7 +123,7 @@ class CommandParser(ExpressionParser):
                 if self.lexer.peek().text == ",":
                     comma = self.lexer.take()
                     if not self._begins_value():
-                        raise self.lexer.error(codes.SYNTAX, comma, what="a value is missing behind this comma")
+                        raise self.lexer.error(codes.SYNTAX, comma, what="a value is missing after this comma")
         return (Message(kind=first.low, parts=tuple(parts), span=self.lexer.span(first, self.lexer.last)),)
 
     def _is_list(self) -> bool:
@@ -154,11 +154,11 @@ class CommandParser(ExpressionParser):
         if symbol is not None and symbol.kind == "procedure":
             return self._call_procedure(symbol)
         if (symbol is not None and symbol.kind != "function") or COMMON.match(token.low):
-            what = f"{token.text!r} alone is no statement"
-            raise self.lexer.error(codes.SYNTAX, token, what=what, hint=f"{token.text} := ...")
+            what = f"{token.text!r} alone is not a statement"
+            raise self.lexer.error(codes.SYNTAX, token, what=what, hint=f"assign it: {token.text} := ...")
         if token.low == "wt" and symbol is None:
             self.lexer.take()
-            opening = self.expect("(", "behind wt")
+            opening = self.expect("(", "after wt")
             value, _ = self.number("a time")
             self.closing(opening)
             return (Device(name="wait", arguments=(value,), span=self.lexer.span(token, self.lexer.last)),)
@@ -196,7 +196,7 @@ class CommandParser(ExpressionParser):
             number = int(value.number.value)
             if number in given or number in symbol.uses:
                 what = f"{symbol.name!r} gets a variable as {parameter.name!r} that it also uses under another name"
-                self.report(codes.PASCAL_OPEN, token, self.lexer.last, what=what, hint="use a further variable")
+                self.report(codes.PASCAL_OPEN, token, self.lexer.last, what=what, hint="use another variable")
             given.add(number)
 
     def _argument(self, parameter: Parameter | None) -> Word:
@@ -206,10 +206,10 @@ class CommandParser(ExpressionParser):
         if parameter is None:
             return Word("", value, span)
         if parameter.by_reference and (not isinstance(value, Variable) or type_ != parameter.type):
-            what = f"{parameter.name!r} is a var parameter: it takes a variable of type {parameter.type.value}"
+            what = f"{parameter.name!r} is a var parameter: it needs a variable of type {parameter.type.value}"
             self.report(codes.TYPE_MISMATCH, first, self.lexer.last, what=what)
         elif not assignable(parameter.type, type_):
-            what = f"{parameter.name} is {parameter.type.value} and can not hold {type_.value}"
+            what = f"{parameter.name} is {parameter.type.value} and cannot hold {type_.value}"
             hint = _conversion(parameter.type, type_)
             self.report(codes.TYPE_MISMATCH, first, self.lexer.last, what=what, hint=hint)
         return Word(parameter.name, value, span)

@@ -95,7 +95,7 @@ class SectionParser(StatementParser):
             at = self.lexer.last if token.kind == "end" else token
             raise self.lexer.error(codes.SYNTAX, at, what="a name is missing in this declaration")
         if token.low in KEYWORDS:
-            raise self.lexer.error(codes.DECLARATION, token, what=f"{token.text!r} is a word of the language")
+            raise self.lexer.error(codes.DECLARATION, token, what=f"{token.text!r} is a reserved word")
         return self.lexer.take()
 
     def _names(self) -> list[Token]:
@@ -111,8 +111,8 @@ class SectionParser(StatementParser):
         if token.low in DECLARABLE:
             return DECLARABLE[token.low], token.low
         if token.kind != "name" or (token.low in KEYWORDS and token.low != "function"):
-            raise self.lexer.error(codes.SYNTAX, token, what="a type is missing", hint="integer, double or boolean")
-        hint = "the manual has integer, double and boolean"
+            raise self.lexer.error(codes.SYNTAX, token, what="a type is missing", hint="use integer, double or boolean")
+        hint = "use integer, double or boolean (the manual has no other type)"
         self.report(codes.PASCAL_OPEN, token, what=f"the type {token.text!r}", hint=hint)
         words = [token.low]
         while self.lexer.peek().text not in (";", ")") and self.lexer.peek().kind != "end":
@@ -150,7 +150,7 @@ class SectionParser(StatementParser):
     def _variables(self, word: Token | None) -> Statement:
         """names : type; word: ``var`` where it stands before them."""
         names = self._names()
-        self.expect(":", f"behind {names[-1].text!r}")
+        self.expect(":", f"after {names[-1].text!r}")
         type_, written = self._type()
         numbers = [self.symbols.add_var(name.text, type_, self.lexer.span(name)).number for name in names]
         span = self.lexer.span(word or names[0], self.lexer.last)
@@ -162,14 +162,14 @@ class SectionParser(StatementParser):
     def _constant(self, word: Token | None) -> Statement:
         """name = value; word: ``const`` where it stands before it."""
         name = self._name_to_declare()
-        self.expect("=", f"behind {name.text!r}")
+        self.expect("=", f"after {name.text!r}")
         begin = self.lexer.peek()
         node, type_ = self.whole()
         value = None if isinstance(node, Text) else constant_value(node)
         if value is not None and type_ is Type.INTEGER and not -LARGEST_INTEGER <= value <= LARGEST_INTEGER:
             value = None
         if value is None and not isinstance(node, Text):
-            what = f"the constant {name.text!r} is no number that can be found without running the program"
+            what = f"the constant {name.text!r} is not a number that is known before the program runs"
             self.report(codes.PASCAL_OPEN, begin, self.lexer.last, what=what, hint="write its value")
         text = node.value if isinstance(node, Text) else None
         self.symbols.add_const(name.text, type_, value, self.lexer.span(name), text)
@@ -220,9 +220,9 @@ class SectionParser(StatementParser):
                 parameters=tuple((p.name, p.written, p.number) for p in parameters), text=name.text,
             )  # fmt: skip
             if is_function:
-                self.expect(":", "behind the parameters")
+                self.expect(":", "after the parameters")
                 self._type()
-            self.expect(";", "behind the head")
+            self.expect(";", "after the head")
             if self.lexer.peek().low == "forward":
                 self.report(codes.PASCAL_OPEN, self.lexer.take(), what=f"a body of {name.text!r} that comes later")
                 made = None
@@ -261,7 +261,7 @@ class SectionParser(StatementParser):
     def _lost(self, body: tuple[Statement, ...]) -> Iterator[Jump]:
         """Jumps of a procedure that do not stay in it, or go into a block; each is reported."""
         for jump in lost_jumps(body):
-            what = f"a jump to {jump.name!r}, which does not stand in this procedure outside of blocks"
+            what = f"a jump to {jump.name!r}, which is not in this procedure outside of blocks"
             self.symbols.report(codes.PASCAL_OPEN.at(jump.span, what=what))
             yield jump
 
@@ -276,7 +276,7 @@ class SectionParser(StatementParser):
             if by_reference:
                 self.lexer.take()
             names = self._names()
-            self.expect(":", f"behind {names[-1].text!r}")
+            self.expect(":", f"after {names[-1].text!r}")
             type_, _ = self._type()
             for name in names:
                 symbol = self.symbols.add_var(name.text, type_, self.lexer.span(name))

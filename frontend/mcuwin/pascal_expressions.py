@@ -64,7 +64,7 @@ class ExpressionParser:
         node, type_ = self.whole()
         if type_ not in (Type.BOOLEAN, Type.UNKNOWN):
             self.report(
-                codes.TYPE_MISMATCH, first, self.lexer.last, what=f"a condition is boolean; this is {type_.value}",
+                codes.TYPE_MISMATCH, first, self.lexer.last, what=f"a condition must be boolean; this is {type_.value}",
                 hint="compare it, or convert it: BOOLEAN(...)",
             )  # fmt: skip
         return node
@@ -74,7 +74,9 @@ class ExpressionParser:
         first = self.lexer.peek()
         node, type_ = self.whole()
         if not type_.numeric:
-            self.report(codes.TYPE_MISMATCH, first, self.lexer.last, what=f"{what} is a number; this is {type_.value}")
+            self.report(
+                codes.TYPE_MISMATCH, first, self.lexer.last, what=f"{what} must be a number; this is {type_.value}"
+            )
         return node, type_
 
     def expression(self) -> tuple[Expr, Type]:
@@ -85,9 +87,9 @@ class ExpressionParser:
             left = self._joined(first, left, self._sum)
             again = self.lexer.peek()
             if again.low in RELATIONS:
-                what = "a second comparison beside the first"
+                what = "a second comparison next to the first"
                 raise self.lexer.error(
-                    codes.BAD_EXPRESSION, again, what=what, hint="set brackets, or join them with and"
+                    codes.BAD_EXPRESSION, again, what=what, hint="add brackets, or join them with and"
                 )
         return left
 
@@ -117,7 +119,7 @@ class ExpressionParser:
             left = self._joined(first, left, self._factor, signed=sign is not None and sign.text == "-")
             if inner_sign and self._matters(left[0]):
                 what = f"a sign within a product with {word.text}"
-                self.report(codes.PASCAL_OPEN, word, what=what, hint="set brackets")
+                self.report(codes.PASCAL_OPEN, word, what=what, hint="add brackets")
             inner_sign = inner_sign or sign_next
         return left
 
@@ -145,7 +147,7 @@ class ExpressionParser:
         operator, type_ = found
         if signed and operator in SIGN_MATTERS:
             what = f"a minus before a product with {word.text}"
-            self.report(codes.PASCAL_OPEN, word, what=what, hint="set brackets")
+            self.report(codes.PASCAL_OPEN, word, what=what, hint="add brackets")
         doubtful = signed and operator in SIGN_MATTERS
         return Binary(operator, left[0], right[0], span, doubtful, type_ is Type.INTEGER), type_
 
@@ -161,7 +163,9 @@ class ExpressionParser:
         token = self.lexer.take()
         point = "." in token.text
         if "e" in token.low:
-            self.report(codes.PASCAL_OPEN, token, what=f"{token.text} has an exponent", hint="write it without")
+            self.report(
+                codes.PASCAL_OPEN, token, what=f"{token.text} has an exponent", hint="write it without exponent"
+            )
         value = float(token.text)
         if math.isinf(value):
             self.report(codes.BAD_EXPRESSION, token, what="a number that is too large for a double")
@@ -177,7 +181,7 @@ class ExpressionParser:
         token = self.lexer.peek()
         self.nesting += 1
         if self.nesting > MAX_NESTING:
-            what = f"more than {MAX_NESTING} brackets and operators inside one another"
+            what = f"brackets and operators nested deeper than {MAX_NESTING}"
             raise self.lexer.error(codes.PASCAL_OPEN, token, what=what, hint="use a variable for a part of it")
         try:
             return self._factor_of(token)
@@ -235,7 +239,7 @@ class ExpressionParser:
         node, type_ = self._factor()
         span = self.lexer.span(word, self.lexer.last)
         if type_ in (Type.DOUBLE, Type.STRING):
-            hint = "set brackets round the comparison: not (...)"
+            hint = "add brackets around the comparison: not (...)"
             self.report(codes.TYPE_MISMATCH, word, self.lexer.last, what=f"not of a {type_.value}", hint=hint)
             type_ = Type.UNKNOWN
         return Unary("bnot" if type_ is Type.INTEGER else "not", node, span), type_
@@ -275,7 +279,7 @@ class ExpressionParser:
         what, hint = f"an element of {token.text!r}", ""
         if token.low in ("cd", "ci"):
             what, hint = (
-                f"{token.text} with a number that is computed",
+                f"{token.text} with a calculated number",
                 f"write {token.text.upper()}600 to {token.text.upper()}699",
             )
         raise self.lexer.error(codes.PASCAL_OPEN, token, bracket, what=what, hint=hint)
@@ -288,11 +292,11 @@ class ExpressionParser:
         alike = self.symbols.alike(token.text)
         hint = "declare it before the first %, in a section after $DINEND"
         if _MISREAD.match(token.low):
-            hint = f"CI{token.low[2:]}? The manual prints a capital I as a one (12)"
+            hint = f"check for CI{token.low[2:]}: the manual prints a capital I as a one (12)"
         elif token.low in ("cd", "ci"):
-            hint = f"the number follows without a blank: {token.text.upper()}600"
+            hint = f"write the number without a blank: {token.text.upper()}600"
         elif alike is not None:
-            hint = f"{alike!r} is declared, and the machine file says that case matters"
+            hint = f"write it as declared, {alike!r}: the machine file is case-sensitive"
         self.report(codes.UNDECLARED_NAME, token, what=f"{token.text!r} is not declared", hint=hint)
 
     def _call(self, token: Token, *, declared: bool) -> tuple[Expr, Type]:
@@ -309,7 +313,7 @@ class ExpressionParser:
             self.report(codes.PASCAL_OPEN, token, what=f"{token.text} is a function that the program declares")
             return Named(token.text.upper(), span), Type.UNKNOWN
         if token.low not in FUNCTIONS:
-            hint = "the functions are " + " ".join(sorted(FUNCTIONS))
+            hint = "use one of these functions: " + " ".join(sorted(FUNCTIONS))
             self.report(codes.UNDECLARED_NAME, token, what=f"there is no function {token.text!r}", hint=hint)
             return Named(token.text.upper(), span), Type.UNKNOWN
         found = function_type(token.low, type_, self.symbols.angle_unit)
@@ -328,13 +332,13 @@ class ExpressionParser:
         span = self.lexer.span(token)
         number = int(digits) if len(digits) < 9 else LAST_COMMON + 1
         if number > LAST_COMMON:
-            what = f"there are 0 to {LAST_COMMON}, of which {FIRST_USER} to {LAST_USER} are the program's"
+            what = f"the numbers are 0 to {LAST_COMMON}; {FIRST_USER} to {LAST_USER} are for programs"
             self.report(codes.ILLEGAL_VALUE, token, word=token.text, what=what)
             return Named(token.text.upper(), span), type_
         if not FIRST_USER <= number <= LAST_USER:
             self.report(
                 codes.SYSTEM_VARIABLE, token, name=token.text.upper(), prefix=token.text[:2].upper(),
-                hint="McuWIN manual 11: using it could make the controller unstable",
+                hint="use another variable: this one could make the controller unstable (McuWIN manual 11)",
             )  # fmt: skip
         where = float(number + (COMMON_INTEGER if is_integer else 0))
         return Variable(Number(where, span), span), type_
@@ -346,17 +350,17 @@ class ExpressionParser:
         index = self.symbols.axes.lower().find(axis) if len(axis) == 1 else -1
         if index < 0:
             axes = " ".join(self.symbols.axes.upper())
-            hint = f"the axes are {axes}"
+            hint = f"use one of the axes {axes}"
             self.report(codes.UNDECLARED_NAME, token, what=f"there is no axis {axis.upper()!r}", hint=hint)
             return Named(token.text.upper(), span), Type.UNKNOWN
         if qualifier == "digib" and bit:
             channel = int(bit[0]) if len(bit[0]) < 4 else 100
             if not 1 <= channel <= 99:
-                self.report(codes.ILLEGAL_VALUE, token, word=token.text, what="digital inputs are counted from 1")
+                self.report(codes.ILLEGAL_VALUE, token, word=token.text, what="digital inputs are numbered from 1")
             return Input("input", Number(float((index + 1) * 100 + channel), span), span), Type.BOOLEAN
         if qualifier not in QUALIFIERS or bit or qualifier == "digib":
             known = ", ".join(f"{axis.upper()}.{name}" for name in QUALIFIERS if name != "digib")
-            hint = f"the manual has {known} and {axis.upper()}.digib.1"
+            hint = f"use {known} or {axis.upper()}.digib.1"
             self.report(codes.PASCAL_OPEN, token, what=f"{token.text} is not in the manual", hint=hint)
             return Named(token.text.upper(), span), Type.UNKNOWN
         return Named(token.text.upper(), span), Type.DOUBLE
@@ -370,9 +374,9 @@ def string_value(text: str) -> str:
 def _hint(word: str, left: Type, right: Type) -> str:
     types = {left, right}
     if word in ("and", "or", "xor") and types != {Type.INTEGER, Type.BOOLEAN}:
-        return "these bind more strongly than comparisons: set brackets round each of them"
+        return "add brackets around each comparison: these operators come before comparisons"
     if word in ("and", "or", "xor"):
         return "convert the number: BOOLEAN(...)"
     if word in ("div", "mod", "shl", "shr") and Type.DOUBLE in types:
-        return "these are of integers: use / or round(...)"
+        return "use / or round(...): these are for integers"
     return ""

@@ -89,7 +89,7 @@ class StatementParser(CommandParser):
         token = self.lexer.peek()
         self.depth += 1
         if self.depth > MAX_DEPTH:
-            what = f"more than {MAX_DEPTH} statements inside one another"
+            what = f"statements nested deeper than {MAX_DEPTH}"
             raise self.lexer.error(codes.PASCAL_OPEN, token, what=what, hint="use a procedure")
         try:
             return self._statement(token)
@@ -123,7 +123,7 @@ class StatementParser(CommandParser):
             return self.command()
         if token.text == ";" or token.low in ENDS or token.kind == "end":
             return ()
-        what = "this is not closed" if token.text[0] in "\"'{" else f"{token.text!r} does not begin a statement"
+        what = "this is not closed" if token.text[0] in "\"'{" else f"{token.text!r} does not start a statement"
         raise self.lexer.error(codes.SYNTAX, token, what=what)
 
     def compound(self) -> tuple[Statements, Token]:
@@ -143,7 +143,7 @@ class StatementParser(CommandParser):
     def _if(self) -> Statements:
         first = self.lexer.take()
         condition = self.condition()
-        head = self.lexer.span(first, self.expect("then", "behind the condition"))
+        head = self.lexer.span(first, self.expect("then", "after the condition"))
         then, close = self.body()
         otherwise: Statements = ()
         divider = self.lexer.peek() if self.lexer.peek().low == "else" else None
@@ -162,7 +162,7 @@ class StatementParser(CommandParser):
     def _while(self) -> Statements:
         first = self.lexer.take()
         condition = self.condition()
-        span = self.lexer.span(first, self.expect("do", "behind the condition"))
+        span = self.lexer.span(first, self.expect("do", "after the condition"))
         body, close = self.body()
         end = None if close is None else self.lexer.span(close)
         return (While(condition=condition, body=body, span=span, end_span=end),)
@@ -170,7 +170,7 @@ class StatementParser(CommandParser):
     def _repeat(self) -> Statements:
         first = self.lexer.take()
         body = self.statements("until", "end", "else")
-        word = self.expect("until", "behind repeat")
+        word = self.expect("until", "after repeat")
         condition = self.condition()
         end = self.lexer.span(word, self.lexer.last)
         return (Repeat(condition=condition, body=body, span=self.lexer.span(first), end_span=end),)
@@ -180,23 +180,23 @@ class StatementParser(CommandParser):
         name = self.lexer.peek()
         variable, type_ = self.target("counted")
         if type_ not in (Type.INTEGER, Type.UNKNOWN):
-            what = f"the variable of a for loop is an integer; {name.text} is {type_.value}"
+            what = f"the variable of a for loop must be an integer; {name.text} is {type_.value}"
             self.report(codes.TYPE_MISMATCH, name, what=what, hint="use CI600 to CI699, or declare it as integer")
-        self.expect(":=", f"behind {name.text!r}")
+        self.expect(":=", f"after {name.text!r}")
         first = self._bound()
         word = self.lexer.peek()
         if word.low not in ("to", "downto"):
             at = self.lexer.last if word.kind == "end" else word
-            raise self.lexer.error(codes.SYNTAX, at, what="'to' or 'downto' is missing behind the start value")
+            raise self.lexer.error(codes.SYNTAX, at, what="'to' or 'downto' is missing after the start value")
         self.lexer.take()
         last = self._bound()
-        return variable, first, last, word.low == "downto", self.expect("do", "behind the end value")
+        return variable, first, last, word.low == "downto", self.expect("do", "after the end value")
 
     def _bound(self) -> Expr:
         first = self.lexer.peek()
         node, type_ = self.whole()
         if type_ not in (Type.INTEGER, Type.UNKNOWN):
-            what = f"a bound of a for loop is an integer; this is {type_.value}"
+            what = f"a bound of a for loop must be an integer; this is {type_.value}"
             hint = "use round(...) or trunc(...)" if type_ is Type.DOUBLE else ""
             self.report(codes.TYPE_MISMATCH, first, self.lexer.last, what=what, hint=hint)
         return node
@@ -220,7 +220,7 @@ class StatementParser(CommandParser):
         first = self.lexer.take()
         token = self.lexer.peek()
         if token.kind not in ("name", "number") or token.low in KEYWORDS:
-            raise self.lexer.error(codes.SYNTAX, first, what="a label is missing behind goto")
+            raise self.lexer.error(codes.SYNTAX, first, what="a label is missing after goto")
         self.lexer.take()
         self._declared_label(token)
         return (Jump(name=label_name(token.text), span=self.lexer.span(first, token)),)
@@ -237,7 +237,9 @@ class StatementParser(CommandParser):
         symbol = self.symbols.resolve(name, self.lexer.span(token))
         if symbol is None or symbol.kind != "label":
             what = f"{token.text!r} is not declared as a label"
-            self.report(codes.UNDECLARED_NAME, token, what=what, hint=f"label {token.text}; before the first %")
+            self.report(
+                codes.UNDECLARED_NAME, token, what=what, hint=f"declare 'label {token.text};' before the first %"
+            )
 
     def _case(self) -> Statements:
         """case ... end, which the manual does not have."""

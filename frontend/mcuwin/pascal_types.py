@@ -150,8 +150,8 @@ class Symbols:
         symbol = self.lookup(name)
         if symbol is not None and symbol.name != name and self.case_sensitive is None:
             self.report(codes.PASCAL_OPEN.at(
-                span, what=f"{name!r} is declared as {symbol.name!r}, and whether case matters is a setting of McuWIN",
-                hint="write names alike, or state case_sensitive in the machine file",
+                span, what=f"{name!r} is declared as {symbol.name!r}; McuWIN may be set to case-sensitive",
+                hint="write the names in the same case, or state case_sensitive in the machine file",
                 related=(Related(symbol.span, "declared here"),),
             ))  # fmt: skip
         return symbol
@@ -169,13 +169,15 @@ class Symbols:
         digit = next((c for c in name if c.isdigit()), None)
         if digit is not None and symbol.kind in ("var", "const"):
             self.report(codes.DECLARATION.at(
-                symbol.span, what=f"the name {name!r} has the digit {digit}: names of variables and constants must not",
-                hint="McuWIN manual 10: use letters only",
+                symbol.span, what=f"the name {name!r} has the digit {digit}, which names of variables and constants "
+                                  "must not have",
+                hint="use letters only (McuWIN manual 10)",
             ))  # fmt: skip
         earlier = scope.get(self._key(name))
         if earlier is not None and earlier.name != name and self.case_sensitive is None:
             self.report(codes.PASCAL_OPEN.at(
-                symbol.span, what=f"{name!r} and {earlier.name!r} differ only in case, which is a setting of McuWIN",
+                symbol.span, what=f"{name!r} and {earlier.name!r} differ only in case; McuWIN may be set to ignore "
+                                  "case",
                 hint="choose another name", related=(Related(earlier.span, "declared here"),),
             ))  # fmt: skip
         elif earlier is not None:

@@ -53,7 +53,7 @@ def judge_size(
         counter.take(body)
     low, high = min(counter.words, counter.enough) * LEAST_WORD, counter.nodes * MOST_NODE + lines * MOST_LINE
     whole = Span(program.files[0].name, 1)
-    hint = "state program_size when SZTSK3 is set to a higher value"
+    hint = "state program_size if SZTSK3 is set to a higher value"
     if low > allowed:
         return codes.PROGRAM_TOO_LARGE.at(whole, low=low, allowed=allowed, hint=hint)
     if high > allowed:

@@ -181,7 +181,7 @@ class Structure:
         frame.depth = 1 + (around if around is not None else self.open[-1].depth if self.open else 0)
         self.open.append(frame)
         if frame.depth == MAX_DEPTH + 1:
-            what = f"more than {MAX_DEPTH} blocks inside one another"
+            what = f"blocks nested deeper than {MAX_DEPTH}"
             self.findings.add(codes.PASCAL_OPEN.at(frame.span, what=what, hint="use subprograms"))
 
     def _innermost(self, word: str, span: Span, kinds: tuple[str, ...]) -> _Open:
@@ -190,7 +190,7 @@ class Structure:
             self.unopened -= 1
             self._push(_Open("", span))
         if not self.open:
-            what = f"there is no block that this {word} could close"
+            what = f"there is no block that this {word} can close"
             raise Refusal(codes.UNBALANCED_BLOCK.at(span, what=what))
         frame = self.open[-1]
         if frame.kind and frame.kind not in kinds:
@@ -203,7 +203,7 @@ class Structure:
             self._reopen(found.span)
         frame = self._innermost("else", found.span, ("if",))
         if frame.then is not None:
-            raise Refusal(codes.UNBALANCED_BLOCK.at(found.span, what="a second else of the same if"))
+            raise Refusal(codes.UNBALANCED_BLOCK.at(found.span, what="a second else for the same if"))
         frame.then, frame.body, frame.else_span = frame.body, [], found.span
         if isinstance(found, ElseIf):
             self.open.pop()
@@ -213,7 +213,7 @@ class Structure:
         """``$else`` on a line of its own behind the ``$end`` of an if."""
         node = self.body[-1] if self.body else None
         if not isinstance(node, If) or node.end_span is None or node.else_span is not None:
-            raise Refusal(codes.UNBALANCED_BLOCK.at(span, what="there is no if that this else belongs to"))
+            raise Refusal(codes.UNBALANCED_BLOCK.at(span, what="this else has no if"))
         self.body.pop()
         self._push(_Open("if", node.span, list(node.then), node.condition))
 

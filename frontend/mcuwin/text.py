@@ -116,7 +116,7 @@ class Text:
     def _line(self, text: str, file: str, number: int, found: list[LineNotes]) -> None:
         if "\r" in text:
             at = text.index("\r")
-            what = "a carriage return without a line feed within the line"
+            what = "a carriage return without a line feed in the line"
             if self.pascal:
                 # The lines of a section are counted: one that can not be read is an empty one.
                 self.first = self.first if self.lines else Place(file, number)
@@ -140,7 +140,7 @@ class Text:
         if not self.opened and PERCENT.match(text):
             if not self.implied:
                 at = text.index("%")
-                what = "a percent sign within rw_SymPas: {$DINSTART} is missing before it"
+                what = "a percent sign in rw_SymPas: {$DINSTART} is missing before it"
                 self.findings.add(codes.SYNTAX.at(Span(file, number, at + 1, at + 2), what=what))
             self._end_section()
             self._din(text, file, number, found)
@@ -189,7 +189,7 @@ class Text:
                 if name.upper() in CENTERS + VALUE_LETTERS + "DN":
                     self.doubtful[name.upper()] = name
                 elif name.upper() in self.letters:
-                    what = f"{name!r} is a name that is declared, and a word of DIN lines"
+                    what = f"{name!r} is a declared name, and also a word of DIN lines"
                     self.findings.add(codes.PASCAL_OPEN.at(node.span, what=what, hint="choose a longer name"))
 
     def _end_section(self) -> None:
@@ -248,12 +248,12 @@ class Text:
         other = self.spelled.setdefault(name, written)
         if other != written and self.symbols.case_sensitive is not False:
             why = (
-                "and modules and calls are compared here in any case"
+                "and modules and calls are compared here regardless of case"
                 if self.symbols.case_sensitive
                 else "which is a setting"
             )
             what = f"{written!r} and {other!r} differ only in case, {why}"
-            self.findings.add(codes.PASCAL_OPEN.at(span, what=what, hint="write names alike"))
+            self.findings.add(codes.PASCAL_OPEN.at(span, what=what, hint="write the names in the same case"))
 
     def _count(self, size: tuple[int, int]) -> None:
         """Add to the words and nodes of deferred blocks."""
@@ -296,7 +296,7 @@ class Text:
 
     def _doubt(self, letter: str, span: Span) -> None:
         name = self.doubtful.pop(letter)
-        what = f"{letter} of a DIN line, where {name!r} is a name that is declared,"
+        what = f"{letter} of a DIN line, where {name!r} is a declared name,"
         self.findings.add(codes.PASCAL_OPEN.at(span, what=what, hint="choose a longer name"))
 
     def _dollar(self, text: str, line: DinLine, file: str, number: int, found: list[LineNotes]) -> Dollar | None:
@@ -311,11 +311,11 @@ class Text:
         elif include is not None:
             name, span = include["name"], Span(file, number, at + 1, include.end() + 1)
             if not name or text[include.end() :].lstrip(" \t")[:1] not in ("", "'", "("):
-                what = "behind $I stands the name of a file, without blanks, and nothing else but a comment"
+                what = "$I must be followed by a file name without blanks, and nothing else but a comment"
                 raise Refusal(codes.SYNTAX.at(Span(file, number, at + 1, len(text.rstrip()) + 1), what=what))
             rest = self.reader.read(text, file, number, include.end())
             if rest.says:
-                what = "nothing but a comment stands behind $I and its name"
+                what = "only a comment is allowed after $I and its name"
                 raise Refusal(codes.SYNTAX.at(Span(file, number, include.end() + 1, len(text) + 1), what=what))
             found.append((number, text, [(1, *note[1:]) for note in rest.notes]))
             self.structure.add([Include(name=name, span=span)])

@@ -79,7 +79,7 @@ def _enter(file: IniText, entry: Entry, plane: str, values: Values, unit: Fracti
     if value is None:
         return
     if letter == "R" and value < 0:
-        file.bad(entry, f"a radius of {entry.text} is below 0")
+        file.bad(entry, f"the radius {entry.text} is below 0")
         return
     known = unit is not None or value == 0
     values.setdefault((plane, number), {})[letter] = float(value * (unit or 1)) if known else None

@@ -61,14 +61,14 @@ FRONTEND = Frontend(
     extensions=EXTENSIONS,
     no_jobs=(".mac",),
     shop_files=(SETTINGS, MACRO_FILE),
-    settings=((SETTINGS, "the settings of WinCNC; --machine takes it"),),
+    settings=((SETTINGS, "the settings of WinCNC; give it with --machine"),),
     markers=(
         Marker(rank=40, reason="L code", pattern=rb"(?mi)^[ \t]*L\d+\b"),
         Marker(rank=41, reason="bracketed comment or macro call", pattern=rb"(?m)^[ \t]*\["),
         Marker(rank=42, reason="M98 with a file name", pattern=rb"(?i)\bM98[ \t]+[A-Za-z_]+\."),
     ),
     # A comment may look like the name of a module.
-    alike=(Alike(reason="program number behind %"),),
+    alike=(Alike(reason="program number after %"),),
     open_offsets=("g92",),
     load_program=_load_program,
     alone=_alone,

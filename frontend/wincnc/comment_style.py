@@ -5,5 +5,5 @@ from __future__ import annotations
 from gproof.frontend.common.comment_hints import CommentStyle
 
 COMMENTS = CommentStyle(
-    ("[", "("), "a comment begins with [ or (; comchars= of WINCNC.INI names further characters"
+    ("[", "("), "start a comment with [ or (, or with a character of comchars= in WINCNC.INI"
 )  # fmt: skip

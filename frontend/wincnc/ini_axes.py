@@ -36,11 +36,11 @@ def _count(sheet: Sheet) -> None:
     named = sheet.one("axischar")
     for at, letter in enumerate(sheet.letters[len(sheet.axes) :], len(sheet.axes)):
         place = (0,) if named is None else (named.line, named.value_column, named.value_column + len(named.text))
-        hint = f"no axisspec= stands for it: a job that moves {letter} is refused"
+        hint = f"add axisspec= for it: a job that moves {letter} is refused"
         sheet.ini.add(codes.MISSING_KEY.as_note(), *place, key=f"axisspec= of {letter}, axis number {at},", hint=hint)
     for own in sheet.axes[len(sheet.letters) :]:
         setting = own["axisspec"][0]
-        sheet.ini.bad(setting, f"the letters of axischar= are only {len(sheet.letters)}")
+        sheet.ini.bad(setting, f"axischar= has only {len(sheet.letters)} letters")
 
 
 def _axis(sheet: Sheet, letter: str, own: dict[str, list[Setting]]) -> Axis:
@@ -135,7 +135,7 @@ def _pair(sheet: Sheet, low: str, high: str, letter: str, length: Fraction) -> t
     if first is not None and sheet.ini.is_replaced(first, letter):
         lower = None
     if lower is not None and upper is not None and lower > upper and last is not None:
-        sheet.ini.bad(last, f"lies below {low}= {letter}{lower}", last.word(letter))
+        sheet.ini.bad(last, f"is below {low}= {letter}{lower}", last.word(letter))
         return None, None
     return _rounded(None if lower is None else lower * length), _rounded(None if upper is None else upper * length)
 
@@ -159,9 +159,9 @@ def _home_velocity(sheet: Sheet, letter: str, length: Fraction) -> float | None:
 def _not_modelled(sheet: Sheet, own: dict[str, list[Setting]], column: str) -> None:
     """What moves an axis, or bends its way, as no file tells."""
     for setting in own.get("axismode", ()):
-        sheet.open(setting, "the manual has only the name of this key", column)
+        sheet.open(setting, "the manual gives only the name of this key", column)
     for setting in own.get("axismap", ()):
-        sheet.open(setting, "the adjustments of the map are in no file that is described")
+        sheet.open(setting, "the adjustments of the map are in a file that is not in the manual")
     for setting in own.get("axisadj", ()):
         if number(setting, "I") == 0:
             continue

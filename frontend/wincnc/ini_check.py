@@ -134,7 +134,7 @@ class Sheet:
         at = len(self.axes) - (setting.key != "axisspec")
         of_axis = touches == "axis" and 0 <= at < len(self.letters)
         axis = self.columns[self.letters[at]] if of_axis else ""
-        self.open(setting, "the manual does not name this letter of the key", axis, word)
+        self.open(setting, "this letter of the key is not in the manual", axis, word)
 
     # -- the file
 
@@ -148,7 +148,7 @@ class Sheet:
                 self.ini.bad(setting, "must be the first setting of the file")
             name = setting.text.upper()
             if name not in UNITS:
-                self.ini.bad(setting, f"{setting.text[:20]!r} is none of {', '.join(UNITS)}")
+                self.ini.bad(setting, f"{setting.text[:20]!r} is not one of {', '.join(UNITS)}")
             found = UNITS.get(name, found)
         return found
 
@@ -184,10 +184,10 @@ class Sheet:
             self.axes.append({setting.key: [judged]})
             return
         if setting.key in OF_AXIS and not self.axes:
-            self.ini.bad(setting, "stands above the first axisspec=, so that it belongs to no axis")
+            self.ini.bad(setting, "is above the first axisspec=, so it belongs to no axis")
             return
         if setting.key == "axischar" and self.axes:
-            self.ini.bad(setting, "must stand above the first axisspec=")
+            self.ini.bad(setting, "must be above the first axisspec=")
             return
         home = self.axes[-1] if setting.key in OF_AXIS else self.settings
         before = home.setdefault(setting.key, [])
@@ -241,7 +241,7 @@ class Sheet:
         """True for a value of that kind; else a finding."""
         problem = ""
         if kind == "port":
-            problem = "" if _PORT.fullmatch(setting.text) else "a number, a comma and a hexadecimal address belong here"
+            problem = "" if _PORT.fullmatch(setting.text) else "it needs a number, a comma and a hexadecimal address"
         elif kind != "text" and not setting.text:
             problem = "no value"
         elif kind != "text":
@@ -258,9 +258,9 @@ class Sheet:
         """What keeps a value from being of a kind, "" for nothing."""
         name, _, limits = kind.partition(" ")
         if name in ("text", "letters"):
-            return "a text in quotes must stand behind it" if value is not None else ""
+            return "a text in quotes must follow it" if value is not None else ""
         if value is None:
-            return "a number must stand behind it"
+            return "a number must follow it"
         if name in _WHOLE and value.denominator != 1:
             return f"{text} is not a whole number"
         if name == "axis" and self.letters and not 0 <= value < len(self.letters):
@@ -295,13 +295,13 @@ def _with_range(rule: KeyRule, letter: str, kind: str) -> str:
 def columns_of(letters: str) -> tuple[dict[str, str], str]:
     """The column of each letter of axischar=, and what is wrong with them ("" for nothing)."""
     if letters[:2] != "XY":
-        return {}, "the first axis must be X, and the second Y"
+        return {}, "the first axis must be X and the second Y"
     strange = next((letter for letter in letters if letter not in AXIS_LETTERS), None)
     if strange is not None:
-        return {}, f"{strange!r} is no axis; axes are {' '.join(AXIS_LETTERS)}"
+        return {}, f"{strange!r} is not an axis; axes are {' '.join(AXIS_LETTERS)}"
     twice = next((letter for at, letter in enumerate(letters) if letter in letters[:at]), None)
     if twice is not None:
-        return {}, f"{twice} is there twice"
+        return {}, f"{twice} is given twice"
     free = [name for name in AXIS_NAMES[3:] if name.upper() not in letters]
     columns = {}
     for letter in letters:
@@ -310,7 +310,7 @@ def columns_of(letters: str) -> tuple[dict[str, str], str]:
         elif free:
             columns[letter] = free.pop(0)
         else:
-            return {}, f"gproof follows X, Y, Z and three more axes: none is left for {letter}"
+            return {}, f"gproof follows X, Y, Z and three more axes; {letter} is one too many"
     return columns, ""
 
 

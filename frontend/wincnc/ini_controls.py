@@ -51,7 +51,7 @@ def read_controls(sheet: Sheet) -> WinCncSettings:
         devices.append("spinmac")
     scan = sheet.one("scan")
     if scan is not None and (scan.word("T") is None or scan.word("C") is None):
-        sheet.ini.bad(scan, "T and C are needed")
+        sheet.ini.bad(scan, "T and C are missing")
     mode = sheet.bare("nmode")
     return WinCncSettings(
         lexical=_lexical(sheet),
@@ -145,12 +145,12 @@ def _lexical(sheet: Sheet) -> Lexical:
     )
     setting = sheet.one("comchars")
     if setting is not None and any(sign.isalnum() or sign in '+-.=~{}"' for sign in signs):
-        sheet.open(setting, "a sign that commands are made of begins a comment")
+        sheet.open(setting, "a character of commands starts a comment")
     skips = []
     for skip in sheet.all("skipchars"):
         sign, count = skip.word("C"), number(skip, "N")
         if sign is None or not sign.text or count is None:
-            sheet.ini.bad(skip, 'C"signs" and N are needed')
+            sheet.ini.bad(skip, 'C"signs" and N are missing')
         else:
             skips.append((sign.text, int(count)))
     return Lexical(comment_signs=signs, skips=tuple(skips), comma=sheet.bare("commatodec") == 1)
@@ -169,7 +169,7 @@ def _arcs_modal(sheet: Sheet) -> bool:
     ]
     for setting, modal in given[1:]:
         if modal != given[0][1]:
-            sheet.open(setting, f"{given[0][0].shown}= says otherwise whether G2 and G3 are modal")
+            sheet.open(setting, f"{given[0][0].shown}= says something else about whether G2 and G3 are modal")
     chords, setting = sheet.value("arctype", "I"), sheet.one("arctype")
     if chords and setting is not None:
         sheet.open(setting, "arcs are broken up into straight segments")
@@ -194,7 +194,7 @@ def _feed_groups(sheet: Sheet) -> tuple[tuple[str, ...], str]:
             if column is None and letter in "XYZABCWUV":
                 sheet.ini.report_unknown(setting, what=f"there is no axis {letter}")
             elif column is None or column in columns:
-                what = f"{letter!r} is no axis" if column is None else f"{letter} is there twice"
+                what = f"{letter!r} is not an axis" if column is None else f"{letter} is given twice"
                 sheet.ini.bad(setting, what)
             else:
                 columns += column
@@ -293,7 +293,7 @@ def _drill_banks(sheet: Sheet) -> tuple[tuple[int, int], ...]:
     for setting in sheet.all("drillbank"):
         first, count = number(setting, "C"), number(setting, "N")
         if first is None or count is None:
-            sheet.ini.bad(setting, "C and N are needed")
+            sheet.ini.bad(setting, "C and N are missing")
         else:
             found.append((int(first), int(count)))
     return tuple(found)
@@ -311,7 +311,7 @@ def _workspace(sheet: Sheet, number_: int) -> Workspace | None:
         return None
     kind = int(sheet.value(key, "T") or 0)
     if kind not in WORKSPACE_KINDS:
-        sheet.ini.bad(setting, f"{kind} is none of 0, 3 and 5", setting.word("T"))
+        sheet.ini.bad(setting, f"{kind} is not one of 0, 3 and 5", setting.word("T"))
     if sheet.value(key, "A"):
         sheet.open(setting, "the manual does not say what A is", word=setting.word("A"))
     return Workspace(

@@ -118,7 +118,7 @@ class IniFile:
     def parse(self, text: str) -> None:
         """Read the lines of the whole file; the values stay texts. hint: what else the file may be."""
         if _EDING_SECTION.search(text) is not None:
-            self.hint = "this looks like the cnc.ini of Eding CNC: give it by another name than WINCNC.INI"
+            self.hint = "rename it: this looks like the cnc.ini of Eding CNC, not WINCNC.INI"
         for number, line in enumerate(_END_OF_LINE.split(text.removesuffix("\x1a")), 1):
             control = _CONTROL.search(line)
             if control is not None:
@@ -175,20 +175,20 @@ class IniFile:
         text, base = setting.text, setting.value_column
         letter = _LETTER.match(text, at)
         if letter is None:
-            self._bad_part(setting, at, f"{text[at]!r} where a letter with a number should stand")
+            self._bad_part(setting, at, f"{text[at]!r} instead of a letter with a number")
             return None
         begin, mark = letter.end(), text[letter.end() : letter.end() + 1]
         if mark in ENDS_OF_QUOTES and mark:
             end = next((i for i in range(begin + 1, len(text)) if text[i] in ENDS_OF_QUOTES[mark]), -1)
             if end < 0:
-                self._bad_part(setting, begin, "a text without its closing quote")
+                self._bad_part(setting, begin, "a text has no closing quote")
                 return None
             name = letter["letter"].upper()
             return Word(name, None, text[begin + 1 : end], base + letter.start("letter"), base + end + 1)
         number = _NUMBER.match(text, begin)
         value = None if number is None else exact(number.group())
         if number is None or value is None:
-            what = "no number behind it" if number is None else f"{number.group()[:20]} is too large"
+            what = "it has no number" if number is None else f"{number.group()[:20]} is too large"
             word = Word(letter["letter"].upper(), None, "", base + letter.start("letter"), base + letter.end("letter"))
             self.bad(setting, what, word)
             return None

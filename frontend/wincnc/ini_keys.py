@@ -61,7 +61,7 @@ def _letters(text: str) -> dict[str, str]:
     return {letter: kind for letter, _, kind in pairs}
 
 
-_SWITCH_AT_LIMIT = "a limit switch is no end of the travel: where the axis stops is not told"
+_SWITCH_AT_LIMIT = "a limit switch does not end the travel: where the axis stops is unknown"
 _SHOWN = "what is shown"
 _WORKSPACE = _letters("X length, Y length, T whole, R length, O degrees, M switch, A number")
 _CHANGER = _letters("H length, O length, Z length, A axis, M switch")
@@ -196,8 +196,8 @@ _RULES = (
         reason="engraving of bitmaps is not followed",
     ),
     KeyRule(key="btnoptions", bare="switch", treatment="checked", reason=_SHOWN),
-    KeyRule(key="cmdabort", bare="text", treatment="modelled", reason="a command behind a job that is aborted"),
-    KeyRule(key="cmdend", bare="text", treatment="modelled", reason="a command behind each job"),
+    KeyRule(key="cmdabort", bare="text", treatment="modelled", reason="a command after a job that is aborted"),
+    KeyRule(key="cmdend", bare="text", treatment="modelled", reason="a command after each job"),
     KeyRule(key="cmdstart", bare="text", treatment="modelled", reason="a command before each job"),
     *(
         KeyRule(key=key, bare="text", reason="jobs are judged from their first line on")
@@ -205,10 +205,10 @@ _RULES = (
     ),
     KeyRule(key="commatodec", bare="switch", treatment="modelled", reason="a comma is a decimal point"),
     KeyRule(
-        key="comchars", touches="all", bare="text", treatment="modelled", reason="further signs that begin a comment"
+        key="comchars", touches="all", bare="text", treatment="modelled", reason="further signs that start a comment"
     ),
     KeyRule(key="comdll", bare="text", reason="a file of the program"),
-    KeyRule(key="contdelay", bare="seconds 0..", treatment="checked", reason="a pause behind a pause"),
+    KeyRule(key="contdelay", bare="seconds 0..", treatment="checked", reason="a pause after a pause"),
     KeyRule(
         key="cutcomp", touches="compensation", letters=_letters("T switch, D number"), treatment="modelled",
         reason="neither changes that compensation by anything but nothing is UNKNOWN (G41, G42)",
@@ -232,7 +232,7 @@ _RULES = (
     KeyRule(key="filetype", bare="text", reason="names that dialogs show"),
     KeyRule(
         key="forcelim", touches="limits", treatment="modelled",
-        reason="the lower corner of what a limited machine may reach; the higher of the two readings beside lolim=",
+        reason="the lower corner of what a limited machine can reach; the higher value of this and lolim= counts",
     ),
     KeyRule(key="fslock", bare="switch", treatment="checked", reason="digitizing"),
     KeyRule(
@@ -245,17 +245,17 @@ _RULES = (
     ),
     KeyRule(key="g2modal", touches="arcs", bare="switch", treatment="modelled", reason="G2 and G3 are modal"),
     KeyRule(key="g28altmove", reason="squares a gantry while homing"),
-    KeyRule(key="g28check", bare="switch", treatment="checked", reason="asks the operator behind homing"),
-    KeyRule(key="g28checktol", reason="asks the operator behind homing"),
+    KeyRule(key="g28check", bare="switch", treatment="checked", reason="asks the operator after homing"),
+    KeyRule(key="g28checktol", reason="asks the operator after homing"),
     KeyRule(
         key="g28coord", touches="homing", treatment="modelled",
-        reason="the machine position behind homing; 0 where it is not given or all are 0",
+        reason="the machine position after homing; 0 where it is not given or all are 0",
     ),
     KeyRule(key="g28_lim_cnt", bare="whole 0..", treatment="checked", reason="debounce of switches"),
     KeyRule(
         key="g28move", touches="homing", times=MANY, treatment="modelled",
         letters=_letters("R length, F feed, T feed, A number, M number, L length"),
-        reason="the order of homing, the way from each switch and the velocities",
+        reason="the order of homing, the path from each switch and the velocities",
     ),
     KeyRule(
         key="g37", letters=_letters("X length, Y length, I length, J length, D length, F feed"), treatment="modelled",
@@ -284,7 +284,7 @@ _RULES = (
     KeyRule(key="keypaddir", bare="text", reason="a hand panel"),
     KeyRule(
         key="knifeangle", touches="knife", letters=_letters("A degrees, M switch, X length, Y length"),
-        treatment="modelled", reason="a blade that leans or stands beside its axis: L30 is then UNKNOWN",
+        treatment="modelled", reason="a tilted blade, or one off its axis: L30 is then UNKNOWN",
     ),
     KeyRule(
         key="knifemode", touches="knife", treatment="modelled",
@@ -369,7 +369,7 @@ _RULES = (
     ),
     KeyRule(
         key="skipchars", touches="all", times=MANY, letters=_letters("C text, N whole"), treatment="modelled",
-        reason="signs at the beginning of a line that make lines be left out",
+        reason="signs at the start of a line that make lines be left out",
     ),
     KeyRule(
         key="softlim", touches="limits", letters=_letters("T whole, M switch, B switch, V switch"), bare="=T",
@@ -396,7 +396,7 @@ _RULES = (
             "A axis, F feed, V number, S seconds, E seconds, P percent, O channel, I channel,"
             " D length, L length, T number, C seconds, W seconds, M number"
         ),
-        reason="the settings of the torch, the device thc; where the torch goes by voltage is not followed",
+        reason="the settings of the torch, the device thc; the path of the torch by voltage is not modelled",
     ),
     KeyRule(key="thcauto", bare="switch", treatment="checked", reason=_SHOWN),
     KeyRule(key="thcdiv", letters=_letters("M number, B number"), reason="the torch's voltage"),
@@ -410,7 +410,7 @@ _RULES = (
     KeyRule(key="tranadj", bare="number 0..", treatment="checked", reason="moves by hand"),
     KeyRule(
         key="vgroup", times=MANY, bare="text", treatment="modelled",
-        reason="axes that share a feed; behind F: those whose feed an F without axes sets",
+        reason="axes that share a feed; after F: those whose feed an F without axes sets",
     ),
     KeyRule(
         key="vmatch", touches="corners", letters=_letters("P number, T number"), treatment="modelled",

@@ -54,7 +54,7 @@ class NumberedLine(LineError):
     """A line with a number of its own, on a controller of which nobody said that it takes them."""
 
     def __init__(self, code: Code, begin: int, end: int, /, **values: Any) -> None:
-        what = {"code": "an N that begins a line, which the manual does not have,", "hint": LINE_NUMBERS.hint}
+        what = {"code": "an N at the start of a line, which is not in the manual,", "hint": LINE_NUMBERS.hint}
         super().__init__(code, begin, end, **{**what, **values})
 
 
@@ -126,7 +126,7 @@ class LineReader:
             begin = at
             letter = code[at].upper()
             if not ("A" <= letter <= "Z" and code[at].isascii()):
-                what = "this is no command, word or file name of WinCNC"
+                what = "this is not a command, word or file name of WinCNC"
                 hint = comment_hint(COMMENTS, code, at)
                 raise LineError(codes.SYNTAX, at, len(code.rstrip()), what=what, hint=hint)
             at = _skip(code, at + 1)
@@ -173,7 +173,7 @@ class LineReader:
         found = _INSIDE.match(code, begin + 1, end)
         span = Span(file, line, begin + 1, end + 2)
         if found is None:
-            what = "braces hold a name or a number, then at most one of * / + - and a number"
+            what = "braces must hold a name or a number, then at most one of * / + - and a number"
             raise LineError(codes.BAD_EXPRESSION, begin, end + 1, what=what)
         first: Expr
         if found["name"]:

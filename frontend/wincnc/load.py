@@ -163,10 +163,10 @@ class _Loader:
                 inner = self.load(path, is_job=False)
             except Refusal as refusal:
                 self.findings.add(refusal.finding)
-                inner = (Unsupported(what=f"the subprogram {path.name}, which can not be read,", span=span),)
+                inner = (Unsupported(what=f"the subprogram {path.name}, which cannot be read,", span=span),)
             other = self.files.other_of(path)
             if other is not None:
-                what = f"which {path.name} is meant, {path} or {other}, which differ,"
+                what = f"{path.name}, which is {path} or {other} (they differ),"
                 inner = (Unsupported(what=what, span=Span(str(path), 1)), *inner)
             self.program.subprograms[key] = Subprogram(name=key, body=inner, span=Span(str(path), 1), is_file=True)
         around = self.controls.around_files
@@ -242,14 +242,10 @@ class _Loader:
                 if unread:
                     self.program.open_codes = f"line {unread[0]} of CNC.MAC was not understood, and may define it"
                 return
-        self.program.open_codes = (
-            "the controller's own files say: --machine WINCNC.INI, with CNC.MAC and its files beside it"
-        )
+        self.program.open_codes = "give --machine WINCNC.INI, with CNC.MAC and its files next to it"
         if self.machine_file is not None:
             name = self.machine_file.name
-            self.program.open_codes = (
-                f"the controller's own files say: put CNC.MAC and the files that it names beside {name}"
-            )
+            self.program.open_codes = f"put CNC.MAC and the files that it names next to {name}"
             self.findings.add(
                 codes.MACRO_FILE_MISSING.at(Span(str(self.machine_file), 1), name="CNC.MAC", machine=name)
             )
@@ -270,7 +266,7 @@ class _Loader:
                     call = self.lines.parse(f"{' ' * (place.column - 1)}M98 {text.strip()}", place.file, place.line)
                     assert isinstance(call, Call)
                     return (dataclasses.replace(call, span=place),)
-                what = f"cmd{name}={text.strip()}, which names a file where a command should stand,"
+                what = f"cmd{name}={text.strip()}, which names a file instead of a command,"
                 return (Unsupported(what=what, span=place),)
             finding = error.finding(place.file, place.line)
             message = f"cmd{name}={text}: {finding.message}"
@@ -423,7 +419,7 @@ class _Walk:
             if "\r" in text:
                 # Within a comment it would hide what may be a line of its own.
                 at = text.index("\r")
-                raise LineError(codes.SYNTAX, at, at + 1, what="a carriage return without a line feed within the line")
+                raise LineError(codes.SYNTAX, at, at + 1, what="a carriage return without a line feed in the line")
             skipped = self._skip(text, line)
             return skipped if skipped is not None else self.loader.lines.parse(text, self.source.name, line)
         except LineError as error:
@@ -453,7 +449,7 @@ class _Walk:
             save = self.byte, self.line, self.next_special
             number, raw = self._take()
             if self._says_something(raw):
-                what = f"whether line {number} is one of the {count} lines that {text[0]!r} leaves out"
+                what = f"line {number}, which {text[0]!r} may leave out (it leaves out {count} lines)"
             self.byte, self.line, self.next_special = save
         if what:
             return Unsupported(what=what, span=span, text=written)
@@ -498,10 +494,10 @@ class _Walk:
         if parsed is None:
             return _Taken(why=f"line {line} is a comment")
         if isinstance(parsed, ArrayLine):
-            node = Unsupported(what="L10 behind a condition", span=parsed.span, line=parsed.line)
-            return _Taken((node,), why=f"line {line} begins or ends an array")
+            node = Unsupported(what="L10 after a condition", span=parsed.span, line=parsed.line)
+            return _Taken((node,), why=f"line {line} starts or ends an array")
         if isinstance(parsed, Unsupported):
-            return _Taken((parsed,), why=f"line {line} begins with a character of skipchars=")
+            return _Taken((parsed,), why=f"line {line} starts with a character of skipchars=")
         if isinstance(parsed, Replaced) and not parsed.body:
             return _Taken((parsed,), why=f"line {line} is switched off or left out")
         if isinstance(parsed, Head) and before >= MOST_IN_A_ROW:
@@ -511,7 +507,7 @@ class _Walk:
             inner = tuple(self._conditional(parsed, line, before + 1))
             if len(inner) == 1 and isinstance(inner[0], If):
                 return _Taken(inner, inner[0].then)
-            return _Taken(inner, why=f"line {line} decides about a line that is not there")
+            return _Taken(inner, why=f"line {line} decides about a line that does not exist")
         return _Taken((parsed,))
 
 

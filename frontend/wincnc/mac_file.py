@@ -126,10 +126,10 @@ def _macro(
         name = code_name(written[numbered.end() :].strip())
     if name is None and equals and _NAME_FIRST.match(written) is not None:
         # The manual shows names that are codes: what else may be one, and whether lines have numbers, it does not say.
-        what = f"the definition of {written.strip()[:30]!r}, a name of which the manual does not say that it is one,"
+        what = f"the definition of {written.strip()[:30]!r}, a name that is not in the manual,"
         hint = ""
         if numbered is not None:
-            what, hint = "an N that begins a definition, which the manual does not have,", LINE_NUMBERS.hint
+            what, hint = "an N at the start of a definition, which is not in the manual,", LINE_NUMBERS.hint
         span = Span(file, number, at + 1, len(written.rstrip()) + 1)
         findings.add(codes.UNSUPPORTED_CODE.at(span, code=what, hint=hint))
         return None
@@ -151,10 +151,10 @@ def _macro(
         _tell_what_follows(file, number, line, end, findings, signs)
     elif not text:
         span = Span(file, number, at + 1, at + len(written.strip()) + 1)
-        findings.add(codes.BAD_VALUE.at(span, key=name, what="no command behind the equals sign; [ stands for none"))
+        findings.add(codes.BAD_VALUE.at(span, key=name, what="no command after the equals sign; write [ for none"))
         return None
     if text and _COMMAND.match(text) is None:
-        what = f"{name}={text[:30]}: a variable, of which the manual does not say how it is defined"
+        what = f"{name}={text[:30]}: a variable (the manual does not say how it is defined)"
         findings.add(codes.UNSUPPORTED_CODE.at(span, code=what))
         return None
     return Macro(name, text, span, begin + 1, written.strip(), continued=goes_on, numbered=numbered is not None)

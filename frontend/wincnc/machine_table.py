@@ -107,7 +107,7 @@ def _texts(table: TomlTable, key: str, allowed: tuple[str, ...] = ()) -> tuple[s
     found = table.texts(key)
     strange = next((one for one in found or () if allowed and one not in allowed), None)
     if strange is not None:
-        table.bad(key, f"{show(strange)} is none of {', '.join(allowed)}")
+        table.bad(key, f"{show(strange)} is not one of {', '.join(allowed)}")
         return None
     return found
 

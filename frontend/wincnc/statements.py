@@ -112,7 +112,7 @@ class Lines:
         try:
             items = self.reader.read(text, file, line)
             if not items.words and not items.texts:
-                raise LineError(codes.SYNTAX, items.begin, items.begin + 1, what="no command behind the tilde")
+                raise LineError(codes.SYNTAX, items.begin, items.begin + 1, what="there is no command after the tilde")
             if self.macros:
                 self._no_macro_inside(items)
             return self._statement(items, text, file, line)
@@ -189,7 +189,7 @@ class Lines:
                 continue
             else:
                 name = f"{word.letter} with a number in braces"
-            what = f"{name}, which CNC.MAC may replace, within a line"
+            what = f"{name} inside a line, which CNC.MAC may replace"
             raise LineError(codes.UNSUPPORTED_CODE, word.span.column - 1, word.span.end_column - 1, code=what)
 
     def _replaced(
@@ -292,14 +292,16 @@ class Lines:
             shift = " " * (items.rest_at + after)
             more = self.reader.read(shift + rest[after:], span.file, span.line)
             if more.texts or any(w.letter in "GM" and not w.bare for w in more.words):
-                raise LineError(codes.SYNTAX, items.rest_at + after, items.end, what="words behind a file name")
+                raise LineError(
+                    codes.SYNTAX, items.rest_at + after, items.end, what="there are words after a file name"
+                )
             arguments = more.words
         key = self.files.find(name)
         if key is None:
             at = items.rest_at
             if self.open_files:
                 # Where the controller's own folder is not given, its files are not: that one is missing nobody knows.
-                what = f"the file {name}, which is not beside the job,"
+                what = f"the file {name}, which is not next to the job,"
                 raise LineError(codes.UNSUPPORTED_CODE, at, at + len(name), code=what, hint=self.open_files)
             raise LineError(codes.FILE_NOT_FOUND, at, at + len(name), name=name, where=self.files.where)
         where = Span(span.file, span.line, items.rest_at + 1, items.rest_at + len(name) + 1)
@@ -406,10 +408,10 @@ def _require_only(items: Items, rule: CodeRule, word: Word) -> None:
     has_texts = rule.function is F.DIALOG
     for other in items.words:
         if other is not word and (other.letter not in rule.takes or rule.function is F.CALL):
-            what = f"{other.letter} beside {rule.text}"
+            what = f"{other.letter} together with {rule.text}"
             raise LineError(codes.SYNTAX, other.span.column - 1, other.span.end_column - 1, what=what)
     if any(not has_texts or letter != "M" for letter, _ in items.texts):
-        raise LineError(codes.SYNTAX, at, items.end, what=f"a text that {rule.text} does not take")
+        raise LineError(codes.SYNTAX, at, items.end, what=f"a text, which {rule.text} does not read")
 
 
 def _takes_text(parsed: Parsed | None, macro: str) -> bool:

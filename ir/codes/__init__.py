@@ -17,4 +17,6 @@ from gproof.ir.codes.c700_printing import *  # noqa: F403
 from gproof.ir.codes.c800_boards import *  # noqa: F403
 from gproof.ir.codes.declared import CODES as CODES
 from gproof.ir.codes.declared import RETIRED as RETIRED
+from gproof.ir.codes.declared import SENTENCES as SENTENCES
 from gproof.ir.codes.declared import code as code
+from gproof.ir.codes.declared import saying as saying

@@ -8,6 +8,6 @@ from gproof.ir.finding import Severity
 _E = Severity.ERROR
 
 FORMAT_DIFFERS = code(
-    701, "format-differs", _E, "the formatted text would be another program: {what}; nothing was written", "printing"
+    701, "format-differs", _E, "formatting would change the program: {what}; nothing was written", "printing"
 )
-NOT_PRINTABLE = code(702, "not-printable", _E, "the language has no text for {what}", "printing")
+NOT_PRINTABLE = code(702, "not-printable", _E, "the controller's language has no text for {what}", "printing")

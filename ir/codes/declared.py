@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from gproof.ir.finding import Code, Severity
 
 CODES: dict[int, Code] = {}
@@ -11,7 +13,8 @@ RETIRED: dict[int, tuple[str, str]] = {
     516: ("jump-target", "a jump to a missing label is GP143, one into a block GP144"),
 }
 """Numbers and names of codes that are no more, which no other code takes: what tells of the like now."""
-
+SENTENCES: list[Code] = []
+"""Codes with another sentence than their first one."""
 
 _NAMES: set[str] = set()
 
@@ -28,3 +31,9 @@ def code(number: int, name: str, severity: Severity, template: str, prop: str = 
     _NAMES.add(name)
     CODES[number] = Code(number, name, severity, template, prop, hint)
     return CODES[number]
+
+
+def saying(first: Code, template: str) -> Code:
+    """The same code with another sentence; findings of both are findings of this code."""
+    SENTENCES.append(replace(first, template=template))
+    return SENTENCES[-1]

@@ -38,7 +38,7 @@ class Accepted:
     @property
     def hint(self) -> str:
         """How findings name it."""
-        return f'accepts = ["{self.name}"] under [controller] of the machine file, if this controller takes it'
+        return f'state accepts = ["{self.name}"] under [controller] of the machine file if this controller accepts it'
 
 
 MOTION_ALONE = Accepted(
@@ -114,13 +114,13 @@ UNSCALED_Z = Accepted(
     "scaled-z",
 )
 READINGS_OF_Z = (
-    f'accepts = ["{SCALED_Z.name}"] or accepts = ["{UNSCALED_Z.name}"] under [controller] of the machine file'
+    f'state accepts = ["{SCALED_Z.name}"] or accepts = ["{UNSCALED_Z.name}"] under [controller] of the machine file'
 )
 """Hint of findings that rest on both."""
 SHOWN_POSITION = Accepted(
     "l20-shown",
     ("eding",),
-    "after G10 L20 positions read the numbers that it gave: an offset of G92 and a tool length in force are taken out",
+    "after G10 L20 positions read the numbers that it gave: an active G92 offset and tool length are taken out",
     'Eding 3.4.5 has "actual machine position", and "similar to G92", which takes both out',
     (304,),
     "l20-machine",
@@ -128,13 +128,13 @@ SHOWN_POSITION = Accepted(
 MACHINE_POSITION = Accepted(
     "l20-machine",
     ("eding",),
-    "G10 L20 counts from the machine position, whatever G92 and tool lengths are in force",
+    "G10 L20 counts from the machine position, whatever G92 offset and tool length are active",
     'Eding 3.4.5 has "actual machine position", and "similar to G92", which takes both out',
     (304,),
     "l20-shown",
 )
 READINGS_OF_L20 = (
-    f'accepts = ["{SHOWN_POSITION.name}"] or accepts = ["{MACHINE_POSITION.name}"] under [controller] of the '
+    f'state accepts = ["{SHOWN_POSITION.name}"] or accepts = ["{MACHINE_POSITION.name}"] under [controller] of the '
     "machine file"
 )
 """Hint of findings that rest on both."""

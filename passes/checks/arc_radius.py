@@ -21,7 +21,7 @@ from gproof.passes.geometry.extent_kernels import MISMATCH, odd_arcs
 
 Floats = npt.NDArray[np.float64]
 Integers = npt.NDArray[np.int64]
-_CLOSES_HINT = "a full circle ends exactly where it begins; a short arc is better written as a line"
+_CLOSES_HINT = "end a full circle exactly at its start; write a short arc as a straight line"
 
 
 class ArcRadius(Check):
@@ -106,7 +106,7 @@ class ArcRadius(Check):
         radius = radii[0]
         return codes.ARC_HUGE.at(
             row_span(chunk.trace, chunk.rows, row), radius=radius, chord=chord, unit="mm",
-            off=chord * chord / (8.0 * radius), hint="a straight move says the same",
+            off=chord * chord / (8.0 * radius), hint="program a straight move instead",
         )  # fmt: skip
 
     def finish(self) -> PropertyResult:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator
 from typing import TypedDict
@@ -138,18 +139,18 @@ def excluding(below: Asking, above: Asking, otherwise: Span) -> tuple[Span, str,
     if not there:
         return otherwise, "", ()
     if len(there) == 1 or there[0][0] == there[1][0]:
-        return there[0][0], " and ".join(f"this line needs {asks}" for _, asks in there), ()
+        return there[0][0], f"check this line: it needs {' and '.join(asks for _, asks in there)}", ()
     (one, asks), (other, others) = there
     if one.file == other.file and one.line > other.line:
         (one, asks), (other, others) = (other, others), (one, asks)
-    return other, f"this line needs {others}", (Related(one, f"this line needs {asks}"),)
+    return other, f"check both lines: this line needs {others}", (Related(one, f"this line needs {asks}"),)
 
 
 def apart(asked: Condition, machine: Machine, unit: str, otherwise: Span) -> tuple[Span, str, tuple[Related, ...]]:
     """The same for a condition that nothing satisfies; unit: of its ends."""
     name = describe(asked.terms, machine)
-    below = asked.places[0], f"{name} at least {asked.low + 0.0:.4f} {unit}"
-    above = asked.places[1], f"{name} at most {asked.high + 0.0:.4f} {unit}"
+    below = asked.places[0], f"{name} of at least {asked.low + 0.0:.3f} {unit}"
+    above = asked.places[1], f"{name} of at most {asked.high + 0.0:.3f} {unit}"
     return excluding(below, above, otherwise)
 
 
@@ -159,22 +160,24 @@ def no_safe_offset(
 ) -> Finding:  # fmt: skip
     """GP303 of unknowns that nothing bounds; extent: what the job spans on the axis, room: what the axis has."""
     name = describe(form, machine)
-    free = not split_form(form)[0]
-    what = f"no offset {name} makes the job fit" if free else f"whatever {name} is, the job does not fit"
-    return codes.NO_SAFE_OFFSET.at(
-        span, what=f"{what}: it spans", extent=extent, unit=unit, other="the axis has", room=room, hint=hint,
-        related=related,
-    )  # fmt: skip
+    code = codes.NEVER_FITS if split_form(form)[0] else codes.NO_SAFE_OFFSET
+    return code.at(span, name=name, extent=extent, unit=unit, room=room, hint=hint, related=related)
+
+
+def inward(low: float, high: float, to: str = " to ") -> str:
+    """A range that is safe, in words: with three decimals, rounded to the side on which it still holds."""
+    least = math.ceil(round(low * 1e3, 3)) / 1e3 if math.isfinite(low) else low
+    most = math.floor(round(high * 1e3, 3)) / 1e3 if math.isfinite(high) else high
+    return f"{least + 0.0:.3f}{to}{most + 0.0:.3f}" if least <= most else f"{low:.6f}{to}{high:.6f}"
 
 
 def none_suits(span: Span, form: Affine, machine: Machine, *, known: Interval, safe: Interval, unit: str) -> Finding:
     """GP303 of unknowns whose whole range lies on one side of what is safe."""
     above = known.low > safe.high
     ends = (known.low, safe.high) if above else (known.high, safe.low)
-    sides = ("at least", "at most") if above else ("at most", "at least")
     said = f"{round(known.low, 6) + 0.0:g} to {round(known.high, 6) + 0.0:g}"
-    return codes.NO_SAFE_OFFSET.at(
-        span, what=f"{describe(form, machine)} leaves no room for the job: it is {sides[0]}", extent=ends[0] + 0.0,
-        unit=unit, other=f"safe is {sides[1]}", room=ends[1] + 0.0,
-        hint=f"safe for {safe.low:.4f} to {safe.high:.4f} {unit}, and it is {said} {unit}",
+    code = codes.OFFSET_TOO_LARGE if above else codes.OFFSET_TOO_SMALL
+    return code.at(
+        span, name=describe(form, machine), extent=ends[0] + 0.0, unit=unit, room=ends[1] + 0.0,
+        hint=f"set it from {inward(safe.low, safe.high)} {unit}; it is {said} {unit}",
     )  # fmt: skip

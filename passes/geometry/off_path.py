@@ -15,9 +15,9 @@ from gproof.ir.machine import AXIS_NAMES, Machine
 from gproof.ir.record import record
 from gproof.ir.trace import PathMode, State
 
-BACKLASH = "the backlash of axes"
+BACKLASH = "axis backlash"
 NO_TOLERANCE = "G64 without P does not round corners"
-ROUNDED = "how the controller rounds corners (P, Q)"
+ROUNDED = "the corner rounding of the controller (P, Q)"
 _AS_FAR = 1e5
 """mm: further than any machine goes, for a tolerance that nobody knows."""
 

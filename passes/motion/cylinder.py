@@ -32,12 +32,16 @@ def on_surface(trace: Trace, machine: Machine, setup: Setup, where: Span) -> tup
     cylinder = setup.cylinder
     assert cylinder is not None
     turned, across = machine.axis("a"), machine.axis("y")
-    stated = "{} of [cylinder] in the setup file states it"
+    stated = "state {} of [cylinder] in the setup file"
     for missing, what, hint in (
         (not cylinder.radius, "the radius of the cylinder", stated.format("radius")),
         (cylinder.y is None, "the Y of its axis of rotation", stated.format("y")),
         (cylinder.zero is None, "the Y at which A is 0", stated.format("zero")),
-        (turned is None or across is None, "an axis Y and an axis A", "[axes.y] and [axes.a] of the machine file"),
+        (
+            turned is None or across is None,
+            "an axis Y and an axis A",
+            "state [axes.y] and [axes.a] in the machine file",
+        ),
     ):
         if missing:
             what = f"Y is mapped onto A without {what}"
@@ -93,8 +97,8 @@ def _refuse_another_start(trace: Trace, setup: Setup, cylinder: CylinderMap, mm:
     assert cylinder.zero is not None
     angle = (trace.sections[0].start[Y] - cylinder.zero) / mm
     if not stated.low - _ALIKE <= angle <= stated.high + _ALIKE:
-        what = f"A is stated to start at {stated.low:g} and the mapping has it at {angle:.4f}"
-        hint = "start and zero of [cylinder] in the setup file must agree"
+        what = f"A starts at {stated.low:g} degrees in the setup file, but the mapping puts it at {angle:.4f} degrees"
+        hint = "make start and zero of [cylinder] in the setup file agree"
         raise Refusal(codes.NOT_STEPPED.at(where, what=what, hint=hint))
 
 

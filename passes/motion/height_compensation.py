@@ -204,7 +204,7 @@ class _Lift:
             at, used = int(kept[k.K_ROW]), int(kept[k.K_USED])
             if kept[k.K_JUMPED]:
                 where = row_span(self.trace, rows, at)
-                hint = "Z up before the map is switched, or to where the map is 0"
+                hint = "move Z up before the map is switched, or to where the map is 0"
                 raise Refusal(codes.HEIGHT_JUMP.at(where, jump=abs(float(jump[0])), hint=hint))
             if not kept[k.K_FULL]:
                 return out_to[:used], out_row[:used], out_chord[:used]
@@ -212,7 +212,7 @@ class _Lift:
             size = 2 * len(out_row)
             if size > MOST_ROWS:
                 what = "Z follows a height map that is too fine here"
-                where, hint = row_span(self.trace, rows, at), "a map with a larger mesh"
+                where, hint = row_span(self.trace, rows, at), "use a map with a larger mesh"
                 raise Refusal(codes.NOT_STEPPED.at(where, what=what, hint=hint))
             out_to, out_row, out_chord = (
                 np.concatenate([column[:used], np.empty((size - used, *column.shape[1:]), column.dtype)])

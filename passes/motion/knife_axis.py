@@ -75,7 +75,7 @@ class _Follower:
             if edge.target >= 0:
                 known = self.arrivals.setdefault(edge.target, (self.at, self.said))
                 if abs(known[0] - self.at) > SAME:
-                    self._tell(chunk, len(chunk.rows) - 1, "where it points depends on the way through the program")
+                    self._tell(chunk, len(chunk.rows) - 1, "its direction depends on the path through the program")
         return dataclasses.replace(chunk, rows=rows, start=tuple(start), begin=begin)
 
     def _tell(self, chunk: Chunk, row: int, what: str) -> None:
@@ -101,9 +101,9 @@ class _Follower:
                 self.at = self.said = to
             follows = rows["op"][row] in (Op.FEED, Op.ARC) and bool(on[rows["state"][row]])
             if follows and trace.states[int(rows["state"][row])].compensation:
-                self._tell(chunk, row, "with cutter radius compensation, for which it is not made")
+                self._tell(chunk, row, "with cutter radius compensation, which it does not support")
             if follows and not (knows[rows["frame"][row]] and knows[frames[row]]):
-                self._tell(chunk, row, f"where {self.knife.axis.upper()} is when it begins to follow is not known")
+                self._tell(chunk, row, f"the position of {self.knife.axis.upper()} when it starts to follow is unknown")
             elif follows:
                 found = self._turn(chunk, row, before[row], int(frames[row]))
                 if found:
@@ -134,7 +134,7 @@ class _Follower:
         here = forms[int(rows["frame"][row])]
         arc = rows["op"][row] == Op.ARC
         if forms[frame][:2] != here[:2]:
-            self._tell(chunk, row, "the direction of a move depends on offsets that nobody stated")
+            self._tell(chunk, row, "the direction of a move depends on unknown offsets")
             return []
         if arc and rows["plane"][row] != Plane.XY:
             self._tell(chunk, row, "an arc outside the X-Y plane")

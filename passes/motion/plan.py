@@ -344,6 +344,7 @@ def _report_rates(machine: Machine, moved: set[str], where: Span, findings: Find
                 findings.add(
                     codes.STEP_FREQUENCY.at(
                         place, axis=drive.name, velocity=drive.max_velocity, unit=axis.unit, needed=needed,
-                        allowed=step_rate(machine), hint=f"it is planned with {allowed:g} {axis.unit}/s",
+                        allowed=step_rate(machine), hint=f"program a lower feed; it is planned with {allowed:g} "
+                                                         f"{axis.unit}/s",
                     )
                 )  # fmt: skip

@@ -58,8 +58,8 @@ class Refusals:
         """Tell what was counted."""
         for arc, spans in self._feeds.items():
             more = "many" if self._many else len(spans) - 1
-            others = f", nor that of {more} more" if len(spans) > 1 else ""
-            self._needs(spans[0], f"the feed of this move is not known{others}", self._feed_hint(arc))
+            others = f", and of {more} more moves" if len(spans) > 1 else ""
+            self._needs(spans[0], f"the feed of this move is unknown{others}", self._feed_hint(arc))
         if self._left and not self._told:
             edge = self._left[0]
             self._needs(self._at(edge), *hints.WAITS[Wait.BRANCH])
@@ -76,7 +76,7 @@ class Refusals:
         if unknown is None:
             rows = list(measure.noted(k.N_UNKNOWN))
             for at in rows:
-                hint = f"a line no longer than a machine, in {self.trace.files[0]} or in its setup"
+                hint = f"use a line no longer than a machine, in {self.trace.files[0]} or in its setup"
                 self._needs(self._row(chunk, at), "the length of this move is not a usable number", hint)
             return not rows
         row, forms = unknown
@@ -112,7 +112,7 @@ class Refusals:
             sound = False
             feed = float(chunk.rows["feed"][at])
             if feed >= 0:
-                cause, hint = f"a feed of {feed:g} never ends this move", "an F above 0"
+                cause, hint = f"a feed of {feed:g} never ends this move", "program an F above 0"
                 self._needs(self._row(chunk, at), cause, hint)
                 continue
             arc = bool(chunk.rows["op"][at] == Op.ARC)
@@ -121,8 +121,8 @@ class Refusals:
                 self._doubted.add(arc)
         for at in measure.noted(k.N_DWELL):
             sound = False
-            hint = "a plain number of the job, or one that [parameters] of the setup file states"
-            self._needs(self._row(chunk, at), "the time of this dwell is not known", hint)
+            hint = "use a plain number in the job, or state it in [parameters] of the setup file"
+            self._needs(self._row(chunk, at), "the time of this dwell is unknown", hint)
         for arc in (False, True):
             self._had_feed[arc] = self._had_feed[arc] or _has_feed(chunk, len(chunk.rows), arc=arc)
         return sound
@@ -134,7 +134,7 @@ class Refusals:
         if self.arcs_apart and arc and share is False:
             return hints.OWN_FEED
         if self.findings.counts.get(codes.FEED_UNKNOWN.number):
-            return f"{codes.FEED_UNKNOWN.label} says what it depends on"
+            return f"see {codes.FEED_UNKNOWN.label}: it says what the feed depends on"
         return hints.FEED_FORGOTTEN
 
     def _changed(self, chunk: Chunk) -> bool:
@@ -145,13 +145,14 @@ class Refusals:
             if state.retimed or state.backlash:
                 changed = [name for name in state.retimed if name != OTHER_UNIT]
                 names = " and ".join((*changed, *(["L8 or L9"] if state.backlash else [])))
-                cause = f"{names} of the job have changed what the machine file says of its axes"
-                hint = "without them the machine file's values hold"
+                cause = f"{names} in the job have changed the axes of the machine file"
+                hint = "leave them out: then the values of the machine file apply"
                 if not names:
                     cause = (
-                        "F was given before the unit changed, and no manual says whether its number or its length stays"
+                        "F was programmed before the unit changed, and the manual does not say whether its number "
+                        "or its length stays"
                     )
-                    hint = "an F after the change of the unit"
+                    hint = "program F after the change of unit"
                 self._needs(self._row(chunk, at), cause, hint)
                 return False
         return True

@@ -11,38 +11,38 @@ from collections.abc import Iterable
 from gproof.ir.machine import Axis
 from gproof.ir.trace import UNKNOWN, Affine, Wait
 
-LATER = "this is known only when the job runs, and steps are made before: the controller itself can run the job"
+LATER = "run the job on the controller itself: this is known only when the job runs, and steps are made before"
 
 WAITS: dict[Wait, tuple[str, str]] = {
     Wait.BRANCH: (
-        "which way it goes depends on an input",
-        "[inputs], answers or [parameters] of the setup file state it; then one way is left",
+        "the path depends on an input",
+        "state it in [inputs], answers or [parameters] of the setup file: then one path is left",
     ),
     Wait.INPUT: ("the job waits for an input here", LATER),
     Wait.PROBE: ("a probe ends a move here", LATER),
-    Wait.HOME: ("the axes are homed here", "home before the job, and state homed = [...] in the setup file"),
+    Wait.HOME: ("the axes are homed here", "home the axes before the job, and state homed = [...] in the setup file"),
 }
 """What no stream of steps can wait for: why, and what helps."""
 
 ENDLESS = (
-    "the program never ends: from here it goes on as before, for ever",
-    "give the loop an end, a counted one for example",
+    "the program never ends: from here it repeats for ever",
+    "give the loop an end, for example a pass count",
 )
 
-FEED_FORGOTTEN = "an F in plain numbers, on this line or before it"
+FEED_FORGOTTEN = "program F as a plain number, on this line or before it"
 ARCS_FEED = (
-    "whether an F of lines holds for arcs, and the reverse, is not stated: arcs_share_feed under [controls] of the "
-    "machine file says it, or an F on each such line"
+    "state arcs_share_feed under [controls] of the "
+    "machine file, or program F on each such line: it is unknown whether F of lines applies to arcs, and the reverse"
 )
-OWN_FEED = "arcs keep a feed of their own (arcs_share_feed = false): an F on this arc or on one before it"
+OWN_FEED = "program F on this arc or on one before it: arcs keep their own feed (arcs_share_feed = false)"
 
-_SETUP = "of the setup file state{s} it, as one number"
+_SETUP = "of the setup file, as one number"
 
 
 def of_forms(forms: Iterable[Affine]) -> str:
     """Where what these positions depend on is stated; two hints at most."""
     hints = dict.fromkeys(_of_symbol(symbol) for form in forms for symbol, _ in form if form != UNKNOWN)
-    return "; ".join(list(hints)[:2]) or "the findings of gproof check say what nobody stated"
+    return "; ".join(list(hints)[:2]) or "see the findings of gproof check: they say what is unknown"
 
 
 def _of_symbol(symbol: str) -> str:
@@ -56,15 +56,15 @@ def _of_symbol(symbol: str) -> str:
         "head": f"{axis} of [heads.{rest[0]}]" if rest else "",
     }.get(kind)
     if stated is not None:
-        return f"{stated} {_SETUP.format(s='s')}"
+        return f"state {stated} {_SETUP}"
     if kind in ("probe", "home"):
         return LATER
     if kind == "beside":
         return (
-            "which path the controller takes beside a corrected contour is not documented: a tool of radius 0, "
-            "or a program of the tool's centre without G41 and G42"
+            "use a tool of radius 0, "
+            "or program the path of the tool centre without G41 and G42: the manual does not give the corrected path"
         )
-    return "a number in its place, in the job or in [parameters] of the setup file"
+    return "use a number in its place, in the job or in [parameters] of the setup file"
 
 
 def arises(form: Affine) -> bool:
@@ -81,9 +81,9 @@ def of_motor(axis: Axis | None, name: str, missing: Iterable[str]) -> str:
     needed = [keys[what] for what in missing if what in keys] or list(keys.values())
     word = name if axis is None else axis.name
     keys_of = f"{', '.join(needed)} under [axes.{word}]"
-    return f"{keys_of} of a TOML machine file; with base = ... that file refines a controller's own"
+    return f"state {keys_of} of a TOML machine file; with base = ... that file refines the controller's own file"
 
 
-ON_ITS_CONTROLLER = "gproof checks such a job, and makes no steps for it: the controller itself can run it"
-TOO_FAST = "a lower max_velocity of this axis, or a board with shorter pulses (step_pulse under [board])"
-TOO_FAR = "no machine is that long: a wrong unit, or a scale?"
+ON_ITS_CONTROLLER = "run it on the controller itself: gproof checks such a job but makes no steps for it"
+TOO_FAST = "set a lower max_velocity for this axis, or use a board with shorter pulses (step_pulse under [board])"
+TOO_FAR = "check units and scaling: no machine is that long"

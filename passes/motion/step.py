@@ -89,7 +89,7 @@ def _refuse_what_has_no_steps(trace: Trace, machine: Machine) -> None:
         for axis in turned:
             if not found.any():
                 found = moving & (rows["to"][:, axis.index] != section.start[axis.index])
-                what = f"the feed of {axis.word} is that of the tool over the material"
+                what = f"the feed of {axis.word} is the feed of the tool over the material"
         if found.any():
             where = row_span(trace, rows, int(np.argmax(found)))
             raise Refusal(codes.NOT_STEPPED.at(where, what=what, hint=ON_ITS_CONTROLLER))
@@ -194,9 +194,9 @@ class _Section:
         self._open_loop()
         if planned.duration * stepper.frequency > _FARTHEST:
             at = int(planned.rows["row"][np.argmax(planned.rows["duration"])])
-            cause = f"the section takes {planned.duration:.3g} s, more than ticks can count"
+            cause = f"the section takes {planned.duration:.3g} s, more than the board's ticks can count"
             where = row_span(trace, self.rows, at)
-            raise Refusal(codes.PLAN_NEEDS_NUMBERS.at(where, cause=cause, hint="a higher F, or a shorter dwell"))
+            raise Refusal(codes.PLAN_NEEDS_NUMBERS.at(where, cause=cause, hint="program a higher F or a shorter dwell"))
         op = self.rows["op"]
         self.events = np.flatnonzero(((op >= Op.DWELL) & (op <= Op.HOME)) | (op == Op.SETPOINT))
         timed = planned.rows
@@ -220,7 +220,7 @@ class _Section:
         synchronised = (rows["op"] < Op.DWELL) & follows[rows["state"]]
         for found, what in (
             (synchronised, "this move follows the turns of the spindle"),
-            (rows["op"] == Op.ORIENT, "the spindle stops in an orientation"),
+            (rows["op"] == Op.ORIENT, "the spindle stops at a fixed angle"),
             ((rows["op"] == Op.HEAD) & (rows["arg"][:, 0] != 0), "another head is selected"),
         ):
             if found.any():
@@ -298,8 +298,8 @@ class _Section:
             row = int(self.events[unknown[0]])
             name = Op(int(self.rows["op"][row])).name.lower().replace("_", " ")
             where = row_span(self.stepper.trace, self.rows, row)
-            hint = "a plain number in the job, or what it depends on in [parameters] of the setup file"
-            cause = f"an argument of this {name} is not known"
+            hint = "use a plain number in the job, or state what it depends on in [parameters] of the setup file"
+            cause = f"an argument of this {name} is unknown"
             raise Refusal(codes.PLAN_NEEDS_NUMBERS.at(where, cause=cause, hint=hint))
         arrays = {
             "tick": ticks,

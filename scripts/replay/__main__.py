@@ -6,12 +6,15 @@ findings as JSON, text and SARIF, the text of each stage, where the zero may go,
 package.
 Both revisions read the programs of the tree at hand.
 
+What differs only in the words of a sentence, with the same code, place, numbers and names (wordings.py), is listed
+once at the end, apart from the differences.
+
 ``--mapping FILE``: a change of form that was announced. The file has a class ``Mapping``, made with the folder of the
 other revision's packages, whose ``common(before, now)`` brings the texts of a program, by aspect, to one form: what is
 the same then is explained.
 
-Exit code 0: the same bytes everywhere, or explained; 1: something differs; 3: could not compare, which includes that a
-language has no program that gives a package.
+Exit code 0: the same bytes everywhere, or other words for the same, or explained; 1: something differs; 3: could not
+compare, which includes that a language has no program that gives a package.
 """
 
 from __future__ import annotations
@@ -31,6 +34,7 @@ from typing import Any, Protocol
 
 from cases import SUFFIXES, Case, all_cases
 from revisions import NotComparable, Runner, site_of_revision
+from wordings import Wordings
 from worker import FAILED, came_to_nothing
 
 
@@ -156,25 +160,30 @@ def main(words: list[str] | None = None) -> int:
     differing: Counter[str] = Counter()
     ran: Counter[tuple[str, str]] = Counter()
     explained: Counter[str] = Counter()
+    wordings = Wordings()
     try:
         base = Path(asked.base) if (Path(asked.base) / "gproof").is_dir() else site_of_revision(asked.base)
         mapping = None if asked.mapping is None else mapping_of(asked.mapping, base.resolve())
         for done, result in enumerate(compared(cases, base.resolve(), mapping), 1):
             programs[result.case.dialect] += 1
-            differing.update(result.differing.keys())
+            real = wordings.explain(result.differing)
+            differing.update(real.keys())
             explained.update(result.explained)
             ran.update((result.case.dialect, name) for name in result.ran)
-            for name, texts in result.differing.items():
+            for name, texts in real.items():
                 print(f"{result.case.name}: {name} differs", *shown(texts, asked.lines), sep="\n", flush=True)
             if sys.stderr.isatty():
                 print(f"\r{done} of {len(cases)}", end="", file=sys.stderr)
     except NotComparable as why:
         print(f"replay: {why}", file=sys.stderr)
         return 3
+    print(*wordings.lines(), sep="\n", end="\n" * bool(wordings.count))
     for dialect in SUFFIXES:
         print(f"{dialect}: {programs[dialect]} programs, {ran[dialect, 'compile, body']} gave a package on both sides")
     for name, count in differing.most_common():
         print(f"{name}: {count} differ")
+    if wordings.count:
+        print(f"wording: {len(wordings.count)} sentences changed, {sum(wordings.count.values())} times")
     for name, count in explained.most_common():
         print(f"{name}: {count} explained")
     if asked.mapping is None:

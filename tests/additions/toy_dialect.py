@@ -145,7 +145,7 @@ class Toy(Dialect[Run]):
     def _move(self, run: Run, line: Line) -> None:
         s = run.modal
         if s.motion not in (F.TRAVERSE, F.FEED):
-            raise Refusal(codes.AXIS_WORDS_UNUSED.at(line.span, why="no motion code before"))
+            raise Refusal(codes.AXIS_WORDS_UNUSED.at(line.span, why="no motion code comes before"))
         if s.motion == F.FEED and s.feed == 0.0:
             raise Refusal(codes.FEED_MISSING.at(line.span, code="G1"))
         target = list(s.position)

@@ -243,8 +243,8 @@ def test_a_job_that_may_not_be_opened(folder: Path, gproof: Run, monkeypatch: py
 # -- machine files
 
 BAD_MACHINES: dict[str, tuple[str, str, int]] = {
-    "limits reversed": ("[axes.x]\nmin = 10\nmax = 5\n", "min lies above max", 4),
-    "travel reversed": ("[axes.x]\ntravel_min = 10\ntravel_max = 5\n", "travel_min lies above travel_max", 4),
+    "limits reversed": ("[axes.x]\nmin = 10\nmax = 5\n", "min is above max", 4),
+    "travel reversed": ("[axes.x]\ntravel_min = 10\ntravel_max = 5\n", "travel_min is above travel_max", 4),
     "NaN": ("[axes.x]\nmin = nan\n", "NaN is not a number", 4),
     "infinite": ("[axes.x]\nmax = inf\n", "is not a number", 4),
     "absurd exponent": ("[axes.x]\nmax = 1e999999999\n", "is not a number", 4),
@@ -414,7 +414,7 @@ def test_settings_are_no_program(words: list[str], name: str, folder: Path, gpro
 
 def test_a_job_for_another_controller(folder: Path, gproof: Run) -> None:
     """Only where it has lines that cannot be read, and says itself whose it is."""
-    hint = "the program looks like one for mcuwin: DIN section in line 2"
+    hint = "the program looks like a program for mcuwin: DIN section in line 2"
     (folder / "job.src").write_text("x = ;\n{$DINSTART}\nN10 G00 X1\nN20 M30\n")
     assert hint in gproof("check", "job.src", "--dialect", "eding").out
     assert "looks like" not in gproof("check", "job.src", "--dialect", "mcuwin").out

@@ -157,7 +157,7 @@ def test_limits_that_are_not_given_are_open_and_named(tmp_path: Path) -> None:
     out = fit(tmp_path).out
     assert "UNKNOWN, because travel limits are missing" in out
     assert re.search(r"G54 X +any \.\.\. +70\.0000 mm", out)
-    assert "No lower limit of X is known: no limit on that side" in out
+    assert "The machine file gives no lower travel limit for X: no limit on that side" in out
 
 
 def test_a_switch_that_is_not_stated_is_judged_both_ways(tmp_path: Path) -> None:
@@ -225,7 +225,7 @@ def test_several_machines_in_one_table(tmp_path: Path) -> None:
         "X 865.000, Y 59.000, Z 44.000, A 180.000 deg",
     ]
     # The shortest one: 35 mm do not go into 30.
-    assert re.match(r"  short.toml    UNSAFE  GP303 .* spans 35.0000 mm", done.out.split("\n")[3])
+    assert re.match(r"  short.toml    UNSAFE  GP303 .* spans 35.000 mm", done.out.split("\n")[3])
     words += ["--setup", "setup.toml", "--dialect", "eding", "--format", "json"]
     told = json.loads(in_this_process(["fit", "job.cnc", *words], tmp_path).out)
     assert (told["schema"], told["exit_code"]) == ("gproof-fit-several/1", 0)

@@ -30,7 +30,7 @@ def test_what_is_strange_is_found(text: str) -> None:
 
 
 @pytest.mark.parametrize(
-    "text", ["T1.x = 3", "WINCNC.INI", "3.0000 past its lower limit 0.0000", "tool 1.5 mm", "-0.5 mm"]
+    "text", ["T1.x = 3", "WINCNC.INI", "3.0000 past its lower travel limit of 0.000 mm", "tool 1.5 mm", "-0.5 mm"]
 )
 def test_what_a_machinist_says_is_not(text: str) -> None:
     assert not strange(text)
@@ -39,4 +39,4 @@ def test_what_a_machinist_says_is_not(text: str) -> None:
 def test_no_number_of_a_message_is_a_zero_with_a_sign() -> None:
     where = Span("job", 1)
     finding = codes.SOFT_LIMIT.at(where, axis="X", reached=-0.0, unit="mm", over=4e-6, side="lower", limit=-0.0)
-    assert not strange(finding.message) and "0.0000040 past" in finding.message, finding.message
+    assert not strange(finding.message) and "0.0000040 mm past" in finding.message, finding.message

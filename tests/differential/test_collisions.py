@@ -16,7 +16,7 @@ from support.campaigns import seeds
 from gproof.cli.main import main
 
 PEER_NAMES = {"cutter": "flute", "shank": "shank", "holder": "holder"}
-SAID = re.compile(r"the (\w+) of tool 1 (?:goes [\d.]+ mm into|is inside) (\w+)")
+SAID = re.compile(r'tool 1 \((\w+)\) (?:hits|is already inside) "(\w+)')
 KNOWN = json.loads(EXPECTED.read_text(encoding="utf-8"))
 AXIS = 'kind = "linear"\nmin = -500.0\nmax = 500.0\n'
 

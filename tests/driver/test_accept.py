@@ -221,11 +221,11 @@ def test_what_fails_a_check(check: Any, words: list[str], codes: dict[str, int])
     [
         ('properties = ["language", "limits", "gouges"]', "gouges, which this version does not check"),
         ('properties = ["limits"]', "language is missing"),
-        ('properties = ["language", "speed"]', "'speed' is none of"),
+        ('properties = ["language", "speed"]', "'speed' is not one of"),
         ("properties = []", "must be a list of names"),
-        ('fail_on = "error"', "'error' is none of unknown, warning, note"),
+        ('fail_on = "error"', "'error' is not one of unknown, warning, note"),
         ('[severity]\nGP999 = "error"', "there is no finding 'GP999'"),
-        ('[severity]\nsoft-limit = "loud"', "'loud' is none of"),
+        ('[severity]\nsoft-limit = "loud"', "'loud' is not one of"),
     ],
 )
 def test_policies_with_mistakes(check: Any, text: str, said: str, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -123,7 +123,7 @@ def test_without_the_entry_the_finding_names_it_and_with_it_the_answer_rests_on_
     ("stated", "told"),
     [
         ('["motion-alon"]', "did you mean 'motion-alone'?"),
-        ('["text-after-comment"]', "nothing that eding has"),
+        ('["text-after-comment"]', "eding has no"),
         ('"motion-alone"', "not a list of texts"),
         ("[1]", "not a list of texts"),
     ],

@@ -135,4 +135,4 @@ def test_each_property_says_that_smoothing_is_not_followed(tmp_path: Path) -> No
         properties = json.loads(in_this_process(words, ROOT).out)["properties"]
         for name in ("areas", "gouges", "collisions"):
             assumed = properties[name]["assumptions"]
-            assert any("rounds no corner" in sentence for sentence in assumed) is said, (name, assumed)
+            assert any("that the controller rounds" in sentence for sentence in assumed) is said, (name, assumed)

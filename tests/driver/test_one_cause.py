@@ -68,8 +68,8 @@ def test_includes_that_are_only_too_many_are_no_cycle(tmp_path: Path) -> None:
     (one,) = shown
     assert one[:2] == ("GP145", 1)
     assert one[2].startswith(
-        "'f64.inc' would be the 64th include within another, and gproof reads 63: job.src -> f1.inc"
+        "the include file 'f64.inc' would be include number 64 inside another; gproof reads 63: job.src -> f1.inc"
     )
     assert verdict is Verdict.UNSAFE
     _, shown, _ = judged(tmp_path, "%A\nM30\n%\n$I f1.inc\n", **{"f1.inc": "$I f1.inc\n"})
-    assert shown == [("GP145", 1, "'f1.inc' is included within itself: job.src -> f1.inc -> f1.inc")]
+    assert shown == [("GP145", 1, "the include file 'f1.inc' includes itself: job.src -> f1.inc -> f1.inc")]

@@ -61,7 +61,7 @@ def test_a_job_file_asks(job: Path, capsys: pytest.CaptureFixture[str], monkeypa
     assert "gouges" in said["jobs"][0]["properties"]  # type: ignore[index]
     Path("a.toml").write_text(head + 'also = ["wear"]\n', encoding="utf-8")
     assert main(["check", "a.toml"]) == 3
-    assert "'wear' is none of" in capsys.readouterr().err
+    assert "'wear' is not one of" in capsys.readouterr().err
 
 
 def test_another_name_is_a_usage_error(job: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -102,8 +102,8 @@ def test_bodies_that_nobody_stated_are_asked_for_once(
 @pytest.mark.parametrize(
     ("body", "hint"),
     [
-        ("T9 M6\nG0 X5\n", "[tools.9] in the machine file"),
-        ("G0 X5\n", "a tool change before it, or tool = ... in the setup file"),
+        ("T9 M6\nG0 X5\n", "state [tools.9] in the machine file"),
+        ("G0 X5\n", "program a tool change before it, or state tool = ... in the setup file"),
     ],
 )
 def test_a_tool_without_a_shape_says_where_it_is_stated(

@@ -70,8 +70,8 @@ def test_a_3d_printer(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> Non
     ("text", "said"),
     [
         ("[KINEMATICS]\nkinType = 3\n", "virtual C"),
-        ("[KINEMATICS]\nkinType = 18\n", "no section"),
-        ("[JOINT_3]\nvisible = 1\nmode = 9\n", "none of the modes"),
+        ("[KINEMATICS]\nkinType = 18\n", "does not describe"),
+        ("[JOINT_3]\nvisible = 1\nmode = 9\n", "not one of the modes"),
     ],
 )
 def test_what_may_move_every_axis_stops_every_job(

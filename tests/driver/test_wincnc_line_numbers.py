@@ -58,7 +58,7 @@ JOBS = {
 def test_numbers_of_lines_are_unknown_once_and_nothing_where_the_shop_says_so(text: str, tmp_path: Path) -> None:
     without = check(tmp_path, text.format(x=5))
     assert without.exit == 2, without.out
-    assert without.out.count("an N that begins a line") == 1, without.out
+    assert without.out.count("an N at the start of a line") == 1, without.out
     assert 'accepts = ["line-numbers"]' in without.out
     safe = check(tmp_path, text.format(x=5), ACCEPTS)
     assert safe.exit == 0 and "(accepts line-numbers)" in safe.out, safe.out
@@ -69,7 +69,7 @@ def test_numbers_of_lines_are_unknown_once_and_nothing_where_the_shop_says_so(te
 def test_an_n_that_the_command_has_is_its_own(tmp_path: Path) -> None:
     # L1: N is the register.
     done = check(tmp_path, "G22\nG90\nN3 L1 V5\nG0 X5\n")
-    assert "an N that begins a line" not in done.out
+    assert "an N at the start of a line" not in done.out
 
 
 def test_a_macro_named_like_a_number_is_the_macro(tmp_path: Path) -> None:

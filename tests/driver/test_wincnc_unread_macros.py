@@ -93,16 +93,16 @@ def bare(folder: Path, line: str, *words: str, macros: str | None = None) -> Don
 def test_without_a_macro_file_a_name_is_unknown_and_loses_all(line: str, tmp_path: Path) -> None:
     done = bare(tmp_path, line, "--machine", "mill.toml")
     assert done.exit == 2 and " error GP" not in done.out, done.out
-    assert "which only a macro file would define" in done.out and LOST in done.out, done.out
-    assert "put CNC.MAC and the files that it names beside mill.toml" in done.out
+    assert "which only a macro file can define" in done.out and LOST in done.out, done.out
+    assert "put CNC.MAC and the files that it names next to mill.toml" in done.out
 
 
 @pytest.mark.parametrize("line", NAMES)
 def test_without_a_machine_file_the_hint_says_which_to_give(line: str, tmp_path: Path) -> None:
     done = bare(tmp_path, line)
     assert done.exit == 2 and " error GP" not in done.out, done.out
-    assert "which only a macro file would define" in done.out
-    assert "--machine WINCNC.INI, with CNC.MAC and its files beside it" in done.out
+    assert "which only a macro file can define" in done.out
+    assert "--machine WINCNC.INI, with CNC.MAC and its files next to it" in done.out
 
 
 @pytest.mark.parametrize("line", NAMES)
@@ -135,8 +135,8 @@ def test_words_that_the_controller_has_keep_their_meaning(line: str, tmp_path: P
 @pytest.mark.parametrize("call", ["M98 PARK.MAC", "M98.1 park", 'm98 "my park.tap"', "M98 C:\\WINCNC\\PARK.MAC"])
 def test_a_file_is_missing_only_where_its_folder_was_given(call: str, tmp_path: Path) -> None:
     done = bare(tmp_path, call, "--machine", "mill.toml")
-    assert done.exit == 2 and "GP130" not in done.out and "which is not beside the job" in done.out, done.out
-    assert LOST in done.out and "put CNC.MAC and the files that it names beside mill.toml" in done.out
+    assert done.exit == 2 and "GP130" not in done.out and "which is not next to the job" in done.out, done.out
+    assert LOST in done.out and "put CNC.MAC and the files that it names next to mill.toml" in done.out
     given = bare(tmp_path, call, "--machine", "mill.toml", macros="")
     assert given.exit == 1 and "GP130" in given.out, given.out
 
@@ -163,7 +163,7 @@ def test_a_setting_that_runs_a_name_is_unknown(tmp_path: Path) -> None:
 def test_a_definition_whose_name_the_manual_does_not_describe_is_unknown(definition: str, tmp_path: Path) -> None:
     done = bare(tmp_path, "PARK", "--machine", "mill.toml", macros=f"M9=M12C1\n{definition}\n")
     assert done.exit == 2 and " error GP" not in done.out, done.out
-    assert "CNC.MAC:2:1: unknown GP113" in done.out and "which only a macro file would define" in done.out
+    assert "CNC.MAC:2:1: unknown GP113" in done.out and "which only a macro file can define" in done.out
 
 
 @pytest.mark.parametrize(("line", "exit_code"), [("M7", 0), ("PARK", 0), ("FAR", 1), ("M8", 1)])

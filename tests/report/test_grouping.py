@@ -67,10 +67,10 @@ def test_every_kind_is_counted_to_the_last_line(
         assert any(f["line"] == first for f in listed)
         if len(found) < 2:
             continue
-        group = groups[f"{axis} would reach # mm, # past its {side} limit #"]
+        group = groups[f"{axis} would reach # mm, # mm past its {side} travel limit of # mm"]
         assert (group["times"], group["line"], group["last_line"]) == (len(found), first, found[-1][0])
         most = max(far for _, far in found)
-        assert f", {most:.4f} past its" in group["worst"]["message"]
+        assert f", {most:.3f} mm past its" in group["worst"]["message"]
         assert group["worst"]["line"] in {line for line, far in found if abs(far - most) < 1e-9}
 
 
@@ -84,7 +84,7 @@ def test_the_worst_arc_is_found_behind_many(tmp_path: Path, capsys: pytest.Captu
     (group,) = (g for g in json.loads(checked(capsys, job, "--format", "json"))["groups"] if g["code"] == "GP401")
     assert (group["times"], group["line"], group["last_line"]) == (200, 3, 401)
     assert group["worst"]["line"] == 3 + 2 * off.index(max(off))
-    assert f"{max(off):.6f} mm apart" in group["worst"]["message"]
+    assert f"{max(off):.4g} mm apart" in group["worst"]["message"]
 
 
 FAR = ["G21 G90", *(f"G1 X{x} F600" for x in (590, 610, 620, 650, 640, 645)), "M30"]
@@ -94,10 +94,10 @@ def test_more_than_three_of_a_kind_are_one(tmp_path: Path, capsys: pytest.Captur
     job = tmp_path / "far.cnc"
     job.write_text("\n".join(FAR) + "\n", encoding="utf-8")
     said = (
-        "and 4 more like this in lines 4, 5, 6, 7; the worst in line 5: X would reach 650.0000 mm, 50.0000 past its "
-        "upper limit 600.0000"
+        "and 4 more like this in lines 4, 5, 6, 7; the worst in line 5: X would reach 650.000 mm, 50.000 mm past its "
+        "upper travel limit of 600.000 mm"
     )
-    first = "X would reach 610.0000 mm, 10.0000 past its upper limit 600.0000"
+    first = "X would reach 610.000 mm, 10.000 mm past its upper travel limit of 600.000 mm"
     text = checked(capsys, job)
     assert text.count("GP301") == 1
     assert f"{job}:3:1: error GP301 [soft-limit] {first}\n    3 | G1 X610 F600\n      = {said}\n" in text
@@ -124,7 +124,7 @@ def test_a_loop_counts_each_time(tmp_path: Path, capsys: pytest.CaptureFixture[s
     job = tmp_path / "loop.cnc"
     job.write_text("G21 G90\n#1=0\nwhile [#1 < 30]\n#1=[#1+1]\nG1 X[600+#1] F600\nendwhile\nM30\n", encoding="utf-8")
     text = checked(capsys, job)
-    assert "      = and 29 more like this; the worst in line 5: X would reach 630.0000 mm" in text
+    assert "      = and 29 more like this; the worst in line 5: X would reach 630.000 mm" in text
 
 
 def test_accepted_ones_are_a_kind_of_their_own(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -50,7 +50,7 @@ def test_a_job_longer_than_its_axis_stands_at_the_later_of_two_moves(
 ) -> None:
     (one,) = found(tmp_path, EDING + moves, capsys)
     assert lines(one) == ("GP303", at, [beside])
-    low, high = ("this line needs G54 X offset + G92 X offset at " + end for end in ("least 0.", "most -100."))
+    low, high = ("this line needs G54 X offset + G92 X offset of at " + end for end in ("least 0.", "most -100."))
     said = [one["hint"], one["related"][0]["message"]]
     assert any(low in text for text in said), said
     assert any(high in text for text in said), said

@@ -19,9 +19,9 @@ INI = "[GENERAL]\nunits = mm\n" + "".join(
     for n in range(3)
 )
 OWN = {
-    "eding": ("job.cnc", "G21 G90\nG0 X1 {}\n{}\nM30\n", "begins with ;", (";", "(")),
-    "wincnc": ("job.tap", "G20\nG0 X1 {}\n{}\n", "begins with [ or (", ("[", "(", "%")),
-    "mcuwin": ("job.src", "%A\nG90\nG00 X1 {}\n{}\nM30\n%\n", "begins with '", ("'", "(")),
+    "eding": ("job.cnc", "G21 G90\nG0 X1 {}\n{}\nM30\n", "from ; to the end", (";", "(")),
+    "wincnc": ("job.tap", "G20\nG0 X1 {}\n{}\n", "start a comment with [ or (", ("[", "(", "%")),
+    "mcuwin": ("job.src", "%A\nG90\nG00 X1 {}\n{}\nM30\n%\n", "from ' to the end", ("'", "(")),
 }
 
 
@@ -40,7 +40,7 @@ def test_a_comment_of_another_controller(
     comment = f"{sign} what the tool does here"
     (tmp_path / name).write_text(text.format(comment, comment))
     out = checked(capsys, tmp_path / name, "--dialect", dialect, "--setup", "zero")
-    hints = [line for line in out.splitlines() if "hint: a comment" in line]
+    hints = [line for line in out.splitlines() if "hint: " in line and "a comment" in line]
     assert len(hints) == (0 if sign in own else 2), out
     assert all(said in line for line in hints), out
 

@@ -215,7 +215,7 @@ def test_an_inch_machine_is_drawn_in_inches(tmp_path: Path) -> None:
     said = texts(draw(words, tmp_path / "a.svg"))
     assert "The cut from above (12.00 x 2.000 inch)" in said
     assert {"X inch", "Y inch"} <= set(said)
-    assert any("X would reach 12.0000 inch, 2.0000 past" in line for line in said)
+    assert any("X would reach 12.0000 inch, 2.0000 inch past" in line for line in said)
     assert not any(" mm" in line for line in said)
     assert {"X mm", "Y mm"} <= set(texts(draw([*words, "--units", "mm"], tmp_path / "a.svg")))
 

@@ -155,7 +155,9 @@ def test_no_number_prints_as_0(seed: int) -> None:
     assert fixed(0.0, 4) == "0.0000"
 
 
-@pytest.mark.parametrize(("over", "said"), [(0.00001, "0.000010 past"), (4e-13, "4.0e-13 past"), (0.25, "0.2500 past")])
+@pytest.mark.parametrize(
+    ("over", "said"), [(0.00001, "0.000010 mm past"), (4e-13, "4.0e-13 mm past"), (0.25, "0.250 mm past")]
+)
 def test_a_limit_passed_by_little(over: float, said: str) -> None:
     finding = SOFT_LIMIT.at(
         Span("job.cnc", 1), axis="X", reached=300.0 + over, unit="mm", over=over, side="upper", limit=300.0

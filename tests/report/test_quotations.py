@@ -26,10 +26,10 @@ def test_what_is_short_stays(text: str) -> None:
 @pytest.mark.parametrize("inner", [LONG, "b" * (2 * UNBROKEN), "b'" * 3000, 'b"' * 3000])
 def test_quotations_are_cut_and_the_words_around_them_stay(mark: str, inner: str) -> None:
     inner = inner.replace(mark, "_") if mark else inner
-    said = brief(f"key {mark}{inner}{mark} of the machine's own file is none, and nothing else follows from that")
+    said = brief(f"key {mark}{inner}{mark} of the machine's own file is none, and nothing else comes from that")
     most = QUOTED if mark else UNBROKEN
     assert said.startswith(f"key {mark}{inner[:most]}...{mark} ({len(inner)} characters) of the machine's own file")
-    assert said.endswith("nothing else follows from that")
+    assert said.endswith("nothing else comes from that")
     assert brief(said) == said
 
 

@@ -52,7 +52,7 @@ def report(capsys: pytest.CaptureFixture[str], *words: str) -> str:
 def test_an_inch_shop_reads_inches(shop: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """60 inches are 9.6 past 50.4; the way is 59 at X, then 10 at Y; angles are degrees."""
     shown = report(capsys, "job.tap", "--machine", "WINCNC.INI", "--setup", "setup.toml")
-    assert "X would reach 60.0000 inch, 9.6000 past its upper limit 50.4000" in shown
+    assert "X would reach 60.0000 inch, 9.6000 inch past its upper travel limit of 50.4000 inch" in shown
     lines = [line.split() for line in shown.splitlines()]
     assert ["reaches", "X", "60.0000", "...", "60.0000", "inch", "(limits", "-0.4", "...", "50.4)"] in lines
     assert ["Y", "2.0000", "...", "12.0000", "inch", "(limits", "-0.4", "...", "100.4)"] in lines
@@ -66,12 +66,12 @@ def test_an_inch_shop_reads_inches(shop: Path, capsys: pytest.CaptureFixture[str
 def test_an_option_says_otherwise(shop: Path, capsys: pytest.CaptureFixture[str]) -> None:
     words = "job.tap", "--machine", "WINCNC.INI", "--setup", "setup.toml", "--units"
     shown = report(capsys, *words, "mm")
-    assert "X would reach 1524.0000 mm, 243.8400 past its upper limit 1280.1600" in shown
+    assert "X would reach 1524.000 mm, 243.840 mm past its upper travel limit of 1280.160 mm" in shown
     assert "(limits -10.16 ... 1280.16)" in shown
     assert "path        1752.6 mm" in shown
     (shop / "WINCNC.INI").write_text(f"unit=MM\n{INI}", encoding="ascii")
-    assert "X would reach 60.0000 mm, 9.6000 past" in report(capsys, *words[:-1])
-    assert "X would reach 2.3622 inch, 0.3780 past" in report(capsys, *words, "inch")
+    assert "X would reach 60.000 mm, 9.600 mm past" in report(capsys, *words[:-1])
+    assert "X would reach 2.3622 inch, 0.3780 inch past" in report(capsys, *words, "inch")
 
 
 def test_conditions_are_rounded_to_the_side_that_holds(shop: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -86,30 +86,30 @@ def test_assumptions_count_like_the_rest(shop: Path, capsys: pytest.CaptureFixtu
     assert re.search(r"if the start position of X is +-0.4000 \.\.\. +50.4000 inch", report(capsys, *words))
     between = r"if the start position of X is +-10.1600 \.\.\. +1280.1600 mm"
     assert re.search(between, report(capsys, *words, "--units", "mm"))
-    said = "the start position of X is between -10.1600 and 1280.1600 mm (machine"
+    said = "the start position of X is between -10.160 and 1280.160 mm (machine"
     assert said in report(capsys, *words, "--format", "json")
 
 
 def test_compiling_counts_as_checking_does(shop: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["compile", "job.tap", "--machine", "WINCNC.INI", "--setup", "setup.toml", "-o", "job.gpx"]) == 1
     shown = capsys.readouterr().out
-    assert "X would reach 60.0000 inch, 9.6000 past its upper limit 50.4000" in shown
+    assert "X would reach 60.0000 inch, 9.6000 inch past its upper travel limit of 50.4000 inch" in shown
     assert " mm" not in shown
 
 
 def test_without_a_machine_file_none_is_quoted(shop: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """Nothing is said of what the machine file names when there is none."""
-    assert "the machine file names" in report(capsys, "job.tap", "--machine", "WINCNC.INI")
+    assert "the machine file gives" in report(capsys, "job.tap", "--machine", "WINCNC.INI")
     shown = report(capsys, "job.tap")
-    assert "no tool change area is stated" in shown
-    assert "the machine file names" not in shown
+    assert "without a machine file no tool change area is known" in shown
+    assert "the machine file gives" not in shown
 
 
 def test_json_stays_in_millimetres(shop: Path, capsys: pytest.CaptureFixture[str]) -> None:
     words = "job.tap", "--machine", "WINCNC.INI", "--setup", "setup.toml", "--format", "json"
     made = json.loads(report(capsys, *words))
     assert made == json.loads(report(capsys, *words, "--units", "inch"))
-    assert "X would reach 1524.0000 mm, 243.8400 past" in made["findings"][0]["message"]
+    assert "X would reach 1524.000 mm, 243.840 mm past" in made["findings"][0]["message"]
     assert made["summary"]["path_length_mm"] == pytest.approx(1752.6)
 
 
@@ -121,14 +121,14 @@ def test_documents_that_people_read_count_as_the_text_does(
     (shop / "job.tap").write_text("G1 X60 F50\n" + "Y1\nY2\n" * 5 + "X70\n", encoding="ascii")
     words = "job.tap", "--machine", "WINCNC.INI", "--setup", "setup.toml"
     shown = report(capsys, *words, "--format", form, "--report", "json=told.json")
-    assert "X would reach 60.0000 inch, 9.6000 past its upper limit 50.4000" in shown
-    assert form == "junit" or "the worst in line 12: X would reach 70.0000 inch, 19.6000 past" in shown
-    assert form == "junit" or shown.count("60.0000 inch, 9.6000 past") == 1
+    assert "X would reach 60.0000 inch, 9.6000 inch past its upper travel limit of 50.4000 inch" in shown
+    assert form == "junit" or "the worst in line 12: X would reach 70.0000 inch, 19.6000 inch past" in shown
+    assert form == "junit" or shown.count("60.0000 inch, 9.6000 inch past") == 1
     assert " mm" not in shown
     told = json.loads((shop / "told.json").read_text(encoding="utf-8"))
-    assert "X would reach 1524.0000 mm, 243.8400 past" in json.dumps(told)
+    assert "X would reach 1524.000 mm, 243.840 mm past" in json.dumps(told)
     assert " inch" not in json.dumps(told)
-    assert "1524.0000 mm, 243.8400 past" in report(capsys, *words, "--format", form, "--units", "mm")
+    assert "1524.000 mm, 243.840 mm past" in report(capsys, *words, "--format", form, "--units", "mm")
 
 
 def test_without_a_machine_file_the_job_says_it(shop: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -45,17 +45,17 @@ KNOWN = "block_delete = false\n"
 @pytest.mark.parametrize(
     ("lines", "work", "wanted"),
     [
-        ("G0 X580\n", "[0, 50]", "G54 X offset, which is 0 to 50 mm; safe is -580.0000 to 20.0000 mm"),
+        ("G0 X580\n", "[0, 50]", "G54 X offset, which is 0 to 50 mm; only -580.000 to 20.000 mm is safe"),
         (
             "G0 X#10\n",
             "0.0",
-            "a value of X that is only bounded (no. 1), which is 0 to 700 mm; safe is 0.0000 to 600.0000 mm",
+            "a value of X with known limits only (no. 1), which is 0 to 700 mm; only 0.000 to 600.000 mm is safe",
         ),
         (
             "G0 X#10\n",
             "[0, 50]",
-            "G54 X offset + a value of X that is only bounded (no. 1), which is 0 to 750 mm; "
-            "safe is 0.0000 to 600.0000 mm",
+            "G54 X offset + a value of X with known limits only (no. 1), which is 0 to 750 mm; "
+            "only 0.000 to 600.000 mm is safe",
         ),
     ],
 )  # fmt: skip

@@ -840,7 +840,7 @@ class Run:
         begin, finish = (start[one], start[two]), (end[one], end[two])
         if radius is not None:
             if offset:
-                raise NotRead("R beside a centre")
+                raise NotRead("R together with a centre")
             apart = math.dist(begin, finish)
             if apart < 1e-9 or apart / 2 > abs(radius) + 1e-6 or radius == 0:
                 raise Refused("radius")

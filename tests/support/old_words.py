@@ -2,7 +2,8 @@
 
 ``EVERYWHERE`` is for all that a user reads: findings, hints, help, summaries, README, pages. ``IN_MESSAGES`` is for
 what is read at the machine. A word that is part of a hyphenated or dotted name (``spindle-not-told``) is not one of
-them, and code in a page is none either: ``prose`` takes it out. ``old_words`` is empty for a text that is fit to print.
+them, nor is a name in quotes (``'begin'``), nor code in a page: ``prose`` takes it out. ``old_words`` is empty for a
+text that is fit to print.
 """
 
 from __future__ import annotations
@@ -17,7 +18,7 @@ EVERYWHERE = {
     r"stood": "was",
     r"ask(?:s|ed)? for": "required, requested, needs",
     r"can not": "cannot",
-    r"at the (?:least|most|latest|earliest)": "at least",
+    r"at the (?:least|most)": "at least",
     r"begins?|began|begun|beginning": "start",
     r"lies|lay|lain": "is",
     r"may (?:lie|stand)": "can be",
@@ -53,6 +54,7 @@ ALLOWED = (
 )
 """Phrases in which an old word is the right one."""
 
+_NAME = re.compile(r"(?<!\w)(['\"])\w+\1(?!\w)")
 _EDGE = r"(?<![\w.-]){}(?![\w-])"
 _FENCED = re.compile(r"^([ ]*)(```|~~~).*?^\1\2[ ]*$", re.MULTILINE | re.DOTALL)
 _INLINE = re.compile(r"(`+)[^`].*?\1", re.DOTALL)
@@ -61,7 +63,7 @@ _ADDRESS = re.compile(r"\]\([^)\s]*\)|https?://\S+")
 
 def old_words(text: str, *, message: bool = False) -> list[str]:
     """The old words of a text, each with what takes its place: ``behind: after``."""
-    plain = re.sub(r"\s+", " ", text.lower())
+    plain = _NAME.sub(" ", re.sub(r"\s+", " ", text.lower()))
     for phrase in ALLOWED:
         plain = re.sub(_EDGE.format(f"(?:{phrase})"), " ", plain)
     words = {**EVERYWHERE, **(IN_MESSAGES if message else {})}

@@ -145,7 +145,7 @@ _SUPPORTED = (
 )
 
 # Codes that the manual names and does not describe.
-_NAMED_ONLY = "table 3-3 lists it among inputs and outputs, and no section says what it does"
+_NAMED_ONLY = "table 3-3 lists it with the inputs and outputs, and the manual does not say what it does"
 _UNSUPPORTED = (
     *(_m(n, F.UNSUPPORTED, "M5", "table 3-3", reason=_NAMED_ONLY) for n in (64, 65, 66)),
     _m(
@@ -153,7 +153,7 @@ _UNSUPPORTED = (
         F.UNSUPPORTED,
         "",
         "table 3-6",
-        reason="the text beside it in table 3-6 is that of M23, and 3.5.11 has only M20 and M21",
+        reason="its text in table 3-6 is that of M23, and 3.5.11 has only M20 and M21",
     ),
 )
 

@@ -35,7 +35,7 @@ class ControllerMessage:
 _M = ControllerMessage
 _HARDWARE = "what drives, encoders and switches do while the job runs"
 _OPERATOR = "what the operator and the machine's inputs do"
-_PROGRESS = "tells how the job goes on"
+_PROGRESS = "reports the progress of the job"
 _INSTALLED = "how the controller's programs and its board are set up"
 _TASK = "what the application code of a task does"
 

@@ -28,10 +28,10 @@ ACTIONS = (
 
 USUAL = {
     "pre_include": "no file is compiled before the job (PreInclude, 12)",
-    "post_include": "no file is compiled behind the job (PostInclude, 12)",
+    "post_include": "no file is compiled after the job (PostInclude, 12)",
     "shortest_path": "rotary axes do not take the shortest path to a place (14 (2.5.3.75))",
     "tool_file": "no tool table is loaded (2.7)",
-    "error_compensation": "no compensation file of spindle or angle errors lies in McuWIN's folder (2.8)",
+    "error_compensation": "no compensation file of spindle or angle errors is in McuWIN's folder (2.8)",
 }
 """Settings of IniCfg that change a job and of which the usual value is taken when no file states them: what that is."""
 

@@ -24,7 +24,7 @@ _M = ControllerMessage
 _NOT_ENABLED = (codes.NOT_ENABLED,)
 _LICENCE = "what the controller's licence key allows, which no file says"
 _OPERATOR = "what the operator does"
-_PROGRESS = "tells how the job goes on"
+_PROGRESS = "reports the progress of the job"
 _BITMAP = "the bitmap is chosen at the machine; bitmap engraving is UNKNOWN"
 
 MESSAGES = (
@@ -78,7 +78,7 @@ MESSAGES = (
     _M("Pausing", why=_PROGRESS),
     _M("Continuing", why=_PROGRESS),
     _M("Finished Running", why=_PROGRESS),
-    _M("Runtime", why="tells how long the job took; `gproof check` estimates the time"),
+    _M("Runtime", why="reports how long the job took; `gproof check` estimates the time"),
     _M("Demo Count Exceeded", why=_LICENCE),
     _M("Helical Interpolation Not Supported", (codes.HELIX_NOT_SUPPORTED,)),
     _M("Escape Button Pushed While Running", why=_OPERATOR),

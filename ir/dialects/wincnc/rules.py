@@ -83,7 +83,7 @@ _G = (
     _c("G", 95, F.FEED_ROTARY, "F", ranges=(("F", 0, _ANY),)),
 )
 
-_SCAN = "where a scan goes depends on the object that is scanned"
+_SCAN = "the path of a scan depends on the scanned object"
 _BITMAP = "the moves of bitmap engraving come from a picture file and are not described"
 
 _L = (
@@ -161,7 +161,7 @@ _L = (
     _c("L", 211.1, F.DEVICE, "C", axes=True),
     _c("L", 212, F.DEVICE),
     *(
-        _open("L", n, "how an axis stands whose two motors no longer move together is not modelled", axes=True)
+        _open("L", n, "how an axis is whose two motors no longer move together is not modelled", axes=True)
         for n in (213, 214)
     ),
     _c("L", 215, F.DEVICE, axes=True),
@@ -183,7 +183,7 @@ _L = (
     _c("L", 502, F.DEVICE, "XYWH"),
     *(_c("L", n, F.MAP_ADJUSTMENT, axes=True, reason="the map of an axis is in no file that is described")
       for n in (600, 601)),
-    *(_open("L", n, "it moves along a map that is not in the machine's file", "NPSEV", axes=True)
+    *(_open("L", n, "it moves along a map that is not in the machine file", "NPSEV", axes=True)
       for n in (602, 603, 604, 605, 606)),
     _c("L", 800, F.PROBE_OFF, device="probe"),
     _c("L", 801, F.PROBE_ON, device="probe"),
@@ -227,7 +227,7 @@ VARIABLES = {
     "TMD": "rapid way of tool measuring", "TMF": "feed of tool measuring",
     **{f"LZ{n}": f"local coordinate offset (G92) of axis {n}" for n in range(6)},
     "THM": "torch height control holds a voltage by hand", "THA": "torch height control sets its voltage by itself",
-    "THO": "output of the torch", "THI": "input that tells of the arc", "THP": "pierce height is on",
+    "THO": "output of the torch", "THI": "input that reports the arc", "THP": "pierce height is on",
     "THC": "cut height is on", "THZ": "pierce height", "THR": "cut height", "THS": "pierce delay", "THE": "end delay",
     "THD": "way of the touch-off switch", "THL": "lift of the torch", "THF": "feed of torch height control",
 }  # fmt: skip

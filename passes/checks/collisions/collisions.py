@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -38,14 +39,14 @@ Ints = npt.NDArray[np.int64]
 _SEGMENTS = 1 << 15
 """Segments at a time."""
 NO_TOOL = "no tool is in the spindle"
-HOMING = "what nobody states of a tool, above its stated lengths, keeps clear while axes home"
-FIRST_WAY = "the way from where the axes stand when the job begins touches nothing"
-_LARGER = "tolerance of [workpiece] in the setup file says how much the part stands"
-PROBES = "probing moves end where they touch, and do no harm there"
+HOMING = "the unknown part of a tool, above its known lengths, hits nothing while axes home"
+FIRST_WAY = "the path from the start position of the axes hits nothing"
+_LARGER = "state in tolerance of [workpiece] of the setup file how far the tool may cut into the part"
+PROBES = "probing moves stop where they touch and do no harm"
 
 
-_PART = "[[part]] in the setup file, as boxes, polygons, a DXF drawing or a mesh"
-_BODIES = "[stock], [[part]] and [[fixtures]] in the setup file"
+_PART = "state [[part]] in the setup file, as boxes, polygons, a DXF drawing or a mesh"
+_BODIES = "state [stock], [[part]] and [[fixtures]] in the setup file"
 
 
 class Distance(Check):
@@ -88,7 +89,7 @@ class Distance(Check):
         if tool not in self._shapes:
             entry = self.placing.tools.entry(tool)
             if tool < 0:
-                made = Shape(problem="which tool is in the spindle is not stated")
+                made = Shape(problem="the tool in the spindle is unknown")
             elif entry.tool is None:
                 number = entry.number
                 made = Shape(problem=f"tool {number} is not in the tool table" if number else NO_TOOL)
@@ -212,7 +213,7 @@ class Distance(Check):
                             may_meet(pieces, (body.body,), spans, room)
                             for spans in homing(self.machine, names, start, shift)
                         ):
-                            cause = f"whether homing moves keep clear of {body.name}, on a way that nobody states"
+                            cause = f"homing moves may hit {body.name}: their path is unknown"
                             self.findings.add(self.unknown.at(row_span(chunk.trace, rows, row), cause=cause))
 
     def _unplaced(self, chunk: Chunk, scene: Scene, tips: Tips, at: Ints) -> None:
@@ -242,7 +243,7 @@ class Distance(Check):
                 self.findings.counts[self.unknown.number] = self.findings.counts.get(self.unknown.number, 0) + 1
                 continue
             self._told.add((scene.work, int(reason)))
-            cause = f"where the tool is beside the bodies is not known: {self.placing.cause(chunk, k, scene.work)}"
+            cause = f"where the tool is next to the bodies is unknown: {self.placing.cause(chunk, k, scene.work)}"
             self.findings.add(self.unknown.at(row_span(chunk.trace, rows, k), cause=cause))
 
     def _begins(self, scene: Scene, tool: int, shape: Shape, tip: Floats, place: int) -> None:
@@ -251,14 +252,15 @@ class Distance(Check):
             name = scene.surface.bodies[body].name
             if inside:
                 self._errors += 1
-                code = codes.GOUGE if self.name == "gouges" else codes.COLLISION
-                what = f"the {PARTS[part]} of tool {self._number(tool)} is inside {name} where this move begins"
+                code = codes.GOUGE_INSIDE if self.name == "gouges" else codes.COLLISION_INSIDE
+                x, y, z = tip.tolist()
+                number = self._number(tool)
                 self.findings.add(
-                    code.at(self._span(place), what=what, x=float(tip[0]), y=float(tip[1]), z=float(tip[2]))
+                    code.at(self._span(place), tool=number, part=PARTS[part], name=f'"{name}"', x=x, y=y, z=z)
                 )
             else:
                 whose = f"the {PARTS[part]} of tool {self._number(tool)}"
-                what = f"whether {whose} begins inside {name}: its surface is not closed"
+                what = f"{whose} may start inside {name}: its surface is not closed"
                 self.findings.add(self.unknown.at(self._span(place), cause=what))
 
     def _number(self, tool: int) -> int:
@@ -271,11 +273,13 @@ class Distance(Check):
         """UNSAFE with something that is certainly too near, UNKNOWN with something that may be, else SAFE."""
         first = Span(self._files[0] if self._files else "", 1)
         if self.name == "gouges" and not self.given.part:
-            self.findings.add(self.unknown.at(first, cause="nobody stated the part that is to be left", hint=_PART))
+            self.findings.add(self.unknown.at(first, cause="the setup file gives no finished part", hint=_PART))
         elif self.name == "collisions" and not (self.given.part or self.given.fixtures or self.given.stock):
-            self.findings.add(self.unknown.at(first, cause="nobody stated fixtures, part or stock", hint=_BODIES))
+            self.findings.add(
+                self.unknown.at(first, cause="the setup file gives no fixtures, part or stock", hint=_BODIES)
+            )
         elif self.name == "collisions" and not self.given.fixtures:
-            self._assumed["no fixtures are stated: what holds the work is not looked at"] = None
+            self._assumed["the setup file gives no fixtures: what holds the work is not checked"] = None
         for scene in self.scenes:
             for stretch in scene.stretches():
                 self._tell(scene, stretch)
@@ -303,9 +307,9 @@ class Distance(Check):
             top = stretch.first[2][2] + min(0.0, float(stretch.first[3][2]))
             known = scene.ladder(stretch.tool, shape).pieces[stretch.first[1]].tip
             cause = shape.problem or (
-                f"{PARTS[UNSTATED]} {number} may touch {name}: that ends "
-                f"{scene.surface.high[2] - top:.4f} mm above the tip, and from {known:.4f} mm above the tip on "
-                "nothing is stated"
+                f"{PARTS[UNSTATED]} {number} may hit {name}, which ends "
+                f"{scene.surface.high[2] - top:.3f} mm above the tip; the shape of the tool is unknown from "
+                f"{known:.3f} mm above the tip"
             )
             hint = "; ".join(filter(None, (_where_stated(self.machine, number), _moves(stretch))))
             self.findings.add(self.unknown.at(span, cause=cause, hint=hint))
@@ -313,35 +317,45 @@ class Distance(Check):
         distance, tip, _ = scene.nearest(stretch)
         facet, slack = stretch.worst[0], stretch.worst[4]
         x, y, z = tip.tolist()
-        what = f"the {PARTS[stretch.part]} of tool {number} {_near(distance, name)}, {_allowed(scene.limit)}"
+        values: dict[str, Any] = {
+            "tool": number, "part": PARTS[stretch.part], "name": f'"{name}"', "x": x, "y": y, "z": z,
+            "allowed": _allowed(scene.limit), "depth" if distance < 0.0 else "distance": abs(distance),
+        }  # fmt: skip
         hint = _moves(stretch)
         if stretch.certain:
             self._errors += 1
-            self.findings.add(self._code(scene).at(span, what=what, x=x, y=y, z=z, hint=hint))
+            self.findings.add(self._code(scene, distance).at(span, hint=hint, **values))
             return
         doubts = [
-            f"{text} {mm:.4f} mm nearer"
+            f"{text} {fixed(mm, 3)} mm closer"
             for text, mm in (
                 (self._who(), slack), ("the drawing may be", float(scene.surface.beside[facet]))
             )
             if mm > 0.0
         ]  # fmt: skip
         if stretch.boxed:
-            doubts.append("a traverse of this controller is not known to be a straight line")
-        doubt = ", and ".join(doubts) or "no proof either way"
+            doubts.append("a rapid move of this controller may not be a straight line")
+        doubt = ", and ".join(doubts) or "not proved either way"
         if self._loose and slack > 0.0:
             hint = "; ".join(filter(None, (hint, _LARGER if scene.limit < 0.0 else "")))
-        code = codes.GOUGE_POSSIBLE if self.name == "gouges" else codes.COLLISION_POSSIBLE
-        self.findings.add(code.at(span, what=what, x=x, y=y, z=z, doubt=doubt, hint=hint))
+        hit, near = (
+            (codes.GOUGE_POSSIBLE, codes.GOUGE_POSSIBLE_NEAR)
+            if self.name == "gouges"
+            else (codes.COLLISION_POSSIBLE, codes.COLLISION_POSSIBLE_NEAR)
+        )
+        self.findings.add((hit if distance < 0.0 else near).at(span, doubt=doubt, hint=hint, **values))
 
     def _who(self) -> str:
         """What brings the tool nearer than its path."""
-        return f"the controller{' and the backlash of axes' if self._loose else ''} may bring it"
+        return f"the controller{' and axis backlash' if self._loose else ''} may bring it"
 
-    def _code(self, scene: Scene) -> Code:
+    def _code(self, scene: Scene, distance: float) -> Code:
+        hit, near = codes.COLLISION, codes.COLLISION_NEAR
         if self.name == "gouges":
-            return codes.GOUGE
-        return codes.COLLISION if CUTTER in scene.parts else codes.HOLDER_IN_PART
+            hit, near = codes.GOUGE, codes.GOUGE_NEAR
+        elif CUTTER not in scene.parts:
+            hit, near = codes.HOLDER_IN_PART, codes.HOLDER_NEAR_PART
+        return hit if distance < 0.0 else near
 
 
 def _by_zero(bodies: Sequence[Placed]) -> list[tuple[int, list[Placed]]]:
@@ -350,35 +364,29 @@ def _by_zero(bodies: Sequence[Placed]) -> list[tuple[int, list[Placed]]]:
     return [(work, [placed for placed in bodies if placed.work == work]) for work in works]
 
 
-def _near(distance: float, name: str) -> str:
-    if distance < 0.0:
-        return f"goes {fixed(-distance, 4)} mm into {name}"
-    return f"comes within {fixed(distance, 4)} mm of {name}"
-
-
 def _allowed(limit: float) -> str:
-    return f"{abs(limit):g} mm allowed" if limit <= 0.0 else f"a clearance of {limit:g} mm is asked for"
+    return f"tolerance {abs(limit):g} mm" if limit <= 0.0 else f"required clearance {limit:g} mm"
 
 
 def _where_stated(machine: Machine, tool: int) -> str:
     """Where what is missing of a tool is stated."""
     if tool < 0:
-        return "tool = ... in the setup file, or a tool change before"
+        return "state tool = ... in the setup file, or program a tool change before"
     if machine.tool(tool) is None:
         return (
-            f"[tools.{tool}] in the machine file"
+            f"state [tools.{tool}] in the machine file"
             if tool
-            else "a tool change before it, or tool = ... in the setup file"
+            else "program a tool change before it, or state tool = ... in the setup file"
         )
-    return "flute_length, shank_diameter, stickout and holder of the tool in the machine file"
+    return "state flute_length, shank_diameter, stickout and holder of the tool in the machine file"
 
 
 def _moves(stretch: Stretch) -> str:
     """What a finding says of the moves of its stretch behind the first; "" where there are none."""
     if stretch.moves == 1:
         return ""
-    worst = "none is worse"
+    worst = "this one is the worst"
     if stretch.deepest != stretch.place:
-        worst = f"the worst in line {stretch.deepest & 0xFFFFFFFF}"
+        worst = f"the worst is in line {stretch.deepest & 0xFFFFFFFF}"
     more = stretch.moves - 1
-    return f"{more} more move{'s' if more > 1 else ''} behind it, {worst}"
+    return f"check {more} more move{'s' if more > 1 else ''} after it; {worst}"

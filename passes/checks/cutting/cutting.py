@@ -43,7 +43,8 @@ _ENDS = (F.END, F.END_RESET)
 _OTHER_TOOLS = frozenset(("pwm", "height_control", "height_setpoint", "extruder_temperature"))
 """What a SETPOINT row sets where a job works with another tool than a spindle."""
 _NONE = (
-    "spindle = false in the machine file where programs start none (knife, torch, laser, a spindle switched by hand)"
+    "set spindle = false in the machine file if programs start no spindle (knife, torch, laser, spindle switched by "
+    "hand)"
 )
 
 
@@ -115,13 +116,13 @@ class Cutting(Check):
         elif not (self._starts or stated):
             found = self._causes.take(codes.SPINDLE_AT_REST)
             if found is not None and self._other_tool:
-                assumed = ("the job works with a tool that does not turn: it starts no spindle, and switches another",)
+                assumed = ("the job uses a tool that does not turn: it starts no spindle, and switches another",)
             elif found is not None:
                 self._causes.add(
                     codes.SPINDLE_NOT_TOLD, 0, found.first, found.last, found.count, self._when_not_told()
                 )  # fmt: skip
         elif self._starts:
-            by_hand = ("the speed of the spindle is set by hand",) if self._by_hand else ()
+            by_hand = ("the spindle speed is set by hand",) if self._by_hand else ()
             assumed = (*((self._runs.told,) if self._runs.told else ()), *by_hand)
         if not self._names_tools:
             # Where the job changes no tool, its number means nothing: the operator's cutter is in the spindle.
@@ -137,10 +138,13 @@ class Cutting(Check):
         """What would tell whether a spindle turns."""
         known = {rule.function for rule in self._program.rules.codes.values()}
         if F.SPINDLE_CW in known or self._runs.channels:
-            return f"M3 before the first of them; or {_NONE}"
+            return f"program M3 before the first of them; or {_NONE}"
         many = ", ".join(map(str, sorted(self._switched)))
         which = f" (this job switches on {many})" if many else ""
-        return f"output = ... under [spindles.0] in the machine file, the output that runs it{which}; or {_NONE}"
+        return (
+            "state output = ... under [spindles.0] in the machine file, the output that runs the "
+            f"spindle{which}; or {_NONE}"
+        )
 
     def _speeds(self, chunk: Chunk) -> Floats:
         """(n,): revolutions a minute of each row, signed; 0 at rest, NaN: it turns at a speed that is not known.
@@ -183,22 +187,22 @@ class Cutting(Check):
         if self._by_hand:
             # No program sets it: it counts where a tool has limits.
             unsaid &= ~(np.isnan(self._fastest.rows(chunk)) & np.isnan(self._slowest.rows(chunk)))
-        self._tell(causes, chunk, cut & (rpm == 0.0), codes.SPINDLE_AT_REST, 0, "M3 before the first of them")
+        self._tell(causes, chunk, cut & (rpm == 0.0), codes.SPINDLE_AT_REST, 0, "program M3 before the first of them")
         self._tell(
             causes,
             chunk,
             unsaid,
             codes.SPINDLE_SPEED_NOT_TOLD,
             0,
-            "min_rpm and max_rpm left out of the tool, where its speed is set by hand"
+            "leave min_rpm and max_rpm out of the tool if its speed is set by hand"
             if self._by_hand
-            else "an S in plain numbers before M3",
+            else "program S as a plain number before M3",
         )
         if self._limited and surface.any():
             # At constant surface speed it may turn as fast as its limit, and at rest where the diameter is large.
             fastest, slowest = self._fastest.rows(chunk), self._slowest.rows(chunk)
             fits = np.isnan(slowest) & (np.isnan(fastest) | (self._at_most.rows(chunk) <= fastest * (1.0 + SLACK)))
-            hint = "a limit of the surface speed (D of G96) that the tool stands, and min_rpm left out of the tool"
+            hint = "program a maximum spindle speed (D of G96) that the tool allows, and leave min_rpm out of the tool"
             self._tell(causes, chunk, cut & surface & ~fits, codes.SPINDLE_SPEED_NOT_TOLD, 3, hint)
         holds_none = cut & (tool == 0)
         if self.setup.name == ZERO.name and not self._names_tools:
@@ -210,15 +214,22 @@ class Cutting(Check):
             holds_none,
             codes.NO_TOOL,
             0,
-            "a T and its tool change before, or tool = ... in the setup file",
+            "program T and its tool change before, or state tool = ... in the setup file",
         )
         milling = cut & (self._follows.rows(chunk) == 0.0)
         if not self.machine.controller.turning:
-            self._tell(causes, chunk, milling & (rpm < 0.0), codes.TURNS_BACKWARDS, 0, "right, for a left-hand tool")
+            self._tell(
+                causes, chunk, milling & (rpm < 0.0), codes.TURNS_BACKWARDS, 0, "check that the tool is left-hand"
+            )
         if not self._limited:
             return
         self._tell(
-            causes, chunk, cut & (tool < 0), codes.TOOL_NOT_TOLD, 0, "a T before, or tool = ... in the setup file"
+            causes,
+            chunk,
+            cut & (tool < 0),
+            codes.TOOL_NOT_TOLD,
+            0,
+            "program T before, or state tool = ... in the setup file",
         )
         speed = np.abs(rpm)
         for name, code, over, limit in (
@@ -236,7 +247,10 @@ class Cutting(Check):
                     "allowed": float(allowed[at]),
                     "over": float(over[at]),
                 }
-                hint = f"another S, or {'max_rpm' if name == 'fast' else 'min_rpm'} of this tool in the machine file"
+                hint = (
+                    f"program another S, or change {'max_rpm' if name == 'fast' else 'min_rpm'} of this tool in "
+                    "the machine file"
+                )
                 self._tell(causes, chunk, mine, code, int(number), hint, **values)
                 causes.worse(code, int(number), "over", float(over[at]), **values)
 
@@ -288,7 +302,7 @@ class Cutting(Check):
     def _which(self) -> str:
         """What to do where only some of the outputs are on that the shop's start code switches on."""
         many = ", ".join(map(str, sorted(self._runs.channels)))
-        return f"output = ... under [spindles.0] in the machine file: which of {many} runs the spindle"
+        return f"state output = ... under [spindles.0] in the machine file: which of {many} runs the spindle"
 
     def _channels(self) -> tuple[int | None, ...]:
         """Outputs of a torch, or of what is on during feed moves."""
@@ -313,7 +327,7 @@ class Cutting(Check):
         if end < len(chunk.rows) and cut[end]:
             if started.seconds < started.needed * (1.0 - SLACK):
                 place = row_span(chunk.trace, chunk.rows, end)
-                hint = "a dwell (G4) behind the start of the spindle"
+                hint = "program a dwell (G4) after the spindle start"
                 values = {"seconds": started.seconds, "needed": started.needed}
                 self._causes.add(codes.CUT_BEFORE_SPEED, place, place, place, 1, hint, **values)
             self._now.started = None
@@ -366,7 +380,7 @@ class Cutting(Check):
         last = count - 1
         where = row_span(chunk.trace, chunk.rows, last)
         if rpm[last] != 0.0 and self.machine.spindle_started is not False:
-            self._causes.add(codes.SPINDLE_LEFT_ON, where, where, where, hint="M5 before the end")
+            self._causes.add(codes.SPINDLE_LEFT_ON, where, where, where, hint="program M5 before the end")
         known_ends = [rule.text for rule in self._program.rules.codes.values() if rule.function in _ENDS]
         if chunk.rows["arg"][last, 0] == NO_CODE and known_ends:
             self._causes.add(codes.END_MISSING, where, where, where, known=" or ".join(known_ends))
@@ -381,7 +395,7 @@ class Cutting(Check):
         clear = self._across.get(form, self._highest[form])
         in_cut = self._now.cutting or height < self._cut_at.get(form, -math.inf) - SOMEWHERE
         if in_cut and height < clear - SOMEWHERE:
-            hint = "a traverse up before the end"
+            hint = "program a rapid move up before the end"
             self._causes.add(
                 codes.NOT_RETRACTED, where, where, where, 1, hint, reached=height, below=clear - height
             )  # fmt: skip

@@ -39,7 +39,7 @@ from gproof.passes.motion.refusal_hints import ARCS_FEED
 
 SLACK = 1e-9
 """Of a feed: what rounding may add to it."""
-KNOB = "feeds are those of the program: the override stands at 100 percent when the job begins, and nobody turns it up"
+KNOB = "feeds are as programmed: the override is at 100 percent at the start and is not turned up"
 _TOLD = (codes.FEED_UNKNOWN, codes.SPINDLE_UNKNOWN, codes.OVERRIDE_FACTOR)
 
 
@@ -132,11 +132,12 @@ class Feeds(Check):
 
 
 _HINTS = {
-    codes.FEED_NOT_TOLD.number: "an F in plain numbers before the first of them, behind the last change of the unit",
-    codes.FEED_TOOL_NOT_TOLD.number: "a T and its tool change before, or tool = ... in the setup file",
-    codes.FEED_OVER_TOOL.number: "a lower F, or max_feed of this tool in the machine file",
-    codes.PLUNGE_NOT_KNOWN.number: "the offset changes on the way: what the move counts from, stated in the setup file",
-    codes.PLUNGE_OVER_TOOL.number: "a lower F for the way down, or max_plunge of this tool in the machine file",
+    codes.FEED_NOT_TOLD.number: "program F as a plain number before the first of them, after the last change of unit",
+    codes.FEED_TOOL_NOT_TOLD.number: "program T and its tool change before, or state tool = ... in the setup file",
+    codes.FEED_OVER_TOOL.number: "program a lower F, or change max_feed of this tool in the machine file",
+    codes.PLUNGE_NOT_KNOWN.number: "state in the setup file what the move counts from: the offset changes on its path",
+    codes.PLUNGE_OVER_TOOL.number: "program a lower F for the plunge, or change max_plunge of this tool in the "
+    "machine file",
 }
 
 

@@ -33,7 +33,9 @@ class OtherHeads:
             if number and runs.channels and program.rules.workspaces_select_heads and letter in upright and not same:
                 self._axes[number + 1] = upright[letter]
                 hints.append(f"[spindles.{number}]: head {letter}")
-        self.hint = f"output = ... in the machine file, where the same one runs their spindle ({', '.join(hints)})"
+        self.hint = (
+            f"state output = ... in the machine file, if the same output runs their spindle ({', '.join(hints)})"
+        )
         self._selected = StateColumn(lambda state: float(state.work in self._axes))
 
     def rows(self, chunk: Chunk, way: Floats) -> Bools:

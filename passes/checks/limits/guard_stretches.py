@@ -88,7 +88,7 @@ class GuardStretches:
             ]
             where = f", {', '.join(places)}" if places else ""
             if self._open:
-                where += ", and places that nobody stated"
+                where += ", and unknown places"
             self._findings.add(
                 codes.GUARD_OFF_STRETCH.at(
                     self._first, guards=" and ".join(names) or "guards", last=self._last.line,

@@ -13,7 +13,7 @@ from gproof.ir.symbols import describe
 from gproof.ir.trace import Affine, Trace
 from gproof.ir.trace_rows import form_interval, split_form
 from gproof.ir.verdict import Condition
-from gproof.passes.checks.base import apart, no_safe_offset, none_suits
+from gproof.passes.checks.base import apart, inward, no_safe_offset, none_suits
 
 ROUNDING = 1e-9
 """mm: what the arithmetic of an exact position may add; a position this far beyond is on the limit."""
@@ -88,9 +88,9 @@ class OffsetRanges:
                     )
                 else:
                     unit = offset.axis.unit
-                    safe = f"{low:.4f} to {high:.4f}"
+                    safe = inward(low, high)
                     said = f"{round(stated.low, 6) + 0.0:g} to {round(stated.high, 6) + 0.0:g}"
-                    cause = f"{describe(form, self.machine)}, which is {said} {unit}; safe is {safe} {unit}"
+                    cause = f"{describe(form, self.machine)}, which is {said} {unit}; only {safe} {unit} is safe"
                     word = offset.axis.word
                     self.findings.add(codes.POSITION_UNKNOWN.at(needed, axis=word, cause=cause, hint=hint_of(form)))
                 continue
@@ -111,7 +111,7 @@ class OffsetRanges:
                     continue
                 low, high = low - span.low, high - span.high
             if len(rest) == 1 and rest[0][0].startswith("start."):
-                ends = f"between {low:.4f} and {high:.4f} {offset.axis.unit}"
+                ends = f"between {inward(low, high, ' and ')} {offset.axis.unit}"
                 said = f"{describe(rest, self.machine)} is {ends} (machine coordinates)"
                 self.assumptions.append(said)
             axes.setdefault(rest, offset.axis)
@@ -121,7 +121,7 @@ class OffsetRanges:
             if asked.low > asked.high:
                 name = describe(form, self.machine)
                 where, hint, related = apart(asked, self.machine, axes[form].unit, self.first)
-                cause = f"{name}: no value of it suits the whole job"
+                cause = f"{name}: no value fits the complete job"
                 self.findings.add(
                     codes.POSITION_UNKNOWN.at(
                         where, axis=axes[form].word, cause=cause, hint=hint_of(form) or hint, related=related

@@ -36,23 +36,23 @@ from gproof.passes.interpret.core.open_settings import note
 Floats = npt.NDArray[np.float64]
 
 FOLLOWED = {
-    HEIGHT_MAP: "the height map is that of what lies on the table",
+    HEIGHT_MAP: "the height map was measured on the work that is on the table",
     KNIFE: "the knife points along +X where its axis is at 0, turns counter-clockwise, the shorter way, and not in G0",
 }
 """What an answer about positions stands on while the controller adds to the path."""
 _ACROSS = (Plane.YZ, Plane.XZ, Plane.XY)
 """Of X, Y and Z, the plane whose arcs do not move it by themselves."""
-HOMING_HINT = "home before the job, and state homed = [...] in the setup file"
-PROGRAMMED = "soft limits hold for programmed positions: the backlash comes on top of them (limits_hold)"
-HOLD_HINT = 'limits_hold = "programmed" under [controller], if the controller leaves the backlash out there'
+HOMING_HINT = "home the axes before the job, and state homed = [...] in the setup file"
+PROGRAMMED = "soft limits are for programmed positions: backlash is added to them (limits_hold)"
+HOLD_HINT = 'set limits_hold = "programmed" under [controller] if the controller leaves backlash out there'
 
 
 def _where_stated(machine: Machine, axis: str, off: bool) -> str:
     """Where limits of an axis are stated; off: the ends of its way."""
     if machine.name == NO_MACHINE.name:
-        return "--machine FILE says what limits there are"
+        return "give the machine file with --machine FILE: it has the travel limits"
     keys = "travel_min and travel_max" if off else "min and max"
-    return f"{keys} under [axes.{axis}] of a TOML machine file state them"
+    return f"state {keys} under [axes.{axis}] of a TOML machine file"
 
 
 def _is_lost(form: Affine) -> bool:
@@ -128,7 +128,7 @@ class Limits(Check):
         for name in {name for state in trace.states for name in state.following} - self._followed:
             self._followed.add(name)
             if name == HEIGHT_MAP and self.setup.cylinder is not None:
-                what = "with Y mapped onto A it counts degrees of A, which a map of X and Y does not"
+                what = "with Y mapped onto A, Y counts degrees of A, and a height map of X and Y does not fit"
                 self.findings.add(codes.HEIGHT_MAP_UNKNOWN.at(row_span(trace, rows, 0), what=what))
             self._assumptions.append(FOLLOWED[name])
         if self._unhomed:
@@ -250,7 +250,7 @@ class Limits(Check):
             codes.SOFT_LIMIT.at(
                 row_span(chunk.trace, chunk.rows, row), axis="Z", reached=reached, unit="mm",
                 over=abs(reached - limit), side="lower" if below else "upper", limit=limit,
-                hint=f"Z{z:.4f} and the height map",
+                hint=f"check the height map: it is added to Z{z:.3f}",
             )
         )  # fmt: skip
         return True
@@ -281,14 +281,14 @@ class Limits(Check):
 
     def _begin_mapping(self) -> None:
         """GP321 for what a mapping of Y onto A needs and nobody stated."""
-        self._assumptions.append("Y is mapped onto A for the whole job; times are those of the flat drawing")
+        self._assumptions.append("Y is mapped onto A for the complete job; times are those of the flat drawing")
         cylinder = self.setup.cylinder
         assert cylinder is not None and self._first is not None
         missing = [
             what
             for what, lacks in (
-                ("nobody stated the cylinder's radius", cylinder.radius is None),
-                ("nobody stated the Y of the axis of rotation", cylinder.y is None),
+                ("the setup file gives no radius of the cylinder", cylinder.radius is None),
+                ("the setup file gives no Y of the axis of rotation", cylinder.y is None),
                 ("the machine has no axis A", "a" not in self.reaches),
             )
             if lacks
@@ -356,7 +356,7 @@ class Limits(Check):
             codes.SOFT_LIMIT.at(
                 row_span(trace, chunk.rows, row), axis=axis.word, reached=reach, unit=axis.unit,
                 over=abs(reach - limit), side=side, limit=limit,
-                hint=f"the limit of its motor {second}" if second and limit not in own else "",
+                hint=f"check the travel limit of its motor {second}" if second and limit not in own else "",
             ),
             **(like or {}),
         )  # fmt: skip
@@ -428,7 +428,7 @@ class Limits(Check):
             known = self.reaches.get(AXIS_NAMES[index])
             word = AXIS_NAMES[index].upper() if known is None else known.axis.word
             where = self._low_span[slot, index]
-            self.findings.add(codes.POSITION_UNKNOWN.at(where, axis=word, cause="something nobody stated"))
+            self.findings.add(codes.POSITION_UNKNOWN.at(where, axis=word, cause="something unknown"))
 
     def _judge_axis(self, index: int, offsets: dict[Affine, OffsetRange]) -> None:
         assert self._trace is not None and self._first is not None
@@ -437,7 +437,7 @@ class Limits(Check):
         axis = None if known is None else known.axis
         word = name.upper() if axis is None else axis.word
         if axis is not None and self._endless(index, axis):
-            self._assumptions.append(f"{word} turns without end: nobody states limits of it")
+            self._assumptions.append(f"{word} turns without end and has no travel limits")
             return
         told: set[bool] = set()
         for slot in range(len(self._low)):
@@ -456,10 +456,10 @@ class Limits(Check):
                 told.add(off)
                 what = ("physical " if off else "") + " or ".join(missing)
                 where = self._low_span if missing[0] == "lower" else self._high_span
-                hint = (
-                    _where_stated(self.machine, name, off) if axis is not None else "the machine file has no such axis"
-                )
-                self.findings.add(codes.LIMIT_UNKNOWN.at(where[slot, index], side=what, axis=word, hint=hint))
+                lost = "add the axis to the machine file: it is not there"
+                hint = lost if axis is None else _where_stated(self.machine, name, off)
+                code = codes.LIMIT_WITHOUT_MACHINE if self.machine.name == NO_MACHINE.name else codes.LIMIT_UNKNOWN
+                self.findings.add(code.at(where[slot, index], side=what, axis=word, hint=hint))
             if form == () or axis is None:
                 continue
             room = -math.inf if low is None else low - least, math.inf if high is None else high - most

@@ -241,7 +241,7 @@ class Boundaries(Check):
                 mm = "mm" if room.below is None else self._units.get(room.below.axis, "mm")
                 where, hint, related = apart(asked, self.machine, mm, self._first)
                 name = describe(form, self.machine)
-                cause = f"no {name} keeps the whole job within boundaries"
+                cause = f"no {name} keeps the complete job within boundaries"
                 self.findings.add(codes.POSITION_UNKNOWN.at(where, axis=name, cause=cause, hint=hint, related=related))
             else:
                 low, high = min(low, high), max(low, high)
@@ -263,10 +263,10 @@ class Boundaries(Check):
         assert lower is not None and upper is not None
         free = max(0.0, upper.limit - lower.limit)
         mm = self._units.get(lower.axis, "mm")
-        asks = f"at least {room.least:.4f} {mm}", f"at most {room.most:.4f} {mm}"
+        asks = f"at least {room.least:.3f} {mm}", f"at most {room.most:.3f} {mm}"
         if all(coefficient < 0 for _, coefficient in form):
             form = tuple((symbol, -c) for symbol, c in form)
-            asks = f"at most {-room.least:.4f} {mm}", f"at least {-room.most:.4f} {mm}"
+            asks = f"at most {-room.least:.3f} {mm}", f"at least {-room.most:.3f} {mm}"
         where, hint, related = excluding(
             (lower.span, f"an offset of {asks[0]} above its lower boundary"),
             (upper.span, f"an offset of {asks[1]} below its upper boundary"),
@@ -275,9 +275,8 @@ class Boundaries(Check):
         self._errors += 1
         self.findings.add(
             codes.NO_SAFE_OFFSET.at(
-                where, what=f"no offset {describe(form, self.machine)} makes the job fit: it spans",
-                extent=free + room.least - room.most, unit=mm, other="the axis has", room=free, hint=hint,
-                related=related,
+                where, name=describe(form, self.machine), extent=free + room.least - room.most, unit=mm, room=free,
+                hint=hint, related=related,
             )
         )  # fmt: skip
 
@@ -297,7 +296,7 @@ class Boundaries(Check):
                 self._is_open = True
                 told = self.findings.has(Severity.UNKNOWN, (self.name, "language")) or self.findings.has(Severity.ERROR)
                 if not told:
-                    self._unknown(span, word, "something nobody stated")
+                    self._unknown(span, word, "something unknown")
                 continue
             low = -math.inf if edge.low is None else edge.low + edge.shift - least
             high = math.inf if edge.high is None else edge.high + edge.shift - most
@@ -327,7 +326,7 @@ class Boundaries(Check):
                         )
                     )  # fmt: skip
                 else:
-                    self._unknown(span, word, f"{describe(form, self.machine)}, which may take it past a boundary")
+                    self._unknown(span, word, f"{describe(form, self.machine)}, which may move it past a boundary")
                 continue
             if low > high + 2 * ROUNDING and edge.low is not None and edge.high is not None:
                 self._errors += 1

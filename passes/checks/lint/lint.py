@@ -75,7 +75,7 @@ class Sense(Check):
         """The answer, after the last chunk."""
         foreign = self._foreign()
         if self._unstated is not None and self._may_state_units():
-            self.findings.add(codes.UNITS_NEVER_SET.at(self._unstated, hint="the code of the unit before it"))
+            self.findings.add(codes.UNITS_NEVER_SET.at(self._unstated, hint="program the code for the unit before it"))
         written = Written(self._program, self.setup)
         for found in (self._evidence.finding(), self._distances(written)):
             if found is not None:
@@ -88,7 +88,7 @@ class Sense(Check):
             if found.code is codes.READ_BEFORE_SET and told.intersection(_names(found.values)):
                 continue  # the line that runs says so already (GP234)
             self.findings.add(found)
-        assumed = ("variables of so long a program are not followed",) if written.too_long else ()
+        assumed = ("variables are not followed in a program of this length",) if written.too_long else ()
         return answer(self.name, self.findings, assumed)
 
     def _may_state_units(self) -> bool:
@@ -125,7 +125,7 @@ class Sense(Check):
             return False
         places = looks[controller]
         words = ", ".join(dict.fromkeys(repr(text) for text in list(places.values())[:3]))
-        hint = "the post processor of this controller; --dialect, if the language was guessed wrong"
+        hint = "use the post processor for this controller; or give --dialect if the language was guessed wrong"
         self.findings.add(
             codes.FOREIGN_DIALECT.at(min(places, key=_line), controller=controller, what=words, lines=count, hint=hint)
         )

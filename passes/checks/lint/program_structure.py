@@ -97,7 +97,7 @@ class Written:
         if not self.too_long:
             yield from self._never_read()
             for _, name, span in UnsetReads(self._program, self._setup).found():
-                yield codes.READ_BEFORE_SET.at(span, name=name, hint="an assignment before, on every way to it")
+                yield codes.READ_BEFORE_SET.at(span, name=name, hint="assign a value before, on every path to it")
 
     def _dead(self, body: tuple[Statement, ...], inner: bool) -> Iterator[Finding]:
         """GP153: behind a jump, a return or, in an inner body, an end of the program, up to the next label.
@@ -231,7 +231,7 @@ class Written:
             if functions.intersection(_DISTANCES):
                 return None
             if functions & _MOVES:
-                return codes.DISTANCES_NEVER_SET.at(line, hint="G90 or G91 before")
+                return codes.DISTANCES_NEVER_SET.at(line, hint="program G90 or G91 before")
         return None
 
     def _lines(self, body: tuple[Statement, ...], depth: int) -> Iterator[tuple[Span, set[F]]]:

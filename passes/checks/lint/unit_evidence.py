@@ -85,7 +85,7 @@ class UnitEvidence:
         if not why:
             return None
         names = ("inches", "millimetres") if unit == 1.0 else ("millimetres", "inches")
-        hint = "the code of units in the program, and the setting of the post that wrote it"
+        hint = "check the unit code of the program, and the setting of the post processor"
         return codes.UNIT_MIX_UP.at(self._first, other=names[0], unit=names[1], why="; ".join(why), hint=hint)
 
     def _inches(self) -> list[str]:
@@ -95,11 +95,11 @@ class UnitEvidence:
             return []
         why = []
         if self._machine.unit == INCH:
-            why.append("the machine counts in inches")
+            why.append("the machine works in inches")
         if 0.0 < self._most < THIN:
-            why.append(f"no move takes more than {self._most:.4f} mm a revolution")
+            why.append(f"no move is faster than {self._most:.4f} mm/rev")
         if self._moves >= LEAST_MOVES and self._fractions >= LEAST_SHARE * self._moves:
-            why.append(f"{self._fractions} of {self._moves} ways are fractions of 64, and no hundredths")
+            why.append(f"{self._fractions} of {self._moves} paths are 64ths of an inch, and not hundredths")
         sizes = ", ".join(f"{axis.word} {size:.2f} mm of {room:g} mm" for axis, size, room in across)
         return [f"the path is {sizes}", *why] if len(why) > 1 else []
 
@@ -113,9 +113,9 @@ class UnitEvidence:
         speeds = [axis.max_velocity for axis in self._linear()]
         known = [speed * 60.0 for speed in speeds if speed is not None]
         if len(known) == len(speeds) and known and self._fastest > max(known) >= self._fastest / INCH:
-            why.append(f"F is up to {self._fastest:g} mm/min, and no axis does more than {max(known):g} mm/min")
+            why.append(f"F is up to {self._fastest:g} mm/min, and no axis is faster than {max(known):g} mm/min")
         if self._most > THICK >= self._most / INCH:
-            why.append(f"a move takes {self._most:.2f} mm a revolution")
+            why.append(f"a move is at {self._most:.2f} mm/rev")
         far = fits and any(size > FAR * room for _, size, room in extents)
         return why if len(why) > 1 or far else []
 

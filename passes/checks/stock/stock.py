@@ -78,12 +78,12 @@ PERHAPS: dict[int, Code] = {
     SHANK: codes.HOLDER_NEAR_STOCK, HOLDER: codes.HOLDER_NEAR_STOCK,
 }  # fmt: skip
 PARTS = {SHANK: "the shank", HOLDER: "the holder"}
-LIMITS = {FLUTES: "its flute length", DEPTH: "the depth that is stated for it"}
+LIMITS = {FLUTES: "its flute length", DEPTH: "its maximum depth of cut"}
 
-WIDE_CUTS = "how deep a tool cuts, beside its flutes and its greatest depth, is asked of cuts at least a cell wide"
-FREE_WAY = "the way from where the axes stand at the beginning to the first place that is known is free"
+WIDE_CUTS = "the depth of cut is compared with flute length and maximum depth where a cut is at least one cell wide"
+FREE_WAY = "the path from the start position of the axes to the first known place is free"
 STATE = (
-    "what the machine file does not state of a tool (flute_length, shank_diameter, stickout, holder) may be anything"
+    "what the machine file does not give for a tool (flute_length, shank_diameter, stickout, holder) can be anything"
 )
 WEIGHT = np.array([0, 2, 5, 4, 3, 1])
 """Of what is told of a row, the worst of several bodies counts."""
@@ -172,7 +172,7 @@ class StockLeft(Check):
                 where = Span(placed.body.source or self._job, 1)
                 self.findings.add(codes.STOCK_UNKNOWN.at(where, cause=f"{placed.name} is not closed"))
             field = field_of(placed.body, cell, MOST_CELLS)
-            said = f"what is left of {placed.name} is known by cells of {field.cell:.4g} mm"
+            said = f"the remaining stock of {placed.name} is known in cells of {field.cell:.4g} mm"
             if field.cell > cell * (1 + 1e-9):
                 said += f"; {cell:g} mm would need more than {MOST_CELLS} of them"
             self._assumptions[said] = None
@@ -203,7 +203,7 @@ class StockLeft(Check):
             if target in self._seen:
                 if not self._always_through(target, chunk.section):
                     where = Span(chunk.trace.files[edge.file] if chunk.trace.files else "", max(1, edge.line))
-                    cause = "what follows was judged with what another way to it has left"
+                    cause = "what follows was checked with the stock that another path to it has left"
                     self.findings.add(codes.STOCK_UNKNOWN.at(where, cause=cause))
             elif target in self._waiting:
                 for one, other in zip(self._waiting[target], self._left, strict=True):
@@ -346,7 +346,7 @@ class StockLeft(Check):
             elif answer == NO_SHAPE:
                 self.findings.add(code.at(span, cause=self._problems[self._numbers[key]]))
             elif kind == THROUGH:
-                hint = f"cells of {cells:.4g} mm; smaller ones may tell" if answer == MAYBE else ""
+                hint = f"try smaller cells than {cells:.4g} mm" if answer == MAYBE else ""
                 self.findings.add(code.at(span, depth=by, hint=hint))
             elif kind in PARTS:
                 hint = STATE if answer == MAYBE else ""
@@ -375,10 +375,12 @@ class StockLeft(Check):
             # (passes/checks/collisions/collisions.py).
             return PropertyResult(name=self.name, verdict=Verdict.UNKNOWN)
         if given.fixtures:
-            said = "no stock is stated: what meets it is not looked at"
+            said = "the setup file gives no stock: moves through stock are not checked"
             return PropertyResult(name=self.name, verdict=Verdict.SAFE, assumptions=(said,))
         self.findings.add(
-            codes.STOCK_UNKNOWN.at(Span(self._job, 1), cause="no stock is stated", hint="[stock] in the setup file")
+            codes.STOCK_UNKNOWN.at(
+                Span(self._job, 1), cause="the setup file gives no stock", hint="state [stock] in the setup file"
+            )
         )
         return PropertyResult(name=self.name, verdict=Verdict.UNKNOWN)
 

@@ -31,7 +31,7 @@ Row = tuple[float, ...]
 def problem_of(tool: Tool | None, number: int) -> str:
     """What the table would have to say of a tool before anybody knows what it cuts; "" when it says enough."""
     if number < 0:
-        return "nobody knows which tool is in the spindle"
+        return "the tool in the spindle is unknown"
     if tool is None:
         return f"there is no tool {number} in the tool table"
     missing = [n for n, v in (("shape", tool.shape), ("diameter", tool.diameter)) if v is None]
@@ -40,14 +40,14 @@ def problem_of(tool: Tool | None, number: int) -> str:
     if tool.shape == "vee" and tool.tip_angle is None:
         missing.append("tip angle")
     if missing:
-        return f"nobody stated the {' and the '.join(missing)} of tool {number}"
+        return f"the machine file gives no {' and no '.join(missing)} of tool {number}"
     assert tool.diameter is not None
     sane = tool.shape in SHAPES and 0.0 < tool.diameter < math.inf
     if tool.shape == "bull":
         sane = sane and 0.0 <= (tool.corner_radius or 0.0) <= tool.diameter / 2.0
     if tool.shape in ("vee", "drill"):
         sane = sane and (tool.tip_angle is None or 0.0 < tool.tip_angle <= 180.0)
-    return "" if sane else f"what is stated of tool {number} is no tool"
+    return "" if sane else f"the data of tool {number} do not make a tool"
 
 
 def profile(tool: Tool) -> Row:
@@ -108,8 +108,11 @@ def assumed(tool: Tool) -> tuple[str, ...]:
     """What the answer takes for granted of a tool."""
     out = []
     if tool.flute_length is None and tool.stickout is not None:
-        out.append(f"tool {tool.number} cuts along all of its length: nobody stated its flute length")
+        out.append(f"tool {tool.number} cuts along all of its length: its flute length is not in the machine file")
     if tool.shape == "drill" and tool.tip_angle is None:
-        said = "is taken to have a flat end, and to leave all that its tip may: nobody stated its tip angle"
+        said = (
+            "is assumed to have a flat end, and to leave all that its tip may leave: its tip angle is not in the "
+            "machine file"
+        )
         out.append(f"tool {tool.number} {said}")
     return tuple(out)

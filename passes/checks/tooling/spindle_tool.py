@@ -41,7 +41,7 @@ def entry_of(machine: Machine, number: int, diameters: tuple[ToolDiameter, ...])
         return Entry(number, tool, f"tool {number} is given a diameter of 0", None)
     if written.low == written.high:
         return Entry(number, replace(tool, diameter=written.low), "", (written.low, written.low))
-    doubt = f"the diameter of tool {number}, which the job or the setup has written, is not known"
+    doubt = f"the diameter of tool {number}, set by the job or the setup, is unknown"
     return Entry(number, replace(tool, diameter=None), doubt, (written.low, written.high))
 
 

@@ -35,11 +35,11 @@ from gproof.passes.checks.tooling.tip_ranges import EVERYWHERE, NOWHERE_KNOWN, S
 Floats = npt.NDArray[np.float64]
 Bools = npt.NDArray[np.bool_]
 
-OWN_ZERO = "where no tool length is in force, the zero was taken with the tool that is in the spindle"
-SMOOTHED = "the controller rounds no corner as far as a body"
+OWN_ZERO = "where no tool length is active, the work zero was set with the tool that is in the spindle"
+SMOOTHED = "corners that the controller rounds do not reach a body"
 """Assumption: how far smoothing goes beside the path is in no file (WinCNC accel=, g08=, g09=, vmatch=)."""
-OWN_LENGTH = "the tool length in force when the job begins, which no setup states, is that of the tool in the spindle"
-OTHER_HEADS = "heads other than the first one touch nothing: {axes} is not looked at"
+OWN_LENGTH = "the tool length at the start of the job is that of the tool in the spindle (not in the setup file)"
+OTHER_HEADS = "heads other than the first one hit nothing: {axes} is not checked"
 
 
 class Reason(enum.IntEnum):
@@ -58,12 +58,12 @@ class Reason(enum.IntEnum):
 
 WHY = {
     Reason.KNOWN: "",
-    Reason.START: "the place where the axes stand when the job begins is not stated",
-    Reason.OFFSET: "it rests on offsets that are not stated",
-    Reason.HEIGHT_MAP: "Z follows a height map, which the bodies do not",
-    Reason.ROTARY: "a rotary axis does not stand where it stood when the job began",
-    Reason.HEAD: "another head than the first one is at work",
-    Reason.MAPPED: "the machine's axes do not move along X, Y and Z of the bodies",
+    Reason.START: "the start position of the axes is unknown",
+    Reason.OFFSET: "it depends on offsets that are unknown",
+    Reason.HEIGHT_MAP: "Z follows a height map, and the bodies do not",
+    Reason.ROTARY: "a rotary axis is not where it was at the start of the job",
+    Reason.HEAD: "another head than the first one is in use",
+    Reason.MAPPED: "the axes of the machine do not move along X, Y and Z of the bodies",
     Reason.LATHE: "on a lathe the workpiece turns",
 }
 """A reason in words; ``Placing.cause`` names the offsets too."""
@@ -254,7 +254,7 @@ class Placing:
                 for symbol, _ in form:
                     names[describe(((symbol, 1),), self.machine)] = None
                     ranged = ranged or self.setup.interval(symbol) is not None
-        said = "not stated exactly" if ranged else "not stated"
+        said = "not given exactly" if ranged else "unknown"
         return f"{', '.join(names)}: {said}" if names else WHY[Reason(reason)]
 
     def _learn(self, trace: Trace) -> None:

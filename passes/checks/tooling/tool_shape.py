@@ -17,7 +17,7 @@ Rim = tuple[float, float]
 """Radius and height."""
 
 CUTTER, SHANK, HOLDER, UNSTATED = range(4)
-PARTS = ("cutter", "shank", "holder", "what is above the stated length of the tool")
+PARTS = ("cutter", "shank", "holder", "unknown part above its given length")
 WIDE = 1e4
 """Radius of what nobody stated: wider than any machine."""
 HIGH = 1e4
@@ -69,14 +69,16 @@ def shape_of(tool: Tool) -> Shape:
     number = tool.number
     if tool.shape is None or tool.diameter is None:
         missing = " and ".join(n for n, v in (("shape", tool.shape), ("diameter", tool.diameter)) if v is None)
-        return Shape(problem=f"nobody stated the {missing} of tool {number}")
+        return Shape(problem=f"the machine file gives no {missing} of tool {number}")
     radius = tool.diameter / 2.0
     if not (radius > 0.0 and math.isfinite(radius)):
         return Shape(problem=f"tool {number} has a diameter of {tool.diameter:g} mm")
     stated = tool.flute_length if tool.flute_length is not None else tool.stickout
     assumed = []
     if tool.flute_length is None:
-        assumed.append(f"tool {number} is taken to cut along all of its length: nobody stated its flute length")
+        assumed.append(
+            f"tool {number} is assumed to cut along all of its length: its flute length is not in the machine file"
+        )
     top = HIGH if stated is None else stated
     if tool.stickout is not None:
         top = min(top, tool.stickout)
@@ -84,7 +86,7 @@ def shape_of(tool: Tool) -> Shape:
     if isinstance(cutter, str):
         return Shape(problem=cutter)
     if tool.shape == "drill" and tool.tip_angle is None:
-        assumed.append(f"tool {number} is taken to have a flat end: nobody stated its tip angle")
+        assumed.append(f"tool {number} is assumed to have a flat end: its tip angle is not in the machine file")
     stack = [cutter]
     known = 0.0 if stated is None else top
     if stated is not None and tool.stickout is not None and tool.stickout > top:
@@ -115,7 +117,7 @@ def _cutter(tool: Tool, radius: float, top: float) -> Piece | str:
         case "bull":
             corner = tool.corner_radius
             if corner is None:
-                return f"nobody stated the corner radius of tool {number}"
+                return f"the machine file gives no corner radius of tool {number}"
             if not 0.0 <= corner <= radius:
                 return f"tool {number} has a corner radius of {corner:g} mm on a radius of {radius:g} mm"
             inner = radius - corner
@@ -125,7 +127,7 @@ def _cutter(tool: Tool, radius: float, top: float) -> Piece | str:
             if angle is None:
                 if tool.shape == "drill":
                     return Piece(part=CUTTER, rims=((radius, 0.0), (radius, top)))
-                return f"nobody stated the tip angle of tool {number}"
+                return f"the machine file gives no tip angle of tool {number}"
             if not 0.0 < angle <= 180.0:
                 return f"tool {number} has a tip angle of {angle:g} degrees"
             flat = min(radius, (tool.tip_diameter or 0.0) / 2.0) if tool.shape == "vee" else 0.0

@@ -24,7 +24,7 @@ from gproof.passes.checks.zones.face_conditions import Ranges
 from gproof.passes.checks.zones.zone_check import row_box
 
 ROUNDING = 1e-9
-CHANGE, WAY, FIRST = "the tool is changed", "the way into the tool change area is", "the first move in X or Y is"
+CHANGE, WAY, FIRST = "tool change", "path into the tool change area", "first move in X or Y"
 
 Height = tuple[float, Affine]
 

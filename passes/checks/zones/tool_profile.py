@@ -71,7 +71,7 @@ def part_of(those: Sequence[Entry], part: int, *, known: bool) -> Part | None:
         found = [own[part - 1] for entry in those if entry.tool is not None and part <= len(own := parts(entry.tool))]
     if known:
         return found[0] if found else None
-    doubt = "which tool is in the spindle"
+    doubt = "the tool in the spindle"
     if not found:
         return Part("cutter", ANYWHERE, ANYWHERE, TIP, doubt) if part == CUTTER else None
     names = dict.fromkeys(one.name for one in found)
@@ -86,7 +86,7 @@ def _cutter(entry: Entry) -> Part:
     if number == 0 and tool is None:
         return Part("cutter", TIP, TIP, TIP)
     if entry.ends is None:
-        doubt = entry.doubt or f"how wide tool {number} is, which the tool table does not say"
+        doubt = entry.doubt or f"the width of tool {number}, which is not in the tool table"
         return Part("cutter", ANYWHERE, ANYWHERE, TIP, doubt)
     assert tool is not None
     least, most = entry.ends
@@ -95,7 +95,7 @@ def _cutter(entry: Entry) -> Part:
         high = max(high, tool.stickout)
     if least != most:
         return Part("cutter", ANYWHERE, entry.ends, (0.0, high), entry.doubt)
-    doubt = f"how wide tool {number} is above {high:g} mm from its tip"
+    doubt = f"the width of tool {number} above {high:g} mm from its tip"
     return Part("cutter", ANYWHERE, entry.ends, (0.0, high), doubt)
 
 

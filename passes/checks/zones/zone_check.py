@@ -59,7 +59,7 @@ from gproof.passes.geometry.off_path import OffPath, off_path
 GUARD = "tool_change_area"
 MOST = 10_000
 """Of lines that enter one zone: the rest of the job is not looked at for it."""
-TURNED = "a rotary axis, which does not stand where it stood when the job began"
+TURNED = "a rotary axis, which is not where it was at the start of the job"
 _MANY = 256
 """Rows beside a polygon from which on shapely sorts out those that are far from it."""
 _FEW_PLACES = 64
@@ -171,7 +171,7 @@ class ZoneCheck:
             sides = self.area.box[1]
             if at is None or not sides[0] < at < sides[1] or self.area.rings or self._origin is not None:
                 narrow = None
-                causes.append("where the axis of rotation of A is")
+                causes.append("the position of the axis of rotation of A")
             shape, outer_shape, y = Rectangle(self.area.box[0], EVERYWHERE), Rectangle(x, EVERYWHERE), EVERYWHERE
         outer = Zone(shape=outer_shape, z=wide, grow=grow, rise=above)
         inner = None if narrow is None else Zone(shape=shape, z=narrow, grow=part.width[0] / 2)
@@ -184,7 +184,7 @@ class ZoneCheck:
             shift=shift, form=(base[0].form, base[1].form, base[2].form), outer=outer, inner=inner,
             lost=not self._change and self._other_head(state), cause=" and ".join(causes),
             box=(box[0], box[1], box[2]), tip=tip, off=self._change and GUARD in state.guards_off,
-            part="" if self._number == CUTTER else f"its {part.name}, {part.width[1]:g} mm wide",
+            part="" if self._number == CUTTER else f"check its {part.name}, {part.width[1]:g} mm wide",
         )  # fmt: skip
 
     def _heights_of(self, heights: Pair, up: float) -> Pair:
@@ -243,7 +243,7 @@ class ZoneCheck:
             return
         if view.lost:
             span = row_span(trace, rows, int(np.argmax(mine)))
-            self._doubt(span, "the place of another head than the first one", view)
+            self._doubt(span, "the position of another head than the first one", view)
             return
         sure = view.tip is None and UNKNOWN not in view.form
         known = np.array([sure and frame[:3] == view.form for frame in trace.frames], dtype=bool)
@@ -299,11 +299,11 @@ class ZoneCheck:
         entry = self._entry(rows, row, outer.wider(bow, bow) if bow else outer, view.shift, p, q)
         span = row_span(chunk.trace, rows, row)
         if bow and entry is not None and self._entry(rows, row, outer, view.shift, p, q) is None:
-            self._doubt(span, "the chords that the controller makes of this arc", view)
+            self._doubt(span, "the chords that the controller cuts instead of this arc", view)
             return
         if entry is None:
             if free and box_enters(view.outer, *[(min(a, b), max(a, b)) for a, b in zip(p, q, strict=True)]):
-                self._doubt(span, "the way of this traverse, which is not certain to be a straight line", view)
+                self._doubt(span, "the path of this rapid move, which may not be a straight line", view)
             return
         if view.inner is None:
             self._doubt(span, view.cause, view)
@@ -313,7 +313,7 @@ class ZoneCheck:
             self._doubt(span, view.cause, view)
             return
         if free and not (view.inner.depths(np.array([p, q])) > 0.0).any():
-            self._doubt(span, "the way of this traverse, which is not certain to be a straight line", view)
+            self._doubt(span, "the path of this rapid move, which may not be a straight line", view)
             return
         self._entered(span, sure, view)
 
@@ -375,7 +375,7 @@ class ZoneCheck:
             shift = [by if form == () else None for by, form in zip(view.shift, view.form, strict=True)]
             start = ranges[0], ranges[1], ranges[2]
             if any(box_enters(view.outer, *spans) for spans in homing(self.machine, names, start, shift)):
-                self._doubt(row_span(chunk.trace, rows, row), "the way of homing moves", view)
+                self._doubt(row_span(chunk.trace, rows, row), "the path of homing moves", view)
 
     # -- places that nobody knows
 

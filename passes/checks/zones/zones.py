@@ -16,7 +16,7 @@ from gproof.ir.symbolic import NOWHERE, Position
 from gproof.ir.symbols import describe
 from gproof.ir.trace import Chunk, Op
 from gproof.ir.verdict import Condition, PropertyResult, Verdict
-from gproof.passes.checks.base import Check
+from gproof.passes.checks.base import Check, inward
 from gproof.passes.checks.tooling.tip_position import OWN_LENGTH, rests_on_length_in_force, rotary_axes
 from gproof.passes.checks.zones.approach_order import Clearance
 from gproof.passes.checks.zones.face_conditions import Ranges
@@ -29,7 +29,7 @@ Zeros = Callable[[int, int], Position]
 """Where a coordinate system has its zero when the job begins, local offsets included, by number and axis."""
 
 
-ROTARY = "rotary axes turn the work: neither the tool nor keep-out zones in machine coordinates turn with them"
+ROTARY = "rotary axes turn the work; the tool and keep-out zones in machine coordinates do not turn with it"
 
 
 class Areas(Check):
@@ -114,19 +114,21 @@ class Areas(Check):
 
     def _assumptions(self, conditions: tuple[Condition, ...]) -> list[str]:
         out = [
-            f"{describe(c.terms, self.machine)} is between {c.low:.4f} and {c.high:.4f} mm (machine coordinates)"
+            f"{describe(c.terms, self.machine)} is between {inward(c.low, c.high, ' and ')} mm (machine coordinates)"
             for c in conditions
             if len(c.terms) == 1 and c.terms[0][0].startswith("start.")
         ]
         if self.machine.tool_change_area is None:
             nothing = self.machine.name == NO_MACHINE.name
-            out.append("no tool change area is stated" if nothing else "the machine file names no tool change area")
-        elif self._homed:
-            out.append("homing moves keep out of the tool change area")
-        if self._kept:
             out.append(
-                "in keep-out zones tools are as wide as the tool table says, with the shanks and holders that it places"
+                "without a machine file no tool change area is known"
+                if nothing
+                else "the machine file gives no tool change area"
             )
+        elif self._homed:
+            out.append("homing moves stay out of the tool change area")
+        if self._kept:
+            out.append("tools in keep-out zones are as wide as in the tool table, with its shanks and holders")
             if self._turns and any(not area.work for area in self._kept):
                 out.append(ROTARY)
             if self._blends:
@@ -134,9 +136,9 @@ class Areas(Check):
             if self._own_length:
                 out.append(OWN_LENGTH)
             if self.machine.settings.smoothing:
-                out.append("the controller rounds no corner as far as a keep-out zone")
+                out.append("corners that the controller rounds do not reach a keep-out zone")
             if any(axis.vertical and axis.index > 2 for axis in self.machine.axes):
-                out.append("keep-out zones are judged for the head of X, Y and Z only")
+                out.append("keep-out zones are checked for the head of X, Y and Z only")
         return out
 
 

@@ -15,7 +15,7 @@ ROUNDING = 0.0005
 """mm by which a number of three decimals may have been rounded; with inches, of four decimals: ``ROUNDING_INCH``."""
 ROUNDING_INCH = 0.00005 * 25.4
 WELL_BELOW, WELL_ABOVE, NEARLY_FULL = 165.0, 195.0, 345.0
-HINT = "give its centre with I and J (K), or split the arc"
+HINT = "program its centre with I and J (K), or split the arc"
 
 
 def sweep_of(chord: float, radius: float) -> float:

@@ -31,7 +31,7 @@ def targets(run: Run, number: Value, value: Value, span: Span) -> list[tuple[flo
             raise open_number from None
         if not entry.writable:
             raise open_number
-        cause = f"whether {run.program.rules.name_of(round(one))} was set by #[..]"
+        cause = f"{run.program.rules.name_of(round(one))}, which #[..] may have set"
         found.append((one, between(cause, hull(held, value), whole=is_whole(held) and is_whole(value))))
     if not found:
         raise open_number

@@ -301,7 +301,7 @@ class ControlFlow:
         if program.around_files is None:
             if not self._told_around:
                 self._told_around = True
-                what = f"a call of {sub.name}, around which the commands before and behind a job may run too,"
+                what = f"a call of {sub.name}, with the commands before and after a job around it or not,"
                 self.run.findings.add(codes.UNSUPPORTED_CODE.at(span, code=what))
             return sub.body
         if sub.name not in self._around:
@@ -323,10 +323,13 @@ class ControlFlow:
         place = next((n for n in reversed(range(len(self.stack))) if self.stack[n].caller is not None), -1)
         if place < 0:
             if any(frame.cells is not None for frame in self.stack):
-                what = "M99 in an array of the job (whether the other places are still cut is not said)"
+                what = "M99 in an array of the job (the manual does not say whether the other places are still cut)"
                 raise FollowedRefusal(codes.UNSUPPORTED_CODE.at(span, code=what))
             if self._is_more():
-                what = "M99 in the job itself with lines behind it (whether it ends more than a subprogram is not said)"
+                what = (
+                    "M99 in the job itself with lines after it (the manual does not say whether it ends more "
+                    "than a subprogram)"
+                )
                 raise FollowedRefusal(codes.UNSUPPORTED_CODE.at(span, code=what))
             self.run.ended_by = "M99", span.line
             if self.run.program.tail and not self._is_behind():
@@ -460,7 +463,7 @@ class ControlFlow:
                 refused_lines.lose_everything(self.run, finding)
                 raise Refusal(finding)
             elif isinstance(node, Definition):
-                what = f"the definition of {node.name} in a file that is run as a job"
+                what = f"the definition of {node.name} in a file that runs as a job"
                 raise Refusal(codes.UNSUPPORTED_CODE.at(node.span, code=what))
             else:
                 # Nothing that a program may hold is passed over because nobody has thought of it here.

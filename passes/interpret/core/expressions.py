@@ -35,7 +35,7 @@ def _fail(span: Span, what: str) -> Refusal:
 
 def _whole(value: float, span: Span, operator: str) -> int:
     if value != math.floor(value) or abs(value) > _LARGEST:
-        raise _fail(span, f"{operator} needs whole numbers; {value!r} is not")
+        raise _fail(span, f"{operator} needs whole numbers; {value!r} is not one")
     return int(value)
 
 
@@ -170,7 +170,7 @@ def inexact(x: float, y: float) -> bool:
 
 
 def _nothing(node: Named | Input) -> Value:
-    raise Refusal(codes.BAD_EXPRESSION.at(node.span, what="there is nothing to read here"))
+    raise Refusal(codes.BAD_EXPRESSION.at(node.span, what="there is no value here"))
 
 
 def _beside(operator: str, x: Value, y: Value, result: Value) -> Value:
@@ -244,7 +244,7 @@ class Evaluator:
         if not number.bounded or number.high - number.low > MOST_NUMBERS:
             return range(0)
         if not number.whole:
-            self.assume(f"{number.cause}, which numbers a variable, is a whole number")
+            self.assume(f"{number.cause}, the number of a variable, is a whole number")
         # Sums of bounds are rounded outwards; a number that is nearly whole counts as it (3.2.2.1).
         return range(math.ceil(number.low - NEARLY), math.floor(number.high + NEARLY) + 1)
 
@@ -265,7 +265,7 @@ class Evaluator:
             return self._result(expr, UNARY_FUNCTIONS[expr.operator](x))
         except (ValueError, OverflowError):
             shown = _SHOWN.get(expr.operator, expr.operator)
-            raise _fail(expr.span, f"{shown} of {x:g} has no value") from None
+            raise _fail(expr.span, f"{shown} of {x:g} has no result") from None
 
     def _binary(self, expr: Binary) -> Value:
         if expr.readings:
@@ -296,15 +296,15 @@ class Evaluator:
         if not values:
             raise failed[0]
         names = " and ".join(sorted({_SHOWN.get(one, one) for one in _operators(expr)}))
-        cause = f"an open precedence of {names}"
+        cause = f"the undocumented order of {names}"
         if failed:
             self._doubt(expr.span, names, cause)
         low, high = min(bounds(value)[0] for value in values), max(bounds(value)[1] for value in values)
         if low == high and not failed:
             return values[0]
-        ends = f"{low:g} to {high:g}: " if math.isfinite(high - low) and not failed else ""
+        ends = f" (the value is from {low:g} to {high:g})" if math.isfinite(high - low) and not failed else ""
         self._tell(codes.PRECEDENCE.number, expr.span, lambda: codes.PRECEDENCE.at(
-            expr.span, operators=names, hint=f"{ends}brackets say what is meant, or {USUAL_PRECEDENCE.hint}",
+            expr.span, operators=names, hint=f"add brackets{ends}, or {USUAL_PRECEDENCE.hint}",
         ))  # fmt: skip
         return Unknown(cause, low, high)
 
@@ -333,9 +333,9 @@ class Evaluator:
             # Too many ways to group, or a sign that Pascal takes either way: nothing is known of the value.
             names = " and ".join(sorted({_SHOWN.get(one, one) for one in _operators(expr)}))
             self._tell(codes.PRECEDENCE.number, expr.span, lambda: codes.PRECEDENCE.at(
-                expr.span, operators=names, hint="brackets say what is meant",
+                expr.span, operators=names, hint="add brackets",
             ))  # fmt: skip
-            return Unknown(f"an open precedence of {names}")
+            return Unknown(f"the undocumented order of {names}")
         if isinstance(x, Unknown) or isinstance(y, Unknown):
             cause = x.cause if isinstance(x, Unknown) else y.cause if isinstance(y, Unknown) else ""
             whole = is_whole(x) and is_whole(y)
@@ -351,21 +351,21 @@ class Evaluator:
         if expr.operator in ("==", "<>") and inexact(x, y):
             self._tell(codes.INEXACT_COMPARISON.number, expr.span, lambda: codes.INEXACT_COMPARISON.at(
                 expr.span, left=x, right=y, operator=expr.operator,
-                hint="compare against a range instead",
+                hint="compare with a range instead",
             ))  # fmt: skip
-            return Unknown(f"whether {x!r} and {y!r} are equal", 0.0, 1.0)
+            return Unknown(f"whether {x!r} equals {y!r}", 0.0, 1.0)
         if expr.operator == "shr" and x < 0:
-            return Unknown("what shr makes of a negative number")
+            return Unknown("the result of shr for a negative number")
         if expr.whole and expr.operator in ("<<", "shr") and y >= _BITS:
             return Unknown(f"a shift by {y:g} bits")
         result = self._result(expr, self._compute(expr, x, y))
         either = open_rem(x, y) if expr.operator == "rem" else open_mod(x, y) if expr.operator == "mod" else None
-        return result if either is None else Unknown("mod of or by a negative number", *either)
+        return result if either is None else Unknown("mod with a negative number", *either)
 
     def _result(self, expr: Unary | Binary, x: float) -> float:
         x = self._finite(x, expr.span)
         if expr.whole and not LEAST_WHOLE <= x <= MOST_WHOLE:
-            raise _fail(expr.span, f"{x:.15g}, which is no whole number of 32 bits")
+            raise _fail(expr.span, f"{x:.15g}, which is not a whole number of 32 bits")
         return x
 
     def _compute(self, expr: Binary, x: float, y: float) -> float:
@@ -379,7 +379,7 @@ class Evaluator:
                 return math.pow(x, y)
             return BINARY_FUNCTIONS[operator](x, y)
         except (ValueError, OverflowError, ZeroDivisionError):
-            raise _fail(expr.span, f"{x:g} {_SHOWN.get(operator, operator)} {y:g} has no value") from None
+            raise _fail(expr.span, f"{x:g} {_SHOWN.get(operator, operator)} {y:g} has no result") from None
 
     def _bits(self, expr: Binary, x: float, y: float) -> float:
         a, b = _whole(x, expr.span, expr.operator), _whole(y, expr.span, expr.operator)
@@ -392,7 +392,7 @@ class Evaluator:
     def _doubt(self, span: Span, operator: str, cause: str) -> None:
         """The controller may stop here: for some of the possible values there is no result."""
         self._tell(codes.DOUBTFUL_ARITHMETIC.number, span, lambda: codes.DOUBTFUL_ARITHMETIC.at(
-            span, operator=operator, cause=cause, hint="state its bounds, or ask for them before"
+            span, operator=operator, cause=cause, hint="state its limits in the setup file, or test them before"
         ))  # fmt: skip
 
     def _finite(self, x: float, span: Span) -> float:

@@ -179,7 +179,8 @@ class LoopWidening(FlowPart):
             return ""
         number, value, each = lap.full
         passes = (math.copysign(MOST_WHOLE, each) - value) // each
-        return f"{self.flow.paths.name(number)} counts passes, and leaves its 32 bits after {passes:.0f} of them"
+        name = self.flow.paths.name(number)
+        return f"check {name}: it counts passes and exceeds 32 bits after {passes:.0f} passes"
 
     def number_of(self, variable: Variable) -> int:
         """The number of a variable; Refusal GP232 where that is not known."""
@@ -273,7 +274,7 @@ class LoopWidening(FlowPart):
             if low - (high - low) <= place.value <= high + (high - low):
                 continue
             # The rows that led there are told past their limits; those to come would say the same for ever.
-            what = f"a loop that leads {axis.word} further and further out of the machine"
+            what = f"a loop that moves {axis.word} further and further out of the machine"
             finding = codes.UNSUPPORTED_CODE.at(span, code=what)
             self.run.refused = True
             self.run.fail(finding)

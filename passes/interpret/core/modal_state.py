@@ -425,7 +425,9 @@ class Modal(Keyed, ToolTable):
         for entry in self.rules.parameters:
             if near and entry.first <= whole <= entry.last:
                 return whole, entry
-        raise Refusal(codes.PARAMETER_NUMBER.at(span, value=number, allowed="see the manual's list (3.1.1)"))
+        raise Refusal(
+            codes.PARAMETER_NUMBER.at(span, value=number, allowed="use a parameter of the manual's list (3.1.1)")
+        )
 
     def read(self, number: float, span: Span) -> Value:
         """The live value of a numbered variable, in the units the manual gives it.
@@ -442,7 +444,7 @@ class Modal(Keyed, ToolTable):
         if self.lost and entry.kind in ("free", "persistent"):
             return Unknown(self.lost)
         if self.unknown_modes and entry.kind not in ("free", "persistent"):
-            return Unknown(f"{self.rules.name_of(whole)} behind a refused line")
+            return Unknown(f"{self.rules.name_of(whole)} after a refused line")
         show = SHOWN.get(entry.kind)
         value: Value | None = self.setup.parameters.get(whole) if entry.kind in STATED_FIRST else None
         if value is not None:

@@ -20,7 +20,7 @@ AXES_OF_PLANE = {Plane.XY: (0, 1, 2), Plane.XZ: (0, 2, 1), Plane.YZ: (1, 2, 0)}
 """Columns of the two axes of a plane, and of the one across it."""
 CLAMPED = 3
 """The axis that M26 clamps (Eding 3.5.9): A."""
-APART = "a motion that is no part of the contour"
+APART = "a motion that is not part of the contour"
 
 
 def go(
@@ -34,7 +34,7 @@ def go(
     """
     s = run.modal
     if s.compensation is not None and programmed is None:
-        raise Refusal(codes.COMPENSATION_UNKNOWN.at(span, cause=APART, hint="G40 before"))
+        raise Refusal(codes.COMPENSATION_UNKNOWN.at(span, cause=APART, hint="program G40 before"))
     if s.refused_at is not None:
         refused_lines.tell(run, target, span)
     if s.jumped:
@@ -70,10 +70,10 @@ def _look_at(run: Run, target: list[Position], span: Span) -> None:
         way = target[CLAMPED].minus(s.position[CLAMPED])
         name = AXIS_NAMES[CLAMPED].upper()
         if way.form:
-            cause = "whether the clamped axis moves"
+            cause = "the move of the clamped axis"
             raise Refusal(codes.UNKNOWN_VALUE.at(span, word=name, cause=cause, why=NOBODY))
         if abs(way.value) > 1e-9:
-            raise Refusal(codes.AXIS_CLAMPED.at(span, axis=name, hint="M27 before"))
+            raise Refusal(codes.AXIS_CLAMPED.at(span, axis=name, hint="program M27 before"))
     if s.drives_were_off and target != s.position:
         s.drives_were_off = False
         run.fail(codes.DRIVES_WERE_OFF.at(span))

@@ -36,7 +36,7 @@ def or_open(run: Run, value: Value, name: str, *, positive: bool = False) -> flo
         return value.high
     if value.low < 0.0 or (positive and value.low <= 0.0):
         ends = "above 0" if positive else "not negative"
-        run.assumed[f"{name}, which depends on {value.cause}, is {ends}"] = None
+        run.assumed[f"{name}, which depends on {value.cause}, is assumed {ends}"] = None
     return math.nan
 
 

@@ -67,5 +67,5 @@ class OpenSettings:
 def note(setting: Unmodelled, machine: Machine, findings: Findings, met: Span | None = None) -> None:
     """GP605 at the place of a setting; met: the line of the job that touches it."""
     span = Span(setting.file or machine.name, max(1, setting.line))
-    related = () if met is None else (Related(met, "this line rests on it"),)
+    related = () if met is None else (Related(met, "this line depends on it"),)
     findings.add(codes.NOT_MODELLED_SETTING.at(span, key=setting.text, related=related))

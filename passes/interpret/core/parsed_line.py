@@ -101,7 +101,7 @@ def gather(rules: LanguageRules, span: Span, words: list[tuple[str, Value, Span]
             line.rules.append(rule)
             line.code_spans.append(where)
         elif letter not in LETTERS:
-            raise Refusal(codes.SYNTAX.at(where, what=f"{letter} is not a word of this controller"))
+            raise Refusal(codes.SYNTAX.at(where, what=f"this controller has no word {letter}"))
         elif letter in line.values:
             raise Refusal(codes.REPEATED_WORD.at(where, letter=letter))
         else:
@@ -123,7 +123,7 @@ def _code(rules: LanguageRules, letter: str, value: Value, where: Span) -> CodeR
         raise Refusal(codes.UNKNOWN_CODE.at(where, code=f"{letter}{value:g}"))
     rule = rules.codes.get((letter, tenths))
     if rule is None and (letter, tenths) in rules.later:
-        what = f"{letter}{value:g}, which the manual does not have,"
+        what = f"{letter}{value:g}, which is not in the manual,"
         raise Refusal(codes.UNSUPPORTED_CODE.at(where, code=what))
     if rule is None:
         raise Refusal(codes.UNKNOWN_CODE.at(where, code=f"{letter}{value:g}"))

@@ -80,7 +80,7 @@ class PathExploration(FlowPart):
         if self.run.branches > EXACT and self._is_followed(place):
             raise ProgramEnd
         if self.run.branches + 2 > self.run.max_branches:
-            hint = "--max-branches follows more outcomes" if self.run.max_branches else ""
+            hint = "raise --max-branches to follow more branches" if self.run.max_branches else ""
             raise Refusal(codes.UNKNOWN_CONDITION.at(span, cause=cause, hint=hint))
         # What variables may be is more by now where outcomes are joined.
         self._key = self.state_key(place) if self.run.branches > EXACT else key
@@ -129,7 +129,7 @@ class PathExploration(FlowPart):
             return idle
         far = {number for number in counters if self.is_far(number)}
         for number in sorted(counters - far):
-            self.run.assumed[f"{self.name(number)}, which only counts, stays within its 32 bits (11)"] = None
+            self.run.assumed[f"{self.name(number)} only counts and stays within 32 bits (11)"] = None
         return idle - far
 
     def is_far(self, number: int) -> bool:

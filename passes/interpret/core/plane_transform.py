@@ -167,7 +167,7 @@ def at_start(modal: Modal) -> Transform:
     origin, doubt = (modal.offset(0), modal.offset(1)), ""
     uniform = factors[0] if factors[0] == factors[1] else 1.0
     if modal.machine.controller.diameter_programming:
-        origin, doubt = (NOWHERE, NOWHERE), "what the setup's rotation or scaling makes of diameters"
+        origin, doubt = (NOWHERE, NOWHERE), "the effect of the setup's rotation or scaling on diameters"
     return Transform(
         rotated=angle != 0.0, scaled=factors != (1.0, 1.0), angle=angle, factors=factors,
         center=(stated.x, stated.y), origin=origin, doubt=doubt, uniform=uniform,

@@ -151,7 +151,7 @@ def _name_line(run: Run, finding: Finding) -> None:
 
 def forget(s: Modal, lost: frozenset[str], axes: frozenset[int], span: Span) -> None:
     """Leave nothing of these groups in the state."""
-    cause = f"line {span.line}, which is refused"
+    cause = f"line {span.line}, which was refused"
     if lost & {g.PLACE, g.TOOL} and s.has_offset_path:
         lost |= {g.RADIUS}  # where its contour goes on is lost
     if g.PLACE in lost or lost & g.OF_PLACES:
@@ -299,10 +299,10 @@ def tell(run: Run, target: list[Position], span: Span) -> None:
     names = "every axis" if len(lost) == len(run.machine.axes) else " ".join(lost)
     modes = [group for group in g.ORDER if group in s.unknown_modes & g.OF_PLACES]
     shown = ", ".join(modes[:NAMED]) + (f" and {len(modes) - NAMED} more modes" if len(modes) > NAMED else "")
-    again = f"state again {shown}; then " if modes else ""
+    again = f"program {shown} again; then " if modes else ""
     finding = codes.POSITION_UNKNOWN.at(
-        span, axis=names, cause=f"line {where.line}, which is not followed",
-        hint=f"put that line right; or after it: {again}send the axes to a place",
+        span, axis=names, cause=f"line {where.line}, which gproof cannot follow",
+        hint=f"fix that line; or after it: {again}move the axes to a known position",
         related=(Related(where, "this line may have changed it"),),
     )  # fmt: skip
     run.refuse(finding)

@@ -168,12 +168,12 @@ class Run:
         if self.blocks > self.budget:
             laps = [*self.flow.widening.laps.values(), *self.flow.widening.counted.values()]
             longest = max(laps, key=lambda lap: lap.count, default=None)
-            hint, related = "--max-blocks raises it", tuple[Related, ...]()
+            hint, related = "raise it with --max-blocks", tuple[Related, ...]()
             if len(self.flow.called) > 1:
-                hint = f"calls within calls: {' > '.join(self.flow.called)}; {hint}"
+                hint = f"check the nested calls: {' > '.join(self.flow.called)}; {hint}"
             if longest is not None:
-                hint = f"the loop here has come to pass {longest.count}; {hint}"
-                span, related = longest.span, (Related(span, "here the last one of them was executed"),)
+                hint = f"check the loop here, at pass {longest.count}; {hint}"
+                span, related = longest.span, (Related(span, "the last block was executed here"),)
             raise Refusal(codes.STEP_BUDGET.at(span, budget=self.budget, hint=hint, related=related))
         now = time.monotonic()
         if now - self._rang < SOON:
@@ -220,7 +220,7 @@ class Run:
     def tell_rest(self, finding: Finding) -> None:
         """GP304 for all that comes after an accepted error which ends the run."""
         if (finding.code.number, finding.span) in self.accepted:
-            cause = f"line {finding.span.line}, after which nothing can be followed"
+            cause = f"line {finding.span.line}, after which gproof cannot follow the job"
             self.findings.add(codes.POSITION_UNKNOWN.at(finding.span, axis="every axis", cause=cause))
 
     def refuse(self, finding: Finding, *, told: bool = False) -> None:
@@ -232,9 +232,10 @@ class Run:
         """A code that tells that the program ends itself: a note where that is one outcome of several."""
         return code.as_note() if any(frame.group is not None for frame in self.flow.stack) else code
 
-    def note_stop(self, line: Line, text: str) -> None:
-        """GP510: the job waits here for the operator."""
-        self.findings.add(codes.OPERATOR_STOP.at(line.span, code=text))
+    def note_stop(self, line: Line, text: str, *, tool: bool = False) -> None:
+        """GP243: the job waits here for the operator; tool: who changes the tool."""
+        code = codes.TOOL_CHANGE_STOP if tool else codes.OPERATOR_STOP
+        self.findings.add(code.at(line.span, code=text))
 
     def edge(self, wait: Wait, outcome: str, target: int, span: Span) -> Edge:
         """An edge of the section that runs, from the line of a span."""
@@ -323,7 +324,7 @@ class Run:
             return self.dialect.input(self, node)
         value = self.dialect.named(self, node)
         if self.modal.unknown_modes and len(node.name) > 1:
-            return Unknown(f"{node.name} behind a refused line")
+            return Unknown(f"{node.name} after a refused line")
         return value
 
     def _read(self, number: float, span: Span) -> Value:
@@ -342,7 +343,7 @@ class Run:
         if (whole, span) not in self._beyond_list:
             self._beyond_list.add((whole, span))
             hint = TOOL_ZERO.hint if entry.kind == "tool_zero" else ""
-            what = f"#{whole}, which is not in the list of the manual,"
+            what = f"#{whole}, which is not in the manual's list,"
             self.fail(codes.UNSUPPORTED_CODE.at(span, code=what, hint=hint))
         return False
 
@@ -356,7 +357,7 @@ class Run:
         name = self.evaluator.names.get(whole, own)
         if value.cause == behind_loop(name) and (whole, span) not in self._loop_variables:
             self._loop_variables.add((whole, span))
-            self.findings.add(codes.LOOP_VARIABLE.at(span, name=name, hint="use a variable of its own behind the loop"))
+            self.findings.add(codes.LOOP_VARIABLE.at(span, name=name, hint="use another variable after the loop"))
         if value.cause != own:
             return value
         if whole in self.modal.setup.parameter_ranges:

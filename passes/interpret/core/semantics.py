@@ -201,7 +201,7 @@ class Dialect(Generic[R_contra]):
     def input(self, run: R_contra, node: Input) -> Value:
         """An input of the controller; Refusal GP113 where a program reads none."""
         if node.kind == "outside":
-            return Unknown("what another device gives")
+            return Unknown("the value from another device")
         raise Refusal(codes.UNSUPPORTED_CODE.at(node.span, code=node.kind))
 
     def unsupported(self, run: R_contra, node: Unsupported) -> None:

@@ -46,7 +46,7 @@ from gproof.passes.interpret.core.run import ProgramEnd
 if TYPE_CHECKING:
     from gproof.passes.interpret.core.control_flow import ControlFlow
 
-_OFTEN = "how often the loop runs"
+_OFTEN = "the number of loop passes"
 FEW_FIRST = 16
 """So many first values of a loop are followed one by one."""
 MAX_NESTED = 200
@@ -104,8 +104,8 @@ class StatementOrder(FlowPart):
         """Why a jump to a label is not followed."""
         bodies = [self.run.program.body, *(sub.body for sub in self.run.program.subprograms.values())]
         if any(_has_label(body, name) for body in bodies):
-            return f"a jump to label {name}, which stands in a block or a subprogram that is not running,"
-        return f"a jump to label {name}, which is nowhere,"
+            return f"a jump to label {name}, inside a block or subprogram that is not running,"
+        return f"a jump to label {name}, which does not exist,"
 
     def _leave_frames(self, depth: int, at: int) -> None:
         """End the blocks inside frame ``depth``, which goes on at ``at``."""
@@ -278,7 +278,7 @@ class StatementOrder(FlowPart):
             self.flow.hot_blocks.run_pending()
             if not self._is_counted(frame, node, number):
                 name = node.variable.name or self.run.program.rules.name_of(number)
-                what = f"a for loop whose variable {name} its body changes"
+                what = f"a for loop that changes its own variable {name}"
                 raise Refusal(codes.UNSUPPORTED_CODE.at(node.span, code=what))
         if frame.is_open:
             return None
@@ -361,7 +361,7 @@ class StatementOrder(FlowPart):
         self.run.dialect.at_jump(self.run, node.span, node.code or "M17")
         place = next((n for n in reversed(range(len(self.flow.stack))) if self.flow.stack[n].caller is not None), -1)
         if place < 0:
-            hint = "a file of subprograms is no job: check the one that includes it ($I)"
+            hint = "check the job that includes this file ($I): a file of subprograms is not a job"
             what = f"{node.code or 'M17'} outside of a subprogram"
             raise Refusal(codes.UNSUPPORTED_CODE.at(node.span, code=what, hint=hint))
         frame = self.flow.stack[place]
@@ -379,7 +379,7 @@ class StatementOrder(FlowPart):
         elif last is not None:
             line = (getattr(last, "end_span", None) or last.span).line
         span = Span(self.run.trace.files[self.run.file], line or max(1, self.run.program.line_count))
-        hint = "M17 at its end" if isinstance(node, Subprogram) else "M30 or M02 at its end"
+        hint = "end it with M17" if isinstance(node, Subprogram) else "end it with M30 or M02"
         finding = codes.MODULE_END.at(span, name=name, hint=hint)
         self.run.refused = True
         self.run.fail(finding, told=(node.name if isinstance(node, Subprogram) else "") in self.run.program.unended)

@@ -41,5 +41,5 @@ def owned(line: Line, rule: CodeRule, letters: str) -> None:
             continue
         for other in line.rules:
             if other is not rule and other.function in _TAKERS[letter]:
-                what = f"{letter} beside both {rule.text} and {other.text}"
+                what = f"{letter} together with both {rule.text} and {other.text}"
                 raise Refusal(codes.UNSUPPORTED_CODE.at(line.where(letter), code=what))

@@ -129,16 +129,16 @@ def note_assumptions(run: Run, line: Line, rule: CodeRule) -> None:
             wanted = (text for key, text in names.items() if key not in stated)
             left = [text for text in wanted if text != X_OFFSET or _x_offsets(run)]
             if left:
-                run.assumed[f"no {' and no '.join(left)} is in force at the start"] = None
+                run.assumed[f"no {' and no '.join(left)} is active at the start"] = None
         if "path" not in stated and _beside_bodies(run):
-            run.assumed["no rounding of corners (G64 P) and no joining of lines (Q) is in force at the start"] = None
+            run.assumed["no corner rounding (G64 P) and no joining of lines (Q) is active at the start"] = None
     if "distance" not in stated:
         run.assumed["the job starts in absolute distances (G90)"] = None
     if "plane" not in stated and rule.group == "G1" and rule.function not in (F.TRAVERSE, F.FEED):
         plane = "XZ plane (G18)" if run.modal.plane is Plane.XZ else "XY plane (G17)"
         run.assumed[f"the job starts in the {plane}"] = None
     if "retract" not in stated and rule.function in CYCLES:
-        run.assumed["the job starts with cycles that return to where they began (G98)"] = None
+        run.assumed["the job starts with return to the initial level in cycles (G98)"] = None
     if "head" not in stated and _heads_apart(run) and run.modal.setup.default_offset is None:
         run.assumed["the job starts with the first spindle (M90)"] = None
 
@@ -169,7 +169,7 @@ def need_feed(run: Run, line: Line, rule: CodeRule) -> None:
     if s.feed == 0.0:
         raise Refusal(codes.FEED_MISSING.at(line.span, code=rule.text))
     if s.feed_mode == 95 and s.spindle_direction == 0:
-        hint = "give S and start the spindle before"
+        hint = "program S and start the spindle before"
         run.findings.add(codes.SPINDLE_UNKNOWN.at(line.span, code="G95", hint=hint))
     elif s.feed_mode == 95:
         note_speed_unknown(run, line, "G95")

@@ -155,7 +155,7 @@ def _back_bore(run: Run, line: Line, rule: CodeRule, sticky: dict[str, float]) -
     if run.modal.transform.on and (found["I"] or found["J"]):
         raise Refusal(codes.TRANSFORM_OPEN.at(line.span, what=f"whether I and J of {rule.text} turn with G68 or G51"))
     if run.machine.controller.diameter_programming and found["I"]:
-        what = f"I of {rule.text} with diameter programming (it counts along X: a diameter or a radius)"
+        what = f"I of {rule.text} with diameter programming (along X: a diameter or a radius)"
         raise Refusal(codes.UNSUPPORTED_CODE.at(line.where("I"), code=what))
     return {letter: value for letter, value in found.items() if value is not None}
 
@@ -211,7 +211,7 @@ def _check_rotary(run: Run, line: Line, rule: CodeRule) -> None:
         if isinstance(value, Unknown):
             raise Refusal(not_known(line.span, AXIS_NAMES[axis].upper(), value))
         if axis in run.modal.transform.loose and value != 0.0:
-            what = f"whether G51 P scales {AXIS_NAMES[axis].upper()}, which may not move with {rule.text},"
+            what = f"whether G51 P scales {AXIS_NAMES[axis].upper()}, which must not move with {rule.text},"
             raise Refusal(codes.TRANSFORM_OPEN.at(line.span, what=what))
         moved = place_of(run, axis, value).minus(run.modal.position[axis])
         if moved.form or abs(moved.value) > 1e-9:
@@ -244,13 +244,13 @@ def _rise(run: Run, line: Line, drill: int, r: Position) -> None:
         if ends is None:
             raise Refusal(
                 codes.POSITION_UNKNOWN.at(
-                    line.span, axis=AXIS_NAMES[drill].upper(), cause="where the tool is before the cycle",
+                    line.span, axis=AXIS_NAMES[drill].upper(), cause="the tool position before the cycle",
                     hint=f"move {AXIS_NAMES[drill].upper()} to a programmed height first",
                 )
             )  # fmt: skip
         height = at if ends[0] >= ends[1] else run.unknown_place(RISEN, drill, ends, Position(0.0))
         run.risen[at, r] = run.risen[height, r] = height
-        run.assumed["R of canned cycles lies within the limits of its axis"] = None
+        run.assumed["R of canned cycles is within the limits of its axis"] = None
     along(run, line, drill, height, Op.TRAVERSE)
 
 

@@ -43,7 +43,7 @@ def _home(run: Run, node: Device) -> None:
         if not run.modal.has_axis(axis):
             raise Refusal(codes.AXIS_NOT_THERE.at(node.span, axis=name.upper()))
         if axis == CLAMPED and run.modal.clamped:
-            run.fail(codes.AXIS_CLAMPED.at(node.span, axis=name.upper(), hint="M27 before"))
+            run.fail(codes.AXIS_CLAMPED.at(node.span, axis=name.upper(), hint="program M27 before"))
         run.modal.position[axis] = run.unknown_place("home", axis, (-math.inf, math.inf), Position(0.0))
     run.modal.unhomed -= {AXIS_NAMES.index(name) for name in names}
     run.assumed["homing moves do not leave the machine"] = None
@@ -63,7 +63,7 @@ def _laf_angle(run: Run, node: Device) -> None:
     if isinstance(value, Unknown):
         raise Refusal(codes.UNKNOWN_CONDITION.at(node.span, cause=value.cause))
     if not 0 <= value <= 180:
-        what = f"a look-ahead angle of {value:g} degrees; 0 to 180 make sense"
+        what = f"a look-ahead angle of {value:g} degrees; 0 to 180 degrees make sense"
         raise Refusal(codes.ARITHMETIC.at(node.span, what=what))
     run.modal.laf_angle = value
     run.state_changed()

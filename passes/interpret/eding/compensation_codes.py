@@ -57,10 +57,10 @@ def switch(run: Run, line: Line) -> None:
     line.used.add("D")
     where = line.where_code(rule)
     if s.compensation is not None:
-        hint = "end the contour before with G40"
+        hint = "end the contour with G40 before"
         raise Refusal(codes.COMPENSATION_ALREADY_ON.at(where, code=rule.text, hint=hint))
     if s.plane is Plane.YZ:
-        raise Refusal(codes.COMPENSATION_PLANE.at(where, code=rule.text, plane="YZ", hint="select G17 before"))
+        raise Refusal(codes.COMPENSATION_PLANE.at(where, code=rule.text, plane="YZ", hint="program G17 before"))
     tool = None if rule.value else _table_entry(run, line)
     diameter = _given_diameter(run, line, rule) if rule.value else _tool_diameter(run, line, tool)
     side = 1 if rule.function is F.COMPENSATION_LEFT else -1
@@ -85,7 +85,7 @@ def _table_entry(run: Run, line: Line) -> int | None:
     s = run.modal
     if value is None:
         if s.tool is None:
-            hint = "name it with T and M6 or in the setup, or give D"
+            hint = "program T and M6, state tool in the setup file, or program D"
             run.fail(codes.COMPENSATION_RADIUS_UNKNOWN.at(line.span, cause="the tool in the spindle", hint=hint))
         return s.tool
     where = line.where("D")
@@ -96,7 +96,7 @@ def _table_entry(run: Run, line: Line) -> int | None:
     number = line.whole("D", rules.integer_tolerance)
     assert number is not None
     if number < 0:
-        raise Refusal(codes.COMPENSATION_TOOL_NEGATIVE.at(where, value=number, hint="G40 ends a compensation"))
+        raise Refusal(codes.COMPENSATION_TOOL_NEGATIVE.at(where, value=number, hint="end the compensation with G40"))
     if number > rules.highest_tool:
         raise Refusal(codes.COMPENSATION_TOOL_RANGE.at(where, value=number, highest=rules.highest_tool))
     return number
@@ -106,10 +106,12 @@ def _tool_diameter(run: Run, line: Line, tool: int | None) -> float | None:
     if tool is None:
         return None
     if tool == 0 and "D" not in line.values:
-        run.findings.add(codes.COMPENSATION_WITHOUT_TOOL.at(line.span, hint="tool 0 is no tool; D names another"))
+        run.findings.add(
+            codes.COMPENSATION_WITHOUT_TOOL.at(line.span, hint="program D of another tool: tool 0 means no tool")
+        )
     value = run.modal.tool_diameter(tool)
     if isinstance(value, Unknown):
-        hint = "give it in the tool table of the machine file"
+        hint = "state it in the tool table of the machine file"
         run.fail(codes.COMPENSATION_RADIUS_UNKNOWN.at(line.where("D"), cause=value.cause, hint=hint))
         return None
     return value
@@ -130,7 +132,7 @@ def _view(run: Run, where: Span) -> int | None:
     """1 where left in the XZ plane is left as seen from positive Y, -1 from negative Y; None: not known, and told."""
     view = run.machine.controller.xz_seen_from
     if view is None:
-        cause = "the side from which arcs and sides in the XZ plane are seen"
+        cause = "the viewing side for arcs and sides in the XZ plane"
         run.fail(codes.COMPENSATION_LATHE_UNKNOWN.at(where, cause=cause, hint=VIEW_HINT))
         return None
     return -1 if view == "-y" else 1
@@ -149,8 +151,10 @@ def _nose(run: Run, where: Span, tool: int | None, diameter: float | None) -> tu
         if nose is not None and mine == its and (nose == (0, 0) or diameter is None or diameter >= 0):
             return nose
         if nose is not None:
-            cause = "two tools of different orientation" if mine != its else "a negative diameter with an orientation"
-    hint = "give it (1 to 9) in the tool table of the machine file"
+            cause = (
+                "two tools with different orientations" if mine != its else "a negative diameter with an orientation"
+            )
+    hint = "state it (1 to 9) in the tool table of the machine file"
     run.fail(codes.COMPENSATION_LATHE_UNKNOWN.at(where, cause=cause, hint=hint))
     return None
 
@@ -190,14 +194,14 @@ def keep_tool_and_head(comp: Compensation | None, before: list[Position], modal:
 def no_parking(modal: Modal, line: Line, rule: CodeRule) -> None:
     """Refusal GP251 for G28 and G30 [6]."""
     if modal.compensation is not None:
-        raise Refusal(codes.PARK_WITH_COMPENSATION.at(line.where_code(rule), code=rule.text, hint="G40 before"))
+        raise Refusal(codes.PARK_WITH_COMPENSATION.at(line.where_code(rule), code=rule.text, hint="program G40 before"))
 
 
 def no_probing(modal: Modal, line: Line, rule: CodeRule) -> None:
     """Refusal GP248 for a probing move [3]."""
     if modal.compensation is not None:
         where = line.where_code(rule) if rule in line.rules else line.span
-        raise Refusal(codes.PROBE_WITH_COMPENSATION.at(where, code=rule.text, hint="G40 before"))
+        raise Refusal(codes.PROBE_WITH_COMPENSATION.at(where, code=rule.text, hint="program G40 before"))
 
 
 # -- moves
@@ -294,7 +298,7 @@ def _known(run: Run, line: Line, comp: Compensation, target: list[Position]) -> 
     s = run.modal
     a, b = comp.axes
     if comp.left is not None and comp.left != (s.position[a], s.position[b]):
-        run.fail(codes.COMPENSATION_UNKNOWN.at(line.span, cause=APART, hint="G40 before"))
+        run.fail(codes.COMPENSATION_UNKNOWN.at(line.span, cause=APART, hint="program G40 before"))
         return None
     start = comp.programmed or (s.position[a], s.position[b])
     for axis, at in zip(comp.axes, start, strict=True):
@@ -376,13 +380,13 @@ def _leave(modal: Modal) -> None:
 def _finding(span: Span, fault: Fault, radius: float) -> Finding:
     match fault.trouble:
         case Trouble.CONCAVE_CORNER:
-            hint = f"program an arc larger than {radius:.4f} mm in it, or take the other side of the contour"
+            hint = f"program an arc larger than {radius:.3f} mm in it, or use the other side of the contour"
             return codes.CONCAVE_CORNER.at(span, degrees=fault.number, radius=radius, hint=hint)
         case Trouble.GOUGING:
-            hint = "the first move must lie in the plane and be longer than the tool's radius"
+            hint = "make the first move in the plane and longer than the tool radius"
             return codes.CUTTER_GOUGING.at(span, distance=fault.number, radius=radius, hint=hint)
         case Trouble.ARC_TOO_SMALL:
-            hint = "a smaller tool, or a larger arc"
+            hint = "use a smaller tool or a larger arc"
             return codes.ARC_TOO_SMALL_FOR_TOOL.at(span, arc=fault.number, radius=radius, hint=hint)
-    hint = "a straight first move is easier"
+    hint = "start with a straight move"
     return codes.ENTRY_ARC.at(span, distance=fault.number, needed=fault.other, hint=hint)

@@ -143,7 +143,7 @@ def _back_bore(run: Run, line: Line, hole: Hole) -> None:
         beside[axis] = at[axis].moved(distance)
     spindle = run.modal.machine.spindle(run.modal.head)
     if spindle is None or not spindle.oriented_stop:
-        hint = f"where it can, say so in the machine file: oriented_stop under [spindles.{max(0, run.modal.head)}]"
+        hint = f"state oriented_stop under [spindles.{max(0, run.modal.head)}] of the machine file if it can"
         run.findings.add(codes.ORIENTED_STOP.at(line.span, code=hole.rule.text, hint=hint))
     _across(run, line, hole, beside)
     _orient(run, line)

@@ -40,7 +40,9 @@ def _follow(emitter: Run, name: str, *, on: bool) -> None:
 def height_map_on(emitter: Run, node: Device) -> None:
     """Compensation on: with the setup's map, else nobody knows what is added to Z."""
     if not emitter.modal.height_map_known:
-        raise Refusal(codes.HEIGHT_MAP_UNKNOWN.at(node.span, what="switched on, and the setup gives no height map"))
+        raise Refusal(
+            codes.HEIGHT_MAP_UNKNOWN.at(node.span, what="switched on, but the setup file gives no height map")
+        )
     _follow(emitter, HEIGHT_MAP, on=True)
 
 
@@ -53,7 +55,7 @@ def height_map_init(emitter: Run, node: Device) -> None:
     """A new map begins: what will be measured is not known."""
     emitter.modal.height_map_known = False
     if HEIGHT_MAP in emitter.modal.following:
-        raise Refusal(codes.HEIGHT_MAP_UNKNOWN.at(node.span, what="it is on while the map is measured anew"))
+        raise Refusal(codes.HEIGHT_MAP_UNKNOWN.at(node.span, what="it is on while the map is measured again"))
 
 
 def height_map_add(emitter: Run, node: Device) -> None:
@@ -71,7 +73,7 @@ def height_map_load(emitter: Run, node: Device) -> None:
     name = _text(node)
     emitter.modal.height_map_known = stated is not None and name != "" and stated.name.lower() == name
     if not emitter.modal.height_map_known and HEIGHT_MAP in emitter.modal.following:
-        what = f"it is on while the map {name!r} is loaded, which is not that of the setup"
+        what = f"it is on while the map {name!r} is loaded, which is not the map of the setup file"
         raise Refusal(codes.HEIGHT_MAP_UNKNOWN.at(node.span, what=what))
 
 
@@ -84,10 +86,10 @@ def knife_on(emitter: Run, node: Device) -> None:
         value = emitter.evaluator.value(node.arguments[0])
         if isinstance(value, Unknown) or value != 0.0:
             raise Refusal(
-                codes.KNIFE_UNKNOWN.at(node.span, what="a bent one moves X and Y with Z, which is not modelled")
+                codes.KNIFE_UNKNOWN.at(node.span, what="a bent knife moves X and Y with Z, which is not modelled")
             )
     if emitter.machine.knife is None:
-        raise Refusal(codes.KNIFE_UNKNOWN.at(node.span, what="the machine file has none"))
+        raise Refusal(codes.KNIFE_UNKNOWN.at(node.span, what="the machine file has no knife"))
     if emitter.machine.axis(emitter.machine.knife.axis) is None:
         what = f"the machine has no axis {emitter.machine.knife.axis.upper()}"
         raise Refusal(codes.KNIFE_UNKNOWN.at(node.span, what=what))
@@ -104,7 +106,7 @@ def knife_axis(emitter: Run, node: Device) -> None:
     knife = emitter.machine.knife
     name = _text(node)
     if knife is None or name != knife.axis:
-        what = f"moved to the output of {name.upper() or 'another axis'}, which the machine file does not say"
+        what = f"moved to the output of {name.upper() or 'another axis'}, which is not in the machine file"
         raise Refusal(codes.KNIFE_UNKNOWN.at(node.span, what=what))
 
 

@@ -53,7 +53,7 @@ def run_dialog(run: Run, node: Message) -> None:
         answer = s.stated_range(round(number), Unknown(f"the operator's answer in #{number:g}"))
         typed.append((number, answer))
         kept.append(
-            (number, between(f"what #{number:g} holds behind a dialog", hull(s.read(number, node.span), answer)))
+            (number, between(f"the value of #{number:g} after a dialog", hull(s.read(number, node.span), answer)))
         )
     for shown in tools:
         if not run.takes(SHOWN_TOOLS):

@@ -35,7 +35,7 @@ def select(run: Run, line: Line) -> None:
         # The offset becomes that of the present place from the zero of the first spindle: a measurement.
         for axis in range(3):
             s.head_offsets[rule.value, axis] = NOWHERE
-        what = f"Q{calibrate:g} measures the head's offset, which is not known from here"
+        what = f"Q{calibrate:g} measures the offset of the head, which is unknown from here on"
         run.fail(codes.HEAD_MOVE.at(line.where("Q"), code=rule.text, what=what))
     if s.head != rule.value and s.spindle_direction:
         run.findings.add(codes.HEAD_WHILE_TURNING.at(line.where_code(rule), code=rule.text))
@@ -56,7 +56,7 @@ def select(run: Run, line: Line) -> None:
     run.state_changed()
     run.event(Op.HEAD, line.span, arg=(float(rule.value), 0.0))
     if move not in (None, 0.0) and after != before:
-        what = f"P{move:g} moves the head to where the other one was, on a path that the manual does not give"
+        what = f"P{move:g} moves the head to where the other one was, on a path that is not in the manual"
         run.fail(codes.HEAD_MOVE.at(line.where("P"), code=rule.text, what=what))
         for axis in range(3):
             s.position[axis] = NOWHERE
@@ -72,6 +72,7 @@ def _note_unsigned(run: Run, line: Line, rule: CodeRule) -> None:
             run.findings.add(
                 codes.HEAD_OFFSET_OPEN.at(
                     line.where_code(rule), axis=AXIS_NAMES[axis].upper(), code=rule.text, value=value,
-                    hint=f"state what is added to positions: [spindles.{n}] of the machine or [heads.{n}] of the setup",
+                    hint=f"state the offset of the head: [spindles.{n}] of the machine file or [heads.{n}] of the "
+                         "setup file",
                 )
             )  # fmt: skip

@@ -213,8 +213,8 @@ def _axis_owner(run: Run, line: Line) -> CodeRule | None:
     if active is None and run.takes(accepts.KEPT_MOTION):
         return run.motion_rules[int(F.TRAVERSE)]
     if active is None or active.function is F.MOTION_CANCEL:
-        why = "no motion code before" if active is None else "G80"
-        hint = "G0 or G1 on this line says how to go there"
+        why = "no motion code comes before" if active is None else "G80"
+        hint = "program G0 or G1 on this line"
         if active is None:
             hint += f"; {accepts.KEPT_MOTION.hint}"
         raise Refusal(codes.AXIS_WORDS_UNUSED.at(line.span, why=why, hint=hint))
@@ -296,11 +296,11 @@ def _change_tool(run: Run, line: Line) -> None:
         return
     if run.machine.controller.auto_tool_change:
         # The changer's own motion stands in a change_tool subprogram that was not given: not known.
-        run.fail(codes.UNSUPPORTED_CODE.at(line.span, code="M6 on a machine that changes tools by itself"))
+        run.fail(codes.UNSUPPORTED_CODE.at(line.span, code="M6 on a machine with automatic tool change"))
     else:
         if changer is None and len(run.program.files) == 1:
             run.assumed["no macro file is loaded with the job, so that M6 runs no change_tool (4.3)"] = None
-        run.note_stop(line, "M6")
+        run.note_stop(line, "M6", tool=True)
         run.end_section(Wait.TOOL_CHANGE, "tool changed", None, line.span)
 
 
@@ -393,10 +393,10 @@ def _path_mode(run: Run, line: Line) -> None:
     simplify, angle = width_or_open(run, line, "Q", rule.text), line.number("R")
     for letter, value in (("P", tolerance), ("Q", simplify)):
         if value is not None and value < 0.0:
-            what = f"a path can not be kept within {value:g}"
+            what = f"a path tolerance of {value:g} is not possible"
             raise Refusal(codes.ILLEGAL_VALUE.at(line.where(letter), word=letter, what=what))
     if angle is not None and not 0.0 <= angle <= 180.0:
-        what = f"a look-ahead angle of {angle:g} degrees; 0 to 180 make sense"
+        what = f"a look-ahead angle of {angle:g} degrees; 0 to 180 degrees make sense"
         raise Refusal(codes.ILLEGAL_VALUE.at(line.where("R"), word="R", what=what))
     s.path_tolerance = 0.0 if tolerance is None else tolerance * s.unit
     s.simplify = 0.0 if simplify is None else simplify * s.unit

@@ -44,18 +44,20 @@ def motion(run: Run, line: Line, rule: CodeRule) -> None:
         raise Refusal(codes.G53_NEEDS_G0_G1.at(line.where_code(machine), mode=rule.text))
     comp = run.modal.compensation
     if comp is not None and machine is not None:
-        raise Refusal(codes.G53_WITH_COMPENSATION.at(line.where_code(machine), hint="G40 before"))
+        raise Refusal(codes.G53_WITH_COMPENSATION.at(line.where_code(machine), hint="program G40 before"))
     if rule.function is F.PROBE:
         compensated.no_probing(run.modal, line, rule)
     if comp is not None and rule.function in (*CYCLES, F.THREADING):
         # 3.4.19 calls G76 a canned cycle too.
-        raise Refusal(codes.CYCLE_WITH_COMPENSATION.at(line.span, code=rule.text, hint="G40 before"))
+        raise Refusal(codes.CYCLE_WITH_COMPENSATION.at(line.span, code=rule.text, hint="program G40 before"))
     if rule.function in CYCLES:
         run_cycle(run, line, rule)
         return
     if rule.function in SYNCHRONISED and comp is not None:
-        what = f"whether {rule.text} follows the contour and still the spindle, of which no section speaks"
-        raise Refusal(codes.COMPENSATION_UNKNOWN.at(line.where_code(rule), cause=what, hint="G40 before"))
+        what = (
+            f"{rule.text} during compensation (the manual does not say whether it follows the contour and the spindle)"
+        )
+        raise Refusal(codes.COMPENSATION_UNKNOWN.at(line.where_code(rule), cause=what, hint="program G40 before"))
     if rule.function is F.THREADING:
         run_threading(run, line, rule)
         return
@@ -113,9 +115,9 @@ def _arc(run: Run, line: Line, rule: CodeRule, target: list[Position]) -> None:
     if wrong in line.values:
         raise Refusal(codes.UNUSED_WORD.at(line.where(wrong), word=f"{wrong} (out of the arc's plane)"))
     if radius is not None and center_words != (None, None):
-        raise Refusal(codes.UNUSED_WORD.at(line.where("R"), word="R beside a centre"))
+        raise Refusal(codes.UNUSED_WORD.at(line.where("R"), word="R together with a centre"))
     if s.xz_view_open:
-        cause = "the side from which arcs in the XZ plane are seen"
+        cause = "the viewing side for arcs in the XZ plane"
         raise Refusal(codes.ARC_UNKNOWN.at(line.span, cause=cause, hint=compensated.VIEW_HINT))
     turns = 1 if (rule.function is F.ARC_CCW) != s.xz_mirrored else -1
     factor = check_arc(run, line)
@@ -179,7 +181,7 @@ def _absolute_center(
 ) -> list[float]:
     center = []
     if None in words:
-        raise Refusal(codes.ARC_UNKNOWN.at(line.span, cause="a centre word left out with absolute centres on"))
+        raise Refusal(codes.ARC_UNKNOWN.at(line.span, cause="a missing centre word with absolute centres on"))
     if run.machine.controller.diameter_programming and axes[0] == 0 and words[0]:
         raise Refusal(codes.ARC_UNKNOWN.at(line.span, cause="an absolute centre I with diameter programming"))
     s = run.modal

@@ -45,7 +45,9 @@ def takes_speed(line: Line) -> bool:
         return False
     spindle = line.find(*_SPINDLES)
     if spindle is not None and "S" in line.values:
-        raise Refusal(codes.UNSUPPORTED_CODE.at(line.span, code=f"S beside both {owner.text} and {spindle.text}"))
+        raise Refusal(
+            codes.UNSUPPORTED_CODE.at(line.span, code=f"S together with both {owner.text} and {spindle.text}")
+        )
     return True
 
 

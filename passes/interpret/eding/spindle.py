@@ -42,13 +42,13 @@ def note_speed_unknown(run: Run, line: Line, code: str) -> None:
     s = run.modal
     if not math.isnan(true_rpm(s)):
         return
-    hint = "give S and start the spindle before"
+    hint = "program S and start the spindle before"
     if s.surface_speed_mode:
-        hint = "at constant surface speed (G96) it changes along the move"
+        hint = "program G97 before: at constant surface speed (G96) the speed changes along the move"
     elif not s.speed_override_known:
-        hint = "M51 changed it by a factor whose unit the manual does not give"
+        hint = "program S again: M51 changed the speed by a factor whose unit is not in the manual"
     elif not math.isnan(commanded_rpm(s)):
-        hint = "S is beyond what the spindle can do"
+        hint = "program an S within the range of the spindle"
     run.findings.add(codes.SPINDLE_UNKNOWN.at(line.span, code=code, hint=hint))
 
 

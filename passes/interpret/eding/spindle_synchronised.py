@@ -37,7 +37,7 @@ def run_synchronised(run: Run, line: Line, rule: CodeRule, target: list[Position
     for axis in line.axes():
         if axis >= 3:
             word = AXIS_NAMES[axis].upper()
-            raise Refusal(codes.UNUSED_WORD.at(line.where(word), word=f"{word} beside {rule.text}"))
+            raise Refusal(codes.UNUSED_WORD.at(line.where(word), word=f"{word} together with {rule.text}"))
     owned(line, rule, "K")
     pitch = number_or_open(run, line, "K", rule.text, positive=True)
     if pitch is None or pitch <= 0:
@@ -45,7 +45,7 @@ def run_synchronised(run: Run, line: Line, rule: CodeRule, target: list[Position
         raise Refusal(codes.WORD_MISSING.at(line.where("K"), code=rule.text, needed=f"K{given}"))
     if math.isnan(pitch):
         # Whether an axis can follow (3.4.9) rests on it as the feed does.
-        cause = "K, which nobody stated"
+        cause = "K, whose value is unknown"
         run.findings.add(codes.FEED_UNKNOWN.at(line.where("K"), code=rule.text, cause=cause))
     need_turning(run, line, rule)
     pitch *= s.unit

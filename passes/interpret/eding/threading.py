@@ -68,7 +68,7 @@ def run_threading(run: Run, line: Line, rule: CodeRule) -> None:
             word = AXIS_NAMES[axis].upper()
             raise Refusal(codes.THREAD_WORD.at(line.where(word), code=rule.text, what=f"it takes no {word} word"))
     if s.transform.on:
-        what = f"{rule.text} while G68 or G51 turns or scales X, in which it counts its depth"
+        what = f"{rule.text} while G68 or G51 turns or scales X, along which it counts its depth"
         raise Refusal(codes.TRANSFORM_OPEN.at(line.span, what=what))
     missing = [letter for letter in "PZIJK" if letter not in line.values]
     if missing:
@@ -100,7 +100,7 @@ def _check_words(line: Line, rule: CodeRule, words: dict[str, float | None]) -> 
         if value is not None and value < 0:
             raise refuse(letter, f"{letter}{value:g} is negative")
         if value == 0 and letter in "PJK":
-            raise refuse(letter, f"{letter}0 never makes a thread")
+            raise refuse(letter, f"{letter}0 makes no thread")
     degression = 1.0 if words["R"] is None else words["R"]
     if degression < 1.0:
         raise refuse("R", f"the degression R{degression:g} is less than 1")
@@ -110,7 +110,7 @@ def _check_words(line: Line, rule: CodeRule, words: dict[str, float | None]) -> 
     for letter, allowed in (("H", None), ("L", (0, 1, 2, 3))):
         value = words[letter] or 0.0
         if value != round(value) or (allowed is not None and value not in allowed):
-            raise refuse(letter, f"{letter}{value:g} is {'none of 0, 1, 2, 3' if allowed else 'not whole'}")
+            raise refuse(letter, f"{letter}{value:g} is {'not 0, 1, 2 or 3' if allowed else 'not a whole number'}")
     first, full = words["J"] or 0.0, words["K"] or 0.0
     if first > full:
         raise refuse("J", f"the first cut J{first:g} is deeper than the thread, K{full:g}")
@@ -145,7 +145,7 @@ def _thread(run: Run, line: Line, rule: CodeRule, words: dict[str, float | None]
         tapers = 0
     ends = taper * (tapers & _ENTRY > 0) + taper * (tapers & _EXIT > 0)
     if full * slide + ends >= length:
-        raise refuse("Q", "the compound slide leaves nothing of the thread")
+        raise refuse("Q", "the compound slide angle leaves nothing of the thread")
     return _Thread(
         rule=rule, x=x, start=start, end=end, inward=math.copysign(1.0, peak), peak=abs(peak), full=full,
         pitch=(words["P"] or 0.0) * s.unit, slide=slide, taper=taper, tapers=tapers,

@@ -78,14 +78,14 @@ def _doubts(run: Run, line: Line, rule: CodeRule, before: tuple[object, ...]) ->
     if run.machine.controller.diameter_programming:
         return f"{rule.text} on a machine with diameter programming"
     if rule.function is F.ROTATION_ON and not s.absolute:
-        return f"{rule.text} in incremental distances (G91): its X and Y could be either"
+        return f"{rule.text} in incremental distances (G91): its X and Y may be absolute or incremental"
     if before != frame_of(s, line):
-        return f"{rule.text} beside a change of units or coordinate system"
+        return f"{rule.text} together with a change of units or coordinate system"
     if s.compensation is not None:
         return f"{rule.text} while cutter radius compensation is on"
     other = next((code for code in line.rules if code.function not in _BESIDE), None)
     if other is not None:
-        return f"{rule.text} beside {other.text}: whose each word is"
+        return f"{rule.text} together with {other.text}: which code each word belongs to"
     return ""
 
 
@@ -93,7 +93,7 @@ def _cancel(run: Run, line: Line, rule: CodeRule) -> None:
     s = run.modal
     now = s.transform
     if now.on and not now.open and (0 in line.axes() or 1 in line.axes()) and line.find(*_SETS) is None:
-        why = f"whether the words X and Y beside {rule.text} still fall under what it ends"
+        why = f"whether the words X and Y next to {rule.text} still follow the code that it ends"
         s.transform = replace(now, open=why)
         run.fail(codes.TRANSFORM_OPEN.at(line.span, what=why))
         return
@@ -117,7 +117,7 @@ def _rotation(run: Run, line: Line, rule: CodeRule) -> Transform:
     made = replace(now, rotated=True)
     values = _values(line, "RXY")
     if values is None:
-        return replace(made, open=f"{rule.text} with a number that nobody stated")
+        return replace(made, open=f"{rule.text} with an unknown number")
     angle, x, y = values
     if angle is None or ((x is None or y is None) and not (now.scaled and x is None and y is None)):
         return replace(made, open=f"{rule.text} without the point X Y to rotate about")
@@ -133,7 +133,7 @@ def _scaling(run: Run, line: Line, rule: CodeRule) -> Transform:
     made = replace(now, scaled=True, uniform=uniform, tall=is_tall(run.machine))
     values = _values(line, "PXYIJ")
     if values is None:
-        return replace(made, open=f"{rule.text} with a number that nobody stated")
+        return replace(made, open=f"{rule.text} with an unknown number")
     p, x, y, i, j = values
     if p is not None and not (x is None and y is None):
         return replace(made, open=f"{rule.text} with both P and X Y")
@@ -164,14 +164,14 @@ def _about(run: Run, made: Transform, rule: CodeRule, point: Pair | None, again:
         return replace(made, open=now.open)
     if now.rotated or now.scaled:
         if now.origin != (run.modal.offset(0), run.modal.offset(1)):
-            return replace(made, open=f"{rule.text} over another that was given under other offsets")
+            return replace(made, open=f"{rule.text} over another one that was programmed under other offsets")
         if point is not None and point != now.center:
-            return replace(made, open=f"{rule.text} about another point than the one in force")
+            return replace(made, open=f"{rule.text} about another point than the active one")
     if again:
-        run.assumed[f"{rule.text} replaces the one that is in force"] = None
+        run.assumed[f"{rule.text} replaces the active one"] = None
     made = made if point is None else replace(made, center=point)
     if made.factors[0] != made.factors[1] and math.fmod(made.angle, 180.0) != 0.0:
-        return replace(made, open="which comes first, rotation or scaling by different factors,")
+        return replace(made, open="the order of rotation and scaling by different factors,")
     return made
 
 
@@ -194,7 +194,7 @@ def settle(run: Run, span: Span) -> None:
     """Before X or Y move under a transform: GP276 when the offsets are others than those of its point."""
     s = run.modal
     if s.transform.on and not s.transform.open and s.transform.origin != (s.offset(0), s.offset(1)):
-        why = s.transform.doubt or "where the point of G68 or G51 is after the offsets have changed"
+        why = s.transform.doubt or "where the point of G68 or G51 is after a change of offsets"
         s.transform = replace(s.transform, open=why)
         run.fail(codes.TRANSFORM_OPEN.at(span, what=why))
 

@@ -70,7 +70,7 @@ def use_length(run: Run, line: Line, tool: int | None) -> None:
     run.state_changed()
     if tool is None:
         s.tool_offset[2] = NOWHERE
-        run.fail(codes.TOOL_OFFSET_UNKNOWN.at(line.span, hint="name the tool with T and M6, or in the setup"))
+        run.fail(codes.TOOL_OFFSET_UNKNOWN.at(line.span, hint="program T and M6, or state tool in the setup file"))
     else:
         s.tool_offset[2] = _table_length(run, s.length_of(tool), s.parameters.get(TOOL_LENGTH + tool))
         x = s.tool_x_offset(tool)
@@ -92,7 +92,7 @@ def table_written(run: Run, number: int, span: Span) -> None:
     if TOOL_LENGTH < number < TOOL_X_OFFSET + 100:
         run.state_changed()  # rows carry what is known of the tool
     if s.offset_in_use(number):
-        what, hint = f"#{number}", "G10 L2, G92 or selecting the coordinate system again says when it acts"
+        what, hint = f"#{number}", "program G10 L2, G92 or the coordinate system again: then it is clear when it acts"
         run.findings.add(codes.OFFSET_IN_USE.at(span, what=what, hint=hint))
         return
     if not s.offset_tool:
@@ -102,7 +102,7 @@ def table_written(run: Run, number: int, span: Span) -> None:
             s.tool_offset[axis] = NOWHERE
             run.state_changed()
             what = f"#{number} of tool {s.offset_tool}"
-            run.findings.add(codes.OFFSET_IN_USE.at(span, what=what, hint="write G43 behind it"))
+            run.findings.add(codes.OFFSET_IN_USE.at(span, what=what, hint="program G43 after it"))
 
 
 def coordinate_system(run: Run, line: Line) -> None:
@@ -158,7 +158,7 @@ def _note_stored(run: Run, line: Line, rule: CodeRule) -> None:
     s = run.modal
     if rule.function is F.AXIS_OFFSET_RESTORE and "stored" not in s.stated and s.setup.default_offset is None:
         if s.offset_is_stored:
-            run.assumed["#5211 to #5216 hold the G92 offset that is in force at the start"] = None
+            run.assumed["#5211 to #5216 hold the G92 offset that is active at the start"] = None
         # Each axis has its own: what nobody stated is an unknown of its own, wherever the axis goes with it.
         for axis in range(AXES):
             if s.g92_stored[axis] == NOWHERE:
@@ -177,7 +177,7 @@ def _park(run: Run, line: Line, kind: str) -> None:
         if run.modal.has_axis(axis):
             home[axis] = run.modal.park_position(kind, axis)
             if abs(home[axis].value) > LARGEST:
-                what = f"the park position of {AXIS_NAMES[axis].upper()} is beyond every machine"
+                what = f"the park position of {AXIS_NAMES[axis].upper()} is too far away for any machine"
                 raise Refusal(codes.ARITHMETIC.at(line.span, what=what))
     unknown = [AXIS_NAMES[a].upper() for a in range(AXES) if home[a].form == NOWHERE.form]
     if unknown:

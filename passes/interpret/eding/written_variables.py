@@ -45,7 +45,7 @@ def write_tool(run: Run, number: int, value: Value, span: Span, entry: Accepted)
             tool = round(value)
     else:
         shown = "actual tool" if number == TOOL else "new tool during tool change"
-        what = f"a setting of #{number} ({shown}), which the manual does not have,"
+        what = f"a setting of #{number} ({shown}), which is not in the manual,"
         run.fail(codes.UNSUPPORTED_CODE.at(span, code=what, hint=entry.hint))
     if number == NEW_TOOL:
         s.selected_tool = tool

@@ -32,7 +32,7 @@ def count_of(run: McuWinRun, node: Call) -> tuple[int, Value]:
     if value < 0:
         raise Refusal(codes.ILLEGAL_VALUE.at(node.span, word="O", what=f"{value:g} cycles of a subprogram"))
     if value == 0:
-        raise Refusal(codes.UNSUPPORTED_CODE.at(node.span, code="O0 (no cycle of the subprogram, or one)"))
+        raise Refusal(codes.UNSUPPORTED_CODE.at(node.span, code="O0 (the subprogram runs once, or not at all)"))
     return round(value), value
 
 

@@ -108,14 +108,14 @@ def meet(one: Element, other: Element, side: int, tool: float) -> tuple[str, flo
     if inside:
         fitting = [(a, b) for a, b, _ in ways if a > -_SLACK and b > -_SLACK]
         if not fitting:
-            return "an inside corner where the paths beside an arc do not meet", 0.0, 0.0
+            return "an inside corner where the paths next to an arc do not meet", 0.0, 0.0
         first, second = min(fitting, key=sum)
         return "", max(first, 0.0), max(second, 0.0)
     if not ways:
         return "", 0.0, 0.0
     first, second, far = min(ways, key=lambda way: way[2])
     if far > REACH * tool:
-        return "a corner at an arc behind which the paths beside it meet far away", 0.0, 0.0
+        return "a corner after an arc where the paths next to it meet far away", 0.0, 0.0
     return "", max(first, 0.0), max(second, 0.0)
 
 
@@ -154,7 +154,7 @@ def _crossings(one: Element, other: Element, side: int, tool: float) -> list[Poi
 def judge(last: Element | None, new: Element, sides: tuple[int, ...], tool: float) -> tuple[str, Element]:
     """(what is not known of the path beside ``new`` and of the corner before it or "", ``new`` with what it loses)."""
     if new.center is not None and any(new.beside(side, tool) <= _SLACK for side in sides):
-        return f"the inside of an arc of radius {new.radius:g} with a tool of radius {tool:g}", new
+        return f"the inside of an arc of radius {new.radius:g} mm with a tool of radius {tool:g} mm", new
     taken = [0.0, 0.0]
     for side in sides if last is not None else ():
         assert last is not None
@@ -164,6 +164,6 @@ def judge(last: Element | None, new: Element, sides: tuple[int, ...], tool: floa
             return problem, new
         if last.taken[n] + before > last.length + _SLACK or behind > new.length + _SLACK:
             short = min(last.length - last.taken[n] - before, new.length - behind)
-            return f"an inside corner with an element {fixed(-short, 4)} mm too short for it", new
+            return f"an inside corner with an element {fixed(-short, 3)} mm too short for it", new
         taken[n] = behind
     return "", Element(new.start, new.end, new.center, new.turns, (taken[0], taken[1]))

@@ -40,13 +40,13 @@ def foreign(setup: Setup, machine: Machine) -> Iterator[tuple[str, str]]:
     if turned is not None and (
         math.fmod(turned.angle or 0.0, 360.0) or (turned.factor_x or 1.0, turned.factor_y or 1.0) != (1.0, 1.0)
     ):
-        yield "[transform]: no code of this controller rotates or scales", "setup.transform"
+        yield "[transform]: this controller has no code that rotates or scales", "setup.transform"
     if any(ends.low or ends.high for ends in setup.heads.values()):
-        yield "[heads]: no code of this controller selects a head", "setup.heads"
+        yield "[heads]: this controller has no code that selects a head", "setup.heads"
     if setup.cylinder is not None:
         yield "[cylinder]: a cylinder is programmed by G51 (3.17)", "setup.cylinder"
     if setup.height_map is not None:
-        yield "[height_map]: this controller follows none", "setup.height_map"
+        yield "[height_map]: this controller follows no height map", "setup.height_map"
     lengths = [number for number, ends in setup.tool_lengths.items() if ends.low or ends.high]
     if lengths:
         key = f"setup.tools.{min(lengths)}" if min(lengths) else "setup.tool_length"
@@ -63,7 +63,10 @@ def foreign(setup: Setup, machine: Machine) -> Iterator[tuple[str, str]]:
     other = [name for name in AXIS_NAMES if _contradicted(setup, machine, name)]
     if other:
         names = " ".join(name.upper() for name in other)
-        said = f"active_work = {setup.active_work} beside [g92], which states another zero offset in force for {names}"
+        said = (
+            f"active_work = {setup.active_work} together with [g92], which states another active zero offset for "
+            f"{names}"
+        )
         yield said, f"setup.g92.{other[0]}"
     strange = [number for number in setup.inputs if number < _FIRST_INPUT]
     if strange:
@@ -73,7 +76,7 @@ def foreign(setup: Setup, machine: Machine) -> Iterator[tuple[str, str]]:
     for number, ends in sorted(stated.items()):
         key = f"setup.parameters.{number}"
         if number >= DECLARED:
-            yield f"[parameters] {number}: CD0 is 0, CI0 is {COMMON}, and CI999 is {DECLARED - 1}", key
+            yield f"[parameters] {number}: the number of CD0 is 0, of CI0 {COMMON}, and of CI999 {DECLARED - 1}", key
         elif number >= COMMON and not all(end == math.floor(end) and abs(end) < 2.0**31 for end in ends):
             yield f"[parameters] {number}: CI{number - COMMON} is a whole number of 32 bits (11)", key
     controller = machine.controller
@@ -81,6 +84,6 @@ def foreign(setup: Setup, machine: Machine) -> Iterator[tuple[str, str]]:
         if getattr(controller, key):
             yield f"{key} of the machine file: this controller does not have it", f"machine.controller.{key}"
     if machine.knife is not None:
-        yield "[knife] of the machine file: this controller turns none", "machine.knife"
+        yield "[knife] of the machine file: this controller turns no knife", "machine.knife"
     if "controls" in mcuwin_settings(machine).foreign:
         yield "[controls] of the machine file: settings of another controller", "machine.controls"

@@ -120,7 +120,7 @@ def _judge_place(run: McuWinRun, line: Gathered, part: Part, motion: CodeRule | 
         or function in (F.ZERO_OFFSET_READ, F.FEED_PER_MINUTE, F.SPINDLE_RPM)
     )
     if not same:
-        what = f"{rule.text} behind the words of a move"
+        what = f"{rule.text} after the words of a move"
         raise Refusal(codes.UNSUPPORTED_CODE.at(part.code_span(), code=what))
 
 
@@ -136,11 +136,11 @@ def _continued(run: McuWinRun, line: Gathered, continued: str) -> CodeRule | Non
     others = [part.rule for part in line.parts if part.rule is not None and part.rule.letter == "G"]
     keeps = din_of(run.machine).keeps_over_codes and not any(rule.function is F.DWELL for rule in others)
     if continued == "?" or (others and not keeps):
-        why = f"{others[0].text} on their line" if others else "another command before them"
-        what = f"axis words with {why} (whether the last motion goes on is not documented, 3.1)"
+        why = f"{others[0].text} on their line" if others else "another command comes before them"
+        what = f"axis words with {why} (the manual does not say whether the last motion goes on, 3.1)"
         raise Refusal(codes.UNSUPPORTED_CODE.at(motion.span, code=what))
     if not continued:
-        raise Refusal(codes.AXIS_WORDS_UNUSED.at(motion.span, why="no command is in force"))
+        raise Refusal(codes.AXIS_WORDS_UNUSED.at(motion.span, why="no command is active"))
     rule = run.program.rules.codes[continued[0], int(continued[1:]) * 10]
     if rule.function is F.ZERO_OFFSET_SET:
         for letter in "IJK":

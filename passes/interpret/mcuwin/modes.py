@@ -82,7 +82,7 @@ def position_factor(run: McuWinRun, line: Part, rule: CodeRule) -> None:
         if word in line.bare:
             raise Refusal(codes.MISSING_VALUE.at(line.where(word), letter=word))
         if axis not in columns:
-            what = f"{rule.text} of {word}, which no code reflects"
+            what = f"{rule.text} of {word}, which no code mirrors"
             raise Refusal(codes.UNSUPPORTED_CODE.at(line.where(word), code=what))
         if value == 0.0:
             raise Refusal(codes.SCALING_ZERO.at(line.where(word), code=rule.text))
@@ -100,7 +100,7 @@ def effective_radius(run: McuWinRun, line: Part, rule: CodeRule) -> None:
     for axis, value in words.items():
         word = run.machine.word(axis)
         if s.linear[axis]:
-            what = f"{rule.text} of {word}, which is no rotary axis"
+            what = f"{rule.text} of {word}, which is not a rotary axis"
             raise Refusal(codes.UNSUPPORTED_CODE.at(line.where(word), code=what))
         if not isinstance(value, Unknown) and value <= 0.0:
             raise Refusal(codes.ILLEGAL_VALUE.at(line.where(word), word=word, what=f"a radius of {value:g}"))
@@ -151,8 +151,12 @@ def spline(run: McuWinRun, line: Part, rule: CodeRule) -> None:
     on = rule.function is F.SPLINE_ON
     run.modal.own = run.modal.own.but(spline=on)
     if on:
-        what = f"{rule.text} (the path between points)"
-        run.fail(codes.UNSUPPORTED_CODE.at(line.code_span(), code=what, hint="without it, points are joined by lines"))
+        what = f"{rule.text} (the path between the points is not in the manual)"
+        run.fail(
+            codes.UNSUPPORTED_CODE.at(
+                line.code_span(), code=what, hint="leave it out: points are then joined by straight lines"
+            )
+        )
 
 
 def centers(run: McuWinRun, line: Part, rule: CodeRule) -> None:

@@ -43,8 +43,8 @@ Handler = Callable[["McuWinRun", "Part", CodeRule], None]
 
 _CENTERS = {Plane.XY: "IJ", Plane.XZ: "IK", Plane.YZ: "JK"}
 """Centre words by plane (DIN 66025), in the order of ``AXES_OF_PLANE``."""
-_SECOND = "a second G60 or one behind moves: whether it counts is not documented (3.20)"
-_G60 = "g60 under [din] of the machine file says which counts"
+_SECOND = "a second G60, or G60 after moves: the manual does not say whether it counts (3.20)"
+_G60 = "state g60 under [din] of the machine file: which one counts"
 
 
 def note_assumptions(run: McuWinRun) -> None:
@@ -53,16 +53,16 @@ def note_assumptions(run: McuWinRun) -> None:
     if "distance" not in s.stated:
         run.assumed["the job starts in absolute distances (G90)"] = None
     if "units" not in s.stated and din.position_unit is None:
-        run.assumed["interpolation counts in millimetres (3.22)"] = None
+        run.assumed["interpolation is in millimetres (3.22)"] = None
     if any(axis.position_unit is None for axis in run.machine.axes):
-        run.assumed["axes of which no unit is stated count in millimetres and degrees in G00 (3.1)"] = None
+        run.assumed["axes without a unit in the machine file use millimetres and degrees in G00 (3.1)"] = None
     turns = any(axis.kind is AxisKind.ROTARY for axis in run.machine.axes)
     unused = {"tool_file"} if turns else {"tool_file", "shortest_path"}
     run.assumed.update({USUAL[key]: None for key in din.unstated if key not in unused})
     if any(record.length != 0.0 for record in din.tools or ()):
         note_record(run)
     if run.setup.default_offset is None:
-        run.assumed["no reflection, no effective radius, no spline and no radius correction is on at the start"] = None
+        run.assumed["no mirroring, no effective radius, no spline and no radius correction is on at the start"] = None
 
 
 def tell_once(run: McuWinRun, name: str) -> bool:
@@ -91,7 +91,7 @@ def aim(run: McuWinRun, line: Part, *, own: bool) -> list[Position]:
     s = run.modal
     words = line.axes()
     if words and s.own.mode_open:
-        what = "axis words behind G53 in G91 (absolute or not, until G90 or G91)"
+        what = "axis words after G53 in G91 (the manual does not say whether they are absolute until G90 or G91)"
         raise Refusal(codes.UNSUPPORTED_CODE.at(line.span, code=what))
     target = list(s.position)
     for axis, value in words.items():
@@ -116,8 +116,10 @@ def _zero(run: McuWinRun, line: Part, axis: int, by: float) -> Position:
     if by == 1.0 or offset == ZERO:
         return offset
     if offset.form:
-        what = f"whether {_word(run, axis)} is reflected about the zero offset or about the machine's zero"
-        raise Refusal(codes.TRANSFORM_OPEN.at(line.span, what=what, hint="an offset that is stated: both are followed"))
+        what = f"whether {_word(run, axis)} is mirrored about the zero offset or about machine zero"
+        raise Refusal(
+            codes.TRANSFORM_OPEN.at(line.span, what=what, hint="state the zero offset: then both are followed")
+        )
     apart = (by - 1.0) * offset.value
     symbol = f"{MIRRORED}.{repr(apart).replace('.', ',')}.{AXIS_NAMES[axis]}"
     run.trace.symbols[symbol] = Interval(min(0.0, apart), max(0.0, apart))
@@ -197,7 +199,7 @@ def _interpolated(run: McuWinRun, line: Part, rule: CodeRule) -> None:
             what = f"{letter} in {rule.text} after {_SECOND}"
             raise Refusal(codes.UNSUPPORTED_CODE.at(line.where(letter), code=what, hint=_G60))
         names = " ".join(word for word, column in line.columns.items() if column in din.interpolating)
-        what = f"none of the interpolation axes, {names or 'of which there are none'} (G60)"
+        what = f"not one of the interpolation axes, {names or 'which are none'} (G60)"
         raise Refusal(codes.ILLEGAL_VALUE.at(line.where(letter), word=letter, what=what))
 
 
@@ -224,10 +226,13 @@ def _use_feed(run: McuWinRun, line: Part, rule: CodeRule, target: list[Position]
     din = s.own
     s.feed_unit = 1.0
     if din.asked:
-        hint = f"{din.asked} came behind the last F: whether its number or its speed is kept is not documented"
+        hint = (
+            f"program F again: {din.asked} came after the last F, and the manual does not say whether its number "
+            "or its speed is kept"
+        )
         raise Refusal(codes.FEED_MISSING.at(line.span, code=rule.text, hint=hint))
     if din.feed == 0.0:
-        raise Refusal(codes.VELOCITY_ZERO.at(line.span, code=rule.text, hint="an F above 0 before"))
+        raise Refusal(codes.VELOCITY_ZERO.at(line.span, code=rule.text, hint="program an F above 0 before"))
     s.feed = din.feed
     cause = din.feed_cause if math.isnan(din.feed) else ""
     if din.constant_speed:
@@ -241,10 +246,13 @@ def _use_feed(run: McuWinRun, line: Part, rule: CodeRule, target: list[Position]
 
 
 _FEED_HINTS = (
-    ("initialization", "an F on this line or before it"),
-    ("minute or a second", 'time_unit = "min" or "s" under [din] of the machine file says it; G94 before F does too'),
-    ("G96", "G97 before"),
-    ("effective radius", "G51 with a radius for the axis, before"),
+    ("initial feed", "program F on this line or before it"),
+    (
+        "per minute or per second",
+        'state time_unit = "min" or "s" under [din] of the machine file, or program G94 before F',
+    ),
+    ("G96", "program G97 before"),
+    ("effective radius", "program G51 with a radius for the axis before"),
 )
 """By words of the cause of a feed that is not known, what helps."""
 
@@ -271,20 +279,20 @@ def _arc(run: McuWinRun, line: Part, rule: CodeRule, target: list[Position]) -> 
     s = run.modal
     din = s.own
     if din.plane_open:
-        tools = "no tool table is loaded" if has_tools(run.machine) is False else "nobody stated a tool table"
-        cause = f"the plane: {tools}, and what G18 or G19 do without one is not documented (2.7)"
-        raise Refusal(codes.ARC_UNKNOWN.at(line.span, cause=cause, hint="G17 before"))
+        tools = "no tool table is loaded" if has_tools(run.machine) is False else "the machine file names no tool table"
+        cause = f"the plane: {tools}, and the manual does not say what G18 or G19 do without one (2.7)"
+        raise Refusal(codes.ARC_UNKNOWN.at(line.span, cause=cause, hint="program G17 before"))
     first, second, third = AXES_OF_PLANE[s.plane]
     for axis in line.axes():
         if axis > 2:
             word = _word(run, axis)
-            raise Refusal(codes.UNSUPPORTED_CODE.at(line.where(word), code=f"{word} beside an arc"))
+            raise Refusal(codes.UNSUPPORTED_CODE.at(line.where(word), code=f"{word} together with an arc"))
     for letter, axis in line.columns.items():
         if axis in (first, second) and axis not in din.interpolating:
-            what = "an arc goes through it, and it is none of the interpolation axes (G60)"
+            what = "an arc uses it, and it is not one of the interpolation axes (G60)"
             raise Refusal(codes.ILLEGAL_VALUE.at(line.span, word=letter, what=what))
         if axis in (first, second) and axis in din.doubtful:
-            what = f"an arc through {letter} after {_SECOND}"
+            what = f"an arc with {letter} after {_SECOND}"
             raise Refusal(codes.UNSUPPORTED_CODE.at(line.span, code=what, hint=_G60))
     letters = _CENTERS[s.plane]
     for letter in "IJK":
@@ -350,9 +358,9 @@ def _center(
     for n, value in enumerate(given):
         if value is None:
             if kept is None:
-                run.assumed["a centre word that is left out counts 0"] = None
+                run.assumed["a missing centre word counts as 0"] = None
             elif kept[n] != 0.0:
-                cause = f"{letters[n]} left out: that of the arc before, or 0"
+                cause = f"{letters[n]} missing: the value of the arc before, or 0"
                 raise Refusal(codes.ARC_UNKNOWN.at(line.span, cause=cause))
             value = 0.0
         values.append(value * s.unit)
@@ -361,7 +369,7 @@ def _center(
     if not s.absolute or s.own.centers_absolute is False:
         return relative
     if None in given:
-        raise Refusal(codes.ARC_UNKNOWN.at(line.span, cause="a centre word left out with absolute centres on"))
+        raise Refusal(codes.ARC_UNKNOWN.at(line.span, cause="a missing centre word with absolute centres on"))
     places = []
     for axis, by, value, at in zip(axes, factors, values, start, strict=True):
         origin = _zero(run, line, axis, by)
@@ -369,10 +377,13 @@ def _center(
             raise Refusal(codes.ARC_UNKNOWN.at(line.span, cause=describe(origin.minus(at).form)))
         places.append(origin.value + by * value)
     if s.own.centers_absolute is None and any(abs(a - b) > SAME for a, b in zip(places, relative, strict=True)):
-        cause = "whether centres are places or distances in G90: IniCfg's option is not stated to be on (3.3, 3.35)"
+        cause = (
+            "whether arc centres are absolute or incremental in G90: the IniCfg option is not in the machine "
+            "file (3.3, 3.35)"
+        )
         raise Refusal(
             codes.ARC_UNKNOWN.at(
-                line.span, cause=cause, hint="G161 before says that they are places, G162 that they are distances"
+                line.span, cause=cause, hint="program G161 before for absolute centres, G162 for incremental ones"
             )
         )
     return places

@@ -49,7 +49,7 @@ def task(run: McuWinRun, line: Part, rule: CodeRule) -> None:
     stated = din_of(run.machine).task(rule.text)
     action = stated.action if stated is not None else _BY_NAME.get(rule.function, "unknown")
     if stated is None and action != "unknown":
-        run.assumed[f"{rule.text} does what the manual calls it, and moves no axis ({rule.source})"] = None
+        run.assumed[f"{rule.text} does what its name in the manual says, and moves no axis ({rule.source})"] = None
     act(run, line, rule, stated, action)
 
 
@@ -59,7 +59,7 @@ def _as_many_as_stated(run: McuWinRun, line: Part, stated: TaskCode | None, text
         return
     run.lose_places()
     given = f"{text} with {len(line.values)} parameter{'' if len(line.values) == 1 else 's'}"
-    hint = f"parameters of {text} under [din.task0] of the machine file is {stated.parameters}"
+    hint = f"check parameters of {text} under [din.task0] of the machine file: it is {stated.parameters}"
     raise Refusal(codes.TASK_UNKNOWN.at(where, code=given, hint=hint))
 
 
@@ -82,7 +82,7 @@ def act(run: McuWinRun, line: Part, rule: CodeRule, stated: TaskCode | None, act
             s.tool = tool
             run.state_changed()
             run.event(Op.TOOL_CHANGE, line.span, arg=(math.nan if tool is None else float(tool), 0.0))
-            run.note_stop(line, rule.text)
+            run.note_stop(line, rule.text, tool=True)
             run.end_section(Wait.TOOL_CHANGE, "tool changed", None, line.span)
         case "stop":
             _stop(run, line, rule)
@@ -96,8 +96,8 @@ def act(run: McuWinRun, line: Part, rule: CodeRule, stated: TaskCode | None, act
             run.event(Op.DEVICE, line.span, text=run.text_number(_as_written(line, rule)))
             run.lose_places()
             shared = [number for number in s.parameters if number < DECLARED]
-            s.parameters.update({number: Unknown(f"what {rule.text} leaves") for number in shared})
-            hint = f'[din.task0] {rule.text} = "..." in the machine file says it'
+            s.parameters.update({number: Unknown(f"the state after {rule.text}") for number in shared})
+            hint = f'state [din.task0] {rule.text} = "..." in the machine file'
             raise FollowedRefusal(codes.TASK_UNKNOWN.at(line.code_span(), code=rule.text, hint=hint))
 
 
@@ -128,7 +128,7 @@ def tell_mirrored(run: McuWinRun) -> None:
     if s.own.mirrored is not None and run.moves:
         code, span = s.own.mirrored
         axes = " and ".join(run.machine.word(axis) for axis in sorted(s.own.reflected))
-        hint = "without it, if millimetres are meant (G71); G24 before the end, if a mirror image is"
+        hint = "leave it out if millimetres are meant (G71); program G24 before the end if mirroring is meant"
         if tell_once(run, "mirrored job"):
             run.findings.add(codes.MIRRORED_JOB.at(span, code=code, axes=axes, hint=hint))
 
@@ -160,7 +160,7 @@ def end(run: McuWinRun, line: Part, rule: CodeRule) -> None:
     stated = din_of(run.machine).task(rule.text)
     quiet = rule.function is F.END and din_of(run.machine).version == VERSIONS[1]
     if stated is not None and stated.action == "unknown" and not quiet:
-        hint = f'[din.task0] {rule.text} = "..." in the machine file says it'
+        hint = f'state [din.task0] {rule.text} = "..." in the machine file'
         run.fail(codes.TASK_UNKNOWN.at(line.code_span(), code=rule.text, hint=hint))
     _end(run, line, rule)
 
@@ -171,7 +171,7 @@ def stop(run: McuWinRun, line: Part, rule: CodeRule) -> None:
     if stated is not None and stated.action == "unknown":
         act(run, line, rule, stated, "unknown")
     if stated is None:
-        run.assumed[f"{rule.text} does what the manual calls it, and moves no axis ({rule.source})"] = None
+        run.assumed[f"{rule.text} does what its name in the manual says, and moves no axis ({rule.source})"] = None
     end_contour(run, line, rule.text)
     _stop(run, line, rule)
 
@@ -221,8 +221,8 @@ def _channel_there(run: McuWinRun, line: Part, rule: CodeRule, channel: int) -> 
     if channels is not None and channel > channels:
         raise Refusal(codes.AXIS_NOT_THERE.at(line.where(PARAMETER), axis=f"channel {channel} ({rule.text})"))
     if channels is None and channel > len(run.machine.axes):
-        what = f"{rule.text} of axis {channel}, of {len(run.machine.axes)} that the machine file has"
-        hint = "channels under [din] of the machine file says how many the board has"
+        what = f"{rule.text} of axis {channel}; the machine file has {len(run.machine.axes)} axes"
+        hint = "state channels under [din] of the machine file: how many the board has"
         raise Refusal(codes.UNSUPPORTED_CODE.at(line.where(PARAMETER), code=what, hint=hint))
 
 
@@ -288,7 +288,7 @@ def restore(run: McuWinRun, line: Part, rule: CodeRule) -> None:
 
 # ---- F, S, T, D
 
-F_LOST = "what F counts in behind a refused line"
+F_LOST = "the unit of F after a refused line"
 """Why the feed is not known of an F whose unit or mode is lost."""
 
 
@@ -305,7 +305,7 @@ def take_feed(s: McuWinModal, value: Value) -> None:
     if isinstance(value, Unknown):
         s.own = s.own.but(feed=math.nan, feed_cause=value.cause, asked="", given=True)
     elif s.own.time_unit is None and value != 0.0:
-        cause = "whether F counts a minute or a second, which nobody stated (IniCfg, 5.3)"
+        cause = "whether F counts per minute or per second, which is unknown (IniCfg, 5.3)"
         s.own = s.own.but(feed=math.nan, feed_cause=cause, asked="", given=True)
     else:
         s.own = s.own.but(feed=value * s.unit * 60.0 / (s.own.time_unit or 60.0), asked="", given=True)
@@ -326,7 +326,7 @@ def speed(run: McuWinRun, line: Part) -> None:
         run.lose_places()
         raise FollowedRefusal(codes.TASK_UNKNOWN.at(line.where("S"), code="S"))
     if stated is None:
-        run.assumed["S sets the speed of the spindle, and moves no axis (5.4)"] = None
+        run.assumed["S sets the spindle speed and moves no axis (5.4)"] = None
     if stated is not None and stated.action == "nothing":
         run.event(Op.DEVICE, line.span, text=run.text_number("S"))
         return
@@ -361,7 +361,7 @@ def tool(run: McuWinRun, line: Part) -> None:
     action = "unknown" if stated is None else stated.action
     if action == "unknown":
         run.lose_places()
-        hint = '[din.task0] T = "tool_select" or another in the machine file says it'
+        hint = 'state [din.task0] T = "tool_select" or another function in the machine file'
         raise FollowedRefusal(codes.TASK_UNKNOWN.at(line.where("T"), code="T", hint=hint))
     if stated is None or stated.breaks is not False:
         end_contour(run, line, "T")
@@ -369,7 +369,7 @@ def tool(run: McuWinRun, line: Part) -> None:
         s.tool = number
         run.state_changed()
         run.event(Op.TOOL_CHANGE, line.span, arg=(float(number), 0.0))
-        run.note_stop(line, "T")
+        run.note_stop(line, "T", tool=True)
         run.end_section(Wait.TOOL_CHANGE, "tool changed", None, line.span)
     else:
         run.event(Op.DEVICE, line.span, text=run.text_number(f"T{number}"))
@@ -399,7 +399,9 @@ def _record(run: McuWinRun, line: Part, number: int) -> None:
     for axis in range(3):
         s.tool_offset[axis] = NOWHERE
     run.state_changed()
-    what = f"T{number}, whose length is not 0 or not stated (when it acts, and along which axis, 2.7)"
+    what = (
+        f"T{number}, whose length is not 0 or unknown (the manual does not say when it acts and along which axis, 2.7)"
+    )
     run.fail(codes.UNSUPPORTED_CODE.at(line.where("T"), code=what))
 
 
@@ -412,8 +414,15 @@ def correction_table(run: McuWinRun, line: Part) -> None:
         raise FollowedRefusal(codes.TASK_UNKNOWN.at(line.where("D"), code="D"))
     if stated is None:
         run.assumed["D does nothing (5.6)"] = None
-        hint = 'T selects the record of the tool table; [din.task0] D = "..." of the machine file says what Task 0 does'
-        run.findings.add(codes.COMMAND_IGNORED.at(line.where("D"), what="D, of which Task 0 is not stated", hint=hint))
+        hint = (
+            'select the record of the tool table with T; state what Task 0 does in [din.task0] D = "..." of the '
+            "machine file"
+        )
+        run.findings.add(
+            codes.COMMAND_IGNORED.at(
+                line.where("D"), what="D, without a function of Task 0 in the machine file", hint=hint
+            )
+        )
     run.event(
         Op.DEVICE, line.span, text=run.text_number(f"D{'?' if isinstance(value, Unknown) else format(value, 'g')}")
     )

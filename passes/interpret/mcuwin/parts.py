@@ -113,7 +113,7 @@ def gather(
 def _no_chosen_axes(rule: CodeRule, letter: str, where: Span) -> None:
     """Refusal GP113 for ``G154 X``: "for any number of axes" (3.34) may name them so, and shows no form that does."""
     if rule.function is F.ZERO_OFFSET_RESTORE:
-        what = f"{rule.text} with the letter {letter} alone (whether letters choose its axes is not documented)"
+        what = f"{rule.text} with the letter {letter} alone (the manual does not say whether letters select its axes)"
         raise Refusal(codes.UNSUPPORTED_CODE.at(where, code=what))
 
 
@@ -148,8 +148,8 @@ def _no_stolen(line: Gathered, part: Part) -> None:
     if motion is None or not rule.uses_axes or rule.function is F.INTERPOLATION_AXES or line.motion.values:
         return
     if line.moves_from < part.at and any(letter not in part.bare for letter in part.columns if letter in part.values):
-        what = f"axis words behind {motion.text} and {rule.text} (whose they are is not documented)"
-        raise Refusal(codes.UNSUPPORTED_CODE.at(part.span, code=what, hint="a line for each code"))
+        what = f"axis words after {motion.text} and {rule.text} (the manual does not say which code they belong to)"
+        raise Refusal(codes.UNSUPPORTED_CODE.at(part.span, code=what, hint="program one line for each code"))
 
 
 def _taker(line: Gathered, owner: Part | None, columns: dict[str, int], letter: str, where: Span) -> Part:
@@ -169,7 +169,7 @@ def _taker(line: Gathered, owner: Part | None, columns: dict[str, int], letter: 
         assert line.settings is not None
         return line.settings
     if letter == PARAMETER:
-        behind = f" behind {rule.text}" if rule is not None else ""
+        behind = f" after {rule.text}" if rule is not None else ""
         raise Refusal(codes.UNUSED_WORD.at(where, word=f"a number without a letter{behind}"))
     if letter in "LO":
         raise Refusal(codes.UNUSED_WORD.at(where, word=letter))
@@ -183,7 +183,7 @@ def _code(rules: LanguageRules, machine: Machine, letter: str, value: Value, whe
     number = round(value)
     if number == value and FIRST_USER_CODE <= number <= LAST_USER_CODE:
         if din_of(machine).tasks is not None and din_of(machine).task(f"{letter}{number}") is None:
-            raise Refusal(codes.UNKNOWN_CODE.at(where, code=f"{letter}{number}", hint="[din.task0] declares it"))
+            raise Refusal(codes.UNKNOWN_CODE.at(where, code=f"{letter}{number}", hint="declare it in [din.task0]"))
         return CodeRule(
             letter=letter, tenths=number * 10, function=F.APPLICATION, group=USER, source="4", uses_axes=True,
             takes=PARAMETER,

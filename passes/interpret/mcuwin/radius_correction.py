@@ -47,11 +47,11 @@ def correction(run: McuWinRun, line: Part, rule: CodeRule) -> None:
         return
     tools = din_of(run.machine).tools
     if tools is not None and not tools and "tool_file" in din_of(run.machine).unstated:
-        hint = 'tool_file under [din] of the machine file names the tool table; "": it is switched off'
-        cause = f"{rule.text}: the tool table, which nobody stated"
+        hint = 'name the tool table in tool_file under [din] of the machine file; "" means switched off'
+        cause = f"{rule.text}: the tool table, which is unknown"
         raise Refusal(codes.COMPENSATION_UNKNOWN.at(line.code_span(), cause=cause, hint=hint))
     if tools is not None and not tools:
-        hint = "a tool table with contents must be loaded (2.7)"
+        hint = "load a tool table with contents (2.7)"
         raise Refusal(
             codes.NOT_ENABLED.at(line.code_span(), code=rule.text, device="tools", key="tool_file", hint=hint)
         )
@@ -68,7 +68,7 @@ def note_no_table(run: McuWinRun) -> None:
 def note_record(run: McuWinRun) -> None:
     """The record that counts before the first T is taken for granted where nobody states it."""
     if not run.modal.own.chosen and run.setup.tool is None and run.setup.default_offset is None:
-        run.assumed["record 0 of the tool table is the one at the start, as after the start of the system (5.5)"] = None
+        run.assumed["record 0 of the tool table is active at the start, as after power-on (5.5)"] = None
 
 
 def is_for_nothing(din: McuWinState) -> bool:
@@ -81,7 +81,7 @@ def tell_for_nothing(run: McuWinRun, line: Part) -> None:
     s = run.modal
     if is_for_nothing(s.own):
         s.own = s.own.but(told=s.own.told | {TOLD})
-        hint = "record 0 is the one after the start of the system (5.5): T selects another"
+        hint = "program T for another record: record 0 is active after power-on (5.5)"
         run.findings.add(codes.COMPENSATION_WITHOUT_TOOL.at(line.span, hint=hint))
 
 
@@ -103,11 +103,11 @@ def correct(run: McuWinRun, line: Part, side: int) -> None:
     code = "G41" if side > 0 else "G42"
     cause = ""
     if radius is None or radius < 0.0 or s.own.plane_open:
-        cause = f"{code}: the radius of the tool, which nobody stated"
+        cause = f"{code}: the tool radius, which is unknown"
     elif crossing:
-        cause = f"{code} before the tool is back from its other side"
+        cause = f"{code} before the tool is back from the other side"
     elif s.plane is not Plane.XY and din_of(run.machine).version != VERSIONS[0]:
-        cause = f"{code} out of the X-Y plane, which this version does not do well (14 (2.5.3.100))"
+        cause = f"{code} outside the X-Y plane, which this version does not do well (14 (2.5.3.100))"
     elif not all(s.linear[axis] for axis in _RIGHT_HANDED[s.plane]):
         cause = f"{code} in a plane whose axes turn"
     if cause:
@@ -117,8 +117,8 @@ def correct(run: McuWinRun, line: Part, side: int) -> None:
     name = f"{s.own.tool}{section}{'+' if side > 0 else '-'}{radius!r}".replace(".", ",")
     s.own = s.own.but(corrected=Correction(side=side, radius=radius, name=name))
     run.assumed[
-        f"the centre of a tool beside a contour stays within {REACH:g} of its radii of it: entry, exit and corners "
-        "are not described (2.7)"
+        f"the tool centre stays within {REACH:g} tool radii of its contour: the manual does "
+        "not describe entry, exit and corners (2.7)"
     ] = None
 
 
@@ -200,12 +200,12 @@ def no_arc(run: McuWinRun, line: Part) -> None:
         begins = f"{BESIDE}{now.name}"
         if all(any(symbol.startswith((f"{begins}.", f"{begins}#")) for symbol, _ in place.form) for place in places):
             return
-        cause = "an arc as the first move of a correction, which is not described (2.7)"
+        cause = "an arc as the first move of a correction, which is not in the manual (2.7)"
     elif not any(is_beside(place) for place in places):
         return
     else:
-        cause = "an arc on which the tool leaves the contour, which is not described (2.7)"
-    raise Refusal(codes.COMPENSATION_UNKNOWN.at(line.span, cause=cause, hint="a line before"))
+        cause = "an arc on which the tool leaves the contour, which is not in the manual (2.7)"
+    raise Refusal(codes.COMPENSATION_UNKNOWN.at(line.span, cause=cause, hint="program a straight line before"))
 
 
 def before(
@@ -227,11 +227,11 @@ def before(
     ways = [b.minus(a) for a, b in zip(here, there, strict=True)]
     new: Element | None = None
     if any(way.form for way in ways):
-        problem = "the direction of a move, which is not known"
+        problem = "the direction of a move, which is unknown"
     elif any(abs(factor(s, axis)) != 1.0 for axis in reflected):
         problem = "whether a factor of G39 changes the radius as well"
     elif now.at is not None and now.at != here:
-        problem = "where the contour goes on, which is not known"
+        problem = "where the contour goes on, which is unknown"
     elif op is Op.ARC or any(abs(way.value) >= SAME for way in ways):
         middle = None if center is None or op is not Op.ARC else (center[u], center[v])
         new = Element((here[0].value, here[1].value), (there[0].value, there[1].value), middle, turns)

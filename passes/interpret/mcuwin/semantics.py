@@ -74,7 +74,7 @@ class McuWinDialect(Dialect[McuWinRun]):
         for number, value, span in settings:
             if not fits(round(number), value, self.whole):
                 name = run.evaluator.names.get(round(number)) or run.program.rules.name_of(round(number))
-                what = f"{name} is a whole number of 32 bits; {value!r} is none"
+                what = f"{name} is a whole number of 32 bits; {value!r} is not"
                 raise Refusal(codes.ARITHMETIC.at(span, what=what))
             run.modal.write(number, value, span)
         if words:

@@ -85,7 +85,7 @@ class McuWinState:
     plane_open: bool = False
     spline: bool = False
     feed: float = math.nan
-    feed_cause: str = "what the initialization sets, as no F has come before"
+    feed_cause: str = "the initial feed, as no F has come before"
     given: bool = False
     asked: str = ""
     time_unit: float | None = None

@@ -12,9 +12,9 @@ def of_value(cause: str) -> str:
     common = _COMMON.fullmatch(cause)
     if common is not None:
         number = int(common[2]) + (1000 if common[1] == "I" else 0)
-        return f"{number} = ... under [parameters] of the setup file states it, or an assignment before"
+        return f"{number} state {number} = ... under [parameters] of the setup file, or assign a value before"
     if cause.endswith(".RP"):
-        return f"the target, {cause[0]}.tp, is known where no zero offset and no reflection is in force"
+        return f"read the target, {cause[0]}.tp: it is known where no zero offset and no mirroring is active"
     if cause.startswith("what an earlier job kept"):
-        return "[resident] of the setup file states what was kept; or a value that this job assigns"
-    return "[inputs] of the setup file states it" if ".digib." in cause else ""
+        return "state what was kept in [resident] of the setup file, or assign a value in this job"
+    return "state it in [inputs] of the setup file" if ".digib." in cause else ""

@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from gproof.passes.interpret.mcuwin.parts import Part
     from gproof.passes.interpret.mcuwin.state import McuWinRun
 
-FROM_WHERE = "whether it counts from the zero offset is not documented (3.29): G53 before it"
+FROM_WHERE = "program G53 before it: the manual does not say whether it counts from the zero offset (3.29)"
 
 
 def end_contour(run: McuWinRun, line: Part, code: str) -> bool:
@@ -120,7 +120,7 @@ def zero_offset(run: McuWinRun, line: Part, rule: CodeRule) -> None:
         s.g92[axis] = moved
     _changed(run, line, rule.text, 0)
     if open_axes:
-        what = f"in which unit or direction {rule.text} counts {' '.join(open_axes)} under G70, G51 or a reflection"
+        what = f"in which unit or direction {rule.text} counts {' '.join(open_axes)} under G70, G51 or mirroring"
         raise Refusal(codes.TRANSFORM_OPEN.at(line.span, what=what))
 
 
@@ -207,14 +207,14 @@ def limit(run: McuWinRun, line: Part, rule: CodeRule) -> None:
             side[axis] = None
             run.fail(codes.LIMIT_UNKNOWN.at(
                 line.where(run.machine.word(axis)), side="left" if left else "right", axis=run.machine.word(axis),
-                hint="program it without reflection and in the axis's own unit (3.29)"))  # fmt: skip
+                hint="program it without mirroring and in the axis's own unit (3.29)"))  # fmt: skip
             continue
         if not s.absolute:
             unsure.add(axis)
             side[axis] = None
             run.fail(codes.LIMIT_UNKNOWN.at(
                 line.where(run.machine.word(axis)), side="left" if left else "right", axis=run.machine.word(axis),
-                hint="whether G91 holds for it is not documented: G90 before"))  # fmt: skip
+                hint="program G90 before: the manual does not say whether G91 applies to it"))  # fmt: skip
             continue
         origins = _origins(run, axis)
         places = [Position(value * scale).plus(origin) for origin in origins]
@@ -225,7 +225,7 @@ def limit(run: McuWinRun, line: Part, rule: CodeRule) -> None:
             key = "travel_min" if left else "travel_max"
             run.fail(codes.LIMIT_UNKNOWN.at(
                 line.where(run.machine.word(axis)), side="left" if left else "right", axis=run.machine.word(axis),
-                hint=f"it lies past that of the machine file, where {key} of [axes] says how far the axis goes",
+                hint=f"keep it within the limit of the machine file ({key} of [axes]): it is past it",
             ))  # fmt: skip
         widest = min(low for low, _ in ends) if left else max(high for _, high in ends)
         side[axis] = widest if math.isfinite(widest) else None
@@ -282,7 +282,7 @@ def _stands(run: McuWinRun, line: Part, axis: int, limits: list[Position], *, le
     # How far past each limit it stands, at least and at most.
     rooms = [_ends(run, limit.minus(at) if left else at.minus(limit)) for limit in limits if limit != NOWHERE]
     if not all(math.isfinite(low) for low, _ in rooms):
-        run.assumed[f"{word} stands within the limits that G98 and G99 set where they set them"] = None
+        run.assumed[f"{word} is within the limits that G98 and G99 set where they set them"] = None
         rooms = [room for room in rooms if math.isfinite(room[0])]
     if len(rooms) == len(limits) and min(low for low, _ in rooms) > SAME:
         known = run.machine.axis(AXIS_NAMES[axis])
@@ -291,7 +291,7 @@ def _stands(run: McuWinRun, line: Part, axis: int, limits: list[Position], *, le
         run.fail(codes.SOFT_LIMIT.at(
             line.where(word), axis=word, reached=nearest, unit="mm" if known is None else known.unit,
             over=over, side="lower" if left else "upper", limit=nearest + (over if left else -over),
-            hint="it stands there already",
+            hint="check the move: the axis is there already",
         ))  # fmt: skip
     elif any(low > SAME for low, _ in rooms):
         side = "lower" if left else "upper"

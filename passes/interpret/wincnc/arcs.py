@@ -40,7 +40,7 @@ def arc(run: WinCncRun, line: Command, rule: CodeRule) -> None:
         s.motion = int(rule.function)
         s.cycle, s.cycle_code = {}, 0
     if "compensation" in s.own.flags:
-        raise Refusal(codes.ARC_UNKNOWN.at(line.span, cause="how much it is compensated (G41, G42)"))
+        raise Refusal(codes.ARC_UNKNOWN.at(line.span, cause="the amount of compensation (G41, G42)"))
     moved = set(mapped(run, line))
     if "mapped" in s.own.flags:
         raise Refusal(codes.ARC_MAPPED.at(line.span, code="L11"))
@@ -72,7 +72,7 @@ def arc(run: WinCncRun, line: Command, rule: CodeRule) -> None:
         raise Refusal(
             codes.ARC_RADIUS_MISMATCH.at(
                 line.span, start=radius, end=at_end, off=abs(at_end - radius), allowed=s.arc_tolerance(), unit="mm",
-                hint="the controller stops with Arc Radius; arc_err= of its settings is what it allows",
+                hint="check I and J: the controller stops with Arc Radius; arc_err= sets what it allows",
             )
         )  # fmt: skip
     if same:
@@ -125,7 +125,7 @@ def _make(
     smallest = wincnc_settings(run.machine).smallest_arc
     if smallest is not None and radius < smallest:
         closed = all(abs(target[axis].value - s.position[axis].value) < SAME for axis in (0, 1))
-        hint = "the arc is a full circle, so nothing of it is cut" if closed else ""
+        hint = "check the start point: the arc is a full circle, and none of it is cut" if closed else ""
         run.findings.add(codes.ARC_UNDER_MINIMUM.at(line.span, radius=radius, allowed=smallest, unit="mm", hint=hint))
         if s.feed_mode != 93:
             use_feed(run, line, target, {0, 1})
@@ -156,7 +156,7 @@ def _center(
     given = {letter: line.number(letter) for letter in "IJ" if letter in line.values}
     if "R" in line.values:
         if given:
-            raise Refusal(codes.UNUSED_WORD.at(line.where("R"), word="R beside a centre"))
+            raise Refusal(codes.UNUSED_WORD.at(line.where("R"), word="R together with a centre"))
         radius = line.number("R") or 0.0
         if radius <= 0.0:
             raise Refusal(codes.ILLEGAL_VALUE.at(line.where("R"), word="R", what=f"a radius of {radius:g}"))
@@ -180,7 +180,7 @@ def _center(
         if kept is None:
             raise Refusal(codes.ARC_CENTER_MISSING.at(line.span, code=rule.text, needed="I and J, or R"))
         if math.isnan(kept[0]):
-            raise Refusal(codes.ARC_UNKNOWN.at(line.span, cause="I and J of an arc before, which are not known"))
+            raise Refusal(codes.ARC_UNKNOWN.at(line.span, cause="I and J of an earlier arc, which are unknown"))
         i, j = kept
     else:
         values = []
@@ -188,12 +188,12 @@ def _center(
             value = given.get(letter)
             if value is None:
                 if kept is not None and not abs(kept[n]) <= SAME:
-                    other = f"{letter} left out: that of the arc before, or 0"
+                    other = f"{letter} missing: the value of the arc before, or 0"
                     _keep_words(s, line)
                     raise Refusal(codes.ARC_UNKNOWN.at(line.span, cause=other))
                 value = 0.0
                 if kept is None:
-                    run.assumed["no I or J is kept from the job before"] = None
+                    run.assumed["no I or J is left from the job before"] = None
                 if run.machine.controller.absolute_arc_centers:
                     raise Refusal(codes.ARC_UNKNOWN.at(line.span, cause=f"{letter} left out with absolute centres on"))
             values.append(value * s.unit)

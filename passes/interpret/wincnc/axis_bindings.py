@@ -31,7 +31,7 @@ def map_words(run: WinCncRun, line: Command, rule: CodeRule) -> None:
     letters = line.letters
     if rule.function is F.MAP_HEADS and "mapped" in s.own.flags and s.own.sources[:2] != (0, 1):
         run.lose_places()
-        what = f"{rule.text} while L11 maps X or Y (whether it ends that)"
+        what = f"{rule.text} while L11 maps X or Y (the manual does not say whether it ends that)"
         raise Refusal(codes.UNSUPPORTED_CODE.at(line.span, code=what))
     if not letters:
         s.own = s.own.but(sources=tuple(range(AXES)), flags=s.own.flags - {"mapped"})
@@ -58,7 +58,7 @@ def _doubt_mapping(line: Command, rule: CodeRule, order: str) -> None:
     sources = dict(zip(order, letters, strict=True))
     is_swap = all(sources.get(source) == target for target, source in sources.items())
     if not is_swap and not (is_shared and set(letters) <= set(order)):
-        what = f"{rule.text} {' '.join(letters)} (which axis takes which words is not said)"
+        what = f"{rule.text} {' '.join(letters)} (the manual does not say which axis takes which words)"
         raise Refusal(codes.UNSUPPORTED_CODE.at(line.span, code=what))
 
 
@@ -78,12 +78,18 @@ def map_pulses(run: WinCncRun, line: Command, rule: CodeRule) -> None:
         # Any of them may follow any other.
         pairs, what = (
             {(a, b) for a in columns for b in columns if a != b},
-            "of more than two axes (which follows which)",
+            "of more than two axes (the manual does not say which follows which)",
         )
     elif set(s.own.slaves) - pairs:
-        pairs, what = pairs | set(s.own.slaves), "while another one is in force (whether that one ends)"
+        pairs, what = (
+            pairs | set(s.own.slaves),
+            ("while another one is active (the manual does not say whether that one ends)"),
+        )
     elif not _same_steps(run, *columns):
-        what = "of axes that differ in their steps (whether the follower goes as many steps or as far)"
+        what = (
+            "of axes with different steps (the manual does not say whether the follower makes as many steps or "
+            "moves as far)"
+        )
     flags = s.own.flags | {COUPLING_OPEN} if what else s.own.flags
     s.own = s.own.but(slaves=tuple(sorted(pairs)), flags=flags)
     if what:
@@ -97,7 +103,7 @@ def _same_steps(run: WinCncRun, leader: int, follower: int) -> bool:
         return False
     steps = {None if axis.steps_per_unit is None else abs(axis.steps_per_unit) for axis in drives}
     if None in steps:
-        run.assumed["axes that L13 couples have equally long steps"] = None
+        run.assumed["axes that L13 couples have steps of the same length"] = None
     return len(steps - {None}) < 2
 
 
@@ -108,7 +114,11 @@ def lock(run: WinCncRun, line: Command, rule: CodeRule) -> None:
     if not axes and (rule.function is F.LOCK_AXIS or s.own.locked):
         s.position = [NOWHERE if s.has_axis(axis) else place for axis, place in enumerate(s.position)]
         s.jumped = True
-        raise Refusal(codes.UNSUPPORTED_CODE.at(line.span, code=f"{rule.text} without axes (all of them, or none)"))
+        raise Refusal(
+            codes.UNSUPPORTED_CODE.at(
+                line.span, code=f"{rule.text} without axes (the manual does not say whether it means all or none)"
+            )
+        )
     locked = s.own.locked | axes if rule.function is F.LOCK_AXIS else s.own.locked - axes
     s.own = s.own.but(locked=locked, held_back=s.own.held_back - axes)
 

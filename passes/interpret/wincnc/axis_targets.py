@@ -37,7 +37,7 @@ def mapped(run: WinCncRun, line: Command) -> dict[int, Value]:
     sources = run.modal.own.sources
     for column in words.keys() - set(sources):
         # The rule gives this word to the axis that is named twice, the example gives that axis another's words.
-        what = f"a word of {run.machine.word(column)} while two axes take those of another letter (L11, L12)"
+        what = f"a word of {run.machine.word(column)} while two axes use the words of another letter (L11, L12)"
         raise Refusal(codes.UNSUPPORTED_CODE.at(line.span, code=what))
     return {axis: words[sources[axis]] for axis in range(AXES) if sources[axis] in words and run.modal.has_axis(axis)}
 
@@ -47,7 +47,7 @@ def aim(run: WinCncRun, line: Command, *, machine: bool = False) -> list[Positio
     s = run.modal
     words = mapped(run, line)
     if s.own.cell_open and words.keys() & {0, 1}:
-        what = "an array without G92 X Y behind its L10, which the manual asks for,"
+        what = "an array without G92 X Y after its L10, which the manual requires,"
         raise Refusal(codes.UNSUPPORTED_CODE.at(line.span, code=what))
     target = list(s.position)
     if machine:
@@ -100,7 +100,7 @@ def _doubt_other(run: WinCncRun, line: Command, words: dict[int, Value]) -> None
         else:
             s.own = s.own.but(flags=s.own.flags | {TURN_SETTLED})
     elif s.transform.rotated and TURN_SETTLED not in s.own.flags:
-        what = "which place the other one of X and Y has in the program behind G52, before a line names both"
+        what = "the programmed position of the other axis of X and Y after G52, before a line names both"
         raise Refusal(codes.TRANSFORM_OPEN.at(line.span, what=what))
 
 
@@ -134,11 +134,13 @@ def _doubt_source(run: WinCncRun, line: Command, axis: int) -> None:
     source = s.own.sources[axis]
     scales = dict(s.own.scales)
     if {scales.get(axis, UNSCALED)[0], scales.get(source, UNSCALED)[0]} != {1.0} or s.scale(axis) != s.scale(source):
-        what = f"whether {run.machine.word(axis)}, which L11 or L12 maps, is scaled as itself or as the letter's axis"
+        what = (
+            f"whether {run.machine.word(axis)}, which L11 or L12 maps, is scaled as itself or as the axis of the letter"
+        )
         raise Refusal(codes.TRANSFORM_OPEN.at(line.span, what=what))
     zeros = [s.g92[n].plus(s.work_offsets[s.work, n]).plus(machine_zero(s.own, n)) for n in (axis, source)]
     if zeros[0] != zeros[1] and is_absolute(run):
-        what = "whose local zero counts for words that L11 or L12 maps"
+        what = "which local zero counts for words that L11 or L12 maps"
         tell_open(run, line.span, axis, what)
 
 
@@ -181,6 +183,6 @@ def follow(
     """
     own_way(run, target, span, named)
     for axis in went_along(run.modal, target, named):
-        tell_open(run, span, axis, "whether the steps count that it followed another axis (L13)")
+        tell_open(run, span, axis, "whether the steps that it made with another axis (L13) count")
     tell_held_back(run, target, span)
     return followed(run.modal.own, run.modal.position, target)

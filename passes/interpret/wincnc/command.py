@@ -98,7 +98,7 @@ def _take_code(line: Command, rule: CodeRule, where: Span, has_laser: bool) -> N
     command = line.command
     if rule.companion:
         if command is not None and "L" in command.takes and rule.letter == "L" and has_laser:
-            what = f"{rule.text} behind {command.text}: a laser power or a distance mode"
+            what = f"{rule.text} after {command.text}: a laser power or a distance mode"
             raise Refusal(codes.UNSUPPORTED_CODE.at(where, code=what))
         if rule in line.companions:
             raise Refusal(codes.REPEATED_WORD.at(where, letter=rule.text))
@@ -164,4 +164,4 @@ def _judge_part(rules: LanguageRules, columns: dict[str, int], span: Span, words
         raise Refusal(codes.WORD_MISSING.at(span, code=command.text, needed="C"))
     moves = command is None or command.function in (F.TRAVERSE, F.FEED, F.MACHINE_TRAVERSE)
     if stored and moves and line.values.keys() & set("XYZWUVABC"):
-        raise Refusal(codes.UNSUPPORTED_CODE.at(span, code="axes beside a stored place"))
+        raise Refusal(codes.UNSUPPORTED_CODE.at(span, code="axes together with a stored position"))

@@ -92,5 +92,5 @@ def tell_held_back(run: WinCncRun, target: list[Position], span: Span) -> None:
         if wanted.form == there.form and abs(wanted.value - there.value) < SAME_PLACE:
             continue
         s.own = s.own.but(held_back=s.own.held_back | {axis})
-        what = f"{run.machine.word(axis)} is locked (L300), and from here on moves of it are programmed"
-        run.findings.add(codes.COMMAND_IGNORED.at(span, what=what, hint="L301 unlocks it"))
+        what = f"{run.machine.word(axis)} is locked (L300), but from here on its moves are programmed"
+        run.findings.add(codes.COMMAND_IGNORED.at(span, what=what, hint="unlock it with L301"))

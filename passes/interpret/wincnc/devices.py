@@ -96,8 +96,8 @@ def saw(run: WinCncRun, line: Command, rule: CodeRule) -> None:
     note(run, line, rule)
     run.lose_places()
     what = (
-        f"{rule.text} (which way O of sawmode= counts, before which turns it lifts by Z, and what its radius R does to "
-        "the ends of cuts is not said)"
+        f"{rule.text} (the manual does not say in which direction O of sawmode= counts, before which turns it lifts "
+        "by Z, and what its radius R does to the ends of cuts)"
     )
     raise Refusal(codes.UNSUPPORTED_CODE.at(line.span, code=what))
 

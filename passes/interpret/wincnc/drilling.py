@@ -41,7 +41,7 @@ def drill(run: WinCncRun, line: Command, rule: CodeRule) -> None:
     s = run.modal
     if not is_absolute(run):
         raise Refusal(
-            codes.UNSUPPORTED_CODE.at(line.span, code=f"{rule.text} with distances (G91): what Z and R count")
+            codes.UNSUPPORTED_CODE.at(line.span, code=f"{rule.text} with distances (G91): what Z and R count from")
         )
     if "autoaux" in s.own.flags:
         raise Refusal(codes.UNSUPPORTED_CODE.at(line.span, code=f"the automatic output (L34) during {rule.text}"))
@@ -112,7 +112,7 @@ def _doubt_kept(
     """Refusal GP113 for a Z or R of the hole before that would now be another place: number or place is not said."""
     for letter, now, old in zip("ZR", (depth, r), before or (depth, r), strict=True):
         if letter not in line.values and now != old:
-            what = f"{letter} of the hole before under another zero or scale"
+            what = f"{letter} of the hole before, under another zero or scale"
             raise Refusal(codes.UNSUPPORTED_CODE.at(line.span, code=f"{rule.text} with {what}"))
 
 
@@ -123,11 +123,11 @@ def _tell_settings(run: WinCncRun, line: Command, rule: CodeRule, pause: float |
     told = []
     both = settings.dwell, settings.other_dwell
     if None not in both and both[0] != both[1] and not (rule.function is F.DRILL_DWELL and pause):
-        told.append(f"g81set= D{both[0]:g} and g81dwell={both[1]:g}: the longer dwell is taken")
+        told.append(f"g81set= D{both[0]:g} and g81dwell={both[1]:g}: the longer dwell is used")
     if rule.function is F.DRILL_PECK and settings.lift:
-        told.append("g81set= L lifts above the top of the hole, G83 to R: both are taken, the lift above R")
+        told.append("g81set= L lifts above the top of the hole, G83 lifts to R: the lift above R is used")
     for what in told:
-        name = f"told {what[:12]}"
+        name = f"noted {what[:12]}"
         if name not in s.own.flags:
             s.own = s.own.but(flags=s.own.flags | {name})
             run.findings.add(codes.DRILL_SETTING_OPEN.at(line.span, code=rule.text, what=what))
@@ -154,11 +154,11 @@ def _pecks(
     settings = wincnc_settings(run.machine).drill
     approach = APPROACH if settings.approach is None else settings.approach
     if lift_word:
-        raise Refusal(codes.UNSUPPORTED_CODE.at(line.span, code="L beside R (G83)"))
+        raise Refusal(codes.UNSUPPORTED_CODE.at(line.span, code="L together with R (G83)"))
     top = r
     if settings.lift is not None and settings.lift > 0.0:
         top = Position(r.value + settings.lift, r.form)
-        run.assumed["between pecks (G83) a drill lifts no higher than g81set=L above R"] = None
+        run.assumed["a drill lifts no higher than g81set=L above R between pecks (G83)"] = None
     if open_:
         for op, place in (
             (Op.FEED, _between(run, r, depth)),

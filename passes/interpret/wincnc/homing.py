@@ -60,7 +60,7 @@ def home(run: WinCncRun, line: Command, rule: CodeRule) -> None:
     _warn_kept(run, line, rule, axes)
     run.assumed["homing moves do not leave the machine"] = None
     if any(s.g92[axis] != ZERO for axis in axes):
-        run.assumed["local coordinates (G92) outlive homing"] = None
+        run.assumed["local coordinates (G92) stay active after homing"] = None
     letters = {axis.index: axis.word for axis in run.machine.axes}
     run.findings.add(codes.HOMING.at(line.span, axes=" ".join(letters.get(axis, "?") for axis in axes)))
     run.end_section(Wait.HOME, "homed", None, line.span)
@@ -123,9 +123,7 @@ def set_machine(run: WinCncRun, line: Command, rule: CodeRule) -> None:
     )  # fmt: skip
     run.state_changed()
     if len(at_switch) < len(axes):
-        run.assumed["L28 moves what counts from machine zero, and positions in this report go on from where it was"] = (
-            None
-        )
+        run.assumed["L28 moves machine zero; positions in this report still count from the old one"] = None
     if at_switch:
         run.end_section(Wait.HOME, "position set", None, line.span)
     else:

@@ -181,7 +181,7 @@ def _judge_companions(run: WinCncRun, line: Command) -> None:
     else:
         other = line.command.function not in (F.TRAVERSE, F.FEED)
     if other or line.values.keys() & set("PHT"):
-        what = f"{stops.text} beside what is no G0 or G1 to a place of its own"
+        what = f"{stops.text} together with a code that is not G0 or G1 to a position of its own"
         raise Refusal(codes.UNSUPPORTED_CODE.at(line.where_code(stops), code=what))
 
 
@@ -192,7 +192,7 @@ def _doubt_mapping(run: WinCncRun, line: Command, command: CodeRule) -> None:
         return
     words = line.axes()
     if words != {axis: words[source] for axis, source in enumerate(sources) if source in words}:
-        what = f"{command.text} while L11 or L12 maps its axes (whether the map holds for it is not said)"
+        what = f"{command.text} while L11 or L12 maps its axes (the manual does not say whether the map applies to it)"
         raise Refusal(codes.UNSUPPORTED_CODE.at(line.where_code(command), code=what))
 
 

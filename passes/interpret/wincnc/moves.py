@@ -64,8 +64,8 @@ def note_assumptions(run: WinCncRun, span: Span | None) -> None:
         run.fail(codes.UNSUPPORTED_CODE.at(span, code=what))
     if run.setup.default_offset is None:
         run.assumed[
-            "no rotation, no scaling, no axis that is mapped, coupled or locked, no cutter compensation, no knife and "
-            "no array is on at the start"
+            "at the start no rotation, scaling, cutter compensation, knife or array is on, and no axis is mapped, "
+            "coupled or locked"
         ] = None
 
 
@@ -95,7 +95,7 @@ def without_command(run: WinCncRun, line: Command, handlers: Mapping[F, Handler]
         # "F100 X Y" gives a feed to the axes that it names, and a line without a command moves them.
         columns = set(axes)
         if line.bare >= letters - {"F"} and aim(run, line) != s.position:
-            what = "an F in front of axes without numbers: a feed for them, or a move to 0 besides"
+            what = "an F before axes without numbers: a feed for them, or a move to 0 as well"
             feed_word(run, line, columns)
             raise Refusal(codes.UNSUPPORTED_CODE.at(line.span, code=what))
     if MOTION in s.unknown_modes:
@@ -107,7 +107,7 @@ def without_command(run: WinCncRun, line: Command, handlers: Mapping[F, Handler]
         hint = accepts.KEPT_MOTION.hint
         # G0 and G1 stay, and no section says what a file begins with: whether, and how, such words move is not known.
         code = codes.AXIS_WORDS_UNUSED.as_unknown()
-        raise Refusal(code.at(line.span, why="no motion code before", hint=hint))
+        raise Refusal(code.at(line.span, why="no motion code comes before", hint=hint))
     rule = run.program.rules.codes["G", s.cycle_code] if s.cycle_code else run.motion_rules.get(s.motion)
     if rule is None:
         rule = run.program.rules.codes["G", 0]
@@ -119,10 +119,10 @@ def without_command(run: WinCncRun, line: Command, handlers: Mapping[F, Handler]
         raise Refusal(codes.UNUSED_WORD.at(line.where(letter), word=letter))
     if s.cycle_code and stored and not axes:
         run.lose_places()
-        what = f"{min(stored)} alone behind {rule.text} (a stored position, or a word of the cycle)"
+        what = f"{min(stored)} alone after {rule.text} (a stored position, or a word of the cycle)"
         raise Refusal(codes.UNSUPPORTED_CODE.at(line.span, code=what))
     if s.cycle_code and not {0, 1} & axes.keys():
-        what = f"{' and '.join(sorted(letters))} without X and Y behind {rule.text} (a hole here, a move, or neither)"
+        what = f"{' and '.join(sorted(letters))} without X and Y after {rule.text} (a hole here, a move, or neither)"
         raise Refusal(codes.UNSUPPORTED_CODE.at(line.span, code=what))
     run.settings.line(rule, line.span)
     if s.line_lost:
@@ -282,7 +282,7 @@ def adjusted(run: WinCncRun, line: Command, target: list[Position], moved: set[i
             over = target[axis].minus(end)
             if over.form:
                 raise Refusal(codes.POSITION_UNKNOWN.at(line.span, axis=run.machine.word(axis),
-                                                        cause=f"whether it goes past its {side} {kind}"))  # fmt: skip
+                                                        cause=f"whether it moves past its {side} {kind}"))  # fmt: skip
             if (over.value > 0) == (side == "upper") and abs(over.value) > SAME:
                 word = run.machine.word(axis)
                 run.findings.add(
@@ -334,7 +334,7 @@ def _stated_contact(run: WinCncRun, axis: int, start: Position, ends: tuple[floa
     low, high = max(ends[0], stated.low - start.value), min(ends[1], stated.high - start.value)
     if low > high:
         return ends
-    run.assumed[f"the setup says where a switch ends a move of {run.machine.word(axis)}"] = None
+    run.assumed[f"the setup file gives the place where a switch stops {run.machine.word(axis)}"] = None
     return low, high
 
 
@@ -354,10 +354,10 @@ def stored_place(run: WinCncRun, line: Command, op: Op, *, machine: bool = False
     number = round(given)
     run.settings.meet("stored", line.span)
     if len(names) > 1:
-        what = "a stored position can not stand beside another place"
+        what = "a stored position cannot be on a line with another position"
         raise Refusal(codes.STORED_POSITION_COMMAND.at(line.where(letter), code=f"{letter}{number}", what=what))
     if line.axes() and not machine:
-        what = f"{letter}{number} beside axes in a line without G53 (what counts is not said)"
+        what = f"{letter}{number} together with axes on a line without G53 (the manual does not say which counts)"
         raise Refusal(codes.UNSUPPORTED_CODE.at(line.where(letter), code=what))
     s = run.modal
     controls = wincnc_settings(run.machine)
@@ -367,10 +367,10 @@ def stored_place(run: WinCncRun, line: Command, op: Op, *, machine: bool = False
     place = stored_in(run, f"{letter}{number}")
     if place is None:
         run.lose_places()
-        hint = f"[positions.{letter}{number}] of the setup states it"
+        hint = f"state [positions.{letter}{number}] in the setup file"
         if letter == "T" and line.command is None:
-            hint += "; a tool change that a post wrote needs a macro in CNC.MAC"
-        what = f"the stored position {letter}{number}, which no setup states,"
+            hint += "; define a macro in CNC.MAC if the post processor wrote it as a tool change"
+        what = f"the stored position {letter}{number}, which is not in the setup file,"
         raise Refusal(codes.UNSUPPORTED_CODE.at(line.where(letter), code=what, hint=hint))
     places, lift = place
     target = list(s.position)

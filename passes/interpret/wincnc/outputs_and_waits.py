@@ -66,7 +66,7 @@ def channel(run: WinCncRun, line: Command, rule: CodeRule, known: tuple[int, ...
     highest = math.inf if stated is None else stated
     if number < 0 or number > highest or (known is not None and number not in known):
         allowed = (
-            f"{highest} is the highest channel" if number > highest else f"the machine's file has no {kind} {number}"
+            f"{highest} is the highest channel" if number > highest else f"the machine file has no {kind} {number}"
         )
         raise Refusal(codes.PARAMETER_RANGE.at(line.where("C"), code=rule.text, word="C", allowed=allowed))
     return number
@@ -96,7 +96,11 @@ def _bank(run: WinCncRun, line: Command, rule: CodeRule, on: bool) -> None:
     banks = wincnc_settings(run.machine).drill_banks
     run.settings.meet("drills", line.span)
     if len(banks) != 1:
-        raise Refusal(codes.UNSUPPORTED_CODE.at(line.span, code=f"{rule.text} with D, and not one drillbank="))
+        raise Refusal(
+            codes.UNSUPPORTED_CODE.at(
+                line.span, code=f"{rule.text} with D, but the machine file has not exactly one drillbank="
+            )
+        )
     bits = line.whole("D", run.program.rules.integer_tolerance) or 0
     first, count = banks[0]
     if not 0 <= bits < 1 << count:
@@ -183,8 +187,12 @@ def level_heads(run: WinCncRun, line: Command, rule: CodeRule) -> None:
         for axis in heads:
             s.position[axis] = NOWHERE
         s.jumped = True
-        why = "while G49 puts measures aside (whether they count)" if aside else "with tools that are not measured"
-        why = "behind an L28 of a head (how high it can go)" if moved else why
+        why = (
+            "while G49 is active (the manual does not say whether measured lengths count)"
+            if aside
+            else "with tools whose length is not measured"
+        )
+        why = "after an L28 of a head (its highest position is unknown)" if moved else why
         raise Refusal(codes.UNSUPPORTED_CODE.at(line.span, code=f"{rule.text} {why}"))
     note_assumptions(run, line.span)
     target = list(s.position)
@@ -231,11 +239,13 @@ def _surface(run: WinCncRun, line: Command, axis: int, contact: Interval) -> Non
     s = run.modal
     start = s.position[axis]
     if contact.low > start.value:
-        what = f"L82 from below the contact that the setup states of {run.machine.word(axis)}"
+        what = f"L82 from below the contact that the setup file gives for {run.machine.word(axis)}"
         raise Refusal(codes.UNSUPPORTED_CODE.at(line.span, code=what))
     note_assumptions(run, line.span)
     word = run.machine.word(axis)
-    run.assumed[f"the setup says where the probe of {word} touches, and it rises no higher than it came from"] = None
+    run.assumed[
+        f"the setup file gives the contact of the probe of {word}, and the probe rises no higher than it came from"
+    ] = None
     down = list(s.position)
     down[axis] = Position(contact.low)
     s.feed = math.nan
@@ -288,15 +298,17 @@ def feed_override(run: WinCncRun, line: Command, rule: CodeRule) -> None:
     if most < low or least > high:
         what = f"{rule.text} P{least:g} is not within {low:g} to {high:g} percent"
         run.findings.add(
-            codes.COMMAND_IGNORED.at(line.where("P"), what=what, hint="L and H of override= set the range")
+            codes.COMMAND_IGNORED.at(line.where("P"), what=what, hint="use a value within L and H of override=")
         )
         run.event(Op.MESSAGE, line.span, text=run.text_number(f"L40 P{least:g} is ignored"))
         return
     cause = (
-        "override= E0 switches overrides off (whether L40 acts is not said)" if not controls.override_enabled else ""
+        "override= E0 switches overrides off (the manual does not say whether L40 acts)"
+        if not controls.override_enabled
+        else ""
     )
     if isinstance(percent, Unknown):
-        cause = f"P depends on {percent.cause}, which is not known"
+        cause = f"P depends on {percent.cause}, whose value is unknown"
     factor = math.nan if isinstance(percent, Unknown) else percent / 100.0
     if cause and factor != s.feed_override:
         run.findings.add(codes.OVERRIDE_FACTOR.at(line.where("P"), code=rule.text, what=cause))
@@ -312,7 +324,7 @@ def smoothing(run: WinCncRun, line: Command, rule: CodeRule) -> None:
     """G9: how much the controller rounds corners from here on; how far that is beside the path, no manual says."""
     factor = line.values.get("S", 0.0)
     if isinstance(factor, Unknown) or factor:
-        run.assumed["the controller rounds corners (G9) nowhere as far as a zone or a body"] = None
+        run.assumed["corners that the controller rounds (G9) do not reach a zone or a body"] = None
     note(run, line, rule)
 
 

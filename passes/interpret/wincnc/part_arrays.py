@@ -76,7 +76,7 @@ def _cells(run: WinCncRun, node: Array) -> Cells:
     rows, columns = values.get("R", 1.0), values.get("C", 1.0)
     for letter, count in (("R", rows), ("C", columns)):
         if count < 1 or count != round(count) or count > 1_000_000:
-            what = f"{letter} is {count:g}, not a number of rows or columns"
+            what = f"{letter} is {count:g}, which is not a number of rows or columns"
             raise Refusal(codes.ARRAY_PARAMETERS.at(node.span, code="L10", what=what))
     x, y = values.get("X", 0.0) * s.scale(0), values.get("Y", 0.0) * s.scale(1)
     order = wincnc_settings(run.machine).array_order
@@ -84,11 +84,11 @@ def _cells(run: WinCncRun, node: Array) -> Cells:
         where = s.position[0], s.position[1]
         return Cells(int(rows), int(columns), (x, y), where, goes_back="E" not in values, by_rows=order == "rows")
     if rows > 1 and columns > 1:
-        what = "L10 with several rows and several columns (in which order they are cut is not said)"
+        what = "L10 with several rows and several columns (the manual does not say in which order they are cut)"
         raise Refusal(codes.UNSUPPORTED_CODE.at(node.span, code=what))
     beside = y if columns > 1 else x
     if rows * columns > 1 and beside != 0.0:
-        what = "L10 of one row or column with a distance across (whether it is used is not said)"
+        what = "L10 of one row or column with a distance across (the manual does not say whether it is used)"
         raise Refusal(codes.UNSUPPORTED_CODE.at(node.span, code=what))
     return Cells(int(rows), int(columns), (x, y), (s.position[0], s.position[1]), goes_back="E" not in values)
 
@@ -100,7 +100,7 @@ def _need_own_axes(run: WinCncRun, node: Array) -> None:
     moved |= {source for axis, source in enumerate(single.sources) if source in (0, 1) and axis != source}
     bound = {axis for pair in single.slaves for axis in pair} | single.locked
     if moved or bound & {0, 1} or run.modal.transform.on:
-        what = "L10 while X or Y is mapped, coupled, locked, scaled or turned (is the way to a cell?)"
+        what = "L10 while X or Y is mapped, coupled, locked, scaled or turned (the path to a cell is not in the manual)"
         raise Refusal(codes.UNSUPPORTED_CODE.at(node.span, code=what))
 
 

@@ -26,17 +26,17 @@ def read_named(run: WinCncRun, node: Named) -> Value:
     if len(name) == 1:
         found = next((value for letter, value in s.own.arguments if letter == name), None)
         if found is None:
-            raise Refusal(codes.BAD_EXPRESSION.at(node.span, what=f"{{{name}}}: the call gave no {name}"))
+            raise Refusal(codes.BAD_EXPRESSION.at(node.span, what=f"{{{name}}}: the call gives no {name}"))
         return found
     if name not in run.program.rules.variables:
-        raise Refusal(codes.BAD_EXPRESSION.at(node.span, what=f"{name} is no variable of WinCNC"))
+        raise Refusal(codes.BAD_EXPRESSION.at(node.span, what=f"{name} is not a variable of WinCNC"))
     value = _internal(run, name)
     if name[:2] in ("TH", "TM", "LZ") and s.unit != run.machine.unit and not _turns(run, name):
         # In the unit of the program or in that of the file: of which, the manual says nothing.
         low, high = bounds(value)
         factor = s.unit / run.machine.unit
         ends = low, high, low * factor, high * factor
-        cause = f"{name}, in the unit of the job or of the machine's file,"
+        cause = f"{name}, in the unit of the job or of the machine file,"
         return between(
             value.cause if isinstance(value, Unknown) and not value.bounded else cause, (min(ends), max(ends))
         )

@@ -151,8 +151,11 @@ def turning(space: Workspace | None) -> str:
     if space is None or not space.kind:
         return "with X and Y, which only workspaces of type 3 have,"
     if space.kind == TURNING:
-        return "of type 3 (which axis turns, about what X and Y are seen, whether they move, and what R adds to them)"
-    return "of type 5 (two points of rotation: the manual has no more than these words)"
+        return (
+            "of type 3 (the manual does not say which axis turns, about which point X and Y count, whether they "
+            "move, and what R adds to them)"
+        )
+    return "of type 5 (two points of rotation: the manual says no more)"
 
 
 def machine_zero(single: WinCncState, axis: int) -> Position:

@@ -96,7 +96,7 @@ class Turning:
     def _place(self, value: float | None, what: str) -> Position:
         """Where a lift or a plunge ends: of the machine or as words count, which the manual does not say."""
         if value is None:
-            return self._tell(self.up, f"{what} is not said (knifemode=, L30.1)")
+            return self._tell(self.up, f"{what} is not in the manual (knifemode=, L30.1)")
         s = self.run.modal
         said = wincnc_settings(self.run.machine).knife_positions
         machine, work = machine_zero(s.own, self.up).moved(value), s.offset(self.up).moved(value)
@@ -105,15 +105,15 @@ class Turning:
         without_local = s.work_offsets[s.work, self.up].plus(s.beside_work(self.up)).moved(value)
         found = self.between(self.up, machine, work, without_local)
         if found == NOWHERE:
-            what = f"{what} counts from the machine's zero or from one that is not known"
-            return self._tell(self.up, what, "[controls] knife_positions tells")
+            what = f"{what} counts from machine zero or from an unknown zero"
+            return self._tell(self.up, what, "state [controls] knife_positions in the machine file")
         return found
 
     def _top(self) -> Position:
-        return self._place(self.now.lifted, "how high it is lifted")
+        return self._place(self.now.lifted, "the lift height")
 
     def _bottom(self) -> Position:
-        return self._place(self.now.lowered, "how far down it goes")
+        return self._place(self.now.lowered, "the cutting depth")
 
     def _raised(self, sure: bool) -> Position:
         """Up from here: to the lift position, or, not surely, somewhere on the way; what is above it may stay."""
@@ -237,9 +237,9 @@ class Turning:
         if any(axis in (self.axis, self.up) for axis, _ in s.own.slaves):
             return "while L13 couples an axis of it"
         if any(target[n].minus(s.position[n]).form for n in (0, 1)):
-            return "the direction of a move is not known"
+            return "the direction of a move is unknown"
         if self._reach(s.position[self.axis])[2]:
-            return f"where {word} is when it begins to follow is not known"
+            return f"the position of {word} when it starts to follow is unknown"
         return ""
 
     def _lose_height(self, target: list[Position]) -> None:
@@ -326,15 +326,18 @@ def problem_of(run: WinCncRun, mode: KnifeMode) -> str:
     axis = run.machine.axis(mode.axis)
     word = run.machine.word(AXIS_NAMES.index(mode.axis))
     if axis is None or mode.axis in ("x", "y", mode.vertical):
-        return f"with N of knifemode= on {word}, which is no axis of its own"
+        return f"with N of knifemode= on {word}, which is not an axis of its own"
     if run.modal.linear[axis.index]:
         return f"with N of knifemode= on {word}, which counts lengths"
     if mode.vertical and run.machine.axis(mode.vertical) is None:
         return "with V of knifemode= on an axis that is not there"
     if mode.blade or mode.both_ways:
-        return "with a blade that leans (A and M of knifeangle=; which way, and from where it cuts, is not said)"
+        return (
+            "with a tilted blade (A and M of knifeangle=; the manual does not say in which direction, and from "
+            "where it cuts)"
+        )
     if mode.x or mode.y:
-        return "with a blade beside its axis (X and Y of knifeangle=; which way axes make up for it is not said)"
+        return "with a blade off its axis (X and Y of knifeangle=; the manual does not say how the axes correct for it)"
     return ""
 
 

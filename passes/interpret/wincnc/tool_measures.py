@@ -68,12 +68,16 @@ def measure_tool(run: WinCncRun, line: Command, rule: CodeRule) -> None:
             set_measure(run, axis, NOWHERE)
         run.state_changed()
         what = f"{rule.text} with O" if "O" in line.values else f"{rule.text} without an axis"
-        raise Refusal(codes.UNSUPPORTED_CODE.at(line.span, code=f"{what} (which way it counts is not said)"))
+        raise Refusal(
+            codes.UNSUPPORTED_CODE.at(line.span, code=f"{what} (the manual does not say in which direction it counts)")
+        )
     if axes.keys() & {axis for axis, _ in scaled_axes(s)}:
         for axis in axes:
             set_measure(run, axis, NOWHERE)
         run.state_changed()
-        raise Refusal(codes.TRANSFORM_OPEN.at(line.span, what=f"what {rule.text} names while G51 scales its axis"))
+        raise Refusal(
+            codes.TRANSFORM_OPEN.at(line.span, what=f"which length {rule.text} means while G51 scales its axis")
+        )
     for axis, value in axes.items():
         base = s.work_offsets[s.work, axis].plus(machine_zero(s.own, axis))
         offset = s.position[axis].minus(base).minus(distance(run, axis, value))
@@ -120,7 +124,7 @@ def shift_measures(run: WinCncRun, line: Command, rule: CodeRule) -> None:
         s.work_offsets[s.work, axis] = NOWHERE
     run.state_changed()
     if axes or line.values.keys() & set("HTM"):
-        what = f"{rule.text} (which way the shift counts is not said)"
+        what = f"{rule.text} (the manual does not say in which direction the shift counts)"
         raise Refusal(codes.UNSUPPORTED_CODE.at(line.span, code=what))
 
 

@@ -90,7 +90,7 @@ def load_registers(run: WinCncRun, line: Command, rule: CodeRule) -> None:
     """L1.2: what registers hold then, a file says that nobody knows."""
     s = run.modal
     s.own = s.own.but(heights=(), flags=s.own.flags | {REGISTERS_OPEN})
-    what = f"{rule.text} (which file the registers are loaded from is not said)"
+    what = f"{rule.text} (the manual does not say from which file the registers are loaded)"
     raise Refusal(codes.UNSUPPORTED_CODE.at(line.span, code=what))
 
 
@@ -109,7 +109,7 @@ def compensation(run: WinCncRun, line: Command, rule: CodeRule) -> None:
     amount = line.number("O")
     if not controls.changers and amount == 0.0:
         if controls.devices is None:
-            run.assumed["the machine has no tool changer: O of G41 and G42 counts"] = None
+            run.assumed["the machine has no tool changer: O of G41 and G42 is used"] = None
         return
     tool = s.own.tools[0]
     known = len(controls.changers) == 1 and controls.changers[0].number == 1 and not isinstance(tool, Unknown)
@@ -119,9 +119,12 @@ def compensation(run: WinCncRun, line: Command, rule: CodeRule) -> None:
     for axis in (0, 1):
         s.position[axis] = NOWHERE
     s.jumped = True
-    what = f"{rule.text} with an amount other than 0 (half of it or all, entry and corners are not described)"
+    what = (
+        f"{rule.text} with an amount other than 0 (the manual does not say whether half or all of it counts, and "
+        "does not describe entry and corners)"
+    )
     if controls.changers:
-        what = f"{rule.text} on a machine with a tool changer, by what the library says of the tool"
+        what = f"{rule.text} on a machine with a tool changer, which uses the tool library"
     elif amount is None:
         what = f"{rule.text} without O"
     raise Refusal(codes.UNSUPPORTED_CODE.at(line.span, code=what))

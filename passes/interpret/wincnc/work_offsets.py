@@ -185,10 +185,10 @@ def local_crossing(run: WinCncRun, line: Command, rule: CodeRule) -> None:
         points.append(_stored_xy(run, line, letter))
     shift = line.number("O")
     if shift:
-        what = f"O of {rule.text} (which way the points are shifted is not said)"
+        what = f"O of {rule.text} (the manual does not say in which direction the points are shifted)"
         raise Refusal(codes.UNSUPPORTED_CODE.at(line.where("O"), code=what))
     if any(run.modal.work_offsets[run.modal.work, axis] != ZERO for axis in (0, 1)):
-        what = f"{rule.text} in a workspace that is shifted (whether its shift counts for the crossing)"
+        what = f"{rule.text} in a shifted workspace (the manual does not say whether its shift counts for the crossing)"
         raise Refusal(codes.UNSUPPORTED_CODE.at(line.span, code=what))
     (ax, ay), (bx, by), (cx, cy), (dx, dy) = points
     cross = (bx - ax) * (dy - cy) - (by - ay) * (dx - cx)
@@ -205,7 +205,7 @@ def _stored_xy(run: WinCncRun, line: Command, letter: str) -> tuple[float, float
     stored = stored_in(run, f"P{number}")
     places = {} if stored is None else dict(stored[0])
     if any(axis not in places or places[axis].form for axis in (0, 1)):
-        what = f"the stored position P{number}, of which X and Y are not known,"
+        what = f"the stored position P{number}, whose X and Y are unknown,"
         raise Refusal(codes.UNSUPPORTED_CODE.at(line.where(letter), code=what))
     zeros = [machine_zero(run.modal.own, axis).value for axis in (0, 1)]
     return places[0].value - zeros[0], places[1].value - zeros[1]
@@ -239,8 +239,10 @@ def workspace(run: WinCncRun, line: Command, rule: CodeRule) -> None:
             s.position[axis] = NOWHERE
         s.work, s.jumped = rule.value, True
         run.state_changed()
-        what = f"{rule.text} (which way its shift counts is not said)"
-        raise Refusal(codes.UNSUPPORTED_CODE.at(line.span, code=what, hint="[controls] shift_sign tells"))
+        what = f"{rule.text} (the manual does not say in which direction its shift counts)"
+        raise Refusal(
+            codes.UNSUPPORTED_CODE.at(line.span, code=what, hint="state [controls] shift_sign in the machine file")
+        )
     before = [s.program_position(axis) for axis in (0, 1)]
     if s.work == rule.value:
         return
@@ -294,7 +296,7 @@ def _turn(run: WinCncRun, line: Command, rule: CodeRule, space: Workspace | None
             s.work_offsets[s.work, axis] = NOWHERE
             continue
         s.work_offsets[s.work, axis] = run.unknown_place("value", axis, ends, ZERO)
-        run.assumed["a spindle that turns (g54= T3) stands within twice its radius of its workspace's shift"] = None
+        run.assumed["a turning spindle (g54= T3) is within twice its radius of the shift of its workspace"] = None
     run.state_changed()
     run.event(Op.OFFSET, line.span, arg=(float(rule.value), 0.0))
     raise FollowedRefusal(codes.UNSUPPORTED_CODE.at(line.span, code=f"{rule.text} {turning(space)}"))
@@ -362,7 +364,7 @@ def scaling(run: WinCncRun, line: Command, rule: CodeRule) -> None:
     s.own = s.own.but(scales=tuple(sorted(scales.items(), key=lambda pair: pair[0])))
     missing = [axis for axis in (0, 1) if axis not in numbers and s.transform.factors[axis] != 1.0]
     if missing:
-        what = "whether an axis that this G51 does not name stays scaled"
+        what = "whether an axis that is not in this G51 stays scaled"
         s.transform = replace(s.transform, open=what)
         raise Refusal(codes.TRANSFORM_OPEN.at(line.span, what=what))
     if not {0, 1} & numbers.keys():
@@ -400,7 +402,7 @@ def rotation_line(run: WinCncRun, line: Command, rule: CodeRule) -> None:
     s = run.modal
     (ax, ay), (bx, by) = _stored_xy(run, line, "A"), _stored_xy(run, line, "B")
     if math.hypot(bx - ax, by - ay) < 1e-9:
-        raise Refusal(codes.ILLEGAL_VALUE.at(line.span, word=rule.text, what="the two positions are one"))
+        raise Refusal(codes.ILLEGAL_VALUE.at(line.span, word=rule.text, what="the two positions are the same"))
     angle = math.degrees(math.atan2(by - ay, bx - ax))
     origin = s.offset(0), s.offset(1)
     _begin_turn(run, line, rule, Transform(rotated=True, angle=angle, origin=origin))

@@ -25,7 +25,7 @@ def test_the_corpus_is_eding(path: Path) -> None:
         ("a.gcode", "g0 x1\n", "eding", "extension .gcode"),
         ("a.tap", "g0 x1\n#1=3\n", "eding", "numbered parameter in line 2"),
         ("a", "g0\nEnd Sub\n", "eding", "flow control in line 2"),
-        ("a.xyz", "%\ng0 x1\n%\n", "eding", "nothing says otherwise"),
+        ("a.xyz", "%\ng0 x1\n%\n", "eding", "the default"),
         ("a.tap", "%mx=200\n% DY = 30\ng0 x1\n", "eding", "nesting line in line 1"),
         ("a.mac", "g0 x1\nhome z\n", "eding", "command of this controller in line 2"),
         ("a.mac", "Tanknife on\n", "eding", "command of this controller in line 1"),

@@ -157,7 +157,7 @@ def test_both_spellings_of_a_key_are_an_error(schema: str, tmp_path: Path) -> No
     assert TomlFile(tmp_path / "file.toml", schema, findings).errors == 1
     (finding,) = findings.kept
     assert (finding.code.number, finding.span.line) == (603, HEADS[schema].count("\n") + 2)
-    assert "both are one key" in finding.message
+    assert "both are the same key" in finding.message
 
 
 def test_names_keep_their_dashes(tmp_path: Path) -> None:

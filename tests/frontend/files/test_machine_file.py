@@ -180,14 +180,14 @@ def test_ratios_are_exact(number: object, divisor: int) -> None:
         ("", "GP604", 1, "schema is missing"),
         ('schema = "gproof-machine/1"\n', "GP604", 1, "units is missing"),
         ('schema = "gproof-machine/2"\nunits = "mm"\n', "GP603", 1, "schema: 'gproof-machine/2'"),
-        ('schema = 1\nunits = "mm"\n', "GP603", 1, "schema: 1 is not a text"),
-        (HEAD.replace("mm", "cm"), "GP603", 2, "units: 'cm' is none of mm, inch"),
+        ('schema = 1\nunits = "mm"\n', "GP603", 1, "schema: 1 is not text"),
+        (HEAD.replace("mm", "cm"), "GP603", 2, "units: 'cm' is not one of mm, inch"),
         (HEAD + "[axes.x\n", "GP601", 3, "not TOML"),
         (HEAD + "name = \n", "GP601", 3, "not TOML"),
         (HEAD + "[axes.x]\nmin = 1\nmin = 2\n", "GP601", 5, "not TOML"),
         (HEAD + "[axes.x]\nspeed = 1\n", "GP611", 4, "'axes.x.speed'"),
         (HEAD + "[axis.x]\nmin = 1\n", "GP611", 3, "'axis'"),
-        (HEAD + "[axes.w]\n", "GP603", 3, "'w' is no axis"),
+        (HEAD + "[axes.w]\n", "GP603", 3, "'w' is not an axis"),
         (HEAD + "axes = 3\n", "GP603", 3, "axes: 3 is not a table"),
         (HEAD + "[axes]\nx = 3\n", "GP603", 4, "axes.x: 3 is not a table"),
         (HEAD + '[axes.x]\nkind = "round"\n', "GP603", 4, "axes.x.kind"),
@@ -200,11 +200,11 @@ def test_ratios_are_exact(number: object, divisor: int) -> None:
         (HEAD + "[axes.x]\nmin = 1e999999\n", "GP603", 4, "axes.x.min"),
         (HEAD + "[axes.x]\nmin = true\n", "GP603", 4, "axes.x.min: true is not a number"),
         (HEAD + '[axes.x]\nmin = "1"\n', "GP603", 4, "axes.x.min: '1' is not a number"),
-        (HEAD + "[axes.x]\nmin = 5\nmax = 4\n", "GP603", 4, "axes.x.min: min lies above max (5 > 4)"),
-        (HEAD + "[axes.x]\ntravel_min = 5\ntravel_max = 4\n", "GP603", 4, "travel_min lies above travel_max"),
-        (HEAD + "[axes.x]\nmin = -5\ntravel_min = -4\n", "GP603", 5, "min of X lies beyond travel_min"),
-        (HEAD + "[axes.x]\ntravel_max = 4\nmax = 5\n", "GP603", 4, "max of X lies beyond travel_max"),
-        (HEAD + "[axes.x]\nmax = 5\nslaves = [{travel_max = 4}]\n", "GP603", 5, "max of X2 lies beyond travel_max"),
+        (HEAD + "[axes.x]\nmin = 5\nmax = 4\n", "GP603", 4, "axes.x.min: min is above max (5 > 4)"),
+        (HEAD + "[axes.x]\ntravel_min = 5\ntravel_max = 4\n", "GP603", 4, "travel_min is above travel_max"),
+        (HEAD + "[axes.x]\nmin = -5\ntravel_min = -4\n", "GP603", 5, "min of X is beyond travel_min"),
+        (HEAD + "[axes.x]\ntravel_max = 4\nmax = 5\n", "GP603", 4, "max of X is beyond travel_max"),
+        (HEAD + "[axes.x]\nmax = 5\nslaves = [{travel_max = 4}]\n", "GP603", 5, "max of X2 is beyond travel_max"),
         (HEAD + "[axes.x]\nmax_velocity = 0\n", "GP603", 4, "axes.x.max_velocity: 0 is not greater than 0"),
         (HEAD + "[axes.x]\nmax_acceleration = -1\n", "GP603", 4, "axes.x.max_acceleration"),
         (HEAD + "[axes.x]\nbacklash = -0.1\n", "GP603", 4, "axes.x.backlash: -0.1 is not 0 or greater than 0"),
@@ -224,7 +224,7 @@ def test_ratios_are_exact(number: object, divisor: int) -> None:
         (HEAD + "[board]\ntick_frequency = 0.5\n", "GP603", 4, "board.tick_frequency"),
         (HEAD + '[board]\nticks = 3\n', "GP611", 4, "board.ticks"),
         (HEAD + 'base = "nothing.ini"\n', "GP601", 0, "nothing.ini"),
-        (HEAD + 'base = 3\n', "GP603", 3, "base: 3 is not a text"),
+        (HEAD + 'base = 3\n', "GP603", 3, "base: 3 is not text"),
     ],
 )  # fmt: skip
 def test_mistakes_have_their_line(tmp_path: Path, text: str, code: str, line: int, message: str) -> None:
@@ -406,11 +406,11 @@ def test_motors_knife_and_the_other_set_up_pages(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("text", "line", "what"),
     [
-        ("[axes.x]\npitch = [[0, 0], [1]]\n", 4, "two positions in a row"),
+        ("[axes.x]\npitch = [[0, 0], [1]]\n", 4, "two positions on each row"),
         ("[axes.x]\npitch = [[0, 0], [0, 1]]\n", 4, "must rise"), ("[axes.x]\npitch = 3\n", 4, "list of numbers"),
         ("[axes.x]\nmin = 5\n[[axes.x.slaves]]\nmax = 4\n", 5, "lower limit of a motor"),
         ("[axes.x]\n[[axes.x.slaves]]\nmix = 4\n", 5, "mix"),
-        ("[axes.x]\nslaves = [1]\n", 4, "not a list of tables"), ("[knife]\naxis = \"x\"\n", 4, "none of a, b, c"),
+        ("[axes.x]\nslaves = [1]\n", 4, "not a list of tables"), ("[knife]\naxis = \"x\"\n", 4, "not one of a, b, c"),
     ],
 )  # fmt: skip
 def test_mistakes_of_motors(tmp_path: Path, text: str, line: int, what: str) -> None:
@@ -437,7 +437,7 @@ def loaded_text(folder: Path, text: str) -> tuple[Machine | None, list[tuple[int
         ("[axes.x]\nmn = 0\n", "did you mean 'min'?"),
         ("[tools.1]\ndiamter = 3\n", "did you mean 'diameter'?"),
         ("[axes.x]\nmin = 0\nmim = 0\n", "did you mean 'min', which is there too?"),
-        ("[knife]\nspeed = 1\n", "the keys here are angle, axis, blend_angle, blend_distance, lift"),
+        ("[knife]\nspeed = 1\n", "use one of these keys: angle, axis, blend_angle, blend_distance, lift"),
     ],
 )
 def test_a_key_that_is_nearly_one_says_which(tmp_path: Path, text: str, hint: str) -> None:

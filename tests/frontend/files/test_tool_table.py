@@ -60,12 +60,12 @@ def test_a_controllers_table_states_no_shape(tmp_path: Path) -> None:
     ("text", "finding"),
     [
         ('shape = "flat"', "GP604 3 tools.1.diameter is missing"),
-        ('diameter = 6\nshape = "round"', "GP603 5 tools.1.shape: 'round' is none of flat, ball, bull, vee, drill"),
+        ('diameter = 6\nshape = "round"', "GP603 5 tools.1.shape: 'round' is not one of flat, ball, bull, vee, drill"),
         ('diameter = 6\nshape = "bull"', "GP604 3 tools.1.corner_radius is missing"),
         ('diameter = 6\nshape = "vee"', "GP604 3 tools.1.tip_angle is missing"),
         ('diameter = 6\nshape = "bull"\ncorner_radius = 4', "GP603 6 tools.1.corner_radius: more than half of the"),
         ('diameter = 6\nshape = "ball"\ntip_angle = 60', "GP603 6 tools.1.tip_angle: a tool of shape 'ball' has none"),
-        ('diameter = 6\nshape = "vee"\ntip_angle = 180', "GP603 6 tools.1.tip_angle: the flanks of a tip"),
+        ('diameter = 6\nshape = "vee"\ntip_angle = 180', "GP603 6 tools.1.tip_angle: the angle of a tip"),
         ('diameter = 6\nshape = "vee"\ntip_angle = 60\ntip_diameter = 6', "GP603 7 tools.1.tip_diameter: the flat"),
         ("diameter = 6\ntip_angle = 60", "GP604 3 tools.1.shape is missing"),
         ('diameter = 6\nshape = "flat"\nholder = [[20, 20, 5]]', "GP604 3 tools.1.stickout is missing"),
@@ -73,7 +73,7 @@ def test_a_controllers_table_states_no_shape(tmp_path: Path) -> None:
             'diameter = 6\nshape = "flat"\nstickout = 9\nholder = [[20, 5]]',
             "GP603 7 tools.1.holder: a part of a holder",
         ),
-        ('diameter = 0\nshape = "flat"', "GP603 4 tools.1.diameter: 0 mm: a tool that has a shape has a width"),
+        ('diameter = 0\nshape = "flat"', "GP603 4 tools.1.diameter: 0 mm: a tool with a shape must have a width"),
         ('diameter = 6\nshape = "flat"\nflute_length = -1', "GP603 6 tools.1.flute_length"),
     ],
 )

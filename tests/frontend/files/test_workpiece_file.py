@@ -301,11 +301,11 @@ def test_entities_that_are_not_read(tmp_path: Path) -> None:
     doc.modelspace().add_circle((0, 0), 5, {"extrusion": (1, 0, 0)})
     doc.saveas(path)
     text = '[[part]]\ndxf = "plate.dxf"\nbottom = 0\ntop = 1\n'
-    assert "does not lie in the X-Y plane" in mistake(tmp_path, text)[2]
+    assert "is not in the X-Y plane" in mistake(tmp_path, text)[2]
     doc, path = drawing(tmp_path)
     doc.modelspace().add_3dface([(0, 0), (1, 0), (1, 1), (0, 1)])
     doc.saveas(path)
-    assert "3DFACE on layer '0' is no outline that is read" in mistake(tmp_path, text)[2]
+    assert "3DFACE on layer '0' is not an outline that gproof reads" in mistake(tmp_path, text)[2]
     doc, path = drawing(tmp_path)
     doc.modelspace().add_rational_spline([(0, 0), (5, 9), (10, 0), (0, 0)], weights=[1, 2, 1, 1])
     doc.saveas(path)
@@ -317,8 +317,8 @@ def test_splines_that_are_no_certain_curve(tmp_path: Path) -> None:
     text = '[[part]]\ndxf = "plate.dxf"\nbottom = 0\ntop = 1\n'
     corners = [(0, 0, 0), (5, 9, 0), (10, 0, 0), (12, 3, 0), (0, 0, 0)]
     for knots, what in (
-        ([], "knots that are not those"), ([0, 0, 0, 0, 1, 1, 1], "knots that are not those"),
-        ([0, 0, 0, 0, 3, 1, 1, 1, 1], "knots that are not those"),
+        ([], "knots that do not fit"), ([0, 0, 0, 0, 1, 1, 1], "knots that do not fit"),
+        ([0, 0, 0, 0, 3, 1, 1, 1, 1], "knots that do not fit"),
         ([0, 1, 2, 3, 4, 5, 6, 7, 8], "outer control points"),
     ):  # fmt: skip
         doc, path = drawing(tmp_path)
@@ -415,24 +415,27 @@ def test_a_mesh_with_a_hole_is_told(tmp_path: Path) -> None:
     body = setup.workpiece.fixtures[0].body
     assert isinstance(body, Mesh) and not body.closed
     (tmp_path / "body.stl").write_bytes(binary([*FACES[:3], FACES[3][::-1]]))
-    assert "turned differently" in load(tmp_path, STL)[1][0][2]
+    assert "face different sides" in load(tmp_path, STL)[1][0][2]
 
 
 BAD_MESHES = {
-    "empty": (b"", "0 bytes are no STL file"),
+    "empty": (b"", "0 bytes are not an STL file"),
     "short": (binary(FACES)[:-3], "4 triangles take 284 bytes, the file has 281"),
-    "none": (binary([]), "no triangle is in it"),
+    "none": (binary([]), "it has no triangle"),
     "many": (b"x" * 80 + struct.pack("<I", 2**32 - 1), "4294967295 triangles"),
     "nan": (binary(FACES, TETRA * math.nan), "triangle 1 has a coordinate that is not a finite number"),
     "far": (binary(FACES, TETRA * 1e8), "triangle 1 has a coordinate beyond 1e+07"),
     "points": (binary([(0, 0, 0), (1, 1, 2)]), "all its triangles are points or lines"),
-    "text": (text_form(FACES).replace(b"endloop", b"endlop", 1), "no line of a text STL file"),
-    "number": (text_form(FACES).replace(b"10.0", b"1O.0", 1), "a coordinate is no number"),
-    "long": (text_form(FACES).replace(b"10.0", b"1." + b"0" * 70 + b"e1", 1), "a corner is vertex and three numbers"),
+    "text": (text_form(FACES).replace(b"endloop", b"endlop", 1), "this is not a line of a text STL file"),
+    "number": (text_form(FACES).replace(b"10.0", b"1O.0", 1), "a coordinate is not a number"),
+    "long": (
+        text_form(FACES).replace(b"10.0", b"1." + b"0" * 70 + b"e1", 1),
+        "a corner must be vertex and three numbers",
+    ),
     "open": (text_form(FACES).replace(b"endsolid part", b""), "endsolid is missing"),
     "second": (text_form(FACES) + b"solid other\n", "endsolid is missing"),
     "end": (text_form(FACES) + b"endsolid\n", "endsolid without solid"),
-    "corner": (text_form(FACES).replace(b"vertex 0.0 ", b"vertex ", 1), "a corner is vertex and three numbers"),
+    "corner": (text_form(FACES).replace(b"vertex 0.0 ", b"vertex ", 1), "a corner must be vertex and three numbers"),
 }
 
 
@@ -456,14 +459,14 @@ WRONG = [
     ("[stock]\nbox = [[0,0,0],[1,1,0]]\n", 3, "GP603", "not above the lower one in Z"),
     ("[stock]\nbox = [[0,0],[1,1]]\n", 3, "GP603", "lower and its upper corner"),
     ("[stock]\nbox = [[0,0,0],[1,1,nan]]\n", 3, "GP603", "not a list of numbers"),
-    ("[stock]\nbox = [[0,0,0],[1,1,1]]\nstl = 'a.stl'\n", 4, "GP603", "given beside box"),
+    ("[stock]\nbox = [[0,0,0],[1,1,1]]\nstl = 'a.stl'\n", 4, "GP603", "given together with box"),
     ("[stock]\nbox = [[0,0,0],[1,1,1]]\nwork = 10\n", 4, "GP603", "whole number from 1 to 9"),
-    ("[stock]\nbox = [[0,0,0],[1,1,1]]\nwork = 'G54'\n", 4, "GP603", "none of 1 to 9"),
+    ("[stock]\nbox = [[0,0,0],[1,1,1]]\nwork = 'G54'\n", 4, "GP603", "not one of 1 to 9"),
     ("[stock]\nbox = [[0,0,0],[1,1,1]]\nshift = [1, 2]\n", 4, "GP603", "not X, Y and Z"),
     ("[stock]\nbox = [[0,0,0],[1,1,1]]\nrotate = 'x'\n", 4, "GP603", "not a number"),
     ("[stock]\nstl = 'none.stl'\n", 3, "GP603", "no such file"),
     ("[stock]\ncylinder = {x = 0, y = 0, diameter = 0, bottom = 0, top = 1}\n", 3, "GP603", "diameter"),
-    ("[[part]]\npolygon = [[0,0],[1,1]]\nbottom = 0\ntop = 1\n", 3, "GP603", "2 corners encloses nothing"),
+    ("[[part]]\npolygon = [[0,0],[1,1]]\nbottom = 0\ntop = 1\n", 3, "GP603", "2 corners has no area"),
     ("[[part]]\npolygon = [[0,0],[2,2],[2,0],[0,2]]\nbottom = 0\ntop = 1\n", 3, "GP603",
      "the outline crosses itself at X 1.0000 Y 1.0000"),
     ("[[part]]\npolygon = [[0,0],[1,0],[1,1]]\nbottom = 1\ntop = 1\n", 5, "GP603", "not above bottom"),
@@ -471,7 +474,7 @@ WRONG = [
     ("[[part]]\npolygon = [[0,0],[9,0],[9,9]]\nholes = [[[5,1],[11,1],[11,3]]]\nbottom = 0\ntop = 1\n", 3, "GP603",
      "two outlines cross at"),
     ("[[part]]\npolygon = [[0,0],[9,0],[9,9]]\nbottom=0\ntop=1\npockets = [{polygon = [[1,0],[2,0],[2,1]], floor=2}]\n",
-     6, "GP603", "not from 0 up to 1 mm"),
+     6, "GP603", "must be from 0 to 1 mm"),
     ("[[fixtures]]\nbox = [[0,0,0],[1,1,1]]\n[[fixtures]]\nbox = [[0,0,0],[1,0,1]]\n", 5, "GP603",
      "fixtures[2].box: the upper corner is not above the lower one in Y"),
     ("[workpiece]\ntolerance = 0\n", 3, "GP603", "tolerance"),
@@ -496,4 +499,4 @@ def test_layers_that_are_not_there(tmp_path: Path) -> None:
     doc.modelspace().add_circle((0, 0), 5, {"layer": "CUT"})
     doc.saveas(path)
     text = '[[part]]\ndxf = "plate.dxf"\nlayers = {CUTS = {bottom = 0, top = 1}}\n'
-    assert mistake(tmp_path, text) == ("GP603", 4, "part.layers.CUTS: no outline is on such a layer; there are CUT")
+    assert mistake(tmp_path, text) == ("GP603", 4, "part.layers.CUTS: no such layer has an outline; the layers are CUT")

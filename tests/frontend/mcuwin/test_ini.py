@@ -103,7 +103,7 @@ def test_inches_are_rounded_once(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("text", "said"),
     [
-        ("[ToolsXY]\nR1=-5\n", ("GP603", 2, "a radius of -5 is below 0")),
+        ("[ToolsXY]\nR1=-5\n", ("GP603", 2, "the radius -5 is below 0")),
         ("[ToolsXY]\nR1=1,234.5\n", ("GP603", 2, "'1,234.5' is not a number")),
         ("[ToolsXY]\nR1=1.000,5\n", ("GP603", 2, "is not a number")),
         ("[ToolsXY]\nR1=5 mm\n", ("GP603", 2, "'5 mm' is not a number")),
@@ -111,7 +111,7 @@ def test_inches_are_rounded_once(tmp_path: Path) -> None:
         ("[ToolsXY]\nR1=\n", ("GP603", 2, "there is no number")),
         ("[ToolsXY]\nR1=1e-3\n", ("GP603", 2, "is not a number")),
         ("[ToolsXY]\nR1=5\nr1=5,1\n", ("GP603", 3, "another value than in line 2")),
-        ("[ToolsXY]\nR1=5\n[ToolsYZ]\n[TOOLSXY]\nR2=1\n", ("GP603", 4, "stands in line 1 already")),
+        ("[ToolsXY]\nR1=5\n[ToolsYZ]\n[TOOLSXY]\nR2=1\n", ("GP603", 4, "is already in line 1")),
         ("[ToolsXY]\nR10000=5\n", ("GP603", 2, "numbered from 0 to 9999")),
         ("[ToolsXY]\nR1 5\n", ("GP601", 2, "neither [section] nor key=value")),
         ("[ToolsXY\nR1=5\n", ("GP601", 1, "neither [section] nor key=value")),

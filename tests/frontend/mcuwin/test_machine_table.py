@@ -128,16 +128,16 @@ def test_codes_that_are_not(code: str, tmp_path: Path) -> None:
     said = messages(f'[din]\n[din.task0]\n{code} = "nothing"\n', tmp_path)
     assert len(said) == 1
     assert said[0].startswith("GP603 ")
-    assert "no code that is left to Task 0" in said[0]
+    assert "not a code for Task 0" in said[0]
 
 
 @pytest.mark.parametrize(
     ("text", "said"),
     [
-        ('[din]\nversion = "3"\n', "GP603 4: din.version: '3' is none of 2.5.3.133, 2.5.3.32"),
+        ('[din]\nversion = "3"\n', "GP603 4: din.version: '3' is not one of 2.5.3.133, 2.5.3.32"),
         ("[din]\ncase_sensitive = 1\n", "GP603 4: din.case_sensitive: 1 is not true or false"),
-        ('[din]\nposition_unit = "cm"\n', "GP603 4: din.position_unit: 'cm' is none of mm, inch"),
-        ('[din]\ntime_unit = "h"\n', "GP603 4: din.time_unit: 'h' is none of min, s"),
+        ('[din]\nposition_unit = "cm"\n', "GP603 4: din.position_unit: 'cm' is not one of mm, inch"),
+        ('[din]\ntime_unit = "h"\n', "GP603 4: din.time_unit: 'h' is not one of min, s"),
         ('[din]\ninterpolation_axes = "XX"\n', "GP603 4: din.interpolation_axes: 'XX': letters of axes"),
         ('[axes.x]\n[din]\ninterpolation_axes = "XY"\n', "GP603 5: din.interpolation_axes: 'XY': letters of axes"),
         ('[axes.x]\n[din]\ninterpolation_axes = ""\n', "GP603 5: din.interpolation_axes"),
@@ -146,20 +146,20 @@ def test_codes_that_are_not(code: str, tmp_path: Path) -> None:
         ("[din]\nzero_offsets = [1]\n", "GP603 4: din.zero_offsets: 1 is not a list of numbers"),
         ("[din]\narc_tolerance = -1\n", "GP603 4: din.arc_tolerance: -1 is not 0 or greater than 0"),
         ("[din]\nprogram_size = 0\n", "GP603 4: din.program_size: 0 is not a whole number from 1 to 12582912"),
-        ('[din]\npre_include = "a\\nb"\n', "GP603 4: din.pre_include: a name of a file has no control characters"),
-        ('[din]\npersistence = "loose"\n', "GP603 4: din.persistence: 'loose' is none of strict, keep"),
-        ('[din]\ntool_file = "no.ini"\n', "GP601 4: there is no file 'no.ini'"),
-        ("[din]\ntool_file = 3\n", "GP603 4: din.tool_file: 3 is not a text"),
+        ('[din]\npre_include = "a\\nb"\n', "GP603 4: din.pre_include: a file name must have no control characters"),
+        ('[din]\npersistence = "loose"\n', "GP603 4: din.persistence: 'loose' is not one of strict, keep"),
+        ('[din]\ntool_file = "no.ini"\n', "GP601 4: cannot read the file: there is no file 'no.ini'"),
+        ("[din]\ntool_file = 3\n", "GP603 4: din.tool_file: 3 is not text"),
         ('[din]\ncolour = "red"\n', "GP611 4: there is no key 'din.colour'"),
         ("din = 3\n", "GP603 3: din: 3 is not a table"),
         ("[din]\ntask0 = 3\n", "GP603 4: din.task0: 3 is not a table"),
-        ('[din.task0]\nM3 = "jump"\n', "GP603 4: din.task0.M3: 'jump' is none of"),
-        ("[din.task0]\nM3 = 1\n", "GP603 4: din.task0.M3: 1 is not a text"),
+        ('[din.task0]\nM3 = "jump"\n', "GP603 4: din.task0.M3: 'jump' is not one of"),
+        ("[din.task0]\nM3 = 1\n", "GP603 4: din.task0.M3: 1 is not text"),
         ('[din.task0]\nM3 = "stop"\nM03 = "end"\n', "GP603 5: din.task0.M03: M3 is the same code"),
         ("[din.task0]\nM3 = {colour = 1}\n", "GP611 4: there is no key 'din.task0.M3.colour'"),
         ("[din.task0]\nM3 = {parameters = -1}\n", "GP603 4: din.task0.M3.parameters"),
-        ('[axes.x]\nposition_unit = "deg"\n', "GP603 4: axes.x.position_unit: 'deg' is none of mm, cm, m, um, inch"),
-        ('[axes.c]\nposition_unit = "mm"\n', "GP603 4: axes.c.position_unit: 'mm' is none of deg, rev, rad"),
+        ('[axes.x]\nposition_unit = "deg"\n', "GP603 4: axes.x.position_unit: 'deg' is not one of mm, cm, m, um, inch"),
+        ('[axes.c]\nposition_unit = "mm"\n', "GP603 4: axes.c.position_unit: 'mm' is not one of deg, rev, rad"),
     ],
 )
 def test_mistakes(text: str, said: str, tmp_path: Path) -> None:
@@ -288,7 +288,7 @@ def test_a_file_refines_another_one(tmp_path: Path) -> None:
     )  # fmt: skip
     said = messages('[din]\nposition_unit = "inch"\n', tmp_path, head)
     assert len(said) == 1
-    assert "tool_file here reads them again" in said[0]
+    assert "state tool_file here to read the tools again" in said[0]
     assert din_of('[din]\nposition_unit = "inch"\ntool_file = ""\n', tmp_path, head).tools == ()
 
 

@@ -15,7 +15,7 @@ their words 6 + 4 + 2 = 12, three lines: high 12 * 40 + 3 * 48 = 624 bytes."""
 @pytest.mark.parametrize(
     ("allowed", "code", "numbers"),
     [
-        (19, "GP147", "20 bytes at the least"),
+        (19, "GP147", "at least 20 bytes"),
         (20, "GP146", "20 to 624 bytes"),
         (623, "GP146", "20 to 624 bytes"),
         (624, None, ""),

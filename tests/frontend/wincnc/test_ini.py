@@ -151,8 +151,8 @@ def test_columns_of_letters(letters: str, columns: str) -> None:
 @pytest.mark.parametrize(
     ("value", "what"),
     [
-        ("YXZ", "the first axis must be X, and the second Y"), ("X", "the first axis must be X, and the second Y"),
-        ("XYQ", "'Q' is no axis"), ("XYZZ", "Z is there twice"), ("XYZWUAB", "none is left for"),
+        ("YXZ", "the first axis must be X and the second Y"), ("X", "the first axis must be X and the second Y"),
+        ("XYQ", "'Q' is not an axis"), ("XYZZ", "Z is given twice"), ("XYZWUAB", "is one too many"),
     ],
 )  # fmt: skip
 def test_letters_that_can_be_no_axes(value: str, what: str, tmp_path: Path) -> None:
@@ -474,11 +474,11 @@ def test_forced_limits_beside_low_limits_are_the_higher_reading(tmp_path: Path) 
     ("line", "what", "why", "axis"),
     [
         ("arctype=i.5", "arctype=i.5", "arcs are broken up", ""),
-        ("arcs=m0\ng2modal=1", "g2modal=1", "says otherwise", ""),
-        ("g54=x1q5", "g54= Q5", "does not name this letter", ""),
+        ("arcs=m0\ng2modal=1", "g2modal=1", "says something else", ""),
+        ("g54=x1q5", "g54= Q5", "this letter of the key", ""),
         ("g54=a5", "g54= A5", "does not say what A is", ""),
         ("spinchar=Q", "spinchar=Q", "sets the spindle", ""),
-        ("comchars=;N", "comchars=;N", "begins a comment", ""),
+        ("comchars=;N", "comchars=;N", "starts a comment", ""),
         ("axismap=s0e100m10", "axismap=s0e100m10", "adjustments", ""),
         ("axismode=1", "axismode=1", "only the name", "c"),
         ("axisadj=t1", "axisadj=t1", "keys and inputs", "c"),

@@ -162,7 +162,7 @@ def test_what_is_open_is_refused() -> None:
         assert message.startswith("GP520") and word in message
     elsewhere = Setup(cylinder=CUP, start={"a": Interval(10.0, 10.0)})
     (message,) = told(trace, machine(), elsewhere)
-    assert message.startswith("GP520") and "the mapping has it at 11.4592" in message
+    assert message.startswith("GP520") and "the mapping puts it at 11.4592" in message
     assert "GP810" in found(lowered(trace, machine())[1], trace, machine(), elsewhere)
     a_map = HeightMap(x=0.0, y=0.0, size=10.0, heights=((0.0, 1.0), (0.0, 1.0)), on=True)
     (message,) = told(trace, machine(), Setup(cylinder=CUP, height_map=a_map))

@@ -95,7 +95,7 @@ def test_it_is_followed_from_section_to_section() -> None:
     other = Path().state(**ON).feed(600, y=10).end_section().feed(600, x=20).done()
     other.sections[0].edges = (Edge(wait=Wait.OPERATOR, outcome="run", target=1),)
     other.sections[1].edges = (Edge(wait=Wait.BRANCH, outcome="again", target=1),)
-    assert "depends on the way" in followed(other, mill())[1][0]
+    assert "depends on the path" in followed(other, mill())[1][0]
 
 
 @pytest.mark.parametrize(
@@ -103,8 +103,8 @@ def test_it_is_followed_from_section_to_section() -> None:
     [
         (Path().state(**ON).feed(600, x=5, c=10), "turns C itself"),
         (Path().state(following=(KNIFE,), compensation=1).feed(600, x=5), "cutter radius compensation"),
-        (Path().frame("start.c").state(**ON).feed(600, x=5), "where C is"),
-        (Path().state(**ON).feed(600, x=5).frame("work.1.x").feed(600, x=9), "offsets that nobody stated"),
+        (Path().frame("start.c").state(**ON).feed(600, x=5), "the position of C"),
+        (Path().state(**ON).feed(600, x=5).frame("work.1.x").feed(600, x=9), "unknown offsets"),
     ],
 )  # fmt: skip
 def test_what_can_not_be_followed_is_told(path: Path, reason: str) -> None:

@@ -270,7 +270,7 @@ def test_step_frequency_caps_the_speed() -> None:
     assert column(made, "cruise")[0] == pytest.approx(0.95 * 125_000 / 3200)
     assert messages(Path().feed(3000, x=50).done(), m) == [
         "1 GP501 feed 3000 mm/min is more than the axes allow here",
-        "1 GP502 X at 100 mm/s needs 320000 steps/s; 118750 allowed",
+        "1 GP502 X at 100 mm/s needs 320000 steps/s; at most 118750 steps/s are allowed",
     ]
 
 

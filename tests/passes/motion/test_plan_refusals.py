@@ -31,21 +31,21 @@ def told(name: str) -> list[tuple[str, str, int, str]]:
     ("name", "places", "words"),
     [
         ("mcuwin/engraver/carousel", [("carousel.src", 9)], [("never ends", "an end")]),
-        ("mcuwin/engraver/three-planes", [("three-planes.src", 12)], [("tool 2 is beside", "radius 0")]),
+        ("mcuwin/engraver/three-planes", [("three-planes.src", 12)], [("tool 2 next to", "radius 0")]),
         (
             "mcuwin/engraver/which-fixture",
             [("fixtures.inc", 2), ("fixtures.inc", 4), ("fixtures.inc", 6)],
-            [("which way it goes", "[inputs]")] * 3,
+            [("the path depends", "[inputs]")] * 3,
         ),
         (
             "wincnc/knife-twohead/gasket",
             [("gasket.tap", 5), ("gasket.tap", 12)],
-            [("waits for an input", "known only when"), ("nor that of 5 more", "arcs_share_feed under [controls]")],
+            [("waits for an input", "known only when"), ("and of 5 more", "arcs_share_feed under [controls]")],
         ),
         (
             "wincnc/plasma/flange",
             [("TOUCH.MAC", 5), ("TORCHON.MAC", 2), ("flange.tap", 14)],
-            [("a probe", "known only when"), ("an input", "known only when"), ("nor that of 8", "arcs_share_feed")],
+            [("a probe", "known only when"), ("an input", "known only when"), ("and of 8", "arcs_share_feed")],
         ),
     ],
 )

@@ -241,7 +241,7 @@ def test_a_plan_made_for_a_faster_board_is_refused() -> None:
     made = plan(trace, machine(), Findings())
     slow = machine(max_step_frequency=20_000.0)
     (message,) = told(trace, slow, made)
-    assert message == "1 GP502 X at 100 mm/s needs 32000 steps/s; 20000 allowed"
+    assert message == "1 GP502 X at 100 mm/s needs 32000 steps/s; at most 20000 steps/s are allowed"
 
 
 # --- properties ---------------------------------------------------------------------------------------------

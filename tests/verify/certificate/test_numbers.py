@@ -222,7 +222,7 @@ def test_columns_are_in_range_as_they_are(schema: Any, package: Package) -> None
         (lambda p: {"machine": dataclasses.replace(p.machine, unit=math.nan)}, "Machine.unit: nan is no number"),
         (lambda p: {"machine": dataclasses.replace(p.machine, axes=(
             dataclasses.replace(p.machine.axes[0], steps_per_unit=Fraction(1, 10**400)), *p.machine.axes[1:]))},
-         "Machine.axes[0].steps_per_unit: 0 is nearer to 0 than 1e-09"),
+         "Machine.axes[0].steps_per_unit: 0 is closer to 0 than 1e-09"),
         (lambda p: {"stream": dataclasses.replace(p.stream, tick_frequency=10**13)},
          "StepStream.tick_frequency: 1e+13 is outside 1 to 1e+12"),
     ],

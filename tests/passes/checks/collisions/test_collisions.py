@@ -70,9 +70,11 @@ def line(finding: Finding) -> int:
 
 def number(finding: Finding) -> float:
     """How deep, less than 0: how near."""
-    found = re.search(r"(goes|comes within) (\d+\.\d+) mm", finding.message)
-    assert found is not None, finding.message
-    return float(found[2]) if found[1] == "goes" else -float(found[2])
+    values = dict(finding.values)
+    near = float(str(values.get("depth", 0.0))) - float(str(values.get("distance", 0.0)))
+    shown = re.search(r"(?:hits .* by|comes within|its path is) (\d+\.\d+) mm", finding.message)
+    assert shown is not None and abs(float(shown[1]) - abs(near)) < 6e-4, finding.message
+    return near
 
 
 PLATE = Box(low=(0.0, 0.0, -10.0), high=(100.0, 50.0, 0.0))
@@ -344,7 +346,7 @@ def test_what_is_not_stated_of_a_tool(tmp_path: Path) -> None:
     assert answer(tmp_path, text, fixture(lower), name="collisions", tool=stated)[0] is Verdict.SAFE
     bare = Tool(number=1, length=40.0)
     verdict, found, _ = answer(tmp_path, text, fixture(clamp), name="collisions", tool=bare)
-    assert verdict is Verdict.UNKNOWN and "nobody stated the shape" in found[0].message
+    assert verdict is Verdict.UNKNOWN and "gives no shape" in found[0].message
     assert (
         answer(tmp_path, text.replace("Z5", "Z60.1"), fixture(clamp), name="collisions", tool=bare)[0] is Verdict.SAFE
     )
@@ -416,12 +418,12 @@ def test_what_the_answer_stands_on(tmp_path: Path) -> None:
 def test_what_is_not_known_is_said(tmp_path: Path) -> None:
     """No part, no fixtures; a place that is not known and not high enough."""
     verdict, found, _ = answer(tmp_path, "G0 X0 Y0", None)
-    assert verdict is Verdict.UNKNOWN and "nobody stated the part" in found[0].message
+    assert verdict is Verdict.UNKNOWN and "gives no finished part" in found[0].message
     assert answer(tmp_path, "G0 X0 Y0", None, name="collisions")[0] is Verdict.UNKNOWN
     unknown = "G0 X0 Y0\nG55\nG0 Z-1\nX1\nG54\nG0 X0 Y0"
     verdict, found, _ = answer(tmp_path, unknown, part(PLATE))
-    assert verdict is Verdict.UNKNOWN and "not stated" in found[0].message
+    assert verdict is Verdict.UNKNOWN and "unknown" in found[0].message
     verdict, _, made = answer(tmp_path, "G0 X0 Y0\nG0 X1", part(PLATE))
     assert verdict is Verdict.SAFE
     result = next(r for r in made.properties if r.name == "gouges")
-    assert any("when the job begins" in text for text in result.assumptions)
+    assert any("start position of the axes" in text for text in result.assumptions)

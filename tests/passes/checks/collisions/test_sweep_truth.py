@@ -17,7 +17,7 @@ from support.campaigns import seeds
 
 from gproof.cli.main import main
 
-SHOWN = 6e-5
+SHOWN = 6e-4
 """mm that a printed number may be rounded by."""
 WITHIN = 3e-6
 """mm between "nearer than allowed, proved" and "not, proved", and what float64 loses on the way."""
@@ -28,13 +28,13 @@ def told_of(found: list[dict[str, object]], body: Body, part: str = "") -> list[
     out = []
     for finding in found:
         message = str(finding["message"])
-        if f"{body.name}.stl" not in message and f" {body.name}," not in message:
+        if f"{body.name}.stl" not in message and f'"{body.name}"' not in message:
             continue
-        if part and f"the {part} of" not in message:
+        if part and f"({part})" not in message:
             continue
-        number = re.search(r"(goes|comes within) (\d+\.\d+) mm", message)
+        number = re.search(r"(hits .* by|comes within) (\d+\.\d+) mm", message)
         assert number is not None, message
-        out.append((str(finding["code"]), float(number[2]) if number[1] == "goes" else -float(number[2])))
+        out.append((str(finding["code"]), float(number[2]) if number[1][0] == "h" else -float(number[2])))
     return out
 
 

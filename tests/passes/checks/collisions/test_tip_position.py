@@ -113,7 +113,7 @@ def test_the_length_of_another_tool(tmp_path: Path) -> None:
     unstated = Placed(tmp_path, "job.cnc", text.replace("T2", "T3"))
     assert unstated.ends()[-1] == (0.0, 0.0, None)
     assert unstated.reasons()[-1] is Reason.OFFSET
-    assert unstated.cause() == "length of tool 3: not stated"
+    assert unstated.cause() == "length of tool 3: unknown"
 
 
 def test_a_length_that_nobody_stated_cancels_for_its_own_tool(tmp_path: Path) -> None:
@@ -156,7 +156,7 @@ def test_a_zero_given_in_numbers_needs_the_old_one(tmp_path: Path) -> None:
     text = START + "G10 L2 P1 X50 Y60 Z70\nG0 X1 Y2 Z3\nM30\n"
     job = Placed(tmp_path, "job.cnc", text)
     assert job.ends()[-1] == (None, None, None)
-    assert job.cause() == "G54 X offset, G54 Y offset, G54 Z offset: not stated"
+    assert job.cause() == "G54 X offset, G54 Y offset, G54 Z offset: unknown"
     stated = Placed(tmp_path, "job.cnc", text, setup="[work.1]\nx = 10.0\ny = 20.0\nz = 30.0\n")
     assert stated.ends()[-1] == (41.0, 42.0, 43.0)
 

@@ -111,7 +111,7 @@ def test_one_finding_a_cause_with_its_number_and_the_last_place(tmp_path: Path) 
     _, found = judged(tmp_path, HEAD + "G0 Z5\n" + cuts + "G0 Z20\nM5\nM30\n")
     (one,) = [f for f in found if f["code"] == "GP530"]
     assert one["line"] == 3
-    assert str(one["message"]).endswith("feed moves while the spindle stands still: 500")
+    assert str(one["message"]).endswith("feed moves while the spindle is stopped (number: 500)")
     assert [r["line"] for r in one["related"]] == [502]  # type: ignore[attr-defined]
 
 
@@ -168,7 +168,7 @@ def test_time_for_the_spindle(between: str, seconds: float, found: bool, tmp_pat
     assert codes_of(told) == ({"GP536"} if found else set())
     if found:
         message = next(str(one["message"]) for one in told if one["code"] == "GP536")
-        assert f"a feed move {seconds:.2f} s behind" in message
+        assert f"a feed move starts as early as {seconds:.2f} s after" in message
     # The wait of the controller itself counts, as far as the machine file says that there is one.
     waits = "[spindles.0]\nspin_up = 4.0\n[controller]\nspindle_ramp_time = 4.0\n"
     assert codes_of(judged(tmp_path, text, machine=waits)[1]) == set()
@@ -434,13 +434,16 @@ def test_a_speed_that_is_set_by_hand(tmp_path: Path) -> None:
     """Without spindle= no S sets the speed (manual, spindle=), and whoever turns the knob is trusted, said so."""
     for speed in ("", "S9000\n"):
         answer = by_macros(tmp_path, CUT.format(on=f"{speed}M3", then=""), ONE)
-        assert answer == ("SAFE", set(), [RUNS_IT, "the speed of the spindle is set by hand"])
+        assert answer == ("SAFE", set(), [RUNS_IT, "the spindle speed is set by hand"])
 
 
 def test_a_hint_names_the_outputs(tmp_path: Path) -> None:
     by_macros(tmp_path, CUT.format(on="M11C4\nM13C2", then=""), "M5=M12C1\n")
     shown = in_this_process(["check", "job.tap", "--machine", "WINCNC.INI", "--also", "cutting"], tmp_path).out
-    hint = "output = ... under [spindles.0] in the machine file, the output that runs it (this job switches on 2, 4)"
+    hint = (
+        "state output = ... under [spindles.0] in the machine file, the output that runs the spindle (this job "
+        "switches on 2, 4)"
+    )
     assert hint in shown
 
 

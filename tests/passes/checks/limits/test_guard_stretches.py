@@ -21,8 +21,8 @@ def test_each_stretch_has_its_lines_and_its_reach(tmp_path: Path) -> None:
     )
     judgement = run(tmp_path, program, MACHINE, stated())
     assert notes(judgement) == [
-        (3, "soft limits: off from here to line 5, for 2 moves, X -3.000 ... 20.000 mm, Y 0.000 ... 5.000 mm"),
-        (11, "soft limits and tool change area: off from here to line 12, for 1 move, Z -5.000 ... 0.000 mm"),
+        (3, "soft limits: off from here to line 5, during 2 moves, X -3.000 ... 20.000 mm, Y 0.000 ... 5.000 mm"),
+        (11, "soft limits and tool change area: off from here to line 12, during 1 move, Z -5.000 ... 0.000 mm"),
     ]
     assert judgement.verdict is Verdict.UNKNOWN or judgement.verdict is Verdict.SAFE
 
@@ -31,7 +31,7 @@ def test_a_stretch_that_runs_again_is_told_once(tmp_path: Path) -> None:
     again = "#1 = 0\nwhile [#1 < 40]\nTCAGuard off\nG0 X5\nG0 X6\nTCAGuard on\n#1 = [#1 + 1]\nendwhile\n"
     program = f"{HEAD}G0 X6\n{again}M30\n"
     judgement = run(tmp_path, program, MACHINE, stated())
-    assert notes(judgement) == [(5, "tool change area: off from here to line 7, for 2 moves, X 5.000 ... 6.000 mm")]
+    assert notes(judgement) == [(5, "tool change area: off from here to line 7, during 2 moves, X 5.000 ... 6.000 mm")]
     assert judgement.findings.counts[338] == 40
 
 

@@ -317,7 +317,7 @@ def test_one_offset_in_two_frames_must_fit_all_rows(tmp_path: Path) -> None:
     judgement = judge_texts(tmp_path, program, machine_text(*BOX), None)
     assert found(judgement) == [("GP303", 6)]
     assert judgement.verdict is Verdict.UNSAFE
-    assert "spans 180.0000 mm and the axis has 100.0000" in judgement.findings.kept[0].message
+    assert "spans 180.000 mm, and the axis has 100.000 mm" in judgement.findings.kept[0].message
 
 
 def test_a_job_as_long_as_the_axis_has_one_offset(tmp_path: Path) -> None:

@@ -10,7 +10,7 @@ from support.judging import answer
 
 from gproof.ir.verdict import Verdict
 
-ENDLESS = "A turns without end: nobody states limits of it"
+ENDLESS = "A turns without end and has no travel limits"
 
 
 @pytest.mark.parametrize(

@@ -168,7 +168,7 @@ def test_a_job_for_another_controller(controller: str, tmp_path: Path) -> None:
     _, found = told(job, "--machine", str(DOCS / "machine.toml"), "--setup", "zero", "--dialect", "eding")
     looks = [str(f["message"]) for f in found if f["code"] == "GP152"]
     assert len(looks) == 1
-    assert f"looks like one for {controller}:" in looks[0]
+    assert f"looks like a program for {controller}:" in looks[0]
 
 
 @pytest.mark.parametrize(
@@ -186,7 +186,7 @@ def test_what_only_linuxcnc_has(lines: str, tmp_path: Path) -> None:
     job.write_text(HEAD + lines + "M30\n", encoding="utf-8")
     _, found = told(job, "--machine", str(DOCS / "machine.toml"), "--setup", "zero", "--dialect", "eding")
     looks = [str(f["message"]) for f in found if f["code"] == "GP152"]
-    assert [one.partition(":")[0] for one in looks] == ["this job looks like one for LinuxCNC"]
+    assert [one.partition(":")[0] for one in looks] == ["this job looks like a program for LinuxCNC"]
 
 
 def test_an_eding_job_on_a_wincnc_machine(tmp_path: Path) -> None:
@@ -225,7 +225,7 @@ def test_the_wrong_units_of_the_corpus(job: str) -> None:
     path = CORPUS / job
     _, found = told(path, "--machine", expectation(path)["machine"])
     (message,) = [str(f["message"]) for f in found if f["code"] == "GP151"]
-    assert "look like millimetres, and count as inches" in message
+    assert "look like millimetres, but are read as inches" in message
     assert "X 22" in message or "X 21" in message
 
 

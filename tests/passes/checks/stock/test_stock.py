@@ -91,7 +91,7 @@ def test_a_tool_without_a_shape(tmp_path: Path) -> None:
     bare = dataclasses.replace(FLAT, shape=None)
     job = Judged(tmp_path, SLOT + "G0 Z5\nM30\n", tools=(bare,))
     assert (job.verdict, job.told()) == ("UNKNOWN", [(3, 443), (4, 443)])
-    assert "nobody stated the shape of tool 1" in job.findings.kept[0].message
+    assert "the machine file gives no shape of tool 1" in job.findings.kept[0].message
     assert Judged(tmp_path, "G0 Z5\nG0 X10 Y20\nG1 X40\nM30\n", tools=(bare,)).verdict == "SAFE"
     assert Judged(tmp_path, SLOT + "G0 Z5\nM30\n", tools=()).verdict == "UNKNOWN"
 

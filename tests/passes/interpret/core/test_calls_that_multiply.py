@@ -91,7 +91,7 @@ def test_they_end_with_a_finding_that_names_them(
     assert done.exit in (1, 2), done
     found = [one for one in json.loads(done.out)["findings"] if one["code"] == "GP233"]
     assert len(found) == 1, done.out[:2000]
-    assert "calls within calls: " in found[0]["hint"]
+    assert "check the nested calls: " in found[0]["hint"]
     assert found[0]["hint"].count(" > ") >= min(levels, 3) - 1
 
 

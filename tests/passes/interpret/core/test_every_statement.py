@@ -108,5 +108,5 @@ def test_what_the_executor_does_not_know_is_not_passed_over() -> None:
     new: Any = New()
     assert told(new) == {113}
     program = Program(dialect="eding", rules=rules_named("eding"), body=(new,))
-    with pytest.raises(ValueError, match="New is no statement"):
+    with pytest.raises(ValueError, match="New is not a statement"):
         program.verify()

@@ -147,7 +147,7 @@ def test_a_counter_does_not_keep_a_loop_from_being_endless(more: list[str]) -> N
 
 def test_a_counter_of_32_bits_is_told_when_it_is_full() -> None:
     _, findings = run(["CI601 := 0", "L1", "CI601 := CI601 + 1000", "M96 L1"], budget=BUDGET)
-    assert findings.kept[0].hint == "CI601 counts passes, and leaves its 32 bits after 2147466 of them"
+    assert findings.kept[0].hint == "check CI601: it counts passes and exceeds 32 bits after 2147466 passes"
 
 
 @pytest.mark.parametrize("body", [
@@ -166,7 +166,7 @@ def test_a_counter_that_has_a_part_keeps_passes_apart(body: list[Any]) -> None:
 
 
 FAST = ["G04 1", "CI601 := CI601 + 100000000"]
-ASSUMED = "CI601, which only counts, stays within its 32 bits (11)"
+ASSUMED = "CI601 only counts and stays within 32 bits (11)"
 
 
 @pytest.mark.parametrize("loop", [

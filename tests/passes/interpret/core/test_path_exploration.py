@@ -157,7 +157,7 @@ def test_a_loop_that_goes_on_elsewhere_meets_the_budget(tmp_path: Path) -> None:
     execute(program, ZERO, NO_MACHINE, findings, budget=1000).verify()
     assert labels(findings)[-1] == "GP233"
     assert findings.kept[-1].span.line == 2
-    assert findings.kept[-1].hint.startswith("the loop here has come to pass 5")
+    assert findings.kept[-1].hint.startswith("check the loop here, at pass 5")
 
 
 def test_random_programs_agree_with_runs_that_know_the_inputs(tmp_path: Path) -> None:

@@ -526,12 +526,12 @@ def test_what_nobody_knows_of_diameters(tmp_path: Path) -> None:
 
 def test_a_rotation_that_was_there_before_is_an_assumption(tmp_path: Path) -> None:
     """2.2.4.3: the zeroing menu measures how the work lies and leaves a G68; only G69 takes it away."""
-    said = "no rotation (G68) and no scaling (G51) is in force at the start"
+    said = "no rotation (G68) and no scaling (G51) is active at the start"
     cases = (
         (HEAD + "G0 X1\n", NOTHING, [said]),
         (HEAD + "G68 R30 X0 Y0\nG51 P2\nG0 X1 Y1\n", NOTHING, [said]),
         ("G69 G50\n" + HEAD + "G0 X1\n", NOTHING, []),
-        ("G69\n" + HEAD + "G0 X1\n", NOTHING, ["no scaling (G51) is in force at the start"]),
+        ("G69\n" + HEAD + "G0 X1\n", NOTHING, ["no scaling (G51) is active at the start"]),
         (HEAD + "G0 X1\n", ZERO, []),
     )
     for text, setup, expected in cases:

@@ -75,7 +75,9 @@ def test_tries_by_way_of_another_subprogram(way: str, tries: int, tmp_path: Path
 @pytest.mark.parametrize("way", share([way for way in AGAIN if way != "nothing"], 2))
 def test_more_tries_than_calls_may_be_deep_are_unknown(way: str, tmp_path: Path) -> None:
     done = check(tmp_path, retry(way, DEEPEST + 1, 1.0))
-    assert done.exit == 2 and f"unknown GP117 [recursion] calls are nested deeper than {DEEPEST}" in done.out, done.out
+    assert (
+        done.exit == 2 and f"unknown GP117 [recursion] subprogram calls are nested deeper than {DEEPEST}" in done.out
+    ), done.out
 
 
 @pytest.mark.parametrize("way", [way for way in AGAIN if way != "nothing"])
@@ -83,7 +85,9 @@ def test_tries_that_nothing_counts_are_unknown_soon(way: str, tmp_path: Path) ->
     lines, question = AGAIN[way]
     job = f"G21 G90\nG0 X5 Y5 Z0\ngosub again\nM30\nsub again\n{lines}{question}\ngosub again\nendif\nendsub\n"
     done = check(tmp_path, job)
-    assert done.exit == 2 and "unknown GP117 [recursion] calls are nested deeper than 8" in done.out, done.out
+    assert done.exit == 2 and "unknown GP117 [recursion] subprogram calls are nested deeper than 8" in done.out, (
+        done.out
+    )
 
 
 def test_a_counter_that_ends_nothing_does_not_make_it_safe(tmp_path: Path) -> None:

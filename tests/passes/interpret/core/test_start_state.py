@@ -39,10 +39,10 @@ CASES = {
     "G43.1": (FULL.replace("G49", "G43.1 I1") + "G0 X1\n", LATHE_TOOL, []),
     "G17": (FULL.replace(" G17", "") + "G0 X1\nG2 X3 R1\n", NO_MACHINE, ["the job starts in the XY plane (G17)"]),
     "G18 on a lathe": (FULL.replace(" G17", "") + "G0 X1\nG2 X3 R1\n", LATHE, ["the job starts in the XZ plane (G18)"]),
-    "G98": (FULL.replace(" G98", "") + "G0 X1\nG81 X1 R2 Z1\n", NO_MACHINE, ["return to where they began"]),
+    "G98": (FULL.replace(" G98", "") + "G0 X1\nG81 X1 R2 Z1\n", NO_MACHINE, ["return to the initial level"]),
     "G98 without a cycle": (FULL.replace(" G98", "") + "G0 X1\n", NO_MACHINE, []),
     "G99 behind the first cycle": (
-        FULL.replace(" G98", "") + "G0 X1\nG81 X1 R2 Z1\nG99 X2\n", NO_MACHINE, ["return to where they began"],
+        FULL.replace(" G98", "") + "G0 X1\nG81 X1 R2 Z1\nG99 X2\n", NO_MACHINE, ["return to the initial level"],
     ),
     "M90": (FULL + "G0 X1\n", HEADS, ["the first spindle (M90)"]),
     "M90 stated": (FULL + "M90\nG0 X1\n", HEADS, ["the first spindle (M90)"]),

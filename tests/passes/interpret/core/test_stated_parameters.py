@@ -70,8 +70,8 @@ def test_a_stated_range_is_stated(tmp_path: Path) -> None:
     assert not any("nobody stated" in message for message in said)
     _, findings = run_whole(tmp_path, f"{HEAD}M54 P#110\nM30\n", setup=setup)
     assert [f.message for f in findings.kept if f.code.label == "GP225"] == [
-        "P depends on #110, of which bounds are known, and no number"
+        "P depends on #110, whose limits are known but not its value"
     ]
     _, findings = run_whole(tmp_path, f"{HEAD}M54 P#111\nM30\n", setup=NOTHING)
     assert codes_of(findings) == ["GP234", "GP225"]
-    assert "#111, which nobody stated" in findings.kept[-1].message
+    assert "#111, whose value is unknown" in findings.kept[-1].message

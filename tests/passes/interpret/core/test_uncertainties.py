@@ -142,6 +142,6 @@ def test_backlash_is_named_where_it_makes_the_difference(tmp_path: Path) -> None
     text = program.replace("; ", "\n") + "\n"
     for role, hinted in (("part", True), ("fixture", False)):
         said = answered(with_body(world, role, corners), text, tmp_path, m(*changes))[PROPERTY[role]]
-        assert "the controller and the backlash of axes may bring it 1.5000 mm nearer" in said
+        assert "the controller and axis backlash may bring it 1.500 mm closer" in said
         assert "the backlash" not in answered(with_body(world, role, corners), text, tmp_path, ())[PROPERTY[role]]
         assert hinted or "tolerance of" not in said

@@ -42,7 +42,7 @@ def test_the_way_from_an_unknown_start_past_a_clamp(tmp_path: Path) -> None:
     assert high.verdict is Verdict.SAFE
     # Left of the clamp, or above it, or beside it: the side that leaves the start the most room is asked for.
     assert ranges(high, "areas") == {"start.x": (-500.0, 40.0)}
-    asked = "the start position of X lies between -500.0000 and 40.0000 mm (machine coordinates)"
+    asked = "the start position of X is between -500.000 and 40.000 mm (machine coordinates)"
     assert asked in answer(high, "areas").assumptions
     later = run(tmp_path, f"{HEAD}G53 G0 Z0\nG0 X0 Y0\nG1 Z-60\nX50\nM30\n", MACHINE + CLAMP, SETUP + WORK)
     assert found(later) == [("GP336", 5)]

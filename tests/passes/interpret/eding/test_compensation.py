@@ -369,10 +369,10 @@ def test_errors_of_the_manual(name: str, tmp_path: Path) -> None:
 def test_messages_say_how_much(tmp_path: Path) -> None:
     """Numbers worked out by hand: a corner of 45 degrees, 3 mm tool, 2 mm arc, 2.5 mm away."""
     for text, numbers in (
-        (ON + "G1 X70 Y30\n", ("45.00", "3.0000")),
-        (ON + "G3 X62 Y22 J2\n", ("2.0000", "3.0000")),
-        ("G0 X0 Y0\nG41 D1\nG1 X2.5\n", ("2.5000", "3.0000")),
-        ("G0 X0 Y0\nG41 D1\nG3 X20 Y0 I10\n", ("10.0000", "7.0000")),
+        (ON + "G1 X70 Y30\n", ("45.00", "3.000")),
+        (ON + "G3 X62 Y22 J2\n", ("2.000", "3.000")),
+        ("G0 X0 Y0\nG41 D1\nG1 X2.5\n", ("2.500", "3.000")),
+        ("G0 X0 Y0\nG41 D1\nG3 X20 Y0 I10\n", ("10.000", "7.000")),
     ):
         _, _, findings = run(tmp_path, HEAD + text + "M2\n")
         message = next(f.message for f in findings.kept if f.code.label.startswith("GP41"))

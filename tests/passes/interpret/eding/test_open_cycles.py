@@ -22,7 +22,7 @@ OPEN = (
     "g92 = {x = 0.0, y = 0.0, z = 0.0}\n"
 )
 """Z of the machine is -200 to 100."""
-ASSUMED = "R of canned cycles lies within the limits of its axis"
+ASSUMED = "R of canned cycles is within the limits of its axis"
 DRILL = f"{HEAD}G53 G0 Z{{z}}\nG98 G81 X10 Y0 Z-5 R2\nX20\nX30 R4\nG80\nG53 G0 Z{{z}}\nM30\n"
 
 

@@ -19,7 +19,7 @@ from gproof.passes.checks.registry import every_property
 from gproof.passes.checks.tooling.tip_position import OWN_LENGTH
 from gproof.passes.geometry.off_path import NO_TOLERANCE
 
-NO_ROUNDING = "no rounding of corners (G64 P) and no joining of lines (Q) is in force at the start"
+NO_ROUNDING = "no corner rounding (G64 P) and no joining of lines (Q) is active at the start"
 ZONE = (Area(name="post", box=((300.0, 310.0), (0.0, 10.0), (-150.0, -100.0))),)
 PART = Workpiece(part=(Placed(name="part", body=Box(low=(0.0, 0.0, -9.0), high=(9.0, 9.0, -5.0))),))
 OPEN = EDING.with_setup(tool_lengths={})

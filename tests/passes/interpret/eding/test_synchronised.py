@@ -119,7 +119,7 @@ def test_velocity_is_judged_axis_by_axis(tmp_path: Path) -> None:
     assert codes_of(findings) == []
     _, findings = run_whole(tmp_path, HEAD + "S751 M3\nG33 X3 Z4 K1\nM30\n", machine=SLOW)
     assert codes_of(findings) == ["GP510"]
-    assert "Z for 600.8/min" in findings.kept[0].message
+    assert "600.8 mm/min of Z" in findings.kept[0].message
 
 
 def test_without_machine_velocities_nothing_is_judged(tmp_path: Path) -> None:

@@ -154,7 +154,7 @@ def test_both_readings_at_once_are_an_error_of_the_file(tmp_path: Path) -> None:
     (tmp_path / "job.cnc").write_text("G0 X1\nM30\n")
     done = in_this_process(["check", "job.cnc", "--machine", "machine.toml"], tmp_path)
     assert done.exit == 3
-    assert "'unscaled-z' and 'scaled-z' can not both be true" in done.out + done.err
+    assert "'unscaled-z' and 'scaled-z' cannot both be true" in done.out + done.err
 
 
 @pytest.mark.parametrize("which", range(3), ids=("none", "scaled", "unscaled"))

@@ -621,8 +621,8 @@ def test_a_job_may_begin_with_a_motion(program: str, tmp_path: Path) -> None:
     [
         # The probe touches at Z-60 to Z-20: 65 above that is 5 at the least, and the axis ends at 0.
         ("G43 H2\nG38.2 Z-60 F100\nG0 Z[#5053+90]", "leaves no room for the job: it is at least "),
-        ("#1=[#110*10]\nG0 Z#1", "leaves no room for the job: it is at least 20.0000 mm and safe is at most 0.0000"),
-        ("#1=[-100*#110]\nG0 Z#1", "leaves no room for the job: it is at most -200.0000 mm and safe is at least "),
+        ("#1=[#110*10]\nG0 Z#1", "leaves no room for the job: it is at least 20.000 mm, and at most 0.000 mm is safe"),
+        ("#1=[-100*#110]\nG0 Z#1", "leaves no room for the job: it is at most -200.000 mm, and at least "),
     ],
 )  # fmt: skip
 def test_a_range_that_never_fits_is_told_with_its_nearest_value(program: str, said: str, tmp_path: Path) -> None:

@@ -139,7 +139,7 @@ def test_ranges_of_two_hold_every_value() -> None:
 def test_variables_are_named_as_programs_name_them() -> None:
     trace, findings = run(["G00 X(CI650)", "G00 X(CD651)", "G00 X(V3)", "G00 X(CD7)"], setup=Setup())
     texts = [f.message for f in findings.kept if f.code.label == "GP234"]
-    assert texts == [f"{name} is read before anything sets it" for name in ("CI650", "CD651", "V3")]
+    assert texts == [f"{name} is read before it is set" for name in ("CI650", "CD651", "V3")]
     assert "GP225" in labels(findings)
     assert moves(trace)
 

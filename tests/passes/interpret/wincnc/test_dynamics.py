@@ -114,7 +114,7 @@ def test_velocities_that_the_job_changes(what: str, tmp_path: Path, capsys: pyte
     assert found["limits"] == "SAFE" and "about" not in found.get("time", ""), found
     assert answer(arguments, capsys, "feeds")["feeds"] == ("UNKNOWN" if what == "L5" else "SAFE")
     assert compiled(tmp_path, arguments) == 2
-    assert f"{CHANGED[what][:2]} of the job" in capsys.readouterr().out
+    assert f"{CHANGED[what][:2]} in the job" in capsys.readouterr().out
 
 
 @pytest.mark.parametrize("lines", ["L7 P100", "L6", "L7", "L7 P50\nL7", "L6 X10\nL6", "L8", "L9", "L8X"])

@@ -99,11 +99,11 @@ def test_the_knife_points_along_the_path(tmp_path: Path) -> None:
     ("knife", "more", "reason"),
     [
         ("", "", "GP285"),
-        ("n2 z5 p-1", "", "which is no axis of its own"),
-        ("n1 z5 p-1", "", "which is no axis of its own"),
-        (PLAIN, "knifeangle=a45\n", "a blade that leans"),
-        (PLAIN, "knifeangle=m1\n", "a blade that leans"),
-        (PLAIN, "knifeangle=a0 x1\n", "a blade beside its axis"),
+        ("n2 z5 p-1", "", "which is not an axis of its own"),
+        ("n1 z5 p-1", "", "which is not an axis of its own"),
+        (PLAIN, "knifeangle=a45\n", "a tilted blade"),
+        (PLAIN, "knifeangle=m1\n", "a tilted blade"),
+        (PLAIN, "knifeangle=a0 x1\n", "a blade off its axis"),
     ],
 )  # fmt: skip
 def test_knives_that_are_not_followed(tmp_path: Path, knife: str, more: str, reason: str) -> None:
@@ -137,7 +137,7 @@ def test_what_can_not_be_followed_is_told(tmp_path: Path, text: str, reason: str
 
 @pytest.mark.parametrize(
     ("knife", "reason"),
-    [("n3 a30 p-2 r0", "how high it is lifted"), ("n3 a30 z5 r0", "how far down it goes")],
+    [("n3 a30 p-2 r0", "the lift height"), ("n3 a30 z5 r0", "the cutting depth")],
 )  # fmt: skip
 def test_settings_that_are_missing(tmp_path: Path, knife: str, reason: str) -> None:
     session = opened(tmp_path, "G90\nL30\nG1 X10\nY10\n", knife)
@@ -174,7 +174,7 @@ def test_positions_of_the_machine_or_of_the_work(tmp_path: Path) -> None:
             tmp_path / "job.tap", machine=tmp_path / "m.toml", setup=tmp_path / "s.toml", dialect=None
         )  # fmt: skip
         rows_of(unknown)
-        assert ("one that is not known" in bad(unknown).get("GP323", "")) is not bool(own), bad(unknown)
+        assert ("an unknown zero" in bad(unknown).get("GP323", "")) is not bool(own), bad(unknown)
 
 
 # ---- verdicts

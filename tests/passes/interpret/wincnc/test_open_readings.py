@@ -207,6 +207,6 @@ def test_two_files_of_one_name_that_differ(tmp_path: Path, capsys: pytest.Captur
     (jobs / "job.tap").write_text(f"{HEAD}M98 SUB.MAC\n", encoding="ascii")
     arguments = ["check", str(jobs / "job.tap"), "--machine", str(machine / "WINCNC.INI"), "--setup"]
     assert main([*arguments, str(jobs / "setup.toml")]) == 2
-    assert "SUB.MAC, which differ, is not modelled" in capsys.readouterr().out
+    assert "SUB.MAC (they differ), is not modelled" in capsys.readouterr().out
     (machine / "SUB.MAC").write_text("G0X2\n", encoding="ascii")
     assert main([*arguments, str(jobs / "setup.toml")]) == 0

@@ -52,7 +52,7 @@ def test_speeds_below_the_least_are_told(speed: str, told: int, tmp_path: Path) 
 def test_smoothing_that_the_job_sets_is_an_assumption(line: str, said: bool, tmp_path: Path) -> None:
     report = judged(tmp_path, f"{line}\nG0 X5")
     assert report["verdict"] == "SAFE"
-    assert any("rounds corners (G9)" in text for text in report["assumptions"]) is said
+    assert any("the controller rounds (G9)" in text for text in report["assumptions"]) is said
 
 
 MACROS = {
