@@ -324,7 +324,7 @@ def test_a_full_disk_at_any_write(point: int, space: int, tmp_path: Path, monkey
         assert (record.steps, record.position) == (status.steps, status.position)
         assert record.result in (Result.STOPPED, Result.COMPLETED)
         if record.result is Result.STOPPED:
-            assert "journal can not be written (No space left on device)" in record.reason
+            assert "journal cannot be written (No space left on device)" in record.reason
         else:
             assert record.sections[-1].number == 2
     journal.let_go()
