@@ -47,7 +47,7 @@ def require_program(path: Path, what: str) -> None:
     if is_settings is not None:
         raise UsageError(f"{what} {path}: is not a program but {is_settings}")
     if path.suffix.lower() == ".toml":
-        raise UsageError(f"{what} {path}: a .toml file is not a program; it may belong to --machine or --setup")
+        raise UsageError(f"{what} {path}: is not a program; .toml files belong to --machine and --setup")
 
 
 def require_picture(path: Path) -> None:

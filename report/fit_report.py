@@ -208,7 +208,7 @@ def _zone_lines(one: Beside, unit: LengthUnit, *, is_safe: bool) -> list[str]:
     if one.inside is False and one.nearest is not None and one.now is not None:
         goes = [f"{one.names[n]} {unit.place(one.nearest[n], 'mm')}" for n in used]
         out.append(
-            "now outside them, but SAFE: not all places are known"
+            "now next to them, but SAFE: not all places are known"
             if is_safe
             else f"now outside; the nearest place is {', '.join(goes)}"
         )

@@ -247,7 +247,7 @@ def test_a_retiming_that_the_validator_refuses_is_not_sent(monkeypatch: pytest.M
     control = Control()
     record = run(TWO, Tap(2), control=control, on_progress=at_part(0.3, control.hold))
     assert record.result is Result.EMERGENCY_STOP
-    assert "validator" in record.reason
+    assert "stream checker" in record.reason
 
 
 def test_gentler_ramps_are_tried_when_one_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -430,7 +430,7 @@ def test_standard_input_is_no_job(folder: Path, gproof: Run) -> None:
 
 
 def test_a_picture_is_svg(folder: Path, gproof: Run) -> None:
-    refused(gproof("check", "job.cnc", "--picture", "job.png"), "pictures are SVG; job.svg can be written")
+    refused(gproof("check", "job.cnc", "--picture", "job.png"), "pictures are SVG; name it job.svg")
     assert gproof("check", "job.cnc", "--machine", "machine.toml", "--picture", "job").exit != 3
     assert (folder / "job").read_text().startswith("<")
 
@@ -757,12 +757,12 @@ def test_exit_code_agrees_with_the_verdict(options: list[str], folder: Path, gpr
     ("words", "said"),
     [
         (("check", "job.cnc", "--machine", "machine.toml", "--machine", "b.toml"), "as machine.toml and as b.toml"),
-        (("check", "job.cnc", "--setup", "zero", "--setup", "setup.toml"), "given as zero and as setup.toml"),
-        (("compile", "job.cnc", "--machine", "a", "--machine", "b", "-o", "x.gpx"), "given as a and as b"),
-        (("dump", "job.cnc", "--stage", "trace", "--setup", "a", "--setup", "b"), "given as a and as b"),
-        (("fit", "job.cnc", "--machine", "machine.toml", "--setup", "a", "--setup", "b"), "given as a and as b"),
-        (("check", "job.cnc", "--policy", "a", "--policy", "b"), "given as a and as b"),
-        (("check", "job.cnc", "--baseline", "a", "--baseline", "b"), "given as a and as b"),
+        (("check", "job.cnc", "--setup", "zero", "--setup", "setup.toml"), "given twice, as zero and as setup.toml"),
+        (("compile", "job.cnc", "--machine", "a", "--machine", "b", "-o", "x.gpx"), "given twice, as a and as b"),
+        (("dump", "job.cnc", "--stage", "trace", "--setup", "a", "--setup", "b"), "given twice, as a and as b"),
+        (("fit", "job.cnc", "--machine", "machine.toml", "--setup", "a", "--setup", "b"), "given twice, as a and as b"),
+        (("check", "job.cnc", "--policy", "a", "--policy", "b"), "given twice, as a and as b"),
+        (("check", "job.cnc", "--baseline", "a", "--baseline", "b"), "given twice, as a and as b"),
         (("check", "job.cnc", "--machine", ""), "'--machine': the file name is empty"),
         (("check", "job.cnc", "--setup", ""), "'--setup': the file name is empty"),
         (("check", "job.cnc", "--output", ""), "'--output': the file name is empty"),

@@ -170,4 +170,4 @@ def test_a_conditional_job_without_a_stream_is_not_called_safe(
     words = ["--machine", "machine.toml", "--setup", "setup.toml", "--unsigned", "-o", "job.gpx"]
     assert main(["compile", "offset.cnc", *words]) == 2
     told = capsys.readouterr()
-    assert "the job is SAFE under conditions, but no step stream" in told.out + told.err
+    assert "the job is SAFE under conditions, but it cannot be compiled" in told.out + told.err
